@@ -1,0 +1,1 @@
+//! The program: command line, threads, clocks, sockets and files.

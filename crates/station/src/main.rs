@@ -1,0 +1,3 @@
+//! The `barrelman` program.
+
+fn main() {}

@@ -1,0 +1,131 @@
+//! Vehicle profiles: everything in which one vehicle's camera differs from another's.
+//!
+//! No sign, gain, rate limit or latency of a vehicle is written anywhere else. Inside the program pan > 0 turns
+//! the view right and tilt > 0 raises it; [`VehicleProfile::outgoing`] turns that into the vehicle's own signs,
+//! once, where a command leaves.
+
+use core::time::Duration;
+
+use crate::angle::AngularRate;
+use crate::command::CameraCommand;
+
+/// What a vehicle is and how its camera is to be moved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VehicleProfile {
+    /// The name that the command line knows it by.
+    pub name: String,
+    /// What is spoken on its link.
+    pub protocol: Protocol,
+    /// The region the target may roam in.
+    pub region: RegionShares,
+    /// The fixed rates of the motor schemas.
+    pub schema: AxisRates,
+    /// What the vehicle can do at most.
+    pub limits: AxisRates,
+    /// The vehicle's own signs.
+    pub signs: AxisSigns,
+    /// Nominal time from the sensor to the arrival of a video frame.
+    pub video_latency: Duration,
+    /// How much older than `video_latency` a video frame may be on arrival before it counts as stale.
+    pub stale_after: Duration,
+    /// How long a rate may stay in force after the last fresh localisation arrived.
+    pub coast_motion: Duration,
+}
+
+/// What is spoken on a vehicle's link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Protocol {
+    /// The Fotokite Pro ground station's serial text protocol.
+    FotokitePro,
+}
+
+/// The elliptical region as shares of the picture: its semi-axes are `half_width` x W/2 and `half_height` x H/2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RegionShares {
+    /// Share of half the picture's width, above 0, at most 1.
+    pub half_width: f64,
+    /// Share of half the picture's height, above 0, at most 1.
+    pub half_height: f64,
+}
+
+/// A rate for each of the camera's axes, both at least zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisRates {
+    /// Pan.
+    pub pan: AngularRate,
+    /// Tilt.
+    pub tilt: AngularRate,
+}
+
+/// How the vehicle's own rates are signed against ours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AxisSigns {
+    /// Its yaw rate against our pan.
+    pub yaw: Sign,
+    /// Its pitch rate against our tilt.
+    pub pitch: Sign,
+}
+
+/// Same or opposite sense.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sign {
+    /// The vehicle counts as we do.
+    Same,
+    /// The vehicle counts the other way.
+    Opposite,
+}
+
+impl Sign {
+    fn applied_to(self, rate: AngularRate) -> AngularRate {
+        match self {
+            Self::Same => rate,
+            Self::Opposite => -rate,
+        }
+    }
+}
+
+/// Rates in a vehicle's own signs, within its limits: what goes out on the link.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VehicleRates {
+    /// Yaw, in the vehicle's sense.
+    pub yaw: AngularRate,
+    /// Pitch, in the vehicle's sense.
+    pub pitch: AngularRate,
+}
+
+impl VehicleRates {
+    /// Both axes at rest.
+    pub const REST: Self = Self { yaw: AngularRate::ZERO, pitch: AngularRate::ZERO };
+
+    /// Whether no motion is asked for on either axis.
+    pub fn is_rest(self) -> bool {
+        self.yaw.is_zero() && self.pitch.is_zero()
+    }
+}
+
+impl VehicleProfile {
+    /// The Fotokite Pro as the paper's authors flew it: negative yaw turns the view right, negative pitch
+    /// raises it; 0.3 rad/s on both axes; yaw limited to 0.4 and gimbal pitch to 0.3 rad/s by its clients.
+    pub fn fotokite_pro() -> Self {
+        let rad_per_s = AngularRate::from_radians_per_second;
+        Self {
+            name: "fotokite-pro".to_owned(),
+            protocol: Protocol::FotokitePro,
+            region: RegionShares { half_width: 0.6, half_height: 0.5 },
+            schema: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
+            limits: AxisRates { pan: rad_per_s(0.4), tilt: rad_per_s(0.3) },
+            signs: AxisSigns { yaw: Sign::Opposite, pitch: Sign::Opposite },
+            video_latency: Duration::from_millis(200),
+            stale_after: Duration::from_millis(300),
+            coast_motion: Duration::from_millis(250),
+        }
+    }
+
+    /// The door: a command inside becomes rates in the vehicle's own signs, within its limits.
+    pub fn outgoing(&self, command: CameraCommand) -> VehicleRates {
+        VehicleRates {
+            yaw: self.signs.yaw.applied_to(command.pan.clamped(self.limits.pan)),
+            pitch: self.signs.pitch.applied_to(command.tilt.clamped(self.limits.tilt)),
+        }
+    }
+}
