@@ -1,1 +1,20 @@
-//! (to be written)
+//! From a localisation to a camera command.
+//!
+//! A [`percept::Percept`] is what a localisation means to a camera law: how far out of the region the target is
+//! and in which direction. A law turns percepts into [`barrelman_vocab::CameraCommand`]s:
+//! [`schema::MotorSchema`] is the paper's.
+//!
+//! What must not be here: pixels other than image coordinates, clocks, randomness, allocation, vehicle signs
+//! (they are applied where a command leaves), and any decision on whether the camera may move at all
+//! (that is the pilot's).
+#![forbid(unsafe_code)]
+
+pub mod region;
+
+pub mod percept;
+
+pub mod schema;
+
+pub use percept::Percept;
+pub use region::Region;
+pub use schema::{MotorSchema, Sector};

@@ -1,0 +1,3 @@
+//! The laws, by tables and by properties.
+
+mod schema;

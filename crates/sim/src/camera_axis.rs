@@ -1,0 +1,104 @@
+//! One axis that turns a camera: dead time, first-order lag, end stops.
+//!
+//! ```text
+//! command --> dead time --> clip to limit --> lag: w' = (u - w)/tau --> angle' = w --> end stops
+//! ```
+//! The dead time of a start and of a stop differ, as they do on the recorded vehicle. Time advances in ticks of
+//! [`TICK`]; dead times are whole numbers of ticks.
+
+use std::collections::VecDeque;
+
+use barrelman_vocab::{Angle, AngularRate};
+
+/// Ticks of simulated time per second.
+pub const TICKS_PER_SECOND: u32 = 120;
+/// One tick, seconds.
+pub const TICK_S: f64 = 1.0 / TICKS_PER_SECOND as f64;
+
+/// What an axis is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisPlant {
+    /// From a command that moves to the start of its effect, seconds.
+    pub start_dead_time_s: f64,
+    /// From a zero to the start of its effect, seconds.
+    pub stop_dead_time_s: f64,
+    /// Time constant of the rate, seconds.
+    pub lag_s: f64,
+    /// Largest rate.
+    pub limit: AngularRate,
+    /// End stops, lower and upper; `None` where the axis turns freely.
+    pub stops: Option<(Angle, Angle)>,
+}
+
+/// The axis with its state.
+#[derive(Debug, Clone)]
+pub struct CameraAxis {
+    plant: AxisPlant,
+    /// Commands on their way: the tick at which each takes effect.
+    on_their_way: VecDeque<(u64, AngularRate)>,
+    in_effect: AngularRate,
+    rate: AngularRate,
+    angle: Angle,
+}
+
+impl CameraAxis {
+    /// An axis at rest at `angle`.
+    pub fn at_rest(plant: AxisPlant, angle: Angle) -> Self {
+        Self {
+            plant,
+            on_their_way: VecDeque::new(),
+            in_effect: AngularRate::ZERO,
+            rate: AngularRate::ZERO,
+            angle,
+        }
+    }
+
+    /// A command arrives at `tick`.
+    pub fn command(&mut self, rate: AngularRate, tick: u64) {
+        let rate = rate.clamped(self.plant.limit);
+        let newest = self.on_their_way.back().map_or(self.in_effect, |(_, rate)| *rate);
+        if rate == newest {
+            return;
+        }
+        let dead_time_s =
+            if rate.is_zero() { self.plant.stop_dead_time_s } else { self.plant.start_dead_time_s };
+        let effective = tick + (dead_time_s / TICK_S + 0.5) as u64;
+        // A later command overrules an earlier one that has not taken effect by then.
+        while self.on_their_way.back().is_some_and(|(at, _)| *at >= effective) {
+            self.on_their_way.pop_back();
+        }
+        self.on_their_way.push_back((effective, rate));
+    }
+
+    /// Advances through `tick`.
+    pub fn advance(&mut self, tick: u64) {
+        while let Some((_, rate)) = self.on_their_way.pop_front_if(|(at, _)| *at <= tick) {
+            self.in_effect = rate;
+        }
+        let share = if self.plant.lag_s > 0.0 { 1.0 - libm::exp(-TICK_S / self.plant.lag_s) } else { 1.0 };
+        let (asked, had) = (self.in_effect.radians_per_second(), self.rate.radians_per_second());
+        let rate = had + share * (asked - had);
+        let angle = self.angle.radians() + rate * TICK_S;
+        let stopped = self.plant.stops.map(|(low, high)| angle.clamp(low.radians(), high.radians()));
+        match stopped {
+            Some(held) if held != angle => {
+                self.rate = AngularRate::ZERO;
+                self.angle = Angle::from_radians(held);
+            }
+            _ => {
+                self.rate = AngularRate::from_radians_per_second(rate);
+                self.angle = Angle::from_radians(angle);
+            }
+        }
+    }
+
+    /// The angle now.
+    pub const fn angle(&self) -> Angle {
+        self.angle
+    }
+
+    /// The rate that was achieved.
+    pub const fn rate(&self) -> AngularRate {
+        self.rate
+    }
+}

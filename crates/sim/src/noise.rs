@@ -1,0 +1,47 @@
+//! Noise from integer hashes: the same for the same seed, stream and index, on every machine and in any order.
+
+/// A well-mixed 64-bit number for this seed, stream and index.
+pub fn hash(seed: u64, stream: u64, index: u64) -> u64 {
+    let mut z = seed
+        .wrapping_add(stream.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+        .wrapping_add(index.wrapping_mul(0xD1B5_4A32_D192_ED03));
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+/// A number in [0, 1).
+pub fn unit(seed: u64, stream: u64, index: u64) -> f64 {
+    (hash(seed, stream, index) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Side of the tile that [`tile`] makes.
+pub const TILE_SIDE: usize = 512;
+
+/// A square tile of smooth noise, 0..=255, that repeats without a seam: value noise with cells of `cell` pixels
+/// (a divisor of [`TILE_SIDE`]) and two octaves below it.
+pub fn tile(seed: u64, cell: usize) -> Vec<u8> {
+    let octaves = [(cell, 0.57), ((cell / 2).max(1), 0.29), ((cell / 4).max(1), 0.14)];
+    let value = |cell: usize, octave: u64, column: usize, row: usize| {
+        let cells = TILE_SIDE / cell;
+        unit(seed, octave, ((row % cells) * cells + column % cells) as u64)
+    };
+    let mut samples = Vec::with_capacity(TILE_SIDE * TILE_SIDE);
+    for y in 0..TILE_SIDE {
+        for x in 0..TILE_SIDE {
+            let mut sum = 0.0;
+            for (octave, (cell, weight)) in octaves.iter().enumerate() {
+                let (column, row) = (x / cell, y / cell);
+                let ease = |t: f64| t * t * (3.0 - 2.0 * t);
+                let fx = ease((x % cell) as f64 / *cell as f64);
+                let fy = ease((y % cell) as f64 / *cell as f64);
+                let at = |dx: usize, dy: usize| value(*cell, octave as u64, column + dx, row + dy);
+                let upper = at(0, 0) * (1.0 - fx) + at(1, 0) * fx;
+                let lower = at(0, 1) * (1.0 - fx) + at(1, 1) * fx;
+                sum += weight * (upper * (1.0 - fy) + lower * fy);
+            }
+            samples.push((sum * 255.0) as u8);
+        }
+    }
+    samples
+}

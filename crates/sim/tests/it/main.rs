@@ -1,0 +1,4 @@
+//! The simulated world, by tables.
+
+mod camera_axis;
+mod practice;

@@ -1,0 +1,117 @@
+//! What this program can say to the ground station.
+//!
+//! The enum is the whole of it: there is no take-off, no motor stop and no tether motion in it, so they cannot
+//! be sent. Rates are radians per second in the vehicle's own signs, with six decimals, clamped to the limits
+//! that the vehicle's known clients keep.
+
+use core::fmt::{self, Write as _};
+
+use barrelman_vocab::AngularRate;
+
+/// Limit of the yaw rate, rad/s.
+pub const YAW_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.4);
+/// Limit of both gimbal rates, rad/s.
+pub const GIMBAL_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.3);
+
+/// One line to the ground station.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Command {
+    /// An empty line: asks the shell for its prompt.
+    Nudge,
+    /// Leaves remote control; valid in any state.
+    Stop,
+    /// Enters remote control.
+    RemoteControlStart,
+    /// Commands carry no checksums from here on.
+    ChecksumsOff,
+    /// Sets the rate of attitude and position telemetry, per second.
+    TelemetryRate(f64),
+    /// Switches the debug text off.
+    DebugTextOff,
+    /// Makes the parameter that was set last take effect.
+    CommitParameter,
+    /// Starts a telemetry stream.
+    Stream(Stream),
+    /// Yaw rate of the flight unit.
+    Yaw(AngularRate),
+    /// Pitch rate of the gimbal.
+    GimbalPitch(AngularRate),
+    /// Pitch and roll rate of the gimbal, both zero.
+    GimbalRest,
+}
+
+/// A telemetry stream that can be asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stream {
+    /// `!GSStatus`.
+    GroundStatus,
+    /// `!Attitude`.
+    Attitude,
+    /// `!Pos`.
+    Position,
+    /// `!FlightStatus`.
+    FlightStatus,
+    /// `!Gimbal`.
+    Gimbal,
+}
+
+/// What stands around a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum Framing {
+    /// `\r` before and after, as the paper's program sent it.
+    #[default]
+    CarriageReturns,
+    /// `\n` after, as the client libraries send it.
+    LineFeed,
+}
+
+impl Command {
+    /// Appends the line with its framing.
+    pub fn encode(self, framing: Framing, out: &mut Vec<u8>) {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{self}");
+        match (framing, text.is_empty()) {
+            (Framing::CarriageReturns, true) => out.push(b'\r'),
+            (Framing::CarriageReturns, false) => {
+                out.push(b'\r');
+                out.extend_from_slice(text.as_bytes());
+                out.push(b'\r');
+            }
+            (Framing::LineFeed, _) => {
+                out.extend_from_slice(text.as_bytes());
+                out.push(b'\n');
+            }
+        }
+    }
+}
+
+/// The line's text, without framing.
+impl fmt::Display for Command {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nudge => Ok(()),
+            Self::Stop => f.write_str("stop"),
+            Self::RemoteControlStart => f.write_str("RemoteControl start"),
+            Self::ChecksumsOff => f.write_str("Checksum 0"),
+            Self::TelemetryRate(per_second) => write!(f, "Pset 117,{per_second:.1}"),
+            Self::DebugTextOff => f.write_str("Pset 119,0"),
+            Self::CommitParameter => f.write_str("Pcommit"),
+            Self::Stream(Stream::GroundStatus) => f.write_str("Get_GroundStatus 0"),
+            Self::Stream(Stream::Attitude) => f.write_str("Get_Att 0"),
+            Self::Stream(Stream::Position) => f.write_str("Get_Pos 0"),
+            Self::Stream(Stream::FlightStatus) => f.write_str("Get_FlightStatus 0"),
+            Self::Stream(Stream::Gimbal) => f.write_str("Get_Gimbal 0"),
+            Self::Yaw(rate) => write!(f, "Yaw {:.6}", printable(*rate, YAW_LIMIT)),
+            Self::GimbalPitch(rate) => write!(f, "GimbalPitch {:.6}", printable(*rate, GIMBAL_LIMIT)),
+            Self::GimbalRest => f.write_str("Gimbal 0.000000,0.000000"),
+        }
+    }
+}
+
+/// A rate within its limit, with everything that six decimals would print as zero made a plain zero:
+/// `-0.000000` must never stand on the line.
+fn printable(rate: AngularRate, limit: AngularRate) -> f64 {
+    let value = rate.clamped(limit).radians_per_second();
+    if value.abs() < 0.5e-6 { 0.0 } else { value }
+}

@@ -1,0 +1,363 @@
+//! The ground station's end, as the emulator and the tests need it: a shell, remote control, telemetry.
+//!
+//! ```text
+//!            RemoteControl start
+//!   Shell <-----------------------> RemoteControlled
+//!   (echo, prompt)    stop          (echo; motion lines count once checksums are off)
+//! ```
+//!
+//! Rates are latched: they hold until the next line for that axis, or (a switch, since nobody knows) until a
+//! time-out. It answers to what `docs/wire/fotokite-pro.md` lists; everything else is
+//! `nsh: X: command not found`. It owns no vehicle: it hands out rates and is handed attitudes.
+
+use core::fmt::Write as _;
+use core::time::Duration;
+
+use barrelman_vocab::telemetry::Quaternion;
+use barrelman_vocab::{AngularRate, Timestamp};
+
+use super::command::{GIMBAL_LIMIT, Stream, YAW_LIMIT};
+use super::lines::LineCutter;
+use super::session::PROMPT;
+use super::telemetry::{MODE_REMOTE_CONTROLLED, TETHER_METRES_PER_COUNT};
+
+/// More lines than this in one second, and the rest of that second is lost.
+pub const FLOOD_LINES_PER_SECOND: u32 = 100;
+/// Telemetry, messages per second, before a client sets another rate.
+pub const DEFAULT_TELEMETRY_PER_SECOND: f64 = 1.0;
+
+/// What is not known of the real ground station, as switches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GroundStationSettings {
+    /// Whether the shell echoes what it is sent.
+    pub echo: bool,
+    /// Rates end by themselves when no motion line came for this time; `None`: never, as far as is known.
+    pub rate_timeout: Option<Duration>,
+}
+
+impl Default for GroundStationSettings {
+    fn default() -> Self {
+        Self { echo: true, rate_timeout: None }
+    }
+}
+
+/// The rates in force, in the vehicle's own signs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StationRates {
+    /// Yaw of the flight unit.
+    pub yaw: AngularRate,
+    /// Pitch of the gimbal.
+    pub pitch: AngularRate,
+    /// Roll of the gimbal.
+    pub roll: AngularRate,
+}
+
+/// What the vehicle's sensors say, for the telemetry lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VehicleReading {
+    /// Attitude of the flight unit.
+    pub attitude: Quaternion,
+    /// Attitude of the gimbal.
+    pub gimbal: Quaternion,
+    /// Tether angle from the vertical, rad.
+    pub elevation_rad: f64,
+    /// Azimuth, rad, positive to the left of the start.
+    pub azimuth_rad: f64,
+    /// Barometric altitude, metres.
+    pub altitude_m: f64,
+    /// Tether paid out, metres.
+    pub tether_m: f64,
+    /// Ground battery, volts.
+    pub ground_battery_v: f64,
+    /// Backup battery, volts.
+    pub backup_battery_v: f64,
+    /// Flight mode number.
+    pub flight_mode: u32,
+    /// Flag bits.
+    pub flags: u32,
+}
+
+/// Whether the station is in its shell or under remote control.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum StationState {
+    /// The shell, with its prompt.
+    Shell,
+    /// Remote control: motion lines count.
+    RemoteControlled,
+}
+
+/// The ground station.
+#[derive(Debug, Clone)]
+pub struct GroundStation {
+    settings: GroundStationSettings,
+    state: StationState,
+    checksums: bool,
+    rates: StationRates,
+    last_motion: Option<Timestamp>,
+    lines: LineCutter,
+    last_byte: u8,
+    streams: Vec<Stream>,
+    telemetry_per_second: f64,
+    staged_per_second: Option<f64>,
+    next_telemetry: Option<Timestamp>,
+    booted: Timestamp,
+    param_lines: u64,
+    flood: Flood,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Flood {
+    second: u64,
+    lines: u32,
+    lost: u64,
+}
+
+impl Flood {
+    /// Whether a line that came now is lost in a flood.
+    fn drowns(&mut self, now: Timestamp) -> bool {
+        let second = now.as_nanos() / 1_000_000_000;
+        if second != self.second {
+            self.second = second;
+            self.lines = 0;
+        }
+        self.lines += 1;
+        let lost = self.lines > FLOOD_LINES_PER_SECOND;
+        self.lost += u64::from(lost);
+        lost
+    }
+}
+
+impl GroundStation {
+    /// A ground station that was just switched on.
+    pub fn boot(settings: GroundStationSettings, now: Timestamp) -> Self {
+        Self {
+            settings,
+            state: StationState::Shell,
+            checksums: true,
+            rates: StationRates::default(),
+            last_motion: None,
+            lines: LineCutter::default(),
+            last_byte: b'\r',
+            streams: Vec::new(),
+            telemetry_per_second: DEFAULT_TELEMETRY_PER_SECOND,
+            staged_per_second: None,
+            next_telemetry: None,
+            booted: now,
+            param_lines: 0,
+            flood: Flood::default(),
+        }
+    }
+
+    /// Takes bytes from the client, appends the answer, and hands out each line as it was understood.
+    pub fn received(&mut self, bytes: &[u8], now: Timestamp, out: &mut Vec<u8>, mut heard: impl FnMut(&str)) {
+        for &byte in bytes {
+            // An empty line asks for the prompt, but the second half of `\r\n` is no line of its own.
+            let ends = byte == b'\r' || (byte == b'\n' && self.last_byte != b'\r');
+            let empty = ends && self.lines.partial().is_empty();
+            self.last_byte = byte;
+            if empty {
+                if self.state == StationState::Shell {
+                    out.extend_from_slice(b"\r\n");
+                    self.prompt(out);
+                }
+                continue;
+            }
+            let mut complete = None;
+            self.lines.feed(&[byte], |line| complete = Some(line.to_owned()));
+            if let Some(line) = complete {
+                heard(&line);
+                if self.flood.drowns(now) {
+                    continue;
+                }
+                if self.settings.echo {
+                    out.extend_from_slice(line.as_bytes());
+                    out.extend_from_slice(b"\r\n");
+                }
+                self.obey(&line, now, out);
+                if self.state == StationState::Shell {
+                    self.prompt(out);
+                }
+            }
+        }
+    }
+
+    fn prompt(&self, out: &mut Vec<u8>) {
+        out.extend_from_slice(PROMPT.as_bytes());
+        out.push(b' ');
+    }
+
+    fn obey(&mut self, line: &str, now: Timestamp, out: &mut Vec<u8>) {
+        let (word, rest) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
+        let arguments = rest.trim();
+        match (word, arguments) {
+            ("stop", "") => {
+                self.state = StationState::Shell;
+                self.checksums = true;
+                self.rates = StationRates::default();
+            }
+            ("RemoteControl", "start") => self.state = StationState::RemoteControlled,
+            ("Checksum", "0") => self.checksums = false,
+            ("Checksum", "1") => self.checksums = true,
+            ("Pset", _) => self.stage(arguments),
+            ("Pcommit", "") => {
+                if let Some(per_second) = self.staged_per_second.take() {
+                    self.telemetry_per_second = per_second;
+                    self.next_telemetry = self.next_telemetry.map(|_| now);
+                }
+            }
+            ("Get_GroundStatus" | "Get_Att" | "Get_Pos" | "Get_FlightStatus" | "Get_Gimbal", "0") => {
+                let stream = match word {
+                    "Get_GroundStatus" => Stream::GroundStatus,
+                    "Get_Att" => Stream::Attitude,
+                    "Get_Pos" => Stream::Position,
+                    "Get_FlightStatus" => Stream::FlightStatus,
+                    _ => Stream::Gimbal,
+                };
+                if !self.streams.contains(&stream) {
+                    self.streams.push(stream);
+                }
+                self.next_telemetry.get_or_insert(now);
+            }
+            (
+                "Yaw" | "GimbalPitch" | "GimbalRoll" | "Gimbal" | "Pos" | "Pos2" | "PosV" | "PosH" | "PosL",
+                _,
+            ) => {
+                self.move_by(word, arguments, now);
+            }
+            _ if self.state == StationState::Shell => {
+                // Writing to memory cannot fail.
+                let mut answer = String::new();
+                let _ = write!(answer, "nsh: {word}: command not found\r\n");
+                out.extend_from_slice(answer.as_bytes());
+            }
+            _ => {}
+        }
+    }
+
+    /// Parameter 117 is the telemetry rate; others are taken and have no effect here.
+    fn stage(&mut self, arguments: &str) {
+        if let Some(("117", value)) = arguments.split_once(',')
+            && let Ok(per_second) = value.trim().parse::<f64>()
+            && per_second > 0.0
+            && per_second <= 100.0
+        {
+            self.staged_per_second = Some(per_second);
+        }
+    }
+
+    /// Motion counts only under remote control and without checksums; the kite's own motion (`Pos...`) is taken
+    /// and ignored, since the emulator's kite stands still.
+    fn move_by(&mut self, word: &str, arguments: &str, now: Timestamp) {
+        if self.state != StationState::RemoteControlled || self.checksums {
+            return;
+        }
+        let Some(values) = arguments
+            .split(',')
+            .map(|text| text.trim().parse::<f64>().ok().filter(|value| value.is_finite()))
+            .collect::<Option<Vec<f64>>>()
+        else {
+            return;
+        };
+        let rate = AngularRate::from_radians_per_second;
+        match (word, values.as_slice()) {
+            ("Yaw", &[yaw]) => self.rates.yaw = rate(yaw).clamped(YAW_LIMIT),
+            ("GimbalPitch", &[pitch]) => self.rates.pitch = rate(pitch).clamped(GIMBAL_LIMIT),
+            ("GimbalRoll", &[roll]) => self.rates.roll = rate(roll).clamped(GIMBAL_LIMIT),
+            ("Gimbal", &[pitch, roll]) => {
+                self.rates.pitch = rate(pitch).clamped(GIMBAL_LIMIT);
+                self.rates.roll = rate(roll).clamped(GIMBAL_LIMIT);
+            }
+            _ => return,
+        }
+        self.last_motion = Some(now);
+    }
+
+    /// Lets time pass: rates time out where the switch says so.
+    pub fn tick(&mut self, now: Timestamp) {
+        if let (Some(timeout), Some(last)) = (self.settings.rate_timeout, self.last_motion)
+            && now.since(last) >= timeout
+        {
+            self.rates = StationRates::default();
+            self.last_motion = None;
+        }
+    }
+
+    /// Appends the telemetry lines that are due.
+    pub fn report(&mut self, vehicle: &VehicleReading, now: Timestamp, out: &mut Vec<u8>) {
+        let Some(due) = self.next_telemetry.filter(|due| *due <= now) else { return };
+        let period = Duration::from_secs_f64(1.0 / self.telemetry_per_second);
+        let next = due.plus(period);
+        self.next_telemetry = Some(if next <= now { now.plus(period) } else { next });
+        let mut text = String::new();
+        for stream in &self.streams {
+            // Writing to memory cannot fail.
+            let _ = self.report_line(*stream, vehicle, now, &mut text);
+        }
+        // The real station mixes in an undocumented line that clients must tolerate.
+        if self.param_lines.is_multiple_of(10) {
+            text.push_str("!Param 117,10.000000\r\n");
+        }
+        self.param_lines += 1;
+        out.extend_from_slice(text.as_bytes());
+    }
+
+    fn report_line(
+        &self,
+        stream: Stream,
+        vehicle: &VehicleReading,
+        now: Timestamp,
+        text: &mut String,
+    ) -> core::fmt::Result {
+        let uptime_s = now.since(self.booted).as_secs_f64();
+        match stream {
+            Stream::GroundStatus => {
+                let mode = match self.state {
+                    StationState::Shell => 0,
+                    StationState::RemoteControlled => MODE_REMOTE_CONTROLLED,
+                };
+                let counts = (vehicle.tether_m / TETHER_METRES_PER_COUNT) as i64;
+                write!(text, "!GSStatus {mode},{uptime_s:.1},{:.2},{counts}\r\n", vehicle.ground_battery_v)
+            }
+            Stream::Attitude => write_quaternion(text, "Attitude", vehicle.attitude),
+            Stream::Gimbal => write_quaternion(text, "Gimbal", vehicle.gimbal),
+            Stream::Position => write!(
+                text,
+                "!Pos {:.6},{:.6},{:.3}\r\n",
+                vehicle.elevation_rad, vehicle.azimuth_rad, vehicle.altitude_m
+            ),
+            Stream::FlightStatus => write!(
+                text,
+                "!FlightStatus {},{uptime_s:.1},{:.2},{}\r\n",
+                vehicle.flight_mode, vehicle.backup_battery_v, vehicle.flags
+            ),
+        }
+    }
+
+    /// When `tick` or `report` next has something to do.
+    pub fn wake_at(&self) -> Option<Timestamp> {
+        let times_out = match (self.settings.rate_timeout, self.last_motion) {
+            (Some(timeout), Some(last)) => Some(last.plus(timeout)),
+            _ => None,
+        };
+        [self.next_telemetry, times_out].into_iter().flatten().min()
+    }
+
+    /// The rates in force.
+    pub const fn rates(&self) -> StationRates {
+        self.rates
+    }
+
+    /// Shell or remote control.
+    pub const fn state(&self) -> StationState {
+        self.state
+    }
+
+    /// Lines that were lost because the client sent more than the station can take.
+    pub const fn flooded_lines(&self) -> u64 {
+        self.flood.lost
+    }
+}
+
+fn write_quaternion(text: &mut String, name: &str, q: Quaternion) -> core::fmt::Result {
+    write!(text, "!{name} {:.6},{:.6},{:.6},{:.6}\r\n", q.w, q.x, q.y, q.z)
+}

@@ -1,0 +1,18 @@
+//! The Fotokite Pro ground station's serial text protocol. `docs/wire/fotokite-pro.md` describes it.
+//!
+//! [`Session`] is the client: start-up, pacing of rates, telemetry, shut-down. [`GroundStation`] is the other
+//! end, for the emulator and the tests. Both are plain structs: bytes and times in, bytes and times out.
+
+pub mod lines;
+
+pub mod command;
+pub mod pacing;
+pub mod session;
+pub mod telemetry;
+
+pub mod ground_station;
+
+pub use command::{Command, Framing};
+pub use ground_station::GroundStation;
+
+pub use session::{Session, SessionSettings};

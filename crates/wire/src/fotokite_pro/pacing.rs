@@ -1,0 +1,147 @@
+//! When a rate goes out on the line.
+//!
+//! The vehicle keeps a rate until the next one, and a line can get lost, so a zero goes out first and at once,
+//! and twice more 50 ms apart. Other rates coalesce to the newest: at most 20 lines a second over both axes, and
+//! one that stays is said again twice a second.
+
+use core::time::Duration;
+
+use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+
+use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT};
+
+/// From a zero to its repetition.
+pub const ZERO_SPACING: Duration = Duration::from_millis(50);
+/// How often a zero is said again.
+pub const ZERO_REPEATS: u8 = 2;
+/// Least time between two lines that are not zeros: 20 a second.
+pub const LINE_SPACING: Duration = Duration::from_millis(50);
+/// A rate in force is said again after this time.
+pub const REFRESH: Duration = Duration::from_millis(500);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum AxisName {
+    Yaw,
+    Pitch,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    name: AxisName,
+    wanted: AngularRate,
+    /// What the vehicle was told last, and when; `None` before the first line.
+    told: Option<(AngularRate, Timestamp)>,
+    /// Zeros that are still to be repeated.
+    zeros_left: u8,
+}
+
+impl Axis {
+    const fn new(name: AxisName) -> Self {
+        Self { name, wanted: AngularRate::ZERO, told: None, zeros_left: 0 }
+    }
+
+    fn line(&self) -> Command {
+        match self.name {
+            AxisName::Yaw => Command::Yaw(self.wanted),
+            AxisName::Pitch => Command::GimbalPitch(self.wanted),
+        }
+    }
+
+    /// When this axis next wants a line, apart from the spacing of lines that are not zeros.
+    fn due(&self) -> Option<Timestamp> {
+        let Some((rate, at)) = self.told else { return Some(Timestamp::ZERO) };
+        if rate != self.wanted {
+            Some(Timestamp::ZERO)
+        } else if rate.is_zero() {
+            (self.zeros_left > 0).then(|| at.plus(ZERO_SPACING))
+        } else {
+            Some(at.plus(REFRESH))
+        }
+    }
+
+    fn tell(&mut self, now: Timestamp, send: &mut impl FnMut(Command)) {
+        send(self.line());
+        let again = self.told.is_some_and(|(rate, _)| rate == self.wanted);
+        if self.wanted.is_zero() {
+            self.zeros_left = if again { self.zeros_left.saturating_sub(1) } else { ZERO_REPEATS };
+        }
+        self.told = Some((self.wanted, now));
+    }
+}
+
+/// The newest rates wanted, and what was said of them.
+#[derive(Debug, Clone)]
+pub struct Pacing {
+    axes: [Axis; 2],
+    last_moving_line: Option<Timestamp>,
+}
+
+impl Default for Pacing {
+    fn default() -> Self {
+        Self { axes: [Axis::new(AxisName::Pitch), Axis::new(AxisName::Yaw)], last_moving_line: None }
+    }
+}
+
+impl Pacing {
+    /// Takes the newest rates; what was waiting is forgotten.
+    pub fn want(&mut self, rates: VehicleRates) {
+        for axis in &mut self.axes {
+            axis.wanted = match axis.name {
+                AxisName::Yaw => rates.yaw.clamped(YAW_LIMIT),
+                AxisName::Pitch => rates.pitch.clamped(GIMBAL_LIMIT),
+            };
+        }
+    }
+
+    /// Forgets what the vehicle was told, as after its restart: zeros or rates are said anew.
+    pub fn forget_told(&mut self) {
+        for axis in &mut self.axes {
+            axis.told = None;
+        }
+    }
+
+    /// Says zeros on both axes before anything that moves, whatever is wanted by now: how a session begins.
+    pub fn rest_first(&mut self, now: Timestamp, send: impl FnMut(Command)) {
+        let wanted = self.axes.map(|axis| axis.wanted);
+        self.want(VehicleRates::REST);
+        self.forget_told();
+        self.poll(now, send);
+        for (axis, wanted) in self.axes.iter_mut().zip(wanted) {
+            axis.wanted = wanted;
+        }
+    }
+
+    /// Hands out the lines that are due: zeros first.
+    pub fn poll(&mut self, now: Timestamp, mut send: impl FnMut(Command)) {
+        for axis in self.axes.iter_mut().filter(|axis| axis.wanted.is_zero()) {
+            if axis.due().is_some_and(|due| due <= now) {
+                axis.tell(now, &mut send);
+            }
+        }
+        if self.moving_line_allowed_at() > now {
+            return;
+        }
+        // Whoever has waited longest goes first, so that one axis cannot keep the other off the line.
+        let waiting = self
+            .axes
+            .iter_mut()
+            .filter(|axis| !axis.wanted.is_zero() && axis.due().is_some_and(|due| due <= now));
+        if let Some(axis) = waiting.min_by_key(|axis| axis.told.map(|(_, at)| at)) {
+            axis.tell(now, &mut send);
+            self.last_moving_line = Some(now);
+        }
+    }
+
+    /// When `poll` next has something to say.
+    pub fn wake_at(&self) -> Option<Timestamp> {
+        let due = |axis: &Axis| {
+            let due = axis.due()?;
+            Some(if axis.wanted.is_zero() { due } else { due.max(self.moving_line_allowed_at()) })
+        };
+        self.axes.iter().filter_map(due).min()
+    }
+
+    fn moving_line_allowed_at(&self) -> Timestamp {
+        self.last_moving_line.map_or(Timestamp::ZERO, |at| at.plus(LINE_SPACING))
+    }
+}

@@ -1,0 +1,80 @@
+//! The ground station's telemetry lines, `!Name v1,v2,...`.
+//!
+//! Lines that are not understood (unknown names, wrong field counts, numbers that are none, shell echo) mean
+//! nothing and are counted by the caller; none of them can stop the parser.
+
+use barrelman_vocab::Angle;
+use barrelman_vocab::telemetry::{ControlState, FlightState, Quaternion, Report};
+
+/// Metres of tether per encoder count.
+pub const TETHER_METRES_PER_COUNT: f64 = 0.002_85;
+
+/// `!GSStatus` mode number of a ground station under remote control.
+pub const MODE_REMOTE_CONTROLLED: u32 = 10;
+
+/// The meaning of one received line, if it has one for us.
+pub fn parse(line: &str) -> Option<Report> {
+    // Echo or a prompt may stand before the report on the same line.
+    let (_, report) = line.split_once('!')?;
+    let (name, fields) = report.split_once(' ')?;
+    match name {
+        "GSStatus" => {
+            let [mode, uptime_s, battery_v, counts] = numbers(fields)?;
+            let control = match whole(mode)? {
+                MODE_REMOTE_CONTROLLED => ControlState::Ours,
+                _ => ControlState::NotOurs,
+            };
+            Some(Report::Ground { control, uptime_s, battery_v, tether_m: counts * TETHER_METRES_PER_COUNT })
+        }
+        "Attitude" => Some(Report::VehicleAttitude(quaternion(fields)?)),
+        "Gimbal" => Some(Report::GimbalAttitude(quaternion(fields)?)),
+        "Pos" => {
+            let [elevation, azimuth, altitude_m] = numbers(fields)?;
+            Some(Report::Tether {
+                elevation: Angle::from_radians(elevation),
+                azimuth: Angle::from_radians(azimuth),
+                altitude_m,
+            })
+        }
+        "FlightStatus" => {
+            let [mode, on_time_s, backup_battery_v, warnings] = numbers(fields)?;
+            Some(Report::Flight {
+                state: flight_state(whole(mode)?),
+                on_time_s,
+                backup_battery_v,
+                warnings: whole(warnings)?,
+            })
+        }
+        _ => None,
+    }
+}
+
+/// Exactly `N` finite decimal numbers, separated by commas.
+fn numbers<const N: usize>(fields: &str) -> Option<[f64; N]> {
+    let mut values = [0.0; N];
+    let mut parts = fields.split(',');
+    for value in &mut values {
+        *value = parts.next()?.trim().parse().ok().filter(|number: &f64| number.is_finite())?;
+    }
+    parts.next().is_none().then_some(values)
+}
+
+fn whole(number: f64) -> Option<u32> {
+    (number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number)).then_some(number as u32)
+}
+
+fn quaternion(fields: &str) -> Option<Quaternion> {
+    let [w, x, y, z] = numbers(fields)?;
+    Some(Quaternion { w, x, y, z })
+}
+
+/// Flight modes: 1 IDLE, 2 ANGLE, 3 ANGLE_RATE; 48 EMERGENCY_LAND, 49 MOTOR_STOP_RESTART, 50 TIMEOUT,
+/// 52 MOTOR_STOP_DISABLE, 53 BATTERY_TOO_LOW_TO_START, 54 NO_TETHER_POWER, 55 HARD_KILL.
+fn flight_state(mode: u32) -> FlightState {
+    match mode {
+        1 => FlightState::Idle,
+        2 | 3 => FlightState::Flying,
+        48..=50 | 52..=55 => FlightState::Emergency,
+        other => FlightState::Other(other),
+    }
+}
