@@ -1,1 +1,13 @@
-//! (to be written)
+//! Trials: recordings and how they are stored, the laboratory's logs, metrics.
+//!
+//! What must not be here: files and sockets (readers and writers work on `Read` and `Write`), clocks, and any
+//! decision that a live run would not take too: a replay calls the same pilot.
+#![forbid(unsafe_code)]
+
+pub mod logs;
+
+pub mod metrics;
+
+pub mod law;
+pub mod records;
+pub mod replay;

@@ -9,6 +9,7 @@ pub mod time;
 
 pub mod angle;
 pub mod image;
+pub mod unit;
 pub mod video;
 
 pub mod track;
@@ -26,4 +27,5 @@ pub use profile::{VehicleProfile, VehicleRates};
 pub use telemetry::Telemetry;
 pub use time::Timestamp;
 pub use track::{Localisation, MotionPrior, Track};
+pub use unit::EncodedUnit;
 pub use video::{Picture, VideoFrame};

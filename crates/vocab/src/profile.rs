@@ -121,6 +121,14 @@ impl VehicleProfile {
         }
     }
 
+    /// The door from the other side, for whoever plays the vehicle: rates in its own signs as our command.
+    pub fn incoming(&self, rates: VehicleRates) -> CameraCommand {
+        CameraCommand {
+            pan: self.signs.yaw.applied_to(rates.yaw),
+            tilt: self.signs.pitch.applied_to(rates.pitch),
+        }
+    }
+
     /// The door: a command inside becomes rates in the vehicle's own signs, within its limits.
     pub fn outgoing(&self, command: CameraCommand) -> VehicleRates {
         VehicleRates {

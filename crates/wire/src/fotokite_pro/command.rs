@@ -16,7 +16,7 @@ pub const GIMBAL_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.3);
 /// One line to the ground station.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
-    /// An empty line: asks the shell for its prompt.
+    /// A carriage return, in either framing: asks the shell for its prompt.
     Nudge,
     /// Leaves remote control; valid in any state.
     Stop,
@@ -72,13 +72,13 @@ impl Command {
         // Writing to a string cannot fail.
         let _ = write!(text, "{self}");
         match (framing, text.is_empty()) {
-            (Framing::CarriageReturns, true) => out.push(b'\r'),
+            (_, true) => out.push(b'\r'),
             (Framing::CarriageReturns, false) => {
                 out.push(b'\r');
                 out.extend_from_slice(text.as_bytes());
                 out.push(b'\r');
             }
-            (Framing::LineFeed, _) => {
+            (Framing::LineFeed, false) => {
                 out.extend_from_slice(text.as_bytes());
                 out.push(b'\n');
             }
@@ -102,16 +102,18 @@ impl fmt::Display for Command {
             Self::Stream(Stream::Position) => f.write_str("Get_Pos 0"),
             Self::Stream(Stream::FlightStatus) => f.write_str("Get_FlightStatus 0"),
             Self::Stream(Stream::Gimbal) => f.write_str("Get_Gimbal 0"),
-            Self::Yaw(rate) => write!(f, "Yaw {:.6}", printable(*rate, YAW_LIMIT)),
-            Self::GimbalPitch(rate) => write!(f, "GimbalPitch {:.6}", printable(*rate, GIMBAL_LIMIT)),
+            Self::Yaw(rate) => write!(f, "Yaw {:.6}", sayable(*rate, YAW_LIMIT).radians_per_second()),
+            Self::GimbalPitch(rate) => {
+                write!(f, "GimbalPitch {:.6}", sayable(*rate, GIMBAL_LIMIT).radians_per_second())
+            }
             Self::GimbalRest => f.write_str("Gimbal 0.000000,0.000000"),
         }
     }
 }
 
-/// A rate within its limit, with everything that six decimals would print as zero made a plain zero:
-/// `-0.000000` must never stand on the line.
-fn printable(rate: AngularRate, limit: AngularRate) -> f64 {
-    let value = rate.clamped(limit).radians_per_second();
-    if value.abs() < 0.5e-6 { 0.0 } else { value }
+/// A rate as the line can say it: within its limit, and everything that six decimals would print as zero made
+/// a plain zero. `-0.000000` must never stand on the line.
+pub(super) fn sayable(rate: AngularRate, limit: AngularRate) -> AngularRate {
+    let clamped = rate.clamped(limit);
+    if clamped.radians_per_second().abs() <= 0.5e-6 { AngularRate::ZERO } else { clamped }
 }

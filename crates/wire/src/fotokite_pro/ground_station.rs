@@ -3,10 +3,10 @@
 //! ```text
 //!            RemoteControl start
 //!   Shell <-----------------------> RemoteControlled
-//!   (echo, prompt)    stop          (echo; motion lines count once checksums are off)
+//!   (echo, prompt)    stop          (silent; motion lines count once checksums are off)
 //! ```
 //!
-//! Rates are latched: they hold until the next line for that axis, or (a switch, since nobody knows) until a
+//! Rates are latched: each holds until the next line for its axis, or (a switch, since nobody knows) until a
 //! time-out. It answers to what `docs/wire/fotokite-pro.md` lists; everything else is
 //! `nsh: X: command not found`. It owns no vehicle: it hands out rates and is handed attitudes.
 
@@ -31,7 +31,7 @@ pub const DEFAULT_TELEMETRY_PER_SECOND: f64 = 1.0;
 pub struct GroundStationSettings {
     /// Whether the shell echoes what it is sent.
     pub echo: bool,
-    /// Rates end by themselves when no motion line came for this time; `None`: never, as far as is known.
+    /// A rate ends by itself when no line for its axis came for this time; `None`: never, as far as is known.
     pub rate_timeout: Option<Duration>,
 }
 
@@ -93,7 +93,7 @@ pub struct GroundStation {
     state: StationState,
     checksums: bool,
     rates: StationRates,
-    last_motion: Option<Timestamp>,
+    last_motion: LastMotion,
     lines: LineCutter,
     last_byte: u8,
     streams: Vec<Stream>,
@@ -103,6 +103,14 @@ pub struct GroundStation {
     booted: Timestamp,
     param_lines: u64,
     flood: Flood,
+}
+
+/// When a line for each axis came last, while its rate is in force.
+#[derive(Debug, Clone, Copy, Default)]
+struct LastMotion {
+    yaw: Option<Timestamp>,
+    pitch: Option<Timestamp>,
+    roll: Option<Timestamp>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -135,9 +143,9 @@ impl GroundStation {
             state: StationState::Shell,
             checksums: true,
             rates: StationRates::default(),
-            last_motion: None,
+            last_motion: LastMotion::default(),
             lines: LineCutter::default(),
-            last_byte: b'\r',
+            last_byte: 0,
             streams: Vec::new(),
             telemetry_per_second: DEFAULT_TELEMETRY_PER_SECOND,
             staged_per_second: None,
@@ -151,32 +159,30 @@ impl GroundStation {
     /// Takes bytes from the client, appends the answer, and hands out each line as it was understood.
     pub fn received(&mut self, bytes: &[u8], now: Timestamp, out: &mut Vec<u8>, mut heard: impl FnMut(&str)) {
         for &byte in bytes {
-            // An empty line asks for the prompt, but the second half of `\r\n` is no line of its own.
-            let ends = byte == b'\r' || (byte == b'\n' && self.last_byte != b'\r');
-            let empty = ends && self.lines.partial().is_empty();
+            // The second half of `\r\n` is no line of its own.
+            let second_half = byte == b'\n' && self.last_byte == b'\r';
             self.last_byte = byte;
-            if empty {
-                if self.state == StationState::Shell {
-                    out.extend_from_slice(b"\r\n");
-                    self.prompt(out);
-                }
+            if second_half {
                 continue;
             }
+            let ends = byte == b'\r' || byte == b'\n';
+            if self.state == StationState::Shell && self.settings.echo {
+                if ends { out.extend_from_slice(b"\r\n") } else { out.push(byte) }
+            }
+            let empty = ends && self.lines.partial().is_empty();
             let mut complete = None;
             self.lines.feed(&[byte], |line| complete = Some(line.to_owned()));
-            if let Some(line) = complete {
-                heard(&line);
-                if self.flood.drowns(now) {
-                    continue;
+            let was = self.state;
+            if let Some(line) = &complete {
+                heard(line);
+                if !self.flood.drowns(now) {
+                    self.obey(line, now, out);
                 }
-                if self.settings.echo {
-                    out.extend_from_slice(line.as_bytes());
-                    out.extend_from_slice(b"\r\n");
-                }
-                self.obey(&line, now, out);
-                if self.state == StationState::Shell {
-                    self.prompt(out);
-                }
+            }
+            let in_shell = self.state == StationState::Shell;
+            let came_back = in_shell && was == StationState::RemoteControlled;
+            if in_shell && (empty || complete.is_some()) || came_back {
+                self.prompt(out);
             }
         }
     }
@@ -194,8 +200,12 @@ impl GroundStation {
                 self.state = StationState::Shell;
                 self.checksums = true;
                 self.rates = StationRates::default();
+                self.last_motion = LastMotion::default();
             }
-            ("RemoteControl", "start") => self.state = StationState::RemoteControlled,
+            ("RemoteControl", "start") => {
+                self.state = StationState::RemoteControlled;
+                self.checksums = true;
+            }
             ("Checksum", "0") => self.checksums = false,
             ("Checksum", "1") => self.checksums = true,
             ("Pset", _) => self.stage(arguments),
@@ -260,25 +270,41 @@ impl GroundStation {
         };
         let rate = AngularRate::from_radians_per_second;
         match (word, values.as_slice()) {
-            ("Yaw", &[yaw]) => self.rates.yaw = rate(yaw).clamped(YAW_LIMIT),
-            ("GimbalPitch", &[pitch]) => self.rates.pitch = rate(pitch).clamped(GIMBAL_LIMIT),
-            ("GimbalRoll", &[roll]) => self.rates.roll = rate(roll).clamped(GIMBAL_LIMIT),
+            ("Yaw", &[yaw]) => {
+                self.rates.yaw = rate(yaw).clamped(YAW_LIMIT);
+                self.last_motion.yaw = Some(now);
+            }
+            ("GimbalPitch", &[pitch]) => {
+                self.rates.pitch = rate(pitch).clamped(GIMBAL_LIMIT);
+                self.last_motion.pitch = Some(now);
+            }
+            ("GimbalRoll", &[roll]) => {
+                self.rates.roll = rate(roll).clamped(GIMBAL_LIMIT);
+                self.last_motion.roll = Some(now);
+            }
             ("Gimbal", &[pitch, roll]) => {
                 self.rates.pitch = rate(pitch).clamped(GIMBAL_LIMIT);
                 self.rates.roll = rate(roll).clamped(GIMBAL_LIMIT);
+                self.last_motion.pitch = Some(now);
+                self.last_motion.roll = Some(now);
             }
-            _ => return,
+            _ => {}
         }
-        self.last_motion = Some(now);
     }
 
     /// Lets time pass: rates time out where the switch says so.
     pub fn tick(&mut self, now: Timestamp) {
-        if let (Some(timeout), Some(last)) = (self.settings.rate_timeout, self.last_motion)
-            && now.since(last) >= timeout
-        {
-            self.rates = StationRates::default();
-            self.last_motion = None;
+        let Some(timeout) = self.settings.rate_timeout else { return };
+        let axes = [
+            (&mut self.rates.yaw, &mut self.last_motion.yaw),
+            (&mut self.rates.pitch, &mut self.last_motion.pitch),
+            (&mut self.rates.roll, &mut self.last_motion.roll),
+        ];
+        for (rate, last) in axes {
+            if last.is_some_and(|last| now.since(last) >= timeout) {
+                *rate = AngularRate::ZERO;
+                *last = None;
+            }
         }
     }
 
@@ -335,11 +361,17 @@ impl GroundStation {
 
     /// When `tick` or `report` next has something to do.
     pub fn wake_at(&self) -> Option<Timestamp> {
-        let times_out = match (self.settings.rate_timeout, self.last_motion) {
-            (Some(timeout), Some(last)) => Some(last.plus(timeout)),
-            _ => None,
-        };
+        let last = [self.last_motion.yaw, self.last_motion.pitch, self.last_motion.roll];
+        let times_out = self
+            .settings
+            .rate_timeout
+            .and_then(|timeout| last.into_iter().flatten().min().map(|at| at.plus(timeout)));
         [self.next_telemetry, times_out].into_iter().flatten().min()
+    }
+
+    /// Messages per second of a telemetry stream, if it was asked for.
+    pub fn stream_per_second(&self, stream: Stream) -> Option<f64> {
+        self.streams.contains(&stream).then_some(self.telemetry_per_second)
     }
 
     /// The rates in force.

@@ -35,6 +35,11 @@ impl LineCutter {
         }
     }
 
+    /// Forgets what was received of the line so far, as after a prompt: what follows begins a line.
+    pub fn begin_line(&mut self) {
+        self.partial.clear();
+    }
+
     /// What was received of a line whose end has not come yet: a shell's prompt is one.
     pub fn partial(&self) -> &str {
         &self.partial

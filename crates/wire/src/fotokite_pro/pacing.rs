@@ -1,14 +1,14 @@
 //! When a rate goes out on the line.
 //!
 //! The vehicle keeps a rate until the next one, and a line can get lost, so a zero goes out first and at once,
-//! and twice more 50 ms apart. Other rates coalesce to the newest: at most 20 lines a second over both axes, and
-//! one that stays is said again twice a second.
+//! and twice more 50 ms apart. Other rates coalesce to the newest: at most 20 lines a second over both axes. What
+//! stays, rest too, is said again twice a second: a zero that was lost three times is made good.
 
 use core::time::Duration;
 
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 
-use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT};
+use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT, sayable};
 
 /// From a zero to its repetition.
 pub const ZERO_SPACING: Duration = Duration::from_millis(50);
@@ -48,23 +48,23 @@ impl Axis {
     }
 
     /// When this axis next wants a line, apart from the spacing of lines that are not zeros.
-    fn due(&self) -> Option<Timestamp> {
-        let Some((rate, at)) = self.told else { return Some(Timestamp::ZERO) };
-        if rate != self.wanted {
-            Some(Timestamp::ZERO)
-        } else if rate.is_zero() {
-            (self.zeros_left > 0).then(|| at.plus(ZERO_SPACING))
-        } else {
-            Some(at.plus(REFRESH))
+    fn due(&self) -> Timestamp {
+        match self.told {
+            Some((rate, at)) if rate == self.wanted => {
+                at.plus(if self.zeros_left > 0 { ZERO_SPACING } else { REFRESH })
+            }
+            _ => Timestamp::ZERO,
         }
     }
 
     fn tell(&mut self, now: Timestamp, send: &mut impl FnMut(Command)) {
         send(self.line());
         let again = self.told.is_some_and(|(rate, _)| rate == self.wanted);
-        if self.wanted.is_zero() {
-            self.zeros_left = if again { self.zeros_left.saturating_sub(1) } else { ZERO_REPEATS };
-        }
+        self.zeros_left = match (self.wanted.is_zero(), again) {
+            (false, _) => 0,
+            (true, false) => ZERO_REPEATS,
+            (true, true) => self.zeros_left.saturating_sub(1),
+        };
         self.told = Some((self.wanted, now));
     }
 }
@@ -87,8 +87,8 @@ impl Pacing {
     pub fn want(&mut self, rates: VehicleRates) {
         for axis in &mut self.axes {
             axis.wanted = match axis.name {
-                AxisName::Yaw => rates.yaw.clamped(YAW_LIMIT),
-                AxisName::Pitch => rates.pitch.clamped(GIMBAL_LIMIT),
+                AxisName::Yaw => sayable(rates.yaw, YAW_LIMIT),
+                AxisName::Pitch => sayable(rates.pitch, GIMBAL_LIMIT),
             };
         }
     }
@@ -114,7 +114,7 @@ impl Pacing {
     /// Hands out the lines that are due: zeros first.
     pub fn poll(&mut self, now: Timestamp, mut send: impl FnMut(Command)) {
         for axis in self.axes.iter_mut().filter(|axis| axis.wanted.is_zero()) {
-            if axis.due().is_some_and(|due| due <= now) {
+            if axis.due() <= now {
                 axis.tell(now, &mut send);
             }
         }
@@ -122,10 +122,7 @@ impl Pacing {
             return;
         }
         // Whoever has waited longest goes first, so that one axis cannot keep the other off the line.
-        let waiting = self
-            .axes
-            .iter_mut()
-            .filter(|axis| !axis.wanted.is_zero() && axis.due().is_some_and(|due| due <= now));
+        let waiting = self.axes.iter_mut().filter(|axis| !axis.wanted.is_zero() && axis.due() <= now);
         if let Some(axis) = waiting.min_by_key(|axis| axis.told.map(|(_, at)| at)) {
             axis.tell(now, &mut send);
             self.last_moving_line = Some(now);
@@ -133,12 +130,12 @@ impl Pacing {
     }
 
     /// When `poll` next has something to say.
-    pub fn wake_at(&self) -> Option<Timestamp> {
-        let due = |axis: &Axis| {
-            let due = axis.due()?;
-            Some(if axis.wanted.is_zero() { due } else { due.max(self.moving_line_allowed_at()) })
-        };
-        self.axes.iter().filter_map(due).min()
+    pub fn wake_at(&self) -> Timestamp {
+        let [pitch, yaw] = self.axes.map(|axis| {
+            let due = axis.due();
+            if axis.wanted.is_zero() { due } else { due.max(self.moving_line_allowed_at()) }
+        });
+        pitch.min(yaw)
     }
 
     fn moving_line_allowed_at(&self) -> Timestamp {

@@ -1,15 +1,16 @@
 //! The client's end: start-up, rates, telemetry, shut-down.
 //!
 //! ```text
-//!             nsh> came back           last line sent
-//!   Calling ------------------> Starting ------------> Up
-//!    |   ^                         |                    |
-//!    |   +-- shell prompt or not remote controlled -----+   (a ground station that restarted)
-//!    |                             |                    |
-//!    | no prompt for 3 s           |                    | telemetry silent for 3 s
-//!    +--> Dead <---------------------------------------+   (the port is to be opened anew)
+//!              0.5 s             nsh> came back           last line sent
+//!   Quieting --------> Calling ------------------> Starting ------------> Up
+//!      ^                  |                                               |  |
+//!      +------------------+-- says that it is not remote controlled ------+  |
+//!                         |                                                  |
+//!                         | no prompt for 3 s       telemetry silent for 3 s |
+//!                         +---------------> Dead <---------------------------+
+//!                                  (the port is to be opened anew)
 //!
-//!   any state but Closed and Dead -- close() --> Closing -- 0.5 s --> Closed
+//!   any state but Closed and Dead -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
 //! ```
 //!
 //! A plain struct: bytes and the time come in, bytes and the time to call again go out. It writes rates only
@@ -18,26 +19,26 @@
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
-use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+use barrelman_vocab::{AngularRate, Telemetry, Timestamp, VehicleRates};
 
 use super::command::{Command, Framing, Stream};
 use super::lines::LineCutter;
-use super::pacing::Pacing;
+use super::pacing::{Pacing, ZERO_REPEATS, ZERO_SPACING};
 use super::telemetry::parse;
 
 /// The shell's prompt.
 pub const PROMPT: &str = "nsh>";
-/// How long the prompt is waited for.
+/// From the first `stop` to the call for the prompt.
+pub const CALL_DELAY: Duration = Duration::from_millis(500);
+/// How long the prompt is waited for after it was called for.
 pub const PROMPT_TIMEOUT: Duration = Duration::from_secs(3);
-/// From one call for the prompt to the next while it does not come.
-pub const CALL_AGAIN: Duration = Duration::from_secs(1);
-/// Empty lines in one call for the prompt.
+/// Carriage returns in the call for the prompt.
 pub const NUDGES: usize = 5;
 /// Between the lines of the start-up that enter remote control.
 pub const START_SPACING: Duration = Duration::from_millis(500);
 /// Between the lines of the start-up that ask for telemetry: the shell loses lines that come too fast.
 pub const REQUEST_SPACING: Duration = Duration::from_millis(50);
-/// From the last zeros to `stop`.
+/// From the last zeros of the shut-down to `stop`.
 pub const STOP_DELAY: Duration = Duration::from_millis(500);
 /// Telemetry that was streaming and is silent for so long means that the link is dead.
 pub const SILENCE: Duration = Duration::from_secs(3);
@@ -63,19 +64,26 @@ impl SessionSettings {
 /// Where a session is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    Calling { since: Timestamp, call_at: Timestamp },
+    Quieting { call_at: Timestamp, said: bool },
+    Calling { until: Timestamp },
     Starting { next: usize, at: Timestamp },
     Up { since: Timestamp },
-    Closing { stop_at: Timestamp },
+    Closing { zeros_said: u32, next_at: Timestamp },
     Closed,
     Dead,
+}
+
+impl State {
+    fn quieting(now: Timestamp) -> Self {
+        Self::Quieting { call_at: now.plus(CALL_DELAY), said: false }
+    }
 }
 
 /// What a caller has to do after `poll`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Next {
     /// Poll again at that time at the latest, or when bytes or a request came in.
-    WaitUntil(Option<Timestamp>),
+    WaitUntil(Timestamp),
     /// The ground station does not answer: open the port anew and begin a new session.
     Reopen,
     /// All has been said; the port can be closed.
@@ -99,7 +107,7 @@ impl Session {
     pub fn open(settings: SessionSettings, now: Timestamp) -> Self {
         Self {
             settings,
-            state: State::Calling { since: now, call_at: now },
+            state: State::quieting(now),
             pacing: Pacing::default(),
             lines: LineCutter::default(),
             last_telemetry: None,
@@ -115,73 +123,81 @@ impl Session {
         }
     }
 
-    /// Begins the shut-down: zeros now, the vehicle's own stop half a second later.
-    pub fn close(&mut self, now: Timestamp, out: &mut Vec<u8>) {
-        if matches!(self.state, State::Closing { .. } | State::Closed | State::Dead) {
-            return;
+    /// Begins the shut-down: zeros at once, three times; half a second after the last the vehicle's own stop.
+    pub fn close(&mut self, now: Timestamp) {
+        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Dead) {
+            self.state = State::Closing { zeros_said: 0, next_at: now };
         }
-        self.pacing.want(VehicleRates::REST);
-        self.pacing.forget_told();
-        self.say(Command::GimbalRest, out);
-        self.pacing.poll(now, encoder(self.settings.framing, out));
-        self.state = State::Closing { stop_at: now.plus(STOP_DELAY) };
     }
 
     /// Takes bytes as they were read, and hands out what they report.
     pub fn received(&mut self, bytes: &[u8], now: Timestamp, mut report: impl FnMut(Telemetry)) {
-        let mut not_ours = false;
-        let mut understood = false;
-        let mut prompt = false;
-        let ignored = &mut self.ignored_lines;
-        self.lines.feed(bytes, |line| match parse(line) {
-            Some(content) => {
-                understood = true;
-                if let Report::Ground { control, .. } = content {
-                    not_ours = control == ControlState::NotOurs;
+        for &byte in bytes {
+            let mut meaning = None;
+            let mut lines = 0;
+            self.lines.feed(&[byte], |line| {
+                lines += 1;
+                meaning = parse(line.trim_start());
+            });
+            if self.lines.partial().trim_start() == PROMPT {
+                self.lines.begin_line();
+                self.prompted(now);
+            }
+            match meaning {
+                Some(content) => {
+                    self.last_telemetry = Some(now);
+                    self.reported(&content, now);
+                    report(Telemetry { at: now, report: content });
                 }
-                report(Telemetry { at: now, report: content });
+                None => self.ignored_lines += lines,
             }
-            None => {
-                prompt |= line.starts_with(PROMPT);
-                *ignored += 1;
-            }
-        });
-        prompt |= self.lines.partial().starts_with(PROMPT);
-        if understood {
-            self.last_telemetry = Some(now);
         }
-        self.state = match self.state {
-            State::Calling { since, .. } if prompt && now >= since => State::Starting { next: 0, at: now },
-            State::Up { since } if not_ours && now.since(since) >= CONTROL_GRACE => {
-                self.restarts += 1;
-                State::Calling { since: now, call_at: now }
-            }
-            other => other,
-        };
+    }
+
+    /// A prompt that came before it was called for may be an old one: it does not count.
+    fn prompted(&mut self, now: Timestamp) {
+        if let State::Calling { .. } = self.state {
+            self.state = State::Starting { next: 0, at: now };
+        }
+    }
+
+    fn reported(&mut self, report: &Report, now: Timestamp) {
+        let not_ours = matches!(report, Report::Ground { control: ControlState::NotOurs, .. });
+        if let State::Up { since } = self.state
+            && not_ours
+            && now.since(since) >= CONTROL_GRACE
+        {
+            self.restarts += 1;
+            self.state = State::quieting(now);
+        }
     }
 
     /// Appends the bytes that are due now, and says when to call again.
     pub fn poll(&mut self, now: Timestamp, out: &mut Vec<u8>) -> Next {
         match self.state {
-            State::Calling { since, call_at } => {
-                if now.since(since) >= PROMPT_TIMEOUT {
-                    self.state = State::Dead;
-                    return Next::Reopen;
-                }
-                let mut wake = call_at;
-                if now >= call_at {
+            State::Quieting { call_at, said } => {
+                if !said {
                     self.say(Command::Stop, out);
-                    for _ in 0..NUDGES {
-                        self.say(Command::Nudge, out);
-                    }
-                    wake = now.plus(CALL_AGAIN);
-                    self.state = State::Calling { since, call_at: wake };
+                    self.state = State::Quieting { call_at, said: true };
                 }
-                Next::WaitUntil(Some(wake.min(since.plus(PROMPT_TIMEOUT))))
+                if now < call_at {
+                    return Next::WaitUntil(call_at);
+                }
+                for _ in 0..NUDGES {
+                    self.say(Command::Nudge, out);
+                }
+                let until = now.plus(PROMPT_TIMEOUT);
+                self.state = State::Calling { until };
+                Next::WaitUntil(until)
+            }
+            State::Calling { until } if now < until => Next::WaitUntil(until),
+            State::Calling { .. } => {
+                self.state = State::Dead;
+                Next::Reopen
             }
             State::Starting { next, at } => {
                 if now < at {
-                    return Next::WaitUntil(Some(at));
+                    return Next::WaitUntil(at);
                 }
                 let script = self.start_up();
                 let Some(&(command, pause)) = script.get(next) else {
@@ -193,15 +209,19 @@ impl Session {
                 self.say(command, out);
                 let at = now.plus(pause);
                 self.state = State::Starting { next: next + 1, at };
-                Next::WaitUntil(Some(at))
+                Next::WaitUntil(at)
             }
             State::Up { since } => self.poll_up(since, now, out),
-            State::Closing { stop_at } => {
-                if now < stop_at {
-                    self.pacing.poll(now, encoder(self.settings.framing, out));
-                    let wake = self.pacing.wake_at().map_or(stop_at, |wake| wake.min(stop_at));
-                    return Next::WaitUntil(Some(wake));
-                }
+            State::Closing { next_at, .. } if now < next_at => Next::WaitUntil(next_at),
+            State::Closing { zeros_said, .. } if zeros_said <= u32::from(ZERO_REPEATS) => {
+                self.say(Command::GimbalRest, out);
+                self.say(Command::Yaw(AngularRate::ZERO), out);
+                let last = zeros_said == u32::from(ZERO_REPEATS);
+                let next_at = now.plus(if last { STOP_DELAY } else { ZERO_SPACING });
+                self.state = State::Closing { zeros_said: zeros_said + 1, next_at };
+                Next::WaitUntil(next_at)
+            }
+            State::Closing { .. } => {
                 self.say(Command::Stop, out);
                 self.state = State::Closed;
                 Next::Closed
@@ -218,7 +238,8 @@ impl Session {
             self.state = State::Dead;
             return Next::Reopen;
         }
-        Next::WaitUntil([self.pacing.wake_at(), silent_at].into_iter().flatten().min())
+        let wake_at = self.pacing.wake_at();
+        Next::WaitUntil(silent_at.map_or(wake_at, |silent_at| wake_at.min(silent_at)))
     }
 
     /// The lines that enter remote control and start the telemetry, each with the pause after it.
@@ -247,7 +268,7 @@ impl Session {
     /// The link's state for those who watch it.
     pub fn link_state(&self) -> LinkState {
         match self.state {
-            State::Calling { .. } | State::Starting { .. } => LinkState::Starting,
+            State::Quieting { .. } | State::Calling { .. } | State::Starting { .. } => LinkState::Starting,
             State::Up { .. } => LinkState::Up,
             State::Closing { .. } => LinkState::Closing,
             State::Closed => LinkState::Closed,
@@ -269,8 +290,7 @@ impl Session {
     /// zeros first, and half a second later the second part.
     pub fn last_will(framing: Framing) -> (Vec<u8>, Vec<u8>) {
         let (mut zeros, mut stop) = (Vec::new(), Vec::new());
-        let rest = barrelman_vocab::AngularRate::ZERO;
-        for command in [Command::GimbalRest, Command::GimbalPitch(rest), Command::Yaw(rest)] {
+        for command in [Command::GimbalRest, Command::Yaw(AngularRate::ZERO)] {
             command.encode(framing, &mut zeros);
         }
         Command::Stop.encode(framing, &mut stop);

@@ -14,9 +14,7 @@ pub const MODE_REMOTE_CONTROLLED: u32 = 10;
 
 /// The meaning of one received line, if it has one for us.
 pub fn parse(line: &str) -> Option<Report> {
-    // Echo or a prompt may stand before the report on the same line.
-    let (_, report) = line.split_once('!')?;
-    let (name, fields) = report.split_once(' ')?;
+    let (name, fields) = line.strip_prefix('!')?.split_once(' ')?;
     match name {
         "GSStatus" => {
             let [mode, uptime_s, battery_v, counts] = numbers(fields)?;
@@ -65,7 +63,8 @@ fn whole(number: f64) -> Option<u32> {
 
 fn quaternion(fields: &str) -> Option<Quaternion> {
     let [w, x, y, z] = numbers(fields)?;
-    Some(Quaternion { w, x, y, z })
+    // Four zeros are no rotation: a sensor that has nothing to say yet.
+    ([w, x, y, z] != [0.0; 4]).then_some(Quaternion { w, x, y, z })
 }
 
 /// Flight modes: 1 IDLE, 2 ANGLE, 3 ANGLE_RATE; 48 EMERGENCY_LAND, 49 MOTOR_STOP_RESTART, 50 TIMEOUT,

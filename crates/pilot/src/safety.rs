@@ -1,0 +1,138 @@
+//! Whether the camera may move: the stop, and the rule of motion. Nothing else decides it.
+//!
+//! 1. A stop outranks everything. After it only an explicit `Engage` lets the camera move again.
+//! 2. Motion rests on a fresh look. Only a fresh localisation starts or raises a rate. One that coasts can only
+//!    lower it.
+//! 3. A rate that is running lasts at most `coast_motion` after the last fresh localisation arrived; then zeros.
+
+use core::time::Duration;
+
+use barrelman_vocab::{AngularRate, CameraCommand, OperatorRequest, StopCause, Timestamp};
+
+use crate::outcome::{HoldCause, Mode};
+
+/// What a step brings to judge by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Evidence {
+    /// A fresh localisation, and what the law asks for.
+    Fresh(CameraCommand),
+    /// A localisation that coasts, and what the law would ask for.
+    Coasting(CameraCommand),
+    /// A look that showed no target, or came too late.
+    Nothing(HoldCause),
+    /// No look at all: a tick, a request, telemetry.
+    NoLook,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Engagement {
+    Disengaged,
+    Engaged,
+    Stopped(StopCause),
+}
+
+/// The judge.
+#[derive(Debug, Clone)]
+pub struct Safety {
+    coast_motion: Duration,
+    engagement: Engagement,
+    last_fresh: Option<Timestamp>,
+    /// Why the camera will rest if nothing fresh comes from here on.
+    missing: HoldCause,
+    in_force: CameraCommand,
+}
+
+/// What a judge rules.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ruling {
+    /// The mode from here on.
+    pub mode: Mode,
+    /// The command in force from here on.
+    pub command: CameraCommand,
+    /// When to ask again at the latest.
+    pub wake_at: Option<Timestamp>,
+}
+
+impl Safety {
+    /// A judge who has seen nothing: disengaged, at rest.
+    pub fn new(coast_motion: Duration) -> Self {
+        Self {
+            coast_motion,
+            engagement: Engagement::Disengaged,
+            last_fresh: None,
+            missing: HoldCause::NoSelection,
+            in_force: CameraCommand::REST,
+        }
+    }
+
+    /// Takes a request. A stop keeps its first cause until the camera is engaged again.
+    pub fn request(&mut self, request: &OperatorRequest) {
+        self.engagement = match (self.engagement, request) {
+            (stopped @ Engagement::Stopped(_), OperatorRequest::Stop(_)) => stopped,
+            (_, OperatorRequest::Stop(cause)) => Engagement::Stopped(*cause),
+            (_, OperatorRequest::Engage) => Engagement::Engaged,
+            (_, OperatorRequest::Disengage) => Engagement::Disengaged,
+            (unchanged, OperatorRequest::Select(_)) => {
+                // What was running rested on another target.
+                self.in_force = CameraCommand::REST;
+                self.last_fresh = None;
+                unchanged
+            }
+        };
+    }
+
+    /// Rules on one step.
+    pub fn rule(&mut self, evidence: Evidence, now: Timestamp) -> Ruling {
+        match evidence {
+            Evidence::Fresh(_) => {
+                self.last_fresh = Some(now);
+                self.missing = HoldCause::VideoSilent;
+            }
+            Evidence::Coasting(_) => self.missing = HoldCause::Coasting,
+            Evidence::Nothing(why) => self.missing = why,
+            Evidence::NoLook => {}
+        }
+        let mode = self.mode(now);
+        self.in_force = match (mode, evidence) {
+            (Mode::Servoing, Evidence::Fresh(wanted)) => wanted,
+            (Mode::Servoing, Evidence::Coasting(wanted)) => lowered(self.in_force, wanted),
+            (Mode::Servoing, _) => self.in_force,
+            (Mode::Idle | Mode::Holding(_) | Mode::Stopped(_), _) => CameraCommand::REST,
+        };
+        let wake_at = match mode {
+            Mode::Servoing => self.expires_at(),
+            Mode::Idle | Mode::Holding(_) | Mode::Stopped(_) => None,
+        };
+        Ruling { mode, command: self.in_force, wake_at }
+    }
+
+    fn expires_at(&self) -> Option<Timestamp> {
+        self.last_fresh.map(|at| at.plus(self.coast_motion))
+    }
+
+    fn mode(&self, now: Timestamp) -> Mode {
+        match self.engagement {
+            Engagement::Disengaged => Mode::Idle,
+            Engagement::Stopped(cause) => Mode::Stopped(cause),
+            Engagement::Engaged if self.expires_at().is_some_and(|expires| now < expires) => Mode::Servoing,
+            Engagement::Engaged => Mode::Holding(self.missing),
+        }
+    }
+}
+
+/// The command in force, with each axis no faster than `wanted` asks for; an axis that would turn the other way
+/// rests.
+fn lowered(in_force: CameraCommand, wanted: CameraCommand) -> CameraCommand {
+    let axis = |running: AngularRate, wanted: AngularRate| {
+        let (running, wanted) = (running.radians_per_second(), wanted.radians_per_second());
+        let rate = if running * wanted <= 0.0 {
+            0.0
+        } else if running > 0.0 {
+            running.min(wanted)
+        } else {
+            running.max(wanted)
+        };
+        AngularRate::from_radians_per_second(rate)
+    };
+    CameraCommand { pan: axis(in_force.pan, wanted.pan), tilt: axis(in_force.tilt, wanted.tilt) }
+}

@@ -1,0 +1,163 @@
+//! The pilot: one step for every driver.
+
+use core::time::Duration;
+
+use barrelman_control::{MotorSchema, Percept, Region, Sector};
+use barrelman_vision::Tracker;
+use barrelman_vocab::{OperatorRequest, PixelBox, Timestamp, Track, VehicleProfile, VideoFrame};
+
+use crate::input::Input;
+use crate::outcome::{Advice, HoldCause, Notice, Outcome};
+use crate::safety::{Evidence, Safety};
+
+/// What a pilot works by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PilotSettings {
+    /// The vehicle whose camera is moved: region, rates, latency and times come from it. Its signs are not used
+    /// here.
+    pub profile: VehicleProfile,
+}
+
+/// Joins localisation and control, one input at a time.
+pub struct Pilot {
+    settings: PilotSettings,
+    tracker: Box<dyn Tracker>,
+    schema: MotorSchema,
+    safety: Safety,
+    pending_selection: Option<PixelBox>,
+    track: Track,
+    percept: Option<Percept>,
+    last_capture: Option<Timestamp>,
+}
+
+/// What one look at the scene showed.
+struct Look {
+    track: Track,
+    captured: Timestamp,
+    notice: Option<Notice>,
+}
+
+impl Pilot {
+    /// A pilot that has seen nothing yet: disengaged, at rest.
+    pub fn new(settings: PilotSettings, tracker: Box<dyn Tracker>) -> Self {
+        Self {
+            schema: MotorSchema::new(settings.profile.schema),
+            safety: Safety::new(settings.profile.coast_motion),
+            settings,
+            tracker,
+            pending_selection: None,
+            track: Track::Unseeded,
+            percept: None,
+            last_capture: None,
+        }
+    }
+
+    /// The tracker, for whoever wants its explanation.
+    pub fn tracker(&self) -> &dyn Tracker {
+        &*self.tracker
+    }
+
+    /// Takes one input and says what comes of it.
+    pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
+        let look = match input {
+            Input::Frame(frame) => Some(self.look_at(frame)),
+            Input::Localisation(track) => {
+                Some(Look { captured: captured_at(&track, now), track, notice: None })
+            }
+            Input::Request(request) => {
+                self.take(&request);
+                None
+            }
+            Input::Telemetry(_) | Input::Tick => None,
+        };
+        let Some(mut look) = look else {
+            return self.conclude(Evidence::NoLook, None, None, now);
+        };
+        let went_back = self.last_capture.is_some_and(|last| look.captured < last);
+        if went_back && look.notice.is_none() {
+            look.notice = Some(Notice::VideoClockWentBack);
+        }
+        self.last_capture = Some(look.captured);
+        self.track = look.track;
+        let age = now.since(look.captured);
+        let evidence = self.weigh(age);
+        self.conclude(evidence, Some(age), look.notice, now)
+    }
+
+    fn take(&mut self, request: &OperatorRequest) {
+        self.safety.request(request);
+        if let OperatorRequest::Select(selection) = request {
+            self.pending_selection = Some(*selection);
+        }
+    }
+
+    fn look_at(&mut self, frame: &VideoFrame) -> Look {
+        let captured = frame.capture.at;
+        let Some(selection) = self.pending_selection.take() else {
+            return Look { track: self.tracker.track(frame, None), captured, notice: None };
+        };
+        match self.tracker.select(frame, selection) {
+            Ok(report) => Look {
+                track: Track::Tracking(report.localisation),
+                captured,
+                notice: Some(Notice::Selected(report)),
+            },
+            Err(refusal) => Look {
+                track: self.tracker.track(frame, None),
+                captured,
+                notice: Some(Notice::SelectionRefused(refusal)),
+            },
+        }
+    }
+
+    /// What the newest look is worth as evidence for motion.
+    fn weigh(&mut self, age: Duration) -> Evidence {
+        let profile = &self.settings.profile;
+        self.percept = self.track.localisation().map(|seen| {
+            let region = Region::in_picture(profile.region, seen.picture);
+            Percept::new(seen.centre.in_image(seen.picture), region)
+        });
+        let stale = age > profile.video_latency + profile.stale_after;
+        let advice = self.advice().map(|advice| advice.command);
+        match (self.track, advice) {
+            (Track::Unseeded, _) => Evidence::Nothing(HoldCause::NoSelection),
+            (Track::Lost { .. }, _) | (_, None) => Evidence::Nothing(HoldCause::TrackLost),
+            _ if stale => Evidence::Nothing(HoldCause::VideoStale),
+            (Track::Tracking(_), Some(wanted)) => Evidence::Fresh(wanted),
+            (Track::Coasting(_), Some(wanted)) => Evidence::Coasting(wanted),
+        }
+    }
+
+    fn advice(&self) -> Option<Advice> {
+        self.percept.as_ref().map(|percept| Advice {
+            command: self.schema.command(percept),
+            sector: MotorSchema::released(percept).then(|| Sector::of(percept.position)),
+        })
+    }
+
+    fn conclude(
+        &mut self,
+        evidence: Evidence,
+        age: Option<Duration>,
+        notice: Option<Notice>,
+        now: Timestamp,
+    ) -> Outcome {
+        let ruling = self.safety.rule(evidence, now);
+        Outcome {
+            at: now,
+            mode: ruling.mode,
+            track: self.track,
+            age,
+            percept: self.percept,
+            advice: self.advice(),
+            command: ruling.command,
+            wake_at: ruling.wake_at,
+            notice,
+        }
+    }
+}
+
+/// The time of capture that a track speaks of; a track without one speaks of now.
+fn captured_at(track: &Track, now: Timestamp) -> Timestamp {
+    track.localisation().map_or(now, |seen| seen.captured)
+}

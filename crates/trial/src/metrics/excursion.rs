@@ -1,0 +1,46 @@
+//! Excursions: the target leaves the region and comes back.
+
+use barrelman_control::Region;
+
+use crate::logs::TrialLog;
+
+/// A maximal run of rows with P > 1. A row without a position continues what the row before it was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excursion {
+    /// First row outside.
+    pub first: usize,
+    /// First row back inside, or the number of rows where the log ends outside.
+    pub end: usize,
+    /// Whether the log goes on after it.
+    pub complete: bool,
+    /// Largest P less 1.
+    pub h: f64,
+    /// Duration, seconds.
+    pub b_s: f64,
+}
+
+/// The excursions of a trial.
+pub fn excursions(log: &TrialLog, region: Region) -> Vec<Excursion> {
+    let mut found: Vec<Excursion> = Vec::new();
+    let mut open: Option<(usize, f64)> = None;
+    let mut close = |first: usize, end: usize, largest_p: f64, complete: bool| {
+        let b_s = (first..end).map(|row| log.step_s(row)).sum();
+        found.push(Excursion { first, end, complete, h: largest_p - 1.0, b_s });
+    };
+    for (index, row) in log.rows.iter().enumerate() {
+        let Some(p) = row.position.map(|position| region.p(position)) else { continue };
+        open = match (open, p > 1.0) {
+            (None, true) => Some((index, p)),
+            (Some((first, largest)), true) => Some((first, largest.max(p))),
+            (Some((first, largest)), false) => {
+                close(first, index, largest, true);
+                None
+            }
+            (None, false) => None,
+        };
+    }
+    if let Some((first, largest)) = open {
+        close(first, log.rows.len(), largest, false);
+    }
+    found
+}

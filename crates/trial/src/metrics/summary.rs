@@ -1,0 +1,121 @@
+//! The metrics of several trials together, by arena.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::trial::{TrialMetrics, mean};
+
+/// An arena of the paper, by its number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(transparent)]
+pub struct Arena(u8);
+
+impl Arena {
+    /// Arena 1 or 2; `None` for any other number.
+    pub fn numbered(number: u8) -> Option<Self> {
+        (1..=2).contains(&number).then_some(Self(number))
+    }
+
+    /// The arena that a file name like `arena1_07.csv` speaks of.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let (_, rest) = name.split_once("arena")?;
+        let number = rest.chars().next()?.to_digit(10)?;
+        Self::numbered(u8::try_from(number).ok()?)
+    }
+
+    /// Its number.
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+
+    /// What the paper divided the mean sensitivity by: 18 and 13, as published.
+    pub const fn published_n(self) -> f64 {
+        if self.0 == 1 { 18.0 } else { 13.0 }
+    }
+
+    /// The mean sensitivity as published.
+    pub const fn published_sensitivity(self) -> f64 {
+        if self.0 == 1 { 0.6045 } else { 0.4536 }
+    }
+}
+
+/// One trial in a summary.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrialEntry {
+    /// Its name: a file's, or `SCENARIO/SEED`.
+    pub name: String,
+    /// The arena it was in, if in one of the paper's.
+    pub arena: Option<Arena>,
+    /// Its metrics.
+    #[serde(flatten)]
+    pub metrics: TrialMetrics,
+}
+
+/// The figures of several trials together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pooled {
+    /// Mean of the trials' sensitivities.
+    pub mean_sensitivity: Option<f64>,
+    /// The same, divided by the arena's n, or, outside of the paper's arenas, by the mean count of excursions.
+    pub normalised_sensitivity: Option<f64>,
+    /// Share of the trials that succeeded.
+    pub success_rate: Option<f64>,
+}
+
+/// The figures of one arena.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArenaFigures {
+    /// The pooled figures.
+    #[serde(flatten)]
+    pub pooled: Pooled,
+    /// Trials in it.
+    pub trials: usize,
+}
+
+/// The document that `metrics --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Every trial.
+    pub trials: Vec<TrialEntry>,
+    /// The paper's arenas, by number.
+    pub arenas: BTreeMap<String, ArenaFigures>,
+    /// Over all trials; all null where they come from several arenas.
+    #[serde(flatten)]
+    pub pooled: Pooled,
+}
+
+/// Puts trials together.
+pub fn summarise(trials: Vec<TrialEntry>) -> Summary {
+    let mut by_arena: BTreeMap<Option<Arena>, Vec<&TrialMetrics>> = BTreeMap::new();
+    for trial in &trials {
+        by_arena.entry(trial.arena).or_default().push(&trial.metrics);
+    }
+    let arenas = by_arena
+        .iter()
+        .filter_map(|(arena, metrics)| {
+            let arena = (*arena)?;
+            let figures = ArenaFigures { pooled: pool(metrics, Some(arena)), trials: metrics.len() };
+            Some((arena.number().to_string(), figures))
+        })
+        .collect();
+    let pooled = match by_arena.iter().next() {
+        Some((arena, metrics)) if by_arena.len() == 1 => pool(metrics, *arena),
+        _ => Pooled { mean_sensitivity: None, normalised_sensitivity: None, success_rate: None },
+    };
+    Summary { trials, arenas, pooled }
+}
+
+fn pool(trials: &[&TrialMetrics], arena: Option<Arena>) -> Pooled {
+    let mean_sensitivity = mean(trials.iter().filter_map(|trial| trial.sensitivity));
+    let n = arena
+        .map(Arena::published_n)
+        .or_else(|| mean(trials.iter().map(|trial| trial.excursions as f64)))
+        .filter(|n| *n > 0.0);
+    let succeeded = trials.iter().filter(|trial| trial.succeeded()).count();
+    Pooled {
+        mean_sensitivity,
+        normalised_sensitivity: mean_sensitivity.zip(n).map(|(mean, n)| mean / n),
+        success_rate: (!trials.is_empty()).then(|| succeeded as f64 / trials.len() as f64),
+    }
+}

@@ -1,0 +1,120 @@
+//! Any channel of a recording as a table: one row per message, one column per field.
+//!
+//! Nested messages become columns like `percept.p`; absent fields are empty; bytes are shown by their length,
+//! since the video is exported as video. It goes by the schemas in the file, so that it also knows channels of
+//! later versions.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+
+use prost_reflect::{DescriptorPool, DynamicMessage, FieldDescriptor, Kind, MessageDescriptor, Value};
+
+use super::reader::ReadError;
+
+/// A row of a channel's table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableRow {
+    /// The topic that the row belongs to.
+    pub topic: String,
+    /// The columns' names; the same for every row of a topic.
+    pub columns: Vec<String>,
+    /// The cells, as text that is safe in a CSV.
+    pub cells: Vec<String>,
+}
+
+/// Reads a recording row by row.
+///
+/// # Errors
+/// Whatever `row` returns, and [`ReadError`] where the recording cannot be read on; the rows before were handed
+/// out.
+pub fn read_rows<R: Read, E: From<ReadError>>(
+    input: R,
+    mut row: impl FnMut(TableRow) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut descriptors: BTreeMap<u16, MessageDescriptor> = BTreeMap::new();
+    for message in mcap::io::MessageReader::new(input) {
+        let message = message.map_err(|error| {
+            let cut = matches!(error, mcap::McapError::UnexpectedEof | mcap::McapError::BadFooter);
+            if cut { ReadError::CutOff } else { ReadError::Container(error) }
+        })?;
+        let topic = message.channel.topic.clone();
+        let malformed = |reason: String| ReadError::Message { topic: topic.clone(), reason };
+        let descriptor = match descriptors.get(&message.channel.id) {
+            Some(descriptor) => descriptor.clone(),
+            None => {
+                let Some(schema) = &message.channel.schema else { continue };
+                let pool = DescriptorPool::decode(schema.data.as_ref())
+                    .map_err(|error| malformed(error.to_string()))?;
+                let descriptor = pool
+                    .get_message_by_name(&schema.name)
+                    .ok_or_else(|| malformed(format!("its schema does not describe {}", schema.name)))?;
+                descriptors.entry(message.channel.id).or_insert(descriptor).clone()
+            }
+        };
+        let content = DynamicMessage::decode(descriptor.clone(), message.data.as_ref())
+            .map_err(|error| malformed(error.to_string()))?;
+        let mut columns = vec!["log_time_ns".to_owned()];
+        let mut cells = vec![message.log_time.to_string()];
+        flatten("", &descriptor, Some(&content), &mut columns, &mut cells);
+        row(TableRow { topic, columns, cells })?;
+    }
+    Ok(())
+}
+
+fn flatten(
+    prefix: &str,
+    descriptor: &MessageDescriptor,
+    content: Option<&DynamicMessage>,
+    columns: &mut Vec<String>,
+    cells: &mut Vec<String>,
+) {
+    for field in descriptor.fields() {
+        let name = format!("{prefix}{}", field.name());
+        let present = content.filter(|content| !field.supports_presence() || content.has_field(&field));
+        match field.kind() {
+            Kind::Message(nested) if !field.is_list() && !field.is_map() => {
+                let value = present.map(|content| content.get_field(&field).into_owned());
+                let nested_content = value.as_ref().and_then(Value::as_message);
+                flatten(&format!("{name}."), &nested, nested_content, columns, cells);
+            }
+            _ => {
+                columns.push(name);
+                cells.push(
+                    present.map_or_else(String::new, |content| cell(&field, &content.get_field(&field))),
+                );
+            }
+        }
+    }
+}
+
+fn cell(field: &FieldDescriptor, value: &Value) -> String {
+    match value {
+        Value::Bool(value) => value.to_string(),
+        Value::I32(value) => value.to_string(),
+        Value::I64(value) => value.to_string(),
+        Value::U32(value) => value.to_string(),
+        Value::U64(value) => value.to_string(),
+        Value::F32(value) => value.to_string(),
+        Value::F64(value) => value.to_string(),
+        Value::String(text) => quoted(text),
+        Value::Bytes(bytes) => bytes.len().to_string(),
+        Value::EnumNumber(number) => match field.kind() {
+            Kind::Enum(kind) => {
+                kind.get_value(*number).map_or_else(|| number.to_string(), |value| value.name().to_owned())
+            }
+            _ => number.to_string(),
+        },
+        Value::List(items) => items.len().to_string(),
+        Value::Map(entries) => entries.len().to_string(),
+        Value::Message(_) => String::new(),
+    }
+}
+
+/// Text as a CSV cell: quoted where it holds a comma, a quote or a line end (RFC 4180).
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}

@@ -1,0 +1,92 @@
+//! Topics of a recording, with the schema of each.
+
+use std::collections::BTreeMap;
+
+use foxglove::Encode;
+use foxglove::messages::{CompressedImage, CompressedVideo};
+
+/// Descriptors of our own messages, compiled from `proto/barrelman.proto`.
+pub(super) const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/barrelman.binpb"));
+
+/// A topic of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Topic {
+    Start,
+    VideoUnit,
+    Video,
+    VideoPicture,
+    VideoRaw,
+    InputFrame,
+    InputLocalisation,
+    InputTelemetry,
+    InputRequest,
+    InputTick,
+    Outcome,
+}
+
+impl Topic {
+    pub(super) const ALL: [Self; 11] = [
+        Self::Start,
+        Self::VideoUnit,
+        Self::Video,
+        Self::VideoPicture,
+        Self::VideoRaw,
+        Self::InputFrame,
+        Self::InputLocalisation,
+        Self::InputTelemetry,
+        Self::InputRequest,
+        Self::InputTick,
+        Self::Outcome,
+    ];
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Start => "/recording/start",
+            Self::VideoUnit => "/video/unit",
+            Self::Video => "/video",
+            Self::VideoPicture => "/video/picture",
+            Self::VideoRaw => "/video/raw",
+            Self::InputFrame => "/input/frame",
+            Self::InputLocalisation => "/input/localisation",
+            Self::InputTelemetry => "/input/telemetry",
+            Self::InputRequest => "/input/request",
+            Self::InputTick => "/input/tick",
+            Self::Outcome => "/outcome",
+        }
+    }
+
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|topic| topic.name() == name)
+    }
+
+    /// The schema's name and its descriptors.
+    fn schema(self) -> (String, Vec<u8>) {
+        let own = |message: &str| (format!("barrelman.{message}"), DESCRIPTORS.to_vec());
+        let known = |schema: Option<foxglove::Schema>| {
+            schema.map(|schema| (schema.name, schema.data.into_owned())).unwrap_or_default()
+        };
+        match self {
+            Self::Start => own("RecordingStart"),
+            Self::VideoUnit => own("VideoUnit"),
+            Self::Video => known(CompressedVideo::get_schema()),
+            Self::VideoPicture => known(CompressedImage::get_schema()),
+            Self::VideoRaw => own("RawPicture"),
+            Self::InputFrame => own("FrameInput"),
+            Self::InputLocalisation => own("LocalisationInput"),
+            Self::InputTelemetry => own("TelemetryInput"),
+            Self::InputRequest => own("RequestInput"),
+            Self::InputTick => own("TickInput"),
+            Self::Outcome => own("Outcome"),
+        }
+    }
+
+    /// Adds the topic to a file.
+    pub(super) fn add_to<W: std::io::Write + std::io::Seek>(
+        self,
+        writer: &mut mcap::Writer<W>,
+    ) -> mcap::McapResult<u16> {
+        let (name, descriptors) = self.schema();
+        let schema = writer.add_schema(&name, "protobuf", &descriptors)?;
+        writer.add_channel(schema, self.name(), "protobuf", &BTreeMap::new())
+    }
+}

@@ -1,0 +1,153 @@
+//! Writes entries as an MCAP file.
+//!
+//! Messages collect in a chunk in memory; [`RecordingWriter::flush`] closes the chunk and hands it to the file,
+//! so a process that is killed loses what came after the last flush and nothing before it.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use barrelman_vocab::unit::UnitCodec;
+use barrelman_vocab::{EncodedUnit, Timestamp};
+use bytes::Bytes;
+use foxglove::messages::{CompressedImage, CompressedVideo};
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+use prost::Message as _;
+
+use super::entry::{Entry, RecordedInput, RecordingStart};
+use super::stored;
+use super::topics::Topic;
+
+/// A recording could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("the recording cannot be written")]
+pub struct WriteError(#[from] mcap::McapError);
+
+/// An MCAP file that is being written.
+pub struct RecordingWriter<W: Write> {
+    writer: mcap::Writer<NoSeek<W>>,
+    channels: BTreeMap<Topic, u16>,
+    unix_start_ns: u64,
+    sequence: u32,
+    buffer: Vec<u8>,
+}
+
+impl<W: Write> RecordingWriter<W> {
+    /// Begins a recording.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn begin(output: W, start: &RecordingStart) -> Result<Self, WriteError> {
+        let mut writer = mcap::WriteOptions::new()
+            .profile("")
+            .library(format!("barrelman {}", start.program_version))
+            .compression(None)
+            // The output need not seek: a chunk is written whole, with its length in front.
+            .disable_seeking(true)
+            .create(NoSeek::new(output))?;
+        let mut channels = BTreeMap::new();
+        for topic in Topic::ALL {
+            channels.insert(topic, topic.add_to(&mut writer)?);
+        }
+        let mut recording =
+            Self { writer, channels, unix_start_ns: start.unix_ns, sequence: 0, buffer: Vec::new() };
+        recording.put(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))?;
+        Ok(recording)
+    }
+
+    /// Adds an entry.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn write(&mut self, entry: &Entry) -> Result<(), WriteError> {
+        match entry {
+            Entry::Start(start) => {
+                self.put(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))
+            }
+            Entry::Unit(unit) => self.write_unit(unit),
+            Entry::Input { step, now, input } => self.write_input(*step, *now, input),
+            Entry::Outcome(outcome) => self.put(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome)),
+        }
+    }
+
+    fn write_unit(&mut self, unit: &EncodedUnit) -> Result<(), WriteError> {
+        let at = unit.capture.at;
+        self.put(Topic::VideoUnit, at, &stored::VideoUnit::from(unit))?;
+        let unix_ns = self.unix_start_ns + at.as_nanos();
+        let timestamp = Some(foxglove::messages::Timestamp::new(
+            (unix_ns / 1_000_000_000) as u32,
+            (unix_ns % 1_000_000_000) as u32,
+        ));
+        let (frame_id, data) = ("camera".to_owned(), unit.payload.clone());
+        let image = |format: &str, data: Bytes| CompressedImage {
+            timestamp,
+            frame_id: "camera".to_owned(),
+            data,
+            format: format.to_owned(),
+        };
+        match unit.codec {
+            UnitCodec::H264AnnexB => {
+                let video = CompressedVideo { timestamp, frame_id, data, format: "h264".to_owned() };
+                self.put(Topic::Video, at, &video)
+            }
+            UnitCodec::Jpeg => self.put(Topic::VideoPicture, at, &image("jpeg", data)),
+            UnitCodec::Png => self.put(Topic::VideoPicture, at, &image("png", data)),
+            UnitCodec::RawYuv420 { .. } => {
+                self.put(Topic::VideoRaw, at, &stored::RawPicture { samples: data.to_vec() })
+            }
+        }
+    }
+
+    fn write_input(&mut self, step: u64, now: Timestamp, input: &RecordedInput) -> Result<(), WriteError> {
+        let now_ns = now.as_nanos();
+        match input {
+            RecordedInput::Frame(stamp) => {
+                self.put(Topic::InputFrame, now, &stored::FrameInput { step, now_ns, ..stamp.into() })
+            }
+            RecordedInput::Localisation(track) => {
+                let message = stored::LocalisationInput { step, now_ns, track: Some(track.into()) };
+                self.put(Topic::InputLocalisation, now, &message)
+            }
+            RecordedInput::Telemetry(telemetry) => {
+                let message = stored::TelemetryInput { step, now_ns, ..telemetry.into() };
+                self.put(Topic::InputTelemetry, now, &message)
+            }
+            RecordedInput::Request(request) => {
+                self.put(Topic::InputRequest, now, &stored::RequestInput { step, now_ns, ..request.into() })
+            }
+            RecordedInput::Tick => self.put(Topic::InputTick, now, &stored::TickInput { step, now_ns }),
+        }
+    }
+
+    fn put(&mut self, topic: Topic, at: Timestamp, message: &impl prost::Message) -> Result<(), WriteError> {
+        self.buffer.clear();
+        // A vector grows as needed: encoding into it cannot fail.
+        let _ = message.encode(&mut self.buffer);
+        let time = self.unix_start_ns + at.as_nanos();
+        let header = MessageHeader {
+            channel_id: self.channels[&topic],
+            sequence: self.sequence,
+            log_time: time,
+            publish_time: time,
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        Ok(self.writer.write_to_known_channel(&header, &self.buffer)?)
+    }
+
+    /// Hands everything written so far to the output.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn flush(&mut self) -> Result<(), WriteError> {
+        Ok(self.writer.flush()?)
+    }
+
+    /// Ends the recording with its index.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn finish(mut self) -> Result<(), WriteError> {
+        self.writer.finish()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,298 @@
+//! The client's end: start-up, pacing, shut-down, and what fits on the line.
+
+use core::time::Duration;
+
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+use barrelman_wire::fotokite_pro::pacing::Pacing;
+use barrelman_wire::fotokite_pro::session::Next;
+use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
+
+use crate::transcript::{Case, Event, cases, words};
+
+/// A line may leave this much after its time, as the transcripts' README says.
+const ROOM_MS: u64 = 5;
+
+fn at(ms: u64) -> Timestamp {
+    Timestamp::from_nanos(ms * 1_000_000)
+}
+
+fn settings(case: &Case) -> SessionSettings {
+    let framing = if case.has("framing=lf") { Framing::LineFeed } else { Framing::CarriageReturns };
+    let baud = case.value("baud").map_or(115_200, |baud| baud.parse().expect("a baud rate"));
+    SessionSettings::for_baud(framing, baud)
+}
+
+/// Lines that were sent, each with its time, and whether the client wants the port opened anew.
+#[derive(Default)]
+struct Sent {
+    lines: Vec<(u64, Vec<u8>)>,
+    reopened_at: Option<u64>,
+}
+
+/// Runs a session through a case, millisecond by millisecond, from `start` on.
+fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
+    let mut sent = Sent::default();
+    let end = case.events.last().expect("a case has events").0;
+    let mut events = case.events.iter().peekable();
+    for ms in 0..=end {
+        let now = at(start + ms);
+        let mut poll = |session: &mut Session| {
+            let mut out = Vec::new();
+            if session.poll(now, &mut out) == Next::Reopen {
+                sent.reopened_at.get_or_insert(ms);
+            }
+            if !out.is_empty() {
+                sent.lines.push((ms, out));
+            }
+        };
+        while let Some((_, event)) = events.next_if(|(time, _)| *time == ms) {
+            match event {
+                Event::StationSends(bytes) => session.received(bytes, now, |_| {}),
+                Event::Asked(rates) => session.request(*rates),
+                Event::AskedToEnd => session.close(now),
+                Event::ClientSends(_) | Event::Reopens | Event::Holds(_) | Event::Ends => continue,
+            }
+            poll(session);
+        }
+        poll(session);
+    }
+    sent
+}
+
+/// What a case expects the client to send: the bytes due at each time.
+fn expected_bytes(case: &Case) -> Vec<(u64, Vec<u8>)> {
+    let mut expected: Vec<(u64, Vec<u8>)> = Vec::new();
+    for (time, event) in &case.events {
+        if let Event::ClientSends(bytes) = event {
+            match expected.last_mut() {
+                Some((last, together)) if last == time => together.extend_from_slice(bytes),
+                _ => expected.push((*time, bytes.clone())),
+            }
+        }
+    }
+    expected
+}
+
+#[test]
+fn the_start_up_sequence_leaves_byte_for_byte_with_its_waits() {
+    for name in ["startup-115200.txt", "startup-9600.txt"] {
+        for case in cases(name) {
+            let mut session = Session::open(settings(&case), at(0));
+            let sent = run(&mut session, &case, 0);
+            // Rates go out after the start-up: they are other transcripts' matter.
+            let start_up: Vec<_> =
+                sent.lines.into_iter().filter(|(_, bytes)| !is_zero_burst(bytes)).collect();
+            let expected = expected_bytes(&case);
+            let texts = |lines: &[(u64, Vec<u8>)]| -> Vec<String> {
+                lines
+                    .iter()
+                    .map(|(_, bytes)| String::from_utf8_lossy(bytes).escape_debug().to_string())
+                    .collect()
+            };
+            assert_eq!(texts(&start_up), texts(&expected), "{name}, {}", case.name);
+            for ((ms, bytes), (due, _)) in start_up.iter().zip(&expected) {
+                let text = String::from_utf8_lossy(bytes);
+                assert!((*due..=due + ROOM_MS).contains(ms), "{}: {text:?} at {ms}, not {due} ms", case.name);
+            }
+            let reopens = case.events.iter().find(|(_, event)| *event == Event::Reopens).map(|(ms, _)| *ms);
+            assert_eq!(sent.reopened_at, reopens, "{}", case.name);
+        }
+    }
+}
+
+fn is_zero_burst(bytes: &[u8]) -> bool {
+    words(bytes).iter().all(|line| is_zero_of("Yaw", line) || is_zero_of("GimbalPitch", line))
+        && !words(bytes).is_empty()
+}
+
+fn is_zero_of(axis: &str, line: &str) -> bool {
+    line.strip_prefix(axis) == Some(" 0.000000")
+}
+
+/// Compares lines with what a case expects; zeros for an axis that rests may stand between, unless `exact`.
+fn compare(case: &Case, sent: &[(u64, String)]) {
+    let mut expected = case
+        .events
+        .iter()
+        .filter_map(|(time, event)| match event {
+            Event::ClientSends(bytes) => Some((*time, words(bytes).join(" | "))),
+            _ => None,
+        })
+        .peekable();
+    let mut moving = [("Yaw", false), ("GimbalPitch", false)];
+    for (ms, line) in sent {
+        let matches =
+            expected.peek().is_some_and(|(due, text)| text == line && (*due..=due + ROOM_MS).contains(ms));
+        if matches {
+            expected.next();
+        } else {
+            let spare =
+                moving.iter().any(|(axis, moves)| !moves && is_zero_of(axis, line)) && !case.has("exact");
+            assert!(spare, "{}: {line:?} at {ms} ms; expected {:?}", case.name, expected.peek());
+        }
+        for (axis, moves) in &mut moving {
+            if line.starts_with(&format!("{axis} ")) {
+                *moves = !is_zero_of(axis, line);
+            }
+        }
+    }
+    assert_eq!(expected.next(), None, "{}: never sent", case.name);
+}
+
+#[test]
+fn rates_asked_for_leave_as_the_transcript_says() {
+    for case in cases("pacing.txt") {
+        let mut pacing = Pacing::default();
+        let mut sent: Vec<(u64, String)> = Vec::new();
+        let end = case.events.last().expect("a case has events").0;
+        let mut events = case.events.iter().peekable();
+        for ms in 0..=end {
+            while let Some((_, event)) = events.next_if(|(time, _)| *time == ms) {
+                if let Event::Asked(rates) = event {
+                    pacing.want(*rates);
+                }
+            }
+            let before = sent.len();
+            if pacing.wake_at() <= at(ms) {
+                pacing.poll(at(ms), |command| sent.push((ms, command.to_string())));
+                assert!(sent.len() > before, "{}: woken at {ms} ms for nothing", case.name);
+            } else {
+                pacing.poll(at(ms), |command| sent.push((ms, command.to_string())));
+                assert_eq!(
+                    sent.len(),
+                    before,
+                    "{}: {:?} before it asked to be woken",
+                    case.name,
+                    sent.last()
+                );
+            }
+        }
+        compare(&case, &sent);
+    }
+}
+
+/// Opens a session and answers its start-up, and returns it with the time at which it has settled.
+fn settled(settings: SessionSettings) -> (Session, u64) {
+    let mut session = Session::open(settings, at(0));
+    let mut out = Vec::new();
+    for ms in 0..10_000 {
+        if ms == 510 {
+            session.received(b"\r\nnsh> ", at(ms), |_| {});
+        }
+        session.poll(at(ms), &mut out);
+    }
+    assert_eq!(session.link_state(), LinkState::Up);
+    (session, 10_000)
+}
+
+#[test]
+fn the_shut_down_leaves_as_the_transcript_says() {
+    for case in cases("shutdown.txt") {
+        let (mut session, start) = settled(settings(&case));
+        let sent = run(&mut session, &case, start);
+        let lines: Vec<(u64, String)> = sent
+            .lines
+            .iter()
+            .flat_map(|(ms, bytes)| words(bytes).into_iter().map(|line| (*ms, line)))
+            .collect();
+        compare(&case, &lines);
+        assert_eq!(session.link_state(), LinkState::Closed, "{}", case.name);
+    }
+}
+
+#[test]
+fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
+    let mut session = Session::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), at(0));
+    let mut lines = Vec::new();
+    for ms in 0..4_000 {
+        match ms {
+            510 => session.received(b"nsh> ", at(ms), |_| {}),
+            700 => session.request(VehicleRates {
+                yaw: AngularRate::from_radians_per_second(0.3),
+                pitch: AngularRate::ZERO,
+            }),
+            _ => {}
+        }
+        let mut out = Vec::new();
+        session.poll(at(ms), &mut out);
+        lines.extend(words(&out));
+    }
+    let rates: Vec<&String> =
+        lines.iter().filter(|line| line.starts_with(['Y', 'G']) && !line.starts_with("Get")).collect();
+    assert_eq!(rates[..3], ["GimbalPitch 0.000000", "Yaw 0.000000", "Yaw 0.300000"], "{lines:?}");
+}
+
+#[test]
+fn a_ground_station_that_left_remote_control_is_started_again() {
+    let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
+    session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), |_| {});
+    let mut out = Vec::new();
+    session.poll(at(start), &mut out);
+    assert_eq!((words(&out), session.restarts()), (vec!["stop".to_owned()], 1));
+}
+
+#[test]
+fn telemetry_that_falls_silent_asks_for_the_port_to_be_opened_anew() {
+    let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
+    session.received(b"!GSStatus 10,1.0,11.8,0\r\n", at(start), |_| {});
+    let mut out = Vec::new();
+    assert!(matches!(session.poll(at(start + 2_900), &mut out), Next::WaitUntil(_)));
+    assert_eq!(session.poll(at(start + 3_001), &mut out), Next::Reopen);
+}
+
+/// How full a line of `baud` gets: it carries a tenth of that in bytes per second (8 data bits, start, stop).
+struct Line {
+    bytes_per_ms: f64,
+    waiting_bytes: f64,
+}
+
+/// The worst that a pilot can ask for, 30 times a second for ten seconds, with a zero every second.
+fn worst_case(framing: Framing, baud: u32) -> (f64, f64) {
+    let (mut session, start) = settled(SessionSettings::for_baud(framing, baud));
+    let mut line = Line { bytes_per_ms: f64::from(baud) / 10.0 / 1000.0, waiting_bytes: 0.0 };
+    let (mut total, mut longest_wait_ms) = (0.0, 0.0_f64);
+    for ms in 0..10_000_u64 {
+        let moving = ms % 1000 >= 200;
+        if ms % 33 == 0 {
+            let wobble = if moving { 0.1 + (ms % 7) as f64 * 0.01 } else { 0.0 };
+            let rate = AngularRate::from_radians_per_second(-wobble);
+            session.request(VehicleRates { yaw: rate, pitch: rate });
+        }
+        let mut out = Vec::new();
+        session.poll(at(start + ms), &mut out);
+        line.waiting_bytes += out.len() as f64;
+        total += out.len() as f64;
+        longest_wait_ms = longest_wait_ms.max(line.waiting_bytes / line.bytes_per_ms);
+        line.waiting_bytes = (line.waiting_bytes - line.bytes_per_ms).max(0.0);
+    }
+    (total / 10.0, longest_wait_ms)
+}
+
+#[test]
+fn both_baud_rates_keep_up_with_the_worst_that_can_be_asked_for() {
+    for framing in [Framing::CarriageReturns, Framing::LineFeed] {
+        for baud in [9_600, 115_200] {
+            let (bytes_per_second, wait_ms) = worst_case(framing, baud);
+            let budget = f64::from(baud) / 10.0;
+            assert!(
+                bytes_per_second < 0.75 * budget,
+                "{framing:?} {baud}: {bytes_per_second} of {budget} bytes/s"
+            );
+            // Two zeros that leave together, behind one line that was just handed over: 72 bytes at 960 bytes/s.
+            assert!(wait_ms < 80.0, "{framing:?} {baud}: a line waited {wait_ms:.1} ms");
+        }
+    }
+}
+
+#[test]
+fn telemetry_at_9600_baud_is_asked_for_at_2_hz_and_fits() {
+    let slow = SessionSettings::for_baud(Framing::CarriageReturns, 9_600);
+    assert_eq!(slow.telemetry_per_second, 2.0);
+    // Five telemetry lines of some 45 bytes, and a !Param now and then.
+    let bytes_per_second = slow.telemetry_per_second * (5.0 * 45.0 + 22.0);
+    assert!(bytes_per_second < 960.0 * 0.75, "{bytes_per_second}");
+    assert_eq!(SessionSettings::for_baud(Framing::CarriageReturns, 115_200).telemetry_per_second, 10.0);
+    let never_early = Duration::from_millis(ROOM_MS);
+    assert!(never_early < Duration::from_millis(50));
+}

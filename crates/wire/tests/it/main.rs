@@ -1,0 +1,13 @@
+//! Both ends of the Fotokite Pro's protocol against transcripts that no program wrote
+//! (`fixtures/fotokite-pro/README.md` says how they are read).
+
+// Fixtures are files, and these are tests.
+#![allow(clippy::disallowed_methods)]
+
+mod transcript;
+
+mod client;
+mod commands;
+mod hostile;
+mod station;
+mod telemetry;
