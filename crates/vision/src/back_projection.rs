@@ -7,7 +7,7 @@
 
 use barrelman_vocab::{Picture, PictureSize};
 
-use crate::hue::{Floors, HueOfYuv};
+use crate::likeness::Likeness;
 use crate::moments::{ByteMap, Mass, Moments};
 use crate::window::Window;
 
@@ -38,59 +38,71 @@ impl BackProjection {
         &self.weights[row * self.width + self.known.x..][..self.known.w]
     }
 
-    pub(crate) fn look<'a>(&'a mut self, at: &'a Look<'a>) -> LookedAt<'a> {
-        LookedAt { map: self, at }
+    /// The map as seen on one picture, which has the size of the last restart and the encoding of `likeness`.
+    /// Where the known box has to grow, `margin` pixels more than needed are worked out.
+    pub(crate) fn look<'a>(
+        &'a mut self,
+        picture: &'a Picture,
+        likeness: &'a mut Likeness,
+        margin: usize,
+    ) -> Look<'a> {
+        Look { map: self, picture, likeness, margin }
     }
-
-    fn cover(&mut self, window: Window, at: &Look<'_>) {
-        if self.known.covers(window) {
-            return;
-        }
-        if self.known.is_empty() {
-            self.work_out(window, at);
-            self.known = window;
-            return;
-        }
-        let (old, new) = (self.known, self.known.union(window.inflated(at.margin, self.width, self.height)));
-        let above = Window { h: old.y - new.y, ..new };
-        let below = Window { y: old.bottom(), h: new.bottom() - old.bottom(), ..new };
-        let left = Window { x: new.x, w: old.x - new.x, ..old };
-        let right = Window { x: old.right(), w: new.right() - old.right(), ..old };
-        for missing in [above, below, left, right] {
-            self.work_out(missing, at);
-        }
-        self.known = new;
-    }
-
-    fn work_out(&mut self, window: Window, at: &Look<'_>) {
-        let (weights, width) = (&mut self.weights, self.width);
-        at.hue.codes(at.picture, window, at.floors, |x, y, codes| {
-            let row = &mut weights[y * width + x..][..codes.len()];
-            for (weight, &code) in row.iter_mut().zip(codes) {
-                *weight = at.weight_of[usize::from(code)];
-            }
-        });
-    }
-}
-
-/// What a back projection is taken of, and how.
-pub(crate) struct Look<'a> {
-    pub(crate) picture: &'a Picture,
-    pub(crate) hue: &'a HueOfYuv,
-    pub(crate) floors: Floors,
-    /// Weight of every hue code.
-    pub(crate) weight_of: &'a [u8; 256],
-    /// Pixels worked out beyond what is needed where the box has to grow.
-    pub(crate) margin: usize,
 }
 
 /// A back projection that works out what is asked of it.
-pub(crate) struct LookedAt<'a> {
+pub(crate) struct Look<'a> {
     map: &'a mut BackProjection,
-    at: &'a Look<'a>,
+    picture: &'a Picture,
+    likeness: &'a mut Likeness,
+    margin: usize,
 }
 
-impl Mass for LookedAt<'_> {
+impl Look<'_> {
+    fn cover(&mut self, window: Window) {
+        let (width, height) = (self.map.width, self.map.height);
+        let known = self.map.known;
+        if known.covers(window) {
+            return;
+        }
+        let new = if known.is_empty() {
+            window.on_blocks(width, height)
+        } else {
+            known.union(window.inflated(self.margin, width, height).on_blocks(width, height))
+        };
+        for missing in new.without(known) {
+            self.work_out(missing);
+        }
+        self.map.known = new;
+    }
+
+    /// Works out a window that lies on whole 2 x 2 blocks.
+    fn work_out(&mut self, window: Window) {
+        if window.is_empty() {
+            return;
+        }
+        let (luma, u_plane, v_plane) = (self.picture.y(), self.picture.u(), self.picture.v());
+        let chroma = window.x / 2..window.right().div_ceil(2);
+        let rows = &mut self.map.weights[window.y * self.map.width..window.bottom() * self.map.width];
+        for (i, rows) in rows.chunks_mut(2 * self.map.width).enumerate() {
+            let row = window.y + 2 * i;
+            let us = &u_plane.row(row / 2)[chroma.clone()];
+            let vs = &v_plane.row(row / 2)[chroma.clone()];
+            for (j, row_of_map) in rows.chunks_mut(self.map.width).enumerate() {
+                let samples = luma.row(row + j)[window.x..window.right()].chunks(2);
+                let weights = row_of_map[window.x..window.right()].chunks_mut(2);
+                for (((weights, samples), &u), &v) in weights.zip(samples).zip(us).zip(vs) {
+                    let likeness = self.likeness.row(u, v);
+                    for (weight, &sample) in weights.iter_mut().zip(samples) {
+                        *weight = likeness[usize::from(sample)];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Mass for Look<'_> {
     fn width(&self) -> usize {
         self.map.width
     }
@@ -101,7 +113,7 @@ impl Mass for LookedAt<'_> {
 
     fn moments(&mut self, window: Window) -> Moments {
         let window = window.clipped(self.map.width, self.map.height);
-        self.map.cover(window, self.at);
+        self.cover(window);
         ByteMap::new(&self.map.weights, self.map.width, self.map.height).moments(window)
     }
 }

@@ -10,8 +10,9 @@
 //! where there is no mass at all in the search window and its margin; the window then grows by the margin in every
 //! frame until it meets some, at last over the whole picture.
 //!
-//! Work per frame: the conversion of the pixels that the search visits, each once, and at most `max_iterations` + 2
-//! sums over a window; at worst, that of the whole picture. Memory: one byte per pixel of the picture.
+//! Work per frame: one look-up for every pixel that the search visits, sums over its windows, and about a
+//! microsecond for every pair of chroma samples that was not met before; at worst, that of the whole picture. Memory:
+//! one byte per pixel of the picture and the table of weights, at most 16 MiB.
 //!
 //! Not handled: a target without colour, water of the target's hue, a second thing of the same hue, loss and
 //! finding again. A later tracker does.
@@ -20,11 +21,12 @@ use barrelman_vocab::{
     Localisation, MotionPrior, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame, track::Shape,
 };
 
-use crate::back_projection::{BackProjection, Look};
+use crate::back_projection::BackProjection;
 use crate::config::{CamShiftConfig, ConfigError};
 use crate::explanation::Explanation;
 use crate::histogram::HueHistogram;
-use crate::hue::{HUES, HueOfYuv};
+use crate::hue::{Floors, HUES, HueOfYuv};
+use crate::likeness::Likeness;
 use crate::mean_shift::{MARGIN, Search, Target, cam_shift};
 use crate::moments::Mass;
 use crate::tracker::{SelectionError, SelectionReport, Tracker};
@@ -34,7 +36,6 @@ use crate::window::Window;
 #[derive(Debug)]
 pub struct CamShift {
     config: CamShiftConfig,
-    hue: Option<HueOfYuv>,
     map: BackProjection,
     target: Option<Followed>,
 }
@@ -43,6 +44,7 @@ pub struct CamShift {
 #[derive(Debug)]
 struct Followed {
     histogram: HueHistogram,
+    likeness: Likeness,
     /// Size of the picture that `window` counts in.
     picture: PictureSize,
     /// Where the next search starts.
@@ -57,7 +59,7 @@ impl CamShift {
     /// If a setting lies outside its range.
     pub fn new(config: CamShiftConfig) -> Result<Self, ConfigError> {
         let config = config.validated()?;
-        Ok(Self { config, hue: None, map: BackProjection::default(), target: None })
+        Ok(Self { config, map: BackProjection::default(), target: None })
     }
 
     /// Its settings.
@@ -76,17 +78,9 @@ impl Tracker for CamShift {
             return Err(SelectionError::Outside { selection, picture });
         };
         let floors = self.config.floors();
-        let hue = hue_for(&mut self.hue, &frame.picture);
-        let mut counts = [0u32; HUES as usize];
-        let mut coloured = 0u64;
-        hue.codes(&frame.picture, window, floors, |_, _, codes| {
-            for &code in codes {
-                if let Some(count) = counts.get_mut(usize::from(code)) {
-                    *count += 1;
-                    coloured += 1;
-                }
-            }
-        });
+        let hue = HueOfYuv::new(frame.picture.colour());
+        let counts = count_hues(&hue, &frame.picture, window, floors);
+        let coloured: u32 = counts.iter().sum();
         let Ok(histogram) = HueHistogram::new(&counts, self.config.bins) else {
             return Err(SelectionError::Colourless {
                 selection,
@@ -96,15 +90,9 @@ impl Tracker for CamShift {
             });
         };
 
-        let look = Look {
-            picture: &frame.picture,
-            hue,
-            floors,
-            weight_of: histogram.of_hue(),
-            margin: self.config.search_margin_px,
-        };
+        let mut likeness = Likeness::new(hue, floors, *histogram.of_hue());
         self.map.restart(picture);
-        let mut map = self.map.look(&look);
+        let mut map = self.map.look(&frame.picture, &mut likeness, self.config.search_margin_px);
         let within = map.moments(window);
         let ring = window.w.min(window.h).div_ceil(2);
         let around = window.inflated(ring, map.width(), map.height());
@@ -122,11 +110,11 @@ impl Tracker for CamShift {
         let report = SelectionReport {
             used,
             clipped: selection.clipped(picture) != selection,
-            coloured: coloured as f64 / window.area() as f64,
+            coloured: f64::from(coloured) / window.area() as f64,
             surroundings,
             localisation,
         };
-        self.target = Some(Followed { histogram, picture, window, lost_since: None });
+        self.target = Some(Followed { histogram, likeness, picture, window, lost_since: None });
         Ok(report)
     }
 
@@ -142,15 +130,11 @@ impl Tracker for CamShift {
         if start.area() <= 1 {
             start = start.inflated(MARGIN, picture.width as usize, picture.height as usize);
         }
-        let look = Look {
-            picture: &frame.picture,
-            hue: hue_for(&mut self.hue, &frame.picture),
-            floors: self.config.floors(),
-            weight_of: target.histogram.of_hue(),
-            margin: self.config.search_margin_px,
-        };
+        if target.likeness.hue().colour() != frame.picture.colour() {
+            target.likeness.turn_to(HueOfYuv::new(frame.picture.colour()));
+        }
         self.map.restart(picture);
-        let mut map = self.map.look(&look);
+        let mut map = self.map.look(&frame.picture, &mut target.likeness, self.config.search_margin_px);
         target.picture = picture;
         match cam_shift(&mut map, start, self.config.criteria()) {
             Search::Found(found) => {
@@ -192,13 +176,19 @@ impl Tracker for CamShift {
     }
 }
 
-/// The converter for a picture's encoding, built anew only where the encoding changed.
-fn hue_for<'a>(slot: &'a mut Option<HueOfYuv>, picture: &Picture) -> &'a HueOfYuv {
-    let colour = picture.colour();
-    if slot.as_ref().is_some_and(|hue| hue.colour() != colour) {
-        *slot = None;
+/// How many pixels of the window have each hue.
+fn count_hues(hue: &HueOfYuv, picture: &Picture, window: Window, floors: Floors) -> [u32; HUES as usize] {
+    let mut counts = [0; HUES as usize];
+    for row in window.y..window.bottom() {
+        let (ys, us, vs) = (picture.y().row(row), picture.u().row(row / 2), picture.v().row(row / 2));
+        for column in window.x..window.right() {
+            let code = hue.code([ys[column], us[column / 2], vs[column / 2]], floors);
+            if let Some(count) = counts.get_mut(usize::from(code)) {
+                *count += 1;
+            }
+        }
     }
-    slot.get_or_insert_with(|| HueOfYuv::new(colour))
+    counts
 }
 
 fn shape(target: Target) -> Shape {

@@ -20,6 +20,8 @@ mod camshift;
 mod config;
 
 mod back_projection;
+mod likeness;
+
 mod histogram;
 mod hue;
 

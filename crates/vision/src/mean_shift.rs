@@ -16,12 +16,13 @@
 //! recorded boats it fits the labels as well as published for OpenCV's (the box around the rotated ellipse is too
 //! large for a target whose back projection has stray mass around it).
 //!
-//! Work: at most `max_iterations` + 1 passes over a window, each with a few whole-number operations per pixel.
+//! Work: one pass over the first window with a few whole-number operations per pixel, and for each of the at most
+//! `max_iterations` steps the pixels that enter and leave the window, never more than another pass.
 //! Not handled: several targets (the window holds whatever mass is in it) and scale in between the frames.
 
 use barrelman_vocab::{Angle, PixelPoint};
 
-use crate::moments::{Mass, Moments};
+use crate::moments::{Mass, Moments, RunningMoments};
 use crate::window::Window;
 
 /// Pixels that the window is enlarged by on every side before size and direction are taken, and by which it grows
@@ -64,9 +65,10 @@ pub struct Target {
 /// Searches for the target from the window `start` (what lies outside the map is cut off).
 pub fn cam_shift(map: &mut impl Mass, start: Window, criteria: Criteria) -> Search {
     let (width, height) = (map.width(), map.height());
-    let rest = mean_shift(map, start.clipped(width, height), criteria);
+    let mut sums = RunningMoments::new(map);
+    let rest = mean_shift(&mut sums, (width, height), start.clipped(width, height), criteria);
     let around = rest.inflated(MARGIN, width, height);
-    match Target::of(&map.moments(around), width, height) {
+    match Target::of(&sums.over(around), width, height) {
         Some(target) => Search::Found(target),
         None => Search::Nothing(around),
     }
@@ -80,15 +82,20 @@ impl Target {
 }
 
 /// Moves the window onto the mass in it, and returns where it came to rest.
-fn mean_shift(map: &mut impl Mass, start: Window, criteria: Criteria) -> Window {
+fn mean_shift<M: Mass>(
+    sums: &mut RunningMoments<'_, M>,
+    (width, height): (usize, usize),
+    start: Window,
+    criteria: Criteria,
+) -> Window {
     let mut window = start;
     for _ in 0..criteria.max_iterations.max(1) {
-        let sums = map.moments(window);
+        let sums = sums.over(window);
         if sums.m00 == 0 {
             break;
         }
-        let x = moved(window.x, window.w, sums.m10, sums.m00, map.width());
-        let y = moved(window.y, window.h, sums.m01, sums.m00, map.height());
+        let x = moved(window.x, window.w, sums.m10, sums.m00, width);
+        let y = moved(window.y, window.h, sums.m01, sums.m00, height);
         let (step_x, step_y) = (x.abs_diff(window.x) as f64, y.abs_diff(window.y) as f64);
         (window.x, window.y) = (x, y);
         if step_x * step_x + step_y * step_y < criteria.epsilon_px * criteria.epsilon_px {

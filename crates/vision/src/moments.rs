@@ -4,6 +4,8 @@
 //! is m_ij = sum of p(x, y) x^i y^j. All sums are whole numbers and exact: in 64 bits they hold pictures of up to
 //! 16384 x 16384 pixels.
 
+use core::ops::{AddAssign, SubAssign};
+
 use crate::window::Window;
 
 /// Moments over a window, x and y counted in whole pixels from the map's top left pixel (whose x and y are 0).
@@ -21,6 +23,62 @@ pub struct Moments {
     pub m11: u64,
     /// Sum of weight times y squared.
     pub m02: u64,
+}
+
+impl AddAssign for Moments {
+    fn add_assign(&mut self, other: Self) {
+        self.m00 += other.m00;
+        self.m10 += other.m10;
+        self.m01 += other.m01;
+        self.m20 += other.m20;
+        self.m11 += other.m11;
+        self.m02 += other.m02;
+    }
+}
+
+impl SubAssign for Moments {
+    /// Takes away a part of what was summed.
+    fn sub_assign(&mut self, part: Self) {
+        self.m00 -= part.m00;
+        self.m10 -= part.m10;
+        self.m01 -= part.m01;
+        self.m20 -= part.m20;
+        self.m11 -= part.m11;
+        self.m02 -= part.m02;
+    }
+}
+
+/// Moments over a window that moves: only what enters and what leaves is summed anew. The sums are whole numbers, so
+/// that they come out as if all had been summed.
+pub(crate) struct RunningMoments<'a, M> {
+    map: &'a mut M,
+    window: Window,
+    sums: Moments,
+}
+
+impl<'a, M: Mass> RunningMoments<'a, M> {
+    pub(crate) fn new(map: &'a mut M) -> Self {
+        Self { map, window: Window::default(), sums: Moments::default() }
+    }
+
+    /// The moments over the part of `window` that lies in the map.
+    pub(crate) fn over(&mut self, window: Window) -> Moments {
+        let window = window.clipped(self.map.width(), self.map.height());
+        let (entering, leaving) = (window.without(self.window), self.window.without(window));
+        let area = |pieces: [Window; 4]| pieces.into_iter().map(Window::area).sum::<usize>();
+        if area(entering) + area(leaving) < window.area() {
+            for piece in entering.into_iter().filter(|piece| !piece.is_empty()) {
+                self.sums += self.map.moments(piece);
+            }
+            for piece in leaving.into_iter().filter(|piece| !piece.is_empty()) {
+                self.sums -= self.map.moments(piece);
+            }
+        } else {
+            self.sums = self.map.moments(window);
+        }
+        self.window = window;
+        self.sums
+    }
 }
 
 /// Something that has a mass at every pixel and can be summed over windows.

@@ -92,6 +92,35 @@ impl Window {
         Self { x, y, w: right - x, h: bottom - y }
     }
 
+    /// The part of this window that `other` does not cover, as the pieces above, below, to the left and to the right
+    /// of it; any of them may be empty.
+    pub fn without(self, other: Self) -> [Self; 4] {
+        let (left, right) = (other.x.clamp(self.x, self.right()), other.right().clamp(self.x, self.right()));
+        let (top, bottom) =
+            (other.y.clamp(self.y, self.bottom()), other.bottom().clamp(self.y, self.bottom()));
+        if left >= right || top >= bottom {
+            let nothing = Self { w: 0, h: 0, ..self };
+            return [self, nothing, nothing, nothing];
+        }
+        let beside = Self { y: top, h: bottom - top, ..self };
+        [
+            Self { h: top - self.y, ..self },
+            Self { y: bottom, h: self.bottom() - bottom, ..self },
+            Self { w: left - self.x, ..beside },
+            Self { x: right, w: self.right() - right, ..beside },
+        ]
+    }
+
+    /// The smallest window that covers this one and cuts no block of 2 x 2 pixels that share a chroma sample, in a
+    /// picture of that size.
+    #[must_use]
+    pub fn on_blocks(self, width: usize, height: usize) -> Self {
+        let (x, y) = (self.x & !1, self.y & !1);
+        let right = self.right().next_multiple_of(2).min(width);
+        let bottom = self.bottom().next_multiple_of(2).min(height);
+        Self { x, y, w: right.saturating_sub(x), h: bottom.saturating_sub(y) }
+    }
+
     /// The same box in pixel coordinates.
     pub fn in_pixels(self) -> PixelBox {
         PixelBox { u: self.x as f64, v: self.y as f64, w: self.w as f64, h: self.h as f64 }

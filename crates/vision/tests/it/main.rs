@@ -1,4 +1,5 @@
 //! What the tracker promises.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
 
 mod agreement_with_opencv;
 mod allocation;

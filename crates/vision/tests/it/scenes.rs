@@ -6,16 +6,16 @@ use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
 /// Y, U and V of a colour, BT.601 in limited range.
-pub type Yuv = [u8; 3];
+pub(crate) type Yuv = [u8; 3];
 
-pub const RED: Yuv = [81, 90, 240];
-pub const ORANGE_RED: Yuv = [100, 85, 235];
-pub const BLUE: Yuv = [70, 190, 100];
-pub const GREY: Yuv = [120, 128, 128];
-pub const BLACK: Yuv = [16, 128, 128];
+pub(crate) const RED: Yuv = [81, 90, 240];
+pub(crate) const ORANGE_RED: Yuv = [100, 85, 235];
+pub(crate) const BLUE: Yuv = [70, 190, 100];
+pub(crate) const GREY: Yuv = [120, 128, 128];
+pub(crate) const BLACK: Yuv = [16, 128, 128];
 
 /// A frame of one colour with boxes of others painted over it in order; chroma goes by blocks of 2 x 2.
-pub fn frame(size: (u32, u32), water: Yuv, boats: &[(Yuv, [usize; 4])]) -> VideoFrame {
+pub(crate) fn frame(size: (u32, u32), water: Yuv, boats: &[(Yuv, [usize; 4])]) -> VideoFrame {
     let size = PictureSize::new(size.0, size.1);
     let mut picture = Picture::black(size, ColourEncoding::assumed_for(PictureSize::new(640, 480)));
     let (width, height) = (size.width as usize, size.height as usize);
@@ -36,11 +36,11 @@ pub fn frame(size: (u32, u32), water: Yuv, boats: &[(Yuv, [usize; 4])]) -> Video
 }
 
 /// The same frame, captured so many milliseconds after the start.
-pub fn at_ms(mut frame: VideoFrame, milliseconds: u64) -> VideoFrame {
+pub(crate) fn at_ms(mut frame: VideoFrame, milliseconds: u64) -> VideoFrame {
     frame.capture.at = Timestamp::from_nanos(milliseconds * 1_000_000);
     frame
 }
 
-pub const fn pixels(u: f64, v: f64, w: f64, h: f64) -> PixelBox {
+pub(crate) const fn pixels(u: f64, v: f64, w: f64, h: f64) -> PixelBox {
     PixelBox { u, v, w, h }
 }
