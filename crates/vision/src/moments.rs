@@ -1,0 +1,180 @@
+//! Sums over a window of a map of weights, up to the second order.
+//!
+//! With p(x, y) the weight (0 to 255) of the pixel in column x and row y, the moment of order (i, j) over a window
+//! is m_ij = sum of p(x, y) x^i y^j. All sums are whole numbers and exact: in 64 bits they hold pictures of up to
+//! 16384 x 16384 pixels.
+
+use core::ops::{AddAssign, SubAssign};
+
+use crate::window::Window;
+
+/// Moments over a window, x and y counted in whole pixels from the map's top left pixel (whose x and y are 0).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Moments {
+    /// Sum of the weights: the mass.
+    pub m00: u64,
+    /// Sum of weight times x.
+    pub m10: u64,
+    /// Sum of weight times y.
+    pub m01: u64,
+    /// Sum of weight times x squared.
+    pub m20: u64,
+    /// Sum of weight times x times y.
+    pub m11: u64,
+    /// Sum of weight times y squared.
+    pub m02: u64,
+}
+
+impl AddAssign for Moments {
+    fn add_assign(&mut self, other: Self) {
+        self.m00 += other.m00;
+        self.m10 += other.m10;
+        self.m01 += other.m01;
+        self.m20 += other.m20;
+        self.m11 += other.m11;
+        self.m02 += other.m02;
+    }
+}
+
+impl SubAssign for Moments {
+    /// Takes away a part of what was summed.
+    fn sub_assign(&mut self, part: Self) {
+        self.m00 -= part.m00;
+        self.m10 -= part.m10;
+        self.m01 -= part.m01;
+        self.m20 -= part.m20;
+        self.m11 -= part.m11;
+        self.m02 -= part.m02;
+    }
+}
+
+/// Moments over a window that moves: only what enters and what leaves is summed anew. The sums are whole numbers, so
+/// that they come out as if all had been summed.
+pub(crate) struct RunningMoments<'a, M> {
+    map: &'a mut M,
+    window: Window,
+    sums: Moments,
+}
+
+impl<'a, M: Mass> RunningMoments<'a, M> {
+    pub(crate) fn new(map: &'a mut M) -> Self {
+        Self { map, window: Window::default(), sums: Moments::default() }
+    }
+
+    /// The moments over the part of `window` that lies in the map.
+    pub(crate) fn over(&mut self, window: Window) -> Moments {
+        let window = window.clipped(self.map.width(), self.map.height());
+        let (entering, leaving) = (window.without(self.window), self.window.without(window));
+        let area = |pieces: [Window; 4]| pieces.into_iter().map(Window::area).sum::<usize>();
+        if area(entering) + area(leaving) < window.area() {
+            for piece in entering.into_iter().filter(|piece| !piece.is_empty()) {
+                self.sums += self.map.moments(piece);
+            }
+            for piece in leaving.into_iter().filter(|piece| !piece.is_empty()) {
+                self.sums -= self.map.moments(piece);
+            }
+        } else {
+            self.sums = self.map.moments(window);
+        }
+        self.window = window;
+        self.sums
+    }
+}
+
+/// Something that has a mass at every pixel and can be summed over windows.
+pub trait Mass {
+    /// Columns of the map.
+    fn width(&self) -> usize;
+    /// Rows of the map.
+    fn height(&self) -> usize;
+    /// The moments over the part of `window` that lies in the map.
+    fn moments(&mut self, window: Window) -> Moments;
+}
+
+/// A map of weights, one byte per pixel, rows tightly packed, borrowed.
+#[derive(Debug, Clone, Copy)]
+pub struct ByteMap<'a> {
+    weights: &'a [u8],
+    width: usize,
+    height: usize,
+}
+
+impl<'a> ByteMap<'a> {
+    /// A map of `width` columns and as many whole rows as `weights` holds, at most `height`.
+    pub fn new(weights: &'a [u8], width: usize, height: usize) -> Self {
+        let rows = weights.len().checked_div(width).unwrap_or(0);
+        Self { weights, width, height: height.min(rows) }
+    }
+}
+
+impl Mass for ByteMap<'_> {
+    fn width(&self) -> usize {
+        self.width
+    }
+
+    fn height(&self) -> usize {
+        self.height
+    }
+
+    fn moments(&mut self, window: Window) -> Moments {
+        let window = window.clipped(self.width, self.height);
+        let mut sums = Moments::default();
+        if window.is_empty() {
+            return sums;
+        }
+        let rows = self.weights.chunks_exact(self.width).enumerate().skip(window.y).take(window.h);
+        for (y, row) in rows {
+            let row_sums = RowSums::of(&row[window.x..][..window.w]);
+            let (x, y) = (window.x as u64, y as u64);
+            let along_x = row_sums.s1 + x * row_sums.s0;
+            sums.m00 += row_sums.s0;
+            sums.m10 += along_x;
+            sums.m01 += y * row_sums.s0;
+            sums.m20 += row_sums.s2 + 2 * x * row_sums.s1 + x * x * row_sums.s0;
+            sums.m11 += y * along_x;
+            sums.m02 += y * y * row_sums.s0;
+        }
+        sums
+    }
+}
+
+/// Sums along a row: of the weights, times x, times x squared, x counted from the row's first pixel.
+#[derive(Default)]
+struct RowSums {
+    s0: u64,
+    s1: u64,
+    s2: u64,
+}
+
+/// Pixels summed at a stretch, so that 32 bits hold the sums and a processor can take several at once.
+const STRETCH: usize = 32;
+
+impl RowSums {
+    fn of(row: &[u8]) -> Self {
+        let mut sums = Self::default();
+        let (stretches, rest) = row.as_chunks::<STRETCH>();
+        let mut start = 0;
+        for stretch in stretches {
+            sums.add(start, stretch);
+            start += STRETCH as u64;
+        }
+        let mut padded = [0; STRETCH];
+        padded[..rest.len()].copy_from_slice(rest);
+        sums.add(start, &padded);
+        sums
+    }
+
+    fn add(&mut self, start: u64, stretch: &[u8; STRETCH]) {
+        let (mut c0, mut c1, mut c2) = (0u32, 0u32, 0u32);
+        for (i, &weight) in stretch.iter().enumerate() {
+            let (weight, i) = (i32::from(weight), i as i32);
+            c0 += weight as u32;
+            c1 += (weight * i) as u32;
+            c2 += (weight * (i * i)) as u32;
+        }
+        let (c0, c1, c2) = (u64::from(c0), u64::from(c1), u64::from(c2));
+        self.s0 += c0;
+        self.s1 += c1 + start * c0;
+        self.s2 += c2 + 2 * start * c1 + start * start * c0;
+    }
+}

@@ -1,0 +1,136 @@
+//! A box on whole pixels inside a picture: what sums over pixels are taken over.
+
+use barrelman_vocab::{PictureSize, PixelBox};
+
+/// A box of whole pixels: columns `x` to `x + w`, rows `y` to `y + h`, the last excluded. Empty where w or h is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Window {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Columns.
+    pub w: usize,
+    /// Rows.
+    pub h: usize,
+}
+
+impl Window {
+    /// The whole of a picture.
+    pub const fn whole(width: usize, height: usize) -> Self {
+        Self { x: 0, y: 0, w: width, h: height }
+    }
+
+    /// The pixels of `area` in the picture: its edges go to the nearest border between pixels, but at least one
+    /// pixel is kept. Nothing where the box is empty or does not meet the picture.
+    pub fn nearest(area: PixelBox, picture: PictureSize) -> Option<Self> {
+        let inside = area.clipped(picture);
+        if area.is_empty() || inside.is_empty() {
+            return None;
+        }
+        let (x, w) = nearest_span(inside.u, inside.w, picture.width);
+        let (y, h) = nearest_span(inside.v, inside.h, picture.height);
+        Some(Self { x, y, w, h })
+    }
+
+    /// Pixels covered.
+    pub const fn area(self) -> usize {
+        self.w * self.h
+    }
+
+    /// Whether no pixel is covered.
+    pub const fn is_empty(self) -> bool {
+        self.w == 0 || self.h == 0
+    }
+
+    /// The first column to the right of the window.
+    pub const fn right(self) -> usize {
+        self.x + self.w
+    }
+
+    /// The first row below the window.
+    pub const fn bottom(self) -> usize {
+        self.y + self.h
+    }
+
+    /// The window with `margin` pixels more on every side, as far as they lie in a map of that size.
+    #[must_use]
+    pub fn inflated(self, margin: usize, width: usize, height: usize) -> Self {
+        let (x, y) = (self.x.saturating_sub(margin), self.y.saturating_sub(margin));
+        let right = self.right().saturating_add(margin).min(width);
+        let bottom = self.bottom().saturating_add(margin).min(height);
+        Self { x, y, w: right.saturating_sub(x), h: bottom.saturating_sub(y) }
+    }
+
+    /// The part of the window that lies in a map of that size.
+    #[must_use]
+    pub fn clipped(self, width: usize, height: usize) -> Self {
+        let (x, y) = (self.x.min(width), self.y.min(height));
+        Self { x, y, w: self.w.min(width - x), h: self.h.min(height - y) }
+    }
+
+    /// Whether every pixel of `other` is one of this window.
+    pub const fn covers(self, other: Self) -> bool {
+        other.is_empty()
+            || (self.x <= other.x
+                && self.y <= other.y
+                && self.right() >= other.right()
+                && self.bottom() >= other.bottom())
+    }
+
+    /// The smallest window that covers both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        if self.is_empty() {
+            return other;
+        }
+        if other.is_empty() {
+            return self;
+        }
+        let (x, y) = (self.x.min(other.x), self.y.min(other.y));
+        let (right, bottom) = (self.right().max(other.right()), self.bottom().max(other.bottom()));
+        Self { x, y, w: right - x, h: bottom - y }
+    }
+
+    /// The part of this window that `other` does not cover, as the pieces above, below, to the left and to the right
+    /// of it; any of them may be empty.
+    pub fn without(self, other: Self) -> [Self; 4] {
+        let (left, right) = (other.x.clamp(self.x, self.right()), other.right().clamp(self.x, self.right()));
+        let (top, bottom) =
+            (other.y.clamp(self.y, self.bottom()), other.bottom().clamp(self.y, self.bottom()));
+        if left >= right || top >= bottom {
+            let nothing = Self { w: 0, h: 0, ..self };
+            return [self, nothing, nothing, nothing];
+        }
+        let beside = Self { y: top, h: bottom - top, ..self };
+        [
+            Self { h: top - self.y, ..self },
+            Self { y: bottom, h: self.bottom() - bottom, ..self },
+            Self { w: left - self.x, ..beside },
+            Self { x: right, w: self.right() - right, ..beside },
+        ]
+    }
+
+    /// The smallest window that covers this one and cuts no block of 2 x 2 pixels that share a chroma sample, in a
+    /// picture of that size.
+    #[must_use]
+    pub fn on_blocks(self, width: usize, height: usize) -> Self {
+        let (x, y) = (self.x & !1, self.y & !1);
+        let right = self.right().next_multiple_of(2).min(width);
+        let bottom = self.bottom().next_multiple_of(2).min(height);
+        Self { x, y, w: right.saturating_sub(x), h: bottom.saturating_sub(y) }
+    }
+
+    /// The same box in pixel coordinates.
+    pub fn in_pixels(self) -> PixelBox {
+        PixelBox { u: self.x as f64, v: self.y as f64, w: self.w as f64, h: self.h as f64 }
+    }
+}
+
+/// The nearest whole pixels to `start..start + length`, at least one, below `end`.
+fn nearest_span(start: f64, length: f64, end: u32) -> (usize, usize) {
+    let last = (end as usize).saturating_sub(1);
+    let first = ((start + 0.5) as usize).min(last);
+    let behind = ((start + length + 0.5) as usize).clamp(first + 1, last + 1);
+    (first, behind - first)
+}

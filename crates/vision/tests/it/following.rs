@@ -1,0 +1,156 @@
+//! What the tracker says of frame after frame.
+
+use core::time::Duration;
+
+use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
+use barrelman_vocab::{Localisation, MotionPrior, PixelBox, Timestamp, Track, VideoFrame};
+
+use crate::scenes::{BLACK, BLUE, GREY, ORANGE_RED, RED, Yuv, at_ms, frame, pixels};
+
+const SIZE: (u32, u32) = (320, 240);
+
+fn seeded(scene: &VideoFrame, selection: PixelBox) -> CamShift {
+    let mut tracker = CamShift::new(CamShiftConfig::default()).unwrap();
+    tracker.select(scene, selection).unwrap();
+    tracker
+}
+
+fn boat(colour: Yuv, left: usize, top: usize) -> VideoFrame {
+    frame(SIZE, BLUE, &[(colour, [left, top, 40, 20])])
+}
+
+fn seen(track: Track) -> Localisation {
+    match track {
+        Track::Tracking(localisation) => localisation,
+        other => panic!("not tracking: {other:?}"),
+    }
+}
+
+#[test]
+fn a_boat_is_followed_across_the_picture() {
+    let mut tracker = seeded(&boat(RED, 20, 30), pixels(20.0, 30.0, 40.0, 20.0));
+    for step in 1..20 {
+        let (left, top) = (20 + 12 * step, 30 + 8 * step);
+        let here = seen(tracker.track(&boat(RED, left, top), None));
+        assert!((here.centre.u - (left as f64 + 20.0)).abs() < 0.01, "{step}: {:?}", here.centre);
+        assert!((here.centre.v - (top as f64 + 10.0)).abs() < 0.01, "{step}: {:?}", here.centre);
+        // A uniform box of length l has an axis of 4 l / sqrt(12), 1.155 l.
+        let shape = here.shape.unwrap();
+        assert!((shape.major_px - 46.18).abs() < 0.1 && (shape.minor_px - 23.07).abs() < 0.1, "{shape:?}");
+        assert_eq!(here.heading, None);
+    }
+}
+
+#[test]
+fn red_is_one_hue_on_both_sides_of_the_wrap() {
+    // The selection is half crimson, half vermilion: bins 15 and 0.
+    let crimson: Yuv = [81, 100, 240];
+    let both = |left: usize| {
+        frame(SIZE, BLUE, &[(crimson, [left, 60, 20, 20]), (ORANGE_RED, [left + 20, 60, 20, 20])])
+    };
+    let mut tracker = seeded(&both(100), pixels(100.0, 60.0, 40.0, 20.0));
+    let mut out = Explanation::default();
+    tracker.explain(&mut out);
+    assert_eq!(out.histogram[0], 255);
+    assert_eq!(out.histogram[15], 255);
+    let here = seen(tracker.track(&both(110), None));
+    assert!((here.centre.u - 130.0).abs() < 0.01, "{:?}", here.centre);
+}
+
+#[test]
+fn a_target_without_colour_in_the_window_is_lost_since_the_first_such_frame() {
+    let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
+    let gone = frame(SIZE, BLUE, &[]);
+    let since = Timestamp::from_nanos(40_000_000);
+    for milliseconds in [40, 80, 120] {
+        let track = tracker.track(&at_ms(gone.clone(), milliseconds), None);
+        assert_eq!(track, Track::Lost { since, confidence: 0.0 });
+    }
+}
+
+#[test]
+fn a_lost_target_is_found_again_as_the_window_grows() {
+    let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
+    tracker.track(&frame(SIZE, BLUE, &[]), None);
+    let frames = (0..30).find(|_| tracker.track(&boat(RED, 240, 180), None).localisation().is_some());
+    // 100 px to the right of the window, 10 px a frame.
+    assert!(frames.is_some_and(|frames| (5..15).contains(&frames)), "{frames:?}");
+    // Once met, the rest of the boat comes into the window within a few frames.
+    for _ in 0..5 {
+        tracker.track(&boat(RED, 240, 180), None);
+    }
+    let here = seen(tracker.track(&boat(RED, 240, 180), None));
+    assert!((here.centre.u - 260.0).abs() < 0.01, "{:?}", here.centre);
+}
+
+#[test]
+fn a_jump_with_the_camera_is_followed_by_the_prior_alone() {
+    let prior = |shift_u_px| MotionPrior {
+        shift_u_px,
+        shift_v_px: 0.0,
+        deviation_px: 2.0,
+        over: Duration::from_millis(33),
+    };
+    let selection = pixels(20.0, 60.0, 40.0, 20.0);
+    let (before, after) = (boat(RED, 20, 60), boat(RED, 220, 60));
+    assert!(matches!(seeded(&before, selection).track(&after, None), Track::Lost { .. }));
+    let nonsense = prior(f64::NAN);
+    assert!(matches!(seeded(&before, selection).track(&after, Some(&nonsense)), Track::Lost { .. }));
+    let here = seen(seeded(&before, selection).track(&after, Some(&prior(195.0))));
+    assert!((here.centre.u - 240.0).abs() < 0.01, "{:?}", here.centre);
+}
+
+#[test]
+fn a_picture_of_another_size_shows_the_boat_in_the_same_place() {
+    let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
+    let doubled = frame((640, 480), BLUE, &[(RED, [200, 120, 80, 40])]);
+    let here = seen(tracker.track(&doubled, None));
+    assert_eq!((here.picture.width, here.picture.height), (640, 480));
+    assert!((here.centre.u - 240.0).abs() < 0.01 && (here.centre.v - 140.0).abs() < 0.01);
+}
+
+#[test]
+fn confidence_is_the_mean_likeness_in_the_box() {
+    let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
+    let here = seen(tracker.track(&boat(RED, 100, 60), None));
+    let expected = 40.0 * 20.0 / here.bounds.area();
+    assert!((here.confidence - expected).abs() < 1e-12, "{} against {expected}", here.confidence);
+}
+
+#[test]
+fn the_margin_of_the_search_changes_no_answer() {
+    let path: Vec<_> = (0..12).map(|step| boat(RED, 20 + 20 * step, 30 + 9 * step)).collect();
+    let tracks = |search_margin_px| -> Vec<Track> {
+        let config = CamShiftConfig { search_margin_px, ..CamShiftConfig::default() };
+        let mut tracker = CamShift::new(config).unwrap();
+        tracker.select(&path[0], pixels(20.0, 30.0, 40.0, 20.0)).unwrap();
+        path.iter().map(|frame| tracker.track(frame, None)).collect()
+    };
+    assert_eq!(tracks(0), tracks(12));
+    assert_eq!(tracks(1000), tracks(12));
+}
+
+#[test]
+fn an_explanation_shows_the_window_the_back_projection_and_the_histogram() {
+    let scene = frame(SIZE, GREY, &[(RED, [100, 60, 40, 20])]);
+    let mut tracker = seeded(&scene, pixels(100.0, 60.0, 40.0, 20.0));
+    let here = seen(tracker.track(&scene, None));
+    let mut out = Explanation::default();
+    tracker.explain(&mut out);
+    assert_eq!(out.search_window, Some(here.bounds));
+    assert_eq!(out.histogram.len(), 16);
+    let grey = &out.back_projection;
+    assert_eq!(grey.samples.len(), grey.width * grey.height);
+    assert_eq!((grey.bounds.w, grey.bounds.h), (grey.width as f64, grey.height as f64));
+    for (i, &sample) in grey.samples.iter().enumerate() {
+        let (u, v) = (grey.bounds.u + (i % grey.width) as f64, grey.bounds.v + (i / grey.width) as f64);
+        let red = (100.0..140.0).contains(&u) && (60.0..80.0).contains(&v);
+        assert_eq!(sample, if red { 255 } else { 0 }, "at {u},{v}");
+    }
+}
+
+#[test]
+fn a_black_picture_holds_no_target() {
+    let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
+    assert!(matches!(tracker.track(&frame(SIZE, BLACK, &[]), None), Track::Lost { .. }));
+}
