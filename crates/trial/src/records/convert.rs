@@ -21,7 +21,7 @@ use super::stored;
 
 /// What is wrong with a stored message.
 #[derive(Debug)]
-pub(super) struct Malformed(pub(super) String);
+pub struct Malformed(pub(super) String);
 
 impl From<prost::DecodeError> for Malformed {
     fn from(error: prost::DecodeError) -> Self {
@@ -166,10 +166,10 @@ impl From<&EncodedUnit> for stored::VideoUnit {
     }
 }
 
-impl TryFrom<(stored::VideoUnit, Bytes)> for EncodedUnit {
-    type Error = Malformed;
-
-    fn try_from((unit, payload): (stored::VideoUnit, Bytes)) -> Result<Self, Malformed> {
+impl stored::VideoUnit {
+    /// The unit that this message announced, once its payload came.
+    pub(super) fn with(self, payload: Bytes) -> Result<EncodedUnit, Malformed> {
+        let unit = self;
         let codec = match unit.codec() {
             stored::UnitCodec::H264 => UnitCodec::H264AnnexB,
             stored::UnitCodec::Jpeg => UnitCodec::Jpeg,
@@ -187,7 +187,7 @@ impl TryFrom<(stored::VideoUnit, Bytes)> for EncodedUnit {
             270 => Rotation::Clockwise270,
             _ => return Err(missing("rotation_deg")),
         };
-        Ok(Self {
+        Ok(EncodedUnit {
             epoch: unit.epoch,
             index: unit.index,
             capture: capture(unit.captured_ns, unit.capture_quality())?,

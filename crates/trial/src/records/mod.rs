@@ -14,8 +14,8 @@ pub mod table;
 mod topics;
 
 /// The messages as stored, generated from `proto/barrelman.proto`.
-#[allow(missing_docs, clippy::all)]
-pub mod stored {
+#[allow(missing_docs, unreachable_pub, clippy::all)]
+mod stored {
     include!(concat!(env!("OUT_DIR"), "/barrelman.rs"));
 }
 

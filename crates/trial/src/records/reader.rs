@@ -2,7 +2,6 @@
 
 use std::io::Read;
 
-use barrelman_vocab::EncodedUnit;
 use bytes::Bytes;
 use foxglove::messages::{CompressedImage, CompressedVideo};
 use prost::Message as _;
@@ -89,7 +88,7 @@ fn read(
     announced: &mut Option<stored::VideoUnit>,
 ) -> Result<Option<Entry>, Malformed> {
     let mut unit = |payload: Bytes| match announced.take() {
-        Some(unit) => EncodedUnit::try_from((unit, payload)).map(|unit| Some(Entry::Unit(unit))),
+        Some(unit) => unit.with(payload).map(|unit| Some(Entry::Unit(unit))),
         None => Err(Malformed("a picture that no unit announced".to_owned())),
     };
     Ok(Some(match topic {

@@ -12,7 +12,6 @@ use bytes::Bytes;
 use foxglove::messages::{CompressedImage, CompressedVideo};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
-use prost::Message as _;
 
 use super::entry::{Entry, RecordedInput, RecordingStart};
 use super::stored;
