@@ -59,6 +59,19 @@ pub(crate) struct Look<'a> {
 }
 
 impl Look<'_> {
+    /// The sum of the weights over the part of `window` that lies in the map: `m00` of the moments, for less.
+    pub(crate) fn mass(&mut self, window: Window) -> u64 {
+        let window = window.clipped(self.map.width, self.map.height);
+        if window.is_empty() {
+            return 0;
+        }
+        self.cover(window);
+        let rows = self.map.weights.chunks_exact(self.map.width).skip(window.y).take(window.h);
+        let sum =
+            |row: &[u8]| row[window.x..window.right()].iter().map(|&weight| u32::from(weight)).sum::<u32>();
+        rows.map(|row| u64::from(sum(row))).sum()
+    }
+
     fn cover(&mut self, window: Window) {
         let (width, height) = (self.map.width, self.map.height);
         let known = self.map.known;

@@ -97,7 +97,7 @@ impl Tracker for CamShift {
         let within = map.moments(window);
         let ring = window.w.min(window.h).div_ceil(2);
         let around = window.inflated(ring, map.width(), map.height());
-        let surroundings = mean_weight(map.moments(around).m00 - within.m00, around.area() - window.area());
+        let surroundings = mean_weight(map.mass(around) - within.m00, around.area() - window.area());
         let used = window.in_pixels();
         let localisation = Localisation {
             captured: frame.capture.at,
@@ -142,7 +142,7 @@ impl Tracker for CamShift {
                 let bounds = found.bounds().clipped(picture);
                 // The centroid lies in the picture, and so part of the box.
                 let inside = Window::nearest(bounds, picture).unwrap_or(found.window);
-                let mass = map.moments(inside).m00;
+                let mass = map.mass(inside);
                 target.window = found.window;
                 target.lost_since = None;
                 Track::Tracking(Localisation {
