@@ -59,6 +59,19 @@ pub(crate) struct Look<'a> {
 }
 
 impl Look<'_> {
+    /// The sum of the weights over the part of `window` that lies in the map: `m00` of the moments, for less.
+    pub(crate) fn mass(&mut self, window: Window) -> u64 {
+        let window = window.clipped(self.map.width, self.map.height);
+        if window.is_empty() {
+            return 0;
+        }
+        self.cover(window);
+        let rows = self.map.weights.chunks_exact(self.map.width).skip(window.y).take(window.h);
+        let sum =
+            |row: &[u8]| row[window.x..window.right()].iter().map(|&weight| u32::from(weight)).sum::<u32>();
+        rows.map(|row| u64::from(sum(row))).sum()
+    }
+
     fn cover(&mut self, window: Window) {
         let (width, height) = (self.map.width, self.map.height);
         let known = self.map.known;
@@ -83,21 +96,20 @@ impl Look<'_> {
         }
         let (luma, u_plane, v_plane) = (self.picture.y(), self.picture.u(), self.picture.v());
         let chroma = window.x / 2..window.right().div_ceil(2);
+        let columns = window.x..window.right();
         let rows = &mut self.map.weights[window.y * self.map.width..window.bottom() * self.map.width];
-        for (i, rows) in rows.chunks_mut(2 * self.map.width).enumerate() {
+        for (i, pair) in rows.chunks_mut(2 * self.map.width).enumerate() {
             let row = window.y + 2 * i;
             let us = &u_plane.row(row / 2)[chroma.clone()];
             let vs = &v_plane.row(row / 2)[chroma.clone()];
-            for (j, row_of_map) in rows.chunks_mut(self.map.width).enumerate() {
-                let samples = luma.row(row + j)[window.x..window.right()].chunks(2);
-                let weights = row_of_map[window.x..window.right()].chunks_mut(2);
-                for (((weights, samples), &u), &v) in weights.zip(samples).zip(us).zip(vs) {
-                    let likeness = self.likeness.row(u, v);
-                    for (weight, &sample) in weights.iter_mut().zip(samples) {
-                        *weight = likeness[usize::from(sample)];
-                    }
-                }
-            }
+            let (upper, lower) = pair.split_at_mut(self.map.width);
+            let upper = (&luma.row(row)[columns.clone()], &mut upper[columns.clone()]);
+            // An odd picture's last row stands alone.
+            let lower = match lower.get_mut(columns.clone()) {
+                Some(lower) => (&luma.row(row + 1)[columns.clone()], lower),
+                None => (&[][..], &mut [][..]),
+            };
+            self.likeness.weigh(us, vs, [upper, lower]);
         }
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! Per frame: the search starts from the last window (moved by the camera's motion where a prior says so), the mean
 //! shift brings it onto the nearest mass of the target's hues, and the moments there give the box and the axes of
-//! the target and the next window ([`cam_shift`] has the maths). The reported box is that upright window: the whole
-//! target's extent along its two axes. The centre is the centroid of the mass, the confidence the mean likeness in
-//! the box: 1 where every pixel has the hue that is most frequent in the selection.
+//! the target and the next window ([`cam_shift`] has the maths). The reported box is the upright box around the
+//! ellipse with those axes and a little more for the mixed pixels at the edge ([`Target::bounds`]), cut off at the
+//! picture's border. The centre is the centroid of the mass, the confidence the mean likeness in the box: 1 where
+//! every pixel has the hue that is most frequent in the selection.
 //!
 //! CamShift knows no loss of its own: anything of the target's hue in the window is followed. So `Lost` is said only
 //! where there is no mass at all in the search window and its margin; the window then grows by the margin in every
@@ -96,7 +97,7 @@ impl Tracker for CamShift {
         let within = map.moments(window);
         let ring = window.w.min(window.h).div_ceil(2);
         let around = window.inflated(ring, map.width(), map.height());
-        let surroundings = mean_weight(map.moments(around).m00 - within.m00, around.area() - window.area());
+        let surroundings = mean_weight(map.mass(around) - within.m00, around.area() - window.area());
         let used = window.in_pixels();
         let localisation = Localisation {
             captured: frame.capture.at,
@@ -109,7 +110,7 @@ impl Tracker for CamShift {
         };
         let report = SelectionReport {
             used,
-            clipped: selection.clipped(picture) != selection,
+            clipped: reaches_out(selection, picture),
             coloured: f64::from(coloured) / window.area() as f64,
             surroundings,
             localisation,
@@ -138,17 +139,20 @@ impl Tracker for CamShift {
         target.picture = picture;
         match cam_shift(&mut map, start, self.config.criteria()) {
             Search::Found(found) => {
-                let mass = map.moments(found.window).m00;
+                let bounds = found.bounds().clipped(picture);
+                // The centroid lies in the picture, and so part of the box.
+                let inside = Window::nearest(bounds, picture).unwrap_or(found.window);
+                let mass = map.mass(inside);
                 target.window = found.window;
                 target.lost_since = None;
                 Track::Tracking(Localisation {
                     captured: frame.capture.at,
                     picture,
                     centre: found.centroid,
-                    bounds: found.window.in_pixels(),
+                    bounds,
                     shape: Some(shape(found)),
                     heading: None,
-                    confidence: mean_weight(mass, found.window.area()),
+                    confidence: mean_weight(mass, inside.area()),
                 })
             }
             Search::Nothing(window) => {
@@ -174,6 +178,15 @@ impl Tracker for CamShift {
             grey.samples.extend_from_slice(self.map.known_row(row));
         }
     }
+}
+
+/// Whether part of the box lies outside the picture.
+fn reaches_out(selection: PixelBox, picture: PictureSize) -> bool {
+    let (right, bottom) = (selection.u + selection.w, selection.v + selection.h);
+    selection.u < 0.0
+        || selection.v < 0.0
+        || right > f64::from(picture.width)
+        || bottom > f64::from(picture.height)
 }
 
 /// How many pixels of the window have each hue.

@@ -36,7 +36,7 @@ pub use config::{CamShiftConfig, ConfigError};
 pub use explanation::{Explanation, GreyMap};
 pub use histogram::{HueHistogram, UncountableHues};
 pub use hue::{BELOW_FLOORS, Floors, HueOfYuv};
-pub use mean_shift::{Criteria, MARGIN, Search, Target, cam_shift};
+pub use mean_shift::{Criteria, EDGE_PX, MARGIN, Search, Target, cam_shift};
 pub use moments::{ByteMap, Mass, Moments};
 pub use tracker::{SelectionError, SelectionReport, Tracker};
 pub use window::Window;

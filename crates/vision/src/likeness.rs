@@ -45,9 +45,41 @@ impl Likeness {
         &self.hue
     }
 
+    /// Weighs two rows of pixels that share a row of chroma samples: each comes as its Y and the weights to fill in.
+    /// A row may be empty, or end with the first half of the last block.
+    pub(crate) fn weigh(&mut self, us: &[u8], vs: &[u8], [upper, lower]: [(&[u8], &mut [u8]); 2]) {
+        let (upper_whole, upper_rest) = upper.0.as_chunks::<2>();
+        let (upper_weights, upper_rest_weights) = upper.1.as_chunks_mut::<2>();
+        let (lower_whole, lower_rest) = lower.0.as_chunks::<2>();
+        let (lower_weights, lower_rest_weights) = lower.1.as_chunks_mut::<2>();
+        let mut chroma = us.iter().zip(vs);
+        if lower_whole.len() == upper_whole.len() {
+            let upper = upper_whole.iter().zip(upper_weights);
+            let lower = lower_whole.iter().zip(lower_weights);
+            for ((upper, lower), (&u, &v)) in upper.zip(lower).zip(&mut chroma) {
+                let row = self.row(u, v);
+                *upper.1 = upper.0.map(|y| row[usize::from(y)]);
+                *lower.1 = lower.0.map(|y| row[usize::from(y)]);
+            }
+        } else {
+            for ((ys, weights), (&u, &v)) in upper_whole.iter().zip(upper_weights).zip(&mut chroma) {
+                let row = self.row(u, v);
+                *weights = ys.map(|y| row[usize::from(y)]);
+            }
+        }
+        if let (Some(&u), Some(&v)) = (us.get(upper_whole.len()), vs.get(upper_whole.len())) {
+            let row = self.row(u, v);
+            let upper = upper_rest.iter().zip(upper_rest_weights);
+            let lower = lower_rest.iter().zip(lower_rest_weights);
+            for (&y, weight) in upper.chain(lower) {
+                *weight = row[usize::from(y)];
+            }
+        }
+    }
+
     /// The weights for every Y of pixels with that U and V.
     #[inline]
-    pub(crate) fn row(&mut self, u: u8, v: u8) -> &[u8; 256] {
+    fn row(&mut self, u: u8, v: u8) -> &[u8; 256] {
         let pair = usize::from(u) << 8 | usize::from(v);
         let number = match self.row_of[pair] {
             0 => self.work_out(u, v),

@@ -11,16 +11,18 @@
 //! so the axes reported are four standard deviations long.
 //!
 //! The next search window is upright, is centred on the centroid, and is as large as the two axes alone reach:
-//! max(l |cos|, w |sin|) wide and max(l |sin|, w |cos|) high, two pixels more, cut at the border. This agrees with
-//! OpenCV's `CamShift`, which is what the laboratory ran, and this window is also the box that is reported: on
-//! recorded boats it fits the labels as well as published for OpenCV's (the box around the rotated ellipse is too
-//! large for a target whose back projection has stray mass around it).
+//! max(l |cos|, w |sin|) wide and max(l |sin|, w |cos|) high, two pixels more, cut at the border. All this agrees
+//! with OpenCV's `CamShift`, which is what the laboratory ran.
+//!
+//! The box that is *reported* is another: the upright box of the ellipse itself, sqrt((l cos)^2 + (w sin)^2) wide and
+//! sqrt((l sin)^2 + (w cos)^2) high about the unrounded centroid, and [`EDGE_PX`] more on every side. The window is
+//! too small for a slanting target, and the upright box of OpenCV's rotated rectangle reaches beyond the ellipse.
 //!
 //! Work: one pass over the first window with a few whole-number operations per pixel, and for each of the at most
 //! `max_iterations` steps the pixels that enter and leave the window, never more than another pass.
 //! Not handled: several targets (the window holds whatever mass is in it) and scale in between the frames.
 
-use barrelman_vocab::{Angle, PixelPoint};
+use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
 use crate::moments::{Mass, Moments, RunningMoments};
 use crate::window::Window;
@@ -28,6 +30,12 @@ use crate::window::Window;
 /// Pixels that the window is enlarged by on every side before size and direction are taken, and by which it grows
 /// when it holds nothing. 10 is what OpenCV, and so the laboratory, uses.
 pub const MARGIN: usize = 10;
+
+/// Pixels by which a target reaches beyond the ellipse of its mass on every side. Those at its edge are mixed with
+/// what is behind them, and fall out of the hues or below the floors: a chroma sample is two pixels wide, and the one
+/// cut by the edge lacks half of it in the mean, as does the pixel of its half. On recorded boats with labels 1 to 2
+/// fit best.
+pub const EDGE_PX: f64 = 1.5;
 
 /// When mean shift ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +58,7 @@ pub enum Search {
 /// The mass that a search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
-    /// The upright box of the target, and the window to start from in the next frame.
+    /// The window to start from in the next frame.
     pub window: Window,
     /// Centroid of the mass in pixel coordinates: the middle of the first pixel is (0.5, 0.5).
     pub centroid: PixelPoint,
@@ -62,6 +70,24 @@ pub struct Target {
     pub axis: Angle,
 }
 
+impl Target {
+    /// The upright box around the whole target. It may reach out of the picture.
+    pub fn bounds(&self) -> PixelBox {
+        let (sin, cos) = (libm::sin(self.axis.radians()), libm::cos(self.axis.radians()));
+        let reach = |major: f64, minor: f64| {
+            let (major, minor) = (self.major_px * major, self.minor_px * minor);
+            (major * major + minor * minor).sqrt() + 2.0 * EDGE_PX
+        };
+        let (w, h) = (reach(cos, sin), reach(sin, cos));
+        PixelBox { u: self.centroid.u - w / 2.0, v: self.centroid.v - h / 2.0, w, h }
+    }
+
+    /// The target that has these moments in a map of that size; none where there is no mass.
+    pub(crate) fn of(sums: &Moments, width: usize, height: usize) -> Option<Self> {
+        Ellipse::of(sums).map(|ellipse| ellipse.in_map(width, height))
+    }
+}
+
 /// Searches for the target from the window `start` (what lies outside the map is cut off).
 pub fn cam_shift(map: &mut impl Mass, start: Window, criteria: Criteria) -> Search {
     let (width, height) = (map.width(), map.height());
@@ -71,13 +97,6 @@ pub fn cam_shift(map: &mut impl Mass, start: Window, criteria: Criteria) -> Sear
     match Target::of(&sums.over(around), width, height) {
         Some(target) => Search::Found(target),
         None => Search::Nothing(around),
-    }
-}
-
-impl Target {
-    /// The target that has these moments in a map of that size; none where there is no mass.
-    pub(crate) fn of(sums: &Moments, width: usize, height: usize) -> Option<Self> {
-        Ellipse::of(sums).map(|ellipse| ellipse.in_map(width, height))
     }
 }
 

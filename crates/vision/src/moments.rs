@@ -147,7 +147,7 @@ struct RowSums {
 }
 
 /// Pixels summed at a stretch, so that 32 bits hold the sums and a processor can take several at once.
-const STRETCH: usize = 32;
+const STRETCH: usize = 64;
 
 impl RowSums {
     fn of(row: &[u8]) -> Self {
@@ -165,16 +165,32 @@ impl RowSums {
     }
 
     fn add(&mut self, start: u64, stretch: &[u8; STRETCH]) {
-        let (mut c0, mut c1, mut c2) = (0u32, 0u32, 0u32);
-        for (i, &weight) in stretch.iter().enumerate() {
-            let (weight, i) = (i32::from(weight), i as i32);
-            c0 += weight as u32;
-            c1 += (weight * i) as u32;
-            c2 += (weight * (i * i)) as u32;
+        // Products of 16-bit numbers added up in 32 bits: processors do several of these at once.
+        let (mut c0, mut c1, mut c2) = (0i32, 0i32, 0i32);
+        for ((&weight, &place), &square) in stretch.iter().zip(&PLACES).zip(&SQUARES) {
+            let weight = i32::from(weight);
+            c0 += weight;
+            c1 += weight * i32::from(place);
+            c2 += weight * i32::from(square);
         }
-        let (c0, c1, c2) = (u64::from(c0), u64::from(c1), u64::from(c2));
+        // None of the sums is negative, so the casts keep them.
+        let (c0, c1, c2) = (c0 as u64, c1 as u64, c2 as u64);
         self.s0 += c0;
         self.s1 += c1 + start * c0;
         self.s2 += c2 + 2 * start * c1 + start * start * c0;
     }
+}
+
+/// Place of each pixel in a stretch, and its square.
+static PLACES: [i16; STRETCH] = places(1);
+static SQUARES: [i16; STRETCH] = places(2);
+
+const fn places(power: u32) -> [i16; STRETCH] {
+    let mut places = [0; STRETCH];
+    let mut i = 0;
+    while i < STRETCH {
+        places[i] = (i as i16).pow(power);
+        i += 1;
+    }
+    places
 }

@@ -47,7 +47,9 @@ fn any_box() -> impl Strategy<Value = PixelBox> {
 fn in_order(here: &Localisation) {
     let picture = here.picture.bounds();
     assert!(!here.bounds.is_empty(), "{here:?}");
-    assert_eq!(here.bounds.intersection(picture), here.bounds, "{here:?}");
+    // A box is stored as a corner and a size: their sum may be off by the last bit.
+    let outside = here.bounds.area() - here.bounds.intersection(picture).area();
+    assert!(outside.abs() < 1e-9, "{here:?}");
     assert!((0.0..=picture.w).contains(&here.centre.u), "{here:?}");
     assert!((0.0..=picture.h).contains(&here.centre.v), "{here:?}");
     assert!((0.0..=1.0).contains(&here.confidence), "{here:?}");

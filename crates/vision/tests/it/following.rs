@@ -1,8 +1,9 @@
 //! What the tracker says of frame after frame.
 
 use core::time::Duration;
+use std::sync::Arc;
 
-use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
+use barrelman_vision::{BELOW_FLOORS, CamShift, CamShiftConfig, Explanation, Floors, HueOfYuv, Tracker};
 use barrelman_vocab::{Localisation, MotionPrior, PixelBox, Timestamp, Track, VideoFrame};
 
 use crate::scenes::{BLACK, BLUE, GREY, ORANGE_RED, RED, Yuv, at_ms, frame, pixels};
@@ -110,11 +111,31 @@ fn a_picture_of_another_size_shows_the_boat_in_the_same_place() {
 }
 
 #[test]
+fn the_box_of_a_slanting_boat_holds_all_of_it_and_little_more() {
+    // A staircase of 20 x 8 boxes: 4 right and 2 down at every step.
+    let steps: Vec<_> = (0..16).map(|i| (RED, [100 + 4 * i, 60 + 2 * i, 20, 8])).collect();
+    let scene = frame(SIZE, GREY, &steps);
+    let whole = pixels(100.0, 60.0, 80.0, 38.0);
+    let mut tracker = seeded(&scene, whole);
+    for _ in 0..5 {
+        tracker.track(&scene, None);
+    }
+    let here = seen(tracker.track(&scene, None));
+    // A slab's axes come out 4 / sqrt(12) = 1.155 of its length; measured overlap 0.79.
+    assert_eq!(here.bounds.intersection(whole), whole);
+    assert!(here.bounds.overlap(whole) > 0.75, "{} of {whole}", here.bounds);
+    let axis = here.shape.unwrap().axis.degrees();
+    // Downwards to the right: 180 degrees less a little under atan(2/4).
+    assert!((152.0..157.0).contains(&axis), "{axis}");
+}
+
+#[test]
 fn confidence_is_the_mean_likeness_in_the_box() {
     let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
     let here = seen(tracker.track(&boat(RED, 100, 60), None));
-    let expected = 40.0 * 20.0 / here.bounds.area();
-    assert!((here.confidence - expected).abs() < 1e-12, "{} against {expected}", here.confidence);
+    // The box is 46.2 + 3 by 23.1 + 3 pixels, on whole pixels 49 or 50 by 26, of which the boat fills 40 by 20.
+    assert!((0.61..0.64).contains(&here.confidence), "{}", here.confidence);
+    assert!((here.confidence * here.bounds.area() / 800.0 - 1.0).abs() < 0.02, "{}", here.confidence);
 }
 
 #[test]
@@ -137,7 +158,8 @@ fn an_explanation_shows_the_window_the_back_projection_and_the_histogram() {
     let here = seen(tracker.track(&scene, None));
     let mut out = Explanation::default();
     tracker.explain(&mut out);
-    assert_eq!(out.search_window, Some(here.bounds));
+    let window = out.search_window.unwrap();
+    assert!(window.overlap(here.bounds) > 0.9, "{window} and {}", here.bounds);
     assert_eq!(out.histogram.len(), 16);
     let grey = &out.back_projection;
     assert_eq!(grey.samples.len(), grey.width * grey.height);
@@ -146,6 +168,40 @@ fn an_explanation_shows_the_window_the_back_projection_and_the_histogram() {
         let (u, v) = (grey.bounds.u + (i % grey.width) as f64, grey.bounds.v + (i / grey.width) as f64);
         let red = (100.0..140.0).contains(&u) && (60.0..80.0).contains(&v);
         assert_eq!(sample, if red { 255 } else { 0 }, "at {u},{v}");
+    }
+}
+
+#[test]
+fn every_pixel_weighs_what_its_hue_weighs_in_the_histogram() {
+    // Odd sides, so that the last column and the last row are half a block each, and samples of every kind.
+    let mut scene = frame((61, 45), RED, &[]);
+    let mut picture = (*scene.picture).clone();
+    let mut state = 1u32;
+    for sample in picture.planes_mut().into_iter().flatten() {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *sample = (state >> 24) as u8;
+    }
+    scene.picture = Arc::new(picture);
+    let mut tracker = seeded(&scene, pixels(0.0, 0.0, 61.0, 45.0));
+    tracker.track(&scene, None);
+    let mut out = Explanation::default();
+    tracker.explain(&mut out);
+    let grey = &out.back_projection;
+    assert_eq!((grey.width, grey.height), (61, 45));
+
+    let config = CamShiftConfig::default();
+    let floors = Floors { saturation: config.saturation_floor, value: config.value_floor };
+    let hue = HueOfYuv::new(scene.picture.colour());
+    let (y, u, v) = (scene.picture.y(), scene.picture.u(), scene.picture.v());
+    for row in 0..45 {
+        for column in 0..61 {
+            let yuv = [y.row(row)[column], u.row(row / 2)[column / 2], v.row(row / 2)[column / 2]];
+            let weight = match hue.code(yuv, floors) {
+                BELOW_FLOORS => 0,
+                code => out.histogram[usize::from(code) * 16 / 180],
+            };
+            assert_eq!(grey.samples[row * 61 + column], weight, "at {column},{row}");
+        }
     }
 }
 
