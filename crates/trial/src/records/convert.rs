@@ -115,6 +115,7 @@ impl From<&RecordingStart> for stored::RecordingStart {
             configuration: start.configuration.clone(),
             video: start.video.clone(),
             link: start.link.clone(),
+            live_video: start.live_video,
         }
     }
 }
@@ -128,6 +129,7 @@ impl From<stored::RecordingStart> for RecordingStart {
             configuration: start.configuration,
             video: start.video,
             link: start.link,
+            live_video: start.live_video,
         }
     }
 }

@@ -45,6 +45,8 @@ pub struct RecordingStart {
     pub video: String,
     /// Where the commands went; empty for a dry run.
     pub link: String,
+    /// Whether the video was live, which tells a decoder in which order to show it.
+    pub live_video: bool,
 }
 
 /// An input of the pilot, as stored: a video frame by what tells it from others.

@@ -1,0 +1,72 @@
+//! `barrelman law`: recorded positions through a camera law.
+
+use std::io::{BufWriter, Write, stdout};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use barrelman_trial::law::{LawRow, schema_over};
+use barrelman_vocab::AngularRate;
+use barrelman_vocab::profile::AxisRates;
+
+use super::trial_input;
+use crate::cli::{LawArgs, LawName};
+use crate::config::resolve::profile_named;
+use crate::output;
+
+/// The header of what is written.
+pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";
+
+/// Runs the command.
+///
+/// # Errors
+/// If the log cannot be read or the output not be written.
+pub fn run(args: &LawArgs) -> Result<ExitCode> {
+    let mut profile = profile_named(&args.profile)?;
+    if let Some(rate) = args.rate {
+        let rate = AngularRate::from_radians_per_second(rate);
+        profile.schema = AxisRates { pan: rate, tilt: rate };
+        // A sweep over rates asks what a faster vehicle would do: its own limit must not hide the answer.
+        profile.limits = AxisRates {
+            pan: if rate > profile.limits.pan { rate } else { profile.limits.pan },
+            tilt: if rate > profile.limits.tilt { rate } else { profile.limits.tilt },
+        };
+    }
+    let mut input = trial_input::read(&args.log)?;
+    if let Some(frame) = args.region.frame_size {
+        input.log.frame = frame;
+    }
+    let region = input.log.region(args.region.region.unwrap_or(profile.region));
+    let rows = match args.law {
+        LawName::Schema => schema_over(&input.log, region, &profile),
+    };
+    match &args.output {
+        Some(path) => {
+            let file = output::create(path, args.force)?;
+            write_rows(&rows, file).with_context(|| format!("{} cannot be written", path.display()))?;
+        }
+        None => write_rows(&rows, stdout().lock())?,
+    }
+    Ok(match input.cut {
+        Some(cut) => {
+            tracing::error!("{cut}");
+            ExitCode::FAILURE
+        }
+        None => ExitCode::SUCCESS,
+    })
+}
+
+fn write_rows(rows: &[LawRow], output: impl Write) -> Result<()> {
+    let mut output = BufWriter::new(output);
+    writeln!(output, "{HEADER}")?;
+    for row in rows {
+        let (pitch, yaw) = (row.rates.pitch.radians_per_second(), row.rates.yaw.radians_per_second());
+        match row.target {
+            Some((at, p)) => {
+                writeln!(output, "{},{},{},{},{p},{pitch},{yaw}", row.row, row.time_s, at.x, at.y)?;
+            }
+            None => writeln!(output, "{},{},,,,{pitch},{yaw}", row.row, row.time_s)?,
+        }
+    }
+    output.flush()?;
+    Ok(())
+}

@@ -1,0 +1,247 @@
+//! `barrelman run`: the real thing.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use anyhow::{Context, Result, bail};
+use barrelman_pilot::{Pilot, PilotSettings};
+use barrelman_trial::records::RecordingStart;
+use barrelman_vision::CamShift;
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{EncodedUnit, OperatorRequest, VideoFrame};
+
+use crate::cli::RunArgs;
+use crate::clock::Clock;
+use crate::config::{self, ConfigFile, Configuration};
+use crate::link::{LinkHandle, LinkUrl};
+use crate::live::event::Event;
+use crate::live::latest::LatestFrame;
+use crate::live::overlay_video::OverlayVideo;
+use crate::live::recorder::{Recorder, RecorderInput};
+use crate::live::run_loop::{RunEnd, RunLoop, Watcher};
+use crate::live::status::Status;
+use crate::live::terminal::Terminal;
+use crate::live::threads::Saboteur;
+use crate::output;
+use crate::video::{DecodeError, VideoSink, VideoState, VideoUrl, spawn};
+
+/// Events that may wait for the loop. It takes thousands a second; hundreds come.
+const EVENTS: usize = 1024;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the configuration, the video, the link or an output cannot be used.
+pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
+    let configuration = effective(args)?;
+    let Some(video) = &configuration.video else {
+        bail!("no video source: give --video rtsp://..., --video file:clip.mp4, or video.url in the configuration");
+    };
+    let video = VideoUrl::parse(video)?;
+    let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
+    for path in [&args.record, &args.overlay].into_iter().flatten() {
+        output::check_free(path, args.force)?;
+    }
+    let end = live(args, &configuration, video, link, clock)?;
+    Ok(match end {
+        RunEnd::VideoEnded => {
+            tracing::info!("the video has ended");
+            ExitCode::SUCCESS
+        }
+        RunEnd::Asked(why) => {
+            tracing::info!("stopped: {why}");
+            ExitCode::SUCCESS
+        }
+        RunEnd::Failed(why) => {
+            tracing::error!("{why}");
+            ExitCode::FAILURE
+        }
+    })
+}
+
+/// The configuration of a run: the file, and over it what the command line says.
+fn effective(args: &RunArgs) -> Result<Configuration> {
+    let mut file = match &args.config {
+        Some(path) => config::read(path)?,
+        None => ConfigFile::default(),
+    };
+    let over = |key: &mut Option<String>, value: &Option<String>| {
+        if let Some(value) = value {
+            *key = Some(value.clone());
+        }
+    };
+    over(&mut file.video.url, &args.video);
+    over(&mut file.link.url, &args.link);
+    over(&mut file.vehicle.profile, &args.profile);
+    Configuration::resolve(&file)
+}
+
+/// A pilot for a configuration, with its tracker.
+///
+/// # Errors
+/// If the tracker's settings lie outside their ranges.
+pub fn pilot_for(configuration: &Configuration) -> Result<Pilot> {
+    let tracker = CamShift::new(configuration.tracker)?;
+    Ok(Pilot::new(PilotSettings { profile: configuration.profile.clone() }, Box::new(tracker)))
+}
+
+fn live(
+    args: &RunArgs,
+    configuration: &Configuration,
+    video: VideoUrl,
+    link_url: Option<LinkUrl>,
+    clock: Clock,
+) -> Result<RunEnd> {
+    let saboteur = Saboteur::parse(&args.fault)?;
+    let (events, queue) = sync_channel(EVENTS);
+    let pilot = pilot_for(configuration)?;
+    // Signals are caught before the port is opened: from here on nothing ends the program without zeros.
+    let terminal = Terminal::watch(events.clone(), clock, saboteur.clone())?;
+    let link = match &link_url {
+        Some(url) => {
+            let to_loop = events.clone();
+            let report = move |report| {
+                // The loop is gone only once the program ends, and then nobody misses the report.
+                let _ = to_loop.send(Event::Link(report));
+            };
+            Some(LinkHandle::open(url, configuration.framing, clock, report).context("the link cannot be used")?)
+        }
+        None => {
+            tracing::warn!("no link: this is a dry run that sends nothing");
+            None
+        }
+    };
+    let recorder = match &args.record {
+        Some(path) => {
+            let start = recording_start(configuration, &video, link_url.as_ref(), clock)?;
+            Some(Recorder::begin(path, args.force, &start, clock, saboteur.clone(), events.clone())?)
+        }
+        None => None,
+    };
+    let overlay = match &args.overlay {
+        Some(path) => Some(overlay(path, args.force, clock, &saboteur, &events)?),
+        None => None,
+    };
+    let latest = Arc::new(LatestFrame::default());
+    let recording = recorder.as_ref().map(Recorder::input);
+    let sink = Sink { latest: Arc::clone(&latest), recording: recording.clone(), events: events.clone(), damaged: 0 };
+    let source = spawn(video, clock, sink)?;
+    drop(events);
+
+    let mut requests = Vec::new();
+    requests.extend(args.select.map(OperatorRequest::Select));
+    requests.extend(args.engage.then_some(OperatorRequest::Engage));
+    let run_loop = RunLoop {
+        pilot,
+        profile: configuration.profile.clone(),
+        clock,
+        latest,
+        link: link.as_ref(),
+        recorder: recording,
+        status: Status::new(link.as_ref().map(|_| LinkState::Opening)),
+        watcher: overlay.as_ref().map(|overlay| Box::new(overlay.input()) as Box<dyn Watcher>),
+        saboteur,
+    };
+    // A panic in the pilot must not take the road of unwinding, where the link would wait for its turn.
+    let mut end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&queue, &requests)))
+        .unwrap_or_else(|_| RunEnd::Failed("the pilot's thread panicked".to_owned()));
+
+    // The zeros first, then everything else, and the vehicle's own stop meanwhile.
+    let said = link.map(LinkHandle::close);
+    if said == Some(false) {
+        end = RunEnd::Failed("the last zeros and the vehicle's stop could not be sent: the link was down".to_owned());
+    }
+    if let Err(error) = source.stop() {
+        tracing::warn!("{error}");
+    }
+    if let Some(recorder) = recorder {
+        recorder.finish();
+    }
+    if let Some(Err(error)) = overlay.map(OverlayVideo::finish) {
+        tracing::error!("{error:#}");
+    }
+    drop(terminal);
+    Ok(end)
+}
+
+fn overlay(
+    path: &Path,
+    force: bool,
+    clock: Clock,
+    saboteur: &Saboteur,
+    events: &SyncSender<Event>,
+) -> Result<OverlayVideo> {
+    output::check_free(path, force)?;
+    OverlayVideo::begin(path, clock, saboteur.clone(), events.clone())
+}
+
+fn recording_start(
+    configuration: &Configuration,
+    video: &VideoUrl,
+    link: Option<&LinkUrl>,
+    clock: Clock,
+) -> Result<RecordingStart> {
+    let since_start = Duration::from_nanos(clock.now().as_nanos());
+    let unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().saturating_sub(since_start);
+    // The configuration is stored without passwords: a recording is handed on.
+    let mut stored = configuration.clone();
+    stored.video = Some(video.to_string());
+    Ok(RecordingStart {
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        monotonic_ns: clock.start_on_monotonic_ns(),
+        unix_ns: u64::try_from(unix.as_nanos()).unwrap_or(u64::MAX),
+        configuration: stored.to_toml()?,
+        video: video.to_string(),
+        link: link.map(ToString::to_string).unwrap_or_default(),
+        live_video: video.is_live(),
+    })
+}
+
+/// Takes what the video thread delivers.
+struct Sink {
+    latest: Arc<LatestFrame>,
+    recording: Option<RecorderInput>,
+    events: SyncSender<Event>,
+    damaged: u64,
+}
+
+impl VideoSink for Sink {
+    fn unit(&mut self, unit: &EncodedUnit) {
+        if let Some(recording) = &self.recording {
+            recording.unit(unit);
+        }
+    }
+
+    fn frame(&mut self, frame: VideoFrame) {
+        if self.latest.put(frame) {
+            let _ = self.events.send(Event::Frame);
+        }
+    }
+
+    fn state(&mut self, state: VideoState) {
+        let _ = self.events.send(Event::Video(state));
+    }
+
+    fn damaged(&mut self, error: &DecodeError) {
+        self.damaged += 1;
+        if self.damaged == 1 {
+            tracing::warn!("damaged video: {error}; further damage is counted");
+        }
+    }
+}
+
+impl Drop for Sink {
+    fn drop(&mut self) {
+        if self.damaged > 1 {
+            tracing::warn!("{} damaged pictures in all", self.damaged);
+        }
+        // The sink dies with its thread: unwinding means that the thread panics.
+        if std::thread::panicking() {
+            let _ = self.events.send(Event::ThreadPanicked { thread: "video".to_owned() });
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Reads trial logs of every kind from files.
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, bail};
+use barrelman_trial::logs::recorded::Collector;
+use barrelman_trial::logs::{self, TrialLog};
+use barrelman_trial::records::{Entry, ReadError, RecordingReader};
+
+/// How an MCAP file begins.
+const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];
+
+/// A trial that was read from a file.
+#[derive(Debug)]
+pub struct TrialInput {
+    /// The file's name without its folder and ending.
+    pub name: String,
+    /// The trial.
+    pub log: TrialLog,
+    /// Where the file was cut, if it was, in words.
+    pub cut: Option<String>,
+}
+
+/// Reads a trial.
+///
+/// # Errors
+/// If the file cannot be read or is none that is known; the message names it.
+pub fn read(path: &Path) -> Result<TrialInput> {
+    let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    read_named(path, name).with_context(|| format!("{} cannot be used as a trial log", path.display()))
+}
+
+fn read_named(path: &Path, name: String) -> Result<TrialInput> {
+    let mut file = File::open(path)?;
+    let mut magic = Vec::new();
+    file.by_ref().take(MCAP_MAGIC.len() as u64).read_to_end(&mut magic)?;
+    file.seek(SeekFrom::Start(0))?;
+    if magic == MCAP_MAGIC {
+        return read_recording(file, name);
+    }
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    let text = String::from_utf8(bytes).map_err(|_| anyhow!("it is neither text nor an MCAP recording"))?;
+    let read = logs::read_text(&text)?;
+    let cut = read.cut_at_line.map(|line| {
+        format!("{}: line {line} has no end, so the file was cut there: the rows before it were used", path.display())
+    });
+    Ok(TrialInput { name, log: read.log, cut })
+}
+
+fn read_recording(file: File, name: String) -> Result<TrialInput> {
+    let mut collector = Collector::default();
+    let mut cut = None;
+    for entry in RecordingReader::new(BufReader::new(file)) {
+        match entry {
+            Ok(Entry::Outcome(outcome)) => collector.take(&outcome),
+            Ok(_) => {}
+            Err(ReadError::CutOff) => {
+                cut = Some(format!("{name}: the recording is cut off: everything before the cut was used"));
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    match collector.finish() {
+        Some(log) => Ok(TrialInput { name, log, cut }),
+        None => bail!("nothing was ever localised in this recording"),
+    }
+}

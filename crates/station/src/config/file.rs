@@ -1,0 +1,113 @@
+//! The configuration file as written: every key may be left out.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A configuration file.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ConfigFile {
+    /// Where the video comes from.
+    pub video: VideoSection,
+    /// Where the commands go.
+    pub link: LinkSection,
+    /// The vehicle.
+    pub vehicle: VehicleSection,
+    /// The tracker.
+    pub tracker: TrackerSection,
+}
+
+/// Where the video comes from.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct VideoSection {
+    /// `rtsp://...` or `file:...`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub url: Option<String>,
+}
+
+/// Where the commands go.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LinkSection {
+    /// `serial:/dev/ttyACM0?baud=115200` or `tcp://host:port`; without it: a dry run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub url: Option<String>,
+    /// What stands around a line to a Fotokite Pro.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line_ending: Option<LineEnding>,
+}
+
+/// What stands around a line to a Fotokite Pro.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LineEnding {
+    /// A carriage return before and after.
+    CrAround,
+    /// A line feed after.
+    Lf,
+}
+
+/// Which way the vehicle counts a rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SignName {
+    /// As we do: positive turns the view right, or raises it.
+    Same,
+    /// The other way.
+    Opposite,
+}
+
+/// The vehicle: a profile, and what differs from it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct VehicleSection {
+    /// Name of the profile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<String>,
+    /// Horizontal semi-axis of the region, share of half the picture's width.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region_half_width: Option<f64>,
+    /// Vertical semi-axis of the region, share of half the picture's height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region_half_height: Option<f64>,
+    /// The motor schema's pan rate, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub schema_pan_rad_per_s: Option<f64>,
+    /// The motor schema's tilt rate, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub schema_tilt_rad_per_s: Option<f64>,
+    /// The largest pan rate that may be sent, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_pan_rad_per_s: Option<f64>,
+    /// The largest tilt rate that may be sent, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_tilt_rad_per_s: Option<f64>,
+    /// The vehicle's yaw rate against our pan.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yaw_sign: Option<SignName>,
+    /// The vehicle's pitch rate against our tilt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch_sign: Option<SignName>,
+    /// Nominal time from the sensor to the arrival of a video frame, seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub video_latency_s: Option<f64>,
+    /// How much older than that a video frame may arrive before it counts as stale, seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stale_after_s: Option<f64>,
+    /// How long a rate may last after the last fresh localisation arrived, seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coast_motion_s: Option<f64>,
+}
+
+/// The tracker.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrackerSection {
+    /// Least saturation of a pixel that counts, 0 to 255.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub saturation_floor: Option<u8>,
+    /// Least value (brightness) of a pixel that counts, 0 to 255.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value_floor: Option<u8>,
+}

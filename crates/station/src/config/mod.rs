@@ -1,0 +1,44 @@
+//! The configuration: TOML at the edge, plain structs inside.
+//!
+//! Unknown keys are rejected; every key has a unit, a range and a default, documented in
+//! `config/barrelman.example.toml`. What is left out takes the default of the vehicle's profile. The effective
+//! configuration, with nothing left out, is the first message of every recording.
+
+pub mod file;
+pub mod resolve;
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+pub use file::{ConfigFile, LineEnding};
+pub use resolve::Configuration;
+
+/// The documented example.
+pub const EXAMPLE: &str = include_str!("../../../../config/barrelman.example.toml");
+
+/// Reads a configuration file.
+///
+/// # Errors
+/// If it cannot be read or understood; the message names the file, the line and the key.
+pub fn read(path: &Path) -> Result<ConfigFile> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("the configuration {} cannot be read", path.display()))?;
+    parse(&text).with_context(|| format!("the configuration {} is not usable", path.display()))
+}
+
+/// Reads a configuration from its text.
+///
+/// # Errors
+/// If a key is unknown or a value has another type; the message points at it.
+pub fn parse(text: &str) -> Result<ConfigFile> {
+    Ok(toml::from_str(text)?)
+}
+
+/// The JSON schema of a configuration file.
+///
+/// # Errors
+/// Never in practice: the schema is plain data.
+pub fn schema() -> Result<String> {
+    Ok(serde_json::to_string_pretty(&schemars::schema_for!(ConfigFile))?)
+}

@@ -1,0 +1,172 @@
+//! From what a file says to what the program works by, and back to a file with nothing left out.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use barrelman_vision::CamShiftConfig;
+use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
+use barrelman_vocab::{AngularRate, VehicleProfile};
+use barrelman_wire::fotokite_pro::Framing;
+
+use super::file::{
+    ConfigFile, LineEnding, LinkSection, SignName, TrackerSection, VehicleSection, VideoSection,
+};
+
+/// The effective configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Configuration {
+    /// Where the video comes from, if it is known yet.
+    pub video: Option<String>,
+    /// Where the commands go; `None`: a dry run.
+    pub link: Option<String>,
+    /// What stands around a line to a Fotokite Pro.
+    pub framing: Framing,
+    /// The vehicle.
+    pub profile: VehicleProfile,
+    /// The tracker.
+    pub tracker: CamShiftConfig,
+}
+
+/// Names of the vehicle profiles that are built in.
+pub const PROFILES: [&str; 1] = ["fotokite-pro"];
+
+/// The built-in profile of that name.
+///
+/// # Errors
+/// If there is none; the message lists those that there are.
+pub fn profile_named(name: &str) -> Result<VehicleProfile> {
+    match name {
+        "fotokite-pro" => Ok(VehicleProfile::fotokite_pro()),
+        _ => bail!("there is no vehicle profile {name:?}: use one of {}", PROFILES.join(", ")),
+    }
+}
+
+impl Configuration {
+    /// Fills in what the file leaves out.
+    ///
+    /// # Errors
+    /// If a value lies outside of its range; the message names the key and the range.
+    pub fn resolve(file: &ConfigFile) -> Result<Self> {
+        let vehicle = &file.vehicle;
+        let profile_name = vehicle.profile.as_deref().unwrap_or(PROFILES[0]);
+        let profile = overridden(profile_named(profile_name).context("vehicle.profile")?, vehicle)?;
+        let defaults = CamShiftConfig::default();
+        let tracker = CamShiftConfig {
+            saturation_floor: file.tracker.saturation_floor.unwrap_or(defaults.saturation_floor),
+            value_floor: file.tracker.value_floor.unwrap_or(defaults.value_floor),
+            ..defaults
+        };
+        Ok(Self {
+            video: file.video.url.clone(),
+            link: file.link.url.clone(),
+            framing: match file.link.line_ending {
+                None | Some(LineEnding::CrAround) => Framing::CarriageReturns,
+                Some(LineEnding::Lf) => Framing::LineFeed,
+            },
+            profile,
+            tracker: tracker.validated().context("tracker")?,
+        })
+    }
+
+    /// The same as a file with nothing left out.
+    pub fn to_file(&self) -> ConfigFile {
+        let profile = &self.profile;
+        let sign = |sign: Sign| {
+            Some(match sign {
+                Sign::Same => SignName::Same,
+                Sign::Opposite => SignName::Opposite,
+            })
+        };
+        let rate = |rate: AngularRate| Some(rate.radians_per_second());
+        let seconds = |span: Duration| Some(span.as_secs_f64());
+        ConfigFile {
+            video: VideoSection { url: self.video.clone() },
+            link: LinkSection {
+                url: self.link.clone(),
+                line_ending: Some(match self.framing {
+                    Framing::CarriageReturns => LineEnding::CrAround,
+                    Framing::LineFeed => LineEnding::Lf,
+                }),
+            },
+            vehicle: VehicleSection {
+                profile: Some(profile.name.clone()),
+                region_half_width: Some(profile.region.half_width),
+                region_half_height: Some(profile.region.half_height),
+                schema_pan_rad_per_s: rate(profile.schema.pan),
+                schema_tilt_rad_per_s: rate(profile.schema.tilt),
+                limit_pan_rad_per_s: rate(profile.limits.pan),
+                limit_tilt_rad_per_s: rate(profile.limits.tilt),
+                yaw_sign: sign(profile.signs.yaw),
+                pitch_sign: sign(profile.signs.pitch),
+                video_latency_s: seconds(profile.video_latency),
+                stale_after_s: seconds(profile.stale_after),
+                coast_motion_s: seconds(profile.coast_motion),
+            },
+            tracker: TrackerSection {
+                saturation_floor: Some(self.tracker.saturation_floor),
+                value_floor: Some(self.tracker.value_floor),
+            },
+        }
+    }
+
+    /// The same as TOML with nothing left out.
+    ///
+    /// # Errors
+    /// Never in practice: plain data can be written.
+    pub fn to_toml(&self) -> Result<String> {
+        Ok(toml::to_string_pretty(&self.to_file())?)
+    }
+}
+
+/// A profile with what a file says otherwise.
+fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleProfile> {
+    let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
+    let rate = |key: &str, value: Option<f64>, base: AngularRate| {
+        let value = ranged(key, value, base.radians_per_second(), 0.0, 3.0, "rad/s")?;
+        Ok::<_, anyhow::Error>(AngularRate::from_radians_per_second(value))
+    };
+    let span = |key: &str, value: Option<f64>, base: Duration, most: f64| {
+        ranged(key, value, base.as_secs_f64(), 0.0, most, "seconds").map(Duration::from_secs_f64)
+    };
+    let sign = |value: Option<SignName>, base: Sign| match value {
+        Some(SignName::Same) => Sign::Same,
+        Some(SignName::Opposite) => Sign::Opposite,
+        None => base,
+    };
+    let profile = VehicleProfile {
+        region: RegionShares {
+            half_width: share("region_half_width", vehicle.region_half_width, base.region.half_width)?,
+            half_height: share("region_half_height", vehicle.region_half_height, base.region.half_height)?,
+        },
+        schema: AxisRates {
+            pan: rate("schema_pan_rad_per_s", vehicle.schema_pan_rad_per_s, base.schema.pan)?,
+            tilt: rate("schema_tilt_rad_per_s", vehicle.schema_tilt_rad_per_s, base.schema.tilt)?,
+        },
+        limits: AxisRates {
+            pan: rate("limit_pan_rad_per_s", vehicle.limit_pan_rad_per_s, base.limits.pan)?,
+            tilt: rate("limit_tilt_rad_per_s", vehicle.limit_tilt_rad_per_s, base.limits.tilt)?,
+        },
+        signs: AxisSigns {
+            yaw: sign(vehicle.yaw_sign, base.signs.yaw),
+            pitch: sign(vehicle.pitch_sign, base.signs.pitch),
+        },
+        video_latency: span("video_latency_s", vehicle.video_latency_s, base.video_latency, 5.0)?,
+        stale_after: span("stale_after_s", vehicle.stale_after_s, base.stale_after, 5.0)?,
+        coast_motion: span("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, 2.0)?,
+        ..base
+    };
+    let too_fast = |schema: AngularRate, limit: AngularRate| schema > limit;
+    if too_fast(profile.schema.pan, profile.limits.pan) || too_fast(profile.schema.tilt, profile.limits.tilt) {
+        bail!("vehicle: a schema rate is above the limit of its axis: lower it, or raise the limit");
+    }
+    Ok(profile)
+}
+
+fn ranged(key: &str, value: Option<f64>, base: f64, least: f64, most: f64, unit: &str) -> Result<f64> {
+    let value = value.unwrap_or(base);
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        bail!("vehicle.{key} = {value}: use {unit} from {least} to {most}")
+    }
+}

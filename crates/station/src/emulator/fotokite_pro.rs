@@ -1,0 +1,213 @@
+//! The emulated Fotokite Pro: ground station, camera mount and port, in one loop.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use anyhow::Result;
+use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_sim::{CameraMount, MountPlant};
+use barrelman_vocab::telemetry::Quaternion;
+use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};
+use barrelman_wire::fotokite_pro::GroundStation;
+use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, StationRates, VehicleReading};
+
+use super::host_port::HostPort;
+use super::log::{Direction, LoggedState, StationLog};
+use crate::clock::Clock;
+use crate::fault::{FaultKind, FaultPlan};
+
+/// How far down the camera looks at the start.
+const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
+/// Longest wait for bytes: bounds how late a tick is.
+const LONGEST_WAIT: Duration = Duration::from_millis(10);
+/// How late bytes are heard while the fault `delay` is in force.
+const DELAY: Duration = Duration::from_millis(400);
+
+/// An emulated Fotokite Pro.
+#[derive(Debug)]
+pub struct FotokitePro {
+    port: HostPort,
+    station: GroundStation,
+    settings: GroundStationSettings,
+    mount: CameraMount,
+    profile: VehicleProfile,
+    log: StationLog,
+    faults: FaultPlan,
+    clock: Clock,
+    started: Timestamp,
+    /// The rates that the mount was told last.
+    followed: StationRates,
+    unplugged: bool,
+    looked_at: Option<Timestamp>,
+    to_hear: VecDeque<(Timestamp, Vec<u8>)>,
+}
+
+impl FotokitePro {
+    /// An emulator that was just switched on.
+    pub fn new(
+        port: HostPort,
+        settings: GroundStationSettings,
+        log: StationLog,
+        faults: FaultPlan,
+        clock: Clock,
+    ) -> Self {
+        let now = clock.now();
+        Self {
+            port,
+            station: GroundStation::boot(settings, now),
+            settings,
+            mount: CameraMount::at_rest(MountPlant::laboratory(), START_DEPRESSION),
+            profile: VehicleProfile::fotokite_pro(),
+            log,
+            faults,
+            clock,
+            started: now,
+            followed: StationRates::default(),
+            unplugged: false,
+            looked_at: None,
+            to_hear: VecDeque::new(),
+        }
+    }
+
+    /// Where clients connect to.
+    pub fn place(&self) -> String {
+        self.port.place()
+    }
+
+    /// Runs until `ended` says so.
+    ///
+    /// # Errors
+    /// If the log cannot be written.
+    pub fn run(&mut self, ended: impl Fn() -> bool) -> Result<()> {
+        let mut buffer = [0; 1024];
+        while !ended() {
+            let read = self.port.read(&mut buffer, LONGEST_WAIT);
+            let now = self.clock.now();
+            self.advance(now);
+            self.go_wrong(now)?;
+            self.receive(&buffer[..read], now)?;
+            self.station.tick(now);
+            self.follow(now, None)?;
+            let mut lines = Vec::new();
+            let reading = self.reading();
+            self.station.report(&reading, now, &mut lines);
+            self.send(&lines, now)?;
+        }
+        Ok(())
+    }
+
+    /// Time since the emulator was switched on, which faults count from.
+    fn uptime(&self, now: Timestamp) -> Timestamp {
+        Timestamp::ZERO.plus(now.since(self.started))
+    }
+
+    fn active(&self, kind: FaultKind, now: Timestamp) -> bool {
+        self.faults.active(kind, self.uptime(now))
+    }
+
+    fn go_wrong(&mut self, now: Timestamp) -> Result<()> {
+        let uptime = self.uptime(now);
+        if self.faults.begun(FaultKind::Reboot, self.looked_at, uptime) > 0 {
+            self.station = GroundStation::boot(self.settings, now);
+        }
+        self.looked_at = Some(uptime);
+        let unplugged = self.active(FaultKind::Disconnect, now);
+        match (self.unplugged, unplugged) {
+            (false, true) => self.port.unplug(),
+            (true, false) => self.port.plug()?,
+            _ => {}
+        }
+        self.unplugged = unplugged;
+        Ok(())
+    }
+
+    fn receive(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
+        let deaf = [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.active(*kind, now));
+        if !bytes.is_empty() && !deaf && !self.unplugged {
+            let due = if self.active(FaultKind::Delay, now) { now.plus(DELAY) } else { now };
+            let mut heard = bytes.to_vec();
+            if self.active(FaultKind::Corrupt, now) {
+                heard[0] ^= 0x55;
+            }
+            if self.active(FaultKind::Duplicate, now) {
+                self.to_hear.push_back((due, heard.clone()));
+            }
+            self.to_hear.push_back((due, heard));
+        }
+        while let Some((_, heard)) = self.to_hear.pop_front_if(|(due, _)| *due <= now) {
+            self.hear(&heard, now)?;
+        }
+        Ok(())
+    }
+
+    /// Takes bytes one by one, so that every line is logged with the state that it led to.
+    fn hear(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
+        let mut answer = Vec::new();
+        for byte in bytes {
+            let mut line = None;
+            self.station.received(&[*byte], now, &mut answer, |heard| line = Some(heard.to_owned()));
+            if let Some(line) = line {
+                self.follow(now, Some(&line))?;
+            }
+        }
+        self.send(&answer, now)
+    }
+
+    /// Hands rates that have changed to the camera mount, and logs the line that did it. Rates that ended by
+    /// themselves are logged too.
+    fn follow(&mut self, now: Timestamp, line: Option<&str>) -> Result<()> {
+        let rates = self.station.rates();
+        let changed = rates != self.followed;
+        if changed {
+            self.followed = rates;
+            self.mount.command(self.profile.incoming(VehicleRates { yaw: rates.yaw, pitch: rates.pitch }));
+        }
+        match line {
+            Some(line) => self.log.add(now, Direction::In, line, self.state()),
+            None if changed => self.log.add(now, Direction::None, "", self.state()),
+            None => Ok(()),
+        }
+    }
+
+    fn send(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
+        if bytes.is_empty() || self.unplugged || self.active(FaultKind::Stall, now) {
+            return Ok(());
+        }
+        self.port.write(bytes);
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        let state = self.state();
+        for line in text.split("\r\n").filter(|line| !line.is_empty()) {
+            self.log.add(now, Direction::Out, line, state)?;
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, now: Timestamp) {
+        let target = (now.since(self.started).as_secs_f64() * f64::from(TICKS_PER_SECOND)) as u64;
+        while self.mount.tick() < target {
+            self.mount.advance();
+        }
+    }
+
+    fn state(&self) -> LoggedState {
+        LoggedState::of(&self.station, self.mount.pan.angle().radians(), self.mount.tilt.angle().radians())
+    }
+
+    fn reading(&self) -> VehicleReading {
+        // The vehicle counts yaw to the left about the vertical, and pitch downwards.
+        let half = |angle: Angle| -angle.radians() / 2.0;
+        let (yaw, pitch) = (half(self.mount.pan.angle()), half(self.mount.tilt.angle()));
+        VehicleReading {
+            attitude: Quaternion { w: yaw.cos(), x: 0.0, y: 0.0, z: yaw.sin() },
+            gimbal: Quaternion { w: pitch.cos(), x: 0.0, y: pitch.sin(), z: 0.0 },
+            elevation_rad: 0.2,
+            azimuth_rad: 0.0,
+            altitude_m: 10.0,
+            tether_m: 10.2,
+            ground_battery_v: 15.8,
+            backup_battery_v: 8.1,
+            flight_mode: 2,
+            flags: 0,
+        }
+    }
+}

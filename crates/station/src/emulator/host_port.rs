@@ -1,0 +1,182 @@
+//! The port of an emulated ground station: a pseudo-terminal with a link to it, or a TCP listener.
+
+use std::fs::OpenOptions;
+use std::io::{self, Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::os::fd::{AsFd, OwnedFd};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+
+/// A port that clients connect to.
+#[derive(Debug)]
+pub enum HostPort {
+    /// A pseudo-terminal.
+    Pty(Pty),
+    /// A TCP listener with at most one client.
+    Tcp {
+        /// The listener.
+        listener: TcpListener,
+        /// The client, while there is one.
+        client: Option<TcpStream>,
+    },
+}
+
+/// A pseudo-terminal, and the link by which clients find it. The link goes with it.
+#[derive(Debug)]
+pub struct Pty {
+    master: OwnedFd,
+    device: PathBuf,
+    link: PathBuf,
+}
+
+impl HostPort {
+    /// Makes a pseudo-terminal and links `link` to it.
+    ///
+    /// # Errors
+    /// If there is something else at `link`, or no pseudo-terminal is to be had.
+    pub fn pty(link: &Path) -> Result<Self> {
+        Ok(Self::Pty(Pty::open(link)?))
+    }
+
+    /// Listens for TCP connections.
+    ///
+    /// # Errors
+    /// If the address cannot be listened on.
+    pub fn listen(address: &str) -> Result<Self> {
+        let listener = TcpListener::bind(address).with_context(|| format!("cannot listen on {address}"))?;
+        listener.set_nonblocking(true)?;
+        Ok(Self::Tcp { listener, client: None })
+    }
+
+    /// Where clients connect to, as a link's URL.
+    pub fn place(&self) -> String {
+        match self {
+            Self::Pty(pty) => format!("serial:{}", pty.link.display()),
+            Self::Tcp { listener, .. } => listener
+                .local_addr()
+                .map_or_else(|_| "an address that cannot be told".to_owned(), |address| format!("tcp://{address}")),
+        }
+    }
+
+    /// Waits at most `wait` for bytes and reads them; 0 where none came.
+    pub fn read(&mut self, buffer: &mut [u8], wait: Duration) -> usize {
+        match self {
+            Self::Pty(pty) => pty.read(buffer, wait),
+            Self::Tcp { listener, client } => read_tcp(listener, client, buffer, wait),
+        }
+    }
+
+    /// Writes what the other end takes at once; the rest is lost, as on a line that nobody reads.
+    pub fn write(&mut self, bytes: &[u8]) {
+        // Nobody at the other end is no fault of the station's.
+        match self {
+            Self::Pty(pty) => drop(rustix::io::write(&pty.master, bytes)),
+            Self::Tcp { client: Some(client), .. } => drop(client.write(bytes)),
+            Self::Tcp { client: None, .. } => {}
+        }
+    }
+
+    /// Cuts the connection, as when the cable is pulled: the link of a pseudo-terminal vanishes.
+    pub fn unplug(&mut self) {
+        match self {
+            Self::Pty(pty) => drop(std::fs::remove_file(&pty.link)),
+            Self::Tcp { client, .. } => *client = None,
+        }
+    }
+
+    /// Connects again after `unplug`: a pseudo-terminal is a new one, as a device that was plugged in again is.
+    ///
+    /// # Errors
+    /// If no pseudo-terminal is to be had.
+    pub fn plug(&mut self) -> Result<()> {
+        if let Self::Pty(pty) = self {
+            let link = pty.link.clone();
+            *pty = Pty::open(&link)?;
+        }
+        Ok(())
+    }
+}
+
+impl Pty {
+    fn open(link: &Path) -> Result<Self> {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+        grantpt(&master)?;
+        unlockpt(&master)?;
+        let name = ptsname(&master, Vec::new())?;
+        let device = PathBuf::from(name.to_string_lossy().into_owned());
+        // Raw from the start: a line discipline that echoes would talk to itself until a client comes.
+        let slave = OpenOptions::new().read(true).write(true).open(&device)?;
+        let mut raw = tcgetattr(&slave)?;
+        raw.make_raw();
+        tcsetattr(&slave, OptionalActions::Now, &raw)?;
+        rustix::io::ioctl_fionbio(&master, true)?;
+        match std::fs::symlink_metadata(link) {
+            Ok(found) if found.file_type().is_symlink() => std::fs::remove_file(link)?,
+            Ok(_) => bail!("{} exists and is no link: choose another path for the port", link.display()),
+            Err(_) => {}
+        }
+        std::os::unix::fs::symlink(&device, link)
+            .with_context(|| format!("the port's link {} cannot be made", link.display()))?;
+        Ok(Self { master, device, link: link.to_owned() })
+    }
+
+    fn read(&self, buffer: &mut [u8], wait: Duration) -> usize {
+        if !readable(&self.master, wait) {
+            return 0;
+        }
+        rustix::io::read(&self.master, buffer).unwrap_or_else(|_| {
+            // No client: the master is told of the hang-up at once and always.
+            std::thread::sleep(wait.min(Duration::from_millis(5)));
+            0
+        })
+    }
+}
+
+impl Drop for Pty {
+    fn drop(&mut self) {
+        // Only our own link is taken away: after `plug` it leads to the new pseudo-terminal.
+        if std::fs::read_link(&self.link).is_ok_and(|leads_to| leads_to == self.device) {
+            let _ = std::fs::remove_file(&self.link);
+        }
+    }
+}
+
+fn read_tcp(
+    listener: &TcpListener,
+    client: &mut Option<TcpStream>,
+    buffer: &mut [u8],
+    wait: Duration,
+) -> usize {
+    let Some(stream) = client else {
+        if readable(listener, wait)
+            && let Ok((stream, _)) = listener.accept()
+            && stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok()
+        {
+            *client = Some(stream);
+        }
+        return 0;
+    };
+    if !readable(stream, wait) {
+        return 0;
+    }
+    match stream.read(buffer) {
+        Ok(read) if read > 0 => read,
+        Err(error) if error.kind() == io::ErrorKind::WouldBlock => 0,
+        Ok(_) | Err(_) => {
+            *client = None;
+            0
+        }
+    }
+}
+
+fn readable(fd: impl AsFd, wait: Duration) -> bool {
+    let mut fds = [PollFd::new(&fd, PollFlags::IN)];
+    let timeout = rustix::event::Timespec::try_from(wait).ok();
+    // An interrupted wait is a short wait.
+    poll(&mut fds, timeout.as_ref()).is_ok_and(|ready| ready > 0)
+}

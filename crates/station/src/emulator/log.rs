@@ -1,0 +1,91 @@
+//! The emulator's log: one JSON object per line, handed to the system at once.
+
+use std::fs::File;
+use std::io::Write as _;
+
+use anyhow::Result;
+use barrelman_vocab::Timestamp;
+use barrelman_wire::fotokite_pro::GroundStation;
+use barrelman_wire::fotokite_pro::ground_station::StationState;
+use serde::Serialize;
+
+use crate::clock::Clock;
+
+/// Which way a line went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// From the client.
+    In,
+    /// To the client.
+    Out,
+    /// Nothing went: the state changed by itself.
+    None,
+}
+
+/// The station and its camera, as logged.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoggedState {
+    station: &'static str,
+    yaw_rate: f64,
+    pitch_rate: f64,
+    roll_rate: f64,
+    pan_rad: f64,
+    tilt_rad: f64,
+    lost_lines: u64,
+}
+
+impl LoggedState {
+    /// The state of a station whose camera stands at these angles.
+    pub fn of(station: &GroundStation, pan_rad: f64, tilt_rad: f64) -> Self {
+        let rates = station.rates();
+        Self {
+            station: match station.state() {
+                StationState::Shell => "shell",
+                StationState::RemoteControlled => "remote-controlled",
+            },
+            yaw_rate: rates.yaw.radians_per_second(),
+            pitch_rate: rates.pitch.radians_per_second(),
+            roll_rate: rates.roll.radians_per_second(),
+            pan_rad,
+            tilt_rad,
+            lost_lines: station.flooded_lines(),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Row<'a> {
+    mono_ns: u64,
+    direction: Direction,
+    raw: &'a str,
+    state: LoggedState,
+}
+
+/// The log, or none.
+#[derive(Debug)]
+pub struct StationLog {
+    file: Option<File>,
+    clock: Clock,
+}
+
+impl StationLog {
+    /// A log that goes to `file`.
+    pub const fn new(file: Option<File>, clock: Clock) -> Self {
+        Self { file, clock }
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn add(&mut self, at: Timestamp, direction: Direction, raw: &str, state: LoggedState) -> Result<()> {
+        if let Some(file) = &mut self.file {
+            let mono_ns = self.clock.start_on_monotonic_ns() + at.as_nanos();
+            let mut line = serde_json::to_string(&Row { mono_ns, direction, raw, state })?;
+            line.push('\n');
+            file.write_all(line.as_bytes())?;
+        }
+        Ok(())
+    }
+}

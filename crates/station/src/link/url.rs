@@ -1,0 +1,135 @@
+//! Where commands go: `serial:/dev/ttyACM0?baud=115200` or `tcp://host:port`.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use crate::fault::{FaultPlan, FaultPlanError};
+
+/// Baud rate where the URL does not say: what all public clients use.
+pub const DEFAULT_BAUD: u32 = 115_200;
+
+/// A link's address.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LinkUrl {
+    /// What is opened.
+    pub endpoint: Endpoint,
+    /// What is to go wrong on it.
+    pub faults: FaultPlan,
+}
+
+/// What is opened for a link.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Endpoint {
+    /// A serial port.
+    Serial {
+        /// Its device.
+        path: PathBuf,
+        /// Its speed.
+        baud: u32,
+    },
+    /// A TCP connection to a pass-through server.
+    Tcp {
+        /// `host:port`.
+        address: String,
+    },
+}
+
+/// A link's address that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum LinkUrlError {
+    /// The scheme is unknown.
+    #[error("{0:?} is no link: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
+    Unknown(String),
+    /// Nothing stands behind the scheme.
+    #[error("the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
+    Nowhere(String),
+    /// An option is unknown or has no value that can be used.
+    #[error("the link's option {0:?} cannot be used: a serial link takes baud=9600 or baud=115200, and every link fault=KIND@SECONDS")]
+    Option(String),
+    /// The faults cannot be read.
+    #[error(transparent)]
+    Faults(#[from] FaultPlanError),
+}
+
+impl LinkUrl {
+    /// Reads an address.
+    ///
+    /// # Errors
+    /// [`LinkUrlError`] says what cannot be read, and the remedy.
+    pub fn parse(text: &str) -> Result<Self, LinkUrlError> {
+        let (address, options) = text.split_once('?').unwrap_or((text, ""));
+        let nowhere = || LinkUrlError::Nowhere(text.to_owned());
+        let mut endpoint = if let Some(path) = address.strip_prefix("serial:") {
+            if path.is_empty() {
+                return Err(nowhere());
+            }
+            Endpoint::Serial { path: PathBuf::from(path), baud: DEFAULT_BAUD }
+        } else if let Some(address) = address.strip_prefix("tcp://") {
+            let (host, port) = address.rsplit_once(':').ok_or_else(nowhere)?;
+            if host.is_empty() || port.parse::<u16>().is_err() {
+                return Err(nowhere());
+            }
+            Endpoint::Tcp { address: address.to_owned() }
+        } else {
+            return Err(LinkUrlError::Unknown(text.to_owned()));
+        };
+        let mut faults = FaultPlan::default();
+        for option in options.split('&').filter(|option| !option.is_empty()) {
+            let unusable = || LinkUrlError::Option(option.to_owned());
+            match (option.split_once('='), &mut endpoint) {
+                (Some(("baud", value)), Endpoint::Serial { baud, .. }) => {
+                    *baud = value.parse().ok().filter(|baud| *baud >= 1_200).ok_or_else(unusable)?;
+                }
+                (Some(("fault", plan)), _) => faults = FaultPlan::parse(plan)?,
+                _ => return Err(unusable()),
+            }
+        }
+        Ok(Self { endpoint, faults })
+    }
+
+    /// How fast the line is; TCP counts as the fastest serial line.
+    pub fn baud(&self) -> u32 {
+        match &self.endpoint {
+            Endpoint::Serial { baud, .. } => *baud,
+            Endpoint::Tcp { .. } => DEFAULT_BAUD,
+        }
+    }
+}
+
+impl fmt::Display for LinkUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.endpoint {
+            Endpoint::Serial { path, baud } => write!(f, "serial:{}?baud={baud}", path.display()),
+            Endpoint::Tcp { address } => write!(f, "tcp://{address}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(text: &str, expected: Result<&str, &str>) {
+        match (LinkUrl::parse(text), expected) {
+            (Ok(url), Ok(shown)) => assert_eq!(url.to_string(), shown),
+            (Err(error), Err(part)) => assert!(error.to_string().contains(part), "{error}"),
+            (got, expected) => panic!("{text}: {got:?}, expected {expected:?}"),
+        }
+    }
+
+    #[test]
+    fn addresses_are_read_or_refused_with_the_remedy() {
+        check("serial:/dev/ttyACM0", Ok("serial:/dev/ttyACM0?baud=115200"));
+        check("serial:/dev/ttyACM0?baud=9600", Ok("serial:/dev/ttyACM0?baud=9600"));
+        check("tcp://10.0.0.2:5000", Ok("tcp://10.0.0.2:5000"));
+        check("tcp://[::1]:5000?fault=stall@3s", Ok("tcp://[::1]:5000"));
+        check("serial:", Err("names no port"));
+        check("tcp://host", Err("names no port"));
+        check("tcp://host:port", Err("names no port"));
+        check("/dev/ttyACM0", Err("use serial:"));
+        check("serial:/dev/ttyACM0?baud=fast", Err("baud=fast"));
+        check("tcp://host:1?baud=9600", Err("baud=9600"));
+        check("serial:/dev/ttyACM0?fault=explode@3", Err("explode"));
+    }
+}

@@ -1,0 +1,19 @@
+//! A live run: threads, one queue of events, and the loop that steps the pilot.
+//!
+//! ```text
+//! video thread ---frames--> LatestFrame --+
+//!    \--units--> recorder                 |
+//! link thread ---telemetry--------------> events -> run_loop: Pilot::step -> link, recorder, overlay, status
+//! terminal thread -keys, signals--------> +
+//! ```
+//! [`run_loop`] is the only place that steps the pilot. The other threads hold no decisions.
+
+pub mod event;
+pub mod run_loop;
+
+pub mod latest;
+pub mod overlay_video;
+pub mod recorder;
+pub mod status;
+pub mod terminal;
+pub mod threads;

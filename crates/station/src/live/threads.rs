@@ -1,0 +1,64 @@
+//! Threads that cannot die unseen: a panic in one becomes an event.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::SyncSender;
+use std::thread::JoinHandle;
+
+use barrelman_vocab::Timestamp;
+
+use super::event::Event;
+use crate::fault::{FaultKind, FaultPlan};
+
+/// Starts a named thread; if it panics, [`Event::ThreadPanicked`] says so.
+///
+/// # Errors
+/// If the system has no more threads.
+pub fn spawn(
+    name: &str,
+    events: SyncSender<Event>,
+    work: impl FnOnce() + Send + 'static,
+) -> std::io::Result<JoinHandle<()>> {
+    let thread = name.to_owned();
+    std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+        if catch_unwind(AssertUnwindSafe(work)).is_err() {
+            // If nobody listens any more, everything is ending already.
+            let _ = events.send(Event::ThreadPanicked { thread });
+        }
+    })
+}
+
+/// Faults that were asked for in the program's own threads, to test that each ends in zeros.
+#[derive(Debug, Clone, Default)]
+pub struct Saboteur {
+    plans: Vec<(String, FaultPlan)>,
+}
+
+/// The threads that can be broken on purpose by `--fault`; the video's and the link's have it in their URLs.
+pub const BREAKABLE: [&str; 4] = ["pilot", "recorder", "overlay", "terminal"];
+
+impl Saboteur {
+    /// Reads `THREAD:panic@SECONDS`, several times.
+    ///
+    /// # Errors
+    /// If a thread or a fault is unknown.
+    pub fn parse(texts: &[String]) -> anyhow::Result<Self> {
+        let mut plans = Vec::new();
+        for text in texts {
+            let (thread, plan) = text
+                .split_once(':')
+                .filter(|(thread, _)| BREAKABLE.contains(thread))
+                .ok_or_else(|| anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS with one of {BREAKABLE:?}"))?;
+            plans.push((thread.to_owned(), FaultPlan::parse(plan)?));
+        }
+        Ok(Self { plans })
+    }
+
+    /// Panics if that was asked for of this thread by now.
+    pub fn strike(&self, thread: &str, now: Timestamp) {
+        let struck = |(name, plan): &(String, FaultPlan)| name == thread && plan.active(FaultKind::Panic, now);
+        #[allow(clippy::panic, reason = "asked for on the command line, to test the stops")]
+        if self.plans.iter().any(struck) {
+            panic!("the {thread} thread panics on purpose");
+        }
+    }
+}
