@@ -1,0 +1,33 @@
+//! Video in and out: sources, decoding, and MP4 files written.
+//!
+//! ```text
+//! VideoUrl -> demux (files) or rtsp (network) -> EncodedUnit -> UnitDecoder -> VideoFrame
+//!                                                     \-> recorder, console        Picture -> Mp4Writer
+//! ```
+//! An [`unit::EncodedUnit`] is what was received, unchanged; the same units always decode to the same frames,
+//! so a recorder stores units and a replay decodes them again. [`file`] reads every frame of a recording, for offline use.
+//!
+//! Read here: H.264 (8 bit, 4:2:0, progressive) from RTSP over TCP and from MP4 or MOV, Y4M, folders of PNG and
+//! JPEG pictures. What is not read (USB cameras, other codecs and containers) is named in the error, together
+//! with the command that makes it readable.
+
+pub mod decoder;
+pub mod demux;
+pub mod error;
+pub mod file;
+pub mod unit;
+pub mod url;
+pub mod writer;
+
+pub mod annexb;
+pub mod encoder;
+mod mp4_mux;
+pub mod pool;
+mod quiet;
+mod sps;
+mod still;
+
+pub use error::{DecodeError, VideoError};
+pub use file::FileFrames;
+pub use unit::{EncodedUnit, Rotation, UnitCodec};
+pub use url::{VideoUrl, VideoUrlError};
