@@ -8,3 +8,4 @@
 )]
 
 mod video;
+mod video_live;
