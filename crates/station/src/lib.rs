@@ -1,1 +1,23 @@
-//! The program: command line, threads, clocks, sockets and files.
+//! The program: command line, configuration, threads, clocks, sockets and files.
+//!
+//! Everything that touches the world is here and nowhere else; everything that decides something is not. A live
+//! run is in [`live`], the video in [`video`], the vehicle's port in [`link`].
+
+pub mod cli;
+pub mod commands;
+
+pub mod config;
+
+pub mod live;
+
+pub mod link;
+pub mod video;
+
+pub mod emulator;
+
+pub mod film;
+
+pub mod clock;
+pub mod fault;
+pub mod logging;
+pub mod output;

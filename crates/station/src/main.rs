@@ -1,3 +1,31 @@
-//! The `barrelman` program.
+//! The `barrelman` program: reads the command line, runs a command, and turns errors into exit codes.
 
-fn main() {}
+use std::process::ExitCode;
+
+use barrelman_station::cli::{Cli, Command};
+use barrelman_station::clock::Clock;
+use barrelman_station::{commands, logging};
+use clap::Parser as _;
+
+fn main() -> ExitCode {
+    // The clock first: every timestamp of this run counts from here.
+    let clock = Clock::start();
+    let cli = Cli::parse();
+    logging::start(cli.log_level, cli.log_format);
+    let result = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
+        Command::Demo(args) => commands::demo::run(&args, clock),
+        Command::Run(args) => commands::run::run(&args, clock),
+        Command::Track(args) => commands::track::run(&args),
+        Command::Law(args) => commands::law::run(&args),
+        Command::Metrics(args) => commands::metrics::run(&args),
+        Command::Replay(args) => commands::replay::run(&args),
+        Command::Export(args) => commands::export::run(&args),
+        Command::Emulate(args) => commands::emulate::run(&args, clock),
+        Command::Check(args) => commands::check::run(&args, clock),
+        Command::Config(args) => commands::config::run(&args),
+    };
+    result.unwrap_or_else(|error| {
+        tracing::error!("{error:#}");
+        ExitCode::FAILURE
+    })
+}

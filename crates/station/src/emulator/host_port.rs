@@ -152,7 +152,7 @@ fn read_tcp(
     buffer: &mut [u8],
     wait: Duration,
 ) -> usize {
-    let Some(stream) = client else {
+    let Some(stream) = client.as_mut() else {
         if readable(listener, wait)
             && let Ok((stream, _)) = listener.accept()
             && stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok()
@@ -161,7 +161,7 @@ fn read_tcp(
         }
         return 0;
     };
-    if !readable(stream, wait) {
+    if !readable(&*stream, wait) {
         return 0;
     }
     match stream.read(buffer) {

@@ -3,7 +3,7 @@
 //! The loop never waits for it: where drawing is slower than the video, frames are left out of the annotated
 //! one, and counted.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -15,7 +15,7 @@ use super::event::Event;
 use super::run_loop::Watcher;
 use super::threads::{self, Saboteur};
 use crate::clock::Clock;
-use crate::overlay::film::Film;
+use crate::film::Film;
 
 /// Frames that may wait to be drawn.
 const QUEUE: usize = 8;
@@ -49,7 +49,7 @@ impl OverlayVideo {
         let (send_result, result) = sync_channel(1);
         let path = path.to_owned();
         let thread = threads::spawn("overlay", events, move || {
-            let _ = send_result.send(write(path, &queue, || saboteur.strike("overlay", clock.now())));
+            let _ = send_result.send(write(&path, &queue, || saboteur.strike("overlay", clock.now())));
         })?;
         Ok(Self { items, thread, result })
     }
@@ -86,7 +86,7 @@ impl Drop for OverlayInput {
     }
 }
 
-fn write(path: PathBuf, queue: &Receiver<Option<Box<Seen>>>, strike: impl Fn()) -> Result<()> {
+fn write(path: &Path, queue: &Receiver<Option<Box<Seen>>>, strike: impl Fn()) -> Result<()> {
     let mut film = Film::new(path);
     while let Ok(Some(seen)) = queue.recv() {
         strike();

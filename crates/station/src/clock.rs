@@ -1,0 +1,69 @@
+//! The program's clock: the monotonic clock of the machine, counted from the program's start.
+//!
+//! One [`Clock`] is started in `main` and handed (it is a copy of one moment) to every thread that must know the
+//! time. Nothing else reads `Instant::now`, so that two timestamps of one run can always be compared. It does
+//! not know the time of day, and it does not run while the machine is suspended.
+
+use std::time::Instant;
+
+use barrelman_vocab::time::Timestamp;
+
+/// The moment of the program's start, from which timestamps count.
+#[derive(Debug, Clone, Copy)]
+pub struct Clock {
+    start: Instant,
+    start_on_monotonic_ns: u64,
+}
+
+impl Clock {
+    /// Starts counting now.
+    pub fn start() -> Self {
+        let start_on_monotonic_ns = monotonic_ns();
+        Self { start: Instant::now(), start_on_monotonic_ns }
+    }
+
+    /// The time now.
+    pub fn now(self) -> Timestamp {
+        self.at(Instant::now())
+    }
+
+    /// A moment of the machine's clock as a timestamp; the start where it was before it.
+    pub fn at(self, moment: Instant) -> Timestamp {
+        Timestamp::ZERO.plus(moment.saturating_duration_since(self.start))
+    }
+
+    /// A timestamp as a moment of the machine's clock, to wait for it.
+    pub fn instant(self, at: Timestamp) -> Instant {
+        self.start + at.since(Timestamp::ZERO)
+    }
+
+    /// The program's start on `CLOCK_MONOTONIC`, in nanoseconds: what joins this program's timestamps with those
+    /// of another program on the same machine.
+    pub const fn start_on_monotonic_ns(self) -> u64 {
+        self.start_on_monotonic_ns
+    }
+}
+
+fn monotonic_ns() -> u64 {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    // CLOCK_MONOTONIC counts from the machine's start, so neither part is ever negative.
+    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_timestamp_and_its_instant_are_the_same_moment() {
+        let clock = Clock::start();
+        let at = Timestamp::from_nanos(1_234_567_890);
+        assert_eq!(clock.at(clock.instant(at)), at);
+    }
+
+    #[test]
+    fn the_start_on_the_monotonic_clock_is_before_now() {
+        let clock = Clock::start();
+        assert!(clock.start_on_monotonic_ns() > 0 && clock.start_on_monotonic_ns() <= monotonic_ns());
+    }
+}

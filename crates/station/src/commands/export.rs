@@ -1,0 +1,177 @@
+//! `barrelman export`: every channel of a recording as CSV, its trial as CSV, its video as MP4.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write as _, stdout};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result, bail};
+use barrelman_trial::logs::exported;
+use barrelman_trial::records::table::read_rows;
+use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
+use barrelman_vocab::unit::UnitCodec;
+use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
+
+use crate::cli::ExportArgs;
+use crate::output;
+use crate::video::decoder::{DecodeMode, UnitDecoder};
+use crate::video::encoder::EncoderSettings;
+use crate::video::writer::Mp4Writer;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the recording cannot be read or an output not be written. What comes before a cut is exported.
+pub fn run(args: &ExportArgs) -> Result<ExitCode> {
+    let context = || format!("{} cannot be exported", args.recording.display());
+    // Tried first: a file that is no recording leaves no empty folder behind.
+    File::open(&args.recording).with_context(context)?;
+    std::fs::create_dir_all(&args.output)
+        .with_context(|| format!("the folder {} cannot be made", args.output.display()))?;
+    let cut_channels = export_channels(args).with_context(context)?;
+    let (cut_trial, video) = export_trial(args).with_context(context)?;
+    writeln!(
+        stdout(),
+        "{} holds trial.csv, one CSV per channel{}",
+        args.output.display(),
+        if video { ", and video.mp4" } else { "" }
+    )?;
+    if cut_channels || cut_trial {
+        tracing::error!("the recording is cut off: everything before the cut was exported");
+        return Ok(ExitCode::FAILURE);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a CSV for every channel. Returns whether the recording is cut off.
+fn export_channels(args: &ExportArgs) -> Result<bool> {
+    let mut files: BTreeMap<String, BufWriter<File>> = BTreeMap::new();
+    let result = read_rows(BufReader::new(File::open(&args.recording)?), |row| -> Result<()> {
+        let file = match files.get_mut(&row.topic) {
+            Some(file) => file,
+            None => {
+                let name = row.topic.trim_matches('/').replace('/', "_") + ".csv";
+                let mut file = BufWriter::new(output::create(&args.output.join(name), args.force)?);
+                writeln!(file, "{}", row.columns.join(","))?;
+                files.entry(row.topic.clone()).or_insert(file)
+            }
+        };
+        Ok(writeln!(file, "{}", row.cells.join(","))?)
+    });
+    for file in files.values_mut() {
+        file.flush()?;
+    }
+    was_cut(result)
+}
+
+fn was_cut(result: Result<()>) -> Result<bool> {
+    match result {
+        Ok(()) => Ok(false),
+        Err(error) if matches!(error.downcast_ref(), Some(ReadError::CutOff)) => Ok(true),
+        Err(error) => Err(error),
+    }
+}
+
+/// Writes the trial's CSV and the video. Returns whether the recording is cut off, and whether it has a video.
+fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
+    let mut trial = TrialFile::create(&args.output.join("trial.csv"), args.force)?;
+    let mut video = VideoFile { path: args.output.join("video.mp4"), force: args.force, state: None };
+    let mut cut = false;
+    for entry in RecordingReader::new(BufReader::new(File::open(&args.recording)?)) {
+        match entry {
+            Ok(Entry::Outcome(outcome)) => trial.add(&outcome)?,
+            Ok(Entry::Unit(unit)) => video.add(&unit)?,
+            Ok(Entry::Start(_) | Entry::Input { .. }) => {}
+            Err(ReadError::CutOff) => cut = true,
+            Err(error) => return Err(error.into()),
+        }
+    }
+    trial.file.flush()?;
+    Ok((cut, video.finish()?))
+}
+
+/// The CSV that `metrics` and `law` read.
+struct TrialFile {
+    file: BufWriter<File>,
+    start: Option<Timestamp>,
+    size: Option<PictureSize>,
+}
+
+impl TrialFile {
+    fn create(path: &Path, force: bool) -> Result<Self> {
+        let mut file = BufWriter::new(output::create(path, force)?);
+        writeln!(file, "{}", exported::HEADER)?;
+        Ok(Self { file, start: None, size: None })
+    }
+
+    fn add(&mut self, outcome: &RecordedOutcome) -> Result<()> {
+        if let Some(seen) = outcome.track.localisation() {
+            self.size = Some(seen.picture);
+        }
+        // Like a recording read as a log, it begins with the first localisation.
+        let Some(size) = self.size else { return Ok(()) };
+        let start = *self.start.get_or_insert(outcome.at);
+        write!(self.file, "{},", outcome.at.since(start).as_secs_f64())?;
+        match &outcome.percept {
+            Some(percept) => {
+                write!(self.file, "{},{},{},", percept.position.x, percept.position.y, percept.p)?;
+            }
+            None => write!(self.file, ",,,")?,
+        }
+        writeln!(
+            self.file,
+            "{},{},{},{},{}",
+            outcome.rates.pitch.radians_per_second(),
+            outcome.rates.yaw.radians_per_second(),
+            outcome.mode,
+            size.width,
+            size.height
+        )?;
+        Ok(())
+    }
+}
+
+/// The video: H.264 as received, everything else encoded.
+struct VideoFile {
+    path: PathBuf,
+    force: bool,
+    state: Option<(Mp4Writer, UnitDecoder, Timestamp)>,
+}
+
+impl VideoFile {
+    fn add(&mut self, unit: &EncodedUnit) -> Result<()> {
+        if self.state.is_none() {
+            if !unit.key {
+                return Ok(());
+            }
+            output::check_free(&self.path, self.force)?;
+            let size = match unit.codec {
+                UnitCodec::RawYuv420 { size, .. } => size,
+                UnitCodec::H264AnnexB | UnitCodec::Jpeg | UnitCodec::Png => PictureSize::new(1280, 720),
+            };
+            let writer = Mp4Writer::create(&self.path, EncoderSettings::for_pictures(size, 30.0))?;
+            self.state = Some((writer, UnitDecoder::new(DecodeMode::File), unit.capture.at));
+        }
+        let Some((writer, decoder, start)) = &mut self.state else { return Ok(()) };
+        let at = Timestamp::ZERO.plus(unit.capture.at.since(*start));
+        if unit.codec == UnitCodec::H264AnnexB {
+            let mut unit = unit.clone();
+            unit.capture.at = at;
+            return Ok(writer.write_unit(&unit)?);
+        }
+        let mut written = Ok(());
+        let decoded = decoder.decode(unit, &mut |frame| written = writer.write_picture(&frame.picture, at));
+        if let Err(error) = decoded {
+            bail!("picture {} of the video cannot be decoded: {error}", unit.index);
+        }
+        Ok(written?)
+    }
+
+    fn finish(self) -> Result<bool> {
+        match self.state {
+            Some((writer, ..)) => writer.finish().map(|()| true).map_err(Into::into),
+            None => Ok(false),
+        }
+    }
+}

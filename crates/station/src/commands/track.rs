@@ -1,0 +1,214 @@
+//! `barrelman track`: the tracker alone on a recording.
+
+use std::io::{BufWriter, Write, stdout};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
+use barrelman_vocab::{Timestamp, Track, VideoFrame};
+use indicatif::{ProgressBar, ProgressStyle};
+use rustix::time::{ClockId, clock_gettime};
+use serde::Serialize;
+
+use crate::cli::{TrackArgs, TrackerName};
+use crate::film::Film;
+use crate::output;
+use crate::video::{DecodeError, FileFrames, VideoError, VideoUrl};
+
+/// The header of `track.csv`.
+pub const HEADER: &str =
+    "frame,time_s,state,x,y,w,h,cx,cy,major_px,minor_px,angle_deg,heading_deg,confidence";
+
+#[derive(Serialize)]
+struct Figures {
+    frames: u64,
+    lost_frames: u64,
+    damaged_pictures: u64,
+    tracker: &'static str,
+    tracker_cpu_ms: Spread,
+    decode_cpu_ms: Spread,
+}
+
+/// Median and 99th percentile; null of nothing.
+#[derive(Serialize)]
+struct Spread {
+    median: Option<f64>,
+    p99: Option<f64>,
+}
+
+impl Spread {
+    fn of(mut times: Vec<Duration>) -> Self {
+        times.sort_unstable();
+        let at = |share: f64| {
+            let index = (times.len().checked_sub(1)? as f64 * share).round() as usize;
+            Some(times[index].as_secs_f64() * 1e3)
+        };
+        Self { median: at(0.5), p99: at(0.99) }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the video, the selection or an output cannot be used. What was tracked before damage in the video is kept.
+pub fn run(args: &TrackArgs) -> Result<ExitCode> {
+    if args.json && args.output.is_none() {
+        bail!("--json prints figures on stdout: say with --output where the track goes");
+    }
+    let url = VideoUrl::parse(&args.video)?;
+    if let Some(path) = &args.overlay {
+        output::check_free(path, args.force)?;
+    }
+    let mut frames = FileFrames::open(&url)?;
+    let output: Box<dyn Write> = match &args.output {
+        Some(path) => Box::new(output::create(path, args.force)?),
+        None => Box::new(stdout().lock()),
+    };
+    let mut tracked = Tracked {
+        tracker: match args.tracker {
+            TrackerName::Camshift => Box::new(CamShift::new(CamShiftConfig::default())?),
+        },
+        output: BufWriter::new(output),
+        film: args.overlay.as_deref().map(Film::new),
+        explanation: args.explain.then(Explanation::default),
+        start: None,
+        lost: 0,
+        tracker_times: Vec::new(),
+    };
+    writeln!(tracked.output, "{HEADER}")?;
+    let progress = progress_bar(&frames);
+    let mut decode_times = Vec::new();
+    let (mut index, mut damaged) = (0_u64, 0_u64);
+    let failure = loop {
+        let before = cpu_time();
+        let frame = match frames.next_frame() {
+            Ok(Some(frame)) => frame,
+            Ok(None) => break None,
+            Err(VideoError::Decode { source: source @ DecodeError::Damaged { .. }, .. }) => {
+                damaged += 1;
+                if damaged == 1 {
+                    tracing::warn!("{source}; further damage is counted");
+                }
+                continue;
+            }
+            Err(error) => break Some(error),
+        };
+        decode_times.push(cpu_time().saturating_sub(before));
+        if index >= args.start_frame {
+            tracked.frame(args, index, &frame)?;
+        }
+        index += 1;
+        progress.inc(1);
+    };
+    progress.finish_and_clear();
+    tracked.output.flush().context("the track cannot be written")?;
+    if index <= args.start_frame && failure.is_none() {
+        bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
+    }
+    let (lost_frames, tracker_times) = (tracked.lost, std::mem::take(&mut tracked.tracker_times));
+    if let Some(film) = tracked.film {
+        film.finish()?;
+    }
+    if damaged > 1 {
+        tracing::warn!("{damaged} damaged pictures in all");
+    }
+    if args.json {
+        let figures = Figures {
+            frames: index.saturating_sub(args.start_frame),
+            lost_frames,
+            damaged_pictures: damaged,
+            tracker: "camshift",
+            tracker_cpu_ms: Spread::of(tracker_times),
+            decode_cpu_ms: Spread::of(decode_times),
+        };
+        writeln!(stdout(), "{}", serde_json::to_string_pretty(&figures)?)?;
+    }
+    match failure {
+        Some(error) => Err(error).context(format!("{index} frames were read before this; their track was kept")),
+        None => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// CPU time of all threads of this program: the tracker has none of its own, so it is the tracker's.
+fn cpu_time() -> Duration {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    // CPU time counts from zero: neither part is ever negative.
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+fn progress_bar(frames: &FileFrames) -> ProgressBar {
+    let style = "{bar:40} {pos}/{len} frames, {per_sec}, {eta} left";
+    match (frames.frame_count(), ProgressStyle::with_template(style)) {
+        (Some(count), Ok(style)) => ProgressBar::new(count).with_style(style),
+        _ => ProgressBar::new_spinner(),
+    }
+}
+
+struct Tracked {
+    tracker: Box<dyn Tracker>,
+    output: BufWriter<Box<dyn Write>>,
+    film: Option<Film>,
+    explanation: Option<Explanation>,
+    start: Option<Timestamp>,
+    lost: u64,
+    tracker_times: Vec<Duration>,
+}
+
+impl Tracked {
+    fn frame(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
+        let before = cpu_time();
+        let track = if index == args.start_frame {
+            let report = self.tracker.select(frame, args.select)?;
+            if report.clipped {
+                tracing::warn!("the selection lies partly outside the picture: {} of it is used", report.used);
+            }
+            Track::Tracking(report.localisation)
+        } else {
+            let track = self.tracker.track(frame, None);
+            self.tracker_times.push(cpu_time().saturating_sub(before));
+            track
+        };
+        self.lost += u64::from(matches!(track, Track::Lost { .. }));
+        // A file's first frame is its zero of time.
+        let start = *self.start.get_or_insert(Timestamp::ZERO);
+        write_row(&mut self.output, index, frame.capture.at.since(start).as_secs_f64(), &track)?;
+        if let Some(film) = &mut self.film {
+            if let Some(explanation) = &mut self.explanation {
+                self.tracker.explain(explanation);
+            }
+            film.add_track(frame, &track, self.explanation.as_ref())?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes one row of `track.csv`.
+fn write_row(output: &mut impl Write, index: u64, time_s: f64, track: &Track) -> std::io::Result<()> {
+    let (state, seen, confidence) = match track {
+        Track::Tracking(seen) => ("tracking", seen, seen.confidence),
+        Track::Coasting(seen) => ("coasting", seen, seen.confidence),
+        Track::Lost { confidence, .. } => {
+            return writeln!(output, "{index},{time_s:.6},lost,,,,,,,,,,,{confidence:.4}");
+        }
+        // Before the selection there are no rows.
+        Track::Unseeded => return Ok(()),
+    };
+    let (bounds, centre) = (seen.bounds, seen.centre);
+    write!(
+        output,
+        "{index},{time_s:.6},{state},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3},",
+        bounds.u, bounds.v, bounds.w, bounds.h, centre.u, centre.v
+    )?;
+    match seen.shape {
+        Some(shape) => {
+            write!(output, "{:.3},{:.3},{:.3},", shape.major_px, shape.minor_px, shape.axis.degrees())?;
+        }
+        None => write!(output, ",,,")?,
+    }
+    match seen.heading {
+        Some(heading) => write!(output, "{:.3},", heading.degrees())?,
+        None => write!(output, ",")?,
+    }
+    writeln!(output, "{confidence:.4}")
+}

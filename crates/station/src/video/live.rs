@@ -1,0 +1,294 @@
+//! A video source in real time, on a thread of its own.
+//!
+//! The thread is named `video`. It reads or receives units, decodes every one of them, and hands units and
+//! frames to a [`VideoSink`] at once; what is done with a frame that nobody has time for is the sink's business,
+//! which must not block. A file is paced by its times (time of capture = start + PTS) and ends; an RTSP source
+//! is connected again for ever (see [`super::supervision`]).
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::video::VideoFrame;
+
+use super::decoder::{DecodeMode, UnitDecoder};
+use super::demux::FileReader;
+use super::error::{DecodeError, VideoError};
+use super::fault::FaultFilter;
+use super::rtsp;
+use super::unit::EncodedUnit;
+use super::url::{VideoSource, VideoUrl};
+use crate::clock::Clock;
+
+/// Takes what a source delivers. Called on the video thread; must not block.
+pub trait VideoSink: Send {
+    /// An encoded unit, just before the frame that it gives.
+    fn unit(&mut self, unit: &EncodedUnit);
+    /// A decoded frame.
+    fn frame(&mut self, frame: VideoFrame);
+    /// The source changed its state.
+    fn state(&mut self, state: VideoState);
+    /// A unit was damaged; nothing is shown until the next key frame.
+    fn damaged(&mut self, _error: &DecodeError) {}
+}
+
+/// How a source stands.
+#[derive(Debug)]
+pub enum VideoState {
+    /// An attempt to connect, or to open, begins.
+    Connecting,
+    /// The first frame after connecting is about to come.
+    Up,
+    /// The source is gone, and will be tried again.
+    Lost {
+        /// What happened, in words.
+        reason: String,
+    },
+    /// The file is at its end; nothing more will come.
+    Ended,
+    /// The source can never be shown; nothing more will come.
+    Failed(VideoError),
+}
+
+/// A running source.
+#[derive(Debug)]
+pub struct VideoHandle {
+    stop: Arc<StopSignal>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Longest wait for the thread to end after it was told to.
+const END_WITHIN: Duration = Duration::from_secs(2);
+
+/// The thread did not end well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopError {
+    /// It had panicked.
+    Panicked,
+    /// It did not end in time, and was left alone: a sink blocks.
+    StillRunning,
+}
+
+impl fmt::Display for StopError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Panicked => "the video thread panicked",
+            Self::StillRunning => "the video thread does not end",
+        })
+    }
+}
+
+impl std::error::Error for StopError {}
+
+/// Starts a source.
+///
+/// # Errors
+/// The system has no thread left. Whatever is wrong with the source itself reaches the sink as
+/// [`VideoState::Failed`].
+pub fn spawn(url: VideoUrl, clock: Clock, sink: impl VideoSink + 'static) -> Result<VideoHandle, VideoError> {
+    let stop = Arc::new(StopSignal::default());
+    let seen_by_thread = Arc::clone(&stop);
+    let run = move || {
+        let feed = Feed::new(&url, clock, sink);
+        match &url.source {
+            VideoSource::File(_) => run_file(&url, feed, &seen_by_thread),
+            VideoSource::Rtsp { address, login } => rtsp::run(address, login.as_ref(), feed, &seen_by_thread),
+        }
+    };
+    let thread = thread::Builder::new().name("video".to_owned()).spawn(run).map_err(VideoError::Thread)?;
+    Ok(VideoHandle { stop, thread: Some(thread) })
+}
+
+impl VideoHandle {
+    /// Tells the thread to end and waits for it, at most 2 s.
+    ///
+    /// # Errors
+    /// The thread had panicked, or does not end.
+    pub fn stop(mut self) -> Result<(), StopError> {
+        self.stop_and_join()
+    }
+
+    /// Whether the thread has ended by itself: the file is over, the source failed, or the thread panicked.
+    pub fn is_finished(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    fn stop_and_join(&mut self) -> Result<(), StopError> {
+        self.stop.raise();
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        let deadline = Instant::now() + END_WITHIN;
+        while !thread.is_finished() {
+            if Instant::now() >= deadline {
+                return Err(StopError::StillRunning);
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        thread.join().map_err(|_| StopError::Panicked)
+    }
+}
+
+impl Drop for VideoHandle {
+    fn drop(&mut self) {
+        // Whoever wants to know how the thread ended calls `stop`.
+        let _ = self.stop_and_join();
+    }
+}
+
+/// Tells a thread to end, also while it waits.
+#[derive(Debug, Default)]
+pub(super) struct StopSignal {
+    raised: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl StopSignal {
+    fn raise(&self) {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.changed.notify_all();
+    }
+
+    pub(super) fn is_raised(&self) -> bool {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until `moment`. True if the thread must end.
+    pub(super) fn wait_until(&self, moment: Instant) -> bool {
+        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = moment.saturating_duration_since(Instant::now());
+        let waited = self.changed.wait_timeout_while(raised, left, |raised| !*raised);
+        *waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+}
+
+/// Units on their way through faults and decoder to the sink.
+pub(super) struct Feed<S> {
+    pub(super) sink: S,
+    pub(super) clock: Clock,
+    pub(super) place: String,
+    pub(super) faults: FaultFilter,
+    /// When the source was started, from which the times of faults count.
+    start: Timestamp,
+    decoder: UnitDecoder,
+}
+
+/// What became of a unit.
+#[derive(Debug, Default)]
+pub(super) struct Fed {
+    /// Frames that are ready, in the order of display.
+    pub(super) frames: VecDeque<VideoFrame>,
+    /// The first error.
+    pub(super) error: Option<DecodeError>,
+}
+
+impl<S: VideoSink> Feed<S> {
+    fn new(url: &VideoUrl, clock: Clock, sink: S) -> Self {
+        let mode = if url.is_live() { DecodeMode::Live } else { DecodeMode::File };
+        Self {
+            sink,
+            clock,
+            place: url.to_string(),
+            faults: FaultFilter::new(url.faults.clone()),
+            start: clock.now(),
+            decoder: UnitDecoder::new(mode),
+        }
+    }
+
+    /// The time since the source was started, by which faults go.
+    pub(super) fn since_start(&self) -> Timestamp {
+        Timestamp::ZERO.plus(self.clock.now().since(self.start))
+    }
+
+    /// A unit through the faults; what is left of it is decoded.
+    pub(super) fn put(&mut self, unit: Option<EncodedUnit>) -> (Vec<EncodedUnit>, Fed) {
+        let at = self.since_start();
+        self.faults.panic_if_planned(at);
+        let mut units = Vec::new();
+        match unit {
+            Some(unit) => self.faults.pass(unit, at, &mut |unit| units.push(unit)),
+            None => self.faults.release(at, &mut |unit| units.push(unit)),
+        }
+        let mut fed = Fed::default();
+        for unit in &units {
+            let decoded = self.decoder.decode(unit, &mut |frame| fed.frames.push_back(frame));
+            if let Err(error) = decoded {
+                self.sink.damaged(&error);
+                fed.error.get_or_insert(error);
+            }
+        }
+        (units, fed)
+    }
+
+    pub(super) fn fail(&mut self, error: VideoError) {
+        self.sink.state(VideoState::Failed(error));
+    }
+
+    /// The decoder found that the stream can never be shown.
+    pub(super) fn fail_to_decode(&mut self, source: DecodeError) {
+        let place = self.place.clone();
+        self.fail(VideoError::Decode { place, source });
+    }
+}
+
+/// Plays a file in its own time.
+fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) {
+    feed.sink.state(VideoState::Connecting);
+    let mut reader = match FileReader::open(url) {
+        Ok(reader) => reader,
+        Err(error) => return feed.fail(error),
+    };
+    let start = feed.clock.now();
+    let mut is_up = false;
+    let mut last = None;
+    loop {
+        let unit = match reader.next_unit() {
+            Ok(unit) => unit,
+            Err(error) => {
+                last = Some(error);
+                None
+            }
+        };
+        let at_end = unit.is_none();
+        let unit = unit.map(|mut unit| {
+            unit.capture.at = start.plus(unit.capture.at.since(Timestamp::ZERO));
+            unit
+        });
+        let unit_at = unit.as_ref().map_or(start, |unit| unit.capture.at);
+        let (units, mut fed) = feed.put(unit);
+        if at_end {
+            feed.decoder.finish(&mut |frame| fed.frames.push_back(frame));
+        }
+        if let Some(error) = fed.error.filter(DecodeError::is_final) {
+            return feed.fail_to_decode(error);
+        }
+        // A unit goes out with the frame that it gives, and not before its time. Where it gives none because it is
+        // lost, its time passes all the same; where its picture is still to come, the file is read on.
+        let is_lost = units.is_empty() || feed.decoder.waits_for_key();
+        let due = match fed.frames.front() {
+            Some(frame) => frame.capture.at,
+            None if is_lost => unit_at,
+            None => start,
+        };
+        if stop.wait_until(feed.clock.instant(due)) {
+            return;
+        }
+        units.iter().for_each(|unit| feed.sink.unit(unit));
+        for frame in fed.frames {
+            if stop.wait_until(feed.clock.instant(frame.capture.at)) {
+                return;
+            }
+            if !std::mem::replace(&mut is_up, true) {
+                feed.sink.state(VideoState::Up);
+            }
+            feed.sink.frame(frame);
+        }
+        if at_end {
+            return match last {
+                Some(error) => feed.fail(error),
+                None => feed.sink.state(VideoState::Ended),
+            };
+        }
+    }
+}

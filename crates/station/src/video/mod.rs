@@ -1,0 +1,40 @@
+//! Video in and out: sources, decoding, and MP4 files written.
+//!
+//! ```text
+//! VideoUrl -> demux (files) or rtsp (network) -> EncodedUnit -> UnitDecoder -> VideoFrame
+//!                                                     \-> recorder, console        Picture -> Mp4Writer
+//! ```
+//! An [`unit::EncodedUnit`] is what was received, unchanged; the same units always decode to the same frames,
+//! so a recorder stores units and a replay decodes them again. [`live`] runs a source on a thread of its own,
+//! in real time; [`file`] reads every frame of a recording, for offline use.
+//!
+//! Read here: H.264 (8 bit, 4:2:0, progressive) from RTSP over TCP and from MP4 or MOV, Y4M, folders of PNG and
+//! JPEG pictures. What is not read (USB cameras, other codecs and containers) is named in the error, together
+//! with the command that makes it readable.
+
+pub mod decoder;
+pub mod demux;
+pub mod error;
+pub mod file;
+pub mod live;
+pub mod unit;
+pub mod url;
+pub mod writer;
+
+pub mod annexb;
+pub mod encoder;
+mod fault;
+mod mp4_mux;
+pub mod pool;
+mod quiet;
+mod rtp_clock;
+mod rtsp;
+mod sps;
+mod still;
+pub mod supervision;
+
+pub use error::{DecodeError, VideoError};
+pub use file::FileFrames;
+pub use live::{StopError, VideoHandle, VideoSink, VideoState, spawn};
+pub use unit::{EncodedUnit, Rotation, UnitCodec};
+pub use url::{VideoUrl, VideoUrlError};

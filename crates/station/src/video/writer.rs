@@ -1,0 +1,140 @@
+//! MP4 files written: pictures encoded on the way, or access units passed on unchanged.
+//!
+//! A file that is not finished (see [`Mp4Writer::finish`]) has no index and cannot be played.
+
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::video::Picture;
+
+use super::annexb::{self, NalKind};
+use super::encoder::{EncoderSettings, H264Encoder};
+use super::error::VideoError;
+use super::mp4_mux::{Mp4Muxer, TrackFormat};
+use super::sps::StreamFormat;
+use super::unit::{EncodedUnit, Rotation, UnitCodec};
+
+/// Writes one MP4 file with H.264.
+pub struct Mp4Writer {
+    path: PathBuf,
+    settings: EncoderSettings,
+    encoder: H264Encoder,
+    state: State,
+    epoch: Option<u32>,
+}
+
+enum State {
+    /// Nothing was written: the first key frame brings what the file begins with.
+    Empty(BufWriter<File>),
+    Writing(Box<Mp4Muxer<BufWriter<File>>>),
+    /// An error came before; nothing more is written.
+    Failed,
+}
+
+impl Mp4Writer {
+    /// Creates a file; one of the same name is replaced.
+    ///
+    /// # Errors
+    /// A file that cannot be created.
+    pub fn create(path: &Path, settings: EncoderSettings) -> Result<Self, VideoError> {
+        let file = File::create(path).map_err(|source| VideoError::Io {
+            doing: "create",
+            path: path.to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            settings,
+            encoder: H264Encoder::new(settings),
+            state: State::Empty(BufWriter::new(file)),
+            epoch: None,
+        })
+    }
+
+    /// Encodes a picture that was taken at `at` and appends it. The film begins with the first picture.
+    ///
+    /// # Errors
+    /// A size that cannot be encoded, or a file that cannot be written (a full disk).
+    pub fn write_picture(&mut self, picture: &Picture, at: Timestamp) -> Result<(), VideoError> {
+        let encoded = self.encoder.encode(picture, at)?;
+        self.append(&encoded.bytes, encoded.key, at, Rotation::None)
+    }
+
+    /// Appends an access unit as it is. Units before the first key frame, or between the start of an epoch
+    /// and its first key frame, are left out, as nobody could decode them.
+    ///
+    /// # Errors
+    /// A unit that is not H.264, a stream that is not decoded here, or a file that cannot be written (a full
+    /// disk).
+    pub fn write_unit(&mut self, unit: &EncodedUnit) -> Result<(), VideoError> {
+        if unit.codec != UnitCodec::H264AnnexB {
+            return Err(VideoError::Unsupported {
+                path: self.path.clone(),
+                what: "to be an MP4 file of pictures that are no H.264".to_owned(),
+                remedy: "Decode them, and write them with write_picture".to_owned(),
+            });
+        }
+        if self.epoch != Some(unit.epoch) {
+            if !unit.key {
+                return Ok(());
+            }
+            self.epoch = Some(unit.epoch);
+        }
+        self.append(&unit.payload, unit.key, unit.capture.at, unit.rotation)
+    }
+
+    /// Writes the index and closes the file.
+    ///
+    /// # Errors
+    /// A file without a single picture, or one that cannot be written (a full disk).
+    pub fn finish(mut self) -> Result<(), VideoError> {
+        let frame = Duration::try_from_secs_f64(1.0 / self.settings.fps).unwrap_or_default();
+        let result = match std::mem::replace(&mut self.state, State::Failed) {
+            State::Writing(muxer) => muxer.finish(frame).map(drop),
+            State::Empty(_) => Err(io::Error::other("no picture was given")),
+            State::Failed => Err(io::Error::other("writing failed before")),
+        };
+        result.map_err(|source| self.cannot_write(source))
+    }
+
+    fn append(&mut self, bytes: &[u8], key: bool, at: Timestamp, turn: Rotation) -> Result<(), VideoError> {
+        self.state = match std::mem::replace(&mut self.state, State::Failed) {
+            State::Empty(out) => match track_format(bytes, turn, &self.path)? {
+                Some(format) if key => {
+                    let muxer = Mp4Muxer::new(out, format).map_err(|source| self.cannot_write(source))?;
+                    State::Writing(Box::new(muxer))
+                }
+                _ => {
+                    self.state = State::Empty(out);
+                    return Ok(());
+                }
+            },
+            State::Failed => return Err(self.cannot_write(io::Error::other("writing failed before"))),
+            writing => writing,
+        };
+        let result = match &mut self.state {
+            State::Writing(muxer) => muxer.push(bytes, key, at),
+            State::Empty(_) | State::Failed => Ok(()),
+        };
+        result.map_err(|source| {
+            self.state = State::Failed;
+            self.cannot_write(source)
+        })
+    }
+
+    fn cannot_write(&self, source: io::Error) -> VideoError {
+        VideoError::Io { doing: "write", path: self.path.clone(), source }
+    }
+}
+
+/// What the index must know, from the parameter sets of a key frame; `None` without them.
+fn track_format(unit: &[u8], rotation: Rotation, path: &Path) -> Result<Option<TrackFormat>, VideoError> {
+    let find = |kind| annexb::nals(unit).find(|nal| annexb::kind(nal) == kind);
+    let Some((sps, pps)) = find(NalKind::Sps).zip(find(NalKind::Pps)) else { return Ok(None) };
+    let place = path.display().to_string();
+    let format = StreamFormat::parse(sps).map_err(|source| VideoError::Decode { place, source })?;
+    Ok(Some(TrackFormat { size: format.size, rotation, sps: sps.to_vec(), pps: pps.to_vec() }))
+}

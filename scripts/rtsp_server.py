@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+"""An RTSP server to try Barrelman against: a test pattern or a file, as H.264 (or H.265, to be refused).
+
+    /usr/bin/python3 scripts/rtsp_server.py --port 8554 --pattern timecode --size 1280x720 --fps 30
+    /usr/bin/python3 scripts/rtsp_server.py --file clip.mp4
+
+Serves rtsp://127.0.0.1:PORT/video and prints that address once it listens (--port 0 takes a free one). Needs
+gir1.2-gst-rtsp-server-1.0, python3-gi and GStreamer's good, bad and ugly plugins; --check only tells whether they
+are there. It ends when its standard input does, so that it never outlives the test that started it.
+"""
+import argparse
+import os
+import sys
+import threading
+import time
+
+import gi
+
+gi.require_version("Gst", "1.0")
+gi.require_version("GstRtspServer", "1.0")
+from gi.repository import GLib, Gst, GstRtspServer  # noqa: E402
+
+ENCODERS = {
+    "h264": "x264enc tune=zerolatency speed-preset=ultrafast key-int-max={fps} bitrate=2000 "
+            "! video/x-h264,profile=baseline ! rtph264pay name=pay0 pt=96 config-interval=1",
+    "h265": "x265enc tune=zerolatency speed-preset=ultrafast key-int-max={fps} ! rtph265pay name=pay0 pt=96",
+}
+
+
+def pipeline(args):
+    width, height = args.size.split("x")
+    if args.file:
+        path = os.path.abspath(args.file).replace('"', '\\"')
+        return f'( filesrc location="{path}" ! qtdemux ! h264parse config-interval=-1 ! rtph264pay name=pay0 pt=96 )'
+    encoder = ENCODERS[args.codec].format(fps=args.fps)
+    caps = f"video/x-raw,format=I420,width={width},height={height},framerate={args.fps}/1"
+    if args.pattern == "timecode":
+        return f"( appsrc name=source is-live=true format=time do-timestamp=true caps={caps} ! {encoder} )"
+    return f"( videotestsrc is-live=true pattern={args.pattern} ! {caps} ! {encoder} )"
+
+
+def timecode(width, height):
+    """A grey I420 picture; its top rows show CLOCK_MONOTONIC in milliseconds as 32 blocks, black or white, the
+    highest bit on the left."""
+    millis = int(time.monotonic() * 1000) & 0xFFFFFFFF
+    block = width // 32
+    row = b"".join((b"\xeb" if millis >> (31 - bit) & 1 else b"\x10") * block for bit in range(32))
+    rows = max(height // 16, 8)
+    row += b"\x80" * (width - len(row))
+    return row * rows + b"\x80" * (width * (height - rows) + 2 * ((width + 1) // 2) * ((height + 1) // 2))
+
+
+def feed_timecode(media, args):
+    source = media.get_element().get_by_name("source")
+    width, height = map(int, args.size.split("x"))
+
+    def push():
+        return source.emit("push-buffer", Gst.Buffer.new_wrapped(timecode(width, height))) == Gst.FlowReturn.OK
+
+    GLib.timeout_add(1000 // args.fps, push)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--port", default="8554")
+    parser.add_argument("--file", help="MP4 file with H.264, served as it is")
+    parser.add_argument("--pattern", default="timecode", help="timecode (blocks that show the time at which the picture was made), or a pattern of videotestsrc")
+    parser.add_argument("--size", default="640x360")
+    parser.add_argument("--fps", default=30, type=int)
+    parser.add_argument("--codec", default="h264", choices=sorted(ENCODERS))
+    parser.add_argument("--check", action="store_true", help="only tell whether everything is there")
+    args = parser.parse_args()
+    Gst.init(None)
+    missing = [name for name in ("x264enc", "rtph264pay", "appsrc") if not Gst.ElementFactory.find(name)]
+    if missing:
+        sys.exit(f"GStreamer lacks {', '.join(missing)}")
+    if args.check:
+        return
+    server = GstRtspServer.RTSPServer()
+    server.set_address("127.0.0.1")
+    server.set_service(args.port)
+    factory = GstRtspServer.RTSPMediaFactory()
+    factory.set_launch(pipeline(args))
+    factory.set_shared(True)
+    if args.pattern == "timecode" and not args.file:
+        factory.connect("media-configure", lambda _, media: feed_timecode(media, args))
+    server.get_mount_points().add_factory("/video", factory)
+    if not server.attach(None):
+        sys.exit(f"cannot listen on port {args.port}")
+    print(f"rtsp://127.0.0.1:{server.get_bound_port()}/video", flush=True)
+    loop = GLib.MainLoop()
+    threading.Thread(target=lambda: (sys.stdin.read(), loop.quit()), daemon=True).start()
+    loop.run()
+
+
+if __name__ == "__main__":
+    main()
