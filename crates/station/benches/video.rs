@@ -31,7 +31,7 @@ fn pictures() -> Vec<Picture> {
         for (place, sample) in picture.planes_mut()[0].iter_mut().enumerate() {
             let (row, column) = (place / width, place % width + 4 * index as usize);
             noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            *sample = (60 + (column / 7 ^ row / 5) % 90 + (noise >> 62) as usize) as u8;
+            *sample = (60 + ((column / 7) ^ (row / 5)) % 90 + (noise >> 62) as usize) as u8;
         }
         picture
     };

@@ -61,9 +61,10 @@ pub struct UnitDecoder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Pending {
     at: Timestamp,
+    /// What an edit list hides before the start of the film has the time 0 too, and comes first.
+    shown: bool,
     index: u64,
     quality: CaptureQuality,
-    shown: bool,
     rotation: Rotation,
 }
 
