@@ -71,7 +71,7 @@ def main():
     parser.add_argument("--check", action="store_true", help="only tell whether everything is there")
     args = parser.parse_args()
     Gst.init(None)
-    missing = [name for name in ("x264enc", "rtph264pay", "appsrc") if not Gst.ElementFactory.find(name)]
+    missing = [name for name in ("appsrc", "x264enc", "x265enc", "rtph264pay", "h264parse") if not Gst.ElementFactory.find(name)]
     if missing:
         sys.exit(f"GStreamer lacks {', '.join(missing)}")
     if args.check:

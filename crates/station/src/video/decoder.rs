@@ -11,7 +11,8 @@
 //! [`DecodeMode::File`] the order of display is always kept. Pictures and times are matched by order: the
 //! pictures come out in the order of display, so each gets the smallest time not yet given.
 //!
-//! Not handled: streams without key frames (periodic intra refresh), which never start.
+//! Not handled: streams without key frames (periodic intra refresh), which never start; changed bits that leave
+//! a slice readable, which no H.264 decoder can notice (TCP does, on the way here).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -60,9 +61,10 @@ pub struct UnitDecoder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Pending {
     at: Timestamp,
+    /// What an edit list hides before the start of the film has the time 0 too, and comes first.
+    shown: bool,
     index: u64,
     quality: CaptureQuality,
-    shown: bool,
     rotation: Rotation,
 }
 
@@ -88,8 +90,8 @@ impl UnitDecoder {
         self.waits_for_key
     }
 
-    /// Decodes a unit, and hands over the frames that are ready: none or one, and at a key frame all that
-    /// were held back before it.
+    /// Decodes a unit, and hands over the frames that are ready: none or one, and at the start of an epoch, or
+    /// where the size changes, all that were held back before it.
     ///
     /// # Errors
     /// [`DecodeError::Unsupported`] for a stream that is not decoded here, [`DecodeError::Damaged`] for a unit
@@ -125,8 +127,7 @@ impl UnitDecoder {
 
     /// Hands over the frames that are still held back, at the end of a video.
     pub fn finish(&mut self, out: &mut impl FnMut(VideoFrame)) {
-        self.flush(out);
-        self.pending.clear();
+        self.restart(out);
     }
 
     fn decode_h264(
@@ -147,12 +148,12 @@ impl UnitDecoder {
                 _ => {}
             }
         }
-        if unit.key {
-            // A key frame parts the stream: what was held back comes before it.
+        if let Some(sps) = changed {
+            // What was held back is of the old kind, and the decoder loses it when the size changes. A decoder that
+            // was flushed keeps some of its memory for ever, so a new one goes on.
             self.flush(out);
             self.pending.clear();
-        }
-        if let Some(sps) = changed {
+            self.h264 = None;
             let format = StreamFormat::parse(sps)?;
             self.reorders |= format.reorders;
             self.format = Some(format);

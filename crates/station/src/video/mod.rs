@@ -6,7 +6,7 @@
 //! ```
 //! An [`unit::EncodedUnit`] is what was received, unchanged; the same units always decode to the same frames,
 //! so a recorder stores units and a replay decodes them again. [`live`] runs a source on a thread of its own,
-//! in real time; [`file`] reads every frame of a recording, for offline use.
+//! in real time; [`mod@file`] reads every frame of a recording, for offline use.
 //!
 //! Read here: H.264 (8 bit, 4:2:0, progressive) from RTSP over TCP and from MP4 or MOV, Y4M, folders of PNG and
 //! JPEG pictures. What is not read (USB cameras, other codecs and containers) is named in the error, together

@@ -301,3 +301,27 @@ fn a_server_that_is_not_there_is_tried_again_and_can_be_given_up() {
     assert!(again.is_some());
     assert_eq!(handle.stop(), Ok(()));
 }
+
+#[test]
+fn silence_without_an_end_or_an_error_counts_as_lost() {
+    if !Server::is_available() {
+        return;
+    }
+    let server = Server::start("0", &[]);
+    let (handle, from, _) = start(&format!("{}?fault=stall@1+2.5", server.url));
+    frames(&from, 5, SOON);
+    let mut last = None;
+    let lost = wait_for(&from, SOON, |delivered| match delivered {
+        Delivered::Frame(_, at) => {
+            last = Some(at);
+            None
+        }
+        Delivered::State(VideoState::Lost { reason }) => Some(reason),
+        _ => None,
+    });
+    assert!(lost.as_ref().is_some_and(|reason| reason.contains("nothing comes")), "{lost:?}");
+    let again = frames(&from, 1, SOON);
+    let silence = again[0].1.since(last.unwrap());
+    assert!(silence > Duration::from_secs(2) && silence < Duration::from_secs(5), "{silence:?}");
+    assert_eq!(handle.stop(), Ok(()));
+}

@@ -9,8 +9,8 @@ use super::super::annexb::AvcConfiguration;
 use super::super::unit::Rotation;
 use super::mp4_boxes::{BoxKind, Boxes, Fields};
 
-/// Most pictures in a file: 185 hours at 30 per second. More is taken for damage.
-const MOST_SAMPLES: usize = 20_000_000;
+/// Most pictures in a file: 37 hours at 30 per second. More is taken for damage.
+const MOST_SAMPLES: usize = 4_000_000;
 
 /// One picture in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -234,7 +234,7 @@ fn sample_sizes(stsz: &[u8]) -> Option<Vec<u32>> {
     if common != 0 {
         return (count <= MOST_SAMPLES).then(|| vec![common; count]);
     }
-    if fields.left() / 4 < count {
+    if fields.left() / 4 < count || count > MOST_SAMPLES {
         return None;
     }
     (0..count).map(|_| fields.u32()).collect()
