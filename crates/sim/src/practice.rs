@@ -39,6 +39,8 @@ pub struct BoatTruth {
     pub heading: Angle,
     /// Upright box around the hull, pixel coordinates.
     pub bounds: PixelBox,
+    /// Box that lies within the hull, whichever way it points: what an operator selects.
+    pub selection: PixelBox,
 }
 
 /// The clip.
@@ -92,7 +94,14 @@ impl PracticeClip {
         let middle = centre.in_pixels(self.size);
         let bounds =
             PixelBox { u: middle.u - half_w, v: middle.v - half_h, w: 2.0 * half_w, h: 2.0 * half_h };
-        BoatTruth { centre, heading: Angle::from_radians(heading), bounds: bounds.clipped(self.size) }
+        let reach = half_beam * 0.8;
+        let selection = PixelBox { u: middle.u - reach, v: middle.v - reach, w: 2.0 * reach, h: 2.0 * reach };
+        BoatTruth {
+            centre,
+            heading: Angle::from_radians(heading),
+            bounds: bounds.clipped(self.size),
+            selection: selection.clipped(self.size),
+        }
     }
 
     fn half_hull(&self) -> (f64, f64) {

@@ -80,6 +80,9 @@ pub struct DemoArgs {
     /// Where the clip, the annotated video and the recording go.
     #[arg(long, default_value = "demo-output")]
     pub output: PathBuf,
+    /// Draw the practice clip and its truth, and run nothing.
+    #[arg(long)]
+    pub draw_only: bool,
     /// Overwrite what an earlier demo wrote.
     #[arg(long)]
     pub force: bool,
@@ -87,7 +90,7 @@ pub struct DemoArgs {
 
 impl Default for DemoArgs {
     fn default() -> Self {
-        Self { output: PathBuf::from("demo-output"), force: true }
+        Self { output: PathBuf::from("demo-output"), draw_only: false, force: true }
     }
 }
 
@@ -137,7 +140,9 @@ pub struct RunArgs {
 
 /// `track`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman track clip.mp4 --select 600,300,80,60 --output track.csv --overlay seen.mp4")]
+#[command(
+    after_help = "Example:\n  barrelman track clip.mp4 --select 600,300,80,60 --output track.csv --overlay seen.mp4"
+)]
 pub struct TrackArgs {
     /// The recording: an MP4 or MOV with H.264, a Y4M, or a folder of pictures.
     pub video: String,
@@ -399,5 +404,9 @@ fn parse_positive(text: &str) -> Result<f64, String> {
 
 fn parse_rate(text: &str) -> Result<f64, String> {
     let [rate] = numbers(text, '\0', "a rate in rad/s, as in 0.3")?;
-    if rate > 0.0 && rate <= 3.0 { Ok(rate) } else { Err("a rate lies above 0 and is at most 3 rad/s".to_owned()) }
+    if rate > 0.0 && rate <= 3.0 {
+        Ok(rate)
+    } else {
+        Err("a rate lies above 0 and is at most 3 rad/s".to_owned())
+    }
 }

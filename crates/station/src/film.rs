@@ -56,7 +56,12 @@ impl Film {
     ///
     /// # Errors
     /// As `add`.
-    pub fn add_outcome(&mut self, frame: &VideoFrame, _outcome: &Outcome, _rates: VehicleRates) -> Result<()> {
+    pub fn add_outcome(
+        &mut self,
+        frame: &VideoFrame,
+        _outcome: &Outcome,
+        _rates: VehicleRates,
+    ) -> Result<()> {
         self.add(frame, |frame, picture| picture.clone_from(&frame.picture))
     }
 
@@ -64,7 +69,12 @@ impl Film {
     ///
     /// # Errors
     /// As `add`.
-    pub fn add_track(&mut self, frame: &VideoFrame, _track: &Track, _why: Option<&Explanation>) -> Result<()> {
+    pub fn add_track(
+        &mut self,
+        frame: &VideoFrame,
+        _track: &Track,
+        _why: Option<&Explanation>,
+    ) -> Result<()> {
         self.add(frame, |frame, picture| picture.clone_from(&frame.picture))
     }
 

@@ -25,7 +25,14 @@ fn main() -> ExitCode {
         Command::Config(args) => commands::config::run(&args),
     };
     result.unwrap_or_else(|error| {
-        tracing::error!("{error:#}");
+        if !nobody_reads(&error) {
+            tracing::error!("{error:#}");
+        }
         ExitCode::FAILURE
     })
+}
+
+/// Whether all that failed is that the reader of our output has had enough, as `head` has.
+fn nobody_reads(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -51,7 +51,9 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     let link = args.link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
     match video {
         Some(url) => findings.push(check_video(&url, clock)),
-        None => findings.push(finding("video", Verdict::Warning, "none configured: give --video or video.url")),
+        None => {
+            findings.push(finding("video", Verdict::Warning, "none configured: give --video or video.url"))
+        }
     }
     match link {
         Some(url) => check_link(&url, &mut findings),
@@ -85,7 +87,11 @@ fn configuration(args: &CheckArgs, findings: &mut Vec<Finding>) -> Option<Config
     };
     match file.and_then(|file| Configuration::resolve(&file)) {
         Ok(configuration) => {
-            findings.push(finding("configuration", Verdict::Ok, format!("vehicle {}", configuration.profile.name)));
+            findings.push(finding(
+                "configuration",
+                Verdict::Ok,
+                format!("vehicle {}", configuration.profile.name),
+            ));
             Some(configuration)
         }
         Err(error) => {
@@ -101,7 +107,8 @@ fn check_video(url: &str, clock: Clock) -> Finding {
         Err(error) => return finding("video", Verdict::Failed, error.to_string()),
     };
     let shown = format!("video {parsed}");
-    let first = if parsed.is_live() { first_live_picture(parsed, clock) } else { first_stored_picture(&parsed) };
+    let first =
+        if parsed.is_live() { first_live_picture(parsed, clock) } else { first_stored_picture(&parsed) };
     match first {
         Ok(frame) => {
             let picture = &frame.picture;

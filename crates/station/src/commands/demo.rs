@@ -4,7 +4,7 @@
 //! between the two: the same video thread, pilot, link and recorder as with a vehicle. The camera of the clip
 //! rests, so what is commanded shows in the emulator's log and the annotated video, not in the picture itself.
 
-use std::io::{Write as _, stdout};
+use std::io::{BufWriter, Write as _, stdout};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -37,8 +37,9 @@ const SEED: u64 = 1;
 /// If the folder cannot be written or the loop cannot be started.
 pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let folder = &args.output;
-    let files = ["practice.mp4", "seen.mp4", "recording.mcap", "station.jsonl"].map(|name| folder.join(name));
-    let [clip, seen, recording, station_log] = &files;
+    let files = ["practice.mp4", "truth.csv", "seen.mp4", "recording.mcap", "station.jsonl"]
+        .map(|name| folder.join(name));
+    let [clip, truth, seen, recording, station_log] = &files;
     for path in &files {
         output::check_free(path, args.force)?;
     }
@@ -47,6 +48,11 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let mut out = stdout();
     writeln!(out, "drawing a practice clip: a red boat that crosses all four sectors of the picture ...")?;
     draw_clip(&practice, clip)?;
+    write_truth(&practice, output::create(truth, args.force)?)?;
+    if args.draw_only {
+        writeln!(out, "{}: the clip\n{}: its truth", clip.display(), truth.display())?;
+        return Ok(ExitCode::SUCCESS);
+    }
 
     let port = folder.join("fotokite");
     let log = StationLog::new(Some(output::create(station_log, args.force)?), clock);
@@ -59,16 +65,20 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         .name("emulator".to_owned())
         .spawn(move || emulator.run(|| end.load(Ordering::Relaxed)))?;
 
-    writeln!(out, "running for {} s: space stops the camera, e engages it again, q quits", practice.frames() / FRAMES_PER_SECOND)?;
+    writeln!(
+        out,
+        "running for {} s: space stops the camera, e engages it again, q quits",
+        practice.frames() / FRAMES_PER_SECOND
+    )?;
     out.flush()?;
-    let truth = practice.truth(0).bounds;
+    let selection = practice.truth(0).selection;
     let code = run::run(
         &RunArgs {
             config: None,
             video: Some(format!("file:{}", clip.display())),
             link: Some(format!("serial:{}", port.display())),
             profile: None,
-            select: Some(truth),
+            select: Some(selection),
             engage: true,
             headless: true,
             record: Some(recording.clone()),
@@ -106,4 +116,27 @@ fn draw_clip(practice: &PracticeClip, path: &Path) -> Result<()> {
         writer.write_picture(&picture, Timestamp::from_secs_f64(f64::from(frame) / fps))?;
     }
     Ok(writer.finish()?)
+}
+
+/// Writes where the boat is in every frame, as `truth.csv` has it. The clip has no scale, so no range is known.
+fn write_truth(practice: &PracticeClip, file: std::fs::File) -> Result<()> {
+    let mut file = BufWriter::new(file);
+    writeln!(file, "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m")?;
+    for frame in 0..practice.frames() {
+        let truth = practice.truth(frame);
+        let (bounds, centre) = (truth.bounds, truth.centre.in_pixels(practice.size()));
+        writeln!(
+            file,
+            "{frame},{:.6},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3},1,{:.3},",
+            f64::from(frame) / f64::from(FRAMES_PER_SECOND),
+            bounds.u,
+            bounds.v,
+            bounds.w,
+            bounds.h,
+            centre.u,
+            centre.v,
+            truth.heading.degrees().rem_euclid(360.0),
+        )?;
+    }
+    Ok(file.flush()?)
 }

@@ -46,7 +46,17 @@ fn table(summary: &Summary) -> Result<String, std::fmt::Error> {
     writeln!(
         text,
         "{:width$}  {:>7}  {:>10}  {:>9}  {:>6}  {:>7}  {:>6}  {:>6}  {:>5}  {:>9}  {:>7}",
-        "trial", "time s", "excursions", "outside s", "max P", "mean b", "mean h", "moves", "rad", "rad2/s", "s"
+        "trial",
+        "time s",
+        "excursions",
+        "outside s",
+        "max P",
+        "mean b",
+        "mean h",
+        "moves",
+        "rad",
+        "rad2/s",
+        "s"
     )?;
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))

@@ -53,7 +53,11 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
         writeln!(out, "{} outcomes differ in something", comparison.outcomes_differ)?;
     }
     if let Some(first) = &comparison.first {
-        writeln!(out, "first difference, step {}:\n  recorded {:?}\n  replayed {:?}", first.0.step, first.0, first.1)?;
+        writeln!(
+            out,
+            "first difference, step {}:\n  recorded {:?}\n  replayed {:?}",
+            first.0.step, first.0, first.1
+        )?;
     }
     Ok(if comparison.commands_differ == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -73,7 +77,8 @@ fn replay(path: &Path, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let configuration = match changed {
         Some(configuration) => configuration,
-        None => Configuration::resolve(&config::parse(&start.configuration)?).context("the recorded configuration")?,
+        None => Configuration::resolve(&config::parse(&start.configuration)?)
+            .context("the recorded configuration")?,
     };
     let mut film = StoredVideo::new(&start);
     let mut replay = Replay::new(pilot_for(&configuration)?, configuration.profile.clone());
@@ -91,7 +96,9 @@ fn replay(path: &Path, changed: Option<Configuration>) -> Result<Replayed> {
                         replay.step(step, now, Input::Frame(&frame))
                     }
                     RecordedInput::Localisation(track) => replay.step(step, now, Input::Localisation(track)),
-                    RecordedInput::Telemetry(telemetry) => replay.step(step, now, Input::Telemetry(telemetry)),
+                    RecordedInput::Telemetry(telemetry) => {
+                        replay.step(step, now, Input::Telemetry(telemetry))
+                    }
                     RecordedInput::Request(request) => replay.step(step, now, Input::Request(request)),
                     RecordedInput::Tick => replay.step(step, now, Input::Tick),
                 };

@@ -39,7 +39,9 @@ const EVENTS: usize = 1024;
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
     let configuration = effective(args)?;
     let Some(video) = &configuration.video else {
-        bail!("no video source: give --video rtsp://..., --video file:clip.mp4, or video.url in the configuration");
+        bail!(
+            "no video source: give --video rtsp://..., --video file:clip.mp4, or video.url in the configuration"
+        );
     };
     let video = VideoUrl::parse(video)?;
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
@@ -108,7 +110,10 @@ fn live(
                 // The loop is gone only once the program ends, and then nobody misses the report.
                 let _ = to_loop.send(Event::Link(report));
             };
-            Some(LinkHandle::open(url, configuration.framing, clock, report).context("the link cannot be used")?)
+            Some(
+                LinkHandle::open(url, configuration.framing, clock, report)
+                    .context("the link cannot be used")?,
+            )
         }
         None => {
             tracing::warn!("no link: this is a dry run that sends nothing");
@@ -128,7 +133,12 @@ fn live(
     };
     let latest = Arc::new(LatestFrame::default());
     let recording = recorder.as_ref().map(Recorder::input);
-    let sink = Sink { latest: Arc::clone(&latest), recording: recording.clone(), events: events.clone(), damaged: 0 };
+    let sink = Sink {
+        latest: Arc::clone(&latest),
+        recording: recording.clone(),
+        events: events.clone(),
+        damaged: 0,
+    };
     let source = spawn(video, clock, sink)?;
     drop(events);
 
@@ -153,7 +163,9 @@ fn live(
     // The zeros first, then everything else, and the vehicle's own stop meanwhile.
     let said = link.map(LinkHandle::close);
     if said == Some(false) {
-        end = RunEnd::Failed("the last zeros and the vehicle's stop could not be sent: the link was down".to_owned());
+        end = RunEnd::Failed(
+            "the last zeros and the vehicle's stop could not be sent: the link was down".to_owned(),
+        );
     }
     if let Err(error) = source.stop() {
         tracing::warn!("{error}");

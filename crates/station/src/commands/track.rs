@@ -125,7 +125,9 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         writeln!(stdout(), "{}", serde_json::to_string_pretty(&figures)?)?;
     }
     match failure {
-        Some(error) => Err(error).context(format!("{index} frames were read before this; their track was kept")),
+        Some(error) => {
+            Err(error).context(format!("{index} frames were read before this; their track was kept"))
+        }
         None => Ok(ExitCode::SUCCESS),
     }
 }
@@ -161,7 +163,10 @@ impl Tracked {
         let track = if index == args.start_frame {
             let report = self.tracker.select(frame, args.select)?;
             if report.clipped {
-                tracing::warn!("the selection lies partly outside the picture: {} of it is used", report.used);
+                tracing::warn!(
+                    "the selection lies partly outside the picture: {} of it is used",
+                    report.used
+                );
             }
             Track::Tracking(report.localisation)
         } else {

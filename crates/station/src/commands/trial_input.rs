@@ -14,20 +14,20 @@ const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];
 
 /// A trial that was read from a file.
 #[derive(Debug)]
-pub struct TrialInput {
+pub(super) struct TrialInput {
     /// The file's name without its folder and ending.
-    pub name: String,
+    pub(super) name: String,
     /// The trial.
-    pub log: TrialLog,
+    pub(super) log: TrialLog,
     /// Where the file was cut, if it was, in words.
-    pub cut: Option<String>,
+    pub(super) cut: Option<String>,
 }
 
 /// Reads a trial.
 ///
 /// # Errors
 /// If the file cannot be read or is none that is known; the message names it.
-pub fn read(path: &Path) -> Result<TrialInput> {
+pub(super) fn read(path: &Path) -> Result<TrialInput> {
     let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     read_named(path, name).with_context(|| format!("{} cannot be used as a trial log", path.display()))
 }
@@ -45,7 +45,10 @@ fn read_named(path: &Path, name: String) -> Result<TrialInput> {
     let text = String::from_utf8(bytes).map_err(|_| anyhow!("it is neither text nor an MCAP recording"))?;
     let read = logs::read_text(&text)?;
     let cut = read.cut_at_line.map(|line| {
-        format!("{}: line {line} has no end, so the file was cut there: the rows before it were used", path.display())
+        format!(
+            "{}: line {line} has no end, so the file was cut there: the rows before it were used",
+            path.display()
+        )
     });
     Ok(TrialInput { name, log: read.log, cut })
 }

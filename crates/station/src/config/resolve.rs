@@ -156,7 +156,8 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleP
         ..base
     };
     let too_fast = |schema: AngularRate, limit: AngularRate| schema > limit;
-    if too_fast(profile.schema.pan, profile.limits.pan) || too_fast(profile.schema.tilt, profile.limits.tilt) {
+    if too_fast(profile.schema.pan, profile.limits.pan) || too_fast(profile.schema.tilt, profile.limits.tilt)
+    {
         bail!("vehicle: a schema rate is above the limit of its axis: lower it, or raise the limit");
     }
     Ok(profile)

@@ -57,9 +57,10 @@ impl HostPort {
     pub fn place(&self) -> String {
         match self {
             Self::Pty(pty) => format!("serial:{}", pty.link.display()),
-            Self::Tcp { listener, .. } => listener
-                .local_addr()
-                .map_or_else(|_| "an address that cannot be told".to_owned(), |address| format!("tcp://{address}")),
+            Self::Tcp { listener, .. } => listener.local_addr().map_or_else(
+                |_| "an address that cannot be told".to_owned(),
+                |address| format!("tcp://{address}"),
+            ),
         }
     }
 

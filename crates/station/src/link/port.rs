@@ -117,7 +117,9 @@ impl Port {
         };
         match read {
             Ok(0) => Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has gone")),
-            Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock) => Ok(0),
+            Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock) => {
+                Ok(0)
+            }
             other => other,
         }
     }

@@ -44,7 +44,9 @@ pub enum LinkUrlError {
     #[error("the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
     Nowhere(String),
     /// An option is unknown or has no value that can be used.
-    #[error("the link's option {0:?} cannot be used: a serial link takes baud=9600 or baud=115200, and every link fault=KIND@SECONDS")]
+    #[error(
+        "the link's option {0:?} cannot be used: a serial link takes baud=9600 or baud=115200, and every link fault=KIND@SECONDS"
+    )]
     Option(String),
     /// The faults cannot be read.
     #[error(transparent)]

@@ -243,8 +243,7 @@ impl<R: Fn(LinkReport)> Worker<R> {
     }
 
     fn wait_for(&self, port: &Port, wait: Duration) -> bool {
-        let mut fds =
-            [PollFd::new(&self.shared.waker, PollFlags::IN), PollFd::new(port, PollFlags::IN)];
+        let mut fds = [PollFd::new(&self.shared.waker, PollFlags::IN), PollFd::new(port, PollFlags::IN)];
         self.poll(&mut fds, wait);
         !fds[1].revents().is_empty()
     }

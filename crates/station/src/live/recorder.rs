@@ -31,8 +31,16 @@ const FLUSH_EVERY: Duration = Duration::from_secs(1);
 enum Item {
     Unit(EncodedUnit),
     /// A frame that was put into the pilot: stamped here, since that reads its whole luma plane.
-    Frame { step: u64, now: Timestamp, frame: VideoFrame },
-    Input { step: u64, now: Timestamp, input: RecordedInput },
+    Frame {
+        step: u64,
+        now: Timestamp,
+        frame: VideoFrame,
+    },
+    Input {
+        step: u64,
+        now: Timestamp,
+        input: RecordedInput,
+    },
     Outcome(Box<RecordedOutcome>),
     End,
 }

@@ -86,7 +86,11 @@ impl RunLoop<'_> {
                     continue;
                 }
                 Err(RecvTimeoutError::Disconnected) => {
-                    return self.end(&mut state, StopCause::Fault, RunEnd::Failed("every source has gone".to_owned()));
+                    return self.end(
+                        &mut state,
+                        StopCause::Fault,
+                        RunEnd::Failed("every source has gone".to_owned()),
+                    );
                 }
             };
             if let Some((cause, end)) = self.take(&mut state, event) {
@@ -102,7 +106,8 @@ impl RunLoop<'_> {
                 let (frame, dropped) = self.latest.take();
                 if let Some(frame) = frame {
                     self.step_with(state, Input::Frame(&frame), Some(&frame));
-                    self.status.frame(self.clock.now(), dropped);
+                    let age = state.outcome.as_ref().and_then(|outcome| outcome.age);
+                    self.status.frame(self.clock.now(), age, dropped);
                 }
             }
             Event::Request(request) => self.step_with(state, Input::Request(request), None),

@@ -23,6 +23,7 @@ pub struct Status {
     frames: VecDeque<Timestamp>,
     link: Option<LinkState>,
     dropped: u64,
+    age: Option<Duration>,
     alarm: Option<String>,
     drawn: bool,
 }
@@ -36,13 +37,15 @@ impl Status {
             frames: VecDeque::new(),
             link,
             dropped: 0,
+            age: None,
             alarm: None,
             drawn: false,
         }
     }
 
-    /// A video frame was put into the pilot; so many were replaced by newer ones so far.
-    pub fn frame(&mut self, now: Timestamp, dropped: u64) {
+    /// A video frame of that age was put into the pilot; so many were replaced by newer ones so far.
+    pub fn frame(&mut self, now: Timestamp, age: Option<Duration>, dropped: u64) {
+        self.age = age;
         self.dropped = dropped;
         self.frames.push_back(now);
         while self.frames.front().is_some_and(|at| now.since(*at) > RATE_OVER) {
@@ -97,14 +100,13 @@ impl Status {
             !advice.command.is_rest() && outcome.is_some_and(|outcome| outcome.command.is_rest())
         });
         let would = advice.map_or_else(String::new, |advice| {
-            format!(" (would pan {:+.2} tilt {:+.2})", advice.command.pan.radians_per_second(), advice.command.tilt.radians_per_second())
+            format!(
+                " (would pan {:+.2} tilt {:+.2})",
+                advice.command.pan.radians_per_second(),
+                advice.command.tilt.radians_per_second()
+            )
         });
-        let age = match self.frames.back() {
-            Some(_) => outcome
-                .and_then(|outcome| outcome.age)
-                .map_or_else(|| "-".to_owned(), |age| format!("{:.0} ms", age.as_secs_f64() * 1e3)),
-            None => "-".to_owned(),
-        };
+        let age = self.age.map_or_else(|| "-".to_owned(), |age| format!("{:.0} ms", age.as_secs_f64() * 1e3));
         let per_second = self.frames.len() as f64 / RATE_OVER.as_secs_f64();
         let link = match self.link {
             None => "dry run",

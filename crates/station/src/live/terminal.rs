@@ -86,7 +86,8 @@ fn watch(
     let mut input_open = watch_keys;
     while !ended.load(Ordering::Relaxed) {
         strike();
-        let mut fds: Vec<PollFd<'_>> = pipes.iter().map(|(pipe, _)| PollFd::new(pipe, PollFlags::IN)).collect();
+        let mut fds: Vec<PollFd<'_>> =
+            pipes.iter().map(|(pipe, _)| PollFd::new(pipe, PollFlags::IN)).collect();
         // No flag is asked for on the output: an error or a hang-up is always told.
         let stdout_fd = stdout.as_fd();
         fds.push(PollFd::from_borrowed_fd(stdout_fd, PollFlags::empty()));

@@ -44,10 +44,10 @@ impl Saboteur {
     pub fn parse(texts: &[String]) -> anyhow::Result<Self> {
         let mut plans = Vec::new();
         for text in texts {
-            let (thread, plan) = text
-                .split_once(':')
-                .filter(|(thread, _)| BREAKABLE.contains(thread))
-                .ok_or_else(|| anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS with one of {BREAKABLE:?}"))?;
+            let (thread, plan) =
+                text.split_once(':').filter(|(thread, _)| BREAKABLE.contains(thread)).ok_or_else(|| {
+                    anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS with one of {BREAKABLE:?}")
+                })?;
             plans.push((thread.to_owned(), FaultPlan::parse(plan)?));
         }
         Ok(Self { plans })
@@ -55,7 +55,8 @@ impl Saboteur {
 
     /// Panics if that was asked for of this thread by now.
     pub fn strike(&self, thread: &str, now: Timestamp) {
-        let struck = |(name, plan): &(String, FaultPlan)| name == thread && plan.active(FaultKind::Panic, now);
+        let struck =
+            |(name, plan): &(String, FaultPlan)| name == thread && plan.active(FaultKind::Panic, now);
         #[allow(clippy::panic, reason = "asked for on the command line, to test the stops")]
         if self.plans.iter().any(struck) {
             panic!("the {thread} thread panics on purpose");
