@@ -1,0 +1,342 @@
+"""What the acceptance scripts share: starting the program and its emulator, reading their logs, and the table.
+
+Times are seconds of CLOCK_MONOTONIC unless a name says otherwise: the emulator's log has them in `mono_ns`, and a
+recording ties its own times to the same clock by `monotonic_ns` of its first message.
+"""
+import argparse
+import atexit
+import contextlib
+import json
+import os
+import pathlib
+import queue
+import re
+import select
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SHARED = ROOT.parent / "shared"
+WIDTH, HEIGHT = 1280, 720
+
+_children = []
+_cleanups = []
+
+
+def _end_children():
+    for child in _children:
+        if child.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                child.kill()
+    for child in _children:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            child.wait(timeout=5)
+    for cleanup in _cleanups:
+        cleanup()
+
+
+def _leave(number, _frame):
+    _end_children()
+    os._exit(128 + number)
+
+
+def arguments(description, **more):
+    """The options that every script has, and `more`: name -> keywords of add_argument."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--barrelman", default=str(ROOT / "target/release/barrelman"), help="the program")
+    parser.add_argument("--json", metavar="FILE", help="write the figures here, too")
+    for name, keywords in more.items():
+        parser.add_argument(f"--{name.replace('_', '-')}", **keywords)
+    args = parser.parse_args()
+    args.barrelman = str(pathlib.Path(args.barrelman).resolve())
+    if not os.access(args.barrelman, os.X_OK):
+        sys.exit(f"{args.barrelman} is not there: cargo build --release, or give --barrelman PATH")
+    atexit.register(_end_children)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _leave)
+    return args
+
+
+def temporary_folder():
+    folder = tempfile.TemporaryDirectory(prefix="barrelman-")
+    _cleanups.append(folder.cleanup)
+    return pathlib.Path(folder.name)
+
+
+def shared_or_skip(*parts):
+    """A folder of the data beside the repository; ends the script where it is absent."""
+    path = SHARED.joinpath(*parts)
+    if path.exists():
+        return path
+    print(f"skipped: {path} is not there")
+    sys.exit(1 if os.environ.get("CI") else 0)
+
+
+class Table:
+    """Requirements and measurements, printed as they come; the exit code in the end."""
+
+    def __init__(self, title):
+        self.rows = []
+        self.failed = 0
+        self.lock = threading.Lock()
+        print(f"{title}\n", flush=True)
+
+    def require(self, name, holds, measured="", wanted=""):
+        with self.lock:
+            self.rows.append({"name": name, "measured": measured, "wanted": wanted, "holds": bool(holds)})
+            self.failed += not holds
+            self._print("ok  " if holds else "FAIL", name, measured, wanted)
+        return bool(holds)
+
+    def show(self, name, measured, note=""):
+        with self.lock:
+            self.rows.append({"name": name, "measured": measured, "wanted": note, "holds": None})
+            self._print("    ", name, measured, note)
+
+    @staticmethod
+    def _print(mark, name, measured, wanted):
+        print(f"{mark} {name:<62} {measured!s:<30} {wanted}".rstrip(), flush=True)
+
+    def finish(self, args, **more):
+        counted = sum(row["holds"] is not None for row in self.rows)
+        print(f"\n{counted - self.failed} of {counted} requirements hold")
+        if args.json:
+            pathlib.Path(args.json).write_text(json.dumps({"rows": self.rows, **more}, indent=1, default=str) + "\n")
+        return 1 if self.failed else 0
+
+
+def spawn(command, **keywords):
+    """A child that does not outlive this script."""
+    child = subprocess.Popen([str(word) for word in command], **keywords)
+    _children.append(child)
+    return child
+
+
+def run(command, timeout=60, **keywords):
+    """Runs to the end; standard output and error come back as text."""
+    return subprocess.run(
+        [str(word) for word in command], timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, **keywords
+    )
+
+
+def wait_until(condition, seconds, what):
+    """Waits for a condition, and returns what it gave."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.005)
+    raise TimeoutError(f"{what} did not come within {seconds} s")
+
+
+class Lines:
+    """The lines that a child prints, with their times, read as they come so that it never waits for us."""
+
+    def __init__(self, stream):
+        self.lines = []
+        self._new = queue.Queue()
+        self._thread = threading.Thread(target=self._read, args=(stream,), daemon=True)
+        self._thread.start()
+
+    def _read(self, stream):
+        for line in stream:
+            self.lines.append((time.monotonic(), line.rstrip("\n")))
+            self._new.put(line)
+        self._new.put(None)
+
+    def wait_for(self, pattern, seconds):
+        end = time.monotonic() + seconds
+        while True:
+            for at, line in list(self.lines):
+                if re.search(pattern, line):
+                    return at, line
+            left = end - time.monotonic()
+            if left <= 0:
+                raise TimeoutError(f"no line with {pattern!r} within {seconds} s; the last were {self.text()[-400:]!r}")
+            with contextlib.suppress(queue.Empty):
+                self._new.get(timeout=min(left, 0.1))
+
+    def text(self):
+        return "\n".join(line for _, line in self.lines)
+
+    def join(self):
+        self._thread.join(timeout=5)
+
+
+class Emulator:
+    """An emulated Fotokite Pro on a pseudo-terminal."""
+
+    def __init__(self, barrelman, folder, name="fotokite", *options):
+        self.port = pathlib.Path(folder) / name
+        self.log = pathlib.Path(folder) / f"{name}.jsonl"
+        command = [barrelman, "emulate", "fotokite-pro", "--pty", self.port, "--log", self.log, *options]
+        self.child = spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines = Lines(self.child.stdout)
+        self.lines.wait_for("answers at", 10)
+
+    @property
+    def url(self):
+        return f"serial:{self.port}"
+
+    def rows(self):
+        """The log so far; a line that is just being written is left out."""
+        text = self.log.read_text()
+        return [Row(json.loads(line)) for line in text[: text.rfind("\n") + 1].splitlines()]
+
+    def heard(self):
+        return [row for row in self.rows() if row.direction == "in"]
+
+    def wait_for(self, condition, seconds, what):
+        """Waits for a row of the log that the condition holds for; only new text is read at each look."""
+        end = time.monotonic() + seconds
+        with open(self.log) as file:
+            rest = ""
+            while time.monotonic() < end:
+                rest += file.read()
+                *lines, rest = rest.split("\n")
+                for line in lines:
+                    row = Row(json.loads(line))
+                    if condition(row):
+                        return row
+                time.sleep(0.003)
+        raise TimeoutError(f"{what} did not come within {seconds} s")
+
+    def close(self):
+        if self.child.poll() is None:
+            self.child.terminate()
+            try:
+                self.child.wait(timeout=5)
+            except subprocess.TimeoutExpired:
+                self.child.kill()
+                self.child.wait()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+class Row:
+    """A line of the emulator's log."""
+
+    MOTION = re.compile(r"(Yaw|GimbalPitch|Gimbal) (.+)")
+
+    def __init__(self, row):
+        self.at = row["mono_ns"] / 1e9
+        self.direction = row["direction"]
+        self.raw = row["raw"]
+        self.state = row["state"]
+        self.rates = (row["state"]["yaw_rate"], row["state"]["pitch_rate"])
+        match = self.MOTION.fullmatch(self.raw) if self.direction == "in" else None
+        self.name = match[1] if match else None
+        self.values = tuple(float(value) for value in match[2].split(",")) if match else ()
+
+    @property
+    def is_motion(self):
+        return self.name is not None
+
+    @property
+    def is_zero(self):
+        return self.is_motion and not any(self.values)
+
+    @property
+    def moves(self):
+        return self.is_motion and any(self.values)
+
+
+class Recording:
+    """A recording, read with the Python package as far as it goes."""
+
+    def __init__(self, path):
+        from mcap.exceptions import McapError
+        from mcap.reader import NonSeekingReader
+        from mcap_protobuf.decoder import DecoderFactory
+
+        self.topics = {}
+        self.schemas = {}
+        self.start = None
+        self.cut = None
+        with open(path, "rb") as file:
+            try:
+                for schema, channel, message, decoded in NonSeekingReader(
+                    file, decoder_factories=[DecoderFactory()]
+                ).iter_decoded_messages(log_time_order=False):
+                    self.topics.setdefault(channel.topic, []).append(decoded)
+                    self.schemas[channel.topic] = schema.name
+            except (McapError, EOFError, ValueError) as error:
+                self.cut = error
+        if self["/recording/start"]:
+            self.start = self["/recording/start"][0].monotonic_ns / 1e9
+
+    def __getitem__(self, topic):
+        return self.topics.get(topic, [])
+
+    def at(self, ns):
+        """A time of the recording on the machine's clock."""
+        return self.start + ns / 1e9
+
+    @property
+    def outcomes(self):
+        return self["/outcome"]
+
+    @property
+    def frames(self):
+        return self["/input/frame"]
+
+
+def practice_clip(args, folder):
+    """The practice clip and its truth; `--clip DIR` takes one that was drawn before."""
+    if getattr(args, "clip", None):
+        where = pathlib.Path(args.clip).resolve()
+    else:
+        where = folder / "practice"
+        done = run([args.barrelman, "demo", "--draw-only", "--output", where], timeout=180)
+        if done.returncode:
+            sys.exit(f"the practice clip could not be drawn: {done.stderr}")
+    return where / "practice.mp4", read_truth(where / "truth.csv")
+
+
+CLIP = {"metavar": "DIR", "help": "take practice.mp4 and truth.csv from here instead of drawing them"}
+
+
+def read_truth(path):
+    import csv
+
+    with open(path, newline="") as file:
+        return [{name: float(value) if value else None for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def selection(truth):
+    """A box within the hull, whichever way it points."""
+    cx, cy = truth[0]["cx"], truth[0]["cy"]
+    return f"{cx - 13:.0f},{cy - 13:.0f},26,26"
+
+
+def median(values):
+    return statistics.median(values) if values else float("nan")
+
+
+def percentile(values, share):
+    values = sorted(values)
+    return values[min(len(values) - 1, int(share * len(values)))] if values else float("nan")
+
+
+def drain(descriptor, seconds=0.0):
+    """What a terminal has to show just now."""
+    text = b""
+    while select.select([descriptor], [], [], seconds)[0]:
+        try:
+            piece = os.read(descriptor, 65536)
+        except OSError:
+            break
+        if not piece:
+            break
+        text += piece
+    return text

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Sets up whatever the tests need, and runs all of them: the crates' own, and the program as a whole against an
+# emulated ground station, a real RTSP server, OpenCV and Python's readers. Needs no network after the set-up.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/setup.sh test
+
+if cargo nextest --version >/dev/null 2>&1; then
+  cargo nextest run --workspace
+else
+  cargo test --workspace
+fi
+
+cargo build -p barrelman
+program=target/debug/barrelman
+for script in law rule stops bad_input "kills --count 3" "live --restarts 2" camshift; do
+  # shellcheck disable=SC2086  # the words after a script's name are its options
+  set -- $script
+  name=$1; shift
+  printf '\n== scripts/acceptance/%s.py %s\n' "$name" "$*"
+  .venv/bin/python "scripts/acceptance/$name.py" --barrelman "$program" "$@"
+done
