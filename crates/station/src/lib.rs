@@ -1,1 +1,3 @@
 //! The program: command line, threads, clocks, sockets and files.
+
+pub mod overlay;
