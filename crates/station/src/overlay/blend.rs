@@ -5,6 +5,8 @@
 //! and V). A chroma sample takes the mean of the up to four pixels that it serves. In whole numbers, in shares of
 //! 255 x 256, rounded once.
 
+use core::ops::Range;
+
 use barrelman_vocab::Picture;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 
@@ -47,7 +49,8 @@ impl Mix {
         ]
     }
 
-    /// The sample with a colour laid over it. The colour and the opacity are sums over `pixels` pixels.
+    /// The sample with a colour laid over it. The colour and the opacity are sums over four pixels, or over as many
+    /// as there are at the picture's edge.
     #[inline(always)]
     fn over(&self, sample: u8, [red, green, blue, opacity]: [i32; 4], pixels: i32) -> u8 {
         let kept = i32::from(sample) * (255 * pixels - opacity) + self.none * opacity;
@@ -55,48 +58,126 @@ impl Mix {
         let whole = WHOLE * pixels;
         ((kept * 256 + laid + whole / 2) / whole).clamp(0, 255) as u8
     }
+
+    /// The same for Y and one pixel. Nothing in it is below zero, and nothing branches: where the opacity is 0 it
+    /// gives the sample back, so that whole rows go through it, many samples at once.
+    #[inline(always)]
+    fn over_one(&self, sample: u8, pixel: [u8; 4]) -> u8 {
+        let [red, green, blue, opacity] = pixel.map(u32::from);
+        let kept = u32::from(sample) * (255 - opacity) + self.none as u32 * opacity;
+        let laid = self.red as u32 * red + self.green as u32 * green + self.blue as u32 * blue;
+        // Below 2^16, where a multiplication and a shift divide exactly by 255.
+        let shares = (kept * 256 + laid + WHOLE as u32 / 2) >> 8;
+        ((shares * 0x8081) >> 23).min(255) as u8
+    }
+}
+
+/// What becomes of every sample under one and the same pixel: washes and plates make most of what is drawn.
+struct Table {
+    pixel: [u8; 4],
+    samples: [[u8; 256]; 3],
+}
+
+impl Table {
+    fn of(pixel: [u8; 4], mixes: &[Mix; 3]) -> Self {
+        let sum = pixel.map(i32::from);
+        let samples = mixes.map(|mix| core::array::from_fn(|sample| mix.over(sample as u8, sum, 1)));
+        Self { pixel, samples }
+    }
+
+    fn apply(&self, plane: usize, samples: &mut [u8]) {
+        for sample in samples {
+            *sample = self.samples[plane][usize::from(*sample)];
+        }
+    }
 }
 
 /// Mixes a layer into a picture of the same size. Only samples under pixels that are not transparent change.
 pub(super) fn onto(layer: &Layer, picture: &mut Picture) {
     let (width, height) = (picture.size().width as usize, picture.size().height as usize);
     let chroma_width = picture.chroma_size().width as usize;
-    let [y_mix, u_mix, v_mix] = Mix::of(picture.colour());
-    let [y, u, v] = picture.planes_mut();
-    let rgba = layer.rgba();
+    let mixes = Mix::of(picture.colour());
+    let mut table = Table::of([0; 4], &mixes);
+    let planes = &mut picture.planes_mut();
+    let (pixels, _) = layer.rgba().as_chunks::<4>();
     for (left, top) in layer.drawn_tiles() {
-        let (right, bottom) = ((left + TILE).min(width), (top + TILE).min(height));
-        for row in top..bottom {
-            let samples = &mut y[row * width + left..row * width + right];
-            let pixels = rgba[(row * width + left) * 4..(row * width + right) * 4].chunks_exact(4);
-            for (sample, pixel) in samples.iter_mut().zip(pixels) {
-                if pixel[3] != 0 {
-                    *sample = y_mix.over(*sample, sum_of(pixel), 1);
-                }
+        let tile = Tile { columns: left..(left + TILE).min(width), rows: top..(top + TILE).min(height) };
+        let first = pixels[top * width + left];
+        if !tile.rows.clone().all(|row| tile.of_row(pixels, row, width).iter().all(|pixel| *pixel == first)) {
+            tile.blend(pixels, width, planes, &mixes);
+            continue;
+        }
+        if first[3] == 0 {
+            continue;
+        }
+        if table.pixel != first {
+            table = Table::of(first, &mixes);
+        }
+        let [y, u, v] = &mut *planes;
+        for row in tile.rows.clone() {
+            table.apply(0, &mut y[row * width..][tile.columns.clone()]);
+        }
+        for row in top / 2..tile.rows.end.div_ceil(2) {
+            let columns = left / 2..tile.columns.end.div_ceil(2);
+            table.apply(1, &mut u[row * chroma_width..][columns.clone()]);
+            table.apply(2, &mut v[row * chroma_width..][columns]);
+        }
+    }
+}
+
+/// A part of the picture that begins at an even column and row.
+struct Tile {
+    columns: Range<usize>,
+    rows: Range<usize>,
+}
+
+impl Tile {
+    fn of_row<'p>(&self, pixels: &'p [[u8; 4]], row: usize, width: usize) -> &'p [[u8; 4]] {
+        &pixels[row * width..][self.columns.clone()]
+    }
+
+    /// Mixes the pixels over the tile's samples, each on its own.
+    fn blend(&self, pixels: &[[u8; 4]], width: usize, [y, u, v]: &mut [&mut [u8]; 3], mixes: &[Mix; 3]) {
+        let [y_mix, u_mix, v_mix] = mixes;
+        for row in self.rows.clone() {
+            let samples = &mut y[row * width..][self.columns.clone()];
+            for (sample, pixel) in samples.iter_mut().zip(self.of_row(pixels, row, width)) {
+                *sample = y_mix.over_one(*sample, *pixel);
             }
         }
-        for row in (top..bottom).step_by(2) {
-            for column in (left..right).step_by(2) {
-                let (pair, rows) = ((right - column).min(2), (bottom - row).min(2));
-                let sum = (row..row + rows).fold([0; 4], |sum, row| {
-                    let pixels = &rgba[(row * width + column) * 4..][..pair * 4];
-                    pixels.chunks_exact(4).fold(sum, |sum, pixel| plus(sum, sum_of(pixel)))
-                });
-                if sum[3] != 0 {
-                    let chroma = row / 2 * chroma_width + column / 2;
-                    let pixels = (pair * rows) as i32;
-                    u[chroma] = u_mix.over(u[chroma], sum, pixels);
-                    v[chroma] = v_mix.over(v[chroma], sum, pixels);
+        for row in self.rows.clone().step_by(2) {
+            let upper = self.of_row(pixels, row, width);
+            // The last row of an odd number of rows has none below it.
+            let lower = if row + 1 < self.rows.end { self.of_row(pixels, row + 1, width) } else { &[] };
+            let chroma = row / 2 * width.div_ceil(2) + self.columns.start / 2;
+            for (column, pair) in upper.chunks(2).enumerate() {
+                let below = lower.get(column * 2..column * 2 + pair.len()).unwrap_or_default();
+                let sum = sum_of(pair, below);
+                if sum[3] == 0 {
+                    continue;
+                }
+                let (u, v) = (&mut u[chroma + column], &mut v[chroma + column]);
+                if pair.len() + below.len() == 4 {
+                    // The same with a constant number of pixels: no division is left.
+                    (*u, *v) = (u_mix.over(*u, sum, 4), v_mix.over(*v, sum, 4));
+                } else {
+                    let pixels = (pair.len() + below.len()) as i32;
+                    (*u, *v) = (u_mix.over(*u, sum, pixels), v_mix.over(*v, sum, pixels));
                 }
             }
         }
     }
 }
 
-fn sum_of(pixel: &[u8]) -> [i32; 4] {
-    [0, 1, 2, 3].map(|channel| i32::from(pixel[channel]))
-}
-
-fn plus(one: [i32; 4], other: [i32; 4]) -> [i32; 4] {
-    [0, 1, 2, 3].map(|channel| one[channel] + other[channel])
+/// Sums of the channels over some pixels, at most four.
+fn sum_of(upper: &[[u8; 4]], lower: &[[u8; 4]]) -> [i32; 4] {
+    // Two channels at a time, 16 bits apart: a sum of four bytes does not reach the next one.
+    let (mut red_and_blue, mut green_and_opacity) = (0, 0);
+    for pixel in upper.iter().chain(lower) {
+        let pixel = u32::from_le_bytes(*pixel);
+        red_and_blue += pixel & 0x00FF_00FF;
+        green_and_opacity += pixel >> 8 & 0x00FF_00FF;
+    }
+    let [low, high] = [0, 16].map(|shift| move |pair: u32| (pair >> shift & 0xFFFF) as i32);
+    [low(red_and_blue), low(green_and_opacity), high(red_and_blue), high(green_and_opacity)]
 }

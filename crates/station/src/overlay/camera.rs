@@ -152,6 +152,9 @@ fn draw_arrow(pen: &mut Pen, place: PixelBox, motion: Motion) {
             pen.layer.fill(&outline, Ink::ACCENT);
         }
     } else {
+        if let Some(outline) = &outline {
+            pen.layer.fill(outline, Ink::DARK.at(0.25));
+        }
         pen.line(outline, Line::of(Ink::LIGHT.at(0.9)).dashed());
     }
 }

@@ -4,7 +4,7 @@
 //! for the next frame and mixed into a picture.
 
 use barrelman_vocab::{PictureSize, PixelBox};
-use tiny_skia::{FillRule, Paint, Path, PathSegment, Pixmap, Point, PremultipliedColorU8, Stroke, Transform};
+use tiny_skia::{BlendMode, FillRule, Paint, Path, PathSegment, Pixmap, Point, Rect, Stroke, Transform};
 
 use super::style::Ink;
 
@@ -99,6 +99,26 @@ impl Layer {
         }
     }
 
+    /// Fills a closed path with one colour instead of what was there, its edge not smoothed: for large faint
+    /// areas that are drawn before anything else.
+    pub(super) fn wash(&mut self, path: &Path, ink: Ink) {
+        let bounds = path.bounds();
+        self.mark(bounds.left(), bounds.top(), bounds.right(), bounds.bottom());
+        if let Some(pixels) = &mut self.pixels {
+            let paint = Paint { anti_alias: false, blend_mode: BlendMode::Source, ..paint(ink) };
+            pixels.fill_path(path, &paint, FillRule::Winding, Transform::identity(), None);
+        }
+    }
+
+    /// Fills an upright box.
+    pub(super) fn fill_box(&mut self, place: PixelBox, ink: Ink) {
+        let (u, v, w, h) = (place.u as f32, place.v as f32, place.w as f32, place.h as f32);
+        if let (Some(pixels), Some(rect)) = (&mut self.pixels, Rect::from_xywh(u, v, w, h)) {
+            pixels.fill_rect(rect, &paint(ink), Transform::identity(), None);
+            self.mark(u, v, u + w, v + h);
+        }
+    }
+
     /// Draws along a path.
     pub(super) fn stroke(&mut self, path: &Path, stroke: &Stroke, ink: Ink) {
         self.mark_along(path, stroke.width / 2.0 + 1.0);
@@ -112,49 +132,43 @@ impl Layer {
         if glyph.width == 0 {
             return;
         }
-        let (left, top) = (origin.0 + glyph.offset.0, origin.1 + glyph.offset.1);
-        for (row, shares) in (top..).zip(glyph.shares.chunks_exact(glyph.width)) {
-            for (column, share) in (left..).zip(shares) {
-                let opacity = u32::from(*share) * u32::from(ink.opacity) / 255;
-                self.lay(column, row, Ink { opacity: opacity as u8, ..ink });
-            }
-        }
-        let (width, height) = (glyph.width as f32, (glyph.shares.len() / glyph.width) as f32);
-        self.mark(left as f32, top as f32, left as f32 + width, top as f32 + height);
+        let (width, height) = (glyph.width, glyph.shares.len() / glyph.width);
+        let corner = (origin.0.saturating_add(glyph.offset.0), origin.1.saturating_add(glyph.offset.1));
+        self.lay(corner, (width, height), |column, row| {
+            let opacity = u32::from(glyph.shares[row * width + column]) * u32::from(ink.opacity) / 255;
+            Ink { opacity: opacity as u8, ..ink }
+        });
     }
 
     /// Lays a colour for each whole pixel of a box: `ink` is given a column and a row from the box's corner.
-    pub(super) fn paint(&mut self, place: PixelBox, mut ink: impl FnMut(usize, usize) -> Ink) {
-        let (left, top) = (place.u.round() as i32, place.v.round() as i32);
-        for row in 0..place.h.round() as usize {
-            for column in 0..place.w.round() as usize {
-                self.lay(left + column as i32, top + row as i32, ink(column, row));
-            }
-        }
-        let (u, v) = (place.u as f32, place.v as f32);
-        self.mark(u, v, u + place.w as f32, v + place.h as f32);
+    pub(super) fn paint(&mut self, place: PixelBox, ink: impl FnMut(usize, usize) -> Ink) {
+        let corner = (place.u.round() as i32, place.v.round() as i32);
+        self.lay(corner, (place.w.round() as usize, place.h.round() as usize), ink);
     }
 
-    fn lay(&mut self, column: i32, row: i32, ink: Ink) {
+    fn lay(
+        &mut self,
+        (left, top): (i32, i32),
+        (width, height): (usize, usize),
+        mut ink: impl FnMut(usize, usize) -> Ink,
+    ) {
         let Some(pixels) = &mut self.pixels else { return };
-        let (width, height) = (pixels.width() as i32, pixels.height() as i32);
-        if ink.opacity == 0 || !(0..width).contains(&column) || !(0..height).contains(&row) {
-            return;
+        let (across, down) = (pixels.width() as usize, pixels.height() as usize);
+        // The part of the box that lies in the picture, counted from the box's corner.
+        let inside = |start: i32, extent: usize, end: usize| {
+            let hidden = start.min(0).unsigned_abs() as usize;
+            let shown = end.saturating_sub(start.max(0) as usize) + hidden;
+            hidden..shown.min(extent).max(hidden)
+        };
+        let (columns, rows) = (inside(left, width, across), inside(top, height, down));
+        for row in rows {
+            let start = (top + row as i32) as usize * across;
+            for column in columns.clone() {
+                let pixel = &mut pixels.pixels_mut()[start + (left + column as i32) as usize];
+                *pixel = ink(column, row).over(*pixel);
+            }
         }
-        let pixel = &mut pixels.pixels_mut()[row as usize * width as usize + column as usize];
-        let over = ink.colour().premultiply().to_color_u8();
-        let rest = 255 - u32::from(ink.opacity);
-        let mix =
-            |over: u8, under: u8| (u32::from(over) + (u32::from(under) * rest + 127) / 255).min(255) as u8;
-        let opacity = mix(over.alpha(), pixel.alpha());
-        let channel = |over: u8, under: u8| mix(over, under).min(opacity);
-        let mixed = PremultipliedColorU8::from_rgba(
-            channel(over.red(), pixel.red()),
-            channel(over.green(), pixel.green()),
-            channel(over.blue(), pixel.blue()),
-            opacity,
-        );
-        *pixel = mixed.unwrap_or(*pixel);
+        self.mark(left as f32, top as f32, left as f32 + width as f32, top as f32 + height as f32);
     }
 
     /// Marks the tiles near a path's lines and curves.

@@ -7,12 +7,12 @@
 //! and hue histogram.
 //!
 //! It is drawn in red, green and blue on a transparent layer, which is then mixed into the samples with the frame's
-//! own matrix and range ([`blend`](self)). Samples under a transparent part of the layer keep their bits.
+//! own matrix and range. Samples under a transparent part of the layer keep their bits.
 //!
 //! # Layout
 //! Nothing but its own box and axes is drawn over the target: the strip, the panel, the camera's arrow and the labels
 //! each look for a place that is free of it, and stay there until it is not. Line widths and text grow with the
-//! picture; small pictures show less ([`Detail`](style::Detail)).
+//! picture; small pictures show less ([`Detail`]).
 //!
 //! # What it does not handle
 //! No files, no encoding, no thread. Vector drawing allocates a little on every frame; glyphs are drawn once for

@@ -7,12 +7,15 @@ use barrelman_vocab::PixelBox;
 use super::Pen;
 use super::placing::Places;
 use super::shapes::{Line, upright};
+use super::strip::strip_height;
 use super::style::Ink;
 
 /// Remembers which corner the panel is in.
 #[derive(Debug, Default)]
 pub(super) struct Panel {
     corner: Option<usize>,
+    /// The column of the map that each column of its picture shows.
+    columns: Vec<usize>,
 }
 
 /// Draws where the next frame's search starts.
@@ -43,7 +46,8 @@ impl Panel {
 
         // The strip's height is left free at both edges, so that the panel need not move when the strip does.
         let (left, right) = (pen.style.margin, page.w - w - pen.style.margin);
-        let (top, bottom) = (text * 1.7 + pen.style.margin, page.h - h - text * 1.7 - pen.style.margin);
+        let edge = strip_height(pen) + pen.style.margin;
+        let (top, bottom) = (edge, page.h - h - edge);
         let corners = [(right, top), (left, top), (right, bottom), (left, bottom)];
         let corners = corners.map(|(u, v)| PixelBox { u: u.round(), v: v.round(), w, h });
         let Some(place) = places.take_steadily(&mut self.corner, &corners) else { return };
@@ -52,25 +56,31 @@ impl Panel {
         pen.text("likeness", ((place.u + pad) as f32, (place.v + head / 2.0) as f32), Ink::QUIET);
         let body = PixelBox { u: place.u + pad, v: place.v + head, w: width, h: inset };
         if has_map {
-            draw_map(pen, body, map);
+            draw_map(pen, body, map, &mut self.columns);
         }
         draw_hues(pen, PixelBox { v: body.v + inset + between, h: strip, ..body }, hues);
     }
 }
 
 /// Draws a map as large as it fits into a box, in the accent's colour, white where it is largest.
-fn draw_map(pen: &mut Pen, body: PixelBox, map: &GreyMap) {
+fn draw_map(pen: &mut Pen, body: PixelBox, map: &GreyMap, columns: &mut Vec<usize>) {
     let scale = (body.w / map.width as f64).min(body.h / map.height as f64);
     let (w, h) = ((map.width as f64 * scale).round().max(1.0), (map.height as f64 * scale).round().max(1.0));
     let place =
         PixelBox { u: (body.u + (body.w - w) / 2.0).round(), v: (body.v + (body.h - h) / 2.0).round(), w, h };
-    pen.layer.paint(body, |_, _| Ink::DARK.at(0.6));
+    pen.layer.fill_box(body, Ink::DARK.at(0.6));
     let nearest = |position: usize, extent: f64, samples: usize| {
         (((position as f64 + 0.5) * samples as f64 / extent) as usize).min(samples - 1)
     };
+    columns.clear();
+    columns.extend((0..w as usize).map(|column| nearest(column, w, map.width)));
+    let colours: [Ink; 256] = core::array::from_fn(|likeness| heat(likeness as u8));
+    let (mut last, mut start) = (usize::MAX, 0);
     pen.layer.paint(place, |column, row| {
-        let sample = map.samples[nearest(row, h, map.height) * map.width + nearest(column, w, map.width)];
-        heat(sample)
+        if row != last {
+            (last, start) = (row, nearest(row, h, map.height) * map.width);
+        }
+        colours[usize::from(map.samples[start + columns[column]])]
     });
 }
 
@@ -91,28 +101,21 @@ fn heat(likeness: u8) -> Ink {
     }
 }
 
-/// Draws a bar for each bin of a histogram of hues, in its hue's colour.
+/// Draws a bar for each bin of a histogram of hues, in its hue's colour. A thin line below names the hue of each.
 fn draw_hues(pen: &mut Pen, place: PixelBox, bins: &[u8]) {
-    if bins.is_empty() || place.h < 1.0 {
-        return;
-    }
-    let (rows, count) = (place.h.round() as usize, bins.len());
-    let columns = place.w.round().max(1.0) as usize;
-    pen.layer.paint(place, |column, row| {
-        let bin = (column * count / columns).min(count - 1);
-        let colour = pure_hue((bin as f32 + 0.5) / count as f32);
-        // A bar's height in rows, of all but the lowest two, which name the hue of each bin.
-        let base = 2.min(rows);
-        let high = usize::from(bins[bin]) * (rows - base) / 255;
-        let first_of_bin = column > 0 && (column - 1) * count / columns != bin;
-        if row >= rows - base {
-            colour
-        } else if rows - base - row <= high && !first_of_bin {
-            colour
-        } else {
-            colour.at(0.0)
+    let width = place.w / bins.len() as f64;
+    let base = f64::from(pen.style.scaled(2.0).max(1.0)).round();
+    // Between bars that are wide enough, so that neighbours are told apart.
+    let space = if width >= 4.0 { 1.0 } else { 0.0 };
+    for (index, bin) in bins.iter().enumerate() {
+        let ink = pure_hue((index as f32 + 0.5) / bins.len() as f32);
+        let (u, bottom) = (place.u + index as f64 * width, place.v + place.h);
+        pen.layer.fill_box(PixelBox { u, v: bottom - base, w: width, h: base }, ink);
+        let h = (place.h - base) * f64::from(*bin) / 255.0;
+        if h >= 0.5 {
+            pen.layer.fill_box(PixelBox { u, v: bottom - base - h, w: width - space, h }, ink);
         }
-    });
+    }
 }
 
 /// The brightest colour of a hue, given as a share of the circle from red over green and blue.

@@ -28,9 +28,9 @@ impl Places {
         self.taken.push(taken);
     }
 
-    /// Whether a box lies in the picture and meets nothing that is taken.
+    /// Whether a box lies in the picture and meets nothing that is taken. One that covers nothing does not.
     pub(super) fn is_free(&self, wanted: PixelBox) -> bool {
-        let inside = wanted.intersection(self.page).area() >= wanted.area() - 1e-6;
+        let inside = !wanted.is_empty() && wanted.intersection(self.page).area() >= wanted.area() - 1e-6;
         let gap = self.gap / 2.0;
         let wide = PixelBox {
             u: wanted.u - gap,

@@ -97,7 +97,7 @@ fn fill_sector(pen: &mut Pen, region: Region, sector: Sector) {
     });
     let outline = arc_of(region, sector, picture).chain(beyond);
     if let Some(path) = polyline(outline, true) {
-        pen.layer.fill(&path, Ink::ACCENT.at(0.1));
+        pen.layer.wash(&path, Ink::ACCENT.at(0.1));
     }
 }
 

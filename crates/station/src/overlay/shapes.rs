@@ -35,7 +35,7 @@ impl Line {
 }
 
 /// How opaque the dark casing of a line is, to the line itself: it keeps lines visible on bright water.
-const CASING: f32 = 0.4;
+const CASING: f32 = 0.55;
 /// How opaque the plates behind text are: enough for white letters on foam.
 pub(super) const PLATE: f32 = 0.68;
 
@@ -48,7 +48,7 @@ impl Pen {
         let mut stroke = Stroke {
             width: width + self.style.line.min(2.0),
             line_cap: LineCap::Butt,
-            line_join: LineJoin::Round,
+            line_join: LineJoin::Miter,
             dash: if line.dashed { StrokeDash::new(vec![dash, dash * 0.8], 0.0) } else { None },
             ..Stroke::default()
         };

@@ -10,6 +10,7 @@ use barrelman_vocab::{PixelBox, Timestamp, Track, VideoFrame};
 
 use super::placing::Places;
 use super::scene::Scene;
+use super::shapes::PLATE;
 use super::style::{Detail, Ink};
 use super::target::Sight;
 use super::{Pen, text};
@@ -31,9 +32,14 @@ struct Field {
     /// The widest usual value: what is behind it stays where it is while figures come and go.
     widest: &'static str,
     look: Look,
-    /// Fields with the highest number give way first where the picture is narrow.
+    /// Fields with the lowest number are shown first where the picture is narrow.
     rank: u8,
 }
+
+/// The rank of the frame's number and time, which stand at the right.
+const TIME_RANK: u8 = 4;
+/// The highest rank.
+const LAST_RANK: u8 = 7;
 
 /// How a field is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +63,7 @@ impl Strip {
         sight: Option<&Sight>,
     ) {
         let page = places.page();
-        let height = (f64::from(pen.style.text_px) * 1.7).round();
+        let height = strip_height(pen);
         let bottom = PixelBox { u: 0.0, v: page.h - height, w: page.w, h: height };
         let choices = [bottom, PixelBox { v: 0.0, ..bottom }];
         // A target that reaches from the top to the bottom leaves no choice.
@@ -67,7 +73,7 @@ impl Strip {
         self.fields.clear();
         self.list_fields(scene, sight, pen.style.detail);
         self.list_time(frame);
-        pen.layer.paint(place, |_, _| Ink::DARK.at(super::shapes::PLATE));
+        pen.layer.fill_box(place, Ink::DARK.at(PLATE));
         self.lay_out(pen, place);
         if let Track::Lost { since, .. } = scene.track {
             self.draw_banner(pen, places, frame.capture.at, *since);
@@ -105,7 +111,7 @@ impl Strip {
             words.push_str(state)
         });
         if let Some(confidence) = confidence {
-            self.field(plain("confidence", "0.00", 4), |words| {
+            self.field(plain("confidence", "0.00", 5), |words| {
                 let _ = write!(words, "{confidence:.2}");
             });
         }
@@ -145,10 +151,10 @@ impl Strip {
     /// Frame number and time of capture: the last two fields, which stand at the right.
     fn list_time(&mut self, frame: &VideoFrame) {
         let look = Look::Plain(Ink::LIGHT);
-        self.field(Field { name: "frame", value: 0..0, widest: "", look, rank: 5 }, |words| {
+        self.field(Field { name: "frame", value: 0..0, widest: "", look, rank: TIME_RANK }, |words| {
             let _ = write!(words, "{}", frame.sequence);
         });
-        self.field(Field { name: "", value: 0..0, widest: "", look, rank: 5 }, |words| {
+        self.field(Field { name: "", value: 0..0, widest: "", look, rank: TIME_RANK }, |words| {
             let _ = write!(words, "{}", frame.capture.at);
         });
     }
@@ -157,29 +163,34 @@ impl Strip {
         let text = f32::from(pen.style.text_px);
         let (gap, edge) = (text * 1.0, text * 0.5);
         let room = place.w as f32 - 2.0 * edge;
-        let needed = |pen: &Pen, words: &str, fields: &[Field]| -> f32 {
-            fields.iter().map(|field| field.width(pen, words) + gap).sum::<f32>() - gap
-        };
-        while self.fields.len() > 1 && needed(pen, &self.words, &self.fields) > room {
-            let last = self.fields.iter().map(|field| field.rank).max().unwrap_or_default();
-            self.fields.retain(|field| field.rank != last || last == 0);
-            if last == 0 {
-                break;
-            }
-        }
+        self.keep_what_fits(pen, gap, room);
         let middle = place.centre().v as f32;
         // Frame and time, the only fields of their rank, stand at the right.
-        let at_right = self.fields.iter().filter(|field| field.rank == 5);
+        let at_right = self.fields.iter().filter(|field| field.rank == TIME_RANK);
         let tail: f32 = at_right.map(|field| field.width(pen, &self.words) + gap).sum::<f32>() - gap;
         let mut u = place.u as f32 + edge;
-        for field in self.fields.iter().filter(|field| field.rank != 5) {
+        for field in self.fields.iter().filter(|field| field.rank != TIME_RANK) {
             field.draw(pen, &self.words, (u, middle));
             u += field.width(pen, &self.words) + gap;
         }
         u = (place.u + place.w) as f32 - edge - tail;
-        for field in self.fields.iter().filter(|field| field.rank == 5) {
+        for field in self.fields.iter().filter(|field| field.rank == TIME_RANK) {
             field.draw(pen, &self.words, (u, middle));
             u += field.width(pen, &self.words) + gap;
+        }
+    }
+
+    /// Keeps the fields that there is room for, those of the lowest ranks first, all of a rank or none.
+    fn keep_what_fits(&mut self, pen: &Pen, gap: f32, room: f32) {
+        let mut left = room + gap;
+        for rank in 0..=LAST_RANK {
+            let of_rank = self.fields.iter().filter(|field| field.rank == rank);
+            let needed: f32 = of_rank.map(|field| field.width(pen, &self.words) + gap).sum();
+            if needed <= left {
+                left -= needed;
+            } else {
+                self.fields.retain(|field| field.rank != rank);
+            }
         }
     }
 
@@ -189,11 +200,18 @@ impl Strip {
         let (w, h) = pen.plate_size(&self.words);
         let (w, h) = (w * 1.25, h * 1.35);
         let page = places.page();
-        let place = PixelBox { u: (page.w - w) / 2.0, v: page.h * 0.16 - h / 2.0, w, h };
+        // Below where the strip may be, and above the region.
+        let v = (page.h * 0.16 - h / 2.0).max(strip_height(pen) + pen.style.margin);
+        let place = PixelBox { u: (page.w - w) / 2.0, v, w, h };
         places.keep_clear(place);
         pen.rounded(place, Ink::ALARM.at(0.92));
         pen.centred_text(&self.words, place, Ink::LIGHT);
     }
+}
+
+/// Height of the strip, pixels.
+pub(super) fn strip_height(pen: &Pen) -> f64 {
+    (f64::from(pen.style.text_px) * 1.7).round()
 }
 
 impl Field {

@@ -1,7 +1,7 @@
 //! Colours, line widths and text sizes, and how much is shown at which size of picture.
 
 use barrelman_vocab::PictureSize;
-use tiny_skia::Color;
+use tiny_skia::{Color, PremultipliedColorU8};
 
 /// A colour with its opacity, 0 to 255 each, not premultiplied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +33,22 @@ impl Ink {
     /// The same colour at another opacity, 0 to 1.
     pub(super) fn at(self, opacity: f32) -> Self {
         Self { opacity: (opacity * 255.0 + 0.5) as u8, ..self }
+    }
+
+    /// This colour laid over a pixel.
+    pub(super) fn over(self, under: PremultipliedColorU8) -> PremultipliedColorU8 {
+        let opacity = u32::from(self.opacity);
+        // Each channel is rounded once, as (over × opacity + under × (1 - opacity)); none can exceed the opacity.
+        let mix = |over: u8, under: u8| {
+            ((u32::from(over) * opacity + u32::from(under) * (255 - opacity) + 127) / 255) as u8
+        };
+        let mixed = PremultipliedColorU8::from_rgba(
+            mix(self.red, under.red()),
+            mix(self.green, under.green()),
+            mix(self.blue, under.blue()),
+            mix(255, under.alpha()),
+        );
+        mixed.unwrap_or(under)
     }
 
     pub(super) fn colour(self) -> Color {

@@ -145,10 +145,24 @@ fn draw_axes(pen: &mut Pen, sight: &Sight) {
     }
 }
 
+/// Keeps labels off the line from the picture's centre to the target.
+fn keep_line_clear(pen: &Pen, places: &mut Places, sight: &Sight) {
+    let centre = pen.layer.size().centre();
+    let step = f64::from(pen.style.text_px).max(1.0);
+    let end = sight.percept.r_px.min(libm::hypot(centre.u, centre.v));
+    let mut along = 0.0;
+    while along < end {
+        let (u, v) = towards(centre, sight.direction(), along);
+        places.keep_clear(PixelBox { u: f64::from(u) - 0.5, v: f64::from(v) - 0.5, w: 1.0, h: 1.0 });
+        along += step;
+    }
+}
+
 /// Labels r, the angle and P, each where there is room for it; the strip holds them, too.
 pub(super) fn label(pen: &mut Pen, places: &mut Places, sight: &Sight) {
     let centre = pen.layer.size().centre();
     let mut words = String::new();
+    keep_line_clear(pen, places, sight);
 
     let _ = write!(words, "P {:.2}", sight.percept.p);
     let (w, h) = pen.plate_size(&words);
@@ -194,7 +208,7 @@ pub(super) fn label(pen: &mut Pen, places: &mut Places, sight: &Sight) {
         let (u, v) = towards(centre, direction, sight.percept.r_px * share);
         let (s, c) = (libm::sin(direction), libm::cos(direction));
         // Off the line by as much as the plate reaches towards it.
-        let off = side * (size.0 * s.abs() + size.1 * c.abs() + gap) / 2.0;
+        let off = side * (size.0 * s.abs() + size.1 * c.abs() + gap * 1.5) / 2.0;
         at(f64::from(u) - off * s, f64::from(v) - off * c)
     };
     // On the side that the angle does not grow from first.

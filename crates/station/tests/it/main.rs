@@ -1,1 +1,3 @@
+//! What the station does, tested from outside.
+
 mod overlay;
