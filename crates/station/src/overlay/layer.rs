@@ -9,7 +9,7 @@ use tiny_skia::{BlendMode, FillRule, Paint, Path, PathSegment, Pixmap, Point, Re
 use super::style::Ink;
 
 /// Pixels along a tile's side: even, so that a tile covers whole chroma samples.
-pub(super) const TILE: usize = 16;
+pub(super) const TILE: usize = 8;
 
 /// A layer of one picture's size.
 #[derive(Debug, Default)]

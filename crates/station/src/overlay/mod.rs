@@ -12,7 +12,7 @@
 //! # Layout
 //! Nothing but its own box and axes is drawn over the target: the strip, the panel, the camera's arrow and the labels
 //! each look for a place that is free of it, and stay there until it is not. Line widths and text grow with the
-//! picture; small pictures show less ([`Detail`]).
+//! picture; small pictures show less.
 //!
 //! # What it does not handle
 //! No files, no encoding, no thread. Vector drawing allocates a little on every frame; glyphs are drawn once for
