@@ -58,17 +58,40 @@ impl Layer {
             self.drawn.resize(self.tiles_across * (size.height as usize).div_ceil(TILE), false);
             return self.pixels.is_some();
         }
-        let Some(pixels) = &mut self.pixels else { return false };
-        let width = size.width as usize;
+        self.copy_tiles(None);
+        self.drawn.fill(false);
+        self.pixels.is_some()
+    }
+
+    /// Makes the layer a copy of another of the same size, and looks only at what was drawn on either.
+    pub(super) fn begin_on(&mut self, ground: &Self) {
+        if self.size() != ground.size() {
+            self.begin(ground.size());
+        }
+        for (drawn, below) in self.drawn.iter_mut().zip(&ground.drawn) {
+            *drawn |= below;
+        }
+        self.copy_tiles(Some(ground));
+        self.drawn.clone_from(&ground.drawn);
+    }
+
+    /// Makes the tiles that were drawn on equal to those of another layer of the same size, or transparent.
+    fn copy_tiles(&mut self, from: Option<&Self>) {
+        let Some(pixels) = &mut self.pixels else { return };
+        let bytes_per_row = pixels.width() as usize * 4;
+        let (across, rgba) = (self.tiles_across, pixels.data_mut());
         for tile in (0..self.drawn.len()).filter(|tile| self.drawn[*tile]) {
-            let (left, top) = (tile % self.tiles_across * TILE, tile / self.tiles_across * TILE);
-            let right = (left + TILE).min(width);
-            for row in pixels.data_mut().chunks_exact_mut(width * 4).skip(top).take(TILE) {
-                row[left * 4..right * 4].fill(0);
+            let (left, top) = (tile % across * TILE * 4, tile / across * TILE * bytes_per_row);
+            let wide = (TILE * 4).min(bytes_per_row - left);
+            for start in (top + left..rgba.len()).step_by(bytes_per_row).take(TILE) {
+                match from {
+                    Some(from) => {
+                        rgba[start..start + wide].copy_from_slice(&from.rgba()[start..start + wide])
+                    }
+                    None => rgba[start..start + wide].fill(0),
+                }
             }
         }
-        self.drawn.fill(false);
-        true
     }
 
     /// The layer's size, which is the picture's.

@@ -14,9 +14,13 @@
 //! each look for a place that is free of it, and stay there until it is not. Line widths and text grow with the
 //! picture; small pictures show less.
 //!
+//! # Cost
+//! One copy of the frame, and work in proportion to the pixels drawn on: at most the whole picture once, where a
+//! sector is active. The region is drawn anew only when it or the active sector changes, and each glyph once for
+//! each size of picture. Vector drawing allocates a little on every frame. `benches/overlay.rs` measures it.
+//!
 //! # What it does not handle
-//! No files, no encoding, no thread. Vector drawing allocates a little on every frame; glyphs are drawn once for
-//! each size of picture.
+//! No files, no encoding, no thread.
 
 mod scene;
 
@@ -43,6 +47,7 @@ use camera::CameraArrow;
 use layer::Layer;
 use panel::Panel;
 use placing::Places;
+use region::Ground;
 use strip::Strip;
 use style::{Detail, Style};
 use target::Sight;
@@ -52,6 +57,7 @@ use text::Typeface;
 #[derive(Debug, Default)]
 pub struct Overlay {
     pen: Pen,
+    ground: Ground,
     places: Places,
     strip: Strip,
     panel: Panel,
@@ -81,37 +87,36 @@ impl Overlay {
         for (copy, original) in out.planes_mut().into_iter().zip([picture.y(), picture.u(), picture.v()]) {
             copy.copy_from_slice(original.data);
         }
-        if !self.pen.layer.begin(size) {
-            return;
-        }
         self.pen.begin(Style::of(size));
-        self.compose(frame, scene);
-        blend::onto(&self.pen.layer, out);
+        let sight = Sight::of(scene, size);
+        let percept = sight.as_ref().map(|sight| &sight.percept);
+        if self.ground.begin(&mut self.pen, size, scene.region, percept) {
+            self.compose(frame, scene, sight.as_ref());
+            blend::onto(&self.pen.layer, out);
+        }
     }
 
-    fn compose(&mut self, frame: &VideoFrame, scene: &Scene<'_>) {
-        let Self { pen, places, strip, panel, arrow } = self;
-        let sight = Sight::of(scene, frame.picture.size());
+    fn compose(&mut self, frame: &VideoFrame, scene: &Scene<'_>, sight: Option<&Sight>) {
+        let Self { pen, places, strip, panel, arrow, .. } = self;
         places.begin(frame.picture.size().bounds(), pen.style.margin);
-        if let Some(sight) = &sight {
+        if let Some(sight) = sight {
             places.keep_clear(sight.bounds);
         }
 
-        region::draw(pen, scene.region, sight.as_ref().map(|sight| sight.percept));
         if let Some(window) = scene.explanation.and_then(|explanation| explanation.search_window) {
             panel::draw_search_window(pen, window);
         }
         if pen.style.detail > Detail::Bare {
-            strip.draw(pen, places, frame, scene, sight.as_ref());
+            strip.draw(pen, places, frame, scene, sight);
         }
         if let Some(explanation) = scene.explanation.filter(|_| pen.style.detail == Detail::Full) {
             panel.draw(pen, places, explanation);
         }
-        if let Some(sight) = &sight {
+        if let Some(sight) = sight {
             target::draw(pen, sight);
         }
         arrow.draw(pen, places, scene);
-        if let Some(sight) = sight.as_ref().filter(|_| pen.style.detail == Detail::Full) {
+        if let Some(sight) = sight.filter(|_| pen.style.detail == Detail::Full) {
             target::label(pen, places, sight);
         }
     }

@@ -9,6 +9,7 @@ use barrelman_control::{MotorSchema, Percept, Region, Sector};
 use barrelman_vocab::{ImagePoint, PictureSize};
 
 use super::Pen;
+use super::layer::Layer;
 use super::shapes::{Line, polyline};
 use super::style::{Detail, Ink};
 
@@ -27,14 +28,44 @@ fn in_pixels(point: ImagePoint, picture: PictureSize) -> (f32, f32) {
     (point.u as f32, point.v as f32)
 }
 
-/// Draws the region, and where P > 1 the sector that is active.
-pub(super) fn draw(pen: &mut Pen, region: Region, percept: Option<Percept>) {
+/// The region as it was drawn last, on a layer of its own: it seldom changes from one frame to the next.
+#[derive(Debug, Default)]
+pub(super) struct Ground {
+    layer: Layer,
+    shows: Option<(PictureSize, Region, Option<Sector>)>,
+}
+
+impl Ground {
+    /// Begins the pen's layer with the region on it, and where P > 1 the sector that is active. `false` where
+    /// there is no room to draw.
+    pub(super) fn begin(
+        &mut self,
+        pen: &mut Pen,
+        picture: PictureSize,
+        region: Region,
+        percept: Option<&Percept>,
+    ) -> bool {
+        let active = percept.filter(|percept| MotorSchema::released(percept));
+        let wanted = (picture, region, active.map(|percept| Sector::of(percept.position)));
+        if self.shows != Some(wanted) {
+            self.shows = Some(wanted);
+            core::mem::swap(&mut pen.layer, &mut self.layer);
+            if pen.layer.begin(picture) {
+                draw(pen, region, wanted.2);
+            }
+            core::mem::swap(&mut pen.layer, &mut self.layer);
+        }
+        pen.layer.begin_on(&self.layer);
+        self.layer.size() == picture
+    }
+}
+
+fn draw(pen: &mut Pen, region: Region, active: Option<Sector>) {
     let sound = |semi_axis: f64| semi_axis > 0.0 && semi_axis < 1e5;
     if !sound(region.a_px) || !sound(region.b_px) {
         return;
     }
     let picture = pen.layer.size();
-    let active = percept.filter(MotorSchema::released).map(|percept| Sector::of(percept.position));
     if let Some(sector) = active {
         fill_sector(pen, region, sector);
     }
