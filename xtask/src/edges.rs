@@ -32,7 +32,8 @@ pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
                 (None, None) => true,
             };
             if !fine {
-                findings.push(format!("{folder}: may not use {dependency} (table of crates in ARCHITECTURE.md)"));
+                findings
+                    .push(format!("{folder}: may not use {dependency} (table of crates in ARCHITECTURE.md)"));
             }
         }
         let unused = |named: &BTreeSet<String>, prefix: &str| -> Vec<String> {
@@ -54,7 +55,11 @@ pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
 fn table(root: &Path) -> Result<BTreeMap<String, Allowed>> {
     let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).context("ARCHITECTURE.md")?;
     let names = |cell: &str| -> BTreeSet<String> {
-        cell.split(',').map(str::trim).filter(|name| !name.is_empty() && *name != "none").map(str::to_owned).collect()
+        cell.split(',')
+            .map(str::trim)
+            .filter(|name| !name.is_empty() && *name != "none")
+            .map(str::to_owned)
+            .collect()
     };
     let rows = text.lines().filter_map(|line| {
         let cells: Vec<&str> = line.trim().trim_matches('|').split(" | ").map(str::trim).collect();

@@ -6,10 +6,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use barrelman_control::Region;
 use barrelman_pilot::Outcome;
 use barrelman_vision::Explanation;
+use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Picture, PictureSize, Timestamp, Track, VehicleRates, VideoFrame};
 
+use crate::overlay::{Overlay, Scene};
 use crate::video::encoder::EncoderSettings;
 use crate::video::writer::Mp4Writer;
 
@@ -21,19 +24,19 @@ pub struct Film {
     path: PathBuf,
     writer: Option<(Mp4Writer, PictureSize, Timestamp)>,
     picture: Option<Picture>,
+    overlay: Overlay,
+    shares: RegionShares,
 }
 
 impl Film {
-    /// A film at `path`; the file is made with the first frame.
-    pub fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), writer: None, picture: None }
+    /// A film at `path`, with the region that takes up these shares of the picture. The file is made with the
+    /// first frame.
+    pub fn new(path: &Path, shares: RegionShares) -> Self {
+        Self { path: path.to_owned(), writer: None, picture: None, overlay: Overlay::new(), shares }
     }
 
-    /// Adds a frame, drawn on by `draw`.
-    ///
-    /// # Errors
-    /// If it has another size than the first, or the file cannot be written.
-    pub fn add(&mut self, frame: &VideoFrame, draw: impl FnOnce(&VideoFrame, &mut Picture)) -> Result<()> {
+    /// Adds a frame with a scene drawn on it.
+    fn add(&mut self, frame: &VideoFrame, scene: &Scene<'_>) -> Result<()> {
         let size = frame.picture.size();
         if self.writer.is_none() {
             let writer = Mp4Writer::create(&self.path, EncoderSettings::for_pictures(size, NOMINAL_FPS))?;
@@ -47,7 +50,7 @@ impl Film {
             );
         }
         let picture = self.picture.get_or_insert_with(|| Picture::black(size, frame.picture.colour()));
-        draw(frame, picture);
+        self.overlay.draw(frame, scene, picture);
         writer.write_picture(picture, Timestamp::ZERO.plus(frame.capture.at.since(*start)))?;
         Ok(())
     }
@@ -55,27 +58,19 @@ impl Film {
     /// Adds a frame with the outcome of a live step.
     ///
     /// # Errors
-    /// As `add`.
-    pub fn add_outcome(
-        &mut self,
-        frame: &VideoFrame,
-        _outcome: &Outcome,
-        _rates: VehicleRates,
-    ) -> Result<()> {
-        self.add(frame, |frame, picture| picture.clone_from(&frame.picture))
+    /// If the frame has another size than the first, or the file cannot be written.
+    pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
+        let region = Region::in_picture(self.shares, frame.picture.size());
+        self.add(frame, &Scene { rates: Some(rates), ..Scene::of_outcome(outcome, region) })
     }
 
     /// Adds a frame with what a tracker alone made of it.
     ///
     /// # Errors
-    /// As `add`.
-    pub fn add_track(
-        &mut self,
-        frame: &VideoFrame,
-        _track: &Track,
-        _why: Option<&Explanation>,
-    ) -> Result<()> {
-        self.add(frame, |frame, picture| picture.clone_from(&frame.picture))
+    /// If the frame has another size than the first, or the file cannot be written.
+    pub fn add_track(&mut self, frame: &VideoFrame, track: &Track, why: Option<&Explanation>) -> Result<()> {
+        let region = Region::in_picture(self.shares, frame.picture.size());
+        self.add(frame, &Scene { explanation: why, ..Scene::of_track(track, region) })
     }
 
     /// Ends the film.

@@ -16,6 +16,7 @@ pub mod video;
 pub mod emulator;
 
 pub mod film;
+pub mod overlay;
 
 pub mod clock;
 pub mod fault;

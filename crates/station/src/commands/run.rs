@@ -1,7 +1,6 @@
 //! `barrelman run`: the real thing.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -128,7 +127,10 @@ fn live(
         None => None,
     };
     let overlay = match &args.overlay {
-        Some(path) => Some(overlay(path, args.force, clock, &saboteur, &events)?),
+        Some(path) => {
+            let shares = configuration.profile.region;
+            Some(OverlayVideo::begin(path, shares, clock, saboteur.clone(), events.clone())?)
+        }
         None => None,
     };
     let latest = Arc::new(LatestFrame::default());
@@ -178,17 +180,6 @@ fn live(
     }
     drop(terminal);
     Ok(end)
-}
-
-fn overlay(
-    path: &Path,
-    force: bool,
-    clock: Clock,
-    saboteur: &Saboteur,
-    events: &SyncSender<Event>,
-) -> Result<OverlayVideo> {
-    output::check_free(path, force)?;
-    OverlayVideo::begin(path, clock, saboteur.clone(), events.clone())
 }
 
 fn recording_start(

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
-use barrelman_vocab::{Timestamp, Track, VideoFrame};
+use barrelman_vocab::{Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
 use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
@@ -70,9 +70,8 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
             TrackerName::Camshift => Box::new(CamShift::new(CamShiftConfig::default())?),
         },
         output: BufWriter::new(output),
-        film: args.overlay.as_deref().map(Film::new),
+        film: args.overlay.as_deref().map(|path| Film::new(path, VehicleProfile::fotokite_pro().region)),
         explanation: args.explain.then(Explanation::default),
-        start: None,
         lost: 0,
         tracker_times: Vec::new(),
     };
@@ -152,7 +151,6 @@ struct Tracked {
     output: BufWriter<Box<dyn Write>>,
     film: Option<Film>,
     explanation: Option<Explanation>,
-    start: Option<Timestamp>,
     lost: u64,
     tracker_times: Vec<Duration>,
 }
@@ -175,9 +173,8 @@ impl Tracked {
             track
         };
         self.lost += u64::from(matches!(track, Track::Lost { .. }));
-        // A file's first frame is its zero of time.
-        let start = *self.start.get_or_insert(Timestamp::ZERO);
-        write_row(&mut self.output, index, frame.capture.at.since(start).as_secs_f64(), &track)?;
+        // A file's own times count from its beginning.
+        write_row(&mut self.output, index, frame.capture.at.as_secs_f64(), &track)?;
         if let Some(film) = &mut self.film {
             if let Some(explanation) = &mut self.explanation {
                 self.tracker.explain(explanation);

@@ -9,6 +9,7 @@ use std::thread::JoinHandle;
 
 use anyhow::{Result, anyhow};
 use barrelman_pilot::{Outcome, Pilot};
+use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{VehicleRates, VideoFrame};
 
 use super::event::Event;
@@ -44,12 +45,19 @@ impl OverlayVideo {
     ///
     /// # Errors
     /// If the thread cannot be started.
-    pub fn begin(path: &Path, clock: Clock, saboteur: Saboteur, events: SyncSender<Event>) -> Result<Self> {
+    pub fn begin(
+        path: &Path,
+        shares: RegionShares,
+        clock: Clock,
+        saboteur: Saboteur,
+        events: SyncSender<Event>,
+    ) -> Result<Self> {
         let (items, queue) = sync_channel::<Option<Box<Seen>>>(QUEUE);
         let (send_result, result) = sync_channel(1);
         let path = path.to_owned();
         let thread = threads::spawn("overlay", events, move || {
-            let _ = send_result.send(write(&path, &queue, || saboteur.strike("overlay", clock.now())));
+            let _ = send_result
+                .send(write(Film::new(&path, shares), &queue, || saboteur.strike("overlay", clock.now())));
         })?;
         Ok(Self { items, thread, result })
     }
@@ -86,8 +94,7 @@ impl Drop for OverlayInput {
     }
 }
 
-fn write(path: &Path, queue: &Receiver<Option<Box<Seen>>>, strike: impl Fn()) -> Result<()> {
-    let mut film = Film::new(path);
+fn write(mut film: Film, queue: &Receiver<Option<Box<Seen>>>, strike: impl Fn()) -> Result<()> {
     while let Ok(Some(seen)) = queue.recv() {
         strike();
         film.add_outcome(&seen.frame, &seen.outcome, seen.rates)?;

@@ -7,5 +7,8 @@
     reason = "a test fails by panicking, and says why it was skipped"
 )]
 
+mod command_line;
+mod configuration;
+mod overlay;
 mod video;
 mod video_live;

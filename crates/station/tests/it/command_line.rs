@@ -1,0 +1,83 @@
+//! The program from outside: exit codes and messages.
+
+use std::process::{Command, Output};
+
+fn barrelman(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_barrelman")).args(arguments).output().expect("the program starts")
+}
+
+/// Runs a command that must fail, and looks for the words of its message.
+#[track_caller]
+fn refused(arguments: &[&str], code: i32, words: &[&str]) {
+    let output = barrelman(arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    for word in words {
+        assert!(message.contains(word), "{arguments:?}: {word:?} is not in {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+    assert!(output.stdout.is_empty(), "{arguments:?}: results of a command that failed");
+}
+
+#[test]
+fn wrong_use_ends_with_2_and_says_what_is_expected() {
+    refused(&["track", "clip.mp4", "--select", "1,2,3"], 2, &["X,Y,W,H"]);
+    refused(&["track", "clip.mp4", "--select", "1,2,0,5"], 2, &["above zero"]);
+    refused(&["law", "log.csv", "--region", "0,2"], 2, &["at most 1"]);
+    refused(&["law", "log.csv", "--frame-size", "640"], 2, &["WIDTHxHEIGHT"]);
+    refused(&["law", "log.csv", "--rate", "-1"], 2, &["--rate"]);
+    refused(&["metrics"], 2, &["LOGS"]);
+    refused(&["emulate", "fotokite-pro"], 2, &["--pty"]);
+    refused(&["fly"], 2, &["fly"]);
+}
+
+#[test]
+fn what_is_not_there_is_named_and_ends_with_1() {
+    refused(&["track", "nowhere.mp4", "--select", "1,2,3,4"], 1, &["nowhere.mp4", "check the path"]);
+    refused(&["law", "nowhere.csv"], 1, &["nowhere.csv"]);
+    refused(&["replay", "nowhere.mcap"], 1, &["nowhere.mcap"]);
+    refused(&["export", "nowhere.mcap", "--output", "nowhere"], 1, &["nowhere.mcap"]);
+    refused(&["run"], 1, &["no video source", "--video"]);
+    refused(&["run", "nowhere.toml"], 1, &["nowhere.toml"]);
+    refused(&["law", "nowhere.csv", "--profile", "kite"], 1, &["kite", "fotokite-pro"]);
+    refused(&["run", "--video", "v4l2:///dev/video0"], 1, &["v4l2"]);
+    refused(
+        &["run", "--video", "file:clip.mp4", "--link", "carrier-pigeon:coop"],
+        1,
+        &["carrier-pigeon", "serial:"],
+    );
+}
+
+#[test]
+fn every_command_shows_an_example() {
+    for command in ["demo", "run", "track", "law", "metrics", "replay", "export", "check", "config"] {
+        let output = barrelman(&[command, "--help"]);
+        let help = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && help.contains("Example"), "{command}: {help}");
+    }
+    let output = barrelman(&["emulate", "fotokite-pro", "--help"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("Example"));
+}
+
+#[test]
+fn check_finds_what_is_wrong_and_how_to_mend_it() {
+    let output = barrelman(&["check", "--video", "file:nowhere.mp4", "--link", "serial:/dev/nowhere"]);
+    let findings = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(1));
+    for words in ["nowhere.mp4", "/dev/nowhere does not exist", "udev rule", "ModemManager"] {
+        assert!(findings.contains(words), "{words:?} is not in {findings}");
+    }
+}
+
+#[test]
+fn results_that_nobody_reads_end_quietly() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_barrelman"))
+        .args(["config", "example"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("the program ends");
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+}
