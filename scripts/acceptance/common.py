@@ -110,8 +110,14 @@ class Table:
         return 1 if self.failed else 0
 
 
+def environment():
+    """As a user's: no backtraces, plain output."""
+    return {name: value for name, value in os.environ.items() if name not in ("RUST_BACKTRACE", "RUST_LOG")}
+
+
 def spawn(command, **keywords):
     """A child that does not outlive this script."""
+    keywords.setdefault("env", environment())
     child = subprocess.Popen([str(word) for word in command], **keywords)
     _children.append(child)
     return child
@@ -119,6 +125,7 @@ def spawn(command, **keywords):
 
 def run(command, timeout=60, **keywords):
     """Runs to the end; standard output and error come back as text."""
+    keywords.setdefault("env", environment())
     return subprocess.run(
         [str(word) for word in command], timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, **keywords
     )
@@ -335,6 +342,8 @@ def drain(descriptor, seconds=0.0):
         try:
             piece = os.read(descriptor, 65536)
         except OSError:
+            # The other end has gone, which is told at once and for ever.
+            time.sleep(seconds)
             break
         if not piece:
             break

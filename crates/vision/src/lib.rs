@@ -1,7 +1,7 @@
 //! Video frame in, localisation out: where in the picture the selected boat is.
 //!
 //! [`Tracker`] is the seam: whoever follows the boat, now or later, stands behind it. [`CamShift`] is the tracker
-//! of the published system (Biswas, Murphy and Dufek, arXiv 1710.02932): a hue histogram of the selection, its
+//! of the published system (Biswas, Karnan, Dhulipala, Dufek and Murphy, arXiv 1710.02932): a hue histogram of the selection, its
 //! back projection, mean shift to where the colour is, and size and direction from the moments there.
 //!
 //! Everything here counts in *pixel* coordinates: u to the right, v downwards, origin at the top left corner of
