@@ -2,8 +2,8 @@
 # Installs the system packages that a step needs, and nothing else. Safe to run again: it asks dpkg first.
 #
 #   scripts/setup.sh build      a C++ compiler, and nasm (halves the cost of H.264)
-#   scripts/setup.sh test       what the tests talk to: an RTSP server (GStreamer), Python with OpenCV and mcap
-#   scripts/setup.sh fixtures   what makes the fixtures anew: FFmpeg besides all of the above
+#   scripts/setup.sh test       what the tests talk to, and what makes the fixtures anew: an RTSP server (GStreamer),
+#                               FFmpeg, Python with OpenCV and mcap
 #
 # Packages come from Debian (as root, or through sudo) and, for Python, from PyPI into .venv beside this tree.
 set -euo pipefail
@@ -36,11 +36,10 @@ need_python() {
 
 build=(g++ nasm)
 test=(python3-venv python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-base gstreamer1.0-plugins-good
-  gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-tools libgl1 libglib2.0-0)
+  gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg)
 
 case "${1:-build}" in
   build) need_packages "${build[@]}" ;;
   test) need_packages "${build[@]}" "${test[@]}"; need_python ;;
-  fixtures) need_packages "${build[@]}" "${test[@]}" ffmpeg; need_python ;;
-  *) sed -n '2,9p' "$0" >&2; exit 2 ;;
+  *) sed -n '2,8p' "$0" >&2; exit 2 ;;
 esac

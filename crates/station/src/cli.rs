@@ -115,7 +115,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
     /// Follow what is in this box of the first picture: left, top, width, height in pixels.
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_box)]
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
     /// Move the camera from the start.
     #[arg(long)]
@@ -147,7 +147,7 @@ pub struct TrackArgs {
     /// The recording: an MP4 or MOV with H.264, a Y4M, or a folder of pictures.
     pub video: String,
     /// Follow what is in this box of the start frame: left, top, width, height in pixels.
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_box)]
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: PixelBox,
     /// Frame that the selection is made on, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -207,7 +207,7 @@ pub struct LawArgs {
     #[arg(long, value_enum, default_value_t = LawName::Schema)]
     pub law: LawName,
     /// Rate of the schema on both axes, rad/s; without it the vehicle's.
-    #[arg(long, value_name = "RAD_PER_S", value_parser = parse_rate)]
+    #[arg(long, value_name = "RAD_PER_S", allow_negative_numbers = true, value_parser = parse_rate)]
     pub rate: Option<f64>,
     /// The region.
     #[command(flatten)]
@@ -308,7 +308,7 @@ pub struct EmulateFotokiteProArgs {
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// A rate ends by itself this long after the last command for its axis, in seconds.
-    #[arg(long, value_name = "S", value_parser = parse_positive)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
     pub rate_timeout: Option<f64>,
     /// Do not echo what the shell is sent.
     #[arg(long)]

@@ -1,0 +1,43 @@
+#!/usr/bin/python3
+"""scripts/rtsp_server.py with something to follow in its time code pattern: a red patch that moves slowly.
+
+Same options; the patch is PATCH pixels wide and high, and at FIRST when the server starts.
+"""
+import math
+import pathlib
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import rtsp_server  # noqa: E402
+
+PATCH = 64
+RED = (81, 90, 240)  # Y, U, V of red in BT.601, limited range; in BT.709 it is a red, too.
+
+grey = rtsp_server.timecode
+began = time.monotonic()
+
+
+def place(width, height):
+    """Where the patch is, on even pixels: about a third of the picture's width to and fro in 8 s."""
+    swing = math.sin((time.monotonic() - began) * math.tau / 8)
+    return (width // 2 - PATCH // 2 + int(swing * width / 6)) & ~1, (height // 2 - PATCH // 2) & ~1
+
+
+def timecode(width, height):
+    picture = bytearray(grey(width, height))
+    x, y = place(width, height)
+    luma, chroma = width * height, ((width + 1) // 2) * ((height + 1) // 2)
+    for row in range(y, y + PATCH):
+        picture[row * width + x : row * width + x + PATCH] = bytes([RED[0]]) * PATCH
+    for plane, value in enumerate(RED[1:]):
+        for row in range(y // 2, (y + PATCH) // 2):
+            begin = luma + plane * chroma + row * ((width + 1) // 2) + x // 2
+            picture[begin : begin + PATCH // 2] = bytes([value]) * (PATCH // 2)
+    return bytes(picture)
+
+
+rtsp_server.timecode = timecode
+
+if __name__ == "__main__":
+    rtsp_server.main()
