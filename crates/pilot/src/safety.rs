@@ -4,6 +4,7 @@
 //! 2. Motion rests on a fresh look. Only a fresh localisation starts or raises a rate. One that coasts can only
 //!    lower it.
 //! 3. A rate that is running lasts at most `coast_motion` after the last fresh localisation arrived; then zeros.
+//!    A step that claims to lie before that arrival cannot tell how long ago it was: zeros, too.
 
 use core::time::Duration;
 
@@ -114,9 +115,13 @@ impl Safety {
         match self.engagement {
             Engagement::Disengaged => Mode::Idle,
             Engagement::Stopped(cause) => Mode::Stopped(cause),
-            Engagement::Engaged if self.expires_at().is_some_and(|expires| now < expires) => Mode::Servoing,
+            Engagement::Engaged if self.looked_lately(now) => Mode::Servoing,
             Engagement::Engaged => Mode::Holding(self.missing),
         }
+    }
+
+    fn looked_lately(&self, now: Timestamp) -> bool {
+        self.last_fresh.is_some_and(|at| at <= now && now < at.plus(self.coast_motion))
     }
 }
 

@@ -33,7 +33,8 @@ pub struct Pilot {
 /// What one look at the scene showed.
 struct Look {
     track: Track,
-    captured: Timestamp,
+    /// When what was seen was captured; a track without a place, measured elsewhere, does not say.
+    captured: Option<Timestamp>,
     notice: Option<Notice>,
 }
 
@@ -62,7 +63,8 @@ impl Pilot {
         let look = match input {
             Input::Frame(frame) => Some(self.look_at(frame)),
             Input::Localisation(track) => {
-                Some(Look { captured: captured_at(&track, now), track, notice: None })
+                let captured = track.localisation().map(|seen| seen.captured);
+                Some(Look { track, captured, notice: None })
             }
             Input::Request(request) => {
                 self.take(&request);
@@ -73,15 +75,17 @@ impl Pilot {
         let Some(mut look) = look else {
             return self.conclude(Evidence::NoLook, None, None, now);
         };
-        let went_back = self.last_capture.is_some_and(|last| look.captured < last);
-        if went_back && look.notice.is_none() {
-            look.notice = Some(Notice::VideoClockWentBack);
+        if let Some(captured) = look.captured {
+            let went_back = self.last_capture.is_some_and(|last| captured < last);
+            if went_back && look.notice.is_none() {
+                look.notice = Some(Notice::VideoClockWentBack);
+            }
+            self.last_capture = Some(captured);
         }
-        self.last_capture = Some(look.captured);
         self.track = look.track;
-        let age = now.since(look.captured);
+        let age = look.captured.map(|captured| now.since(captured));
         let evidence = self.weigh(age);
-        self.conclude(evidence, Some(age), look.notice, now)
+        self.conclude(evidence, age, look.notice, now)
     }
 
     fn take(&mut self, request: &OperatorRequest) {
@@ -92,7 +96,7 @@ impl Pilot {
     }
 
     fn look_at(&mut self, frame: &VideoFrame) -> Look {
-        let captured = frame.capture.at;
+        let captured = Some(frame.capture.at);
         let Some(selection) = self.pending_selection.take() else {
             return Look { track: self.tracker.track(frame, None), captured, notice: None };
         };
@@ -111,13 +115,13 @@ impl Pilot {
     }
 
     /// What the newest look is worth as evidence for motion.
-    fn weigh(&mut self, age: Duration) -> Evidence {
+    fn weigh(&mut self, age: Option<Duration>) -> Evidence {
         let profile = &self.settings.profile;
         self.percept = self.track.localisation().map(|seen| {
             let region = Region::in_picture(profile.region, seen.picture);
             Percept::new(seen.centre.in_image(seen.picture), region)
         });
-        let stale = age > profile.video_latency + profile.stale_after;
+        let stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
         let advice = self.advice().map(|advice| advice.command);
         match (self.track, advice) {
             (Track::Unseeded, _) => Evidence::Nothing(HoldCause::NoSelection),
@@ -155,9 +159,4 @@ impl Pilot {
             notice,
         }
     }
-}
-
-/// The time of capture that a track speaks of; a track without one speaks of now.
-fn captured_at(track: &Track, now: Timestamp) -> Timestamp {
-    track.localisation().map_or(now, |seen| seen.captured)
 }

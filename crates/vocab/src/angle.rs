@@ -61,10 +61,14 @@ impl AngularRate {
         self.0 == 0.0
     }
 
-    /// This rate held within `limit` on both sides. What is not a number becomes zero: a rate that cannot be
-    /// understood must not move a camera.
+    /// This rate held within `limit` on both sides. What is not a number, rate or limit, becomes zero: a rate that
+    /// cannot be understood must not move a camera.
     pub fn clamped(self, limit: Self) -> Self {
-        if self.0.is_nan() { Self::ZERO } else { Self(self.0.clamp(-limit.0.abs(), limit.0.abs())) }
+        if self.0.is_nan() || limit.0.is_nan() {
+            Self::ZERO
+        } else {
+            Self(self.0.clamp(-limit.0.abs(), limit.0.abs()))
+        }
     }
 }
 

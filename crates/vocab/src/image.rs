@@ -108,8 +108,11 @@ impl PixelBox {
         if self.is_empty() { 0.0 } else { self.w * self.h }
     }
 
-    /// What both boxes cover; empty (w = h = 0) where they do not meet.
+    /// What both boxes cover; empty (w = h = 0) where they do not meet, or one of them is empty.
     pub fn intersection(self, other: Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return Self::default();
+        }
         let (left, top) = (self.u.max(other.u), self.v.max(other.v));
         let right = (self.u + self.w).min(other.u + other.w);
         let bottom = (self.v + self.h).min(other.v + other.h);
@@ -129,7 +132,8 @@ impl PixelBox {
     pub fn overlap(self, other: Self) -> f64 {
         let both = self.intersection(other).area();
         let either = self.area() + other.area() - both;
-        if either > 0.0 { both / either } else { 0.0 }
+        // The corners of the intersection are rounded: equal boxes may come out a little over 1.
+        if either > 0.0 { (both / either).min(1.0) } else { 0.0 }
     }
 }
 

@@ -78,7 +78,8 @@ pub enum Sign {
 impl Sign {
     fn applied_to(self, rate: AngularRate) -> AngularRate {
         match self {
-            Self::Same => rate,
+            // Twice the opposite: a zero loses its sign on either way.
+            Self::Same => -(-rate),
             Self::Opposite => -rate,
         }
     }

@@ -1,1 +1,9 @@
-//! (tests)
+//! What the pilot promises: when the camera may move, and when it must not.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
+
+mod allocation;
+mod any_input;
+mod frames;
+mod modes;
+mod motion;
+mod scenes;

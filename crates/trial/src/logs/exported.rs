@@ -56,7 +56,12 @@ pub fn read(text: &str) -> Result<ReadLog, LogError> {
             && let Some(width) = optional_number(fields[width], line, "picture_width")?
             && let Some(height) = optional_number(fields[height], line, "picture_height")?
         {
-            size = Some(PictureSize::new(width as u32, height as u32));
+            let side = |value: f64, column: &'static str| {
+                let whole = value.fract() == 0.0 && (1.0..=65_536.0).contains(&value);
+                let wrong = LogError::NotASize { line, column, found: value };
+                if whole { Ok(value as u32) } else { Err(wrong) }
+            };
+            size = Some(PictureSize::new(side(width, "picture_width")?, side(height, "picture_height")?));
         }
         let rate = AngularRate::from_radians_per_second;
         rows.push(LogRow {

@@ -29,7 +29,12 @@ pub fn read(text: &str) -> Result<ReadLog, LogError> {
     let mut expected = None;
     for (line, content) in lines {
         let row = if line == 1 { content.strip_prefix(HEADER).unwrap_or(content) } else { content };
-        let fields: Vec<&str> = row.trim_end_matches(['\r', '\n']).split(',').collect();
+        let row = row.trim_end_matches(['\r', '\n']);
+        if row.is_empty() {
+            // A file that was repaired by hand: a line end after the header, or an empty line at the end.
+            continue;
+        }
+        let fields: Vec<&str> = row.split(',').collect();
         let expected = *expected.get_or_insert(fields.len());
         if fields.len() != expected || !(6..=7).contains(&expected) {
             let expected = if (6..=7).contains(&expected) { expected } else { 7 };

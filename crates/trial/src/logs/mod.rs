@@ -96,6 +96,16 @@ pub enum LogError {
         /// What stands there.
         found: String,
     },
+    /// A side of the picture is no whole number of pixels.
+    #[error("line {line}: {column} is {found}, which is no number of pixels from 1 to 65536")]
+    NotASize {
+        /// Line in the file, from 1.
+        line: usize,
+        /// Name of the column.
+        column: &'static str,
+        /// What stands there.
+        found: f64,
+    },
     /// The times run backwards.
     #[error("line {line}: the time {time_s} s lies before that of the row above")]
     TimeRunsBack {

@@ -19,6 +19,13 @@ pub struct Excursion {
     pub b_s: f64,
 }
 
+impl Excursion {
+    /// h/b, 1/s; `None` where all of its rows bear one time.
+    pub fn sensitivity(&self) -> Option<f64> {
+        (self.b_s > 0.0).then(|| self.h / self.b_s)
+    }
+}
+
 /// The excursions of a trial.
 pub fn excursions(log: &TrialLog, region: Region) -> Vec<Excursion> {
     let mut found: Vec<Excursion> = Vec::new();

@@ -20,8 +20,8 @@ impl Arena {
     /// The arena that a file name like `arena1_07.csv` speaks of.
     pub fn from_name(name: &str) -> Option<Self> {
         let (_, rest) = name.split_once("arena")?;
-        let number = rest.chars().next()?.to_digit(10)?;
-        Self::numbered(u8::try_from(number).ok()?)
+        let digits = rest.find(|next: char| !next.is_ascii_digit()).unwrap_or(rest.len());
+        Self::numbered(rest[..digits].parse().ok()?)
     }
 
     /// Its number.

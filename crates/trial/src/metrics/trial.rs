@@ -105,7 +105,7 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
         out_of_picture_s: lost.as_ref().map(|lost| lost.total_s),
         ends_outside: ps().next_back().is_some_and(|p| p > 1.0),
         lost: lost.map(|lost| lost.longest_s > LOST_AFTER_S || lost.at_end),
-        sensitivity: mean(complete.iter().map(|excursion| excursion.h / excursion.b_s)),
+        sensitivity: mean(complete.iter().filter_map(|excursion| excursion.sensitivity())),
     }
 }
 

@@ -364,7 +364,7 @@ impl TryFrom<stored::TelemetryInput> for Entry {
                 altitude_m: tether.altitude_m,
             },
             Stored::Flight(flight) => Report::Flight {
-                state: match flight.state() {
+                state: match stored::FlightState::try_from(flight.state).map_err(|_| missing("state"))? {
                     stored::FlightState::Idle => FlightState::Idle,
                     stored::FlightState::Flying => FlightState::Flying,
                     stored::FlightState::Emergency => FlightState::Emergency,
@@ -440,7 +440,7 @@ impl TryFrom<stored::Track> for Track {
             let seen = track.localisation.as_ref().ok_or_else(|| missing("localisation"))?;
             localisation(seen, track.confidence)
         };
-        Ok(match track.state() {
+        Ok(match stored::TrackState::try_from(track.state).map_err(|_| missing("state"))? {
             stored::TrackState::Unseeded => Self::Unseeded,
             stored::TrackState::Tracking => Self::Tracking(seen()?),
             stored::TrackState::Coasting => Self::Coasting(seen()?),
@@ -500,13 +500,13 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
 
     fn try_from(outcome: stored::Outcome) -> Result<Self, Malformed> {
         let rate = AngularRate::from_radians_per_second;
-        let mode = match outcome.mode() {
+        let mode = match stored::Mode::try_from(outcome.mode).map_err(|_| missing("mode"))? {
             stored::Mode::Idle => Mode::Idle,
             stored::Mode::Servoing => Mode::Servoing,
             stored::Mode::Holding => Mode::Holding(outcome.hold_cause().try_into()?),
             stored::Mode::Stopped => Mode::Stopped(outcome.stop_cause().try_into()?),
         };
-        let sector = match outcome.sector() {
+        let sector = match stored::Sector::try_from(outcome.sector).map_err(|_| missing("sector"))? {
             stored::Sector::None => None,
             sector => Some(sector.try_into()?),
         };

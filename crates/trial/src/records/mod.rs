@@ -3,6 +3,8 @@
 //! [`Entry`] is what a recording is a sequence of; [`RecordingWriter`] and [`RecordingReader`] turn entries into
 //! MCAP messages and back. The schema of our own messages is `proto/barrelman.proto`; the video uses the
 //! schemas that Foxglove and others know. A file that was cut off (a killed process) is read up to the cut.
+//!
+//! Numbers are kept to the bit, but for one: protobuf leaves a zero away, so that -0.0 is read as 0.0.
 
 pub mod entry;
 

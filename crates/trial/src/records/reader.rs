@@ -42,7 +42,7 @@ pub struct RecordingReader<R: Read> {
 impl<R: Read> RecordingReader<R> {
     /// Reads from the beginning of a recording.
     pub fn new(input: R) -> Self {
-        Self { messages: mcap::io::MessageReader::new(input), announced: None, started: false, ended: false }
+        Self { messages: messages(input), announced: None, started: false, ended: false }
     }
 
     fn next_entry(&mut self) -> Result<Option<Entry>, ReadError> {
@@ -78,7 +78,17 @@ impl<R: Read> Iterator for RecordingReader<R> {
     }
 }
 
-fn is_cut(error: &mcap::McapError) -> bool {
+/// The longest record that is read, bytes: more than a raw picture of 7680 x 4320 needs. A damaged length must not
+/// make the reader ask for more memory than there is.
+const LONGEST_RECORD: usize = 64 << 20;
+
+/// The messages of an MCAP file.
+pub(super) fn messages<R: Read>(input: R) -> mcap::io::MessageReader<R> {
+    let options = mcap::sans_io::LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD);
+    mcap::io::MessageReader::new_with_options(input, options)
+}
+
+pub(super) fn is_cut(error: &mcap::McapError) -> bool {
     matches!(error, mcap::McapError::UnexpectedEof | mcap::McapError::BadFooter)
 }
 

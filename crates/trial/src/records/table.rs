@@ -1,15 +1,15 @@
 //! Any channel of a recording as a table: one row per message, one column per field.
 //!
-//! Nested messages become columns like `percept.p`; absent fields are empty; bytes are shown by their length,
+//! Nested messages become columns like `percept.p` (one that lies in its own kind an empty column); absent fields are empty; bytes are shown by their length,
 //! since the video is exported as video. It goes by the schemas in the file, so that it also knows channels of
-//! later versions.
+//! later versions; channels that are not protobuf are passed over.
 
 use std::collections::BTreeMap;
 use std::io::Read;
 
 use prost_reflect::{DescriptorPool, DynamicMessage, FieldDescriptor, Kind, MessageDescriptor, Value};
 
-use super::reader::ReadError;
+use super::reader::{ReadError, is_cut, messages};
 
 /// A row of a channel's table.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,17 +32,18 @@ pub fn read_rows<R: Read, E: From<ReadError>>(
     mut row: impl FnMut(TableRow) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut descriptors: BTreeMap<u16, MessageDescriptor> = BTreeMap::new();
-    for message in mcap::io::MessageReader::new(input) {
-        let message = message.map_err(|error| {
-            let cut = matches!(error, mcap::McapError::UnexpectedEof | mcap::McapError::BadFooter);
-            if cut { ReadError::CutOff } else { ReadError::Container(error) }
-        })?;
+    for message in messages(input) {
+        let message = message
+            .map_err(|error| if is_cut(&error) { ReadError::CutOff } else { ReadError::Container(error) })?;
         let topic = message.channel.topic.clone();
         let malformed = |reason: String| ReadError::Message { topic: topic.clone(), reason };
         let descriptor = match descriptors.get(&message.channel.id) {
             Some(descriptor) => descriptor.clone(),
             None => {
                 let Some(schema) = &message.channel.schema else { continue };
+                if schema.encoding != "protobuf" || message.channel.message_encoding != "protobuf" {
+                    continue;
+                }
                 let pool = DescriptorPool::decode(schema.data.as_ref())
                     .map_err(|error| malformed(error.to_string()))?;
                 let descriptor = pool
@@ -53,37 +54,45 @@ pub fn read_rows<R: Read, E: From<ReadError>>(
         };
         let content = DynamicMessage::decode(descriptor.clone(), message.data.as_ref())
             .map_err(|error| malformed(error.to_string()))?;
-        let mut columns = vec!["log_time_ns".to_owned()];
-        let mut cells = vec![message.log_time.to_string()];
-        flatten("", &descriptor, Some(&content), &mut columns, &mut cells);
-        row(TableRow { topic, columns, cells })?;
+        let mut flat = Flat::default();
+        flat.columns.push("log_time_ns".to_owned());
+        flat.cells.push(message.log_time.to_string());
+        flat.add("", &descriptor, Some(&content));
+        row(TableRow { topic, columns: flat.columns, cells: flat.cells })?;
     }
     Ok(())
 }
 
-fn flatten(
-    prefix: &str,
-    descriptor: &MessageDescriptor,
-    content: Option<&DynamicMessage>,
-    columns: &mut Vec<String>,
-    cells: &mut Vec<String>,
-) {
-    for field in descriptor.fields() {
-        let name = format!("{prefix}{}", field.name());
-        let present = content.filter(|content| !field.supports_presence() || content.has_field(&field));
-        match field.kind() {
-            Kind::Message(nested) if !field.is_list() && !field.is_map() => {
-                let value = present.map(|content| content.get_field(&field).into_owned());
-                let nested_content = value.as_ref().and_then(Value::as_message);
-                flatten(&format!("{name}."), &nested, nested_content, columns, cells);
-            }
-            _ => {
-                columns.push(name);
-                cells.push(
-                    present.map_or_else(String::new, |content| cell(&field, &content.get_field(&field))),
-                );
+/// The columns and cells of one message, as they are collected.
+#[derive(Default)]
+struct Flat {
+    columns: Vec<String>,
+    cells: Vec<String>,
+    /// The messages that the one at hand lies in: one that lies in its own kind would have columns without end.
+    within: Vec<MessageDescriptor>,
+}
+
+impl Flat {
+    fn add(&mut self, prefix: &str, descriptor: &MessageDescriptor, content: Option<&DynamicMessage>) {
+        self.within.push(descriptor.clone());
+        for field in descriptor.fields() {
+            let name = format!("{prefix}{}", field.name());
+            let present = content.filter(|content| !field.supports_presence() || content.has_field(&field));
+            match field.kind() {
+                Kind::Message(nested)
+                    if !field.is_list() && !field.is_map() && !self.within.contains(&nested) =>
+                {
+                    let value = present.map(|content| content.get_field(&field).into_owned());
+                    self.add(&format!("{name}."), &nested, value.as_ref().and_then(Value::as_message));
+                }
+                _ => {
+                    let text = present.map(|content| cell(&field, &content.get_field(&field)));
+                    self.columns.push(name);
+                    self.cells.push(text.unwrap_or_default());
+                }
             }
         }
+        self.within.pop();
     }
 }
 

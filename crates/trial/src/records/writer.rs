@@ -72,7 +72,7 @@ impl<W: Write> RecordingWriter<W> {
     fn write_unit(&mut self, unit: &EncodedUnit) -> Result<(), WriteError> {
         let at = unit.capture.at;
         self.put(Topic::VideoUnit, at, &stored::VideoUnit::from(unit))?;
-        let unix_ns = self.unix_start_ns + at.as_nanos();
+        let unix_ns = self.unix_ns(at);
         let timestamp = Some(foxglove::messages::Timestamp::new(
             (unix_ns / 1_000_000_000) as u32,
             (unix_ns % 1_000_000_000) as u32,
@@ -118,11 +118,15 @@ impl<W: Write> RecordingWriter<W> {
         }
     }
 
+    fn unix_ns(&self, at: Timestamp) -> u64 {
+        self.unix_start_ns.saturating_add(at.as_nanos())
+    }
+
     fn put(&mut self, topic: Topic, at: Timestamp, message: &impl prost::Message) -> Result<(), WriteError> {
         self.buffer.clear();
         // A vector grows as needed: encoding into it cannot fail.
         let _ = message.encode(&mut self.buffer);
-        let time = self.unix_start_ns + at.as_nanos();
+        let time = self.unix_ns(at);
         let header = MessageHeader {
             channel_id: self.channels[&topic],
             sequence: self.sequence,

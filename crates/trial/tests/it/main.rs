@@ -1,1 +1,25 @@
-//! (tests)
+//! What logs, metrics, recordings and replays promise.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "a test reads the laboratory's logs, whose folder may be absent"
+)]
+
+mod camera_law;
+mod camera_work;
+mod excursions;
+mod laboratory;
+mod log_text;
+mod lost_trials;
+mod replay;
+mod summaries;
+mod trial_logs;
+
+mod any_bytes;
+mod cut_recordings;
+mod foreign_recordings;
+mod recorded_logs;
+mod round_trips;
+mod tables;
+
+mod entries;

@@ -1,0 +1,107 @@
+//! No allocation per step once the buffers have their size.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::Arc;
+
+use barrelman_pilot::{Input, Pilot};
+use barrelman_sim::practice::PracticeClip;
+use barrelman_vision::{CamShift, CamShiftConfig};
+use barrelman_vocab::video::{Capture, CaptureQuality};
+use barrelman_vocab::{OperatorRequest, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
+
+use crate::scenes::Told::{Engage, Lost, Reports, Tick};
+use crate::scenes::settings;
+
+/// Counts what this thread asks for, so that tests beside it are not counted.
+struct Counting;
+
+thread_local! {
+    static REQUESTS: Cell<usize> = const { Cell::new(0) };
+}
+
+#[allow(unsafe_code, reason = "the trait of an allocator is unsafe; every call goes to the system's own")]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        REQUESTS.with(|requests| requests.set(requests.get() + 1));
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const SIZE: PictureSize = PictureSize::new(640, 480);
+
+fn drawn(clip: &PracticeClip, index: u32, sequence: u64, captured: Timestamp) -> VideoFrame {
+    let mut picture = Picture::black(SIZE, clip.colour());
+    clip.draw(index, &mut picture);
+    let capture = Capture { at: captured, quality: CaptureQuality::Sensor };
+    VideoFrame { sequence, capture, picture: Arc::new(picture) }
+}
+
+#[test]
+fn steps_allocate_nothing_after_the_first_round() {
+    let clip = PracticeClip::new(SIZE, 1);
+    let mut pilot = Pilot::new(settings(), Box::new(CamShift::new(CamShiftConfig::default()).unwrap()));
+    let mut sequence = 0_u64;
+    let mut round = || {
+        let (mut allocations, mut moved, mut followed) = (0, 0, 0);
+        // Every third frame: the boat passes all four sectors twice in 240 frames.
+        for index in (0..clip.frames()).step_by(3) {
+            let captured = Timestamp::from_nanos(1_000_000_000 + sequence * 33_000_000);
+            let now = captured.plus(core::time::Duration::from_millis(50));
+            let frame = drawn(&clip, index, sequence, captured);
+            if sequence == 0 {
+                // The inner half of the box: no water.
+                let hull = clip.truth(0).bounds;
+                let inner = PixelBox {
+                    u: hull.u + hull.w / 4.0,
+                    v: hull.v + hull.h / 4.0,
+                    w: hull.w / 2.0,
+                    h: hull.h / 2.0,
+                };
+                pilot.step(Input::Request(OperatorRequest::Select(inner)), now);
+            }
+            let before = REQUESTS.get();
+            pilot.step(Engage.input(now), now);
+            let outcome = pilot.step(Input::Frame(&frame), now);
+            pilot.step(Reports.input(now), now);
+            pilot.step(Tick.input(now), now);
+            allocations += REQUESTS.get() - before;
+            moved += usize::from(!outcome.command.is_rest());
+            followed += usize::from(matches!(outcome.track, Track::Tracking(_)));
+            sequence += 1;
+        }
+        (allocations, moved, followed)
+    };
+    let (first, ..) = round();
+    assert!(first > 0, "the allocator is not counted");
+    let (allocations, moved, followed) = round();
+    assert!(
+        moved > 50 && followed > 200,
+        "{moved} moving and {followed} tracked of 240: the test shows nothing"
+    );
+    assert_eq!(allocations, 0);
+}
+
+#[test]
+fn localisations_and_refusals_allocate_nothing() {
+    let clip = PracticeClip::new(SIZE, 1);
+    let mut pilot = Pilot::new(settings(), Box::new(CamShift::new(CamShiftConfig::default()).unwrap()));
+    let now = Timestamp::from_nanos(1_000_000_000);
+    let frame = drawn(&clip, 0, 0, now);
+    let earlier = drawn(&clip, 1, 1, Timestamp::from_nanos(5));
+    let outside = PixelBox { u: 900.0, v: 900.0, w: 5.0, h: 5.0 };
+    let before = REQUESTS.get();
+    pilot.step(Input::Request(OperatorRequest::Select(outside)), now);
+    let refused = pilot.step(Input::Frame(&frame), now);
+    let went_back = pilot.step(Input::Frame(&earlier), now);
+    pilot.step(Lost.input(now), now);
+    assert_eq!(REQUESTS.get(), before);
+    assert!(refused.notice.is_some() && went_back.notice.is_some());
+}

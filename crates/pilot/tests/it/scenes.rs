@@ -1,0 +1,176 @@
+//! Scenes: what a pilot is told, and when.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use barrelman_pilot::{Input, Mode, Outcome, Pilot, PilotSettings};
+use barrelman_vision::{Explanation, SelectionError, SelectionReport, Tracker};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
+use barrelman_vocab::{
+    AngularRate, CameraCommand, ImagePoint, Localisation, MotionPrior, OperatorRequest, Picture, PictureSize,
+    PixelBox, StopCause, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
+};
+
+pub(crate) const PICTURE: PictureSize = PictureSize::new(640, 480);
+
+/// Inside the region of a 640x480 picture (192 x 120 px).
+pub(crate) const INSIDE: ImagePoint = ImagePoint { x: 20.0, y: -10.0 };
+pub(crate) const RIGHT: ImagePoint = ImagePoint { x: 250.0, y: 30.0 };
+pub(crate) const LEFT: ImagePoint = ImagePoint { x: -250.0, y: 30.0 };
+pub(crate) const TOP: ImagePoint = ImagePoint { x: 30.0, y: 200.0 };
+pub(crate) const BOTTOM: ImagePoint = ImagePoint { x: 30.0, y: -200.0 };
+
+const RATE: AngularRate = AngularRate::from_radians_per_second(0.3);
+const BACK: AngularRate = AngularRate::from_radians_per_second(-0.3);
+pub(crate) const REST: CameraCommand = CameraCommand::REST;
+pub(crate) const PAN_RIGHT: CameraCommand = CameraCommand { pan: RATE, tilt: AngularRate::ZERO };
+pub(crate) const PAN_LEFT: CameraCommand = CameraCommand { pan: BACK, tilt: AngularRate::ZERO };
+pub(crate) const TILT_UP: CameraCommand = CameraCommand { pan: AngularRate::ZERO, tilt: RATE };
+pub(crate) const TILT_DOWN: CameraCommand = CameraCommand { pan: AngularRate::ZERO, tilt: BACK };
+
+/// The nominal age of a look, and the oldest that is still fresh: the Fotokite Pro's 200 ms + 300 ms.
+pub(crate) const LATENCY_MS: u64 = 200;
+pub(crate) const FRESH_MS: u64 = 500;
+/// How long a rate lasts after the last fresh look.
+pub(crate) const COAST_MS: u64 = 250;
+
+/// One thing that a pilot is told.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Told {
+    /// The target was seen there, at the nominal age.
+    Seen(ImagePoint),
+    /// The target was seen there, so many milliseconds ago.
+    SeenLate(ImagePoint, u64),
+    /// It was not seen, but must be there.
+    Coasts(ImagePoint),
+    /// It is not known where it is.
+    Lost,
+    /// A look, though nothing was selected.
+    Unseeded,
+    /// A report of the vehicle.
+    Reports,
+    Tick,
+    Select,
+    Engage,
+    Disengage,
+    Stop(StopCause),
+}
+
+/// A moment that leaves room for a latency before it.
+pub(crate) fn at(ms: u64) -> Timestamp {
+    Timestamp::from_nanos((10_000 + ms) * 1_000_000)
+}
+
+pub(crate) fn seen(point: ImagePoint, captured: Timestamp) -> Localisation {
+    let centre = point.in_pixels(PICTURE);
+    let bounds = PixelBox { u: centre.u - 10.0, v: centre.v - 5.0, w: 20.0, h: 10.0 };
+    Localisation { captured, picture: PICTURE, centre, bounds, shape: None, heading: None, confidence: 0.9 }
+}
+
+impl Told {
+    /// The input that says so at `now`.
+    pub(crate) fn input(self, now: Timestamp) -> Input<'static> {
+        let ago = |ms: u64| now.minus(Duration::from_millis(ms));
+        match self {
+            Self::Seen(point) => Self::SeenLate(point, LATENCY_MS).input(now),
+            Self::SeenLate(point, age_ms) => Input::Localisation(Track::Tracking(seen(point, ago(age_ms)))),
+            Self::Coasts(point) => Input::Localisation(Track::Coasting(seen(point, ago(LATENCY_MS)))),
+            Self::Lost => Input::Localisation(Track::Lost { since: ago(LATENCY_MS), confidence: 0.1 }),
+            Self::Unseeded => Input::Localisation(Track::Unseeded),
+            Self::Reports => Input::Telemetry(Telemetry { at: now, report: Report::Link(LinkState::Up) }),
+            Self::Tick => Input::Tick,
+            Self::Select => Input::Request(OperatorRequest::Select(PICTURE.bounds())),
+            Self::Engage => Input::Request(OperatorRequest::Engage),
+            Self::Disengage => Input::Request(OperatorRequest::Disengage),
+            Self::Stop(cause) => Input::Request(OperatorRequest::Stop(cause)),
+        }
+    }
+}
+
+pub(crate) fn settings() -> PilotSettings {
+    PilotSettings { profile: VehicleProfile::fotokite_pro() }
+}
+
+/// A pilot that is told where the target is, and never sees a frame.
+pub(crate) fn told_pilot() -> Pilot {
+    Pilot::new(settings(), Box::new(Scripted::default()))
+}
+
+/// Tells a pilot a scene, and hands back every outcome.
+pub(crate) fn outcomes(scene: &[(u64, Told)]) -> Vec<Outcome> {
+    let mut pilot = told_pilot();
+    scene.iter().map(|(ms, told)| pilot.step(told.input(at(*ms)), at(*ms))).collect()
+}
+
+/// Tells a pilot a scene, and holds the last outcome against the mode and the command expected.
+#[track_caller]
+pub(crate) fn check(scene: &[(u64, Told)], mode: Mode, command: CameraCommand) {
+    let outcomes = outcomes(scene);
+    let last = outcomes.last().unwrap();
+    assert_eq!((last.mode, last.command), (mode, command), "{scene:?}");
+}
+
+/// A tracker that answers what it was given to answer.
+#[derive(Debug, Default)]
+pub(crate) struct Scripted {
+    /// For frames that are tracked.
+    pub(crate) tracks: VecDeque<Answer>,
+    /// For selections.
+    pub(crate) selections: VecDeque<Option<ImagePoint>>,
+}
+
+/// What a scripted tracker says of a frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Answer {
+    Tracking(ImagePoint),
+    Coasting(ImagePoint),
+    Lost,
+    Unseeded,
+}
+
+impl Answer {
+    pub(crate) fn of(self, captured: Timestamp) -> Track {
+        match self {
+            Self::Tracking(point) => Track::Tracking(seen(point, captured)),
+            Self::Coasting(point) => Track::Coasting(seen(point, captured)),
+            Self::Lost => Track::Lost { since: captured, confidence: 0.0 },
+            Self::Unseeded => Track::Unseeded,
+        }
+    }
+}
+
+pub(crate) fn refusal(selection: PixelBox) -> SelectionError {
+    SelectionError::Empty { selection, picture: PICTURE }
+}
+
+pub(crate) fn report(localisation: Localisation) -> SelectionReport {
+    SelectionReport {
+        used: localisation.bounds,
+        clipped: false,
+        coloured: 1.0,
+        surroundings: 0.0,
+        localisation,
+    }
+}
+
+impl Tracker for Scripted {
+    fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError> {
+        let point = self.selections.pop_front().flatten().ok_or_else(|| refusal(selection))?;
+        Ok(report(seen(point, frame.capture.at)))
+    }
+
+    fn track(&mut self, frame: &VideoFrame, _: Option<&MotionPrior>) -> Track {
+        self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.of(frame.capture.at))
+    }
+
+    fn explain(&self, _: &mut Explanation) {}
+}
+
+/// A frame of that time of capture. Nobody looks at its picture.
+pub(crate) fn frame(sequence: u64, captured: Timestamp) -> VideoFrame {
+    let picture = Picture::black(PictureSize::new(2, 2), ColourEncoding::JPEG);
+    let capture = Capture { at: captured, quality: CaptureQuality::Sensor };
+    VideoFrame { sequence, capture, picture: Arc::new(picture) }
+}

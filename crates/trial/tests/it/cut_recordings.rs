@@ -1,0 +1,61 @@
+//! Recordings that end in the middle, as that of a killed process does.
+
+use barrelman_trial::records::{Entry, ReadError, RecordedInput, RecordingWriter};
+use barrelman_vocab::unit::UnitCodec;
+
+use crate::entries::{input, outcome, read, start, unit, written};
+
+/// A recording that was flushed after every second entry, and where its messages begin.
+fn recording() -> (Vec<u8>, Vec<Entry>) {
+    let entries = vec![
+        Entry::Unit(unit(UnitCodec::H264AnnexB, &[0, 0, 0, 1, 9, 0xf0])),
+        input(RecordedInput::Tick),
+        Entry::Outcome(outcome(0.5)),
+        Entry::Unit(unit(UnitCodec::Jpeg, &[0xff, 0xd8])),
+        input(RecordedInput::Tick),
+    ];
+    let mut bytes = Vec::new();
+    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
+    for pair in entries.chunks(2) {
+        for entry in pair {
+            writer.write(entry).unwrap();
+        }
+        writer.flush().unwrap();
+    }
+    writer.finish().unwrap();
+    (bytes, [vec![Entry::Start(start())], entries].concat())
+}
+
+#[test]
+fn a_recording_cut_at_any_byte_is_read_up_to_the_cut() {
+    let (bytes, entries) = recording();
+    let mut most = 0;
+    for length in 0..bytes.len() {
+        let (found, error) = read(&bytes[..length]);
+        assert!(entries.starts_with(&found), "cut at {length}");
+        assert!(found.len() >= most, "cut at {length}: fewer entries than before");
+        most = found.len();
+        match error {
+            Some(ReadError::CutOff) => assert!(!found.is_empty(), "cut at {length}"),
+            Some(ReadError::Container(_)) => assert!(found.is_empty(), "cut at {length}"),
+            other => panic!("cut at {length}: {other:?}"),
+        }
+    }
+    assert_eq!(most, entries.len());
+}
+
+#[test]
+fn a_cut_says_what_was_lost() {
+    let bytes = written(&[input(RecordedInput::Tick)]);
+    let (_, error) = read(&bytes[..bytes.len() - 1]);
+    assert_eq!(error.unwrap().to_string(), "the recording is cut off: everything before the cut was read");
+}
+
+#[test]
+fn what_is_no_recording_is_said_to_be_none() {
+    for bytes in [&b""[..], b"x_val,y_val,pitch,yaw,val,time", &[0; 64]] {
+        let (found, error) = read(bytes);
+        assert!(found.is_empty());
+        assert!(matches!(error, Some(ReadError::Container(_))), "{error:?}");
+    }
+}

@@ -1,0 +1,240 @@
+//! Entries to record, and the way to a recording and back.
+
+use core::time::Duration;
+
+use barrelman_control::{Percept, Sector};
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::{Advice, Mode};
+use barrelman_trial::records::{
+    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
+    RecordingWriter,
+};
+use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
+use barrelman_vocab::track::Shape;
+use barrelman_vocab::unit::{Rotation, UnitCodec};
+use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
+use barrelman_vocab::{
+    Angle, AngularRate, CameraCommand, EncodedUnit, ImagePoint, Localisation, OperatorRequest, PictureSize,
+    PixelBox, PixelPoint, StopCause, Telemetry, Timestamp, Track,
+};
+use bytes::Bytes;
+
+use crate::trial_logs::rates;
+
+pub(crate) fn start() -> RecordingStart {
+    RecordingStart {
+        program_version: "0.1.0".to_owned(),
+        monotonic_ns: 123,
+        unix_ns: 1_493_598_415_000_000_000,
+        configuration: "[video]\nurl = \"file:clip.mp4\" # a, b\n".to_owned(),
+        video: "file:clip.mp4".to_owned(),
+        link: String::new(),
+        live_video: true,
+    }
+}
+
+pub(crate) fn written(entries: &[Entry]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
+    for entry in entries {
+        writer.write(entry).unwrap();
+    }
+    writer.finish().unwrap();
+    bytes
+}
+
+/// The entries that can be read, and what stopped the reader.
+pub(crate) fn read(bytes: &[u8]) -> (Vec<Entry>, Option<ReadError>) {
+    let mut entries = Vec::new();
+    let mut reader = RecordingReader::new(bytes);
+    for entry in &mut reader {
+        match entry {
+            Ok(entry) => entries.push(entry),
+            Err(error) => {
+                assert!(reader.next().is_none(), "a reader that failed reads on");
+                return (entries, Some(error));
+            }
+        }
+    }
+    (entries, None)
+}
+
+/// Writes and reads, and holds what was read against what was written, to the bit: a float's debug text is exact,
+/// and tells -0.0 from 0.0.
+#[track_caller]
+pub(crate) fn check(entries: &[Entry]) {
+    let (found, error) = read(&written(entries));
+    assert!(error.is_none(), "{error:?}");
+    let expected = [&[Entry::Start(start())], entries].concat();
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_eq!(format!("{found:?}"), format!("{expected:?}"));
+    }
+}
+
+pub(crate) fn ns(nanos: u64) -> Timestamp {
+    Timestamp::from_nanos(nanos)
+}
+
+pub(crate) const SENSOR: Capture = Capture { at: Timestamp::from_nanos(77), quality: CaptureQuality::Sensor };
+pub(crate) const COLOURS: [ColourEncoding; 2] =
+    [ColourEncoding::JPEG, ColourEncoding { matrix: ColourMatrix::Bt709, range: SampleRange::Limited }];
+
+pub(crate) fn unit(codec: UnitCodec, payload: &'static [u8]) -> EncodedUnit {
+    EncodedUnit {
+        epoch: 3,
+        index: 41,
+        capture: SENSOR,
+        key: true,
+        shown: false,
+        rotation: Rotation::None,
+        codec,
+        payload: Bytes::from_static(payload),
+    }
+}
+
+/// A localisation all of whose numbers are `value`.
+pub(crate) fn seen(value: f64) -> Localisation {
+    Localisation {
+        captured: ns(5),
+        picture: PictureSize::new(640, 480),
+        centre: PixelPoint { u: value, v: value },
+        bounds: PixelBox { u: value, v: value, w: value, h: value },
+        shape: Some(Shape { major_px: value, minor_px: value, axis: Angle::from_radians(value) }),
+        heading: Some(Angle::from_radians(value)),
+        confidence: value,
+    }
+}
+
+/// An outcome all of whose numbers are `value`.
+pub(crate) fn outcome(value: f64) -> RecordedOutcome {
+    let rate = AngularRate::from_radians_per_second(value);
+    let command = CameraCommand { pan: rate, tilt: rate };
+    RecordedOutcome {
+        step: 9,
+        at: ns(1_000),
+        mode: Mode::Servoing,
+        track: Track::Tracking(seen(value)),
+        age: Some(Duration::from_nanos(200_000_001)),
+        percept: Some(Percept {
+            position: ImagePoint { x: value, y: value },
+            p: value,
+            r_px: value,
+            direction: Angle::from_radians(value),
+        }),
+        advice: Some(Advice { command, sector: Some(Sector::Left) }),
+        command,
+        rates: rates(value, value),
+        wake_at: Some(ns(250_001_000)),
+        notice: "following, \"it\"".to_owned(),
+    }
+}
+
+pub(crate) fn input(input: RecordedInput) -> Entry {
+    Entry::Input { step: 7, now: ns(1_000), input }
+}
+
+pub(crate) fn telemetry(report: Report) -> Entry {
+    input(RecordedInput::Telemetry(Telemetry { at: ns(999), report }))
+}
+
+/// Every float of this lies in an entry of every kind that has floats.
+pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
+    let q = Quaternion { w: value, x: value, y: value, z: value };
+    let bounds = PixelBox { u: value, v: value, w: value, h: value };
+    vec![
+        input(RecordedInput::Localisation(Track::Tracking(seen(value)))),
+        input(RecordedInput::Localisation(Track::Coasting(seen(value)))),
+        input(RecordedInput::Localisation(Track::Lost { since: ns(4), confidence: value })),
+        input(RecordedInput::Request(OperatorRequest::Select(bounds))),
+        telemetry(Report::VehicleAttitude(q)),
+        telemetry(Report::GimbalAttitude(q)),
+        telemetry(Report::Ground {
+            control: ControlState::Ours,
+            uptime_s: value,
+            battery_v: value,
+            tether_m: value,
+        }),
+        telemetry(Report::Tether {
+            elevation: Angle::from_radians(value),
+            azimuth: Angle::from_radians(value),
+            altitude_m: value,
+        }),
+        telemetry(Report::Flight {
+            state: FlightState::Other(u32::MAX),
+            on_time_s: value,
+            backup_battery_v: value,
+            warnings: u32::MAX,
+        }),
+        Entry::Outcome(outcome(value)),
+    ]
+}
+
+/// Every kind of entry, with every variant that it has.
+pub(crate) fn every_kind() -> Vec<Entry> {
+    let mut entries = entries_with(0.25);
+    let size = PictureSize::new(3, 1);
+    let codecs: [(UnitCodec, &'static [u8]); 5] = [
+        (UnitCodec::H264AnnexB, &[0, 0, 0, 1, 9, 0xf0]),
+        (UnitCodec::Jpeg, &[0xff, 0xd8]),
+        (UnitCodec::Png, b"\x89PNG"),
+        (UnitCodec::RawYuv420 { size, colour: COLOURS[0] }, &[1, 2, 3, 4, 5, 6, 7]),
+        (UnitCodec::RawYuv420 { size: PictureSize::new(0, 0), colour: COLOURS[1] }, &[]),
+    ];
+    entries.extend(codecs.map(|(codec, payload)| Entry::Unit(unit(codec, payload))));
+    let rotations = [Rotation::Clockwise90, Rotation::Half, Rotation::Clockwise270];
+    entries.extend(rotations.map(|rotation| {
+        Entry::Unit(EncodedUnit { rotation, key: false, shown: true, ..unit(UnitCodec::Jpeg, &[1]) })
+    }));
+    let qualities = [CaptureQuality::Sensor, CaptureQuality::Sender, CaptureQuality::Arrival];
+    entries.extend(qualities.map(|quality| {
+        let capture = Capture { at: ns(77), quality };
+        let (sequence, luma_hash) = (u64::MAX, u64::MAX);
+        input(RecordedInput::Frame(FrameStamp { sequence, capture, size, colour: COLOURS[1], luma_hash }))
+    }));
+    let bare = Localisation { shape: None, heading: None, ..seen(0.5) };
+    entries.extend([
+        input(RecordedInput::Localisation(Track::Unseeded)),
+        input(RecordedInput::Localisation(Track::Tracking(bare))),
+        input(RecordedInput::Request(OperatorRequest::Engage)),
+        input(RecordedInput::Request(OperatorRequest::Disengage)),
+        input(RecordedInput::Tick),
+    ]);
+    let causes = [StopCause::Operator, StopCause::Ending, StopCause::VideoEnded, StopCause::Fault];
+    entries.extend(causes.map(|cause| input(RecordedInput::Request(OperatorRequest::Stop(cause)))));
+    let links =
+        [LinkState::Opening, LinkState::Starting, LinkState::Up, LinkState::Closing, LinkState::Closed];
+    entries.extend(links.map(|state| telemetry(Report::Link(state))));
+    let flights = [FlightState::Idle, FlightState::Flying, FlightState::Emergency, FlightState::Other(0)];
+    entries.extend(flights.map(|state| {
+        telemetry(Report::Flight { state, on_time_s: 1.0, backup_battery_v: 12.0, warnings: 0 })
+    }));
+    let (uptime_s, battery_v, tether_m) = (1.0, 2.0, 3.0);
+    let control = ControlState::NotOurs;
+    entries.push(telemetry(Report::Ground { control, uptime_s, battery_v, tether_m }));
+    let holds = [
+        HoldCause::NoSelection,
+        HoldCause::TrackLost,
+        HoldCause::Coasting,
+        HoldCause::VideoStale,
+        HoldCause::VideoSilent,
+    ];
+    let modes = holds.map(Mode::Holding).into_iter().chain(causes.map(Mode::Stopped)).chain([Mode::Idle]);
+    entries.extend(modes.map(|mode| Entry::Outcome(RecordedOutcome { mode, ..outcome(0.125) })));
+    let sectors =
+        [Sector::Right, Sector::Top, Sector::Left, Sector::Bottom].map(Some).into_iter().chain([None]);
+    entries.extend(sectors.map(|sector| {
+        let advice = Some(Advice { command: CameraCommand::REST, sector });
+        Entry::Outcome(RecordedOutcome { advice, ..outcome(0.125) })
+    }));
+    entries.push(Entry::Outcome(RecordedOutcome {
+        track: Track::Unseeded,
+        age: None,
+        percept: None,
+        advice: None,
+        wake_at: None,
+        notice: String::new(),
+        ..outcome(0.0)
+    }));
+    entries
+}

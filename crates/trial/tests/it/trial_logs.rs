@@ -1,0 +1,40 @@
+//! Small logs to measure: half a second a row, in a region of 100 x 100 px.
+
+use barrelman_control::Region;
+use barrelman_trial::logs::{LogRow, TrialLog};
+use barrelman_trial::metrics::{TrialMetrics, measure};
+use barrelman_vocab::{AngularRate, ImagePoint, PictureSize, VehicleRates};
+
+pub(crate) const REGION: Region = Region { a_px: 100.0, b_px: 100.0 };
+pub(crate) const PICTURE: PictureSize = PictureSize::new(1000, 800);
+
+pub(crate) fn rates(yaw: f64, pitch: f64) -> VehicleRates {
+    let rate = AngularRate::from_radians_per_second;
+    VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+}
+
+pub(crate) fn of_rows(
+    rows: impl IntoIterator<Item = (Option<ImagePoint>, Option<VehicleRates>)>,
+) -> TrialLog {
+    let rows = rows.into_iter().enumerate();
+    let rows = rows.map(|(row, (position, rates))| LogRow { time_s: row as f64 * 0.5, position, rates });
+    TrialLog { rows: rows.collect(), last_row_s: 0.5, frame: PICTURE, picture: PICTURE, knows_lost: true }
+}
+
+/// One character a row: `.` P = 0, `o` P = 1, `a` P = 2.25, `b` P = 4, `c` P = 9, `-` no position.
+pub(crate) fn drawn(rows: &str) -> TrialLog {
+    let x = |row: char| match row {
+        '.' => Some(0.0),
+        'o' => Some(100.0),
+        'a' => Some(150.0),
+        'b' => Some(-200.0),
+        'c' => Some(300.0),
+        '-' => None,
+        other => panic!("no row is drawn as {other}"),
+    };
+    of_rows(rows.chars().map(|row| (x(row).map(|x| ImagePoint { x, y: 0.0 }), Some(VehicleRates::REST))))
+}
+
+pub(crate) fn measured(rows: &str) -> TrialMetrics {
+    measure(&drawn(rows), REGION, PICTURE)
+}
