@@ -68,6 +68,8 @@ class Bench:
             faults.append(f"{len(errors)} messages instead of one")
         faults += [f"nothing of {pattern!r} in the message" for pattern in named if not re.search(pattern, said)]
         faults += [f"{word!r} in the message" for word in ("panicked", "RUST_BACKTRACE") if word in said]
+        if any(re.search(r"(.{60,}).*\1", line) for line in said.splitlines()):
+            faults.append("it says the same twice")
         if out is not None and not out(done.stdout):
             faults.append(f"standard output is not as it should be: {done.stdout[:100]!r} ...")
         self.table.require(name, not faults, f"exit {done.returncode}", "; ".join(faults))
@@ -114,13 +116,13 @@ def logs(bench):
     cut = bench.file("arena1_99.csv", header + "\n".join(rows) + "\n-77,14,0,0,0.17")
     bench.refuse("log: cut in the middle of a row, in law", ["law", cut], "arena1_99.csv", "line 6", out=lambda text: len(text.splitlines()) == 6)
     bench.refuse("log: cut in the middle of a row, in metrics", ["metrics", cut], "arena1_99.csv", "line 6", out=lambda text: "arena1_99" in text)
-    bench.refuse("log: a missing file", ["law", "nowhere.csv"], "nowhere.csv")
+    bench.refuse("log: a missing file", ["law", "nowhere.csv"], "nowhere.csv", "check|path")
     bench.refuse("log: a text file", ["law", bench.file("letter.csv", "Dear Sir,\nI write to you\n")], "letter.csv", "x_val|laboratory|header")
     bench.refuse("log: an empty file", ["metrics", bench.file("empty.csv")], "empty.csv")
     bench.refuse("log: a word for a number", ["law", bench.file("word.csv", header + "\n".join([*rows[:2], "left,17,0,0,0.1,0,1493598415", *rows[:2]]) + "\n")], "word.csv", "line 3")
     bench.refuse("recording: a text file", ["replay", bench.file("notes.mcap", "not a recording\n")], "notes.mcap", "recording|MCAP")
     bench.refuse("recording: an empty file", ["export", bench.file("nothing.mcap"), "--output", "nothing"], "nothing.mcap")
-    bench.refuse("recording: a missing file", ["replay", "nowhere.mcap"], "nowhere.mcap")
+    bench.refuse("recording: a missing file", ["replay", "nowhere.mcap"], "nowhere.mcap", "check|path")
 
 
 def configurations(bench):
@@ -131,7 +133,7 @@ def configurations(bench):
     bench.refuse("configuration: not a number", ["run", bench.file("nan.toml", "[vehicle]\nschema_pan_rad_per_s = nan\n")], "schema_pan_rad_per_s", "nan.toml")
     bench.refuse("configuration: an unknown word", ["run", bench.file("word.toml", "[vehicle]\nyaw_sign = \"left\"\n")], "yaw_sign|left", "opposite", "word.toml")
     bench.refuse("configuration: not TOML", ["run", bench.file("broken.toml", "[vehicle\n")], "broken.toml", "line 1|1:")
-    bench.refuse("configuration: a missing file", ["run", "nowhere.toml"], "nowhere.toml")
+    bench.refuse("configuration: a missing file", ["run", "nowhere.toml"], "nowhere.toml", "check|path|config example")
     bench.refuse("an unknown profile", ["run", "--video", f"file:{bench.clip}", "--profile", "fotokite-amateur"], "fotokite-amateur", "fotokite-pro")
     bench.refuse("an unknown profile, in law", ["law", "nowhere.csv", "--profile", "fotokite-amateur"], "fotokite-amateur", "fotokite-pro")
 
@@ -143,9 +145,9 @@ def wait_for_port(path):
 def ports(bench):
     run = ["run", "--video", f"file:{bench.clip}", "--link"]
     bench.refuse("port: does not exist", [*run, "serial:/dev/ttyNOWHERE"], "/dev/ttyNOWHERE", "plugged|ls ")
-    bench.refuse("port: a folder", [*run, f"serial:{bench.folder}"], str(bench.folder), "serial|/dev")
-    bench.refuse("port: a plain file", [*run, f"serial:{bench.file('plain')}"], "plain", "serial|/dev")
-    bench.refuse("port: a device that is no serial port", [*run, "serial:/dev/null"], "/dev/null", "serial|/dev")
+    bench.refuse("port: a folder", [*run, f"serial:{bench.folder}"], str(bench.folder), "/dev/tty|--pty|ls ")
+    bench.refuse("port: a plain file", [*run, f"serial:{bench.file('plain')}"], "plain", "/dev/tty|--pty|ls ")
+    bench.refuse("port: a device that is no serial port", [*run, "serial:/dev/null"], "/dev/null", "/dev/tty|--pty|ls ")
     bench.refuse("port: an unknown scheme", [*run, "bluetooth:fotokite"], "bluetooth", "serial:", "tcp:")
     bench.refuse("port: an impossible baud rate", [*run, "serial:/dev/ttyNOWHERE?baud=fast"], "fast|baud")
     bench.refuse("port: an unknown option", [*run, "serial:/dev/ttyNOWHERE?speed=9600"], "speed", "baud")
@@ -187,11 +189,14 @@ def outputs(bench):
         remedy = "--force" if "port" not in name else "there"
         bench.refuse(f"output: {name} that exists", words, "there", remedy)
         bench.table.require("  it is left as it was", there.read_text() == "precious\n")
-    bench.refuse("output: in a folder that is not there", ["track", orange, "--select", "10,10,40,40", "--output", "nowhere/track.csv"], "nowhere/track.csv")
+    bench.refuse("output: in a folder that is not there", ["track", orange, "--select", "10,10,40,40", "--output", "nowhere/track.csv"], "nowhere/track.csv", "folder|check|make")
     bench.refuse("output: JSON and rows on one output", ["track", orange, "--select", "10,10,40,40", "--json"], "--output", code=2)
     if ROOT_USER:
+        locked = bench.folder / "locked"
+        locked.mkdir(mode=0o755)
+        bench.refuse("output: where an ordinary user may not write", ["track", orange, "--select", "10,10,40,40", "--output", locked / "track.csv"], "locked/track.csv", "denied|may not|rights", user=NOBODY)
         os.chmod(there, 0o600)
-        bench.refuse("output: where an ordinary user may not write", ["track", orange, "--select", "10,10,40,40", "--output", "/proc/track.csv"], "/proc/track.csv", user=NOBODY)
+        bench.refuse("video: may not be read, as an ordinary user", ["track", there, "--select", "10,10,40,40"], "there", "denied|may not|rights", user=NOBODY)
 
 
 def main():

@@ -66,13 +66,19 @@ fn a_row_that_cannot_be_understood_is_named_by_its_line() {
     check("1,2,0,0,0,9\n3,4,0,0,0,9\n5,6,0,0,0,0,9\n", "line 3: 7 fields where the first row has 6");
     check("1,2,0,0,0\n", "line 1: 5 fields where the first row has 7");
     check("1,2,0,0,0,0,0,9\n", "line 1: 8 fields where the first row has 7");
-    check("1,2,0,0,0,9\n\n", "line 2: 1 fields where the first row has 6");
     check("1,2,0,0,0,9\none,2,0,0,0,9\n", "line 2: x is \"one\", which is not a number");
     check("1,,0,0,0,9\n", "line 1: y is \"\", which is not a number");
     check("1,nan,0,0,0,9\n", "line 1: y is \"nan\", which is not a number");
     check("inf,1,0,0,0,9\n", "line 1: x is \"inf\", which is not a number");
     check("1,2,fast,0,0,9\n", "line 1: pitch is \"fast\", which is not a number");
     check("1,2,0,0.3x,0,9\n", "line 1: yaw is \"0.3x\", which is not a number");
+}
+
+#[test]
+fn a_log_that_was_repaired_by_hand_is_read() {
+    let rows = |text: &str| laboratory_log(text).unwrap().log.rows.len();
+    assert_eq!(rows("\n1,2,0,0,0,9\n3,4,0,0,0,9\n"), 2);
+    assert_eq!(rows("1,2,0,0,0,9\n3,4,0,0,0,9\n\n"), 2);
 }
 
 #[test]
