@@ -5,9 +5,9 @@
 
 use barrelman_station::video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_station::video::encoder::{EncoderSettings, H264Encoder};
-use barrelman_station::video::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, Picture};
 use divan::counter::ItemsCount;
 

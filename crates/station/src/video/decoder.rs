@@ -30,7 +30,7 @@ use super::error::DecodeError;
 use super::pool::PicturePool;
 use super::sps::StreamFormat;
 use super::still::StillDecoder;
-use super::unit::{EncodedUnit, Rotation, UnitCodec};
+use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// What matters more: time or completeness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

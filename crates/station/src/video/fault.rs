@@ -17,8 +17,8 @@ use std::time::Duration;
 use barrelman_vocab::time::Timestamp;
 use bytes::Bytes;
 
-use super::unit::EncodedUnit;
 use crate::fault::{FaultKind, FaultPlan};
+use barrelman_vocab::unit::EncodedUnit;
 
 /// How late a delayed unit comes.
 pub(super) const DELAY: Duration = Duration::from_millis(500);
@@ -115,8 +115,8 @@ impl FaultFilter {
 mod tests {
     use barrelman_vocab::video::{Capture, CaptureQuality};
 
-    use super::super::unit::{Rotation, UnitCodec};
     use super::*;
+    use barrelman_vocab::unit::{Rotation, UnitCodec};
 
     fn unit(index: u64) -> EncodedUnit {
         EncodedUnit {

@@ -4,7 +4,7 @@
 //! VideoUrl -> demux (files) or rtsp (network) -> EncodedUnit -> UnitDecoder -> VideoFrame
 //!                                                     \-> recorder, console        Picture -> Mp4Writer
 //! ```
-//! An [`unit::EncodedUnit`] is what was received, unchanged; the same units always decode to the same frames,
+//! An [`barrelman_vocab::EncodedUnit`] is what was received, unchanged; the same units always decode to the same frames,
 //! so a recorder stores units and a replay decodes them again. [`live`] runs a source on a thread of its own,
 //! in real time; [`mod@file`] reads every frame of a recording, for offline use.
 //!
@@ -17,13 +17,14 @@ pub mod demux;
 pub mod error;
 pub mod file;
 pub mod live;
-pub mod unit;
+pub mod sink;
 pub mod url;
 pub mod writer;
 
 pub mod annexb;
 pub mod encoder;
 mod fault;
+mod feed;
 mod mp4_mux;
 pub mod pool;
 mod quiet;
@@ -35,6 +36,6 @@ pub mod supervision;
 
 pub use error::{DecodeError, VideoError};
 pub use file::FileFrames;
-pub use live::{StopError, VideoHandle, VideoSink, VideoState, spawn};
-pub use unit::{EncodedUnit, Rotation, UnitCodec};
+pub use live::{StopError, VideoHandle, spawn};
+pub use sink::{VideoSink, VideoState};
 pub use url::{VideoUrl, VideoUrlError};

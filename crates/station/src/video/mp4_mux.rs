@@ -13,7 +13,7 @@ use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
 
 use super::annexb::{self, NalKind};
-use super::unit::Rotation;
+use barrelman_vocab::unit::Rotation;
 
 /// Ticks per second of the track and of the film.
 const TICKS: u32 = 90_000;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::{ColourEncoding, Picture, Plane};
 
-use super::unit::Rotation;
+use barrelman_vocab::unit::Rotation;
 
 /// Recycled pictures.
 #[derive(Debug, Default)]

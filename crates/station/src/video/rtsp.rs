@@ -18,11 +18,12 @@ use tokio::time::{Instant, timeout_at};
 use url::Url;
 
 use super::error::VideoError;
-use super::live::{Feed, StopSignal, VideoSink, VideoState};
+use super::feed::{Feed, StopSignal};
 use super::rtp_clock::RtpClock;
+use super::sink::{VideoSink, VideoState};
 use super::supervision::{Action, Event, Loss, State, Supervision};
-use super::unit::{EncodedUnit, Rotation, UnitCodec};
 use super::url::Login;
+use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// How often the thread looks whether it must end, and whether a fault is due.
 const LOOK_EVERY: Duration = Duration::from_millis(50);

@@ -15,7 +15,7 @@ use super::encoder::{EncoderSettings, H264Encoder};
 use super::error::VideoError;
 use super::mp4_mux::{Mp4Muxer, TrackFormat};
 use super::sps::StreamFormat;
-use super::unit::{EncodedUnit, Rotation, UnitCodec};
+use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Writes one MP4 file with H.264.
 pub struct Mp4Writer {

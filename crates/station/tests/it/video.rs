@@ -8,9 +8,10 @@ use barrelman_station::video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_station::video::demux::FileReader;
 use barrelman_station::video::encoder::EncoderSettings;
 use barrelman_station::video::writer::Mp4Writer;
-use barrelman_station::video::{DecodeError, EncodedUnit, FileFrames, VideoError, VideoUrl};
+use barrelman_station::video::{DecodeError, FileFrames, VideoError, VideoUrl};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, Picture, Plane, SampleRange, VideoFrame};
 
 fn fixture(name: &str) -> PathBuf {

@@ -9,11 +9,10 @@ use std::time::{Duration, Instant};
 
 use barrelman_station::clock::Clock;
 use barrelman_station::video::decoder::{DecodeMode, UnitDecoder};
-use barrelman_station::video::{
-    EncodedUnit, StopError, VideoError, VideoHandle, VideoSink, VideoState, VideoUrl, spawn,
-};
+use barrelman_station::video::{StopError, VideoError, VideoHandle, VideoSink, VideoState, VideoUrl, spawn};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::{CaptureQuality, VideoFrame};
 
 /// What a source delivered, in its order, with the time at which it did.

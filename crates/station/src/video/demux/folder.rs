@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use bytes::Bytes;
 
 use super::super::error::VideoError;
-use super::super::unit::{EncodedUnit, Rotation, UnitCodec};
 use super::kind::{FileKind, HEAD_BYTES};
 use super::{cannot_read, capture_of};
+use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Pictures per second where the address does not say.
 pub const DEFAULT_FPS: f64 = 30.0;

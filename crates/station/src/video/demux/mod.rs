@@ -26,8 +26,8 @@ use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 
 use super::error::VideoError;
-use super::unit::EncodedUnit;
 use super::url::{VideoSource, VideoUrl};
+use barrelman_vocab::unit::EncodedUnit;
 use kind::FileKind;
 
 /// Reads the units of a recording, in the order in which they are decoded.

@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use bytes::Bytes;
 
 use super::super::error::VideoError;
-use super::super::unit::{EncodedUnit, UnitCodec};
 use super::mp4_boxes::{TopBox, top_level};
 use super::mp4_index::{Index, IndexError};
 use super::{cannot_read, capture_at};
+use barrelman_vocab::unit::{EncodedUnit, UnitCodec};
 
 /// Largest index read: 20 hours take about 40 MB.
 const LARGEST_INDEX: u64 = 512 << 20;

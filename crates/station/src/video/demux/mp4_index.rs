@@ -6,8 +6,8 @@
 //! speed, are refused by name, and so are pictures that are mirrored.
 
 use super::super::annexb::AvcConfiguration;
-use super::super::unit::Rotation;
 use super::mp4_boxes::{BoxKind, Boxes, Fields};
+use barrelman_vocab::unit::Rotation;
 
 /// Most pictures in a file: 37 hours at 30 per second. More is taken for damage.
 const MOST_SAMPLES: usize = 4_000_000;

@@ -12,8 +12,8 @@ use barrelman_vocab::video::{ColourEncoding, SampleRange};
 use bytes::Bytes;
 
 use super::super::error::VideoError;
-use super::super::unit::{EncodedUnit, Rotation, UnitCodec};
 use super::{cannot_read, capture_at};
+use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Longest header line read.
 const LONGEST_LINE: u64 = 1024;

@@ -1,0 +1,111 @@
+//! Units on their way through faults and decoder to the sink, and the signal that ends it all.
+
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Instant;
+
+use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::unit::EncodedUnit;
+use barrelman_vocab::video::VideoFrame;
+
+use super::decoder::{DecodeMode, UnitDecoder};
+use super::error::{DecodeError, VideoError};
+use super::fault::FaultFilter;
+use super::sink::{VideoSink, VideoState};
+use super::url::VideoUrl;
+use crate::clock::Clock;
+
+/// Tells a thread to end, also while it waits.
+#[derive(Debug, Default)]
+pub(super) struct StopSignal {
+    raised: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl StopSignal {
+    pub(super) fn raise(&self) {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.changed.notify_all();
+    }
+
+    pub(super) fn is_raised(&self) -> bool {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until `moment`. True if the thread must end.
+    pub(super) fn wait_until(&self, moment: Instant) -> bool {
+        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = moment.saturating_duration_since(Instant::now());
+        let waited = self.changed.wait_timeout_while(raised, left, |raised| !*raised);
+        *waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+}
+
+/// Units on their way through faults and decoder to the sink.
+pub(super) struct Feed<S> {
+    pub(super) sink: S,
+    pub(super) clock: Clock,
+    pub(super) place: String,
+    pub(super) faults: FaultFilter,
+    /// When the source was started, from which the times of faults count.
+    start: Timestamp,
+    pub(super) decoder: UnitDecoder,
+}
+
+/// What became of a unit.
+#[derive(Debug, Default)]
+pub(super) struct Fed {
+    /// Frames that are ready, in the order of display.
+    pub(super) frames: VecDeque<VideoFrame>,
+    /// The first error.
+    pub(super) error: Option<DecodeError>,
+}
+
+impl<S: VideoSink> Feed<S> {
+    pub(super) fn new(url: &VideoUrl, clock: Clock, sink: S) -> Self {
+        let mode = if url.is_live() { DecodeMode::Live } else { DecodeMode::File };
+        Self {
+            sink,
+            clock,
+            place: url.to_string(),
+            faults: FaultFilter::new(url.faults.clone()),
+            start: clock.now(),
+            decoder: UnitDecoder::new(mode),
+        }
+    }
+
+    /// The time since the source was started, by which faults go.
+    pub(super) fn since_start(&self) -> Timestamp {
+        Timestamp::ZERO.plus(self.clock.now().since(self.start))
+    }
+
+    /// A unit through the faults; what is left of it is decoded.
+    pub(super) fn put(&mut self, unit: Option<EncodedUnit>) -> (Vec<EncodedUnit>, Fed) {
+        let at = self.since_start();
+        self.faults.panic_if_planned(at);
+        let mut units = Vec::new();
+        match unit {
+            Some(unit) => self.faults.pass(unit, at, &mut |unit| units.push(unit)),
+            None => self.faults.release(at, &mut |unit| units.push(unit)),
+        }
+        let mut fed = Fed::default();
+        for unit in &units {
+            let decoded = self.decoder.decode(unit, &mut |frame| fed.frames.push_back(frame));
+            if let Err(error) = decoded {
+                self.sink.damaged(&error);
+                fed.error.get_or_insert(error);
+            }
+        }
+        (units, fed)
+    }
+
+    pub(super) fn fail(&mut self, error: VideoError) {
+        self.sink.state(VideoState::Failed(error));
+    }
+
+    /// The decoder found that the stream can never be shown.
+    pub(super) fn fail_to_decode(&mut self, source: DecodeError) {
+        let place = self.place.clone();
+        self.fail(VideoError::Decode { place, source });
+    }
+}
