@@ -3,6 +3,7 @@
 
 Same options; the patch is PATCH pixels wide and high, and at FIRST when the server starts.
 """
+import functools
 import math
 import pathlib
 import sys
@@ -14,8 +15,20 @@ import rtsp_server  # noqa: E402
 PATCH = 64
 RED = (81, 90, 240)  # Y, U, V of red in BT.601, limited range; in BT.709 it is a red, too.
 
-grey = rtsp_server.timecode
 began = time.monotonic()
+
+
+@functools.cache
+def blank(width, height):
+    return b"\x80" * (width * height + 2 * ((width + 1) // 2) * ((height + 1) // 2))
+
+
+def code(width, height):
+    """The rows of rtsp_server's time code: CLOCK_MONOTONIC in milliseconds as 32 blocks, the highest bit on the left."""
+    millis = int(time.monotonic() * 1000) & 0xFFFFFFFF
+    block = width // 32
+    row = b"".join((b"\xeb" if millis >> (31 - bit) & 1 else b"\x10") * block for bit in range(32))
+    return (row + b"\x80" * (width - len(row))) * max(height // 16, 8)
 
 
 def place(width, height):
@@ -25,15 +38,19 @@ def place(width, height):
 
 
 def timecode(width, height):
-    picture = bytearray(grey(width, height))
+    """The patch first, and the time code last, so that drawing is no part of the picture's age."""
     x, y = place(width, height)
-    luma, chroma = width * height, ((width + 1) // 2) * ((height + 1) // 2)
+    picture = bytearray(blank(width, height))
+    chroma_width, luma = (width + 1) // 2, width * height
+    chroma = chroma_width * ((height + 1) // 2)
     for row in range(y, y + PATCH):
         picture[row * width + x : row * width + x + PATCH] = bytes([RED[0]]) * PATCH
     for plane, value in enumerate(RED[1:]):
         for row in range(y // 2, (y + PATCH) // 2):
-            begin = luma + plane * chroma + row * ((width + 1) // 2) + x // 2
+            begin = luma + plane * chroma + row * chroma_width + x // 2
             picture[begin : begin + PATCH // 2] = bytes([value]) * (PATCH // 2)
+    rows = max(height // 16, 8)
+    picture[: width * rows] = code(width, height)
     return bytes(picture)
 
 

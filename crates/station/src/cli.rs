@@ -133,7 +133,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub force: bool,
     /// Break a thread on purpose, to test that everything stops: THREAD:panic@SECONDS, with THREAD one of
-    /// pilot, recorder, overlay, terminal, signals.
+    /// pilot, recorder, overlay, terminal, status.
     #[arg(long, hide = true, value_name = "THREAD:FAULT")]
     pub fault: Vec<String>,
 }
@@ -165,7 +165,7 @@ pub struct TrackArgs {
     #[arg(long)]
     pub explain: bool,
     /// Print figures as JSON; the track then needs --output.
-    #[arg(long)]
+    #[arg(long, requires = "output")]
     pub json: bool,
     /// Overwrite output files that exist.
     #[arg(long)]

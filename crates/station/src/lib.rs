@@ -20,5 +20,6 @@ pub mod overlay;
 
 pub mod clock;
 pub mod fault;
+pub mod input;
 pub mod logging;
 pub mod output;

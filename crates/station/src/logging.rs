@@ -1,13 +1,19 @@
 //! Log lines on stderr, for people or as JSON.
+//!
+//! They are written on a thread of their own, and a line that nobody takes is dropped: a stderr that is full must
+//! not hold a pilot. A panic becomes a log line too, without a backtrace, since drawing one up takes a fifth of a
+//! second in which the camera would go on turning.
 
-use std::io::IsTerminal as _;
+use std::io::{self, IsTerminal as _, Write, stderr};
+use std::panic::PanicHookInfo;
 
 use tracing::level_filters::LevelFilter;
+use tracing_appender::non_blocking::{NonBlockingBuilder, WorkerGuard};
 
 use crate::cli::{LogFormat, LogLevel};
 
-/// Starts logging. Called once, at the start of the program.
-pub fn start(level: LogLevel, format: LogFormat) {
+/// Starts logging. Called once, at the start of the program; lines are written until the guard is dropped.
+pub fn start(level: LogLevel, format: LogFormat) -> WorkerGuard {
     let filter = match level {
         LogLevel::Error => LevelFilter::ERROR,
         LogLevel::Warn => LevelFilter::WARN,
@@ -15,12 +21,40 @@ pub fn start(level: LogLevel, format: LogFormat) {
         LogLevel::Debug => LevelFilter::DEBUG,
         LogLevel::Trace => LevelFilter::TRACE,
     };
-    let lines = tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_max_level(filter);
+    let on_terminal = stderr().is_terminal();
+    let (writer, guard) = NonBlockingBuilder::default().lossy(true).finish(Lines { on_terminal });
+    let lines = tracing_subscriber::fmt().with_writer(writer).with_ansi(on_terminal).with_max_level(filter);
     match format {
         LogFormat::Text => lines.with_target(false).without_time().init(),
         LogFormat::Json => lines.json().init(),
+    }
+    std::panic::set_hook(Box::new(log_panic));
+    guard
+}
+
+fn log_panic(info: &PanicHookInfo<'_>) {
+    let thread = std::thread::current().name().unwrap_or("unnamed").to_owned();
+    let place = info.location().map_or_else(String::new, |at| format!(" at {}:{}", at.file(), at.line()));
+    let message = info.payload_as_str().unwrap_or("no message");
+    tracing::error!("the {thread} thread panicked{place}: {message}");
+}
+
+/// Standard error, where a log line first clears away the status line that stands there.
+struct Lines {
+    on_terminal: bool,
+}
+
+impl Write for Lines {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        let mut out = stderr().lock();
+        if self.on_terminal {
+            out.write_all(b"\r\x1b[K")?;
+        }
+        out.write_all(line)?;
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        stderr().flush()
     }
 }

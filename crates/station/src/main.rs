@@ -11,7 +11,8 @@ fn main() -> ExitCode {
     // The clock first: every timestamp of this run counts from here.
     let clock = Clock::start();
     let cli = Cli::parse();
-    logging::start(cli.log_level, cli.log_format);
+    // Dropped last: what was logged is written before the program ends.
+    let _logging = logging::start(cli.log_level, cli.log_format);
     let result = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
         Command::Demo(args) => commands::demo::run(&args, clock),
         Command::Run(args) => commands::run::run(&args, clock),

@@ -47,7 +47,7 @@ pub struct SelectionReport {
 pub enum SelectionError {
     /// A side is zero, negative or not a finite number.
     #[error(
-        "the selection {selection} (u,v,w,h) covers nothing of the {picture} picture: drag a box with a width and a height"
+        "the selection {selection} (left, top, width, height) covers nothing of the {picture} picture: take a box with a width and a height"
     )]
     Empty {
         /// The box as it was asked for.
@@ -57,7 +57,7 @@ pub enum SelectionError {
     },
     /// No part of the box lies in the picture.
     #[error(
-        "the selection {selection} (u,v,w,h) lies outside the {picture} picture: drag a box around the boat within it"
+        "the selection {selection} (left, top, width, height) lies outside the {picture} picture: take a box around the boat within it"
     )]
     Outside {
         /// The box as it was asked for.
@@ -67,7 +67,7 @@ pub enum SelectionError {
     },
     /// No pixel in the box has a colour to go by.
     #[error(
-        "the selection {selection} (u,v,w,h) of the {picture} picture holds no pixel with saturation of at least {saturation_floor} and \
+        "the selection {selection} (left, top, width, height) of the {picture} picture holds no pixel with saturation of at least {saturation_floor} and \
          value of at least {value_floor} (of 255): select a coloured part of the boat, or lower the floors"
     )]
     Colourless {

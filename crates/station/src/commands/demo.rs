@@ -14,6 +14,7 @@ use anyhow::{Context, Result};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
 use barrelman_vocab::{Picture, PictureSize, Timestamp};
 use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
+use indicatif::ProgressBar;
 
 use super::run;
 use crate::cli::{DemoArgs, RunArgs};
@@ -111,10 +112,13 @@ fn draw_clip(practice: &PracticeClip, path: &Path) -> Result<()> {
     let fps = f64::from(FRAMES_PER_SECOND);
     let mut writer = Mp4Writer::create(path, EncoderSettings::for_pictures(practice.size(), fps))?;
     let mut picture = Picture::black(practice.size(), practice.colour());
+    let progress = ProgressBar::new(u64::from(practice.frames()));
     for frame in 0..practice.frames() {
+        progress.inc(1);
         practice.draw(frame, &mut picture);
         writer.write_picture(&picture, Timestamp::from_secs_f64(f64::from(frame) / fps))?;
     }
+    progress.finish_and_clear();
     Ok(writer.finish()?)
 }
 

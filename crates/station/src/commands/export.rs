@@ -8,12 +8,14 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use barrelman_trial::logs::exported;
+use barrelman_trial::logs::recorded::Rows;
 use barrelman_trial::records::table::read_rows;
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
 use crate::cli::ExportArgs;
+use crate::input;
 use crate::output;
 use crate::video::decoder::{DecodeMode, UnitDecoder};
 use crate::video::encoder::EncoderSettings;
@@ -26,7 +28,7 @@ use crate::video::writer::Mp4Writer;
 pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let context = || format!("{} cannot be exported", args.recording.display());
     // Tried first: a file that is no recording leaves no empty folder behind.
-    File::open(&args.recording).with_context(context)?;
+    input::open(&args.recording)?;
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("the folder {} cannot be made", args.output.display()))?;
     let cut_channels = export_channels(args).with_context(context)?;
@@ -94,6 +96,7 @@ fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
 /// The CSV that `metrics` and `law` read.
 struct TrialFile {
     file: BufWriter<File>,
+    rows: Rows,
     start: Option<Timestamp>,
     size: Option<PictureSize>,
 }
@@ -102,15 +105,16 @@ impl TrialFile {
     fn create(path: &Path, force: bool) -> Result<Self> {
         let mut file = BufWriter::new(output::create(path, force)?);
         writeln!(file, "{}", exported::HEADER)?;
-        Ok(Self { file, start: None, size: None })
+        Ok(Self { file, rows: Rows::default(), start: None, size: None })
     }
 
     fn add(&mut self, outcome: &RecordedOutcome) -> Result<()> {
         if let Some(seen) = outcome.track.localisation() {
             self.size = Some(seen.picture);
         }
-        // Like a recording read as a log, it begins with the first localisation.
-        let Some(size) = self.size else { return Ok(()) };
+        // The same rows as of a recording that is read as a log.
+        let taken = self.rows.takes(outcome);
+        let Some(size) = self.size.filter(|_| taken) else { return Ok(()) };
         let start = *self.start.get_or_insert(outcome.at);
         write!(self.file, "{},", outcome.at.since(start).as_secs_f64())?;
         match &outcome.percept {

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::{BufReader, Write as _, stdout};
-use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -17,6 +16,7 @@ use barrelman_vocab::VideoFrame;
 use super::run::pilot_for;
 use crate::cli::ReplayArgs;
 use crate::config::{self, Configuration};
+use crate::input;
 use crate::video::decoder::{DecodeMode, UnitDecoder};
 
 /// Runs the command.
@@ -26,7 +26,8 @@ use crate::video::decoder::{DecodeMode, UnitDecoder};
 pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
     let changed = args.config.as_deref().map(config::read).transpose()?;
     let changed = changed.as_ref().map(Configuration::resolve).transpose()?;
-    let replayed = replay(&args.recording, changed)
+    let recording = input::open(&args.recording)?;
+    let replayed = replay(recording, changed)
         .with_context(|| format!("{} cannot be replayed", args.recording.display()))?;
     let mut out = stdout().lock();
     writeln!(
@@ -69,8 +70,8 @@ struct Replayed {
     cut: bool,
 }
 
-fn replay(path: &Path, changed: Option<Configuration>) -> Result<Replayed> {
-    let mut entries = RecordingReader::new(BufReader::new(File::open(path)?));
+fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
+    let mut entries = RecordingReader::new(BufReader::new(recording));
     let start = match entries.next().transpose()? {
         Some(Entry::Start(start)) => start,
         _ => bail!("it does not begin with what ran and how: this is no recording of this program"),

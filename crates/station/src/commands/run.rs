@@ -78,7 +78,11 @@ fn effective(args: &RunArgs) -> Result<Configuration> {
     over(&mut file.video.url, &args.video);
     over(&mut file.link.url, &args.link);
     over(&mut file.vehicle.profile, &args.profile);
-    Configuration::resolve(&file)
+    let context = || match &args.config {
+        Some(path) => format!("the configuration {} is not usable", path.display()),
+        None => "the command line is not usable".to_owned(),
+    };
+    Configuration::resolve(&file).with_context(context)
 }
 
 /// A pilot for a configuration, with its tracker.
@@ -142,6 +146,8 @@ fn live(
         damaged: 0,
     };
     let source = spawn(video, clock, sink)?;
+    let link_state = link.as_ref().map(|_| LinkState::Opening);
+    let status = Status::start(link_state, clock, saboteur.clone(), events.clone())?;
     drop(events);
 
     let mut requests = Vec::new();
@@ -154,7 +160,8 @@ fn live(
         latest,
         link: link.as_ref(),
         recorder: recording,
-        status: Status::new(link.as_ref().map(|_| LinkState::Opening)),
+        status,
+        selects_once: true,
         watcher: overlay.as_ref().map(|overlay| Box::new(overlay.input()) as Box<dyn Watcher>),
         saboteur,
     };
@@ -166,7 +173,7 @@ fn live(
     let said = link.map(LinkHandle::close);
     if said == Some(false) {
         end = RunEnd::Failed(
-            "the last zeros and the vehicle's stop could not be sent: the link was down".to_owned(),
+            "the last zeros and the vehicle's stop could not be sent, as the link was down: the camera may still be turning. Stop it from the ground station itself".to_owned(),
         );
     }
     if let Err(error) = source.stop() {

@@ -53,29 +53,21 @@ impl Spread {
 /// # Errors
 /// If the video, the selection or an output cannot be used. What was tracked before damage in the video is kept.
 pub fn run(args: &TrackArgs) -> Result<ExitCode> {
-    if args.json && args.output.is_none() {
-        bail!("--json prints figures on stdout: say with --output where the track goes");
-    }
     let url = VideoUrl::parse(&args.video)?;
-    if let Some(path) = &args.overlay {
+    for path in [&args.output, &args.overlay].into_iter().flatten() {
         output::check_free(path, args.force)?;
     }
     let mut frames = FileFrames::open(&url)?;
-    let output: Box<dyn Write> = match &args.output {
-        Some(path) => Box::new(output::create(path, args.force)?),
-        None => Box::new(stdout().lock()),
-    };
     let mut tracked = Tracked {
         tracker: match args.tracker {
             TrackerName::Camshift => Box::new(CamShift::new(CamShiftConfig::default())?),
         },
-        output: BufWriter::new(output),
+        output: None,
         film: args.overlay.as_deref().map(|path| Film::new(path, VehicleProfile::fotokite_pro().region)),
         explanation: args.explain.then(Explanation::default),
         lost: 0,
         tracker_times: Vec::new(),
     };
-    writeln!(tracked.output, "{HEADER}")?;
     let progress = progress_bar(&frames);
     let mut decode_times = Vec::new();
     let (mut index, mut damaged) = (0_u64, 0_u64);
@@ -84,10 +76,10 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         let frame = match frames.next_frame() {
             Ok(Some(frame)) => frame,
             Ok(None) => break None,
-            Err(VideoError::Decode { source: source @ DecodeError::Damaged { .. }, .. }) => {
+            Err(VideoError::Decode { cause: cause @ DecodeError::Damaged { .. }, .. }) => {
                 damaged += 1;
                 if damaged == 1 {
-                    tracing::warn!("{source}; further damage is counted");
+                    tracing::warn!("{cause}; further damage is counted");
                 }
                 continue;
             }
@@ -101,7 +93,9 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         progress.inc(1);
     };
     progress.finish_and_clear();
-    tracked.output.flush().context("the track cannot be written")?;
+    if let Some(output) = &mut tracked.output {
+        output.flush().context("the track cannot be written")?;
+    }
     if index <= args.start_frame && failure.is_none() {
         bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
     }
@@ -139,7 +133,7 @@ fn cpu_time() -> Duration {
 }
 
 fn progress_bar(frames: &FileFrames) -> ProgressBar {
-    let style = "{bar:40} {pos}/{len} frames, {per_sec}, {eta} left";
+    let style = "{bar:40} {pos}/{len} frames, {eta} left";
     match (frames.frame_count(), ProgressStyle::with_template(style)) {
         (Some(count), Ok(style)) => ProgressBar::new(count).with_style(style),
         _ => ProgressBar::new_spinner(),
@@ -148,7 +142,8 @@ fn progress_bar(frames: &FileFrames) -> ProgressBar {
 
 struct Tracked {
     tracker: Box<dyn Tracker>,
-    output: BufWriter<Box<dyn Write>>,
+    /// Made with the first row: a selection that is refused leaves no file behind.
+    output: Option<BufWriter<Box<dyn Write>>>,
     film: Option<Film>,
     explanation: Option<Explanation>,
     lost: u64,
@@ -156,6 +151,19 @@ struct Tracked {
 }
 
 impl Tracked {
+    fn output(&mut self, args: &TrackArgs) -> Result<&mut BufWriter<Box<dyn Write>>> {
+        if self.output.is_none() {
+            let output: Box<dyn Write> = match &args.output {
+                Some(path) => Box::new(output::create(path, args.force)?),
+                None => Box::new(stdout().lock()),
+            };
+            let mut output = BufWriter::new(output);
+            writeln!(output, "{HEADER}")?;
+            self.output = Some(output);
+        }
+        self.output.as_mut().context("the output was just made")
+    }
+
     fn frame(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
         let before = cpu_time();
         let track = if index == args.start_frame {
@@ -174,7 +182,7 @@ impl Tracked {
         };
         self.lost += u64::from(matches!(track, Track::Lost { .. }));
         // A file's own times count from its beginning.
-        write_row(&mut self.output, index, frame.capture.at.as_secs_f64(), &track)?;
+        write_row(self.output(args)?, index, frame.capture.at.as_secs_f64(), &track)?;
         if let Some(film) = &mut self.film {
             if let Some(explanation) = &mut self.explanation {
                 self.tracker.explain(explanation);

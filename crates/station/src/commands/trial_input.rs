@@ -9,6 +9,8 @@ use barrelman_trial::logs::recorded::Collector;
 use barrelman_trial::logs::{self, TrialLog};
 use barrelman_trial::records::{Entry, ReadError, RecordingReader};
 
+use crate::input;
+
 /// How an MCAP file begins.
 const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];
 
@@ -29,11 +31,11 @@ pub(super) struct TrialInput {
 /// If the file cannot be read or is none that is known; the message names it.
 pub(super) fn read(path: &Path) -> Result<TrialInput> {
     let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    read_named(path, name).with_context(|| format!("{} cannot be used as a trial log", path.display()))
+    let file = input::open(path)?;
+    read_named(file, path, name).with_context(|| format!("{} cannot be used as a trial log", path.display()))
 }
 
-fn read_named(path: &Path, name: String) -> Result<TrialInput> {
-    let mut file = File::open(path)?;
+fn read_named(mut file: File, path: &Path, name: String) -> Result<TrialInput> {
     let mut magic = Vec::new();
     file.by_ref().take(MCAP_MAGIC.len() as u64).read_to_end(&mut magic)?;
     file.seek(SeekFrom::Start(0))?;

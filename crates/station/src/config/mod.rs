@@ -11,6 +11,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
+use crate::input;
+
 pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
 
@@ -22,9 +24,9 @@ pub const EXAMPLE: &str = include_str!("../../../../config/barrelman.example.tom
 /// # Errors
 /// If it cannot be read or understood; the message names the file, the line and the key.
 pub fn read(path: &Path) -> Result<ConfigFile> {
-    let text = std::fs::read_to_string(path)
-        .with_context(|| format!("the configuration {} cannot be read", path.display()))?;
-    parse(&text).with_context(|| format!("the configuration {} is not usable", path.display()))
+    let text = String::from_utf8(input::read(path)?);
+    let parsed = text.context("it is no text").and_then(|text| parse(&text));
+    parsed.with_context(|| format!("the configuration {} is not usable", path.display()))
 }
 
 /// Reads a configuration from its text.

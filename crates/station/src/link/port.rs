@@ -49,7 +49,7 @@ pub enum PortError {
         path: PathBuf,
     },
     /// It is no serial port.
-    #[error("{} is no serial port", path.display())]
+    #[error("{} is no serial port: name its device, as in serial:/dev/ttyACM0 (`ls /dev/ttyACM* /dev/ttyUSB*` lists them)", path.display())]
     NotSerial {
         /// The file.
         path: PathBuf,

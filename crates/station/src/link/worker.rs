@@ -20,6 +20,9 @@ use crate::fault::FaultKind;
 
 /// From one attempt to open a lost port to the next.
 const REOPEN_AFTER: Duration = Duration::from_millis(250);
+/// How long rates may stay in force after the time by which they were to be renewed: the pilot has then been held
+/// up, and the link rests the camera in its place.
+const GRACE: Duration = Duration::from_millis(50);
 /// How long the last words may take before the program ends without them.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(3);
 
@@ -38,6 +41,8 @@ pub enum LinkReport {
 #[derive(Debug, Default)]
 struct Mailbox {
     rates: VehicleRates,
+    /// When rates that move must have been renewed.
+    renew_by: Option<Timestamp>,
     close: bool,
     /// Set by the thread once the last words are out, or cannot be said.
     ended: Option<bool>,
@@ -89,8 +94,13 @@ impl LinkHandle {
     }
 
     /// Asks for rates, in the vehicle's own signs; what was asked for before and is not out yet is forgotten.
-    pub fn send(&self, rates: VehicleRates) {
-        let changed = self.shared.with(|mailbox| std::mem::replace(&mut mailbox.rates, rates) != rates);
+    /// Rates that move are in force until `renew_by`: where nothing comes by then, the link rests the camera by
+    /// itself.
+    pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
+        let changed = self.shared.with(|mailbox| {
+            mailbox.renew_by = renew_by;
+            std::mem::replace(&mut mailbox.rates, rates) != rates
+        });
         if changed {
             self.shared.wake();
         }
@@ -187,11 +197,17 @@ impl<R: Fn(LinkReport)> Worker<R> {
         let mut out = Vec::new();
         let mut buffer = [0; 1024];
         let mut closing_since: Option<Timestamp> = None;
+        let mut overdue = false;
         loop {
             let now = self.clock.now();
             self.sabotage(now)?;
-            let (rates, close) = self.shared.with(|mailbox| (mailbox.rates, mailbox.close));
-            session.request(rates);
+            let (rates, expires, close) = self.wanted();
+            let expired = !rates.is_rest() && expires <= now;
+            if expired && !std::mem::replace(&mut overdue, true) {
+                tracing::error!("the pilot is held up: the link rests the camera");
+            }
+            overdue &= expired;
+            session.request(if expired { VehicleRates::REST } else { rates });
             if close && closing_since.is_none() {
                 closing_since = Some(now);
                 session.close(now);
@@ -210,6 +226,8 @@ impl<R: Fn(LinkReport)> Worker<R> {
                 Next::Reopen => return Ok(Ended::Unanswered),
                 Next::WaitUntil(wake_at) => {
                     // At least ten looks a second, so that a fault on purpose begins in time.
+                    let moves_until = if rates.is_rest() || expired { wake_at } else { expires };
+                    let wake_at = wake_at.min(moves_until);
                     let wait = wake_at.since(self.clock.now()).min(Duration::from_millis(100));
                     if self.wait_for(port, wait) {
                         let read = port.read(&mut buffer)?;
@@ -220,6 +238,15 @@ impl<R: Fn(LinkReport)> Worker<R> {
                 }
             }
         }
+    }
+
+    /// The rates wanted, when they expire, and whether the link is to be closed. Rates without a time by which
+    /// they are renewed have expired already.
+    fn wanted(&self) -> (VehicleRates, Timestamp, bool) {
+        self.shared.with(|mailbox| {
+            let expires = mailbox.renew_by.map_or(Timestamp::ZERO, |at| at.plus(GRACE));
+            (mailbox.rates, expires, mailbox.close)
+        })
     }
 
     fn sabotage(&self, now: Timestamp) -> io::Result<()> {

@@ -16,7 +16,7 @@ use barrelman_vocab::{OperatorRequest, StopCause, Timestamp, VehicleProfile, Veh
 use super::event::Event;
 use super::latest::LatestFrame;
 use super::recorder::RecorderInput;
-use super::status::Status;
+use super::status::{self, Status};
 use super::threads::Saboteur;
 use crate::clock::Clock;
 use crate::link::{LinkHandle, LinkReport};
@@ -58,6 +58,8 @@ pub struct RunLoop<'a> {
     pub recorder: Option<RecorderInput>,
     /// The status line.
     pub status: Status,
+    /// Whether a selection can only be made at the start: one that is refused then ends the run.
+    pub selects_once: bool,
     /// The annotated video, if there is one.
     pub watcher: Option<Box<dyn Watcher + 'a>>,
     /// Faults on purpose.
@@ -67,14 +69,14 @@ pub struct RunLoop<'a> {
 impl RunLoop<'_> {
     /// Runs until something ends it. `requests` are put to the pilot first.
     pub fn run(mut self, events: &Receiver<Event>, requests: &[OperatorRequest]) -> RunEnd {
-        let mut state = Stepping { step: 0, outcome: None, rates: VehicleRates::REST };
+        let mut state = Stepping::default();
         for request in requests {
             self.step_with(&mut state, Input::Request(*request), None);
         }
         loop {
             let now = self.clock.now();
             self.saboteur.strike("pilot", now);
-            self.status.draw(state.outcome.as_ref(), state.rates, now);
+            self.status.show(state.outcome.as_ref(), state.rates, now);
             let wake_at = state.outcome.as_ref().and_then(|outcome| outcome.wake_at);
             let wait = wake_at.map_or(LONGEST_WAIT, |at| at.since(now).min(LONGEST_WAIT));
             let event = match events.recv_timeout(wait) {
@@ -108,12 +110,15 @@ impl RunLoop<'_> {
                     self.step_with(state, Input::Frame(&frame), Some(&frame));
                     let age = state.outcome.as_ref().and_then(|outcome| outcome.age);
                     self.status.frame(self.clock.now(), age, dropped);
+                    if let Some(why) = state.refused.take().filter(|_| self.selects_once) {
+                        return Some((StopCause::Fault, RunEnd::Failed(why)));
+                    }
                 }
             }
             Event::Request(request) => self.step_with(state, Input::Request(request), None),
             Event::Link(LinkReport::Telemetry(telemetry)) => {
                 if let Report::Link(link) = telemetry.report {
-                    tracing::info!("link: {link:?}");
+                    tracing::info!("{}", status::in_words(link));
                     self.status.link(link);
                 }
                 self.step_with(state, Input::Telemetry(telemetry), None);
@@ -124,10 +129,22 @@ impl RunLoop<'_> {
             Event::Link(LinkReport::Panicked) => {
                 return Some((StopCause::Fault, RunEnd::Failed("the link thread panicked".to_owned())));
             }
-            Event::Video(VideoState::Connecting) => tracing::info!("video: connecting"),
-            Event::Video(VideoState::Up) => tracing::info!("video: up"),
+            Event::Video(VideoState::Connecting) => {}
+            Event::Video(VideoState::Up) => {
+                match std::mem::take(&mut state.video_losses) {
+                    0 | 1 => tracing::info!("video: up"),
+                    tries => tracing::info!("video: up, after {tries} tries"),
+                }
+                state.was_up = true;
+            }
             Event::Video(VideoState::Lost { reason }) => {
-                tracing::warn!("the video was lost ({reason}): it is being connected again");
+                // Said once; the tries that follow are counted.
+                state.video_losses += 1;
+                match (state.video_losses, state.was_up) {
+                    (1, true) => tracing::warn!("the video was lost ({reason}): it is being connected again"),
+                    (1, false) => tracing::warn!("no video yet ({reason}): it is tried until it answers"),
+                    _ => {}
+                }
             }
             Event::Video(VideoState::Ended) => return Some((StopCause::VideoEnded, RunEnd::VideoEnded)),
             Event::Video(VideoState::Failed(error)) => {
@@ -159,19 +176,26 @@ impl RunLoop<'_> {
         // The door: the only place of a live run where the vehicle's own signs are applied.
         let rates = self.profile.outgoing(outcome.command);
         if let Some(link) = self.link {
-            link.send(rates);
+            link.send(rates, outcome.wake_at);
         }
         self.record(state.step, now, input, &outcome, rates);
         if let Some(notice) = &outcome.notice {
             match notice {
                 Notice::Selected(_) => tracing::info!("{notice}"),
+                Notice::SelectionRefused(_) if self.selects_once => {}
                 Notice::SelectionRefused(_) | Notice::VideoClockWentBack => tracing::warn!("{notice}"),
             }
         }
         if let (Some(watcher), Some(frame)) = (&mut self.watcher, frame) {
             watcher.watch(frame, &outcome, rates, &self.pilot);
         }
-        *state = Stepping { step: state.step + 1, outcome: Some(outcome), rates };
+        state.refused = match &outcome.notice {
+            Some(notice @ Notice::SelectionRefused(_)) => Some(notice.to_string()),
+            _ => None,
+        };
+        state.step += 1;
+        state.rates = rates;
+        state.outcome = Some(outcome);
     }
 
     fn record(&self, step: u64, now: Timestamp, input: Input<'_>, outcome: &Outcome, rates: VehicleRates) {
@@ -187,8 +211,15 @@ impl RunLoop<'_> {
     }
 }
 
+/// What the loop remembers from one event to the next.
+#[derive(Default)]
 struct Stepping {
     step: u64,
     outcome: Option<Outcome>,
     rates: VehicleRates,
+    /// Why the selection of the last step was refused.
+    refused: Option<String>,
+    was_up: bool,
+    /// Attempts at the video that failed since it was last up.
+    video_losses: u64,
 }

@@ -1,52 +1,79 @@
 //! The status line: mode, P, rates sent, frame rate, age of the frame, link.
 //!
-//! On a terminal one line that is drawn anew five times a second; elsewhere a plain line every five seconds.
+//! On a terminal one line that is drawn anew five times a second; elsewhere a plain line every five seconds. It is
+//! written on a thread of its own: an output that nobody reads, or a terminal that was held with Ctrl-S, must not
+//! hold the pilot. A line that could not be written in time is replaced by the next.
 
 use std::collections::VecDeque;
 use std::io::{IsTerminal as _, Write as _, stdout};
-use std::time::Duration;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use barrelman_pilot::Outcome;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Timestamp, Track, VehicleRates};
 
+use super::event::Event;
+use super::threads::{self, Saboteur};
+use crate::clock::Clock;
+
 const ON_TERMINAL: Duration = Duration::from_millis(200);
 const ELSEWHERE: Duration = Duration::from_secs(5);
 /// The time over which the frame rate is counted.
 const RATE_OVER: Duration = Duration::from_secs(2);
+/// How long the end of the program waits for the last line.
+const LEAVE_AFTER: Duration = Duration::from_millis(200);
 
 /// What the status line shows, collected as it happens.
 #[derive(Debug)]
 pub struct Status {
+    lines: Option<SyncSender<String>>,
+    writer: Option<JoinHandle<()>>,
     on_terminal: bool,
+    first_frame: Option<Timestamp>,
     due: Timestamp,
     frames: VecDeque<Timestamp>,
     link: Option<LinkState>,
     dropped: u64,
     age: Option<Duration>,
     alarm: Option<String>,
-    drawn: bool,
 }
 
 impl Status {
     /// A status line for this output; `link` is `None` for a dry run.
-    pub fn new(link: Option<LinkState>) -> Self {
-        Self {
-            on_terminal: stdout().is_terminal(),
+    ///
+    /// # Errors
+    /// If the system has no more threads.
+    pub fn start(
+        link: Option<LinkState>,
+        clock: Clock,
+        saboteur: Saboteur,
+        events: SyncSender<Event>,
+    ) -> std::io::Result<Self> {
+        let on_terminal = stdout().is_terminal();
+        let (lines, queue) = sync_channel(1);
+        let strike = move || saboteur.strike("status", clock.now());
+        let writer = threads::spawn("status", events, move || write_lines(&queue, on_terminal, strike))?;
+        Ok(Self {
+            lines: Some(lines),
+            writer: Some(writer),
+            on_terminal,
+            first_frame: None,
             due: Timestamp::ZERO,
             frames: VecDeque::new(),
             link,
             dropped: 0,
             age: None,
             alarm: None,
-            drawn: false,
-        }
+        })
     }
 
     /// A video frame of that age was put into the pilot; so many were replaced by newer ones so far.
     pub fn frame(&mut self, now: Timestamp, age: Option<Duration>, dropped: u64) {
         self.age = age;
         self.dropped = dropped;
+        self.first_frame.get_or_insert(now);
         self.frames.push_back(now);
         while self.frames.front().is_some_and(|at| now.since(*at) > RATE_OVER) {
             self.frames.pop_front();
@@ -63,25 +90,17 @@ impl Status {
         self.alarm = Some(text);
     }
 
-    /// When the line wants to be drawn again.
-    pub const fn due(&self) -> Timestamp {
-        self.due
-    }
-
-    /// Draws the line if it is due.
-    pub fn draw(&mut self, outcome: Option<&Outcome>, rates: VehicleRates, now: Timestamp) {
+    /// Hands the line to its thread if it is due. Never waits.
+    pub fn show(&mut self, outcome: Option<&Outcome>, rates: VehicleRates, now: Timestamp) {
         if now < self.due {
             return;
         }
         self.due = now.plus(if self.on_terminal { ON_TERMINAL } else { ELSEWHERE });
         let line = self.line(outcome, rates, now);
-        // Whether anybody still reads is watched elsewhere; a line that cannot be shown is no reason to fail.
-        let _ = if self.on_terminal {
-            self.drawn = true;
-            write!(stdout().lock(), "\r\x1b[K{line}").and_then(|()| stdout().flush())
-        } else {
-            writeln!(stdout().lock(), "{line}")
-        };
+        if let Some(lines) = &self.lines {
+            // Where the last line is not written yet, this one is left out.
+            let _ = lines.try_send(line);
+        }
     }
 
     fn line(&self, outcome: Option<&Outcome>, rates: VehicleRates, now: Timestamp) -> String {
@@ -107,18 +126,13 @@ impl Status {
             )
         });
         let age = self.age.map_or_else(|| "-".to_owned(), |age| format!("{:.0} ms", age.as_secs_f64() * 1e3));
-        let per_second = self.frames.len() as f64 / RATE_OVER.as_secs_f64();
-        let link = match self.link {
-            None => "dry run",
-            Some(LinkState::Opening) => "link opening",
-            Some(LinkState::Starting) => "link starting",
-            Some(LinkState::Up) => "link up",
-            Some(LinkState::Closing) => "link closing",
-            Some(LinkState::Closed) => "link closed",
-        };
+        let counted_s = self.first_frame.map_or(0.0, |first| now.since(first).min(RATE_OVER).as_secs_f64());
+        let per_second = if counted_s > 0.2 { self.frames.len() as f64 / counted_s } else { 0.0 };
+        let link = self.link.map_or("dry run", in_words);
+        let sent = if self.link == Some(LinkState::Up) { "" } else { " (not sent)" };
         let alarm = self.alarm.as_ref().map_or_else(String::new, |alarm| format!("  ALARM: {alarm}"));
         format!(
-            "{mode} | {track} | P {p} | yaw {:+.2} pitch {:+.2} rad/s{would} | {per_second:.0} fps, age {age}, dropped {} | {link}{alarm}",
+            "{mode} | {track} | P {p} | yaw {:+.2} pitch {:+.2} rad/s{sent}{would} | {per_second:.0} fps, age {age}, dropped {} | {link}{alarm}",
             rates.yaw.radians_per_second(),
             rates.pitch.radians_per_second(),
             self.dropped,
@@ -128,8 +142,39 @@ impl Status {
 
 impl Drop for Status {
     fn drop(&mut self) {
-        if self.drawn {
-            let _ = writeln!(stdout().lock());
+        self.lines = None;
+        // A writer that nobody lets write is left behind: the program ends without it.
+        let deadline = Instant::now() + LEAVE_AFTER;
+        while self.writer.as_ref().is_some_and(|writer| !writer.is_finished()) && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(5));
         }
+    }
+}
+
+fn write_lines(queue: &Receiver<String>, on_terminal: bool, strike: impl Fn()) {
+    let mut drawn = false;
+    while let Ok(line) = queue.recv() {
+        strike();
+        // Whether anybody still reads is watched elsewhere; a line that cannot be shown is no reason to fail.
+        let _ = if on_terminal {
+            drawn = true;
+            write!(stdout().lock(), "\r\x1b[K{line}").and_then(|()| stdout().flush())
+        } else {
+            writeln!(stdout().lock(), "{line}")
+        };
+    }
+    if drawn {
+        let _ = writeln!(stdout().lock());
+    }
+}
+
+/// A link's state in words.
+pub const fn in_words(state: LinkState) -> &'static str {
+    match state {
+        LinkState::Opening => "link opening",
+        LinkState::Starting => "link starting",
+        LinkState::Up => "link up",
+        LinkState::Closing => "link closing",
+        LinkState::Closed => "link closed",
     }
 }

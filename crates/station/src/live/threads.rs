@@ -34,7 +34,7 @@ pub struct Saboteur {
 }
 
 /// The threads that can be broken on purpose by `--fault`; the video's and the link's have it in their URLs.
-pub const BREAKABLE: [&str; 4] = ["pilot", "recorder", "overlay", "terminal"];
+pub const BREAKABLE: [&str; 5] = ["pilot", "recorder", "overlay", "terminal", "status"];
 
 impl Saboteur {
     /// Reads `THREAD:panic@SECONDS`, several times.

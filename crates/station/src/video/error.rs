@@ -11,14 +11,14 @@ pub enum VideoError {
     #[error("no file or folder `{}`: check the path (relative paths start in the current folder)", .0.display())]
     Missing(PathBuf),
     /// The operating system refused.
-    #[error("cannot {doing} `{}`: {source}", .path.display())]
+    #[error("cannot {doing} `{}`: {cause}", .path.display())]
     Io {
         /// What was tried: "read", "create".
         doing: &'static str,
         /// The file.
         path: PathBuf,
         /// What the system said.
-        source: io::Error,
+        cause: io::Error,
     },
     /// The file is of a kind that is not read here.
     #[error("`{}` is {what}, which is not read here. {remedy}", .path.display())]
@@ -41,12 +41,12 @@ pub enum VideoError {
         what: String,
     },
     /// A picture cannot be decoded.
-    #[error("{place}: {source}")]
+    #[error("{place}: {cause}")]
     Decode {
         /// The file or the address.
         place: String,
         /// What is wrong with it.
-        source: DecodeError,
+        cause: DecodeError,
     },
     /// A stream that was reached but can never be shown.
     #[error("`{place}` {what}. {remedy}")]

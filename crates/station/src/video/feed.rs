@@ -104,8 +104,8 @@ impl<S: VideoSink> Feed<S> {
     }
 
     /// The decoder found that the stream can never be shown.
-    pub(super) fn fail_to_decode(&mut self, source: DecodeError) {
+    pub(super) fn fail_to_decode(&mut self, cause: DecodeError) {
         let place = self.place.clone();
-        self.fail(VideoError::Decode { place, source });
+        self.fail(VideoError::Decode { place, cause });
     }
 }

@@ -69,7 +69,7 @@ impl FileFrames {
             Ok(Some(unit)) => self
                 .decoder
                 .decode(&unit, &mut out)
-                .map_err(|source| VideoError::Decode { place: self.place.clone(), source }),
+                .map_err(|cause| VideoError::Decode { place: self.place.clone(), cause }),
             Ok(None) => {
                 self.ended = true;
                 Ok(())
@@ -77,7 +77,7 @@ impl FileFrames {
             Err(error) => Err(error),
         };
         if let Err(error) = result {
-            let may_go_on = matches!(error, VideoError::Decode { source: DecodeError::Damaged { .. }, .. });
+            let may_go_on = matches!(error, VideoError::Decode { cause: DecodeError::Damaged { .. }, .. });
             self.failed = Some(error);
             self.ended |= !may_go_on;
         }

@@ -207,7 +207,7 @@ impl<S: VideoSink> Receiver<'_, S> {
             None => Ok(()),
             Some(source) if source.is_final() => {
                 let place = self.feed.place.clone();
-                Err(End::Final(VideoError::Decode { place, source }))
+                Err(End::Final(VideoError::Decode { place, cause: source }))
             }
             Some(_) => {
                 self.tell(Event::KeyNeeded);

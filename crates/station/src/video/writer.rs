@@ -40,10 +40,10 @@ impl Mp4Writer {
     /// # Errors
     /// A file that cannot be created.
     pub fn create(path: &Path, settings: EncoderSettings) -> Result<Self, VideoError> {
-        let file = File::create(path).map_err(|source| VideoError::Io {
+        let file = File::create(path).map_err(|cause| VideoError::Io {
             doing: "create",
             path: path.to_owned(),
-            source,
+            cause,
         })?;
         Ok(Self {
             path: path.to_owned(),
@@ -126,7 +126,7 @@ impl Mp4Writer {
     }
 
     fn cannot_write(&self, source: io::Error) -> VideoError {
-        VideoError::Io { doing: "write", path: self.path.clone(), source }
+        VideoError::Io { doing: "write", path: self.path.clone(), cause: source }
     }
 }
 
@@ -135,6 +135,6 @@ fn track_format(unit: &[u8], rotation: Rotation, path: &Path) -> Result<Option<T
     let find = |kind| annexb::nals(unit).find(|nal| annexb::kind(nal) == kind);
     let Some((sps, pps)) = find(NalKind::Sps).zip(find(NalKind::Pps)) else { return Ok(None) };
     let place = path.display().to_string();
-    let format = StreamFormat::parse(sps).map_err(|source| VideoError::Decode { place, source })?;
+    let format = StreamFormat::parse(sps).map_err(|cause| VideoError::Decode { place, cause })?;
     Ok(Some(TrackFormat { size: format.size, rotation, sps: sps.to_vec(), pps: pps.to_vec() }))
 }

@@ -28,6 +28,7 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
     refused(&["law", "log.csv", "--rate", "-1"], 2, &["--rate"]);
     refused(&["metrics"], 2, &["LOGS"]);
     refused(&["emulate", "fotokite-pro"], 2, &["--pty"]);
+    refused(&["track", "clip.mp4", "--select", "1,2,3,4", "--json"], 2, &["--output"]);
     refused(&["fly"], 2, &["fly"]);
 }
 

@@ -1,13 +1,33 @@
 //! A trial out of a recording: its outcomes from the first localisation on.
 
-use barrelman_vocab::{PictureSize, Timestamp};
+use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 use super::{LogRow, TrialLog, laboratory};
 use crate::records::RecordedOutcome;
 
+/// Which outcomes are rows of a trial: from the first localisation on, every look, and every step between two
+/// looks that changed the command.
+#[derive(Debug, Clone, Default)]
+pub struct Rows {
+    last: Option<VehicleRates>,
+}
+
+impl Rows {
+    /// Whether this outcome, the next one, is a row.
+    pub fn takes(&mut self, outcome: &RecordedOutcome) -> bool {
+        let begins = self.last.is_none() && outcome.track.localisation().is_some();
+        let goes_on = self.last.is_some_and(|last| outcome.age.is_some() || last != outcome.rates);
+        if begins || goes_on {
+            self.last = Some(outcome.rates);
+        }
+        begins || goes_on
+    }
+}
+
 /// Collects outcomes as a log.
 #[derive(Debug, Clone, Default)]
 pub struct Collector {
+    rows_taken: Rows,
     start: Option<Timestamp>,
     rows: Vec<LogRow>,
     size: Option<PictureSize>,
@@ -19,7 +39,7 @@ impl Collector {
         if let Some(seen) = outcome.track.localisation() {
             self.size.get_or_insert(seen.picture);
         }
-        if self.size.is_none() {
+        if !self.rows_taken.takes(outcome) {
             return;
         }
         let start = *self.start.get_or_insert(outcome.at);

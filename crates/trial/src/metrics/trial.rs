@@ -76,7 +76,8 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
     let ps = || log.rows.iter().filter_map(|row| row.position).map(|position| region.p(position));
     let time_where = |condition: &dyn Fn(ImagePoint) -> bool| -> f64 {
         let rows = log.rows.iter().enumerate();
-        rows.filter(|(_, row)| row.position.is_some_and(condition)).map(|(index, _)| log.step_s(index)).sum()
+        rows.filter(|(_, row)| row.position.is_some_and(condition))
+            .fold(0.0, |sum, (index, _)| sum + log.step_s(index))
     };
     let camera = CameraWork::of(log);
     let lost = log.knows_lost.then(|| LostTime::of(log));

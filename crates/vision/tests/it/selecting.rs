@@ -23,7 +23,7 @@ fn a_box_outside_the_picture_is_refused_with_both_named() {
 #[test]
 fn a_box_without_a_width_is_refused_with_the_remedy() {
     let text = message(pixels(10.0, 10.0, 0.0, 20.0));
-    assert!(text.contains("10,10,0,20") && text.contains("64x48") && text.contains("drag a box"), "{text}");
+    assert!(text.contains("10,10,0,20") && text.contains("64x48") && text.contains("take a box"), "{text}");
 }
 
 #[test]

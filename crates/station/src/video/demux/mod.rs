@@ -110,7 +110,7 @@ fn cannot_read(path: &Path, source: io::Error) -> VideoError {
     let path = path.to_owned();
     match source.kind() {
         io::ErrorKind::NotFound => VideoError::Missing(path),
-        _ => VideoError::Io { doing: "read", path, source },
+        _ => VideoError::Io { doing: "read", path, cause: source },
     }
 }
 

@@ -1,0 +1,36 @@
+//! Input files: one that is not there is named, with what to look at.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow};
+
+/// Opens an input file.
+///
+/// # Errors
+/// If it is not there or may not be read; the message names it.
+pub fn open(path: &Path) -> Result<File> {
+    File::open(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => anyhow!(
+            "there is no file {}: check the path (relative paths start in the current folder)",
+            path.display()
+        ),
+        io::ErrorKind::PermissionDenied => anyhow!(
+            "{} may not be read by this user: change its owner or its rights (`ls -l {}` shows them)",
+            path.display(),
+            path.display()
+        ),
+        _ => anyhow!("{} cannot be read: {error}", path.display()),
+    })
+}
+
+/// Reads an input file whole.
+///
+/// # Errors
+/// As [`open`], and if it cannot be read to its end.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes).with_context(|| format!("{} cannot be read", path.display()))?;
+    Ok(bytes)
+}
