@@ -13,7 +13,13 @@ fi
 
 cargo build -p barrelman
 program=target/debug/barrelman
-for script in law rule stops bad_input "kills --count 3" "live --restarts 2" camshift; do
+# One practice clip for all of them.
+clip=$(mktemp -d)
+trap 'rm -rf "$clip"' EXIT
+"$program" demo --draw-only --force --output "$clip"
+with_clip="--clip $clip"
+for script in law "rule $with_clip" "stops $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" \
+  "live --restarts 2" "camshift $with_clip"; do
   # shellcheck disable=SC2086  # the words after a script's name are its options
   set -- $script
   name=$1; shift

@@ -224,6 +224,17 @@ def panicked(run):
     return at
 
 
+def held_up(run):
+    """A pilot that does not come round: the link rests the camera by itself, and goes on once the pilot does."""
+    run.err.wait_for("held up", MOVES_WITHIN)
+    time.sleep(0.2)  # The emulator hears and logs the zeros.
+    rest = run.rest_after(run.started + FAULT_AT)
+    if rest > 0.45:
+        raise AssertionError(f"the camera went on turning for {rest:.3f} s")
+    time.sleep(max(0.0, run.started + FAULT_AT + 2.2 - time.monotonic()))
+    return run.signal(signal.SIGTERM)
+
+
 class Case:
     def __init__(self, name, act, code=0, limit=EVENT_LIMIT, **options):
         self.name, self.act, self.code, self.limit, self.options = name, act, code, limit, options
@@ -249,9 +260,11 @@ CASES = [
     Case("panic in the link thread", panicked, code=1, link_fault=f"?fault=panic@{FAULT_AT}s"),
     Case("panic in the pilot", panicked, code=1, more=["--fault", f"pilot:panic@{FAULT_AT}s"]),
     Case("panic in the pilot, with RUST_BACKTRACE=1", panicked, code=1, backtrace=True, more=["--fault", f"pilot:panic@{FAULT_AT}s"]),
+    Case("the pilot is held up for 1.5 s, then SIGTERM", held_up, more=["--fault", f"pilot:stall@{FAULT_AT}s+1.5"]),
     Case("panic in the recorder", panicked, code=1, more=["--fault", f"recorder:panic@{FAULT_AT}s"]),
     Case("panic in the overlay", panicked, code=1, overlay=True, more=["--fault", f"overlay:panic@{FAULT_AT}s"]),
     Case("panic in the terminal thread", panicked, code=1, more=["--fault", f"terminal:panic@{FAULT_AT}s"]),
+    Case("panic in the status thread", panicked, code=1, more=["--fault", f"status:panic@{FAULT_AT}s"]),
 ]
 
 

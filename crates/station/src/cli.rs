@@ -132,7 +132,8 @@ pub struct RunArgs {
     /// Overwrite output files that exist.
     #[arg(long)]
     pub force: bool,
-    /// Break a thread on purpose, to test that everything stops: THREAD:panic@SECONDS, with THREAD one of
+    /// Break a thread on purpose, to test that everything stops: THREAD:panic@SECONDS or
+    /// THREAD:stall@SECONDS+DURATION, with THREAD one of
     /// pilot, recorder, overlay, terminal, status.
     #[arg(long, hide = true, value_name = "THREAD:FAULT")]
     pub fault: Vec<String>,

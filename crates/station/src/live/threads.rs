@@ -37,7 +37,7 @@ pub struct Saboteur {
 pub const BREAKABLE: [&str; 5] = ["pilot", "recorder", "overlay", "terminal", "status"];
 
 impl Saboteur {
-    /// Reads `THREAD:panic@SECONDS`, several times.
+    /// Reads `THREAD:panic@SECONDS` or `THREAD:stall@SECONDS+DURATION`, several times.
     ///
     /// # Errors
     /// If a thread or a fault is unknown.
@@ -46,15 +46,22 @@ impl Saboteur {
         for text in texts {
             let (thread, plan) =
                 text.split_once(':').filter(|(thread, _)| BREAKABLE.contains(thread)).ok_or_else(|| {
-                    anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS with one of {BREAKABLE:?}")
+                    anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS or THREAD:stall@SECONDS+DURATION with one of {BREAKABLE:?}")
                 })?;
             plans.push((thread.to_owned(), FaultPlan::parse(plan)?));
         }
         Ok(Self { plans })
     }
 
-    /// Panics if that was asked for of this thread by now.
+    /// Panics, or holds the thread up, if that was asked for of this thread by now.
     pub fn strike(&self, thread: &str, now: Timestamp) {
+        let since_start = now.since(Timestamp::ZERO);
+        let plans = self.plans.iter().filter(|(name, _)| name == thread);
+        let stalls = plans.flat_map(|(_, plan)| plan.faults()).filter(|fault| fault.kind == FaultKind::Stall);
+        let ends = stalls.filter_map(|fault| Some((fault.from, fault.from + fault.lasts?)));
+        if let Some((_, end)) = ends.into_iter().find(|(from, end)| (*from..*end).contains(&since_start)) {
+            std::thread::sleep(end - since_start);
+        }
         let struck =
             |(name, plan): &(String, FaultPlan)| name == thread && plan.active(FaultKind::Panic, now);
         #[allow(clippy::panic, reason = "asked for on the command line, to test the stops")]

@@ -23,6 +23,9 @@ pub fn create(path: &Path, force: bool) -> Result<File> {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
             bail!("{} exists already: choose another name, or overwrite it with --force", path.display())
         }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            bail!("{} cannot be written: its folder does not exist, make it first", path.display())
+        }
         Err(error) => Err(error).with_context(|| format!("{} cannot be written", path.display())),
     }
 }
