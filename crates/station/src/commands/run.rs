@@ -16,7 +16,7 @@ use barrelman_vocab::{EncodedUnit, OperatorRequest, VideoFrame};
 use crate::cli::RunArgs;
 use crate::clock::Clock;
 use crate::config::{self, ConfigFile, Configuration};
-use crate::link::{LinkHandle, LinkUrl};
+use crate::link::{LinkHandle, LinkReport, LinkUrl};
 use crate::live::event::Event;
 use crate::live::latest::LatestFrame;
 use crate::live::overlay_video::OverlayVideo;
@@ -110,8 +110,12 @@ fn live(
         Some(url) => {
             let to_loop = events.clone();
             let report = move |report| {
-                // The loop is gone only once the program ends, and then nobody misses the report.
-                let _ = to_loop.send(Event::Link(report));
+                // The link never waits for a loop that is held up: a report that finds no room is left out. Its last
+                // report comes after its last will, and may wait. Of a loop that is gone nobody misses one.
+                match report {
+                    LinkReport::Panicked => drop(to_loop.send(Event::Link(report))),
+                    _ => drop(to_loop.try_send(Event::Link(report))),
+                }
             };
             Some(
                 LinkHandle::open(url, configuration.framing, clock, report)
