@@ -53,11 +53,6 @@ impl Pilot {
         }
     }
 
-    /// The tracker, for whoever wants its explanation.
-    pub fn tracker(&self) -> &dyn Tracker {
-        &*self.tracker
-    }
-
     /// Takes one input and says what comes of it.
     pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
         let look = match input {

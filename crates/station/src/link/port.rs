@@ -4,7 +4,6 @@
 //! that ask for the lock, root's too, and `TIOCEXCL` keeps out those that do not ask. Lock files are not used:
 //! they outlive the programs that made them.
 
-use std::fs::OpenOptions;
 use std::io::{self, Read as _, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::os::fd::{AsFd, BorrowedFd};
@@ -190,14 +189,4 @@ fn connect(address: &str) -> io::Result<TcpStream> {
         }
     }
     Err(last)
-}
-
-/// Whether this user may open a device for reading and writing, without opening it.
-///
-/// # Errors
-/// What the system says.
-pub fn may_open(path: &Path) -> io::Result<()> {
-    rustix::fs::access(path, rustix::fs::Access::READ_OK | rustix::fs::Access::WRITE_OK)?;
-    // Existence of the device is one thing, whether it opens another: only the open itself can tell.
-    OpenOptions::new().read(true).open(path).map(drop)
 }

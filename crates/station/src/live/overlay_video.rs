@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use anyhow::{Result, anyhow};
-use barrelman_pilot::{Outcome, Pilot};
+use barrelman_pilot::Outcome;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{VehicleRates, VideoFrame};
 
@@ -80,7 +80,7 @@ impl OverlayVideo {
 }
 
 impl Watcher for OverlayInput {
-    fn watch(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates, _pilot: &Pilot) {
+    fn watch(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) {
         let seen = Seen { frame: frame.clone(), outcome: outcome.clone(), rates };
         self.left_out += u64::from(self.items.try_send(Some(Box::new(seen))).is_err());
     }

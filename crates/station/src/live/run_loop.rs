@@ -28,7 +28,7 @@ const LONGEST_WAIT: Duration = Duration::from_millis(200);
 /// What watches the outcome of every frame, with the frame.
 pub trait Watcher {
     /// A frame was put into the pilot.
-    fn watch(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates, pilot: &Pilot);
+    fn watch(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates);
 }
 
 /// How a run ended.
@@ -187,7 +187,7 @@ impl RunLoop<'_> {
             }
         }
         if let (Some(watcher), Some(frame)) = (&mut self.watcher, frame) {
-            watcher.watch(frame, &outcome, rates, &self.pilot);
+            watcher.watch(frame, &outcome, rates);
         }
         state.refused = match &outcome.notice {
             Some(notice @ Notice::SelectionRefused(_)) => Some(notice.to_string()),

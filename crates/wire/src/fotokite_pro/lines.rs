@@ -1,7 +1,7 @@
 //! Cuts received bytes into lines, wherever the reads happened to end.
 //!
 //! A line ends at `\r` or `\n`; empty lines (as `\r\n` makes them) are left out. A line that grows beyond
-//! [`MAX_LINE_BYTES`] is not one of this protocol's: it is dropped up to its end and counted. Bytes that are not
+//! [`MAX_LINE_BYTES`] is not one of this protocol's: it is dropped up to its end. Bytes that are not
 //! ASCII are kept as `?`, so that noise cannot join two lines.
 
 /// Longest line that is kept, bytes. The longest telemetry line known has about 60.
@@ -12,7 +12,6 @@ pub const MAX_LINE_BYTES: usize = 512;
 pub struct LineCutter {
     partial: String,
     overlong: bool,
-    dropped: u64,
 }
 
 impl LineCutter {
@@ -20,9 +19,7 @@ impl LineCutter {
     pub fn feed(&mut self, bytes: &[u8], mut line: impl FnMut(&str)) {
         for &byte in bytes {
             if byte == b'\r' || byte == b'\n' {
-                if self.overlong {
-                    self.dropped += 1;
-                } else if !self.partial.is_empty() {
+                if !self.overlong && !self.partial.is_empty() {
                     line(&self.partial);
                 }
                 self.partial.clear();
@@ -43,10 +40,5 @@ impl LineCutter {
     /// What was received of a line whose end has not come yet: a shell's prompt is one.
     pub fn partial(&self) -> &str {
         &self.partial
-    }
-
-    /// Lines that were too long and were dropped.
-    pub const fn dropped(&self) -> u64 {
-        self.dropped
     }
 }

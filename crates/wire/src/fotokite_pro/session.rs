@@ -98,7 +98,6 @@ pub struct Session {
     pacing: Pacing,
     lines: LineCutter,
     last_telemetry: Option<Timestamp>,
-    ignored_lines: u64,
     restarts: u64,
 }
 
@@ -111,7 +110,6 @@ impl Session {
             pacing: Pacing::default(),
             lines: LineCutter::default(),
             last_telemetry: None,
-            ignored_lines: 0,
             restarts: 0,
         }
     }
@@ -134,22 +132,15 @@ impl Session {
     pub fn received(&mut self, bytes: &[u8], now: Timestamp, mut report: impl FnMut(Telemetry)) {
         for &byte in bytes {
             let mut meaning = None;
-            let mut lines = 0;
-            self.lines.feed(&[byte], |line| {
-                lines += 1;
-                meaning = parse(line.trim_start());
-            });
+            self.lines.feed(&[byte], |line| meaning = parse(line.trim_start()));
             if self.lines.partial().trim_start() == PROMPT {
                 self.lines.begin_line();
                 self.prompted(now);
             }
-            match meaning {
-                Some(content) => {
-                    self.last_telemetry = Some(now);
-                    self.reported(&content, now);
-                    report(Telemetry { at: now, report: content });
-                }
-                None => self.ignored_lines += lines,
+            if let Some(content) = meaning {
+                self.last_telemetry = Some(now);
+                self.reported(&content, now);
+                report(Telemetry { at: now, report: content });
             }
         }
     }
@@ -274,11 +265,6 @@ impl Session {
             State::Closed => LinkState::Closed,
             State::Dead => LinkState::Opening,
         }
-    }
-
-    /// Lines that meant nothing to this program: echo, prompts, noise.
-    pub const fn ignored_lines(&self) -> u64 {
-        self.ignored_lines
     }
 
     /// How often the ground station was found to have left remote control by itself.

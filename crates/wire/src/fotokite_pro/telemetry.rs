@@ -1,7 +1,7 @@
 //! The ground station's telemetry lines, `!Name v1,v2,...`.
 //!
 //! Lines that are not understood (unknown names, wrong field counts, numbers that are none, shell echo) mean
-//! nothing and are counted by the caller; none of them can stop the parser.
+//! nothing; none of them can stop the parser.
 
 use barrelman_vocab::Angle;
 use barrelman_vocab::telemetry::{ControlState, FlightState, Quaternion, Report};
