@@ -2,3 +2,4 @@
 
 mod camera_axis;
 mod practice;
+mod water_scene;
