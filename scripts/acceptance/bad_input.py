@@ -105,8 +105,9 @@ def selections(bench):
     bench.refuse("selection: three numbers", ["track", orange, "--select", "10,10,20"], "10,10,20", "X,Y,W,H|four", code=2)
     bench.refuse("selection: words", ["track", orange, "--select", "left,top,w,h"], "left", code=2)
     bench.refuse("selection: not a number", ["track", orange, "--select", "NaN,10,20,20"], "NaN", code=2)
-    bench.refuse("selection: no saturated pixel", ["track", grey, "--select", "10,10,40,40"], "10,10,40,40", "satur|colour")
-    bench.refuse("selection: no saturated pixel, in run", ["run", "--video", f"file:{grey}?fps=30", "--select", "10,10,40,40", "--engage"], "10,10,40,40", "satur|colour")
+    # CamShift goes by hue alone; the fused tracker takes what is grey, too.
+    bench.refuse("selection: no saturated pixel", ["track", grey, "--select", "10,10,40,40", "--tracker", "camshift"], "10,10,40,40", "satur|colour")
+    bench.refuse("selection: no saturated pixel, in run", ["run", "--video", f"file:{grey}?fps=30", "--select", "10,10,40,40", "--engage", "--tracker", "camshift"], "10,10,40,40", "satur|colour")
     bench.refuse("selection: start frame behind the end", ["track", orange, "--select", "10,10,40,40", "--start-frame", "99"], "99", "10")
 
 
@@ -132,6 +133,14 @@ def configurations(bench):
     bench.refuse("configuration: a word for a number", ["run", bench.file("type.toml", "[vehicle]\nregion_half_width = \"wide\"\n")], "region_half_width|wide", "type.toml")
     bench.refuse("configuration: not a number", ["run", bench.file("nan.toml", "[vehicle]\nschema_pan_rad_per_s = nan\n")], "schema_pan_rad_per_s", "nan.toml")
     bench.refuse("configuration: an unknown word", ["run", bench.file("word.toml", "[vehicle]\nyaw_sign = \"left\"\n")], "yaw_sign|left", "opposite", "word.toml")
+    bench.refuse("configuration: an unknown tracker", ["run", bench.file("tracker.toml", "[tracker]\nname = \"csrt\"\n")], "csrt", "fused", "camshift", "tracker.toml")
+    bench.refuse("configuration: an unknown key of the tracker", ["run", bench.file("fused.toml", "[tracker.fused]\ncoast = 0.4\n")], "`coast`", "coast_s", "fused.toml")
+    bench.refuse("configuration: a tracker's value out of its range", ["run", bench.file("coast.toml", "[tracker.fused]\ncoast_s = 9\n")], r"tracker\.fused\.coast_s = 9", "0 to 2", "coast.toml")
+    bench.refuse("configuration: a tracker's value that is no number", ["run", bench.file("padding.toml", "[tracker.fused]\npadding = nan\n")], r"tracker\.fused\.padding = NaN", "2.5 to 6", "padding.toml")
+    bench.refuse("configuration: a tracker's count that is no count", ["run", bench.file("confirm.toml", "[tracker.fused]\nconfirm = 1.5\n")], "1.5", "u32|integer", "confirm.toml")
+    bench.refuse("an unknown tracker, in track", ["track", bench.clip, "--select", bench.selection, "--tracker", "csrt"], "csrt", "fused", "camshift", code=2)
+    bench.refuse("an unknown tracker, in run", ["run", "--video", f"file:{bench.clip}", "--tracker", "csrt"], "csrt", "fused", "camshift", code=2)
+    bench.refuse("an unknown tracker, in demo", ["demo", "--tracker", "csrt"], "csrt", "fused", "camshift", code=2)
     bench.refuse("configuration: not TOML", ["run", bench.file("broken.toml", "[vehicle\n")], "broken.toml", "line 1|1:")
     bench.refuse("configuration: a missing file", ["run", "nowhere.toml"], "nowhere.toml", "check|path|config example")
     bench.refuse("an unknown profile", ["run", "--video", f"file:{bench.clip}", "--profile", "fotokite-amateur"], "fotokite-amateur", "fotokite-pro")

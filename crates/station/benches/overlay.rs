@@ -6,7 +6,8 @@ use barrelman_control::{MotorSchema, Percept, Region};
 use barrelman_pilot::{Advice, Mode};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_station::overlay::{Overlay, Scene};
-use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
+use barrelman_station::tracker::TrackerSettings;
+use barrelman_vision::Explanation;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{Picture, PictureSize, Timestamp, Track, VehicleProfile, VideoFrame};
 use divan::Bencher;
@@ -35,7 +36,7 @@ fn draw(bencher: Bencher<'_, '_>, size: PictureSize, number: u32) {
     let capture = Capture { at: Timestamp::from_secs_f64(3.6), quality: CaptureQuality::Sensor };
     let frame = VideoFrame { sequence: u64::from(number), capture, picture: Arc::new(picture) };
 
-    let mut tracker = CamShift::new(CamShiftConfig::default()).expect("the defaults are valid");
+    let mut tracker = TrackerSettings::default().tracker().expect("the defaults are valid");
     let report = tracker.select(&frame, clip.truth(number).bounds).expect("the boat is red");
     let mut explanation = Explanation::default();
     tracker.explain(&mut explanation);

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use barrelman_pilot::{Input, Pilot, PilotSettings};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
+use barrelman_station::tracker::{TrackerName, TrackerSettings};
 use barrelman_station::video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_station::video::encoder::{EncoderSettings, H264Encoder};
-use barrelman_vision::{CamShift, CamShiftConfig, Tracker};
+use barrelman_vision::Tracker;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{OperatorRequest, Picture, PictureSize, Timestamp, VehicleProfile, VideoFrame};
@@ -35,8 +36,8 @@ fn frames(clip: &PracticeClip) -> Vec<VideoFrame> {
     (0..FRAMES).map(frame).collect()
 }
 
-fn tracker() -> CamShift {
-    CamShift::new(CamShiftConfig::default()).expect("the defaults lie in their ranges")
+fn tracker(name: TrackerName) -> Box<dyn Tracker> {
+    TrackerSettings::of(name).tracker().expect("the defaults lie in their ranges")
 }
 
 /// Goes round and round through the frames.
@@ -71,22 +72,22 @@ fn decode(bencher: Bencher<'_, '_>) {
     });
 }
 
-#[divan::bench]
-fn localisation(bencher: Bencher<'_, '_>) {
+#[divan::bench(args = [TrackerName::Fused, TrackerName::Camshift])]
+fn localisation(bencher: Bencher<'_, '_>, name: TrackerName) {
     let clip = PracticeClip::new(SIZE, 1);
     let frames = frames(&clip);
-    let mut tracker = tracker();
+    let mut tracker = tracker(name);
     tracker.select(&frames[0], clip.truth(0).selection).expect("the boat is red");
     let index = Cell::new(0);
     bencher.bench_local(|| tracker.track(&frames[next(&index, frames.len())], None));
 }
 
-#[divan::bench]
-fn whole_step(bencher: Bencher<'_, '_>) {
+#[divan::bench(args = [TrackerName::Fused, TrackerName::Camshift])]
+fn whole_step(bencher: Bencher<'_, '_>, name: TrackerName) {
     let clip = PracticeClip::new(SIZE, 1);
     let frames = frames(&clip);
     let settings = PilotSettings { profile: VehicleProfile::fotokite_pro() };
-    let mut pilot = Pilot::new(settings, Box::new(tracker()));
+    let mut pilot = Pilot::new(settings, tracker(name));
     let selection = OperatorRequest::Select(clip.truth(0).selection);
     pilot.step(Input::Request(selection), Timestamp::ZERO);
     pilot.step(Input::Request(OperatorRequest::Engage), Timestamp::ZERO);

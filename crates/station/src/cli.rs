@@ -9,6 +9,8 @@ use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use crate::tracker::TrackerName;
+
 /// Keeps an unmanned surface vehicle in a small tethered UAV's view, moving the camera as little as possible.
 #[derive(Debug, Parser)]
 #[command(name = "barrelman", version, max_term_width = 100)]
@@ -80,6 +82,9 @@ pub struct DemoArgs {
     /// Where the clip, the annotated video and the recording go.
     #[arg(long, default_value = "demo-output")]
     pub output: PathBuf,
+    /// The tracker.
+    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
+    pub tracker: TrackerName,
     /// Draw the practice clip and its truth, and run nothing.
     #[arg(long)]
     pub draw_only: bool,
@@ -90,7 +95,12 @@ pub struct DemoArgs {
 
 impl Default for DemoArgs {
     fn default() -> Self {
-        Self { output: PathBuf::from("demo-output"), draw_only: false, force: true }
+        Self {
+            output: PathBuf::from("demo-output"),
+            tracker: TrackerName::default(),
+            draw_only: false,
+            force: true,
+        }
     }
 }
 
@@ -117,6 +127,9 @@ pub struct RunArgs {
     /// Follow what is in this box of the first picture: left, top, width, height in pixels.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
+    /// The tracker; without it the configuration's, which is fused unless something else is said.
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub tracker: Option<TrackerName>,
     /// Move the camera from the start.
     #[arg(long)]
     pub engage: bool,
@@ -157,7 +170,7 @@ pub struct TrackArgs {
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
     /// The tracker.
-    #[arg(long, value_enum, default_value_t = TrackerName::Camshift)]
+    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
     pub tracker: TrackerName,
     /// Write the annotated video here.
     #[arg(long, value_name = "OUT.mp4")]
@@ -171,13 +184,6 @@ pub struct TrackArgs {
     /// Overwrite output files that exist.
     #[arg(long)]
     pub force: bool,
-}
-
-/// The trackers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum TrackerName {
-    /// Hue-histogram back projection and CamShift, as the paper has it.
-    Camshift,
 }
 
 /// The camera laws.

@@ -12,7 +12,7 @@
 //! (integers where pixels are counted, `libm` beyond). No allocation per frame once the buffers have their size.
 //! No knowledge of what a localisation is used for: no camera, no rates, no region of interest. The motion of the
 //! camera comes in as a [`MotionPrior`](barrelman_vocab::MotionPrior), and a tracker works without it.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod tracker;
 
@@ -21,6 +21,20 @@ mod config;
 
 mod back_projection;
 mod likeness;
+
+mod background;
+mod colour_model;
+mod correlation;
+mod crop;
+mod features;
+mod fourier;
+mod fused;
+mod gradients;
+mod heading;
+mod motion;
+mod redetection;
+mod silhouette;
+mod simd;
 
 mod histogram;
 mod hue;
@@ -33,7 +47,8 @@ mod explanation;
 
 pub use camshift::CamShift;
 pub use config::{CamShiftConfig, ConfigError};
-pub use explanation::{Explanation, GreyMap};
+pub use explanation::{Explanation, GreyMap, Stage};
+pub use fused::{FusedConfig, FusedConfigError, FusedTracker};
 pub use histogram::{HueHistogram, UncountableHues};
 pub use hue::{BELOW_FLOORS, Floors, HueOfYuv};
 pub use mean_shift::{Criteria, EDGE_PX, MARGIN, Search, Target, cam_shift};

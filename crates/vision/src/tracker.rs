@@ -32,11 +32,12 @@ pub struct SelectionReport {
     pub used: PixelBox,
     /// Whether part of the selection lay outside the picture and was cut off.
     pub clipped: bool,
-    /// Share of the box's pixels that have a colour to go by (saturation and value above the floors), 0 to 1.
+    /// Share of the box's pixels that have a colour to go by, 0 to 1: saturation and value above the floors (CamShift),
+    /// or rather the target's colour than its surroundings' (fused tracker).
     pub coloured: f64,
-    /// Mean likeness to the target in a ring around the box, 0 to 1, to be held against the confidence of
-    /// `localisation`, which is the same within the box: where the two are alike, the surroundings have the
-    /// target's colour, and a tracker that goes by colour will wander off. 0 where the box fills the picture.
+    /// Mean likeness to the target in a ring around the box, 0 to 1; 0 where the box fills the picture. Near 0 the
+    /// colour is distinct. CamShift: to be held against the confidence of `localisation`, the same within the box;
+    /// where the two are alike, it will wander off. Fused tracker: from about 0.5 on it goes by the pattern alone.
     pub surroundings: f64,
     /// Where the target is on the frame of the selection: the box itself, with the target's axes as measured in it.
     pub localisation: Localisation,

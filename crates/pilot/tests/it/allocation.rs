@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use barrelman_pilot::{Input, Pilot};
 use barrelman_sim::practice::PracticeClip;
-use barrelman_vision::{CamShift, CamShiftConfig};
+use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{OperatorRequest, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
 
@@ -45,13 +45,25 @@ fn drawn(clip: &PracticeClip, index: u32, sequence: u64, captured: Timestamp) ->
 }
 
 #[test]
-fn steps_allocate_nothing_after_the_first_round() {
+fn steps_with_camshift_allocate_nothing_after_the_first_round() {
+    steps_allocate_nothing_after_the_first_round(Box::new(CamShift::new(CamShiftConfig::default()).unwrap()));
+}
+
+#[test]
+fn steps_with_the_fused_tracker_allocate_nothing_after_the_first_round() {
+    steps_allocate_nothing_after_the_first_round(Box::new(
+        FusedTracker::new(FusedConfig::default()).unwrap(),
+    ));
+}
+
+#[track_caller]
+fn steps_allocate_nothing_after_the_first_round(tracker: Box<dyn Tracker>) {
     let clip = PracticeClip::new(SIZE, 1);
-    let mut pilot = Pilot::new(settings(), Box::new(CamShift::new(CamShiftConfig::default()).unwrap()));
+    let mut pilot = Pilot::new(settings(), tracker);
     let mut sequence = 0_u64;
     let mut round = || {
         let (mut allocations, mut moved, mut followed) = (0, 0, 0);
-        // Every third frame: the boat passes all four sectors twice in 240 frames.
+        // Every third frame: the boat passes all four sectors twice in 240 frames, so fast that it is lost now and then.
         for index in (0..clip.frames()).step_by(3) {
             let captured = Timestamp::from_nanos(1_000_000_000 + sequence * 33_000_000);
             let now = captured.plus(core::time::Duration::from_millis(50));
@@ -83,7 +95,7 @@ fn steps_allocate_nothing_after_the_first_round() {
     assert!(first > 0, "the allocator is not counted");
     let (allocations, moved, followed) = round();
     assert!(
-        moved > 50 && followed > 200,
+        moved > 50 && followed > 120,
         "{moved} moving and {followed} tracked of 240: the test shows nothing"
     );
     assert_eq!(allocations, 0);

@@ -80,6 +80,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             link: Some(format!("serial:{}", port.display())),
             profile: None,
             select: Some(selection),
+            tracker: Some(args.tracker),
             engage: true,
             headless: true,
             record: Some(recording.clone()),

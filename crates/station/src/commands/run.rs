@@ -9,7 +9,6 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Pilot, PilotSettings};
 use barrelman_trial::records::RecordingStart;
-use barrelman_vision::CamShift;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, VideoFrame};
 
@@ -78,6 +77,7 @@ fn effective(args: &RunArgs) -> Result<Configuration> {
     over(&mut file.video.url, &args.video);
     over(&mut file.link.url, &args.link);
     over(&mut file.vehicle.profile, &args.profile);
+    file.tracker.name = args.tracker.or(file.tracker.name);
     let context = || match &args.config {
         Some(path) => format!("the configuration {} is not usable", path.display()),
         None => "the command line is not usable".to_owned(),
@@ -90,8 +90,8 @@ fn effective(args: &RunArgs) -> Result<Configuration> {
 /// # Errors
 /// If the tracker's settings lie outside their ranges.
 pub fn pilot_for(configuration: &Configuration) -> Result<Pilot> {
-    let tracker = CamShift::new(configuration.tracker)?;
-    Ok(Pilot::new(PilotSettings { profile: configuration.profile.clone() }, Box::new(tracker)))
+    let settings = PilotSettings { profile: configuration.profile.clone() };
+    Ok(Pilot::new(settings, configuration.tracker.tracker()?))
 }
 
 fn live(

@@ -5,15 +5,16 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
+use barrelman_vision::{Explanation, Tracker};
 use barrelman_vocab::{Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
 use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
 
-use crate::cli::{TrackArgs, TrackerName};
+use crate::cli::TrackArgs;
 use crate::film::Film;
 use crate::output;
+use crate::tracker::TrackerSettings;
 use crate::video::{DecodeError, FileFrames, VideoError, VideoUrl};
 
 /// The header of `track.csv`.
@@ -24,6 +25,7 @@ pub const HEADER: &str =
 struct Figures {
     frames: u64,
     lost_frames: u64,
+    coasting_frames: u64,
     damaged_pictures: u64,
     tracker: &'static str,
     tracker_cpu_ms: Spread,
@@ -59,13 +61,12 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     }
     let mut frames = FileFrames::open(&url)?;
     let mut tracked = Tracked {
-        tracker: match args.tracker {
-            TrackerName::Camshift => Box::new(CamShift::new(CamShiftConfig::default())?),
-        },
+        tracker: TrackerSettings::of(args.tracker).tracker()?,
         output: None,
         film: args.overlay.as_deref().map(|path| Film::new(path, VehicleProfile::fotokite_pro().region)),
         explanation: args.explain.then(Explanation::default),
         lost: 0,
+        coasting: 0,
         tracker_times: Vec::new(),
     };
     let progress = progress_bar(&frames);
@@ -99,7 +100,8 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     if index <= args.start_frame && failure.is_none() {
         bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
     }
-    let (lost_frames, tracker_times) = (tracked.lost, std::mem::take(&mut tracked.tracker_times));
+    let (lost_frames, coasting_frames) = (tracked.lost, tracked.coasting);
+    let tracker_times = std::mem::take(&mut tracked.tracker_times);
     if let Some(film) = tracked.film {
         film.finish()?;
     }
@@ -110,8 +112,9 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         let figures = Figures {
             frames: index.saturating_sub(args.start_frame),
             lost_frames,
+            coasting_frames,
             damaged_pictures: damaged,
-            tracker: "camshift",
+            tracker: args.tracker.word(),
             tracker_cpu_ms: Spread::of(tracker_times),
             decode_cpu_ms: Spread::of(decode_times),
         };
@@ -147,6 +150,7 @@ struct Tracked {
     film: Option<Film>,
     explanation: Option<Explanation>,
     lost: u64,
+    coasting: u64,
     tracker_times: Vec<Duration>,
 }
 
@@ -181,6 +185,7 @@ impl Tracked {
             track
         };
         self.lost += u64::from(matches!(track, Track::Lost { .. }));
+        self.coasting += u64::from(matches!(track, Track::Coasting(_)));
         // A file's own times count from its beginning.
         write_row(self.output(args)?, index, frame.capture.at.as_secs_f64(), &track)?;
         if let Some(film) = &mut self.film {

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::tracker::TrackerSection;
+
 /// A configuration file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -98,16 +100,4 @@ pub struct VehicleSection {
     /// How long a rate may last after the last fresh localisation arrived, seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coast_motion_s: Option<f64>,
-}
-
-/// The tracker.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct TrackerSection {
-    /// Least saturation of a pixel that counts, 0 to 255.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub saturation_floor: Option<u8>,
-    /// Least value (brightness) of a pixel that counts, 0 to 255.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub value_floor: Option<u8>,
 }

@@ -6,12 +6,14 @@
 
 pub mod file;
 pub mod resolve;
+pub mod tracker;
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
 
 use crate::input;
+use crate::tracker::TrackerName;
 
 pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
@@ -35,6 +37,17 @@ pub fn read(path: &Path) -> Result<ConfigFile> {
 /// If a key is unknown or a value has another type; the message points at it.
 pub fn parse(text: &str) -> Result<ConfigFile> {
     Ok(toml::from_str(text)?)
+}
+
+/// Reads the configuration that a recording begins with. One that names no tracker was made when CamShift was the
+/// only one.
+///
+/// # Errors
+/// If a key is unknown or a value has another type; the message points at it.
+pub fn parse_recorded(text: &str) -> Result<ConfigFile> {
+    let mut file = parse(text)?;
+    file.tracker.name.get_or_insert(TrackerName::Camshift);
+    Ok(file)
 }
 
 /// The JSON schema of a configuration file.

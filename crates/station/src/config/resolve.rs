@@ -3,14 +3,13 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use barrelman_vision::CamShiftConfig;
 use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use barrelman_wire::fotokite_pro::Framing;
 
-use super::file::{
-    ConfigFile, LineEnding, LinkSection, SignName, TrackerSection, VehicleSection, VideoSection,
-};
+use super::file::{ConfigFile, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
+use super::tracker::TrackerSection;
+use crate::tracker::TrackerSettings;
 
 /// The effective configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +23,7 @@ pub struct Configuration {
     /// The vehicle.
     pub profile: VehicleProfile,
     /// The tracker.
-    pub tracker: CamShiftConfig,
+    pub tracker: TrackerSettings,
 }
 
 /// Names of the vehicle profiles that are built in.
@@ -50,12 +49,6 @@ impl Configuration {
         let vehicle = &file.vehicle;
         let profile_name = vehicle.profile.as_deref().unwrap_or(PROFILES[0]);
         let profile = overridden(profile_named(profile_name).context("vehicle.profile")?, vehicle)?;
-        let defaults = CamShiftConfig::default();
-        let tracker = CamShiftConfig {
-            saturation_floor: file.tracker.saturation_floor.unwrap_or(defaults.saturation_floor),
-            value_floor: file.tracker.value_floor.unwrap_or(defaults.value_floor),
-            ..defaults
-        };
         Ok(Self {
             video: file.video.url.clone(),
             link: file.link.url.clone(),
@@ -64,7 +57,7 @@ impl Configuration {
                 Some(LineEnding::Lf) => Framing::LineFeed,
             },
             profile,
-            tracker: tracker.validated().context("tracker")?,
+            tracker: file.tracker.settings().validated()?,
         })
     }
 
@@ -102,10 +95,7 @@ impl Configuration {
                 stale_after_s: seconds(profile.stale_after),
                 coast_motion_s: seconds(profile.coast_motion),
             },
-            tracker: TrackerSection {
-                saturation_floor: Some(self.tracker.saturation_floor),
-                value_floor: Some(self.tracker.value_floor),
-            },
+            tracker: TrackerSection::of(&self.tracker),
         }
     }
 

@@ -3,8 +3,8 @@
 //! An [`Overlay`] takes a frame and a [`Scene`] (what is known at that frame) and fills a picture of the same size
 //! and encoding. The frame itself is never written to. Shown are the elliptical region and its sectors, the track,
 //! the line from the picture's centre to the target with r and the angle as in Biswas et al. (`biswas2017`), P, the
-//! camera command and a status strip; with an explanation of the tracker also its search window, back projection
-//! and hue histogram.
+//! camera command and a status strip; with an explanation of the tracker also its search window,
+//! its own word for its state, its confidence, back projection, response and hue histogram.
 //!
 //! It is drawn in red, green and blue on a transparent layer, which is then mixed into the samples with the frame's
 //! own matrix and range. Samples under a transparent part of the layer keep their bits.
@@ -109,8 +109,8 @@ impl Overlay {
         if pen.style.detail > Detail::Bare {
             strip.draw(pen, places, frame, scene, sight);
         }
-        if let Some(explanation) = scene.explanation.filter(|_| pen.style.detail == Detail::Full) {
-            panel.draw(pen, places, explanation);
+        if let Some(explanation) = scene.explanation.filter(|_| pen.style.detail > Detail::Bare) {
+            panel.draw(pen, places, explanation, sight.map(|sight| sight.bounds));
         }
         if let Some(sight) = sight {
             target::draw(pen, sight);

@@ -15,6 +15,8 @@ pub(super) struct Ink {
 impl Ink {
     /// The accent: the target while it is tracked, and whatever the camera is made to do.
     pub(super) const ACCENT: Self = Self::opaque(94, 234, 212);
+    /// Where the target's pattern fits.
+    pub(super) const PATTERN: Self = Self::opaque(167, 110, 250);
     /// The target while it coasts; a pilot that holds.
     pub(super) const CAUTION: Self = Self::opaque(251, 191, 36);
     /// A lost target; a stop.
@@ -62,7 +64,7 @@ pub(super) enum Detail {
     /// Lines only: below 200 x 120 pixels there is no room for words.
     #[default]
     Bare,
-    /// The status strip and the lost banner, but no labels in the picture: below 480 x 300 pixels.
+    /// The status strip, the lost banner and the tracker's panel, but no labels in the picture: below 480 x 300 pixels.
     Sparse,
     /// Everything.
     Full,

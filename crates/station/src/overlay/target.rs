@@ -109,7 +109,7 @@ fn draw_box(pen: &mut Pen, sight: &Sight) {
     }
     let line = Line::of(sight.ink());
     if sight.coasting {
-        pen.line(upright(sight.bounds), line.dashed());
+        pen.line(upright(sight.bounds), line.dashed().wide(1.3));
         return;
     }
     pen.line(upright(sight.bounds), Line::of(sight.ink().at(0.35)));
@@ -137,11 +137,16 @@ fn draw_axes(pen: &mut Pen, sight: &Sight) {
     if let Some(heading) = sight.heading.map(Angle::radians) {
         let reach =
             sight.shape.map_or(sight.bounds.w.min(sight.bounds.h) / 2.0, |shape| shape.major_px / 2.0);
-        let size = f64::from(pen.style.scaled(9.0));
+        let size = f64::from(pen.style.scaled(12.0).max(7.0));
         let tip = towards(sight.centre, heading, reach + size);
         let tip_point = PixelPoint { u: f64::from(tip.0), v: f64::from(tip.1) };
-        let barb = |side: f64| towards(tip_point, heading + PI - side * 0.5, size);
-        pen.line(polyline([barb(1.0), tip, barb(-1.0)], false), Line::of(sight.ink()));
+        let barb = |side: f64| towards(tip_point, heading + PI - side * 0.45, size);
+        pen.segment((sight.centre.u as f32, sight.centre.v as f32), tip, Line::of(sight.ink()));
+        let head = polyline([barb(1.0), tip, barb(-1.0)], true);
+        pen.line(head.clone(), Line::of(sight.ink()));
+        if let Some(head) = head {
+            pen.layer.fill(&head, sight.ink());
+        }
     }
 }
 

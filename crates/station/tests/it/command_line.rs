@@ -30,6 +30,13 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
     refused(&["emulate", "fotokite-pro"], 2, &["--pty"]);
     refused(&["track", "clip.mp4", "--select", "1,2,3,4", "--json"], 2, &["--output"]);
     refused(&["fly"], 2, &["fly"]);
+    refused(
+        &["track", "clip.mp4", "--select", "1,2,3,4", "--tracker", "csrt"],
+        2,
+        &["csrt", "fused", "camshift"],
+    );
+    refused(&["run", "--video", "file:clip.mp4", "--tracker", "csrt"], 2, &["csrt", "fused", "camshift"]);
+    refused(&["demo", "--tracker", "csrt"], 2, &["csrt", "fused", "camshift"]);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The configuration: the example, the schema, and what is refused.
 
 use barrelman_station::config::{self, ConfigFile, Configuration};
+use barrelman_station::tracker::TrackerName;
 
 fn resolved(text: &str) -> Result<Configuration, String> {
     let resolve = || -> anyhow::Result<Configuration> { Configuration::resolve(&config::parse(text)?) };
@@ -23,8 +24,9 @@ fn the_example_says_what_the_defaults_are() {
 
 #[test]
 fn the_effective_configuration_reads_back_as_itself() {
-    let changed =
-        resolved("[vehicle]\nregion_half_width = 0.4\nyaw_sign = \"same\"\n[tracker]\nvalue_floor = 7\n");
+    let changed = resolved(
+        "[vehicle]\nregion_half_width = 0.4\nyaw_sign = \"same\"\n[tracker]\nname = \"camshift\"\nvalue_floor = 7\n[tracker.fused]\ncoast_s = 0.7\nconfirm = 9\n",
+    );
     let changed = changed.expect("it is usable");
     assert_eq!(resolved(&changed.to_toml().unwrap()), Ok(changed));
 }
@@ -62,5 +64,38 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[vehicle]\ncoast_motion_s = -1.0\n", "coast_motion_s = -1");
     refused("[link]\nline_ending = \"crlf\"\n", "cr-around");
     refused("[tracker]\nvalue_floor = 300\n", "300");
+    refused("[tracker]\nname = \"csrt\"\n", "`fused` or `camshift`");
+    refused("[tracker.fusd]\ncoast_s = 0.4\n", "fusd");
+    refused("[tracker.fused]\ncoast = 0.4\n", "coast_s");
+    refused("[tracker.fused]\ncoast_s = 3.0\n", "tracker.fused.coast_s = 3: use 0 to 2");
+    refused("[tracker.fused]\nconfirm = -1\n", "line 2");
+    refused("[tracker.fused]\nconfirm = 21\n", "tracker.fused.confirm = 21: use 0 to 20");
+    refused("[tracker.fused]\npadding = nan\n", "tracker.fused.padding = NaN: use 2.5 to 6");
+    refused("[tracker.fused]\nlearning_rate = 0\n", "tracker.fused.learning_rate = 0: use 0.001 to 0.5");
+    // Also where the other tracker is used.
+    refused("[tracker]\nname = \"camshift\"\n[tracker.fused]\nagility = 0\n", "tracker.fused.agility = 0");
     refused("[nonsense]\n", "nonsense");
+}
+
+#[test]
+fn the_fused_tracker_is_used_unless_another_is_named() {
+    assert_eq!(resolved("").unwrap().tracker.name, TrackerName::Fused);
+    assert_eq!(resolved("[tracker]\nname = \"camshift\"\n").unwrap().tracker.name, TrackerName::Camshift);
+    // The settings of the one say nothing of which is used.
+    assert_eq!(resolved("[tracker]\nvalue_floor = 7\n").unwrap().tracker.name, TrackerName::Fused);
+}
+
+#[test]
+fn a_recording_is_replayed_with_the_tracker_that_made_it() {
+    let recorded = |text: &str| {
+        let file = config::parse_recorded(text).expect("it is usable");
+        Configuration::resolve(&file).expect("it is usable").tracker.name
+    };
+    // As the program wrote it when CamShift was the only tracker.
+    assert_eq!(recorded("[tracker]\nsaturation_floor = 60\nvalue_floor = 32\n"), TrackerName::Camshift);
+    assert_eq!(recorded(""), TrackerName::Camshift);
+    for name in [TrackerName::Fused, TrackerName::Camshift] {
+        let effective = resolved(&format!("[tracker]\nname = \"{}\"\n", name.word())).unwrap();
+        assert_eq!(recorded(&effective.to_toml().unwrap()), name);
+    }
 }

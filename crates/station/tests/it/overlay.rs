@@ -7,7 +7,7 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_station::overlay::{Overlay, Scene};
-use barrelman_vision::{Explanation, GreyMap};
+use barrelman_vision::{Explanation, GreyMap, Stage};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
@@ -55,6 +55,26 @@ fn explanation_of(size: PictureSize) -> Explanation {
         search_window: Some(target_at(size, 0.2, 0.2).bounds),
         back_projection: GreyMap { bounds, width: 8, height: 6, samples: (0..48).map(|n| n * 5).collect() },
         histogram: (0..32).map(|bin| bin * 8).collect(),
+        ..Explanation::default()
+    }
+}
+
+/// What a tracker by pattern and colour gives: maps coarser than the picture, and a state.
+fn fused_explanation_of(size: PictureSize, stage: Stage, confidence: f64) -> Explanation {
+    let window = PixelBox { u: -9.0, v: 12.0, w: 64.0, h: 64.0 };
+    let map = |side: usize| GreyMap {
+        bounds: window,
+        width: side,
+        height: side,
+        samples: (0..side * side).map(|index| (index % 251) as u8).collect(),
+    };
+    Explanation {
+        back_projection: map(16),
+        response: map(32),
+        histogram: Vec::new(),
+        stage: Some(stage),
+        confidence,
+        ..explanation_of(size)
     }
 }
 
@@ -263,17 +283,74 @@ fn every_size_and_state_is_drawn() {
     for (width, height) in sizes {
         let size = PictureSize::new(width, height);
         let frame = grey(size, ColourEncoding::JPEG);
-        let explanation = explanation_of(size);
+        let explanations = [
+            explanation_of(size),
+            fused_explanation_of(size, Stage::Tracking, 0.8),
+            fused_explanation_of(size, Stage::Coasting, 0.4),
+            fused_explanation_of(size, Stage::Lost, 0.0),
+            fused_explanation_of(size, Stage::Confirming, f64::NAN),
+        ];
         let (mut overlay, mut out) = (Overlay::new(), Picture::black(size, ColourEncoding::JPEG));
         for track in tracks(size) {
             for mode in MODES {
-                for explanation in [None, Some(&explanation)] {
+                for explanation in [None].into_iter().chain(explanations.iter().map(Some)) {
                     overlay.draw(&frame, &scene_of(size, &track, mode, explanation), &mut out);
                     assert_eq!(out.size(), size);
                 }
             }
         }
     }
+}
+
+/// How many luma samples of a corner's quarter of the picture differ between two drawings.
+fn differing(a: &Picture, b: &Picture) -> usize {
+    let size = a.size();
+    let rows = 0..size.height as usize;
+    rows.map(|row| a.y().row(row).iter().zip(b.y().row(row)).filter(|(a, b)| a != b).count()).sum()
+}
+
+#[test]
+fn small_and_large_pictures_show_the_maps_the_state_and_the_confidence() {
+    for size in [PictureSize::new(320, 180), HD] {
+        let frame = grey(size, ColourEncoding::JPEG);
+        let track = Track::Tracking(target_at(size, 0.1, 0.1));
+        let show =
+            |explanation: &Explanation| drawn(&frame, &scene_of(size, &track, None, Some(explanation)));
+        let whole = fused_explanation_of(size, Stage::Tracking, 0.8);
+        let shown = show(&whole);
+        let without = |change: fn(&mut Explanation)| {
+            let mut changed = whole.clone();
+            change(&mut changed);
+            differing(&shown, &show(&changed))
+        };
+        let map_area = (f64::from(size.height) * 0.15).powi(2) as usize;
+        assert!(without(|changed| changed.response.samples.fill(0)) > map_area / 2, "no response at {size}");
+        assert!(without(|changed| changed.back_projection.samples.fill(0)) > map_area / 2, "{size}");
+        assert!(without(|changed| changed.stage = Some(Stage::Confirming)) > 20, "no state at {size}");
+        assert!(without(|changed| changed.confidence = 0.3) > 20, "no confidence at {size}");
+    }
+}
+
+#[test]
+fn a_coarse_map_is_shown_where_its_bounds_say() {
+    let frame = grey(HD, ColourEncoding::JPEG);
+    let track = Track::Unseeded;
+    let window = PixelBox { u: 100.0, v: 100.0, w: 80.0, h: 80.0 };
+    let response = GreyMap { bounds: window, width: 2, height: 2, samples: vec![0; 4] };
+    // One sample in the middle of the window, whatever the map's resolution: the pictures are the same.
+    let of = |side: usize, bounds: PixelBox, bright: &dyn Fn(usize, usize) -> bool| {
+        let sample = |index: usize| if bright(index % side, index / side) { 255 } else { 0 };
+        let samples = (0..side * side).map(sample).collect();
+        let back_projection = GreyMap { bounds, width: side, height: side, samples };
+        let explanation = Explanation { back_projection, response: response.clone(), ..Default::default() };
+        drawn(&frame, &scene_of(HD, &track, None, Some(&explanation)))
+    };
+    let coarse = of(4, window, &|column, row| column == 1 && row == 2);
+    let fine = of(8, window, &|column, row| column / 2 == 1 && row / 2 == 2);
+    let wide = PixelBox { u: 60.0, v: 60.0, w: 160.0, h: 160.0 };
+    let larger = of(8, wide, &|column, row| column == 3 && row == 4);
+    assert_eq!(differing(&coarse, &fine), 0);
+    assert_eq!(differing(&coarse, &larger), 0);
 }
 
 #[test]

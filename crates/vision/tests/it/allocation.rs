@@ -2,10 +2,12 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::time::Duration;
 
-use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
+use barrelman_vision::{CamShift, CamShiftConfig, Explanation, FusedConfig, FusedTracker, Tracker};
+use barrelman_vocab::{MotionPrior, Track, VideoFrame};
 
-use crate::scenes::{BLUE, RED, frame, pixels};
+use crate::scenes::{BLUE, Hull, Paint, RED, Scene, frame, pixels};
 
 /// Counts what this thread asks for, so that tests beside it are not counted.
 struct Counting;
@@ -49,4 +51,59 @@ fn tracking_and_explaining_allocate_nothing_after_the_first_frames() {
         tracker.explain(&mut explanation);
     }
     assert_eq!(REQUESTS.get(), before);
+}
+
+/// A boat that goes to the right out of the picture, stays away for a while, and comes back in another place.
+fn voyage() -> Vec<VideoFrame> {
+    let hull = Hull {
+        paint: Paint { colour: RED, contrast: 50.0, pattern: 2 },
+        centre: (160.0, 120.0),
+        length: 60.0,
+        breadth: 34.0,
+        turned_deg: 20.0,
+    };
+    let water = Paint { colour: BLUE, contrast: 30.0, pattern: 1 };
+    let mut scene =
+        Scene { size: (320, 240), water, shift: (0.0, 0.0), clutter: Vec::new(), hulls: vec![hull] };
+    let frame = |step: u64| {
+        let boat = &mut scene.hulls[0];
+        match step {
+            0..45 => boat.centre.0 = 160.0 + 5.0 * step as f64,
+            45..70 => boat.centre.0 = 1000.0,
+            _ => boat.centre = (80.0 + step as f64, 70.0),
+        }
+        boat.turned_deg = 20.0 + step as f64;
+        scene.at_ms(33 * step)
+    };
+    (0..90).map(frame).collect()
+}
+
+#[test]
+fn following_losing_and_finding_again_allocate_nothing_after_the_first_frames() {
+    let voyage = voyage();
+    let prior =
+        MotionPrior { shift_u_px: 0.0, shift_v_px: 0.0, deviation_px: 1.0, over: Duration::from_millis(33) };
+    let mut tracker = FusedTracker::new(FusedConfig::default()).unwrap();
+    let mut explanation = Explanation::default();
+    let mut lost = 0;
+    for round in 0..3 {
+        // The first round gives the buffers their size; in the last the motion comes from the camera.
+        tracker.select(&voyage[0], pixels(129.0, 100.0, 62.0, 40.0)).unwrap();
+        let prior = (round == 2).then_some(&prior);
+        tracker.track(&voyage[1], prior);
+        let before = REQUESTS.get();
+        assert!(before > 0, "the allocator is not counted");
+        let mut tracked = 0;
+        for frame in &voyage[2..] {
+            match tracker.track(frame, prior) {
+                Track::Lost { .. } => lost += 1,
+                _ => tracked += 1,
+            }
+            tracker.explain(&mut explanation);
+        }
+        assert!(lost > 20 && tracked > 40, "{lost} {tracked}");
+        if round > 0 {
+            assert_eq!(REQUESTS.get(), before, "round {round}");
+        }
+    }
 }

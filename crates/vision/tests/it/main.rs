@@ -4,6 +4,9 @@
 mod agreement_with_opencv;
 mod allocation;
 mod any_input;
+mod any_input_to_the_fused_tracker;
 mod following;
+mod following_by_pattern_and_colour;
 mod scenes;
 mod selecting;
+mod selecting_for_the_fused_tracker;

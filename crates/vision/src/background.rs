@@ -1,0 +1,204 @@
+//! How the picture shifted since the last frame, from the picture: for recordings that come without commands.
+//!
+//! A patch around the target, the target itself blanked out, is compared with what lies at the same place in the
+//! next frame, by phase correlation (Kuglin and Hines 1975): the inverse transform of conj(F) G / |F G| peaks at the
+//! shift. Water moves by itself, so the answer is one of several witnesses and never the track.
+
+use barrelman_vocab::video::Plane;
+
+use crate::correlation::Peak;
+use crate::crop::decimated;
+use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
+
+/// Compares patches of the surroundings.
+#[derive(Debug)]
+pub(crate) struct Background {
+    last: Spectrum,
+    next: Spectrum,
+    work: Spectrum,
+    seen: Option<Patch>,
+    samples: Vec<u8>,
+    columns: Vec<u16>,
+    map: Box<Map>,
+    response: Box<Map>,
+    window: Box<Map>,
+}
+
+/// A square of the picture on whole pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Patch {
+    left: i32,
+    top: i32,
+    /// Pixels per sample.
+    step: i32,
+    /// Half side of the square around its middle that is left out, pixels.
+    blank: f32,
+}
+
+/// Peaks that stand out less than this say nothing.
+const LEAST_SIDELOBE_RATIO: f32 = 11.0;
+/// The patch is this many times as wide as what is left out in its middle, ...
+const PATCH_BLANKS: f32 = 3.0;
+/// ... and at least this share of the picture's height.
+const LEAST_SHARE: f32 = 0.35;
+
+impl Background {
+    pub(crate) fn new() -> Self {
+        let mut window: Box<Map> = Box::new([0.0; AREA]);
+        let hann = |k: usize| 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * (k as f64 + 0.5) / SIDE as f64);
+        for (index, value) in window.iter_mut().enumerate() {
+            *value = (hann(index / SIDE) * hann(index % SIDE)) as f32;
+        }
+        Self {
+            last: Spectrum::default(),
+            next: Spectrum::default(),
+            work: Spectrum::default(),
+            seen: None,
+            samples: Vec::new(),
+            columns: Vec::new(),
+            map: Box::new([0.0; AREA]),
+            response: Box::new([0.0; AREA]),
+            window,
+        }
+    }
+
+    /// Forgets the last frame.
+    pub(crate) fn forget(&mut self) {
+        self.seen = None;
+    }
+
+    /// The shift (pixels, right and down) of the surroundings since [`Self::remember`], if it can be told.
+    pub(crate) fn shift(&mut self, luma: Plane<'_>, fourier: &mut Fourier) -> Option<(f32, f32)> {
+        let patch = self.seen?;
+        self.measure(luma, fourier, patch);
+        let (work_re, work_im) = (&mut self.work.re, &mut self.work.im);
+        for index in 0..AREA {
+            let (a_re, a_im) = (self.last.re[index], self.last.im[index]);
+            let (b_re, b_im) = (self.next.re[index], self.next.im[index]);
+            let (re, im) = (a_re * b_re + a_im * b_im, a_re * b_im - a_im * b_re);
+            // Not quite phase alone: what is weak is mostly noise.
+            let scale = 1.0 / (re * re + im * im + 1.0e-6).sqrt().sqrt();
+            work_re[index] = re * scale;
+            work_im[index] = im * scale;
+        }
+        fourier.inverse(&self.work, &mut self.response);
+        let peak = Peak::of(&self.response);
+        let limit = (SIDE / 3) as f32;
+        if peak.sidelobe_ratio < LEAST_SIDELOBE_RATIO || peak.right.abs() > limit || peak.down.abs() > limit {
+            return None;
+        }
+        Some((peak.right * patch.step as f32, peak.down * patch.step as f32))
+    }
+
+    /// Remembers what lies around the target for the next frame; a square of `blank` pixels a side at its middle is
+    /// left out.
+    pub(crate) fn remember(
+        &mut self,
+        luma: Plane<'_>,
+        fourier: &mut Fourier,
+        centre: (f32, f32),
+        blank: f32,
+    ) {
+        let side = (PATCH_BLANKS * blank).max(LEAST_SHARE * luma.height as f32);
+        // A cast takes what is not a number to 0.
+        let step = ((side / SIDE as f32) as i32).clamp(1, 64);
+        let half = step * (SIDE / 2) as i32;
+        let patch =
+            Patch { left: centre.0 as i32 - half, top: centre.1 as i32 - half, step, blank: 0.5 * blank };
+        self.measure(luma, fourier, patch);
+        core::mem::swap(&mut self.last, &mut self.next);
+        self.seen = Some(patch);
+    }
+
+    fn measure(&mut self, luma: Plane<'_>, fourier: &mut Fourier, patch: Patch) {
+        decimated(
+            luma,
+            (patch.left, patch.top),
+            patch.step,
+            (SIDE, SIDE),
+            &mut self.columns,
+            &mut self.samples,
+        );
+        let mean = self.samples.iter().map(|&s| f32::from(s)).sum::<f32>() / AREA as f32;
+        let half = patch.blank / patch.step as f32;
+        for (index, (value, &sample)) in self.map.iter_mut().zip(&self.samples).enumerate() {
+            let off = |k: usize| (k as f32 + 0.5 - (SIDE / 2) as f32).abs();
+            let kept = off(index / SIDE) > half || off(index % SIDE) > half;
+            *value = if kept { (f32::from(sample) - mean) * self.window[index] } else { 0.0 };
+        }
+        fourier.forward_pair((&self.map, &self.map), (&mut self.next, &mut self.work));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 240;
+    const HEIGHT: usize = 180;
+
+    /// A luma plane of noise that moved by so many pixels, with `own` painted over its middle.
+    fn noise((right, down): (i32, i32), own: Option<u8>) -> Vec<u8> {
+        let mut samples = vec![0; WIDTH * HEIGHT];
+        for (index, sample) in samples.iter_mut().enumerate() {
+            let (column, row) = ((index % WIDTH) as i32, (index / WIDTH) as i32);
+            // Blocks of three pixels: what moves is coarser than a pixel.
+            let (across, along) = ((column - right).div_euclid(3), (row - down).div_euclid(3));
+            let mut state = (across.wrapping_mul(73_856_093) ^ along.wrapping_mul(19_349_663)) as u32;
+            state = (state ^ (state >> 15)).wrapping_mul(0x2c1b_3c6d);
+            state = (state ^ (state >> 12)).wrapping_mul(0x297a_2d39);
+            let target = (column - 120).abs() < 20 && (row - 90).abs() < 20;
+            *sample = own.filter(|_| target).unwrap_or((state >> 24) as u8);
+        }
+        samples
+    }
+
+    fn plane(data: &[u8]) -> Plane<'_> {
+        Plane { data, width: WIDTH, height: HEIGHT, stride: WIDTH }
+    }
+
+    fn shift_of(before: &[u8], after: &[u8]) -> Option<(f32, f32)> {
+        let (mut background, mut fourier) = (Background::new(), Fourier::new());
+        background.remember(plane(before), &mut fourier, (120.0, 90.0), 44.0);
+        background.shift(plane(after), &mut fourier)
+    }
+
+    #[test]
+    fn a_picture_that_moved_gives_the_shift() {
+        for (right, down) in [(0, 0), (8, 0), (0, -8), (-12, 16), (20, 4)] {
+            let seen = shift_of(&noise((0, 0), None), &noise((right, down), None));
+            let (u, v) = seen.unwrap_or_else(|| panic!("{right},{down}: not told"));
+            // Four pixels a sample, and a parabola between samples.
+            let off = (u - right as f32).abs().max((v - down as f32).abs());
+            assert!(off < 1.5, "{right},{down}: {u},{v}");
+        }
+    }
+
+    #[test]
+    fn the_target_in_the_middle_has_no_say() {
+        let moved = noise((-8, 4), Some(250));
+        let (u, v) = shift_of(&noise((0, 0), Some(250)), &moved).unwrap();
+        assert!((u + 8.0).abs() < 1.5 && (v - 4.0).abs() < 1.5, "{u},{v}");
+    }
+
+    #[test]
+    fn nothing_is_told_of_what_is_not_the_same() {
+        let first = noise((0, 0), None);
+        let other: Vec<u8> = first.iter().rev().copied().collect();
+        let flat = vec![90; WIDTH * HEIGHT];
+        assert_eq!(shift_of(&first, &other), None);
+        assert_eq!(shift_of(&flat, &flat), None);
+        assert_eq!(shift_of(&first, &flat), None);
+    }
+
+    #[test]
+    fn nothing_is_told_before_the_first_frame_nor_after_forgetting_it() {
+        let (mut background, mut fourier) = (Background::new(), Fourier::new());
+        let picture = noise((0, 0), None);
+        assert_eq!(background.shift(plane(&picture), &mut fourier), None);
+        background.remember(plane(&picture), &mut fourier, (120.0, 90.0), 44.0);
+        assert!(background.shift(plane(&picture), &mut fourier).is_some());
+        background.forget();
+        assert_eq!(background.shift(plane(&picture), &mut fourier), None);
+    }
+}

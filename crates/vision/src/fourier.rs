@@ -1,0 +1,290 @@
+//! The two-dimensional Fourier transform of small square maps, with the same bits on every machine.
+//!
+//! One side is a power of two, [`SIDE`]. Both directions are plain radix-2 passes over whole rows, so that every
+//! pass is a loop over independent columns (which a compiler turns into vector instructions without changing a
+//! bit). The forward transform decimates in frequency and leaves its output in bit-reversed order in both
+//! directions, transposed; the inverse takes just that. Products of spectra, value by value, do not mind the order.
+//!
+//! Two real maps go through one complex transform: one as the real, one as the imaginary part, and
+//! [`Fourier::forward_pair`] separates them by the symmetry of the spectra of real maps.
+
+use crate::simd::widest;
+
+/// Side of a map, values.
+pub(crate) const SIDE: usize = 32;
+/// Values in a map.
+pub(crate) const AREA: usize = SIDE * SIDE;
+
+/// A real map, rows one behind the other.
+pub(crate) type Map = [f32; AREA];
+
+/// The spectrum of a map, in the order that [`Fourier::forward_pair`] leaves.
+#[derive(Debug, Clone)]
+pub(crate) struct Spectrum {
+    pub(crate) re: Box<Map>,
+    pub(crate) im: Box<Map>,
+}
+
+impl Default for Spectrum {
+    fn default() -> Self {
+        Self { re: Box::new([0.0; AREA]), im: Box::new([0.0; AREA]) }
+    }
+}
+
+/// The factors of the transform, and room to work in.
+#[derive(Debug, Clone)]
+pub(crate) struct Fourier {
+    /// cos and sin of -2 pi k / SIDE, for k below SIDE / 2.
+    twiddle: [(f32, f32); SIDE / 2],
+    /// Where the value of the negative frequency of each position lies.
+    negative: Box<[u16; AREA]>,
+    work: Spectrum,
+}
+
+impl Fourier {
+    pub(crate) fn new() -> Self {
+        let mut twiddle = [(0.0, 0.0); SIDE / 2];
+        for (k, factor) in twiddle.iter_mut().enumerate() {
+            let angle = -core::f64::consts::TAU * k as f64 / SIDE as f64;
+            *factor = (libm::cos(angle) as f32, libm::sin(angle) as f32);
+        }
+        let bits = SIDE.trailing_zeros();
+        let reversed = |k: usize| (k.reverse_bits() >> (usize::BITS - bits)) % SIDE;
+        let mirrored = |position: usize| reversed((SIDE - reversed(position)) % SIDE);
+        let mut negative = Box::new([0; AREA]);
+        for row in 0..SIDE {
+            for column in 0..SIDE {
+                negative[row * SIDE + column] = (mirrored(row) * SIDE + mirrored(column)) as u16;
+            }
+        }
+        Self { twiddle, negative, work: Spectrum::default() }
+    }
+
+    /// The spectra of two real maps.
+    pub(crate) fn forward_pair(&mut self, maps: (&Map, &Map), spectra: (&mut Spectrum, &mut Spectrum)) {
+        forward_pair(self, maps, spectra);
+    }
+
+    /// The real maps whose spectra these are: of two at once.
+    pub(crate) fn inverse_pair(&mut self, spectra: (&Spectrum, &Spectrum), maps: (&mut Map, &mut Map)) {
+        inverse_pair(self, spectra, maps);
+    }
+
+    /// The real map whose spectrum this is.
+    pub(crate) fn inverse(&mut self, spectrum: &Spectrum, map: &mut Map) {
+        inverse(self, spectrum, map);
+    }
+}
+
+widest! {
+fn forward_pair(fourier: &mut Fourier, maps: (&Map, &Map), spectra: (&mut Spectrum, &mut Spectrum)) {
+        fourier.work.re.copy_from_slice(maps.0);
+        fourier.work.im.copy_from_slice(maps.1);
+        decimate_in_frequency(&fourier.twiddle, &mut fourier.work);
+        transpose(&mut fourier.work.re);
+        transpose(&mut fourier.work.im);
+        decimate_in_frequency(&fourier.twiddle, &mut fourier.work);
+        let (first, second) = spectra;
+        let Spectrum { re, im } = &fourier.work;
+        for (position, &mirror) in fourier.negative.iter().enumerate() {
+            let mirror = usize::from(mirror) % AREA;
+            let (z_re, z_im) = (re[position], im[position]);
+            let (n_re, n_im) = (re[mirror], im[mirror]);
+            first.re[position] = 0.5 * (z_re + n_re);
+            first.im[position] = 0.5 * (z_im - n_im);
+            second.re[position] = 0.5 * (z_im + n_im);
+            second.im[position] = 0.5 * (n_re - z_re);
+        }
+}
+}
+
+widest! {
+fn inverse_pair(fourier: &mut Fourier, spectra: (&Spectrum, &Spectrum), maps: (&mut Map, &mut Map)) {
+        let (first, second) = spectra;
+        for position in 0..AREA {
+            fourier.work.re[position] = first.re[position] - second.im[position];
+            fourier.work.im[position] = first.im[position] + second.re[position];
+        }
+        invert(fourier);
+        let scale = 1.0 / AREA as f32;
+        for position in 0..AREA {
+            maps.0[position] = fourier.work.re[position] * scale;
+            maps.1[position] = fourier.work.im[position] * scale;
+        }
+}
+}
+
+widest! {
+fn inverse(fourier: &mut Fourier, spectrum: &Spectrum, map: &mut Map) {
+        fourier.work.re.copy_from_slice(&spectrum.re[..]);
+        fourier.work.im.copy_from_slice(&spectrum.im[..]);
+        invert(fourier);
+        let scale = 1.0 / AREA as f32;
+        for (value, &work) in map.iter_mut().zip(fourier.work.re.iter()) {
+            *value = work * scale;
+        }
+}
+}
+
+#[inline(always)]
+fn invert(fourier: &mut Fourier) {
+    decimate_in_time(&fourier.twiddle, &mut fourier.work);
+    transpose(&mut fourier.work.re);
+    transpose(&mut fourier.work.im);
+    decimate_in_time(&fourier.twiddle, &mut fourier.work);
+}
+
+#[inline(always)]
+/// Forward along the rows' direction: natural order in, bit-reversed order out.
+fn decimate_in_frequency(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) {
+    let mut half = SIDE / 2;
+    while half > 0 {
+        let stride = SIDE / (2 * half);
+        for (re, im) in
+            data.re.chunks_exact_mut(2 * half * SIDE).zip(data.im.chunks_exact_mut(2 * half * SIDE))
+        {
+            let ((a_re, b_re), (a_im, b_im)) = (re.split_at_mut(half * SIDE), im.split_at_mut(half * SIDE));
+            for k in 0..half {
+                let (cos, sin) = twiddle[k * stride];
+                let rows = k * SIDE..(k + 1) * SIDE;
+                let (a_re, a_im) = (&mut a_re[rows.clone()], &mut a_im[rows.clone()]);
+                let (b_re, b_im) = (&mut b_re[rows.clone()], &mut b_im[rows]);
+                for column in 0..SIDE {
+                    let (sum_re, sum_im) = (a_re[column] + b_re[column], a_im[column] + b_im[column]);
+                    let (dif_re, dif_im) = (a_re[column] - b_re[column], a_im[column] - b_im[column]);
+                    a_re[column] = sum_re;
+                    a_im[column] = sum_im;
+                    b_re[column] = dif_re * cos - dif_im * sin;
+                    b_im[column] = dif_re * sin + dif_im * cos;
+                }
+            }
+        }
+        half /= 2;
+    }
+}
+
+#[inline(always)]
+/// Backward along the rows' direction: bit-reversed order in, natural order out; not divided by the side.
+fn decimate_in_time(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) {
+    let mut half = 1;
+    while half < SIDE {
+        let stride = SIDE / (2 * half);
+        for (re, im) in
+            data.re.chunks_exact_mut(2 * half * SIDE).zip(data.im.chunks_exact_mut(2 * half * SIDE))
+        {
+            let ((a_re, b_re), (a_im, b_im)) = (re.split_at_mut(half * SIDE), im.split_at_mut(half * SIDE));
+            for k in 0..half {
+                let (cos, sin) = twiddle[k * stride];
+                let rows = k * SIDE..(k + 1) * SIDE;
+                let (a_re, a_im) = (&mut a_re[rows.clone()], &mut a_im[rows.clone()]);
+                let (b_re, b_im) = (&mut b_re[rows.clone()], &mut b_im[rows]);
+                for column in 0..SIDE {
+                    // The conjugate factor.
+                    let t_re = b_re[column] * cos + b_im[column] * sin;
+                    let t_im = b_im[column] * cos - b_re[column] * sin;
+                    b_re[column] = a_re[column] - t_re;
+                    b_im[column] = a_im[column] - t_im;
+                    a_re[column] += t_re;
+                    a_im[column] += t_im;
+                }
+            }
+        }
+        half *= 2;
+    }
+}
+
+#[inline(always)]
+fn transpose(map: &mut Map) {
+    for row in 0..SIDE {
+        for column in row + 1..SIDE {
+            map.swap(row * SIDE + column, column * SIDE + row);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(seed: u32) -> Box<Map> {
+        let mut state = seed;
+        let mut map = Box::new([0.0; AREA]);
+        for value in map.iter_mut() {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            *value = (state >> 8) as f32 / 16_777_216.0 - 0.5;
+        }
+        map
+    }
+
+    /// Frequency of a position along one side, in the order that the forward transform leaves.
+    fn frequency(position: usize) -> usize {
+        position.reverse_bits() >> (usize::BITS - SIDE.trailing_zeros())
+    }
+
+    /// One value of the spectrum by its definition: `across` waves to the right, `down` waves downwards.
+    fn by_definition(map: &Map, across: usize, down: usize) -> (f64, f64) {
+        let (mut re, mut im) = (0.0, 0.0);
+        for (index, &value) in map.iter().enumerate() {
+            let waves = (down * (index / SIDE) + across * (index % SIDE)) % SIDE;
+            let angle = -core::f64::consts::TAU * waves as f64 / SIDE as f64;
+            re += f64::from(value) * libm::cos(angle);
+            im += f64::from(value) * libm::sin(angle);
+        }
+        (re, im)
+    }
+
+    fn forward(maps: [&Map; 2]) -> [Spectrum; 2] {
+        let [mut first, mut second] = [Spectrum::default(), Spectrum::default()];
+        Fourier::new().forward_pair((maps[0], maps[1]), (&mut first, &mut second));
+        [first, second]
+    }
+
+    #[test]
+    fn both_spectra_of_a_pair_are_what_the_definition_gives() {
+        let maps = [map(1), map(2)];
+        let spectra = forward([&maps[0], &maps[1]]);
+        for (map, spectrum) in maps.iter().zip(&spectra) {
+            // Every third position comes by every row and column.
+            for position in (0..AREA).step_by(3) {
+                // Transposed: a row of the spectrum is a frequency to the right.
+                let (across, down) = (frequency(position / SIDE), frequency(position % SIDE));
+                let (re, im) = by_definition(map, across, down);
+                let (seen_re, seen_im) = (f64::from(spectrum.re[position]), f64::from(spectrum.im[position]));
+                assert!((seen_re - re).abs() < 1e-4, "{across},{down}: {seen_re} against {re}");
+                assert!((seen_im - im).abs() < 1e-4, "{across},{down}: {seen_im} against {im}");
+            }
+        }
+    }
+
+    fn alike(seen: &Map, expected: &Map) {
+        for (index, (seen, expected)) in seen.iter().zip(expected).enumerate() {
+            // Single precision over ten passes of values up to 0.5.
+            assert!((seen - expected).abs() < 1e-6, "{index}: {seen} against {expected}");
+        }
+    }
+
+    #[test]
+    fn a_map_comes_back_from_its_spectrum_alone_and_as_one_of_a_pair() {
+        let maps = [map(3), map(4)];
+        let [first, second] = forward([&maps[0], &maps[1]]);
+        let mut fourier = Fourier::new();
+        let (mut a, mut b) = (map(5), map(6));
+        fourier.inverse_pair((&first, &second), (&mut a, &mut b));
+        alike(&a, &maps[0]);
+        alike(&b, &maps[1]);
+        fourier.inverse(&second, &mut a);
+        alike(&a, &maps[1]);
+    }
+
+    #[test]
+    fn a_map_does_not_change_the_spectrum_of_the_other_one_of_its_pair() {
+        let zero = [0.0; AREA];
+        let [alone, nothing] = forward([&map(7), &zero]);
+        assert!(nothing.re.iter().chain(nothing.im.iter()).all(|value| value.abs() < 1e-5));
+        let [beside, _] = forward([&map(7), &map(8)]);
+        for index in 0..AREA {
+            assert!((alone.re[index] - beside.re[index]).abs() < 1e-4);
+            assert!((alone.im[index] - beside.im[index]).abs() < 1e-4);
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Histograms of gradient directions over square cells (Dalal and Triggs 2005), the channels that do not need colour.
+//!
+//! At each sample the gradient (dx, dy) is the central difference, its magnitude m. It votes for the unsigned
+//! directions that lie within 20 degrees: with the channel's unit vector e the vote is
+//! max(0, |d . e| - m cos 20), which is largest along e and falls to nothing at its neighbours. Votes add up
+//! over a cell; a cell's histogram is divided by the root of the energy of the 3 x 3 cells around it, and cut at
+//! [`CEILING`].
+
+use crate::simd::widest;
+
+/// Unsigned directions, 20 degrees apart.
+pub(crate) const DIRECTIONS: usize = 9;
+/// Samples along a side of a cell.
+pub(crate) const CELL: usize = 4;
+/// Samples around the cells that the differences need.
+pub(crate) const MARGIN: usize = 1;
+
+/// What a normalised value is cut at: one strong edge must not outweigh everything else.
+const CEILING: f32 = 0.4;
+/// Energy of a cell (squared grey levels) that counts as noise: keeps flat water from being blown up.
+const NOISE_ENERGY: f32 = 60.0;
+
+/// Cells of a patch.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Gradients {
+    /// Direction by direction: `width * height` cells each.
+    cells: Vec<f32>,
+    energy: Vec<f32>,
+    lines: Vec<f32>,
+}
+
+impl Gradients {
+    /// Fills the histograms of a patch of `(width * CELL + 2 * MARGIN) x (height * CELL + 2 * MARGIN)` samples.
+    pub(crate) fn measure(
+        &mut self,
+        patch: &[f32],
+        width: usize,
+        height: usize,
+        directions: &[(f32, f32); DIRECTIONS],
+        cos_step: f32,
+    ) {
+        measure_cells(self, patch, width, height, directions, cos_step);
+        normalise(self, width, height);
+    }
+
+    /// The histograms: direction by direction, rows of cells one behind the other.
+    pub(crate) fn cells(&self) -> &[f32] {
+        &self.cells
+    }
+}
+
+/// The unit vectors of the directions, and the cosine of the angle between neighbours.
+pub(crate) fn directions() -> ([(f32, f32); DIRECTIONS], f32) {
+    let step = core::f64::consts::PI / DIRECTIONS as f64;
+    let mut vectors = [(0.0, 0.0); DIRECTIONS];
+    for (k, vector) in vectors.iter_mut().enumerate() {
+        let angle = step * k as f64;
+        *vector = (libm::cos(angle) as f32, libm::sin(angle) as f32);
+    }
+    (vectors, libm::cos(step) as f32)
+}
+
+widest! {
+fn measure_cells(g: &mut Gradients, patch: &[f32], width: usize, height: usize, directions: &[(f32, f32); DIRECTIONS], cos_step: f32) {
+        let samples = width * CELL;
+        let stride = samples + 2 * MARGIN;
+        g.cells.resize(DIRECTIONS * width * height, 0.0);
+        g.lines.resize((DIRECTIONS + 3) * samples, 0.0);
+        let (sums, gradient) = g.lines.split_at_mut(DIRECTIONS * samples);
+        let (dx, rest) = gradient.split_at_mut(samples);
+        let (dy, magnitude) = rest.split_at_mut(samples);
+    let (dx, dy, magnitude) = (&mut dx[..samples], &mut dy[..samples], &mut magnitude[..samples]);
+        for cell_row in 0..height {
+            sums.fill(0.0);
+            for within in 0..CELL {
+                let row = cell_row * CELL + within + MARGIN;
+                let above = &patch[(row - 1) * stride + MARGIN..][..samples];
+                let below = &patch[(row + 1) * stride + MARGIN..][..samples];
+                let left = &patch[row * stride..][..samples];
+                let right = &patch[row * stride + 2 * MARGIN..][..samples];
+                for i in 0..samples {
+                    let (x, y) = (right[i] - left[i], below[i] - above[i]);
+                    dx[i] = x;
+                    dy[i] = y;
+                    magnitude[i] = (x * x + y * y).sqrt() * cos_step;
+                }
+                for (sum, &(cos, sin)) in sums.chunks_exact_mut(samples).zip(directions) {
+                    let sum = &mut sum[..samples];
+                    for i in 0..samples {
+                        let along = (dx[i] * cos + dy[i] * sin).abs() - magnitude[i];
+                        sum[i] += if along > 0.0 { along } else { 0.0 };
+                    }
+                }
+            }
+            for (direction, sum) in sums.chunks_exact(samples).enumerate() {
+                let out = &mut g.cells[(direction * height + cell_row) * width..][..width];
+                for (out, cell) in out.iter_mut().zip(sum.chunks_exact(CELL)) {
+                    *out = cell[0] + cell[1] + cell[2] + cell[3];
+                }
+            }
+        }
+
+    }
+}
+
+widest! {
+fn normalise(g: &mut Gradients, width: usize, height: usize) {
+        let area = width * height;
+        g.energy.clear();
+        g.energy.resize(2 * area, 0.0);
+        let (energy, around) = g.energy.split_at_mut(area);
+        for channel in g.cells.chunks_exact(area) {
+            for (sum, &value) in energy.iter_mut().zip(channel) {
+                *sum += value * value;
+            }
+        }
+        for row in 0..height {
+            for column in 0..width {
+                let (top, bottom) = (row.saturating_sub(1), (row + 2).min(height));
+                let (left, right) = (column.saturating_sub(1), (column + 2).min(width));
+                let mut sum = 0.0;
+                for r in top..bottom {
+                    for &e in &energy[r * width + left..r * width + right] {
+                        sum += e;
+                    }
+                }
+                let count = ((bottom - top) * (right - left)) as f32;
+                around[row * width + column] = 1.0 / (sum / count + NOISE_ENERGY).sqrt();
+            }
+        }
+        for channel in g.cells.chunks_exact_mut(area) {
+            for (value, &scale) in channel.iter_mut().zip(around.iter()) {
+                let scaled = *value * scale;
+                *value = if scaled > CEILING { CEILING } else { scaled };
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 6;
+
+    /// The cells of a patch whose samples are given by how far right and down of its middle they lie.
+    fn measured(sample: impl Fn(f32, f32) -> f32) -> Vec<f32> {
+        let stride = SIDE * CELL + 2 * MARGIN;
+        let middle = 0.5 * (stride as f32 - 1.0);
+        let patch: Vec<f32> = (0..stride * stride)
+            .map(|index| sample((index % stride) as f32 - middle, (index / stride) as f32 - middle))
+            .collect();
+        let (vectors, cos_step) = directions();
+        let mut gradients = Gradients::default();
+        gradients.measure(&patch, SIDE, SIDE, &vectors, cos_step);
+        gradients.cells().to_vec()
+    }
+
+    fn total(cells: &[f32], direction: usize) -> f32 {
+        cells[direction * SIDE * SIDE..][..SIDE * SIDE].iter().sum()
+    }
+
+    #[test]
+    fn a_step_edge_falls_into_the_direction_across_it() {
+        for expected in 0..DIRECTIONS {
+            let angle = 20.0_f32.to_radians() * expected as f32;
+            let (cos, sin) = (libm::cosf(angle), libm::sinf(angle));
+            for sign in [1.0, -1.0] {
+                // Ten grey levels per sample over eight samples: a step as a lens shows it.
+                let cells = measured(|right, down| {
+                    100.0 + sign * (10.0 * (right * cos + down * sin)).clamp(-40.0, 40.0)
+                });
+                let most = total(&cells, expected);
+                assert!(most > 0.0);
+                for other in (0..DIRECTIONS).filter(|&other| other != expected) {
+                    let share = total(&cells, other) / most;
+                    // Both ends of the step are bent; measured 0.143 at most.
+                    assert!(share < 0.2, "an edge across {expected} is {share} in {other}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_flat_patch_has_no_gradients_whatever_its_brightness() {
+        for level in [0.0, 127.0, 255.0] {
+            assert!(measured(|_, _| level).iter().all(|&value| value == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_faint_edge_stays_faint_and_a_strong_one_is_bounded() {
+        let highest = |contrast: f32| {
+            let step = measured(|right, _| if right > 0.0 { contrast } else { 0.0 });
+            step.into_iter().fold(0.0, f32::max)
+        };
+        assert!(highest(0.5) < 0.2, "{}", highest(0.5));
+        assert!(highest(0.5) < highest(5.0));
+        assert_eq!(highest(255.0), CEILING);
+        assert_eq!(highest(255.0), highest(120.0));
+    }
+}

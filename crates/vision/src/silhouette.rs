@@ -1,0 +1,208 @@
+//! Size, place and direction of the target from the moments of its colour.
+//!
+//! The likeness p of each sample within a turned ellipse around the target is made a weight between 0 and 1: nothing
+//! up to a quarter of the way from the ring's mean likeness to the target's, all from three quarters on. With the
+//! weights' mass m, centroid c and covariance C, the target is taken for an ellipse of that mass: its axis is the
+//! eigenvector of the larger eigenvalue of C, its full axes are 4 times the roots of the eigenvalues.
+
+use crate::crop::Crop;
+
+/// What the colour says of the target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Silhouette {
+    /// Area, square pixels.
+    pub(crate) area: f32,
+    /// Centroid, pixels.
+    pub(crate) centroid: (f32, f32),
+    /// Direction of the major axis, radians clockwise from image right as seen, -pi/2 to pi/2.
+    pub(crate) axis: f32,
+    /// Full length of the major axis, pixels.
+    pub(crate) major: f32,
+    /// Full length of the minor axis, pixels.
+    pub(crate) minor: f32,
+    /// Halfway between the ends, along the axis and across it, pixels.
+    pub(crate) middle: (f32, f32),
+}
+
+impl Silhouette {
+    /// Of what lies within the ellipse of half axes `half`, turned clockwise by `angle`; `inside` and `ring` are the
+    /// mean likenesses there (0 to 1). None where the colour does not tell the target from its surroundings.
+    pub(crate) fn of(
+        crop: &Crop,
+        centre: (f32, f32),
+        half: (f32, f32),
+        angle: f32,
+        (inside, ring): (f32, f32),
+    ) -> Option<Self> {
+        let contrast = inside - ring;
+        if contrast < LEAST_CONTRAST {
+            return None;
+        }
+        let (low, high) = (255.0 * (ring + 0.25 * contrast), 255.0 * (ring + 0.75 * contrast));
+        let scale = 1.0 / (high - low);
+        let (mut m, mut mu, mut mv, mut muu, mut muv, mut mvv) = (0.0_f64, 0.0, 0.0, 0.0, 0.0, 0.0);
+        crop.each_likeness(centre, half, angle, |du, dv, likeness| {
+            let weight = f64::from(((f32::from(likeness) - low) * scale).clamp(0.0, 1.0));
+            let (du, dv) = (f64::from(du), f64::from(dv));
+            m += weight;
+            mu += weight * du;
+            mv += weight * dv;
+            muu += weight * du * du;
+            muv += weight * du * dv;
+            mvv += weight * dv * dv;
+        });
+        if m < LEAST_SAMPLES {
+            return None;
+        }
+        let (u, v) = (mu / m, mv / m);
+        // A sample is a square: it has a spread of its own.
+        let sample = f64::from(crop.likeness_step());
+        let own = sample * sample / 12.0;
+        let (a, b, c) = (muu / m - u * u + own, muv / m - u * v, mvv / m - v * v + own);
+        let root = (0.25 * (a - c) * (a - c) + b * b).sqrt();
+        let middle = 0.5 * (a + c);
+        let axis = (0.5 * libm::atan2(2.0 * b, a - c)) as f32;
+        let (cos, sin) = (libm::cosf(axis), libm::sinf(axis));
+        // Where the ends are: a hundredth of the mass lies beyond each.
+        let reach = 2.0 * half.0.max(half.1);
+        let (mut along, mut across) = ([0.0_f32; BINS], [0.0_f32; BINS]);
+        crop.each_likeness(centre, half, angle, |du, dv, likeness| {
+            let weight = ((f32::from(likeness) - low) * scale).clamp(0.0, 1.0);
+            let bin = |x: f32| (((x / reach + 0.5) * BINS as f32) as usize).min(BINS - 1);
+            along[bin(du * cos + dv * sin)] += weight;
+            across[bin(dv * cos - du * sin)] += weight;
+        });
+        let halfway = |bins: &[f32; BINS]| {
+            (0.5 * (first_end(bins.iter()) + BINS as f32 - first_end(bins.iter().rev())) / BINS as f32 - 0.5)
+                * reach
+        };
+        let (ahead, aside) = (halfway(&along), halfway(&across));
+        Some(Self {
+            middle: (centre.0 + ahead * cos - aside * sin, centre.1 + ahead * sin + aside * cos),
+            area: (m * sample * sample) as f32,
+            centroid: (centre.0 + u as f32, centre.1 + v as f32),
+            axis,
+            major: 4.0 * (middle + root).sqrt() as f32,
+            minor: 4.0 * (middle - root).max(0.0).sqrt() as f32,
+        })
+    }
+
+    /// Minor over major axis, 0 to 1.
+    pub(crate) fn roundness(&self) -> f32 {
+        if self.major > 0.0 { self.minor / self.major } else { 1.0 }
+    }
+}
+
+/// Where along some bins, in bins, a hundredth of the mass has been passed.
+fn first_end<'a>(bins: impl Iterator<Item = &'a f32> + Clone) -> f32 {
+    let wanted = 0.01 * bins.clone().sum::<f32>();
+    let mut passed = 0.0;
+    for (index, &mass) in bins.enumerate() {
+        if passed + mass >= wanted && mass > 0.0 {
+            return index as f32 + (wanted - passed) / mass;
+        }
+        passed += mass;
+    }
+    0.0
+}
+
+/// Bins along an axis of twice the target's length: 1.5 % of the length each.
+const BINS: usize = 128;
+/// Below this difference of mean likeness, inside less outside, the outline is guesswork.
+const LEAST_CONTRAST: f32 = 0.2;
+/// Fewer samples than this have no shape.
+const LEAST_SAMPLES: f64 = 8.0;
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::video::ColourEncoding;
+    use barrelman_vocab::{Picture, PictureSize};
+
+    use super::*;
+    use crate::colour_model::{ColourModel, count_colours};
+
+    const CENTRE: (f32, f32) = (160.0, 120.0);
+
+    /// A red ellipse of full axes `axes`, turned clockwise, on blue water.
+    fn picture(axes: (f32, f32), turned_deg: f32) -> Picture {
+        let size = PictureSize::new(320, 240);
+        let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
+        let (c, s) = (libm::cosf(turned_deg.to_radians()), libm::sinf(turned_deg.to_radians()));
+        let inside = |u: f32, v: f32| {
+            let (right, down) = (u - CENTRE.0, v - CENTRE.1);
+            let (a, b) = ((right * c + down * s) * 2.0 / axes.0, (down * c - right * s) * 2.0 / axes.1);
+            a * a + b * b <= 1.0
+        };
+        let colours = [(81, 70), (90, 190), (240, 100)];
+        for ((samples, step), (red, blue)) in picture.planes_mut().into_iter().zip([1, 2, 2]).zip(colours) {
+            let width = 320 / step;
+            for (index, sample) in samples.iter_mut().enumerate() {
+                let at = |k: usize| (k as f32 + 0.5) * step as f32;
+                *sample = if inside(at(index % width), at(index / width)) { red } else { blue };
+            }
+        }
+        picture
+    }
+
+    fn crop(axes: (f32, f32), turned_deg: f32, step: f32) -> Crop {
+        let mut model = ColourModel::default();
+        let upright = picture(axes, 0.0);
+        count_colours(&upright, CENTRE, axes, &mut model.target, &mut model.surroundings);
+        model.renew();
+        let mut crop = Crop::default();
+        crop.take(&picture(axes, turned_deg), &model, CENTRE, 120.0, step);
+        crop
+    }
+
+    /// The silhouette as looked for in a circle, a little off.
+    fn seen(axes: (f32, f32), turned_deg: f32, step: f32) -> Silhouette {
+        let reach = 0.6 * axes.0;
+        let centre = (CENTRE.0 + 2.0, CENTRE.1 - 1.0);
+        Silhouette::of(&crop(axes, turned_deg, step), centre, (reach, reach), 0.0, (1.0, 0.0)).unwrap()
+    }
+
+    fn check(axes: (f32, f32), turned_deg: f32) {
+        let seen = seen(axes, turned_deg, 1.0);
+        let off = (seen.axis.to_degrees() - turned_deg).rem_euclid(180.0);
+        assert!(off.min(180.0 - off) < 1.0, "{axes:?} at {turned_deg}: {seen:?}");
+        assert!((seen.major / axes.0 - 1.0).abs() < 0.05, "{axes:?} at {turned_deg}: {seen:?}");
+        assert!((seen.minor / axes.1 - 1.0).abs() < 0.05, "{axes:?} at {turned_deg}: {seen:?}");
+        let area = 0.25 * core::f32::consts::PI * axes.0 * axes.1;
+        assert!((seen.area / area - 1.0).abs() < 0.05, "{axes:?} at {turned_deg}: {seen:?}");
+        for place in [seen.centroid, seen.middle] {
+            let off = libm::hypotf(place.0 - CENTRE.0, place.1 - CENTRE.1);
+            assert!(off < 1.5, "{axes:?} at {turned_deg}: {seen:?}");
+        }
+    }
+
+    #[test]
+    fn an_ellipse_has_its_own_axes_place_and_area() {
+        for turned_deg in [0.0, 15.0, 45.0, 80.0, 90.0, -30.0, -60.0] {
+            check((120.0, 50.0), turned_deg);
+            check((90.0, 30.0), turned_deg);
+        }
+    }
+
+    #[test]
+    fn a_coarser_look_sees_the_same() {
+        let seen = seen((120.0, 50.0), 30.0, 3.0);
+        assert!((seen.axis.to_degrees() - 30.0).abs() < 2.0, "{seen:?}");
+        // Samples that lie half on the target count less than half; measured 3 and 9 %.
+        assert!((seen.major / 120.0 - 1.0).abs() < 0.05, "{seen:?}");
+        assert!((seen.minor / 50.0 - 1.0).abs() < 0.12, "{seen:?}");
+    }
+
+    #[test]
+    fn a_circle_is_round() {
+        assert!(seen((60.0, 60.0), 0.0, 1.0).roundness() > 0.97);
+        assert!((seen((90.0, 30.0), 0.0, 1.0).roundness() - 1.0 / 3.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn nothing_is_seen_where_the_colour_does_not_tell_or_too_little_of_it_is_there() {
+        let crop = crop((60.0, 30.0), 0.0, 1.0);
+        assert_eq!(Silhouette::of(&crop, CENTRE, (40.0, 40.0), 0.0, (0.6, 0.5)), None);
+        assert_eq!(Silhouette::of(&crop, CENTRE, (2.0, 2.0), 0.0, (1.0, 0.0)), None);
+        assert_eq!(Silhouette::of(&crop, (60.0, 60.0), (20.0, 20.0), 0.0, (1.0, 0.0)), None);
+    }
+}

@@ -1,0 +1,3 @@
+//! What the fuzz targets do with the bytes that they are given.
+
+pub mod tracker;
