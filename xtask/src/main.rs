@@ -1,47 +1,75 @@
-//! Rules that are executed, not remembered: `cargo run -p xtask -- tidy`.
+//! Rules that are executed, not remembered: `cargo run -p xtask -- tidy`; and requirements that are measured, not
+//! asserted: `cargo run --release -p xtask -- acceptance tracker`.
+
+mod acceptance;
 
 mod documents;
 mod edges;
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+
+#[derive(Debug, Parser)]
+#[command(name = "xtask", max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Compares the code with what the documents promise.
+    Tidy,
+    /// Measures what was required, and exits with 1 where it is missed.
+    Acceptance {
+        #[command(subcommand)]
+        part: Part,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+enum Part {
+    /// The tracker on real clips and generated scenes: how well it follows, and what it costs.
+    Tracker(acceptance::Options),
+}
 
 fn main() -> ExitCode {
-    match run() {
-        Ok(findings) if findings.is_empty() => {
-            say("tidy: nothing found");
-            ExitCode::SUCCESS
-        }
-        Ok(findings) => {
-            for finding in &findings {
-                say(finding);
-            }
-            say(&format!("tidy: {} findings", findings.len()));
-            ExitCode::FAILURE
-        }
+    let (name, done) = match Cli::parse().task {
+        Task::Tidy => ("tidy", tidy()),
+        Task::Acceptance { part: Part::Tracker(options) } => ("acceptance", acceptance::tracker(&options)),
+    };
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            say(&format!("tidy: {error:#}"));
+            say(&format!("{name}: {error:#}"));
             ExitCode::FAILURE
         }
     }
 }
 
-fn run() -> Result<Vec<String>> {
-    let command = std::env::args().nth(1);
-    if command.as_deref() != Some("tidy") {
-        bail!("use: cargo run -p xtask -- tidy");
-    }
+/// Whether nothing was found.
+fn tidy() -> Result<bool> {
     let root = root()?;
     let mut findings = edges::check(&root)?;
     findings.extend(documents::check(&root)?);
-    Ok(findings)
+    for finding in &findings {
+        say(finding);
+    }
+    match findings.len() {
+        0 => say("tidy: nothing found"),
+        count => say(&format!("tidy: {count} findings")),
+    }
+    Ok(findings.is_empty())
 }
 
-#[allow(clippy::print_stdout, reason = "the findings are this tool's result")]
+/// Prints a line of the result. Who has stopped reading wants no more of it: that is no failure.
 fn say(text: &str) {
-    println!("{text}");
+    let _ = writeln!(std::io::stdout(), "{text}");
 }
 
 fn root() -> Result<PathBuf> {
