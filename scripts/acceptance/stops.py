@@ -1,7 +1,8 @@
 """Whatever ends or silences a run, the camera comes to rest and the vehicle is told to stop.
 
 Each case runs the practice clip with the camera engaged, waits until it moves, lets one thing happen, and reads in the
-emulator's log what the ground station heard: both axes at zero, `stop` as the last word, and how long that took.
+emulator's log what the ground station heard: both axes at zero, `stop` as the last word, and how long that took. The
+tracker is the paper's: what it makes of this clip is known, so that the camera moves when the thing happens.
 """
 import concurrent.futures
 import contextlib
@@ -37,7 +38,7 @@ class Run:
         folder.mkdir()
         self.emulator = Emulator(args.barrelman, folder)
         self.record = folder / "record.mcap"
-        command = [args.barrelman, "run", "--engage", "--video", f"file:{clip}{video_fault}", "--select", selection]
+        command = [args.barrelman, "run", "--engage", "--tracker", "camshift", "--video", f"file:{clip}{video_fault}", "--select", selection]
         command += ["--link", f"{self.emulator.url}{link_fault}", "--record", self.record, *more]
         self.terminal = self.pipe = None
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
