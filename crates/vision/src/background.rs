@@ -7,8 +7,8 @@
 use barrelman_vocab::video::Plane;
 
 use crate::correlation::Peak;
-use crate::crop::decimated;
-use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
+use crate::crop::decimate;
+use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
 
 /// Compares patches of the surroundings.
 #[derive(Debug)]
@@ -44,11 +44,6 @@ const LEAST_SHARE: f32 = 0.35;
 
 impl Background {
     pub(crate) fn new() -> Self {
-        let mut window: Box<Map> = Box::new([0.0; AREA]);
-        let hann = |k: usize| 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * (k as f64 + 0.5) / SIDE as f64);
-        for (index, value) in window.iter_mut().enumerate() {
-            *value = (hann(index / SIDE) * hann(index % SIDE)) as f32;
-        }
         Self {
             last: Spectrum::default(),
             next: Spectrum::default(),
@@ -58,7 +53,7 @@ impl Background {
             columns: Vec::new(),
             map: Box::new([0.0; AREA]),
             response: Box::new([0.0; AREA]),
-            window,
+            window: hann_window(),
         }
     }
 
@@ -111,7 +106,7 @@ impl Background {
     }
 
     fn measure(&mut self, luma: Plane<'_>, fourier: &mut Fourier, patch: Patch) {
-        decimated(
+        decimate(
             luma,
             (patch.left, patch.top),
             patch.step,

@@ -72,12 +72,7 @@ impl CamShift {
 impl Tracker for CamShift {
     fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError> {
         let picture = frame.picture.size();
-        if selection.is_empty() {
-            return Err(SelectionError::Empty { selection, picture });
-        }
-        let Some(window) = Window::nearest(selection, picture) else {
-            return Err(SelectionError::Outside { selection, picture });
-        };
+        let window = Window::of_selection(selection, picture)?;
         let floors = self.config.floors();
         let hue = HueOfYuv::new(frame.picture.colour());
         let counts = count_hues(&hue, &frame.picture, window, floors);

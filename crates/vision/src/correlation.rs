@@ -55,102 +55,102 @@ impl CorrelationFilter {
 
 widest! {
 fn learn(filter: &mut CorrelationFilter, spectra: &[Spectrum], rate: f32) {
-        let first = filter.model.is_empty();
-        filter.model.resize_with(spectra.len(), Spectrum::default);
-        filter.free.resize_with(spectra.len(), Spectrum::default);
-        filter.masked.resize_with(spectra.len(), Spectrum::default);
-        filter.dual.resize_with(spectra.len(), Spectrum::default);
-        let rate = if first { 1.0 } else { rate };
-        let keep = 1.0 - rate;
-        filter.energy.clear();
-        filter.energy.resize(AREA, 0.0);
-        for (m, x) in filter.model.iter_mut().zip(spectra) {
-            let (m_re, m_im, x_re, x_im) = (&mut m.re[..], &mut m.im[..], &x.re[..], &x.im[..]);
-            let e = &mut filter.energy[..AREA];
-            for i in 0..AREA {
-                m_re[i] = keep * m_re[i] + rate * x_re[i];
-                m_im[i] = keep * m_im[i] + rate * x_im[i];
-                e[i] += m_re[i] * m_re[i] + m_im[i] * m_im[i];
-            }
+    let first = filter.model.is_empty();
+    filter.model.resize_with(spectra.len(), Spectrum::default);
+    filter.free.resize_with(spectra.len(), Spectrum::default);
+    filter.masked.resize_with(spectra.len(), Spectrum::default);
+    filter.dual.resize_with(spectra.len(), Spectrum::default);
+    let rate = if first { 1.0 } else { rate };
+    let keep = 1.0 - rate;
+    filter.energy.clear();
+    filter.energy.resize(AREA, 0.0);
+    for (m, x) in filter.model.iter_mut().zip(spectra) {
+        let (m_re, m_im, x_re, x_im) = (&mut m.re[..], &mut m.im[..], &x.re[..], &x.im[..]);
+        let e = &mut filter.energy[..AREA];
+        for i in 0..AREA {
+            m_re[i] = keep * m_re[i] + rate * x_re[i];
+            m_im[i] = keep * m_im[i] + rate * x_im[i];
+            e[i] += m_re[i] * m_re[i] + m_im[i] * m_im[i];
         }
+    }
 }
 }
 
 widest! {
 fn improve(filter: &mut CorrelationFilter, fourier: &mut Fourier, wanted: &Spectrum, mask: &Map) {
-        // What has no pattern at all has no energy either, and everything here is divided by it.
-        let mean = (filter.energy.iter().sum::<f32>() / AREA as f32).max(LEAST_ENERGY);
-        let mu = MU_SHARE * mean;
-        let lambda = LAMBDA_SHARE * mean;
-        // q = x conj(y) + mu h - mu u ; free = (q - x (x^H q) / (mu + S)) / mu
-        filter.sum.re.fill(0.0);
-        filter.sum.im.fill(0.0);
-        let (y_re, y_im) = (&wanted.re[..], &wanted.im[..]);
-        for (((x, g), h), u) in filter.model.iter().zip(&mut filter.free).zip(&filter.masked).zip(&filter.dual) {
-            let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
-            let (h_re, h_im, u_re, u_im) = (&h.re[..], &h.im[..], &u.re[..], &u.im[..]);
-            let (s_re, s_im) = (&mut filter.sum.re[..], &mut filter.sum.im[..]);
-            for i in 0..AREA {
-                let q_re = x_re[i] * y_re[i] + x_im[i] * y_im[i] + mu * (h_re[i] - u_re[i]);
-                let q_im = x_im[i] * y_re[i] - x_re[i] * y_im[i] + mu * (h_im[i] - u_im[i]);
-                g_re[i] = q_re;
-                g_im[i] = q_im;
-                s_re[i] += x_re[i] * q_re + x_im[i] * q_im;
-                s_im[i] += x_re[i] * q_im - x_im[i] * q_re;
-            }
+    // What has no pattern at all has no energy either, and everything here is divided by it.
+    let mean = (filter.energy.iter().sum::<f32>() / AREA as f32).max(LEAST_ENERGY);
+    let mu = MU_SHARE * mean;
+    let lambda = LAMBDA_SHARE * mean;
+    // q = x conj(y) + mu h - mu u ; free = (q - x (x^H q) / (mu + S)) / mu
+    filter.sum.re.fill(0.0);
+    filter.sum.im.fill(0.0);
+    let (y_re, y_im) = (&wanted.re[..], &wanted.im[..]);
+    for (((x, g), h), u) in filter.model.iter().zip(&mut filter.free).zip(&filter.masked).zip(&filter.dual) {
+        let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
+        let (h_re, h_im, u_re, u_im) = (&h.re[..], &h.im[..], &u.re[..], &u.im[..]);
+        let (s_re, s_im) = (&mut filter.sum.re[..], &mut filter.sum.im[..]);
+        for i in 0..AREA {
+            let q_re = x_re[i] * y_re[i] + x_im[i] * y_im[i] + mu * (h_re[i] - u_re[i]);
+            let q_im = x_im[i] * y_re[i] - x_re[i] * y_im[i] + mu * (h_im[i] - u_im[i]);
+            g_re[i] = q_re;
+            g_im[i] = q_im;
+            s_re[i] += x_re[i] * q_re + x_im[i] * q_im;
+            s_im[i] += x_re[i] * q_im - x_im[i] * q_re;
         }
-        for ((re, im), &e) in filter.sum.re.iter_mut().zip(filter.sum.im.iter_mut()).zip(&filter.energy) {
-            let scale = 1.0 / (mu + e);
-            *re *= scale;
-            *im *= scale;
+    }
+    for ((re, im), &e) in filter.sum.re.iter_mut().zip(filter.sum.im.iter_mut()).zip(&filter.energy) {
+        let scale = 1.0 / (mu + e);
+        *re *= scale;
+        *im *= scale;
+    }
+    let scale = 1.0 / mu;
+    for (x, g) in filter.model.iter().zip(&mut filter.free) {
+        let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
+        let (s_re, s_im) = (&filter.sum.re[..], &filter.sum.im[..]);
+        for i in 0..AREA {
+            let re = x_re[i] * s_re[i] - x_im[i] * s_im[i];
+            let im = x_re[i] * s_im[i] + x_im[i] * s_re[i];
+            g_re[i] = (g_re[i] - re) * scale;
+            g_im[i] = (g_im[i] - im) * scale;
         }
-        let scale = 1.0 / mu;
-        for (x, g) in filter.model.iter().zip(&mut filter.free) {
-            let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
-            let (s_re, s_im) = (&filter.sum.re[..], &filter.sum.im[..]);
-            for i in 0..AREA {
-                let re = x_re[i] * s_re[i] - x_im[i] * s_im[i];
-                let im = x_re[i] * s_im[i] + x_im[i] * s_re[i];
-                g_re[i] = (g_re[i] - re) * scale;
-                g_im[i] = (g_im[i] - im) * scale;
-            }
+    }
+    // h = mask . (free + u) mu / (mu + lambda); u += free - h
+    let shrink = mu / (mu + lambda);
+    filter.kernel.resize(filter.model.len() * AREA, 0.0);
+    for pair in 0..filter.model.len() / 2 {
+        for d in [2 * pair, 2 * pair + 1] {
+            add(&filter.free[d], &mut filter.dual[d]);
         }
-        // h = mask . (free + u) mu / (mu + lambda); u += free - h
-        let shrink = mu / (mu + lambda);
-        filter.kernel.resize(filter.model.len() * AREA, 0.0);
-        for pair in 0..filter.model.len() / 2 {
-            for d in [2 * pair, 2 * pair + 1] {
-                add(&filter.free[d], &mut filter.dual[d]);
-            }
-            let (first, second) = filter.kernel[2 * pair * AREA..(2 * pair + 2) * AREA].split_at_mut(AREA);
-            let (Ok(first), Ok(second)) = (<&mut Map>::try_from(first), <&mut Map>::try_from(second)) else { return };
-            fourier.inverse_pair((&filter.dual[2 * pair], &filter.dual[2 * pair + 1]), (first, second));
-            for i in 0..AREA {
-                first[i] *= mask[i] * shrink;
-                second[i] *= mask[i] * shrink;
-            }
-            let (a, b) = filter.masked.split_at_mut(2 * pair + 1);
-            fourier.forward_pair((first, second), (&mut a[2 * pair], &mut b[0]));
-            for d in [2 * pair, 2 * pair + 1] {
-                subtract(&filter.masked[d], &mut filter.dual[d]);
-            }
+        let (first, second) = filter.kernel[2 * pair * AREA..(2 * pair + 2) * AREA].split_at_mut(AREA);
+        let (Ok(first), Ok(second)) = (<&mut Map>::try_from(first), <&mut Map>::try_from(second)) else { return };
+        fourier.inverse_pair((&filter.dual[2 * pair], &filter.dual[2 * pair + 1]), (first, second));
+        for i in 0..AREA {
+            first[i] *= mask[i] * shrink;
+            second[i] *= mask[i] * shrink;
         }
+        let (a, b) = filter.masked.split_at_mut(2 * pair + 1);
+        fourier.forward_pair((first, second), (&mut a[2 * pair], &mut b[0]));
+        for d in [2 * pair, 2 * pair + 1] {
+            subtract(&filter.masked[d], &mut filter.dual[d]);
+        }
+    }
 }
 }
 
 widest! {
 fn respond(filter: &CorrelationFilter, spectra: &[Spectrum], out: &mut Spectrum) {
-        out.re.fill(0.0);
-        out.im.fill(0.0);
-        let (o_re, o_im) = (&mut out.re[..], &mut out.im[..]);
-        for (a, z) in filter.masked.iter().zip(spectra) {
-            let (a_re, a_im) = (&a.re[..], &a.im[..]);
-            let (z_re, z_im) = (&z.re[..], &z.im[..]);
-            for i in 0..AREA {
-                o_re[i] += a_re[i] * z_re[i] + a_im[i] * z_im[i];
-                o_im[i] += a_re[i] * z_im[i] - a_im[i] * z_re[i];
-            }
+    out.re.fill(0.0);
+    out.im.fill(0.0);
+    let (o_re, o_im) = (&mut out.re[..], &mut out.im[..]);
+    for (a, z) in filter.masked.iter().zip(spectra) {
+        let (a_re, a_im) = (&a.re[..], &a.im[..]);
+        let (z_re, z_im) = (&z.re[..], &z.im[..]);
+        for i in 0..AREA {
+            o_re[i] += a_re[i] * z_re[i] + a_im[i] * z_im[i];
+            o_im[i] += a_re[i] * z_im[i] - a_im[i] * z_re[i];
         }
+    }
 }
 }
 
@@ -228,7 +228,7 @@ impl Peak {
 }
 
 /// Where between -1/2 and 1/2 a parabola through three values at -1, 0 and 1 is highest.
-fn parabola(before: f32, here: f32, after: f32) -> f32 {
+pub(crate) fn parabola(before: f32, here: f32, after: f32) -> f32 {
     let curvature = before - 2.0 * here + after;
     if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
 }

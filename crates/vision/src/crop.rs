@@ -45,7 +45,7 @@ fn pack(samples: &mut Samples) {
 /// The maps of one frame's search window.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Crop {
-    /// Left and top edge, pixels of the picture; even multiples of `decimation`, may lie outside.
+    /// Left and top edge, pixels of the picture: even multiples of `decimation`.
     left: i32,
     top: i32,
     /// Pixels of the picture per luma sample.
@@ -53,7 +53,7 @@ pub(crate) struct Crop {
     pub(crate) luma: Samples,
     /// At half the resolution of `luma`: probability of the target's colour, 0 to 255.
     pub(crate) likeness: Samples,
-    chroma: [Samples; 2],
+    chroma: [Vec<u8>; 2],
     columns: Vec<u16>,
     line: Line,
     picture: (i32, i32),
@@ -97,7 +97,15 @@ impl Crop {
         };
         let ((left, across), (top, down)) = (side(centre.0, self.picture.0), side(centre.1, self.picture.1));
         (self.left, self.top, self.decimation) = (left, top, k);
-        decimate(picture.y(), (left, top), k, (2 * across, 2 * down), &mut self.columns, &mut self.luma);
+        decimate(
+            picture.y(),
+            (left, top),
+            k,
+            (2 * across, 2 * down),
+            &mut self.columns,
+            &mut self.luma.values,
+        );
+        (self.luma.width, self.luma.height) = (2 * across, 2 * down);
         let [u, v] = &mut self.chroma;
         decimate(picture.u(), (left / 2, top / 2), k, (across, down), &mut self.columns, u);
         decimate(picture.v(), (left / 2, top / 2), k, (across, down), &mut self.columns, v);
@@ -107,7 +115,7 @@ impl Crop {
         for row in 0..down {
             let upper = &self.luma.values[4 * row * across..][..2 * across];
             let lower = &self.luma.values[(4 * row + 2) * across..][..2 * across];
-            let (us, vs) = (&u.values[row * across..][..across], &v.values[row * across..][..across]);
+            let (us, vs) = (&u[row * across..][..across], &v[row * across..][..across]);
             let pairs = upper.chunks_exact(2).zip(lower.chunks_exact(2)).zip(us.iter().zip(vs));
             self.likeness.values.extend(pairs.map(|((a, b), (&u, &v))| {
                 let y = (u16::from(a[0]) + u16::from(a[1]) + u16::from(b[0]) + u16::from(b[1])) / 4;
@@ -274,30 +282,14 @@ fn sample(map: &Samples, grid: Grid, line: &mut Line, out: &mut Vec<f32>) {
 }
 }
 
-/// Means over squares of `step` x `step` samples of a plane, from a corner on, rows tightly packed; beyond the border
-/// the plane's outermost samples go on.
-pub(crate) fn decimated(
-    plane: Plane<'_>,
-    corner: (i32, i32),
-    step: i32,
-    size: (usize, usize),
-    columns: &mut Vec<u16>,
-    out: &mut Vec<u8>,
-) {
-    let mut samples = Samples { values: core::mem::take(out), ..Samples::default() };
-    decimate(plane, corner, step, size, columns, &mut samples);
-    *out = samples.values;
-}
-
 widest! {
-/// Means over squares of `k` x `k` samples of a plane, from (left, top) on; beyond the border its outermost
-/// samples go on.
-fn decimate(plane: Plane<'_>, corner: (i32, i32), k: i32, size: (usize, usize), columns: &mut Vec<u16>, out: &mut Samples) {
+/// Means over squares of `k` x `k` samples of a plane, from a corner (left, top) on, rows tightly packed; beyond the
+/// border its outermost samples go on.
+pub(crate) fn decimate(plane: Plane<'_>, corner: (i32, i32), k: i32, size: (usize, usize), columns: &mut Vec<u16>, out: &mut Vec<u8>) {
     let ((left, top), (width, height)) = (corner, size);
-    (out.width, out.height) = (width, height);
-    out.values.clear();
+    out.clear();
     if plane.width == 0 || plane.height == 0 {
-        out.values.resize(width * height, 0);
+        out.resize(width * height, 0);
         return;
     }
     let (last_x, last_y) = (plane.width as i32 - 1, plane.height as i32 - 1);
@@ -309,11 +301,11 @@ fn decimate(plane: Plane<'_>, corner: (i32, i32), k: i32, size: (usize, usize), 
     if k == 1 {
         for row in 0..height as i32 {
             let source = plane.row((top + row).clamp(0, last_y) as usize);
-            let start = out.values.len();
-            out.values.resize(start + before, source[first as usize]);
-            out.values.extend_from_slice(&source[first as usize..first as usize + count]);
+            let start = out.len();
+            out.resize(start + before, source[first as usize]);
+            out.extend_from_slice(&source[first as usize..first as usize + count]);
             let edge = source[(last - 1).max(0) as usize];
-            out.values.resize(start + width, edge);
+            out.resize(start + width, edge);
         }
         return;
     }
@@ -337,12 +329,12 @@ fn decimate(plane: Plane<'_>, corner: (i32, i32), k: i32, size: (usize, usize), 
             columns[before + count..].fill(edge_right);
         }
         match k {
-            2 => means::<2>(columns, scale, &mut out.values),
-            3 => means::<3>(columns, scale, &mut out.values),
-            4 => means::<4>(columns, scale, &mut out.values),
-            5 => means::<5>(columns, scale, &mut out.values),
-            6 => means::<6>(columns, scale, &mut out.values),
-            _ => out.values.extend(columns.chunks_exact(k as usize).map(|cell| mean(cell, scale))),
+            2 => means::<2>(columns, scale, out),
+            3 => means::<3>(columns, scale, out),
+            4 => means::<4>(columns, scale, out),
+            5 => means::<5>(columns, scale, out),
+            6 => means::<6>(columns, scale, out),
+            _ => out.extend(columns.chunks_exact(k as usize).map(|cell| mean(cell, scale))),
         }
     }
 }
@@ -430,7 +422,7 @@ mod tests {
         let picture = picture((64, 48), |column, row| (3 * column + row) as f32);
         let (mut columns, mut out) = (Vec::new(), Vec::new());
         for step in 1..=8 {
-            decimated(picture.y(), (4, 3), step, (5, 4), &mut columns, &mut out);
+            decimate(picture.y(), (4, 3), step, (5, 4), &mut columns, &mut out);
             for (index, &sample) in out.iter().enumerate() {
                 let (left, top) = (4 + step * (index % 5) as i32, 3 + step * (index / 5) as i32);
                 let middle = 0.5 * (step as f32 - 1.0);
@@ -446,11 +438,11 @@ mod tests {
         let picture = picture((20, 16), |column, row| if column == 0 || row == 15 { 200.0 } else { 50.0 });
         let (mut columns, mut out) = (Vec::new(), Vec::new());
         for step in [1, 2, 7] {
-            decimated(picture.y(), (-2 * step, 2), step, (3, 1), &mut columns, &mut out);
+            decimate(picture.y(), (-2 * step, 2), step, (3, 1), &mut columns, &mut out);
             assert_eq!(out[..2], [200; 2]);
-            decimated(picture.y(), (5, 300), step, (2, 2), &mut columns, &mut out);
+            decimate(picture.y(), (5, 300), step, (2, 2), &mut columns, &mut out);
             assert_eq!(out, [200; 4]);
-            decimated(picture.y(), (300, -300), step, (2, 2), &mut columns, &mut out);
+            decimate(picture.y(), (300, -300), step, (2, 2), &mut columns, &mut out);
             assert_eq!(out, [50; 4]);
         }
     }

@@ -5,7 +5,7 @@
 
 use crate::correlation::CorrelationFilter;
 use crate::crop::{Crop, Grid};
-use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
+use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
 use crate::gradients::{CELL, DIRECTIONS, Gradients, MARGIN, directions};
 
 /// Channels, an even number.
@@ -36,6 +36,11 @@ impl Place {
             height,
         }
     }
+    /// Side of the whole patch around it, pixels.
+    pub(crate) fn side(&self) -> f32 {
+        self.step * (SIDE * CELL) as f32
+    }
+
     /// A point given in samples right and down of the middle, as pixels.
     pub(crate) fn point(&self, right: f32, down: f32) -> (f32, f32) {
         let (c, s) = (libm::cosf(self.angle), libm::sinf(self.angle));
@@ -67,17 +72,12 @@ pub(crate) struct Features {
 
 impl Features {
     pub(crate) fn new(luma_gain: f32, colour_gain: f32) -> Self {
-        let mut window: Box<Map> = Box::new([0.0; AREA]);
-        let hann = |k: usize| 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * (k as f64 + 0.5) / SIDE as f64);
-        for (i, value) in window.iter_mut().enumerate() {
-            *value = (hann(i / SIDE) * hann(i % SIDE)) as f32;
-        }
         Self {
             luma: Vec::new(),
             likeness: Vec::new(),
             gradients: Gradients::default(),
             directions: directions(),
-            window,
+            window: hann_window(),
             raw: Vec::new(),
             maps: vec![Box::new([0.0; AREA]); CHANNELS],
             spectra: vec![Spectrum::default(); CHANNELS],

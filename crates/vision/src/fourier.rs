@@ -18,6 +18,16 @@ pub(crate) const AREA: usize = SIDE * SIDE;
 /// A real map, rows one behind the other.
 pub(crate) type Map = [f32; AREA];
 
+/// Hann's window over a map: 1 in the middle, nothing at the border, where shifts would wrap around.
+pub(crate) fn hann_window() -> Box<Map> {
+    let hann = |k: usize| 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * (k as f64 + 0.5) / SIDE as f64);
+    let mut window: Box<Map> = Box::new([0.0; AREA]);
+    for (index, value) in window.iter_mut().enumerate() {
+        *value = (hann(index / SIDE) * hann(index % SIDE)) as f32;
+    }
+    window
+}
+
 /// The spectrum of a map, in the order that [`Fourier::forward_pair`] leaves.
 #[derive(Debug, Clone)]
 pub(crate) struct Spectrum {
@@ -78,51 +88,51 @@ impl Fourier {
 
 widest! {
 fn forward_pair(fourier: &mut Fourier, maps: (&Map, &Map), spectra: (&mut Spectrum, &mut Spectrum)) {
-        fourier.work.re.copy_from_slice(maps.0);
-        fourier.work.im.copy_from_slice(maps.1);
-        decimate_in_frequency(&fourier.twiddle, &mut fourier.work);
-        transpose(&mut fourier.work.re);
-        transpose(&mut fourier.work.im);
-        decimate_in_frequency(&fourier.twiddle, &mut fourier.work);
-        let (first, second) = spectra;
-        let Spectrum { re, im } = &fourier.work;
-        for (position, &mirror) in fourier.negative.iter().enumerate() {
-            let mirror = usize::from(mirror) % AREA;
-            let (z_re, z_im) = (re[position], im[position]);
-            let (n_re, n_im) = (re[mirror], im[mirror]);
-            first.re[position] = 0.5 * (z_re + n_re);
-            first.im[position] = 0.5 * (z_im - n_im);
-            second.re[position] = 0.5 * (z_im + n_im);
-            second.im[position] = 0.5 * (n_re - z_re);
-        }
+    fourier.work.re.copy_from_slice(maps.0);
+    fourier.work.im.copy_from_slice(maps.1);
+    decimate_in_frequency(&fourier.twiddle, &mut fourier.work);
+    transpose(&mut fourier.work.re);
+    transpose(&mut fourier.work.im);
+    decimate_in_frequency(&fourier.twiddle, &mut fourier.work);
+    let (first, second) = spectra;
+    let Spectrum { re, im } = &fourier.work;
+    for (position, &mirror) in fourier.negative.iter().enumerate() {
+        let mirror = usize::from(mirror) % AREA;
+        let (z_re, z_im) = (re[position], im[position]);
+        let (n_re, n_im) = (re[mirror], im[mirror]);
+        first.re[position] = 0.5 * (z_re + n_re);
+        first.im[position] = 0.5 * (z_im - n_im);
+        second.re[position] = 0.5 * (z_im + n_im);
+        second.im[position] = 0.5 * (n_re - z_re);
+    }
 }
 }
 
 widest! {
 fn inverse_pair(fourier: &mut Fourier, spectra: (&Spectrum, &Spectrum), maps: (&mut Map, &mut Map)) {
-        let (first, second) = spectra;
-        for position in 0..AREA {
-            fourier.work.re[position] = first.re[position] - second.im[position];
-            fourier.work.im[position] = first.im[position] + second.re[position];
-        }
-        invert(fourier);
-        let scale = 1.0 / AREA as f32;
-        for position in 0..AREA {
-            maps.0[position] = fourier.work.re[position] * scale;
-            maps.1[position] = fourier.work.im[position] * scale;
-        }
+    let (first, second) = spectra;
+    for position in 0..AREA {
+        fourier.work.re[position] = first.re[position] - second.im[position];
+        fourier.work.im[position] = first.im[position] + second.re[position];
+    }
+    invert(fourier);
+    let scale = 1.0 / AREA as f32;
+    for position in 0..AREA {
+        maps.0[position] = fourier.work.re[position] * scale;
+        maps.1[position] = fourier.work.im[position] * scale;
+    }
 }
 }
 
 widest! {
 fn inverse(fourier: &mut Fourier, spectrum: &Spectrum, map: &mut Map) {
-        fourier.work.re.copy_from_slice(&spectrum.re[..]);
-        fourier.work.im.copy_from_slice(&spectrum.im[..]);
-        invert(fourier);
-        let scale = 1.0 / AREA as f32;
-        for (value, &work) in map.iter_mut().zip(fourier.work.re.iter()) {
-            *value = work * scale;
-        }
+    fourier.work.re.copy_from_slice(&spectrum.re[..]);
+    fourier.work.im.copy_from_slice(&spectrum.im[..]);
+    invert(fourier);
+    let scale = 1.0 / AREA as f32;
+    for (value, &work) in map.iter_mut().zip(fourier.work.re.iter()) {
+        *value = work * scale;
+    }
 }
 }
 

@@ -47,7 +47,7 @@ use crate::background::Background;
 use crate::colour_model::Histogram;
 use crate::correlation::Peak;
 use crate::crop::Crop;
-use crate::explanation::{Explanation, Stage};
+use crate::explanation::{Explanation, GreyMap, Stage};
 use crate::features::{Features, Place};
 use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
@@ -107,12 +107,7 @@ impl FusedTracker {
 impl Tracker for FusedTracker {
     fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError> {
         let picture = frame.picture.size();
-        if selection.is_empty() {
-            return Err(SelectionError::Empty { selection, picture });
-        }
-        let Some(window) = Window::nearest(selection, picture) else {
-            return Err(SelectionError::Outside { selection, picture });
-        };
+        let window = Window::of_selection(selection, picture)?;
         let used = window.in_pixels();
         let (target, likeness) = self.eyes.learn_selection(&self.config, frame, used);
         let localisation = target.localisation(frame, used, 1.0);
@@ -139,12 +134,13 @@ impl Tracker for FusedTracker {
             return;
         };
         let place = self.eyes.place;
-        let side = f64::from(place.step) * (SIDE * CELL) as f64;
+        let side = f64::from(place.side());
         let corner = |middle: f32| f64::from(middle) - 0.5 * side;
-        out.search_window =
-            Some(PixelBox { u: corner(place.centre.0), v: corner(place.centre.1), w: side, h: side });
+        let window = PixelBox { u: corner(place.centre.0), v: corner(place.centre.1), w: side, h: side };
+        out.search_window = Some(window);
+        out.response.bounds = window;
         self.eyes.crop.explain_likeness(&mut out.back_projection);
-        explain_response(&self.eyes.response, place, &mut out.response);
+        explain_response(&self.eyes.response, place.angle, &mut out.response);
         out.stage = Some(match target.phase {
             Phase::Seen => Stage::Tracking,
             Phase::Coasting { .. } => Stage::Coasting,
@@ -155,18 +151,11 @@ impl Tracker for FusedTracker {
     }
 }
 
-/// The response around the middle of the search window, upright, 0 to 255.
-fn explain_response(response: &Map, place: Place, out: &mut crate::explanation::GreyMap) {
-    let side = f64::from(place.step) * (SIDE * CELL) as f64;
-    out.bounds = PixelBox {
-        u: f64::from(place.centre.0) - 0.5 * side,
-        v: f64::from(place.centre.1) - 0.5 * side,
-        w: side,
-        h: side,
-    };
+/// The samples of the response around the middle of a search window that was turned by `angle`, upright, 0 to 255.
+fn explain_response(response: &Map, angle: f32, out: &mut GreyMap) {
     (out.width, out.height) = (SIDE, SIDE);
     let highest = response.iter().fold(f32::MIN_POSITIVE, |highest, &value| highest.max(value));
-    let (cos, sin) = (libm::cosf(place.angle), libm::sinf(place.angle));
+    let (cos, sin) = (libm::cosf(angle), libm::sinf(angle));
     let middle = (SIDE / 2) as f32;
     out.samples.extend((0..AREA).map(|index| {
         // The window is turned; the map that is shown is not.
@@ -255,7 +244,7 @@ impl Eyes {
     /// Looks at the window around the prediction, and at those beside it where the prediction is too uncertain.
     fn look_around(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) -> Look {
         let place = target.place(config);
-        let side = place.step * (SIDE * CELL) as f32;
+        let side = place.side();
         let shift = self.shift_of_background(target, picture);
         let place = Place { centre: target.expected(shift), ..place };
         let mut best = self.look(target, picture, place);
@@ -286,8 +275,7 @@ impl Eyes {
         let peak = Peak::of(&self.response);
         let (u, v) = place.point(peak.right * CELL as f32, peak.down * CELL as f32);
         let centre = (u.clamp(0.0, bounds.0), v.clamp(0.0, bounds.1));
-        let turned = target.axis + place.angle - target.angle;
-        let (inside, ring) = self.crop.contrast(centre, target.half_axes(), turned);
+        let (inside, ring) = self.crop.contrast(centre, target.half_axes(), target.axis_at(&place));
         self.place = place;
         Look { place, centre, peak, inside, ring }
     }

@@ -49,7 +49,7 @@ mod tests {
 
     use crate::colour_model::{ColourModel, count_colours};
     use crate::correlation::{CorrelationFilter, wanted_response};
-    use crate::crop::{Crop, Grid, decimated};
+    use crate::crop::{Crop, Grid, decimate};
     use crate::fourier::{AREA, Fourier, Map, Spectrum};
     use crate::gradients::{CELL, Gradients, MARGIN, directions};
     use crate::{FusedConfig, FusedTracker, Tracker};
@@ -175,7 +175,7 @@ mod tests {
         for (corner, step) in [((0, 0), 1), ((-9, -9), 2), ((50, 30), 3), ((-200, 4), 5), ((2, 99), 17)] {
             check(|| {
                 let (mut columns, mut out) = (Vec::new(), Vec::new());
-                decimated(picture.y(), corner, step, (13, 11), &mut columns, &mut out);
+                decimate(picture.y(), corner, step, (13, 11), &mut columns, &mut out);
                 // What lies wholly outside is of one value; the corner tells the cases apart.
                 out.iter().map(|&value| f32::from(value)).chain([-1.0]).collect()
             });

@@ -2,6 +2,8 @@
 
 use barrelman_vocab::{PictureSize, PixelBox};
 
+use crate::tracker::SelectionError;
+
 /// A box of whole pixels: columns `x` to `x + w`, rows `y` to `y + h`, the last excluded. Empty where w or h is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Window {
@@ -31,6 +33,17 @@ impl Window {
         let (x, w) = nearest_span(inside.u, inside.w, picture.width);
         let (y, h) = nearest_span(inside.v, inside.h, picture.height);
         Some(Self { x, y, w, h })
+    }
+
+    /// What of a selection on a picture is used.
+    ///
+    /// # Errors
+    /// If it is empty, or lies outside the picture.
+    pub(crate) fn of_selection(selection: PixelBox, picture: PictureSize) -> Result<Self, SelectionError> {
+        if selection.is_empty() {
+            return Err(SelectionError::Empty { selection, picture });
+        }
+        Self::nearest(selection, picture).ok_or(SelectionError::Outside { selection, picture })
     }
 
     /// Pixels covered.

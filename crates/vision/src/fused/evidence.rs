@@ -41,6 +41,11 @@ impl Look {
             .then(|| ((self.inside - self.ring) / target.contrast).clamp(0.0, 1.0))
     }
 
+    /// Height of the response, in what is usual for the target.
+    fn height(&self, target: &Target) -> f32 {
+        self.peak.height / target.height.max(LEAST_HEIGHT)
+    }
+
     /// Whether a colour that used to tell the target clearly from its surroundings is no longer there. Then what the
     /// filter sees is something else, be it what the target hid.
     pub(super) fn colour_gone(&self, target: &Target) -> bool {
@@ -50,7 +55,7 @@ impl Look {
     /// How much speaks for the target, in deviations of the response's sidelobes.
     pub(super) fn evidence(&self, config: &FusedConfig, target: &Target) -> f32 {
         let colour = self.colour(target).map_or(0.0, |share| share - NEUTRAL);
-        let height = (self.peak.height / target.height.max(LEAST_HEIGHT)).clamp(0.0, 1.0) - NEUTRAL_HEIGHT;
+        let height = self.height(target).clamp(0.0, 1.0) - NEUTRAL_HEIGHT;
         self.peak.sidelobe_ratio + config.colour_evidence as f32 * colour + HEIGHT_EVIDENCE * height
     }
 }
@@ -63,7 +68,7 @@ impl Look {
 /// that is believed is seldom wrong: it is below 0.8 where the box is in doubt.
 pub(super) fn confidence(look: &Look, target: &Target) -> f64 {
     let sidelobes = libm::log(f64::from(look.peak.sidelobe_ratio.max(1.0)));
-    let height = f64::from((look.peak.height / target.height.max(LEAST_HEIGHT)).clamp(0.0, 1.5));
+    let height = f64::from(look.height(target).clamp(0.0, 1.5));
     let colour = f64::from(look.colour(target).map_or(0.0, |share| share - NEUTRAL));
     let turned = if target.outline.is_some() { 0.0 } else { f64::from(libm::sinf(target.angle).abs()) };
     let log_odds = LOG_ODDS.constant

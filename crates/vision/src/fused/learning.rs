@@ -10,7 +10,7 @@ use super::phase::Phase;
 use super::target::{Outline, Target, Vanished};
 use crate::colour_model::{ColourModel, count_colours};
 use crate::correlation::{CorrelationFilter, wanted_response};
-use crate::fourier::{AREA, Map, SIDE};
+use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
 use crate::heading::Heading;
 use crate::motion::Axis;
@@ -85,7 +85,7 @@ impl Eyes {
             last_at: frame.capture.at,
             colours,
             filter: CorrelationFilter::default(),
-            wanted: wanted_response(&mut self.features.fourier, 1.0),
+            wanted: Spectrum::default(),
             mask: Box::new([0.0; AREA]),
             reach: (0, 0),
             contrast: 0.0,

@@ -8,8 +8,6 @@ use super::evidence::{Look, TELLING_CONTRAST, confidence_disbelieved};
 use super::target::Target;
 use crate::colour_model::count_colours;
 use crate::features::Place;
-use crate::fourier::SIDE;
-use crate::gradients::CELL;
 use crate::redetection::Candidate;
 use crate::silhouette::Silhouette;
 
@@ -45,10 +43,9 @@ impl Eyes {
         target.motion.1.slow_down(bounds.1);
         target.confidence = 0.0;
         let mut best = None;
-        for centre in [
-            (target.motion.0.place as f32, target.motion.1.place as f32),
-            next_window(target, place.step * (SIDE * CELL) as f32),
-        ] {
+        for centre in
+            [(target.motion.0.place as f32, target.motion.1.place as f32), next_window(target, place.side())]
+        {
             let look = self.look(target, picture, Place { centre, ..place });
             self.consider(config, target, picture, look, &mut best);
         }
@@ -120,7 +117,7 @@ impl Eyes {
     /// How alike the colours at a look's place are to the target's, 0 to 1.
     fn kinship(&mut self, config: &FusedConfig, target: &Target, picture: &Picture, look: &Look) -> f32 {
         let [inside, around] = &mut self.colours;
-        let axis = target.axis + look.place.angle - target.angle;
+        let axis = target.axis_at(&look.place);
         let scale = target.scale * look.place.step / target.place(config).step;
         count_colours(picture, look.centre, target.extent.upright(scale, axis), inside, around);
         inside.overlap(&target.colours.target)

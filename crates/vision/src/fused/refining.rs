@@ -6,6 +6,7 @@ use super::Eyes;
 use super::config::FusedConfig;
 use super::evidence::Look;
 use super::target::Target;
+use crate::correlation::parabola;
 use crate::features::Place;
 use crate::silhouette::Silhouette;
 
@@ -90,12 +91,12 @@ impl Eyes {
         };
         let (below, above) = (score(-1.0), score(1.0));
         if below <= middle && above <= middle {
-            return highest_between(below, middle, above);
+            return parabola(below, middle, above);
         }
         // One step is better: perhaps two are.
         let (side, near) = if above > below { (1.0, above) } else { (-1.0, below) };
         let far = score(2.0 * side);
-        if far > near { 2.0 * side } else { side * (1.0 + highest_between(middle, near, far)) }
+        if far > near { 2.0 * side } else { side * (1.0 + parabola(middle, near, far)) }
     }
 
     /// Lets the moments of the colour correct what drifts: axis, place, length and breadth.
@@ -126,12 +127,6 @@ impl Eyes {
         target.centre.1 += part * (centre.1 - target.centre.1);
         target.stretch_to(long, wide, share(SIZE_S));
     }
-}
-
-/// Where between -1/2 and 1/2 a parabola through three values at -1, 0 and 1 is highest.
-fn highest_between(before: f32, here: f32, after: f32) -> f32 {
-    let curvature = before - 2.0 * here + after;
-    if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
 /// From one axis to another, -pi/2 to pi/2.

@@ -142,6 +142,11 @@ impl Target {
         Place { centre: self.centre, step: self.scale * side / (SIDE * CELL) as f32, angle: self.angle }
     }
 
+    /// Its axis in a patch that is turned otherwise: it turns with the patch.
+    pub(super) fn axis_at(&self, place: &Place) -> f32 {
+        self.axis + place.angle - self.angle
+    }
+
     /// Side of the square that is taken for the target in the picture of its surroundings, pixels.
     pub(super) fn blank(&self) -> f32 {
         let half = self.half_axes();
@@ -288,7 +293,7 @@ impl Target {
     /// Goes on from a place where it was perhaps found again.
     pub(super) fn restart_at(&mut self, config: &FusedConfig, look: &Look) {
         self.rescale(look.place.step / self.place(config).step);
-        self.axis += look.place.angle - self.angle;
+        self.axis = self.axis_at(&look.place);
         self.angle = look.place.angle;
         self.centre = look.centre;
         let size = f64::from(self.size_px());
