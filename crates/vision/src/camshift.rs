@@ -31,7 +31,7 @@ use crate::likeness::Likeness;
 use crate::mean_shift::{MARGIN, Search, Target, cam_shift};
 use crate::moments::Mass;
 use crate::tracker::{SelectionError, SelectionReport, Tracker};
-use crate::window::Window;
+use crate::window::{Window, reaches_out};
 
 /// Follows a target by its hue.
 #[derive(Debug)]
@@ -173,15 +173,6 @@ impl Tracker for CamShift {
             grey.samples.extend_from_slice(self.map.known_row(row));
         }
     }
-}
-
-/// Whether part of the box lies outside the picture.
-fn reaches_out(selection: PixelBox, picture: PictureSize) -> bool {
-    let (right, bottom) = (selection.u + selection.w, selection.v + selection.h);
-    selection.u < 0.0
-        || selection.v < 0.0
-        || right > f64::from(picture.width)
-        || bottom > f64::from(picture.height)
 }
 
 /// How many pixels of the window have each hue.

@@ -71,7 +71,7 @@ impl Histogram {
 }
 
 /// A (1 2 1) / 4 filter along one side of the histogram; what falls off an end stays in it.
-fn smooth(bins: &mut [f32], stride: usize, length: usize) {
+pub(crate) fn smooth(bins: &mut [f32], stride: usize, length: usize) {
     for block in bins.chunks_exact_mut(stride * length) {
         for offset in 0..stride {
             let mut before = block[offset];

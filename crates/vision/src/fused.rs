@@ -51,9 +51,10 @@ use crate::explanation::{Explanation, GreyMap, Stage};
 use crate::features::{Features, Place};
 use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
+use crate::layout::Layout;
 use crate::redetection::Redetection;
 use crate::tracker::{SelectionError, SelectionReport, Tracker};
-use crate::window::Window;
+use crate::window::{Window, reaches_out};
 
 /// Follows a target by what it looks like and by its colour.
 #[derive(Debug)]
@@ -74,6 +75,8 @@ struct Eyes {
     background: Background,
     /// Colours of the target and around it in one frame.
     colours: [Histogram; 2],
+    /// Where on the target they lie.
+    layout: Layout,
     /// What was looked at last.
     place: Place,
 }
@@ -93,6 +96,7 @@ impl FusedTracker {
             redetection: Redetection::default(),
             background: Background::new(),
             colours: [Histogram::default(), Histogram::default()],
+            layout: Layout::default(),
             place: Place { centre: (0.0, 0.0), step: 1.0, angle: 0.0 },
         };
         Ok(Self { config, eyes, target: None })
@@ -114,7 +118,7 @@ impl Tracker for FusedTracker {
         self.target = Some(target);
         Ok(SelectionReport {
             used,
-            clipped: selection.clipped(picture) != selection,
+            clipped: reaches_out(selection, picture),
             coloured: likeness.coloured,
             surroundings: likeness.surroundings,
             localisation,
@@ -220,12 +224,15 @@ impl Eyes {
         seconds: f64,
     ) -> Sight {
         let picture = &*frame.picture;
-        let look = self.look_around(config, target, picture);
+        let mut look = self.look_around(config, target, picture);
+        if matches!(target.phase, Phase::Confirming { .. }) {
+            look = self.better_way_round(config, target, picture, look);
+        }
         let needed = if target.phase == Phase::Seen { 1.0 } else { STRICTER };
         let jump = target.jump(&look);
         let evidence = look.evidence(config, target);
         let believed = !matches!(target.phase, Phase::Confirming { .. })
-            || self.recognises(config, target, picture, &look);
+            || self.still_recognises(config, target, picture, &look);
         if evidence < config.seen as f32 * needed * jump || !believed || look.colour_gone(target) {
             target.confidence = confidence_disbelieved(&look, target);
             self.background.forget();

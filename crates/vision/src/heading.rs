@@ -87,6 +87,12 @@ impl Heading {
         (self.votes.abs() >= KNOWN_VOTES).then_some(self.votes > 0.0)
     }
 
+    /// How sure it is that the bow is at the given end of the axis: 1 where it is known to be there, -1 where it is known
+    /// to be at the other end, in between on the way.
+    pub(crate) fn certainty(&self) -> f64 {
+        (self.votes / KNOWN_VOTES).clamp(-1.0, 1.0)
+    }
+
     /// From the last corner of the simplified path to its end.
     fn last_leg(&self, tolerance: f64) -> Option<(f64, f64)> {
         let end = *self.path.back()?;
@@ -147,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_bow_is_not_known_at_first_nor_of_a_boat_that_stays() {
-        assert_eq!(Heading::default().bow(), None);
+        assert_eq!((Heading::default().bow(), Heading::default().certainty()), (None, 0.0));
         assert_eq!(Boat::default().goes(5.0, 0.0, 0.0), None);
         // Less than a quarter of its length in the two seconds that are remembered.
         assert_eq!(Boat::default().goes(5.0, 0.1, 0.0), None);
@@ -159,6 +165,20 @@ mod tests {
             [(0.0, Some(true)), (30.0, Some(true)), (180.0, Some(false)), (150.0, Some(false)), (90.0, None)]
         {
             assert_eq!(Boat::default().goes(1.5, 1.0, direction_deg), expected, "{direction_deg}");
+        }
+    }
+
+    #[test]
+    fn certainty_grows_to_the_end_that_the_bow_is_at() {
+        for (direction_deg, end) in [(0.0, 1.0), (180.0, -1.0)] {
+            let mut boat = Boat::default();
+            let mut before = 0.0;
+            while boat.goes(0.1, 1.0, direction_deg).is_none() {
+                let certainty = boat.heading.certainty() * end;
+                assert!((before..1.0).contains(&certainty), "{direction_deg}: {before}, {certainty}");
+                before = certainty;
+            }
+            assert_eq!(boat.heading.certainty(), end);
         }
     }
 

@@ -31,6 +31,7 @@ mod fourier;
 mod fused;
 mod gradients;
 mod heading;
+mod layout;
 mod motion;
 mod redetection;
 mod silhouette;

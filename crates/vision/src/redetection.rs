@@ -1,8 +1,9 @@
 //! Finding the target again anywhere in the picture: a coarse back projection and boxes summed by an integral image.
 //!
 //! One sample every few pixels is looked up in the colour model. Candidates are the places where a box of the
-//! target's size holds more likeness than the ring around it; they are told by colour alone and are worth no more
-//! than a second look.
+//! target's size holds more likeness than the ring around it. Each then settles where, and at the size at which, a box
+//! of the target's proportions stands out best: the target may have come nearer or gone farther while it was away.
+//! Candidates are told by colour alone and are worth no more than a second look.
 
 use barrelman_vocab::Picture;
 
@@ -15,6 +16,10 @@ pub(crate) struct Candidate {
     pub(crate) centre: (f32, f32),
     /// Mean likeness in the box less that of the ring, -1 to 1.
     pub(crate) contrast: f32,
+    /// What others make of it; 0 at first.
+    pub(crate) worth: f32,
+    /// How many times as large as expected what has the colour there seems to be.
+    pub(crate) growth: f32,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -27,13 +32,20 @@ pub(crate) struct Redetection {
 }
 
 /// Most candidates kept.
-pub(crate) const CANDIDATES: usize = 8;
+pub(crate) const CANDIDATES: usize = 12;
 
 impl Redetection {
-    /// The best candidates of a target of that size (pixels, a side), best first.
-    pub(crate) fn look(&mut self, picture: &Picture, model: &ColourModel, size: f32) -> &[Candidate] {
-        // Five samples a side tell a box from its surroundings; chroma has one sample in two pixels.
-        let step = ((size / 10.0) as usize).clamp(1, 16);
+    /// The best candidates of a target whose upright box has these sides (pixels), best first.
+    pub(crate) fn look(
+        &mut self,
+        picture: &Picture,
+        model: &ColourModel,
+        (w, h): (f32, f32),
+    ) -> &[Candidate] {
+        let size = (w * h).sqrt();
+        // Ten samples a side tell a box from its surroundings, and from one of another size; chroma has one sample in
+        // two pixels.
+        let step = ((size / 20.0) as usize).clamp(1, 16);
         let (y, u, v) = (picture.y(), picture.u(), picture.v());
         (self.width, self.height) = (u.width / step, u.height / step);
         let stride = self.width + 1;
@@ -75,6 +87,8 @@ impl Redetection {
                         Candidate {
                             centre: ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit),
                             contrast,
+                            worth: 0.0,
+                            growth: 1.0,
                         },
                         size,
                     );
@@ -83,13 +97,60 @@ impl Redetection {
             }
             row += stride_of_search;
         }
+        for index in 0..self.candidates.len() {
+            self.candidates[index] = self.settled(self.candidates[index], (w / unit, h / unit), unit);
+        }
         &self.candidates
+    }
+
+    /// Where nearby, and at which size in that of `sides` (samples), a box stands out best against its ring.
+    fn settled(&self, candidate: Candidate, sides: (f32, f32), unit: f32) -> Candidate {
+        let first = ((candidate.centre.0 / unit) as usize, (candidate.centre.1 / unit) as usize);
+        let mut best = (first, 1.0_f32, self.stands_out(first, sides, 1.0));
+        for _ in 0..SETTLING {
+            let from = best;
+            for growth in GROWTHS {
+                let stride = |side: f32| ((SETTLING_SHARE * growth * side) as usize).max(1);
+                let (across, down) = (stride(sides.0), stride(sides.1));
+                let around = |at: usize, by: usize, length: usize| {
+                    [at.saturating_sub(by), at, (at + by).min(length - 1)]
+                };
+                for row in around(from.0.1, down, self.height) {
+                    for column in around(from.0.0, across, self.width) {
+                        let contrast = self.stands_out((column, row), sides, growth);
+                        if contrast > best.2 {
+                            best = ((column, row), growth, contrast);
+                        }
+                    }
+                }
+            }
+            if best == from {
+                break;
+            }
+        }
+        let ((column, row), growth, _) = best;
+        let centre = ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit);
+        Candidate { centre, growth, ..candidate }
+    }
+
+    /// By how much more likeness a box there has than the ring around it.
+    fn stands_out(&self, at: (usize, usize), sides: (f32, f32), growth: f32) -> f32 {
+        let half = |side: f32| (0.5 * growth * side).max(0.5) as usize;
+        let half = (half(sides.0), half(sides.1));
+        let ring = half.0.max(half.1).max(1);
+        let (inner, outer) = (self.sum_of(at, half), self.sum_of(at, (half.0 + ring, half.1 + ring)));
+        inner.0 as f32 / (255 * inner.1) as f32
+            - (outer.0 - inner.0) as f32 / (255 * (outer.1 - inner.1).max(1)) as f32
     }
 
     /// Sum and count of the samples within `half` of one.
     fn sum(&self, column: usize, row: usize, half: usize) -> (u32, u32) {
-        let (left, top) = (column.saturating_sub(half), row.saturating_sub(half));
-        let (right, bottom) = ((column + half + 1).min(self.width), (row + half + 1).min(self.height));
+        self.sum_of((column, row), (half, half))
+    }
+
+    fn sum_of(&self, (column, row): (usize, usize), half: (usize, usize)) -> (u32, u32) {
+        let (left, top) = (column.saturating_sub(half.0), row.saturating_sub(half.1));
+        let (right, bottom) = ((column + half.0 + 1).min(self.width), (row + half.1 + 1).min(self.height));
         let at = |x: usize, y: usize| self.sums[y * (self.width + 1) + x];
         let sum = at(right, bottom) + at(left, top) - at(left, bottom) - at(right, top);
         (sum, ((right - left) * (bottom - top)) as u32)
@@ -115,6 +176,13 @@ impl Redetection {
         self.candidates.sort_by(|a, b| b.contrast.total_cmp(&a.contrast));
     }
 }
+
+/// Rounds in which a candidate moves and changes its size.
+const SETTLING: usize = 3;
+/// Sizes that are tried, in the expected one.
+const GROWTHS: [f32; 7] = [0.5, 0.6, 0.71, 0.84, 1.0, 1.19, 1.41];
+/// A candidate moves by this share of its sides at a time.
+const SETTLING_SHARE: f32 = 0.2;
 
 #[cfg(test)]
 mod tests {
@@ -150,7 +218,7 @@ mod tests {
         let mut model = ColourModel::default();
         count_colours(&learned, (160.0, 120.0), (40.0, 40.0), &mut model.target, &mut model.surroundings);
         model.renew();
-        Redetection::default().look(&picture(boats), &model, size).to_vec()
+        Redetection::default().look(&picture(boats), &model, (size, size)).to_vec()
     }
 
     fn near(candidate: &Candidate, (u, v): (f32, f32), pixels: f32) -> bool {
@@ -169,6 +237,18 @@ mod tests {
     }
 
     #[test]
+    fn it_is_told_how_large_what_has_the_colour_is() {
+        for side in [24, 40, 56] {
+            let found = found(&[[130, 90, side, side]], 40.0);
+            let growth = side as f32 / 40.0;
+            // The sizes that are tried are 1.19 apart, and the samples a twentieth of the size.
+            assert!((0.8..1.25).contains(&(found[0].growth / growth)), "{side}: {found:?}");
+            let middle = (130.0 + side as f32 / 2.0, 90.0 + side as f32 / 2.0);
+            assert!(near(&found[0], middle, 5.0), "{side}: {found:?}");
+        }
+    }
+
+    #[test]
     fn two_that_are_apart_are_told_apart_and_the_better_one_comes_first() {
         let found = found(&[[30, 60, 40, 32], [230, 140, 40, 40]], 40.0);
         assert!(near(&found[0], (250.0, 160.0), 20.0), "{found:?}");
@@ -178,13 +258,12 @@ mod tests {
 
     #[test]
     fn of_many_the_best_few_are_kept() {
-        let boats: Vec<_> =
-            (0..10).map(|k| [12 + 62 * (k % 5), 40 + 110 * (k / 5), 40, 13 + 3 * k]).collect();
+        let boats: Vec<_> = (0..15).map(|k| [12 + 62 * (k % 5), 14 + 74 * (k / 5), 40, 12 + 2 * k]).collect();
         let found = found(&boats, 40.0);
         assert_eq!(found.len(), CANDIDATES);
-        assert!(found.iter().any(|candidate| near(candidate, (280.0, 170.0), 20.0)), "{found:?}");
+        assert!(found.iter().any(|candidate| near(candidate, (280.0, 182.0), 20.0)), "{found:?}");
         assert!(found.is_sorted_by(|a, b| a.contrast >= b.contrast));
-        assert!(found.iter().all(|candidate| !near(candidate, (32.0, 46.5), 20.0)), "{found:?}");
+        assert!(found.iter().all(|candidate| !near(candidate, (32.0, 20.0), 20.0)), "{found:?}");
     }
 
     #[test]
@@ -200,7 +279,7 @@ mod tests {
             let size = PictureSize::new(width, height);
             let picture = Picture::black(size, ColourEncoding::assumed_for(size));
             for target in [0.0, 1.0, 12.0, 5000.0, f32::NAN] {
-                assert!(redetection.look(&picture, &ColourModel::default(), target).is_empty());
+                assert!(redetection.look(&picture, &ColourModel::default(), (target, target)).is_empty());
             }
         }
     }

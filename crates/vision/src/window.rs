@@ -140,6 +140,15 @@ impl Window {
     }
 }
 
+/// Whether part of the box lies outside the picture.
+pub(crate) fn reaches_out(selection: PixelBox, picture: PictureSize) -> bool {
+    let (right, bottom) = (selection.u + selection.w, selection.v + selection.h);
+    selection.u < 0.0
+        || selection.v < 0.0
+        || right > f64::from(picture.width)
+        || bottom > f64::from(picture.height)
+}
+
 /// The nearest whole pixels to `start..start + length`, at least one, below `end`.
 fn nearest_span(start: f64, length: f64, end: u32) -> (usize, usize) {
     let last = (end as usize).saturating_sub(1);

@@ -42,7 +42,7 @@ impl Look {
     }
 
     /// Height of the response, in what is usual for the target.
-    fn height(&self, target: &Target) -> f32 {
+    pub(super) fn height(&self, target: &Target) -> f32 {
         self.peak.height / target.height.max(LEAST_HEIGHT)
     }
 

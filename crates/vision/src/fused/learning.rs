@@ -7,12 +7,13 @@ use super::config::FusedConfig;
 use super::evidence::Look;
 use super::extent::Extent;
 use super::phase::Phase;
-use super::target::{Outline, Target, Vanished};
+use super::target::{Outline, Recognition, Target, Vanished};
 use crate::colour_model::{ColourModel, count_colours};
 use crate::correlation::{CorrelationFilter, wanted_response};
 use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
 use crate::heading::Heading;
+use crate::layout::Layout;
 use crate::motion::Axis;
 use crate::silhouette::Silhouette;
 
@@ -38,6 +39,12 @@ const TRUSTED_CONTRAST: f32 = 0.5;
 const TRUSTED_STRETCH: f32 = 1.25;
 /// ... and it filled this share of the ellipse.
 const TRUSTED_FILL: f32 = 0.5;
+/// The upright box around a hull that lies askew touches the point of its bow at one corner and the corners of its blunt
+/// stern on two sides, so that its middle lies astern of the hull's, by
+/// ([`BLUNT`] + [`BLUNTER`] |cos sin|) |cos sin| breadths with the cosine and sine of its axis: to within 0.02 breadths, for
+/// hulls two to five times as long as wide whose bow tapers off from the middle on, slender or full.
+const BLUNT: f32 = 0.22;
+const BLUNTER: f32 = 0.34;
 /// Likeness from which on a pixel counts as coloured like the target.
 const COLOURED: u8 = 128;
 
@@ -90,9 +97,12 @@ impl Eyes {
             reach: (0, 0),
             contrast: 0.0,
             kinship: FIRST_KINSHIP,
+            layout: Layout::default(),
+            layout_kinship: FIRST_KINSHIP,
             height: FIRST_HEIGHT,
             learned: 0,
             vanished: Vanished { at: frame.capture.at, place: centre, inside: false },
+            recognition: Recognition::default(),
             steady: (1.0, Extent::Box { width, height }),
             searched: 0,
             scan: 0,
@@ -116,6 +126,7 @@ impl Eyes {
         for _ in 0..FIRST_STEPS {
             target.filter.improve(&mut self.features.fourier, &target.wanted, &target.mask);
         }
+        target.layout.count(picture, centre, target.half_axes(), target.axis);
         self.background.remember(picture.y(), &mut self.features.fourier, centre, target.blank());
         (target, report)
     }
@@ -150,6 +161,7 @@ impl Eyes {
             let outline = Outline {
                 offset: off(seen.centroid),
                 box_offset: off(seen.middle),
+                astern: (BLUNT + BLUNTER * (c * s).abs()) * breadth * (c * s).abs(),
                 major: seen.major,
                 minor: seen.minor,
                 length,
@@ -198,6 +210,10 @@ impl Eyes {
             // Waters change faster than paint.
             target.colours.surroundings.blend(around, 2.0 * config.colour_rate as f32);
             target.colours.renew();
+            self.layout.count(picture, target.centre, target.half_axes(), target.axis);
+            target.layout_kinship +=
+                KINSHIP_RATE * (self.layout.overlap(&target.layout) - target.layout_kinship);
+            target.layout.blend(&self.layout, config.colour_rate as f32);
         }
     }
 }

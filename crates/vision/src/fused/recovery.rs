@@ -5,10 +5,10 @@ use barrelman_vocab::Picture;
 use super::Eyes;
 use super::config::FusedConfig;
 use super::evidence::{Look, TELLING_CONTRAST, confidence_disbelieved};
-use super::target::Target;
+use super::target::{Recognition, Target};
 use crate::colour_model::count_colours;
 use crate::features::Place;
-use crate::redetection::Candidate;
+use crate::redetection::{CANDIDATES, Candidate};
 use crate::silhouette::Silhouette;
 
 /// Candidates told by colour that are looked at in one frame.
@@ -18,8 +18,11 @@ const SCAN_SHARE: f32 = 0.4;
 /// The systematic search goes on by so many windows (a prime), so that neighbours are not looked at one after the
 /// other.
 const SCAN_STRIDES: [u32; 4] = [7, 11, 13, 17];
-/// What the usual likeness of the colours is worth, in usual heights of the response.
-const KINSHIP_IN_HEIGHTS: f32 = 2.0;
+/// Least height of the response and contrast of the colour, in what is usual, for a look to be worth a comparison.
+const LEAST_HEIGHT: f32 = 0.3;
+const LEAST_COLOUR: f32 = 0.2;
+/// By how much less alike than when it was found a target may be, on the mean, while it is confirmed.
+const SLACK: f32 = 0.07;
 /// The colour's axis is measured within a circle of this many half lengths around a candidate.
 const REACH: f32 = 1.3;
 /// Sizes that are tried for a target without an outline, in its own.
@@ -50,15 +53,26 @@ impl Eyes {
             self.consider(config, target, picture, look, &mut best);
         }
         if target.contrast > TELLING_CONTRAST {
-            let mut candidates = [Candidate::default(); BY_COLOUR];
-            let found = self.redetection.look(picture, &target.colours, target.size_px());
-            // They take turns, the best first: things of its colour must not stand in its way.
-            let turns = found.len().div_ceil(BY_COLOUR).max(1);
-            let skipped = target.searched as usize % turns * BY_COLOUR;
-            let size = OTHER_SIZES[target.searched as usize / turns % OTHER_SIZES.len()];
+            let upright = target.extent.upright(target.scale, target.axis);
+            let found = self.redetection.look(picture, &target.colours, upright);
+            let mut candidates = [Candidate::default(); CANDIDATES];
+            let count = found.len();
+            candidates[..count].copy_from_slice(found);
+            let half = target.half_axes();
+            for candidate in &mut candidates[..count] {
+                let half = (half.0 * candidate.growth, half.1 * candidate.growth);
+                self.layout.count(picture, candidate.centre, half, target.axis);
+                candidate.worth = self.layout.overlap(&target.layout);
+            }
+            candidates[..count].sort_unstable_by(|a, b| b.worth.total_cmp(&a.worth));
+            // The best is looked at in every frame, the others take turns: things of its colour must not stand in
+            // its way.
+            let other = OTHER_SIZES[target.searched as usize / count.max(1) % OTHER_SIZES.len()];
+            if count > 2 {
+                candidates.swap(1, 1 + target.searched as usize % (count - 1));
+            }
             target.searched = target.searched.wrapping_add(1);
-            let count = (found.len() - skipped).min(BY_COLOUR);
-            candidates[..count].copy_from_slice(&found[skipped..skipped + count]);
+            let count = count.min(BY_COLOUR);
             for candidate in &candidates[..count] {
                 let first = Place { centre: candidate.centre, ..place };
                 let look = self.look(target, picture, first);
@@ -70,7 +84,9 @@ impl Eyes {
                         self.consider(config, target, picture, look, &mut best);
                     }
                 } else {
-                    // Nothing says how large it is now: one other size per frame is tried.
+                    // It is as large as what has its colour there; where that is as large as expected, another size
+                    // is tried in each frame.
+                    let size = if candidate.growth == 1.0 { other } else { candidate.growth };
                     let look = self.look(target, picture, Place { step: first.step * size, ..first });
                     self.consider(config, target, picture, look, &mut best);
                 }
@@ -90,37 +106,76 @@ impl Eyes {
     ) {
         target.confidence = target.confidence.max(confidence_disbelieved(&look, target));
         let evidence = look.evidence(config, target);
-        if best.is_none_or(|(_, most)| evidence > most) && self.recognises(config, target, picture, &look) {
+        if best.is_none_or(|(_, most)| evidence > most)
+            && let Some(alike) = self.alike(config, target, picture, &look)
+            && alike >= target.alike_enough(&look)
+        {
+            target.recognition = Recognition::default().with(alike);
             *best = Some((look, evidence));
         }
     }
 
-    /// Whether a look is at the target: by the pattern, by the contrast of the colour, and, where both may be, by all
-    /// its colours.
-    pub(super) fn recognises(
+    /// A hull looks much the same from bow to stern as from stern to bow: takes the way round that fits better.
+    pub(super) fn better_way_round(
+        &mut self,
+        config: &FusedConfig,
+        target: &mut Target,
+        picture: &Picture,
+        look: Look,
+    ) -> Look {
+        if target.outline.is_none() {
+            return look;
+        }
+        let turned = Place { angle: look.place.angle + core::f32::consts::PI, ..look.place };
+        let other = self.look(target, picture, turned);
+        if other.evidence(config, target) > look.evidence(config, target) {
+            target.turn_about();
+            return other;
+        }
+        // What comes after samples the crop of the look that is taken.
+        self.look(target, picture, look.place)
+    }
+
+    /// Whether a target that was perhaps found again still is what it was taken for: all looks together must say so,
+    /// where one may be worse than another.
+    pub(super) fn still_recognises(
+        &mut self,
+        config: &FusedConfig,
+        target: &mut Target,
+        picture: &Picture,
+        look: &Look,
+    ) -> bool {
+        let Some(alike) = self.alike(config, target, picture, look) else { return false };
+        target.recognition = target.recognition.with(alike);
+        target.recognition.alike >= target.alike_enough(look) - SLACK
+    }
+
+    /// How alike to the target what a look shows is: by the pattern, by its colours, and by where they lie, each in
+    /// what is usual. None where too little speaks for it to be worth a comparison.
+    fn alike(
         &mut self,
         config: &FusedConfig,
         target: &Target,
         picture: &Picture,
         look: &Look,
-    ) -> bool {
-        let least = target.least_to_be_recognised(look);
-        let height = look.peak.height / target.height.max(f32::MIN_POSITIVE);
-        look.evidence(config, target) >= least.evidence * config.again as f32
-            && height >= least.height
-            && look.colour(target).is_none_or(|share| share >= least.colour)
-            && height.min(1.0)
-                + KINSHIP_IN_HEIGHTS * self.kinship(config, target, picture, look) / target.kinship
-                >= least.together
+    ) -> Option<f32> {
+        let height = look.height(target);
+        let worth = look.evidence(config, target) >= config.again as f32
+            && height >= LEAST_HEIGHT
+            && look.colour(target).is_none_or(|share| share >= LEAST_COLOUR);
+        worth.then(|| height.min(1.0) + self.kinship(config, target, picture, look))
     }
 
-    /// How alike the colours at a look's place are to the target's, 0 to 1.
+    /// How alike the colours at a look's place are to the target's, all together and part by part, each in what is
+    /// usual: about 2 for the target.
     fn kinship(&mut self, config: &FusedConfig, target: &Target, picture: &Picture, look: &Look) -> f32 {
         let [inside, around] = &mut self.colours;
         let axis = target.axis_at(&look.place);
         let scale = target.scale * look.place.step / target.place(config).step;
         count_colours(picture, look.centre, target.extent.upright(scale, axis), inside, around);
-        inside.overlap(&target.colours.target)
+        self.layout.count(picture, look.centre, target.extent.half_axes(scale), axis);
+        inside.overlap(&target.colours.target) / target.kinship
+            + self.layout.overlap(&target.layout) / target.layout_kinship
     }
 
     /// How a patch must be turned and scaled for the target to lie as what has its colour there, one way round.

@@ -16,6 +16,7 @@ use crate::features::Place;
 use crate::fourier::{Map, SIDE, Spectrum};
 use crate::gradients::CELL;
 use crate::heading::Heading;
+use crate::layout::Layout;
 use crate::motion::Axis;
 
 /// What the colour showed of the target at the selection.
@@ -25,6 +26,8 @@ pub(super) struct Outline {
     pub(super) offset: (f32, f32),
     /// From halfway between its ends to the middle of its box, likewise.
     pub(super) box_offset: (f32, f32),
+    /// By how much the middle of its box lies astern of the hull's, pixels.
+    pub(super) astern: f32,
     /// Full axes of the silhouette, pixels.
     pub(super) major: f32,
     pub(super) minor: f32,
@@ -72,11 +75,16 @@ pub(super) struct Target {
     pub(super) contrast: f32,
     /// How alike its colours usually are to what was learned of them, 0 to 1.
     pub(super) kinship: f32,
+    /// Where on it which colours lie, and how alike that usually is, 0 to 1.
+    pub(super) layout: Layout,
+    pub(super) layout_kinship: f32,
     /// How high the filter's response usually is.
     pub(super) height: f32,
     /// Frames learned from.
     pub(super) learned: u32,
     pub(super) vanished: Vanished,
+    /// While it is perhaps found again.
+    pub(super) recognition: Recognition,
     /// Size and proportions when it was last well seen and wholly in the picture.
     pub(super) steady: (f32, Extent),
     /// Frames that it was searched for in, since it was lost.
@@ -96,21 +104,27 @@ pub(super) struct Vanished {
     pub(super) inside: bool,
 }
 
-/// What a target that was lost must show to be recognised.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Least {
-    /// Evidence, in [`FusedConfig::again`].
-    pub(super) evidence: f32,
-    /// Height of the response, in what is usual.
-    pub(super) height: f32,
-    /// Contrast of the colour, in what is usual.
-    pub(super) colour: f32,
-    /// Height of the response and likeness of all the colours, each in what is usual, the second counted twice.
-    pub(super) together: f32,
+/// What the looks at a target that was perhaps found again have shown so far.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Recognition {
+    /// How many of them.
+    pub(super) looks: u32,
+    /// The mean of how alike to the target it was: height of the response, kinship of the colours and of their
+    /// layout, each in what is usual.
+    pub(super) alike: f32,
 }
 
-const STILL_THERE: Least = Least { evidence: 1.0, height: 0.3, colour: 0.4, together: 1.8 };
-const ELSEWHERE: Least = Least { evidence: 1.2, height: 0.42, colour: 0.5, together: 2.38 };
+impl Recognition {
+    /// With one more look.
+    pub(super) fn with(self, alike: f32) -> Self {
+        let looks = self.looks.saturating_add(1);
+        Self { looks, alike: self.alike + (alike - self.alike) / looks as f32 }
+    }
+}
+
+/// How alike to the target a thing must be (as [`Recognition::alike`]) that lies where it was lost, or elsewhere.
+const STILL_THERE_ALIKE: f32 = 1.8;
+const ELSEWHERE_ALIKE: f32 = 2.37;
 /// It counts as still there within so many sizes, for so long.
 const STILL_THERE_SIZES: f32 = 1.5;
 const STILL_THERE_S: f64 = 3.0;
@@ -261,14 +275,14 @@ impl Target {
         (1.0 + 0.5 * beyond.clamp(0.0, 2.0)) as f32
     }
 
-    /// What a look must show to be at the target, after it was lost. Where it vanished not long ago in the middle of
-    /// the picture, it is most likely still there, and half hidden; a thing elsewhere must be like it in every
+    /// How alike to it a look must show a thing to be, after it was lost. Where it vanished not long ago in the middle
+    /// of the picture, it is most likely still there, and half hidden; a thing elsewhere must be like it in every
     /// respect.
-    pub(super) fn least_to_be_recognised(&self, look: &Look) -> Least {
+    pub(super) fn alike_enough(&self, look: &Look) -> f32 {
         let away = libm::hypotf(look.centre.0 - self.vanished.place.0, look.centre.1 - self.vanished.place.1);
         let recent = self.last_at.since(self.vanished.at).as_secs_f64() <= STILL_THERE_S;
         let there = self.vanished.inside && recent && away <= STILL_THERE_SIZES * self.size_px();
-        if there { STILL_THERE } else { ELSEWHERE }
+        if there { STILL_THERE_ALIKE } else { ELSEWHERE_ALIKE }
     }
 
     /// Remembers where it was lost.
@@ -304,6 +318,12 @@ impl Target {
         self.heading.forget();
     }
 
+    /// Takes bow for stern.
+    pub(super) fn turn_about(&mut self) {
+        self.angle += core::f32::consts::PI;
+        self.axis += core::f32::consts::PI;
+    }
+
     /// What is reported of it.
     pub(super) fn report(&self, frame: &VideoFrame) -> Localisation {
         let (w, h) = self.extent.upright(self.scale, self.axis);
@@ -313,19 +333,23 @@ impl Target {
         self.localisation(frame, bounds.clipped(frame.picture.size()), self.confidence)
     }
 
-    /// Halfway between its ends: the middle of its box where no outline is known.
-    fn halfway(&self) -> PixelPoint {
+    /// The middle of the hull: that of its box where no outline is known.
+    ///
+    /// As long as nothing tells the bow, it is taken to be halfway between the ends of its colour. These are wrong where
+    /// bow or stern are painted otherwise, or where the wake has the colour, too. Once the bow is known, the middle
+    /// follows from the operator's box, which holds all of the hull ([`Outline::astern`]).
+    fn middle(&self) -> PixelPoint {
         let (u, v) = (f64::from(self.centre.0), f64::from(self.centre.1));
         let Some(outline) = &self.outline else {
             return PixelPoint { u, v };
         };
         let half = self.half_axes();
-        let (ahead, aside) = (
-            outline.box_offset.0 * 2.0 * half.0 / outline.length,
-            outline.box_offset.1 * 2.0 * half.1 / outline.breadth,
-        );
+        let certain = self.heading.certainty() as f32;
+        let ahead = certain * outline.astern - (1.0 - certain.abs()) * outline.box_offset.0;
+        let (ahead, aside) =
+            (ahead * 2.0 * half.0 / outline.length, -outline.box_offset.1 * 2.0 * half.1 / outline.breadth);
         let (c, s) = (libm::cosf(self.axis), libm::sinf(self.axis));
-        PixelPoint { u: u - f64::from(ahead * c - aside * s), v: v - f64::from(ahead * s + aside * c) }
+        PixelPoint { u: u + f64::from(ahead * c - aside * s), v: v + f64::from(ahead * s + aside * c) }
     }
 
     pub(super) fn localisation(&self, frame: &VideoFrame, bounds: PixelBox, confidence: f64) -> Localisation {
@@ -340,7 +364,7 @@ impl Target {
         Localisation {
             captured: frame.capture.at,
             picture: frame.picture.size(),
-            centre: self.halfway(),
+            centre: self.middle(),
             bounds,
             shape,
             heading: bow.map(|ahead| anticlockwise(end(ahead), core::f64::consts::TAU)),
@@ -367,3 +391,16 @@ const LONGEST_GAP_S: f64 = 2.0;
 const MOST_SHIFT_PX: f64 = 1.0e6;
 /// How well the surroundings tell the camera's motion, in sizes of the target.
 const SHIFT_DEVIATION_SHARE: f64 = 0.05;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recognition_is_the_mean_of_its_looks() {
+        let first = Recognition::default().with(2.5);
+        assert_eq!(first, Recognition { looks: 1, alike: 2.5 });
+        let third = first.with(2.25).with(2.0);
+        assert!((third.alike - 2.25).abs() < 1e-6 && third.looks == 3, "{third:?}");
+    }
+}

@@ -97,7 +97,10 @@ fn select(tracker: &mut FusedTracker, frame: &VideoFrame, selection: PixelBox) -
     let report = tracker.select(frame, selection)?;
     in_order(&report.localisation, frame);
     assert_eq!(report.localisation.bounds, report.used);
-    assert_eq!(report.clipped, selection.clipped(frame.picture.size()) != selection);
+    let (right, bottom) = (selection.u + selection.w, selection.v + selection.h);
+    let size = frame.picture.size();
+    let beyond = right > f64::from(size.width) || bottom > f64::from(size.height);
+    assert_eq!(report.clipped, selection.u < 0.0 || selection.v < 0.0 || beyond);
     assert!((0.0..=1.0).contains(&report.coloured) && (0.0..=1.0).contains(&report.surroundings));
     Ok(())
 }

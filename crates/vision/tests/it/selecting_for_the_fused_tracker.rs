@@ -73,6 +73,13 @@ fn the_part_of_a_box_outside_the_picture_is_cut_off_and_said() {
 }
 
 #[test]
+fn a_box_in_the_picture_is_not_said_to_be_cut_off_because_of_rounding() {
+    let frame = frame((320, 180), BLUE, &[(RED, [142, 62, 20, 56])]);
+    let report = tracker().select(&frame, pixels(142.2, 63.2, 20.2, 55.2)).unwrap();
+    assert!(!report.clipped, "{report:?}");
+}
+
+#[test]
 fn a_second_selection_forgets_the_first() {
     let (first, second) = ((60.0, 60.0), (170.0, 120.0));
     let size = (50.0, 30.0);
