@@ -1,49 +1,31 @@
-//! Loops over many values with the widest vector instructions that the machine has, and the same bits.
+//! Loops over many values with the widest vector instructions that the machine has, and the same bits: the macro of
+//! `barrelman-simd`, and the tests that hold this crate's kernels to it.
 //!
-//! A function within [`widest!`] is compiled twice from the same scalar source: for the baseline of the target, and
-//! with AVX2. Neither fuses a multiplication with an addition, neither changes the order of a sum, so both round
-//! alike; a test holds them to the same bits.
+//! A function within [`widest!`] is compiled for each level from the same scalar source. None fuses a multiplication
+//! with an addition, none changes the order of a sum, so all round alike.
 
 /// Wraps free functions whose loops are worth it.
 macro_rules! widest {
-    ($(#[$meta:meta])* $vis:vis fn $name:ident($($arg:ident: $ty:ty),* $(,)?) $body:block) => {
-        $(#[$meta])*
-        $vis fn $name($($arg: $ty),*) {
-            #[inline(always)]
-            fn plain($($arg: $ty),*) $body
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[target_feature(enable = "avx2")]
-                fn wide($($arg: $ty),*) {
-                    plain($($arg),*);
-                }
-                if std::arch::is_x86_feature_detected!("avx2") && crate::simd::wide_is_wanted() {
-                    // SAFETY: the machine has just said that it has what `wide` is compiled for.
-                    #[allow(unsafe_code)]
-                    return unsafe { wide($($arg),*) };
-                }
-            }
-            plain($($arg),*);
-        }
-    };
+    ($($function:tt)*) => { barrelman_simd::at_level! { crate::simd::level(); $($function)* } };
 }
 pub(crate) use widest;
 
-/// Always, but in a test that compares the two.
-#[cfg(all(target_arch = "x86_64", not(test)))]
+/// The widest that there is, but in a test that compares two.
+#[cfg(not(test))]
 #[inline(always)]
-pub(crate) const fn wide_is_wanted() -> bool {
-    true
+pub(crate) fn level() -> barrelman_simd::Simd {
+    barrelman_simd::Simd::widest()
 }
 
-#[cfg(all(target_arch = "x86_64", test))]
-pub(crate) use tests::wide_is_wanted;
+#[cfg(test)]
+pub(crate) use tests::level;
 
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
     use std::sync::Arc;
 
+    use barrelman_simd::{Simd, SimdLevel};
     use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
     use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
@@ -55,33 +37,37 @@ mod tests {
     use crate::{FusedConfig, FusedTracker, Tracker};
 
     thread_local! {
-        static WIDE: Cell<bool> = const { Cell::new(true) };
+        static LEVEL: Cell<SimdLevel> = const { Cell::new(SimdLevel::Avx512) };
     }
 
     /// What the comparison below asks for on this thread.
-    pub(crate) fn wide_is_wanted() -> bool {
-        WIDE.get()
+    pub(crate) fn level() -> Simd {
+        Simd::at_most(LEVEL.get())
     }
 
-    /// Holds the bits that some work gives without AVX2 to those that it gives with it.
+    /// Holds the bits that some work gives at every level that the machine has to those of the baseline.
     fn check(work: impl Fn() -> Vec<f32>) {
-        #[cfg(target_arch = "x86_64")]
-        let wide_is_there = std::arch::is_x86_feature_detected!("avx2");
-        #[cfg(not(target_arch = "x86_64"))]
-        let wide_is_there = false;
-        if !wide_is_there {
-            println!("not compared: this machine has no AVX2");
-            return;
+        if Simd::widest() == Simd::BASELINE {
+            println!("not compared: this machine has the baseline alone");
         }
-        let bits = |wide| {
-            WIDE.set(wide);
+        let bits = |level| {
+            LEVEL.set(level);
             work().into_iter().map(f32::to_bits).collect::<Vec<_>>()
         };
-        let (plain, wide) = (bits(false), bits(true));
-        WIDE.set(true);
+        let plain = bits(SimdLevel::Baseline);
+        let wider = SimdLevel::ALL
+            .into_iter()
+            .filter(|&level| level > SimdLevel::Baseline && Simd::at_most(level).level() == level);
+        for level in wider {
+            compare(&plain, &bits(level));
+        }
+        LEVEL.set(SimdLevel::Avx512);
+    }
+
+    fn compare(plain: &[u32], wide: &[u32]) {
         assert!(plain.len() > 1 && plain.iter().any(|&value| value != plain[0]), "nothing to compare");
         assert_eq!(plain.len(), wide.len());
-        if let Some(at) = plain.iter().zip(&wide).position(|(plain, wide)| plain != wide) {
+        if let Some(at) = plain.iter().zip(wide).position(|(plain, wide)| plain != wide) {
             panic!("value {at}: {} and {}", f32::from_bits(plain[at]), f32::from_bits(wide[at]));
         }
     }

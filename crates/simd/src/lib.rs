@@ -1,0 +1,197 @@
+//! Loops over many values with the widest vector instructions that the machine has, and the same bits.
+//!
+//! A function within [`at_level!`] is compiled several times from the same scalar source: for the baseline of the
+//! target, with AVX2, and with AVX-512. None of them fuses a multiplication with an addition, none changes the
+//! order of a sum, so all round alike, as long as the source keeps to `+ - * / sqrt`, comparisons, truncation and
+//! integers: no `mul_add`, no transcendental functions of the standard library.
+//!
+//! A [`Simd`] says which of them to call. It can only be had by asking the machine, so that holding one *is* the
+//! proof that the call is sound. The one `unsafe` block of the project's own arithmetic stands in the macro; a crate
+//! that uses it says `deny(unsafe_code)`, not `forbid`.
+//!
+//! What is not in here: kernels, intrinsics, other architectures' dispatch. ARM takes the baseline, which has NEON.
+#![deny(unsafe_code)]
+
+use core::fmt;
+use core::str::FromStr;
+
+/// Sets of vector instructions, narrowest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SimdLevel {
+    /// What every machine of the target has: SSE2 on x86-64, NEON on ARM.
+    Baseline,
+    /// 256 bits of x86-64.
+    Avx2,
+    /// 512 bits of x86-64: F, BW, DQ and VL.
+    Avx512,
+}
+
+impl SimdLevel {
+    /// All of them, narrowest first.
+    pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
+}
+
+impl fmt::Display for SimdLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Baseline => "scalar",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        })
+    }
+}
+
+/// A name that is not one of `scalar`, `sse2`, `avx2` and `avx512`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnknownLevel;
+
+impl fmt::Display for UnknownLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("not one of scalar, sse2, avx2 and avx512")
+    }
+}
+
+impl core::error::Error for UnknownLevel {}
+
+impl FromStr for SimdLevel {
+    type Err = UnknownLevel;
+
+    fn from_str(name: &str) -> Result<Self, UnknownLevel> {
+        match name {
+            "scalar" | "sse2" => Ok(Self::Baseline),
+            "avx2" => Ok(Self::Avx2),
+            "avx512" => Ok(Self::Avx512),
+            _ => Err(UnknownLevel),
+        }
+    }
+}
+
+/// A level that this machine has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Simd(SimdLevel);
+
+impl Simd {
+    /// What every machine of the target has.
+    pub const BASELINE: Self = Self(SimdLevel::Baseline);
+
+    /// The widest that this machine has. The machine is asked once; later calls cost a load.
+    #[inline]
+    pub fn widest() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::is_x86_feature_detected as has;
+            if has!("avx2") {
+                let wider = has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
+                return Self(if wider { SimdLevel::Avx512 } else { SimdLevel::Avx2 });
+            }
+        }
+        Self::BASELINE
+    }
+
+    /// The widest that this machine has and that is no wider than `cap`.
+    pub fn at_most(cap: SimdLevel) -> Self {
+        Self(cap.min(Self::widest().0))
+    }
+
+    /// Which one it is.
+    #[inline(always)]
+    pub const fn level(self) -> SimdLevel {
+        self.0
+    }
+}
+
+/// Wraps a free function without result whose loops are worth it. Before the function stands an expression for
+/// the [`Simd`] to use; it may name the function's own arguments.
+///
+/// ```
+/// use barrelman_simd::{Simd, at_level};
+///
+/// at_level! { simd;
+///     /// Doubles every value.
+///     fn double(simd: Simd, values: &mut [f32]) {
+///         values.iter_mut().for_each(|value| *value *= 2.0);
+///     }
+/// }
+///
+/// let mut values = [1.0, 2.5];
+/// double(Simd::widest(), &mut values);
+/// assert_eq!(values, [2.0, 5.0]);
+/// ```
+#[macro_export]
+macro_rules! at_level {
+    ($simd:expr; $(#[$meta:meta])* $vis:vis fn $name:ident($($arg:ident: $ty:ty),* $(,)?) $body:block) => {
+        $(#[$meta])*
+        #[allow(unused_variables)]
+        $vis fn $name($($arg: $ty),*) {
+            #[inline(always)]
+            #[allow(clippy::too_many_arguments)]
+            fn plain($($arg: $ty),*) $body
+            #[cfg(target_arch = "x86_64")]
+            {
+                #[target_feature(enable = "avx2")]
+                #[allow(clippy::too_many_arguments)]
+                fn avx2($($arg: $ty),*) {
+                    plain($($arg),*);
+                }
+                #[target_feature(enable = "avx2,avx512f,avx512bw,avx512dq,avx512vl")]
+                #[allow(clippy::too_many_arguments)]
+                fn avx512($($arg: $ty),*) {
+                    plain($($arg),*);
+                }
+                let simd: $crate::Simd = $simd;
+                match simd.level() {
+                    $crate::SimdLevel::Baseline => {}
+                    // SAFETY: a `Simd` of this level exists only where the machine has said that it has it.
+                    #[allow(unsafe_code)]
+                    $crate::SimdLevel::Avx2 => return unsafe { avx2($($arg),*) },
+                    // SAFETY: as above.
+                    #[allow(unsafe_code)]
+                    $crate::SimdLevel::Avx512 => return unsafe { avx512($($arg),*) },
+                }
+            }
+            plain($($arg),*);
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    at_level! { simd;
+        fn mix(simd: Simd, values: &mut [f32]) {
+            for value in values {
+                *value = (*value * 1.7 + 0.3) / (*value + 2.0).sqrt();
+            }
+        }
+    }
+
+    #[test]
+    fn every_level_of_the_machine_gives_the_same_bits() {
+        let run = |simd| {
+            let mut values: Vec<f32> = (0..1000).map(|i| i as f32 * 0.37).collect();
+            mix(simd, &mut values);
+            values.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+        };
+        for level in SimdLevel::ALL {
+            assert_eq!(run(Simd::at_most(level)), run(Simd::BASELINE), "{level}");
+        }
+    }
+
+    #[test]
+    fn a_cap_is_never_exceeded() {
+        for level in SimdLevel::ALL {
+            assert!(Simd::at_most(level).level() <= level);
+        }
+        assert_eq!(Simd::at_most(SimdLevel::Avx512), Simd::widest());
+    }
+
+    #[test]
+    fn names_are_read_and_written() {
+        for level in SimdLevel::ALL {
+            assert_eq!(level.to_string().parse(), Ok(level));
+        }
+        assert_eq!("sse2".parse(), Ok(SimdLevel::Baseline));
+        assert_eq!("neon".parse::<SimdLevel>(), Err(UnknownLevel));
+    }
+}
