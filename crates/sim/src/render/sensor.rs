@@ -1,0 +1,156 @@
+//! From light to samples: lens softness, motion blur, exposure and white balance, vignetting, the tone curve, noise,
+//! and planar YUV 4:2:0 by BT.709 in limited range.
+//!
+//! *Motion blur* is the mean of up to 12 taps along the way that the picture moves during the exposure, one way for a
+//! row; it comes from the camera's turning alone. *Noise* is Gaussian with the standard deviation
+//! `1.2 + 0.012 Y` (8 bit), drawn from a table at a place that a hash of seed, tick and row gives.
+
+use barrelman_simd::{Simd, at_level};
+
+use crate::noise;
+
+/// Numbers in the table of noise.
+const TABLE: usize = 1 << 16;
+/// Taps of the motion blur at most.
+pub(super) const TAPS: usize = 12;
+
+/// Gaussian numbers, standard deviation 1.
+#[derive(Debug)]
+pub(super) struct NoiseTable(Vec<f32>);
+
+impl NoiseTable {
+    pub(super) fn new(seed: u64) -> Self {
+        let gauss = |at: usize| {
+            let u = (noise::hash(seed, 0x6A, at as u64) >> 11) as f64 / (1_u64 << 53) as f64;
+            let radius = libm::sqrt(-2.0 * libm::log(u.max(1e-12)));
+            (radius * libm::cos(core::f64::consts::TAU * noise::unit(seed, 0x6B, at as u64))) as f32
+        };
+        Self((0..TABLE).map(gauss).collect())
+    }
+
+    /// As many numbers as a row has pixels, from a place that a hash gives.
+    pub(super) fn row(&self, chance: u64, width: usize) -> &[f32] {
+        &self.0[chance as usize % (TABLE - width)..][..width]
+    }
+}
+
+/// How a row of light becomes samples.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Development {
+    /// Gains of red, green and blue.
+    pub(super) gains: [f32; 3],
+    /// The row's distance from the middle over half the picture's diagonal, and a column's step.
+    pub(super) y: f32,
+    pub(super) x0: f32,
+    pub(super) step: f32,
+    /// 1 with noise, 0 without.
+    pub(super) noise: f32,
+}
+
+/// Brightness that is lost in the corners.
+const VIGNETTE: f32 = 0.30;
+
+at_level! { simd;
+    /// Turns linear light into display values, 0 to 1, in place.
+    pub(super) fn develop(simd: Simd, how: &Development, row: [&mut [f32]; 3]) {
+        for (c, channel) in row.into_iter().enumerate() {
+            for (i, value) in channel.iter_mut().enumerate() {
+                let x = how.x0 + i as i32 as f32 * how.step;
+                let off = x * x + how.y * how.y;
+                let light = (*value * how.gains[c] * (1.0 - VIGNETTE * off)).max(0.0);
+                // A filmic curve: a toe, a nearly straight middle, a shoulder.
+                let toned = light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14);
+                *value = toned.min(1.0).sqrt();
+            }
+        }
+    }
+}
+
+at_level! { simd;
+    /// Luma of one row.
+    pub(super) fn luma(simd: Simd, how: &Development, rgb: [&[f32]; 3], noise: &[f32], out: &mut [u8]) {
+        let [r, g, b] = rgb;
+        let width = out.len();
+        let (r, g, b, noise) = (&r[..width], &g[..width], &b[..width], &noise[..width]);
+        for i in 0..width {
+            let y = 16.0 + 219.0 * (0.2126 * r[i] + 0.7152 * g[i] + 0.0722 * b[i]);
+            let y = y + how.noise * noise[i] * (1.2 + 0.012 * y);
+            out[i] = (y + 0.5).max(16.0).min(235.0) as i32 as u8;
+        }
+    }
+}
+
+at_level! { simd;
+    /// Chroma of two rows: the mean of 2 x 2 pixels. `sums` holds their red, green and blue, summed.
+    pub(super) fn chroma(
+        simd: Simd,
+        how: &Development,
+        sums: [&[f32]; 3],
+        noise: [&[f32]; 2],
+        u: &mut [u8],
+        v: &mut [u8],
+    ) {
+        let width = u.len().min(v.len());
+        let [r, g, b] = sums;
+        let (r, g, b) = (&r[..2 * width], &g[..2 * width], &b[..2 * width]);
+        let (nu, nv) = (&noise[0][..width], &noise[1][..width]);
+        for i in 0..width {
+            let mean = |s: &[f32]| 0.25 * (s[2 * i] + s[2 * i + 1]);
+            let (r, g, b) = (mean(r), mean(g), mean(b));
+            let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+            let strength = how.noise * (0.7 + 1.2 * y);
+            let blue = 128.5 + (224.0 / 1.8556) * (b - y) + strength * nu[i];
+            let red = 128.5 + (224.0 / 1.5748) * (r - y) + strength * nv[i];
+            u[i] = blue.max(16.0).min(240.0) as i32 as u8;
+            v[i] = red.max(16.0).min(240.0) as i32 as u8;
+        }
+    }
+}
+
+at_level! { simd;
+    /// Adds `weight` times a row to `out`, shifted so that `out[i]` takes `from[i + shift]`, the border repeated.
+    pub(super) fn add_shifted(simd: Simd, from: &[f32], shift: i32, weight: f32, out: &mut [f32]) {
+        let width = out.len();
+        let from = &from[..width];
+        let start = (-shift).clamp(0, width as i32) as usize;
+        let end = (width as i32 - shift).clamp(0, width as i32) as usize;
+        for i in 0..start {
+            out[i] += weight * from[0];
+        }
+        if start < end {
+            let source = &from[(start as i32 + shift) as usize..(end as i32 + shift) as usize];
+            for (slot, value) in out[start..end].iter_mut().zip(source) {
+                *slot += weight * value;
+            }
+        }
+        for i in end.max(start)..width {
+            out[i] += weight * from[width - 1];
+        }
+    }
+}
+
+at_level! { simd;
+    /// The lens: each pixel takes a little of its neighbours. `out` = `side` (up + down) + `centre` here, then the same
+    /// along the row.
+    pub(super) fn soften(
+        simd: Simd,
+        rows: [&[f32]; 3],
+        side: f32,
+        scratch: &mut [f32],
+        out: &mut [f32],
+    ) {
+        let width = out.len();
+        let [up, here, down] = rows;
+        let (up, here, down) = (&up[..width], &here[..width], &down[..width]);
+        let scratch = &mut scratch[..width];
+        let centre = 1.0 - 2.0 * side;
+        for i in 0..width {
+            scratch[i] = centre * here[i] + side * (up[i] + down[i]);
+        }
+        for i in 1..width - 1 {
+            out[i] = centre * scratch[i] + side * (scratch[i - 1] + scratch[i + 1]);
+        }
+        out[0] = (1.0 - side) * scratch[0] + side * scratch[1];
+        out[width - 1] = (1.0 - side) * scratch[width - 1] + side * scratch[width - 2];
+    }
+}

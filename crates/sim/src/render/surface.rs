@@ -1,0 +1,256 @@
+//! Where a line of sight meets the waves, and how they lie there: slopes from three tiles, each at the level that fits
+//! the pixel's footprint. What a level has averaged away is kept as variance, which later widens reflections and the
+//! sun's glitter: far water neither sparkles by chance nor turns into a mirror (`bruneton2010`).
+//!
+//! *Relief*: the line of sight is followed to the elevation found where it meets the plane, twice, so that crests stand
+//! before troughs. A crest that hides what lies behind it is beyond this.
+
+use barrelman_simd::{Simd, at_level};
+
+use super::chunk::{CHUNK, Chunk, Lane};
+use super::quad_map::{QUADS, QuadMap};
+use super::rays::HORIZON;
+use super::texture::{ROUNDING, Texture};
+use super::waves::{LEVELS, Tile};
+
+/// What the surface is looked up in.
+#[derive(Clone, Copy)]
+pub(super) struct Water<'a> {
+    pub(super) tiles: [Look<'a>; 3],
+    /// Elevation of the swell, on tile 0's grid; `None` where the sea is too flat for relief.
+    pub(super) elevation: Option<Values<'a>>,
+    /// Foam of breaking crests on tile 0's grid.
+    pub(super) foam: Option<&'a QuadMap>,
+    /// Patches of wind.
+    pub(super) gusts: &'a Texture,
+    /// Below the camera, texels of `gusts`.
+    pub(super) gust_origin: (f32, f32),
+    /// Variance of slope that no tile carries.
+    pub(super) rough: f32,
+}
+
+/// One tile as seen from a row's camera.
+#[derive(Clone, Copy)]
+pub(super) struct Look<'a> {
+    quads: &'a [u64; QUADS],
+    n: f32,
+    /// Tiles for a metre along the world's x: cosine and sine of the turn over the side.
+    along: (f32, f32),
+    /// Below the camera, tiles.
+    origin: (f32, f32),
+    slope_step: f32,
+    lost: &'a [f32; LEVELS],
+}
+
+/// A tile of single numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Values<'a> {
+    pub(super) quads: &'a [u64; QUADS],
+    pub(super) step: f32,
+}
+
+impl<'a> Look<'a> {
+    /// From a camera over this place of the world.
+    pub(super) fn new(tile: &'a Tile, x: f64, y: f64) -> Self {
+        let (cos, sin) = tile.turn;
+        let (u, v) = ((x * cos + y * sin) / tile.side_m, (y * cos - x * sin) / tile.side_m);
+        Self {
+            quads: &tile.slopes.quads,
+            n: tile.n as f32,
+            along: ((cos / tile.side_m) as f32, (sin / tile.side_m) as f32),
+            origin: ((u - libm::floor(u)) as f32, (v - libm::floor(v)) as f32),
+            slope_step: tile.slope_step,
+            lost: &tile.lost,
+        }
+    }
+
+    /// Levels, indices of quads and places within them, for all pixels; then the quads themselves. The steps are loops of
+    /// their own, so that all but the look-up itself becomes vector instructions.
+    #[inline(always)]
+    fn find(&self, chunk: &Chunk, footprint: &Lane, found: &mut Found) {
+        let coarsest = (self.n.to_bits() >> 23) as i32 - 127;
+        let texels_per_metre = self.n * (self.along.0 * self.along.0 + self.along.1 * self.along.1).sqrt();
+        for i in 0..CHUNK {
+            let texels = footprint[i] * texels_per_metre;
+            let level = ((texels.to_bits() >> 23) as i32 - 127).max(0).min(coarsest);
+            let shrink = f32::from_bits(((127 - level) << 23) as u32);
+            let (px, py) = (chunk.px[i], chunk.py[i]);
+            let u = self.origin.0 + px * self.along.0 + py * self.along.1;
+            let v = self.origin.1 + py * self.along.0 - px * self.along.1;
+            let n = self.n * shrink;
+            // Level l averages texels: its first one stands (1 - 2^-l) / 2 of its own width to the right.
+            let shift = 0.5 - 0.5 * shrink;
+            let (u, v) = (u * n - shift, v * n - shift);
+            let (mu, mv) = ((u - 0.5) + ROUNDING, (v - 0.5) + ROUNDING);
+            let mask = ((n + ROUNDING).to_bits() as i32 & 0xFFFF) - 1;
+            let (iu, iv) = (mu.to_bits() as i32 & mask, mv.to_bits() as i32 & mask);
+            found.level[i] = level;
+            found.index[i] = ((mask + 1) * (mask + 1 + iv) + iu) as u32;
+            found.fu[i] = u - (mu - ROUNDING);
+            found.fv[i] = v - (mv - ROUNDING);
+        }
+    }
+
+    /// What each pixel's level has lost.
+    #[inline(always)]
+    fn lost(&self, found: &Found, i: usize) -> f32 {
+        self.lost[found.level[i] as usize & (LEVELS - 1)]
+    }
+}
+
+/// Quads for all pixels, and where in them each pixel lies.
+struct Found {
+    level: [i32; CHUNK],
+    index: [u32; CHUNK],
+    fu: Lane,
+    fv: Lane,
+    upper: [u32; CHUNK],
+    lower: [u32; CHUNK],
+}
+
+impl Found {
+    #[inline(always)]
+    fn nothing() -> Self {
+        Self {
+            level: [0; CHUNK],
+            index: [0; CHUNK],
+            fu: [0.0; CHUNK],
+            fv: [0.0; CHUNK],
+            upper: [0; CHUNK],
+            lower: [0; CHUNK],
+        }
+    }
+
+    #[inline(always)]
+    fn load(&mut self, quads: &[u64; QUADS]) {
+        for i in 0..CHUNK {
+            let quad = quads[self.index[i] as usize & (QUADS - 1)];
+            self.upper[i] = quad as u32;
+            self.lower[i] = (quad >> 32) as u32;
+        }
+    }
+
+    /// Both bytes between the texels.
+    #[inline(always)]
+    fn pair(&self, i: usize) -> (f32, f32) {
+        let (upper, lower, fu, fv) = (self.upper[i], self.lower[i], self.fu[i], self.fv[i]);
+        let value = |first: u32, second: u32| {
+            bilinear(
+                signed_byte(upper, first),
+                signed_byte(upper, second),
+                signed_byte(lower, first),
+                signed_byte(lower, second),
+                fu,
+                fv,
+            )
+        };
+        (value(0, 16), value(8, 24))
+    }
+
+    /// The number between the texels.
+    #[inline(always)]
+    fn single(&self, i: usize) -> f32 {
+        let low = |bits: u32| ((bits << 16) as i32 >> 16) as f32;
+        let high = |bits: u32| (bits as i32 >> 16) as f32;
+        let (upper, lower) = (self.upper[i], self.lower[i]);
+        bilinear(low(upper), high(upper), low(lower), high(lower), self.fu[i], self.fv[i])
+    }
+}
+
+#[inline(always)]
+fn signed_byte(bits: u32, shift: u32) -> f32 {
+    ((bits << (24 - shift)) as i32 >> 24) as f32
+}
+
+#[inline(always)]
+fn bilinear(a: f32, b: f32, c: f32, d: f32, fu: f32, fv: f32) -> f32 {
+    let (upper, lower) = (a + fu * (b - a), c + fu * (d - c));
+    upper + fv * (lower - upper)
+}
+
+/// Spreads the change from level to level over neighbouring pixels without a pattern: factors from 1 to 2, the same
+/// order in every row, begun elsewhere.
+const DITHER: [f32; CHUNK] = {
+    let mut factors = [0.0; CHUNK];
+    let mut i = 0;
+    while i < CHUNK {
+        // 2^x on 0..1 by a parabola through both ends; the numbers i * 37 + ... mod 64 come in no visible order.
+        let k = (i * i * 11 + i * 37 + (i >> 2) * 29) % CHUNK;
+        let x = (k as f32 + 0.5) / CHUNK as f32;
+        factors[i] = 1.0 + x * (0.656 + 0.344 * x);
+        i += 1;
+    }
+    factors
+};
+
+at_level! { simd;
+    /// Slopes, variance, elevation and whitecaps for a chunk whose rays are cast.
+    pub(super) fn meet(simd: Simd, water: &Water<'_>, row: usize, chunk: &mut Chunk) {
+        let mut sized = [0.0_f32; CHUNK];
+        for i in 0..CHUNK {
+            sized[i] = chunk.footprint[i] * DITHER[(i + 23 * row) % CHUNK];
+        }
+        let swell = &water.tiles[0];
+        let mut found = Found::nothing();
+        if let Some(elevation) = water.elevation {
+            // No dither here: a height that jumps from pixel to pixel would tear the picture.
+            let footprint = chunk.footprint;
+            for _ in 0..2 {
+                swell.find(chunk, &footprint, &mut found);
+                found.load(elevation.quads);
+                for i in 0..CHUNK {
+                    let eta = found.single(i) * elevation.step;
+                    let sink = if -chunk.dz[i] > HORIZON { -chunk.dz[i] } else { HORIZON };
+                    // Seen at a grazing angle the shift would fold the picture: it is held to what a crest hides.
+                    let length = chunk.t[i] - eta / (sink + 0.10);
+                    chunk.elevation[i] = eta;
+                    chunk.px[i] = length * chunk.dx[i];
+                    chunk.py[i] = length * chunk.dy[i];
+                }
+            }
+        }
+        let mut gust = [0.0_f32; CHUNK];
+        for i in 0..CHUNK {
+            let (u, v) = (water.gust_origin.0 + 2.1 * chunk.px[i], water.gust_origin.1 + 2.1 * chunk.py[i]);
+            gust[i] = 0.45 + (1.1 / 255.0) * water.gusts.at(u, v);
+        }
+        swell.find(chunk, &sized, &mut found);
+        found.load(swell.quads);
+        for i in 0..CHUNK {
+            let (sx, sy) = found.pair(i);
+            chunk.sx[i] = sx * swell.slope_step;
+            chunk.sy[i] = sy * swell.slope_step;
+        }
+        for i in 0..CHUNK {
+            chunk.variance[i] = swell.lost(&found, i);
+        }
+        let mut cover = [0.0_f32; CHUNK];
+        if let Some(foam) = water.foam {
+            found.load(&foam.quads);
+            for i in 0..CHUNK {
+                cover[i] = found.pair(i).0 * (0.62 / 127.0);
+            }
+        }
+        let mut lost = [water.rough; CHUNK];
+        for look in &water.tiles[1..] {
+            look.find(chunk, &sized, &mut found);
+            found.load(look.quads);
+            for i in 0..CHUNK {
+                let (sx, sy) = found.pair(i);
+                chunk.sx[i] += gust[i] * sx * look.slope_step;
+                chunk.sy[i] += gust[i] * sy * look.slope_step;
+            }
+            for i in 0..CHUNK {
+                lost[i] += look.lost(&found, i);
+            }
+        }
+        for i in 0..CHUNK {
+            chunk.variance[i] += gust[i] * gust[i] * lost[i];
+        }
+        chunk.foam = cover;
+        chunk.air = [0.0; CHUNK];
+        chunk.lit = [1.0; CHUNK];
+        chunk.sky_left = [1.0; CHUNK];
+        chunk.mirror = [[0.0; CHUNK]; 3];
+    }
+}

@@ -1,0 +1,132 @@
+//! What is true of a drawn picture: which pixels show the target, how much of it, where its waterline's middle lies,
+//! and where its bow points.
+
+use barrelman_vocab::{Angle, PixelBox, PixelPoint};
+
+use super::camera::Camera;
+use super::raster::Tile;
+use crate::pose::WorldPoint;
+use crate::snapshot::{Snapshot, Target};
+
+/// The truth about one picture.
+#[derive(Debug, Clone, Default)]
+pub struct DrawnTruth {
+    /// The pixels that show the target: at least half covered by what of it is not hidden.
+    pub mask: TargetMask,
+    /// The smallest upright box about the mask; `None` where no pixel shows it.
+    pub bounds: Option<PixelBox>,
+    /// Which part of the target is seen, 0 to 1: of what would be seen of it on still water, with nothing before it
+    /// and wholly within the picture.
+    pub visible: f64,
+    /// Where the middle of its waterline is projected to, within the picture or not; `None` behind the camera.
+    pub waterline: Option<PixelPoint>,
+    /// Where its bow points in the picture: 0 along image right, anticlockwise as seen, up to 360 degrees. `None`
+    /// where it points along the line of sight, or behind the camera.
+    pub heading: Option<Angle>,
+    /// From the optical centre to the middle of its waterline, metres.
+    pub range_m: f64,
+}
+
+/// The pixels that show the target, as a part of the picture.
+#[derive(Debug, Clone, Default)]
+pub struct TargetMask {
+    /// First column and row of the part.
+    pub left: usize,
+    /// First row.
+    pub top: usize,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Row by row, whether a pixel of the part shows the target.
+    pub shows: Vec<bool>,
+}
+
+impl TargetMask {
+    /// Whether this pixel of the picture shows the target.
+    pub fn at(&self, column: usize, row: usize) -> bool {
+        let inside = (self.left..self.left + self.width).contains(&column)
+            && (self.top..self.top + self.height).contains(&row);
+        inside && self.shows[(row - self.top) * self.width + column - self.left]
+    }
+
+    /// How many pixels show it.
+    pub fn count(&self) -> usize {
+        self.shows.iter().filter(|shows| **shows).count()
+    }
+}
+
+/// The bow is looked for so far ahead of the middle, metres.
+const BOW_M: f64 = 0.3;
+
+impl DrawnTruth {
+    /// What the geometry alone says.
+    pub(super) fn measure(&mut self, camera: &Camera, snapshot: &Snapshot) {
+        let place = snapshot.target.place();
+        let seen = camera.seen(place);
+        self.waterline = seen.map(|(point, _)| point);
+        let heading = match snapshot.target {
+            Target::Boat(boat) => boat.pose.heading,
+            Target::FloorTarget(pose) => pose.heading,
+        };
+        let (sin, cos) = libm::sincos(heading.radians());
+        let bow = WorldPoint { x: place.x + BOW_M * cos, y: place.y + BOW_M * sin, z: place.z };
+        self.heading = self.waterline.zip(camera.seen(bow)).and_then(|(from, (to, _))| {
+            let (du, dv) = (to.u - from.u, to.v - from.v);
+            (libm::hypot(du, dv) > 1e-6).then(|| {
+                let angle = libm::atan2(-dv, du);
+                let turn = core::f64::consts::TAU;
+                let angle = if angle < 0.0 { angle + turn } else { angle };
+                Angle::from_radians(if angle >= turn { 0.0 } else { angle })
+            })
+        });
+        let row = seen.map_or(0, |(point, _)| {
+            (point.v.max(0.0) as usize).min(camera.optics.picture.height as usize - 1)
+        });
+        self.range_m = camera.row(row).place.to(place).length();
+    }
+
+    /// What the drawn tiles say: the target's, and those of things before it.
+    pub(super) fn cover<'a>(
+        &mut self,
+        camera: &Camera,
+        target: &Tile,
+        before: impl Iterator<Item = &'a Tile> + Clone,
+    ) {
+        let size = camera.optics.picture;
+        let clip = |at: i32, limit: u32| at.clamp(0, limit as i32) as usize;
+        let (left, top) = (clip(target.left, size.width), clip(target.top, size.height));
+        let right = clip(target.left + target.width as i32, size.width);
+        let bottom = clip(target.top + target.height as i32, size.height);
+        let mask = &mut self.mask;
+        (mask.left, mask.top, mask.width, mask.height) = (left, top, right - left, bottom - top);
+        mask.shows.clear();
+        let mut seen = 0.0;
+        let (mut low, mut high) = ((usize::MAX, usize::MAX), (0, 0));
+        for row in top..bottom {
+            for column in left..right {
+                let mut opacity = target.opacity(column as i32, row as i32);
+                if opacity > 0.0 {
+                    for tile in before.clone() {
+                        opacity *= 1.0 - tile.opacity(column as i32, row as i32);
+                    }
+                }
+                seen += f64::from(opacity);
+                let shows = opacity >= 0.499;
+                mask.shows.push(shows);
+                if shows {
+                    low = (low.0.min(column), low.1.min(row));
+                    high = (high.0.max(column + 1), high.1.max(row + 1));
+                }
+            }
+        }
+        self.bounds = (low.0 < high.0).then(|| PixelBox {
+            u: low.0 as f64,
+            v: low.1 as f64,
+            w: (high.0 - low.0) as f64,
+            h: (high.1 - low.1) as f64,
+        });
+        let whole = target.afloat as f64 / (target.per_pixel * target.per_pixel) as f64;
+        self.visible = if whole > 0.0 { (seen / whole).min(1.0) } else { 0.0 };
+    }
+}

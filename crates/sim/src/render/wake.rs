@@ -1,0 +1,322 @@
+//! The boat's wake: waves that it pushes up and foam that its jet leaves, on a grid that goes with it.
+//!
+//! The height h (m) follows a damped wave equation, `h'' = c^2 laplace(h) - d h'`, at fixed steps of [`STEP_TICKS`]; the
+//! boat presses the water up before its bow and down behind its stern. One speed c stands for all of the wake's
+//! waves: the arms of its V lie right at the speeds of trials; a real wake's inner pattern is missing. Foam decays and
+//! spreads. Where the boat was between two snapshots is interpolated, so that the wake does not depend on the frame rate.
+//!
+//! The grid is a torus: a cell of the world has one slot for good, and slots of cells that the window leaves are
+//! cleared for those that it enters.
+
+use barrelman_simd::{Simd, at_level};
+
+use super::chunk::{CHUNK, Chunk};
+use super::texture::ROUNDING;
+use crate::camera_axis::TICKS_PER_SECOND;
+use crate::snapshot::{Boat, Snapshot, Target};
+
+/// Slots along the grid's side.
+const SIDE: usize = 512;
+const MASK: i64 = SIDE as i64 - 1;
+/// Side of a cell, metres.
+const CELL_M: f64 = 0.075;
+/// Ticks of a step.
+const STEP_TICKS: u64 = 4;
+/// Steps that a snapshot may leave to be caught up; more is a new scene.
+const LONGEST_PAUSE: u64 = 300;
+/// Speed of the wake's waves, m/s.
+const WAVE_SPEED: f64 = 1.3;
+/// Share of the motion that is lost in a step.
+const DAMPING: f32 = 0.014;
+/// Steps in which foam falls to 1/e, as a share for one step; and how it spreads.
+const FOAM_DECAY: f32 = 1.0 / (3.0 * 30.0);
+const FOAM_SPREAD: f32 = 0.012;
+/// Slope for one step of a byte.
+const SLOPE_STEP: f32 = 0.45 / 127.0;
+
+/// The grid.
+#[derive(Debug)]
+pub(super) struct Wake {
+    height: Vec<f32>,
+    before: Vec<f32>,
+    foam: Vec<f32>,
+    foam_before: Vec<f32>,
+    /// Slopes (two signed bytes), foam and air (a byte each).
+    packed: Box<[u32; SIDE * SIDE]>,
+    /// Cell of the window's lower corner.
+    window: Option<(i64, i64)>,
+    last: Option<(u64, Boat)>,
+    stepped: u64,
+}
+
+impl Wake {
+    pub(super) fn new() -> Self {
+        let zeros = || vec![0.0; SIDE * SIDE];
+        let packed = vec![0_u32; SIDE * SIDE].into_boxed_slice();
+        Self {
+            height: zeros(),
+            before: zeros(),
+            foam: zeros(),
+            foam_before: zeros(),
+            packed: packed.try_into().unwrap_or_else(|_| Box::new([0; SIDE * SIDE])),
+            window: None,
+            last: None,
+            stepped: 0,
+        }
+    }
+
+    /// Goes on to a snapshot.
+    pub(super) fn follow(&mut self, simd: Simd, snapshot: &Snapshot) {
+        let Target::Boat(boat) = snapshot.target else {
+            self.forget();
+            return;
+        };
+        let now = snapshot.tick / STEP_TICKS;
+        let (from_tick, from) = match self.last {
+            Some((tick, from)) if tick <= snapshot.tick && now - self.stepped <= LONGEST_PAUSE => {
+                (tick, from)
+            }
+            _ => {
+                self.forget();
+                self.stepped = now;
+                (snapshot.tick, boat)
+            }
+        };
+        let span = (snapshot.tick - from_tick).max(1) as f64;
+        while self.stepped < now {
+            self.stepped += 1;
+            let tick = self.stepped * STEP_TICKS;
+            let part = ((tick.saturating_sub(from_tick)) as f64 / span).min(1.0);
+            let mix = |a: f64, b: f64| a + part * (b - a);
+            let x = mix(from.pose.place.x, boat.pose.place.x);
+            let y = mix(from.pose.place.y, boat.pose.place.y);
+            self.step(simd, x, y, &boat);
+        }
+        self.last = Some((snapshot.tick, boat));
+        pack(simd, &self.height, &self.foam, &mut self.packed);
+    }
+
+    fn forget(&mut self) {
+        if self.window.is_some() {
+            for grid in [&mut self.height, &mut self.before, &mut self.foam] {
+                grid.fill(0.0);
+            }
+        }
+        (self.window, self.last) = (None, None);
+    }
+
+    fn step(&mut self, simd: Simd, x: f64, y: f64, boat: &Boat) {
+        // The window lies farther behind the boat than before it.
+        let speed = libm::hypot(boat.velocity.0, boat.velocity.1);
+        let back = 9.0 * (speed / 1.5).min(1.0) / speed.max(1e-6);
+        let half = 0.5 * SIDE as f64;
+        let corner = |at: f64, v: f64| libm::floor((at - back * v) / CELL_M - half) as i64;
+        self.move_window(corner(x, boat.velocity.0), corner(y, boat.velocity.1));
+        let courant = (WAVE_SPEED * STEP_TICKS as f64 / f64::from(TICKS_PER_SECOND) / CELL_M) as f32;
+        spread(simd, courant * courant, &self.height, &mut self.before);
+        core::mem::swap(&mut self.height, &mut self.before);
+        fade(simd, &self.foam, &mut self.foam_before);
+        core::mem::swap(&mut self.foam, &mut self.foam_before);
+        self.press(x, y, boat, speed);
+    }
+
+    /// The boat's own doing in a step.
+    fn press(&mut self, x: f64, y: f64, boat: &Boat, speed: f64) {
+        let (sin, cos) = libm::sincos(boat.pose.heading.radians());
+        let seconds = STEP_TICKS as f64 / f64::from(TICKS_PER_SECOND);
+        let push = (speed * speed / (1.0 + 0.4 * speed) * 0.0020).min(0.007);
+        self.blob(x + 0.45 * cos, y + 0.45 * sin, 0.16, |slot, weight| slot.0 += (push * weight) as f32);
+        self.blob(x - 0.45 * cos, y - 0.45 * sin, 0.17, |slot, weight| slot.0 -= (push * weight) as f32);
+        let jet = boat.thrust.abs().min(1.0);
+        let foam = ((0.20 + 0.45 * jet) * (speed / 1.2).min(1.0) + 0.5 * jet) * 5.2 * seconds;
+        self.blob(x - 0.80 * cos, y - 0.80 * sin, 0.13, |slot, weight| {
+            slot.1 = (slot.1 + (foam * weight) as f32).min(1.15);
+        });
+        if speed > 0.8 {
+            let spray = 0.7 * (speed - 0.8) * seconds;
+            for side in [-1.0, 1.0] {
+                let (bx, by) = (x + 0.30 * cos - 0.2 * side * sin, y + 0.30 * sin + 0.2 * side * cos);
+                self.blob(bx, by, 0.09, |slot, weight| slot.1 = (slot.1 + (spray * weight) as f32).min(0.8));
+            }
+        }
+    }
+
+    /// Does something to height and foam about a place, with a weight that falls as a Gaussian of this radius (m).
+    fn blob(&mut self, x: f64, y: f64, radius: f64, act: impl Fn(&mut (f32, f32), f64)) {
+        let reach = libm::ceil(2.5 * radius / CELL_M) as i64;
+        let (cx, cy) = (libm::floor(x / CELL_M) as i64, libm::floor(y / CELL_M) as i64);
+        for j in cy - reach..=cy + reach {
+            for i in cx - reach..=cx + reach {
+                let (dx, dy) = ((i as f64 + 0.5) * CELL_M - x, (j as f64 + 0.5) * CELL_M - y);
+                let weight = libm::exp(-0.5 * (dx * dx + dy * dy) / (radius * radius));
+                let at = ((j & MASK) * SIDE as i64 + (i & MASK)) as usize;
+                let mut slot = (self.height[at], self.foam[at]);
+                act(&mut slot, weight);
+                (self.height[at], self.foam[at]) = slot;
+            }
+        }
+    }
+
+    fn move_window(&mut self, x: i64, y: i64) {
+        let Some((ox, oy)) = self.window.replace((x, y)) else { return };
+        let entered = |old: i64, new: i64| {
+            let far = (new - old).abs() >= SIDE as i64;
+            if far {
+                new..new + SIDE as i64
+            } else if new > old {
+                old + SIDE as i64..new + SIDE as i64
+            } else {
+                new..old
+            }
+        };
+        // One cell more stays empty: waves do not run through the seam of the torus.
+        for column in entered(ox, x).chain([x]) {
+            for row in 0..SIDE {
+                self.clear(row * SIDE + (column & MASK) as usize);
+            }
+        }
+        for row in entered(oy, y).chain([y]) {
+            let start = (row & MASK) as usize * SIDE;
+            (start..start + SIDE).for_each(|at| self.clear(at));
+        }
+    }
+
+    fn clear(&mut self, at: usize) {
+        (self.height[at], self.before[at], self.foam[at]) = (0.0, 0.0, 0.0);
+    }
+
+    /// How a row's camera over this place of the world sees it; `None` where there is no wake.
+    pub(super) fn look(&self, x: f64, y: f64) -> Option<WakeLook<'_>> {
+        let (left, low) = self.window?;
+        let cells = |at: f64| at / CELL_M;
+        let base = |at: f64| libm::floor(cells(at)) as i64;
+        let slot = |at: f64| (base(at) & MASK) as f64 + (cells(at) - libm::floor(cells(at)));
+        let from = |corner: i64, at: f64| ((corner as f64 + 2.0) * CELL_M - at) as f32;
+        let reach = ((SIDE as f64 - 4.0) * CELL_M) as f32;
+        Some(WakeLook {
+            packed: &self.packed,
+            origin: (slot(x) as f32, slot(y) as f32),
+            low: (from(left, x), from(low, y)),
+            high: (from(left, x) + reach, from(low, y) + reach),
+        })
+    }
+}
+
+at_level! { simd;
+    /// One step of the wave equation: `before` becomes the height after `height`.
+    fn spread(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
+        for row in 0..SIDE {
+            let here = &height[row * SIDE..][..SIDE];
+            let upper = &height[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
+            let lower = &height[((row + 1) % SIDE) * SIDE..][..SIDE];
+            let out = &mut before[row * SIDE..][..SIDE];
+            let mut update = |left: usize, at: usize, right: usize| {
+                let laplace = upper[at] + lower[at] + here[left] + here[right] - 4.0 * here[at];
+                let moved = here[at] + (1.0 - DAMPING) * (here[at] - out[at]) + courant2 * laplace;
+                out[at] = moved * 0.9985;
+            };
+            update(SIDE - 1, 0, 1);
+            for at in 1..SIDE - 1 {
+                update(at - 1, at, at + 1);
+            }
+            update(SIDE - 2, SIDE - 1, 0);
+        }
+    }
+}
+
+at_level! { simd;
+    fn fade(simd: Simd, foam: &[f32], after: &mut [f32]) {
+        for row in 0..SIDE {
+            let here = &foam[row * SIDE..][..SIDE];
+            let upper = &foam[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
+            let lower = &foam[((row + 1) % SIDE) * SIDE..][..SIDE];
+            let out = &mut after[row * SIDE..][..SIDE];
+            let mut update = |left: usize, at: usize, right: usize| {
+                let laplace = upper[at] + lower[at] + here[left] + here[right] - 4.0 * here[at];
+                let kept = here[at] * (1.0 - FOAM_DECAY) + FOAM_SPREAD * laplace;
+                // Below a thousandth nothing is seen; numbers must not become subnormal.
+                out[at] = if kept > 1e-3 { kept } else { 0.0 };
+            };
+            update(SIDE - 1, 0, 1);
+            for at in 1..SIDE - 1 {
+                update(at - 1, at, at + 1);
+            }
+            update(SIDE - 2, SIDE - 1, 0);
+        }
+    }
+}
+
+at_level! { simd;
+    fn pack(simd: Simd, height: &[f32], foam: &[f32], packed: &mut [u32; SIDE * SIDE]) {
+        let scale = 0.5 / (CELL_M as f32 * SLOPE_STEP);
+        for row in 0..SIDE {
+            let here = &height[row * SIDE..][..SIDE];
+            let upper = &height[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
+            let lower = &height[((row + 1) % SIDE) * SIDE..][..SIDE];
+            let foam = &foam[row * SIDE..][..SIDE];
+            let out = &mut packed[row * SIDE..][..SIDE];
+            for at in 1..SIDE - 1 {
+                let sx = ((here[at + 1] - here[at - 1]) * scale).clamp(-127.0, 127.0) as i32;
+                let sy = ((lower[at] - upper[at]) * scale).clamp(-127.0, 127.0) as i32;
+                let white = (foam[at] * 200.0).clamp(0.0, 255.0) as i32;
+                out[at] = (sx & 0xFF | (sy & 0xFF) << 8 | white << 16) as u32;
+            }
+            (out[0], out[SIDE - 1]) = (out[1], out[SIDE - 2]);
+        }
+    }
+}
+
+/// The wake as a row's camera sees it.
+#[derive(Clone, Copy)]
+pub(super) struct WakeLook<'a> {
+    packed: &'a [u32; SIDE * SIDE],
+    /// Slot below the camera.
+    origin: (f32, f32),
+    /// The window's corners from below the camera, metres.
+    low: (f32, f32),
+    high: (f32, f32),
+}
+
+impl WakeLook<'_> {
+    /// Whether a chunk sees anything of it.
+    pub(super) fn meets(&self, chunk: &Chunk) -> bool {
+        let range = |lane: &[f32; CHUNK]| {
+            lane.iter().fold((f32::MAX, f32::MIN), |(low, high), &v| (low.min(v), high.max(v)))
+        };
+        let (x, y) = (range(&chunk.px), range(&chunk.py));
+        x.1 > self.low.0 && x.0 < self.high.0 && y.1 > self.low.1 && y.0 < self.high.1
+    }
+}
+
+at_level! { simd;
+    /// Adds the wake's slopes, foam and air.
+    pub(super) fn add_wake(simd: Simd, look: &WakeLook<'_>, chunk: &mut Chunk) {
+        const PER_CELL: f32 = (1.0 / CELL_M) as f32;
+        for i in 0..CHUNK {
+            let (px, py) = (chunk.px[i], chunk.py[i]);
+            let inside = px > look.low.0 && px < look.high.0 && py > look.low.1 && py < look.high.1;
+            let (px, py) = if inside { (px, py) } else { (look.low.0, look.low.1) };
+            let (u, v) = (look.origin.0 + px * PER_CELL, look.origin.1 + py * PER_CELL);
+            let (mu, mv) = ((u - 1.0) + ROUNDING, (v - 1.0) + ROUNDING);
+            let (fu, fv) = (u - 0.5 - (mu - ROUNDING), v - 0.5 - (mv - ROUNDING));
+            const WRAP: u32 = SIDE as u32 - 1;
+            let (iu, iv) = (mu.to_bits() & WRAP, mv.to_bits() & WRAP);
+            let (ju, jv) = ((iu + 1) & WRAP, (iv + 1) & WRAP);
+            let texel = |u: u32, v: u32| look.packed[(v * SIDE as u32 + u) as usize & (SIDE * SIDE - 1)];
+            let four = [texel(iu, iv), texel(ju, iv), texel(iu, jv), texel(ju, jv)];
+            let blend = |value: fn(u32) -> f32| {
+                let (a, b, c, d) = (value(four[0]), value(four[1]), value(four[2]), value(four[3]));
+                let (upper, lower) = (a + fu * (b - a), c + fu * (d - c));
+                upper + fv * (lower - upper)
+            };
+            let wide = chunk.footprint[i] * (0.6 * PER_CELL);
+            let seen = if inside { SLOPE_STEP / (1.0 + wide * wide) } else { 0.0 };
+            chunk.sx[i] += seen * blend(|bits| ((bits << 24) as i32 >> 24) as f32);
+            chunk.sy[i] += seen * blend(|bits| ((bits << 16) as i32 >> 24) as f32);
+            let foam = blend(|bits| (bits >> 16 & 0xFF) as i32 as f32) * (1.0 / 200.0);
+            let foam = if inside { foam } else { 0.0 };
+            chunk.foam[i] = if foam > chunk.foam[i] { foam } else { chunk.foam[i] };
+            chunk.air[i] = (foam * 0.75).min(0.8);
+        }
+    }
+}

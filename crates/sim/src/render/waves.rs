@@ -1,0 +1,375 @@
+//! The surface of the water as the picture needs it: slopes on three tiles of growing fineness.
+//!
+//! Tile 0 carries the waves of the [`Sea`], the very ones that move the boat, on the sea's own lattice. Tiles 1 and 2 carry
+//! ripples: random waves whose curvature spectrum is flat, `S(k) = B D(angle) / k^4` (the saturation range, as in
+//! `elfouhaily1997`), with B such that all slopes together have the variance that `cox1954` measured under this wind.
+//! What is shorter than tile 2's grid is roughness. Each tile is turned by an angle of its own, so that their
+//! repetition does not show.
+//!
+//! Each frame, a spectrum at its tick goes through one inverse Fourier transform for both slopes (as real and
+//! imaginary part), and tile 0 through two more: elevation with the crests that break now, and crests that broke
+//! earlier, from which whitecaps come. Nothing is remembered from frame to frame: any tick can be drawn.
+
+use barrelman_simd::{Simd, at_level};
+
+use super::fourier::{Fourier, Map};
+use super::phase::sin_cos;
+use super::quad_map::{QuadMap, Texel};
+use crate::noise;
+use crate::sea::{Sea, Wave, deep_water};
+
+/// Levels of a tile, at most.
+pub(super) const LEVELS: usize = 16;
+/// How long ago the crests broke whose foam is still there, ticks.
+const EARLIER: [u64; 2] = [70, 190];
+/// Sea states from here on break.
+const BREAKING: u8 = 2;
+/// Part of the ripples' variance that is left to roughness.
+const ROUGH_PART: f64 = 0.22;
+/// Largest lattice number that a tile of 128 carries.
+const FINEST: f64 = 58.0;
+
+/// What one tile shows.
+#[derive(Debug)]
+pub(super) struct Tile {
+    /// Metres.
+    pub(super) side_m: f64,
+    /// Grid points along the side.
+    pub(super) n: usize,
+    /// Cosine and sine of the tile's turn against the world, anticlockwise.
+    pub(super) turn: (f64, f64),
+    /// Slopes along the world's x and y.
+    pub(super) slopes: QuadMap,
+    /// Slope for one step of a byte.
+    pub(super) slope_step: f32,
+    /// Variance of the slope along one axis that each level has lost.
+    pub(super) lost: [f32; LEVELS],
+    spectrum: Spectrum,
+    fourier: Fourier,
+    maps: [Map; 2],
+}
+
+#[derive(Debug)]
+enum Spectrum {
+    Sea(Box<Swell>),
+    Ripples(Ripples),
+}
+
+/// What tile 0 shows beside slopes.
+#[derive(Debug)]
+pub(super) struct Swell {
+    sea: Sea,
+    /// Elevation, in steps of `step_m`.
+    pub(super) elevation: QuadMap,
+    pub(super) step_m: f32,
+    /// Elevation on the grid, metres: row by row along the tile's x.
+    pub(super) grid_m: Vec<f32>,
+    /// Foam of breaking crests, 0 to 127 in the lower byte; `None` where nothing breaks.
+    pub(super) foam: Option<QuadMap>,
+    /// Standard deviation of the measure of crests.
+    crest_deviation: f32,
+    crests: Vec<f32>,
+}
+
+#[derive(Debug, Default)]
+struct Ripples {
+    /// For each lattice point and its opposite: half amplitude (m), phase and rate.
+    ahead: (Vec<f32>, Vec<u32>, Vec<u32>),
+    back: (Vec<f32>, Vec<u32>, Vec<u32>),
+    /// Wave vector in the world, rad/m.
+    vector: (Vec<f32>, Vec<f32>),
+}
+
+/// The three tiles of a sea, and the variance of slope left to roughness.
+pub(super) fn tiles(sea: &Sea, n: usize) -> ([Tile; 3], f32) {
+    let side = sea.side_m();
+    let ratio = libm::sqrt(side / 1.3).clamp(3.6, 9.0);
+    let wind = sea.wind();
+    let of_swell: f64 = sea
+        .waves()
+        .iter()
+        .map(|wave| {
+            let k2 = wave.vector.0 * wave.vector.0 + wave.vector.1 * wave.vector.1;
+            0.5 * wave.amplitude * wave.amplitude * k2
+        })
+        .sum();
+    let measured = 0.003 + 0.005_12 * wind.speed_mps;
+    let short = (measured - of_swell).max(0.45 * measured);
+    let tile = |index: u64| {
+        let scale = libm::pow(ratio, index as f64);
+        let range = (FINEST / ratio, FINEST);
+        ripples(sea, side / scale, n, index, range, 0.5 * (1.0 - ROUGH_PART) * short)
+    };
+    ([swell(sea, n), tile(1), tile(2)], (0.5 * ROUGH_PART * short) as f32)
+}
+
+fn swell(sea: &Sea, n: usize) -> Tile {
+    let mut lost = [0.0_f64; LEVELS];
+    let (mut sx2, mut sy2, mut crest2) = (0.0, 0.0, 0.0);
+    for wave in sea.waves() {
+        let a2 = 0.5 * wave.amplitude * wave.amplitude;
+        sx2 += a2 * wave.vector.0 * wave.vector.0;
+        sy2 += a2 * wave.vector.1 * wave.vector.1;
+        let k2 = wave.vector.0 * wave.vector.0 + wave.vector.1 * wave.vector.1;
+        crest2 += a2 * k2;
+        add_lost(&mut lost, 0.5 * a2 * k2, (wave.lattice.0, wave.lattice.1), n);
+    }
+    let significant = sea.state().significant_height_m();
+    let foam = (sea.state().number() >= BREAKING).then(|| QuadMap::new(n));
+    Tile {
+        side_m: sea.side_m(),
+        n,
+        turn: (1.0, 0.0),
+        slopes: QuadMap::new(n),
+        slope_step: (4.5 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
+        lost: lost.map(|value| value as f32),
+        spectrum: Spectrum::Sea(Box::new(Swell {
+            sea: sea.clone(),
+            elevation: QuadMap::new(n),
+            step_m: (1.5 * significant / 32_767.0) as f32,
+            grid_m: vec![0.0; n * n],
+            foam,
+            crest_deviation: libm::sqrt(crest2) as f32,
+            crests: vec![0.0; n * n],
+        })),
+        fourier: Fourier::new(n),
+        maps: [Map::zeros(n), Map::zeros(n)],
+    }
+}
+
+/// Adds what each level loses of a wave's variance: a level averages squares of 2^l grid points.
+fn add_lost(lost: &mut [f64; LEVELS], variance: f64, lattice: (i32, i32), n: usize) {
+    for (level, slot) in lost.iter_mut().enumerate() {
+        let width = (1_u32 << level) as f64 / n as f64;
+        let pass = |waves: i32| {
+            let x = core::f64::consts::PI * f64::from(waves) * width;
+            if level == 0 || x == 0.0 { 1.0 } else { libm::sin(x) / x }
+        };
+        let kept = pass(lattice.0) * pass(lattice.1);
+        *slot += variance * (1.0 - kept * kept);
+    }
+}
+
+fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), variance: f64) -> Tile {
+    let angle = [0.0, 0.61, -0.47][index as usize % 3];
+    let turn = (libm::cos(angle), libm::sin(angle));
+    let unit = core::f64::consts::TAU / side_m;
+    let wind = sea.wind().towards.radians();
+    let wrapped = |at: usize| if at <= n / 2 { at as i32 } else { at as i32 - n as i32 };
+    let finest = range.1.min(0.46 * n as f64);
+    let mut amplitudes = vec![0.0_f64; n * n];
+    let mut all = Ripples::default();
+    let mut total = 0.0;
+    for i in 0..n {
+        for j in 0..n {
+            let (a, b) = (f64::from(wrapped(i)), f64::from(wrapped(j)));
+            let (x, y) = (unit * (a * turn.0 - b * turn.1), unit * (a * turn.1 + b * turn.0));
+            all.vector.0.push(x as f32);
+            all.vector.1.push(y as f32);
+            let waves = libm::hypot(a, b);
+            let k = unit * waves;
+            let chance = noise::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
+            let inside = waves >= range.0 && waves <= finest;
+            let amplitude = if inside {
+                let cos = libm::cos(libm::atan2(y, x) - wind);
+                let spread = cos.max(0.0) * cos.max(0.0) + 0.05 + 0.07 * index as f64;
+                let u = ((chance >> 40) as f64 + 0.5) / 16_777_216.0;
+                libm::sqrt(2.0 * spread * -libm::log(u)) / (k * k)
+            } else {
+                0.0
+            };
+            amplitudes[i * n + j] = amplitude;
+            total += 0.5 * amplitude * amplitude * k * k;
+            all.ahead.1.push(chance as u32);
+            all.ahead.2.push(if k > 0.0 { deep_water(k).1 } else { 0 });
+        }
+    }
+    let scale = libm::sqrt(variance / total.max(1e-12));
+    let mut lost = [0.0; LEVELS];
+    let (mut sx2, mut sy2) = (0.0, 0.0);
+    for i in 0..n {
+        for j in 0..n {
+            let at = i * n + j;
+            let amplitude = scale * amplitudes[at];
+            let (x, y) = (f64::from(all.vector.0[at]), f64::from(all.vector.1[at]));
+            sx2 += 0.5 * amplitude * amplitude * x * x;
+            sy2 += 0.5 * amplitude * amplitude * y * y;
+            if amplitude > 0.0 {
+                let half = 0.25 * amplitude * amplitude * (x * x + y * y);
+                add_lost(&mut lost, half, (wrapped(i), wrapped(j)), n);
+            }
+            let opposite = ((n - i) % n) * n + (n - j) % n;
+            all.ahead.0.push((0.5 * amplitude) as f32);
+            all.back.0.push((0.5 * scale * amplitudes[opposite]) as f32);
+            all.back.1.push(all.ahead.1[opposite]);
+            all.back.2.push(all.ahead.2[opposite]);
+        }
+    }
+    Tile {
+        side_m,
+        n,
+        turn,
+        slopes: QuadMap::new(n),
+        slope_step: (4.0 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
+        lost: lost.map(|value| value as f32),
+        spectrum: Spectrum::Ripples(all),
+        fourier: Fourier::new(n),
+        maps: [Map::zeros(n), Map::zeros(n)],
+    }
+}
+
+impl Tile {
+    /// Brings the tile to this tick.
+    pub(super) fn advance(&mut self, simd: Simd, tick: u64) {
+        let [map, other] = &mut self.maps;
+        match &mut self.spectrum {
+            Spectrum::Ripples(ripples) => {
+                ripple_spectrum(simd, ripples, tick as u32, map);
+            }
+            Spectrum::Sea(swell) => {
+                splat(&swell.sea, self.n, [tick, tick], map, |wave| {
+                    [(0.0, wave.vector.0), (0.0, wave.vector.1)]
+                });
+            }
+        }
+        self.fourier.inverse(simd, map, other);
+        self.slopes.fill(simd, &mut map.re, &mut map.im, Texel::Pair(self.slope_step));
+        if let Spectrum::Sea(swell) = &mut self.spectrum {
+            swell.advance(simd, self.n, tick, &self.fourier, map, other);
+        }
+    }
+
+    /// What tile 0 shows beside slopes.
+    pub(super) fn swell(&self) -> Option<&Swell> {
+        match &self.spectrum {
+            Spectrum::Sea(swell) => Some(swell),
+            Spectrum::Ripples(_) => None,
+        }
+    }
+}
+
+impl Swell {
+    fn advance(
+        &mut self,
+        simd: Simd,
+        n: usize,
+        tick: u64,
+        fourier: &Fourier,
+        map: &mut Map,
+        other: &mut Map,
+    ) {
+        // A crest is where the sum of a |k| cos(phase) is high.
+        let crest = |wave: &Wave| (libm::hypot(wave.vector.0, wave.vector.1), 0.0);
+        splat(&self.sea, n, [tick, tick], map, |wave| [(1.0, 0.0), crest(wave)]);
+        fourier.inverse(simd, map, other);
+        self.grid_m.copy_from_slice(&map.re);
+        self.crests.copy_from_slice(&map.im);
+        self.elevation.fill(simd, &mut map.re, &mut map.im, Texel::Single(self.step_m));
+        let Some(foam) = &mut self.foam else { return };
+        let before = EARLIER.map(|ticks| tick.wrapping_sub(ticks));
+        splat(&self.sea, n, before, map, |wave| [crest(wave), crest(wave)]);
+        fourier.inverse(simd, map, other);
+        let wind = self.sea.wind().speed_mps as f32;
+        // Crests higher than this many standard deviations break: more of them under more wind.
+        let threshold = self.crest_deviation * (3.05 - 0.12 * wind);
+        whiten(simd, threshold, self.crest_deviation, &self.crests, &mut map.re, &mut map.im);
+        foam.fill(simd, &mut map.re, &mut map.im, Texel::Pair(1.0));
+    }
+}
+
+/// Puts waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their transform. For
+/// each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at the tick of its own.
+fn splat(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&Wave) -> [(f64, f64); 2]) {
+    map.re.fill(0.0);
+    map.im.fill(0.0);
+    let wrap = |waves: i32| waves.rem_euclid(n as i32) as usize;
+    for wave in sea.waves() {
+        let at = wrap(wave.lattice.0) * n + wrap(wave.lattice.1);
+        let opposite = wrap(-wave.lattice.0) * n + wrap(-wave.lattice.1);
+        for (field, ((c, d), tick)) in fields(wave).into_iter().zip(ticks).enumerate() {
+            let (sin, cos) = sin_cos(wave.phase.wrapping_sub(wave.rate.wrapping_mul(tick as u32)));
+            let half = 0.5 * wave.amplitude as f32;
+            let (c, d) = (half * c as f32, half * d as f32);
+            let (re, im) = (c * cos - d * sin, c * sin + d * cos);
+            // The second field is multiplied by i; the opposite point has the conjugate before that.
+            let (here, there) = if field == 0 { ((re, im), (re, -im)) } else { ((-im, re), (im, re)) };
+            map.re[at] += here.0;
+            map.im[at] += here.1;
+            map.re[opposite] += there.0;
+            map.im[opposite] += there.1;
+        }
+    }
+}
+
+at_level! { simd;
+    /// The spectrum of both slopes: `(i kx - ky) H`, H that of the elevation.
+    fn ripple_spectrum(simd: Simd, ripples: &Ripples, tick: u32, map: &mut Map) {
+        let count = map.re.len();
+        let (re, im) = (&mut map.re[..count], &mut map.im[..count]);
+        let (aa, ap, ar) = (&ripples.ahead.0[..count], &ripples.ahead.1[..count], &ripples.ahead.2[..count]);
+        let (ba, bp, br) = (&ripples.back.0[..count], &ripples.back.1[..count], &ripples.back.2[..count]);
+        let (kx, ky) = (&ripples.vector.0[..count], &ripples.vector.1[..count]);
+        for i in 0..count {
+            let (sin, cos) = sin_cos(ap[i].wrapping_sub(ar[i].wrapping_mul(tick)));
+            let (sin_back, cos_back) = sin_cos(bp[i].wrapping_sub(br[i].wrapping_mul(tick)));
+            let h_re = aa[i] * cos + ba[i] * cos_back;
+            let h_im = aa[i] * sin - ba[i] * sin_back;
+            re[i] = -ky[i] * h_re - kx[i] * h_im;
+            im[i] = kx[i] * h_re - ky[i] * h_im;
+        }
+    }
+}
+
+at_level! { simd;
+    /// Foam from crests now and at two earlier moments (`first`, `second`): its cover, 0 to 127, into `first`, and
+    /// into `second` how fresh it is.
+    fn whiten(
+        simd: Simd,
+        threshold: f32,
+        deviation: f32,
+        crests: &[f32],
+        first: &mut [f32],
+        second: &mut [f32],
+    ) {
+        let per_deviation = 1.0 / (0.5 * deviation);
+        for i in 0..crests.len().min(first.len()).min(second.len()) {
+            let now = ((crests[i] - threshold) * per_deviation).clamp(0.0, 1.0);
+            let a_while_ago = ((first[i] - threshold) * per_deviation).clamp(0.0, 1.0);
+            let long_ago = ((second[i] - threshold) * per_deviation).clamp(0.0, 1.0);
+            let cover = now.max(0.75 * a_while_ago).max(0.5 * long_ago);
+            first[i] = 127.0 * cover;
+            second[i] = 127.0 * now;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_simd::Simd;
+    use barrelman_vocab::Angle;
+
+    use super::tiles;
+    use crate::sea::{Sea, SeaState, Wind};
+
+    #[test]
+    fn the_grid_shows_the_sea_that_moves_the_boat() {
+        for (state, n) in [(0, 128), (1, 256), (3, 128), (4, 128)] {
+            let state = SeaState::ALL[state];
+            let wind = Wind { speed_mps: state.wind_mps(), towards: Angle::from_degrees(130.0) };
+            let sea = Sea::new(state, wind, 17);
+            let ([mut tile, _, _], _) = tiles(&sea, n);
+            for tick in [0, 1, 777, 100_000_000_003] {
+                tile.advance(Simd::widest(), tick);
+                let grid = &tile.swell().expect("tile 0 carries the sea").grid_m;
+                for (row, column) in [(0, 0), (3, 100), (77, 12), (127, 127)] {
+                    let at = |index: usize| index as f64 * tile.side_m / n as f64;
+                    let exact = sea.at(at(column), at(row), tick).elevation;
+                    let drawn = f64::from(grid[row * n + column]);
+                    // Single precision against double: millionths of the wave height.
+                    let tolerance = 2e-5 * state.significant_height_m();
+                    assert!((drawn - exact).abs() < tolerance, "{state:?} {tick}: {drawn} and {exact}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! The renderer: the same bits whoever draws, and a truth that is true.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use barrelman_sim::render::{
+    Bands, DrawnTruth, ENCODING, Effects, RenderSettings, Renderer, Serial, WaveGrid,
+};
+use barrelman_sim::snapshot::{Boat, Ground, Light, SensorState, Target, Thing, ThingKind};
+use barrelman_sim::{BodyPose, CameraPose, Optics, Sea, SeaState, Snapshot, Wind, WorldPoint, noise};
+use barrelman_simd::{Simd, SimdLevel};
+use barrelman_vocab::{Angle, Picture, PictureSize};
+
+use crate::allocation::requests_of;
+
+/// Two threads that share the numbers.
+struct TwoThreads;
+
+impl Bands for TwoThreads {
+    fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        let next = AtomicUsize::new(0);
+        let take = || {
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= count {
+                    break;
+                }
+                work(index);
+            }
+        };
+        std::thread::scope(|scope| {
+            scope.spawn(take);
+            take();
+        });
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scene {
+    Arena,
+    Sea,
+    Pier,
+    Floor,
+}
+
+const SIZE: PictureSize = PictureSize::new(208, 118);
+
+fn degrees(value: f64) -> Angle {
+    Angle::from_degrees(value)
+}
+
+fn at(x: f64, y: f64, z: f64) -> WorldPoint {
+    WorldPoint { x, y, z }
+}
+
+fn lies(place: WorldPoint, heading: f64) -> BodyPose {
+    BodyPose { place, heading: degrees(heading), pitch: Angle::ZERO, roll: Angle::ZERO }
+}
+
+fn sea(number: u8) -> Sea {
+    let state = SeaState::ALL[usize::from(number)];
+    Sea::new(state, Wind { speed_mps: state.wind_mps(), towards: degrees(-70.0) }, 77)
+}
+
+fn settings(size: PictureSize, sea: Sea) -> RenderSettings {
+    let optics = Optics { picture: size, focal_px: 0.8 * f64::from(size.width), barrel: 0.08 };
+    RenderSettings { grid: WaveGrid::Coarse, ..RenderSettings::new(optics, Some(sea), 5) }
+}
+
+fn boat(pose: BodyPose, speed: f64) -> Target {
+    let (sin, cos) = libm::sincos(pose.heading.radians());
+    Target::Boat(Boat { pose, velocity: (speed * cos, speed * sin), thrust: 0.4, nozzle: degrees(8.0) })
+}
+
+fn snapshot(scene: Scene, sea: &Sea, frame: u64) -> Snapshot {
+    let tick = 400 + 4 * frame;
+    let float = |x: f64, y: f64, heading| lies(at(x, y, sea.at(x, y, tick).elevation), heading);
+    let thing = |kind, pose| Thing { kind, pose, seed: 3 };
+    let target = boat(float(0.2, 9.0 + 0.06 * frame as f64, 70.0), 1.8);
+    let mut things = vec![
+        thing(ThingKind::Buoy, float(-2.0, 11.0, 0.0)),
+        thing(ThingKind::Swimmer, float(1.8, 10.0, 200.0)),
+        thing(ThingKind::LifeJacket, float(1.0, 7.5, 40.0)),
+    ];
+    let (mut down, mut ground, mut overcast, mut target) = (24.0, Ground::Water, 0.0, target);
+    match scene {
+        Scene::Arena => things.push(thing(ThingKind::RedCraft, float(-1.0, 15.0, 20.0))),
+        Scene::Sea => overcast = 0.4,
+        Scene::Pier => {
+            down = 9.0;
+            let pier = ThingKind::Pier { length_m: 8.0, breadth_m: 1.6 };
+            things.push(thing(pier, lies(at(-5.0, 14.0, 0.0), 10.0)));
+            things.push(thing(ThingKind::Shore, lies(at(-4.0, 12.0, 0.0), 85.0)));
+        }
+        Scene::Floor => {
+            (ground, overcast) = (Ground::Floor, 1.0);
+            target = Target::FloorTarget(lies(at(0.1, 8.0, 0.0), 30.0));
+            things = vec![thing(ThingKind::FloorMark, lies(at(0.6, 8.5, 0.0), 0.0))];
+        }
+    }
+    let camera = |pan: f64| CameraPose {
+        place: at(0.0, 0.0, 4.5),
+        pan: degrees(pan),
+        tilt: degrees(-down),
+        roll: degrees(1.5),
+    };
+    Snapshot {
+        tick,
+        first_row: camera(0.0),
+        last_row: camera(0.2 * frame as f64),
+        light: Light { sun_bearing: degrees(30.0), sun_elevation: degrees(40.0), overcast },
+        ground,
+        target,
+        things,
+        sensor: SensorState { exposure: 1.05, red: 1.02, blue: 0.97, exposure_s: 0.01 },
+    }
+}
+
+fn fnv(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3))
+}
+
+/// One number for all frames of all scenes.
+fn all_scenes(simd: Simd, bands: &dyn Bands) -> u64 {
+    let mut hash = 0xCBF2_9CE4_8422_2325;
+    for (scene, state) in [(Scene::Arena, 1), (Scene::Sea, 3), (Scene::Pier, 0), (Scene::Floor, 0)] {
+        let sea = sea(state);
+        let mut renderer = Renderer::new(RenderSettings { simd, ..settings(SIZE, sea.clone()) });
+        let mut picture = Picture::black(SIZE, ENCODING);
+        for frame in 0..4 {
+            let truth = renderer.draw(&snapshot(scene, &sea, frame), &mut picture, bands).clone();
+            hash = fnv(hash, picture.samples());
+            hash = fnv(hash, &truth.visible.to_bits().to_le_bytes());
+            hash = fnv(hash, &(truth.mask.count() as u64).to_le_bytes());
+        }
+    }
+    hash
+}
+
+/// What the scenes gave when the pictures were last looked at. It changes whenever a picture does.
+const GOLDEN: u64 = 12_125_006_541_114_826_880;
+
+#[test]
+fn a_picture_has_the_same_bits_whoever_draws_it() {
+    assert_eq!(all_scenes(Simd::widest(), &Serial), GOLDEN, "serial, widest");
+    assert_eq!(all_scenes(Simd::widest(), &TwoThreads), GOLDEN, "two threads");
+    for level in SimdLevel::ALL {
+        assert_eq!(all_scenes(Simd::at_most(level), &Serial), GOLDEN, "{level}");
+    }
+}
+
+/// A boat somewhere in a view, of an eighth to two thirds of the picture's width.
+fn random_view(index: u64, sea: &Sea) -> Snapshot {
+    let draw = |stream: u64, low: f64, high: f64| low + (high - low) * noise::unit(42, stream, index);
+    let (range, down) = (draw(1, 1.6, 3.4), draw(2, 15.0, 80.0_f64).to_radians());
+    let pan = draw(3, -180.0, 180.0_f64).to_radians();
+    let (x, y) = (draw(4, -50.0, 50.0), draw(5, -50.0, 50.0));
+    let tick = 37 * index;
+    let level = range * libm::cos(down);
+    let eye = at(x - level * libm::sin(pan), y - level * libm::cos(pan), range * libm::sin(down));
+    let camera = CameraPose {
+        place: eye,
+        pan: Angle::from_radians(pan + draw(6, -0.15, 0.15)),
+        tilt: Angle::from_radians(-down + draw(7, -0.1, 0.1)),
+        roll: degrees(draw(8, -8.0, 8.0)),
+    };
+    let mut pose = lies(at(x, y, sea.at(x, y, tick).elevation), draw(9, 0.0, 360.0));
+    (pose.pitch, pose.roll) = (degrees(draw(10, -6.0, 6.0)), degrees(draw(11, -6.0, 6.0)));
+    let (jx, jy) = (x + draw(12, -0.9, 0.9), y + draw(13, -0.9, 0.9));
+    let jacket = lies(at(jx, jy, sea.at(jx, jy, tick).elevation), draw(14, 0.0, 360.0));
+    Snapshot {
+        tick,
+        first_row: camera,
+        last_row: CameraPose {
+            pan: Angle::from_radians(camera.pan.radians() + draw(15, -0.01, 0.01)),
+            ..camera
+        },
+        light: Light { sun_bearing: degrees(80.0), sun_elevation: degrees(50.0), overcast: 0.5 },
+        ground: Ground::Water,
+        target: boat(pose, 0.0),
+        things: vec![Thing { kind: ThingKind::LifeJacket, pose: jacket, seed: 1 }],
+        sensor: SensorState { exposure: 1.0, red: 1.0, blue: 1.0, exposure_s: 0.0 },
+    }
+}
+
+/// The same view without its target: it lies behind the camera, far away.
+fn without_target(view: &Snapshot) -> Snapshot {
+    let mut alone = view.clone();
+    if let Target::Boat(boat) = &mut alone.target {
+        boat.pose.place.z = -5_000.0;
+    }
+    alone
+}
+
+/// By how many levels of Y, U and V together each pixel differs between two pictures.
+fn differences(a: &Picture, b: &Picture) -> Vec<u32> {
+    let (width, height) = (a.size().width as usize, a.size().height as usize);
+    let apart = |a: u8, b: u8| u32::from(a.abs_diff(b));
+    let at = |row: usize, column: usize| {
+        apart(a.y().row(row)[column], b.y().row(row)[column])
+            + apart(a.u().row(row / 2)[column / 2], b.u().row(row / 2)[column / 2])
+            + apart(a.v().row(row / 2)[column / 2], b.v().row(row / 2)[column / 2])
+    };
+    (0..width * height).map(|i| at(i / width, i % width)).collect()
+}
+
+/// Whether a pixel has changed: by something, and by enough beside its neighbours that it is more than half covered.
+fn changed(differences: &[u32], width: usize, column: usize, row: usize) -> bool {
+    let here = differences[row * width + column];
+    let height = differences.len() / width;
+    let around = (row.saturating_sub(1)..(row + 2).min(height))
+        .flat_map(|r| &differences[r * width + column.saturating_sub(1)..r * width + (column + 2).min(width)])
+        .max();
+    here > LEAST_CHANGE && (here > SURE_CHANGE || around.is_some_and(|around| 2 * here > *around))
+}
+
+/// Levels by which a pixel changes at least, and by which it is the target's beyond doubt.
+const LEAST_CHANGE: u32 = 10;
+const SURE_CHANGE: u32 = 28;
+/// The finer picture has so many pixels along each side of a pixel.
+const FINER: usize = 3;
+
+/// The mask says which pixels the target covers by half. Whether that is so is seen from pictures three times as fine,
+/// with the target and without: at least half of the fine pixels must have changed. Returns the overlap (common pixels
+/// over pixels of either) of all views.
+fn overlap(views: u64) -> f64 {
+    let sea = sea(1);
+    let size = PictureSize::new(224, 168);
+    let fine = PictureSize::new(size.width * FINER as u32, size.height * FINER as u32);
+    let plain = |size| RenderSettings { effects: Effects::NONE, ..settings(size, sea.clone()) };
+    let mut renderer = Renderer::new(plain(size));
+    let mut finer = Renderer::new(plain(fine));
+    let [mut picture, mut with, mut without] = [size, fine, fine].map(|size| Picture::black(size, ENCODING));
+    let (mut both, mut either) = (0, 0);
+    for index in 0..views {
+        let view = random_view(index, &sea);
+        let truth = renderer.draw(&view, &mut picture, &Serial).clone();
+        finer.draw(&view, &mut with, &TwoThreads);
+        finer.draw(&without_target(&view), &mut without, &TwoThreads);
+        let apart = differences(&with, &without);
+        for row in 0..size.height as usize {
+            for column in 0..size.width as usize {
+                let count = (0..FINER * FINER)
+                    .filter(|k| {
+                        let (c, r) = (FINER * column + k % FINER, FINER * row + k / FINER);
+                        changed(&apart, fine.width as usize, c, r)
+                    })
+                    .count();
+                let (a, b) = (truth.mask.at(column, row), 2 * count >= FINER * FINER);
+                both += usize::from(a && b);
+                either += usize::from(a || b);
+            }
+        }
+    }
+    f64::from(both as u32) / f64::from(either as u32)
+}
+
+#[test]
+fn the_mask_is_what_changes_when_the_target_is_taken_away() {
+    let found = overlap(200);
+    // What is missing to 1 is mostly black line on dark water, which a comparison cannot find.
+    assert!(found >= 0.98, "overlap {found:.4}");
+}
+
+#[test]
+fn the_waterline_s_middle_is_where_an_independent_projection_has_it() {
+    let sea = sea(2);
+    let mut renderer = Renderer::new(RenderSettings {
+        effects: Effects::NONE,
+        ..settings(PictureSize::new(64, 48), sea.clone())
+    });
+    let mut picture = Picture::black(PictureSize::new(64, 48), ENCODING);
+    for index in 0..40 {
+        let mut view = random_view(index, &sea);
+        view.last_row = view.first_row;
+        let truth: DrawnTruth = renderer.draw(&view, &mut picture, &Serial).clone();
+        let camera = view.first_row;
+        let target = view.target.place();
+        // Turn the world by pan about z, then tilt about the picture's right, then roll about the line of sight.
+        let (dx, dy, dz) = (target.x - camera.place.x, target.y - camera.place.y, target.z - camera.place.z);
+        let (sp, cp) = libm::sincos(camera.pan.radians());
+        let (right, forward) = (dx * cp - dy * sp, dx * sp + dy * cp);
+        let (st, ct) = libm::sincos(camera.tilt.radians());
+        let (ahead, up) = (forward * ct + dz * st, dz * ct - forward * st);
+        let (sr, cr) = libm::sincos(camera.roll.radians());
+        let (x, y) = ((right * cr - up * sr) / ahead, (-right * sr - up * cr) / ahead);
+        // Undo r_pinhole = r (1 + k r^2) by bisection.
+        let pinhole = (x * x + y * y).sqrt();
+        let (mut low, mut high) = (0.0, pinhole);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if middle * (1.0 + 0.08 * middle * middle) > pinhole { high = middle } else { low = middle }
+        }
+        let scale = 0.8 * 64.0 * low / pinhole;
+        let (u, v) = (32.0 + scale * x, 24.0 + scale * y);
+        let seen = truth.waterline.unwrap();
+        assert!(libm::hypot(seen.u - u, seen.v - v) < 0.5, "view {index}: {seen:?}, wanted ({u}, {v})");
+        assert!((truth.range_m - (dx * dx + dy * dy + dz * dz).sqrt()).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_target_behind_the_camera_is_not_in_the_truth() {
+    let sea = sea(0);
+    let mut renderer = Renderer::new(settings(SIZE, sea.clone()));
+    let mut view = snapshot(Scene::Arena, &sea, 0);
+    view.target = boat(lies(at(0.0, -20.0, 0.0), 0.0), 0.0);
+    let mut picture = Picture::black(SIZE, ENCODING);
+    let truth = renderer.draw(&view, &mut picture, &Serial);
+    assert_eq!((truth.bounds, truth.waterline, truth.heading), (None, None, None));
+    assert_eq!((truth.visible, truth.mask.count()), (0.0, 0));
+}
+
+#[test]
+fn a_boat_in_full_view_is_wholly_visible_and_heads_where_it_goes() {
+    let sea = sea(0);
+    let mut renderer = Renderer::new(settings(SIZE, sea.clone()));
+    let mut picture = Picture::black(SIZE, ENCODING);
+    for (heading, seen) in [(0.0, 0.0), (90.0, 90.0), (180.0, 180.0), (270.0, 270.0)] {
+        let mut view = snapshot(Scene::Arena, &sea, 0);
+        view.things.clear();
+        view.first_row.roll = Angle::ZERO;
+        view.last_row = view.first_row;
+        view.target = boat(lies(at(0.0, 9.0, 0.0), heading), 0.0);
+        let truth = renderer.draw(&view, &mut picture, &Serial);
+        assert!(truth.visible > 0.93, "{heading}: {} visible", truth.visible);
+        let apart = (truth.heading.unwrap().degrees() - seen + 180.0).rem_euclid(360.0) - 180.0;
+        assert!(apart.abs() < 6.0, "{heading}: seen {apart} degrees off");
+    }
+}
+
+#[test]
+fn a_frame_allocates_nothing_after_the_first_ones() {
+    for (scene, state) in [(Scene::Pier, 2), (Scene::Floor, 0)] {
+        let sea = sea(state);
+        let mut renderer = Renderer::new(settings(SIZE, sea.clone()));
+        let mut picture = Picture::black(SIZE, ENCODING);
+        let views: Vec<Snapshot> = (0..6).map(|frame| snapshot(scene, &sea, frame)).collect();
+        // Tiles swap their memory with each other, so that it takes a second frame until all have theirs.
+        for view in &views {
+            renderer.draw(view, &mut picture, &Serial);
+        }
+        let requests = requests_of(|| {
+            for view in &views {
+                renderer.draw(view, &mut picture, &Serial);
+            }
+        });
+        assert_eq!(requests, 0, "{scene:?}");
+    }
+}
