@@ -1,7 +1,7 @@
 //! One axis that turns a camera: dead time, first-order lag, end stops.
 //!
 //! ```text
-//! command --> dead time --> clip to limit --> lag: w' = (u - w)/tau --> angle' = w --> end stops
+//! command --> dead time --> clip to limit --> lag: w' = (u - w)/tau, |w'| limited --> angle' = w --> end stops
 //! ```
 //! The dead time of a start and of a stop differ, as they do on the recorded vehicle. Time advances in ticks of
 //! [`TICK`]; dead times are whole numbers of ticks.
@@ -28,6 +28,25 @@ pub struct AxisPlant {
     pub limit: AngularRate,
     /// End stops, lower and upper; `None` where the axis turns freely.
     pub stops: Option<(Angle, Angle)>,
+    /// What else is imperfect about it.
+    pub flaws: AxisFlaws,
+}
+
+/// In what a real axis differs from an ideal one. The default is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisFlaws {
+    /// Largest change of the rate, rad/s²; `None`: the lag alone limits it.
+    pub acceleration_rad_per_s2: Option<f64>,
+    /// A rate asked for that is smaller than this moves nothing, rad/s.
+    pub dead_band_rad_per_s: f64,
+    /// What share of the rate asked for it turns at.
+    pub gain: f64,
+}
+
+impl Default for AxisFlaws {
+    fn default() -> Self {
+        Self { acceleration_rad_per_s2: None, dead_band_rad_per_s: 0.0, gain: 1.0 }
+    }
 }
 
 /// The axis with its state.
@@ -72,13 +91,23 @@ impl CameraAxis {
 
     /// Advances through `tick`.
     pub fn advance(&mut self, tick: u64) {
+        self.advance_pushed(tick, 0.0);
+    }
+
+    /// Advances through `tick` while something else turns it, too, at `push` rad/s.
+    pub fn advance_pushed(&mut self, tick: u64, push: f64) {
         while let Some((_, rate)) = self.on_their_way.pop_front_if(|(at, _)| *at <= tick) {
             self.in_effect = rate;
         }
         let share = if self.plant.lag_s > 0.0 { 1.0 - libm::exp(-TICK_S / self.plant.lag_s) } else { 1.0 };
         let (asked, had) = (self.in_effect.radians_per_second(), self.rate.radians_per_second());
-        let rate = had + share * (asked - had);
-        let angle = self.angle.radians() + rate * TICK_S;
+        let flaws = &self.plant.flaws;
+        let asked = if asked.abs() < flaws.dead_band_rad_per_s { 0.0 } else { asked * flaws.gain };
+        let change = share * (asked - had);
+        let change =
+            flaws.acceleration_rad_per_s2.map_or(change, |most| change.clamp(-most * TICK_S, most * TICK_S));
+        let rate = had + change;
+        let angle = self.angle.radians() + (rate + push) * TICK_S;
         let stopped = self.plant.stops.map(|(low, high)| angle.clamp(low.radians(), high.radians()));
         match stopped {
             Some(held) if held != angle => {
@@ -90,6 +119,11 @@ impl CameraAxis {
                 self.angle = Angle::from_radians(angle);
             }
         }
+    }
+
+    /// Whether it is told to move.
+    pub fn is_commanded(&self) -> bool {
+        !self.in_effect.is_zero()
     }
 
     /// The angle now.

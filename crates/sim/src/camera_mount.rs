@@ -2,7 +2,7 @@
 
 use barrelman_vocab::{Angle, AngularRate, CameraCommand};
 
-use crate::camera_axis::{AxisPlant, CameraAxis};
+use crate::camera_axis::{AxisFlaws, AxisPlant, CameraAxis};
 
 /// What both axes are like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,6 +11,10 @@ pub struct MountPlant {
     pub pan: AxisPlant,
     /// Tilt.
     pub tilt: AxisPlant,
+    /// Share of each axis's rate that turns the other one too.
+    pub cross_talk: f64,
+    /// How fast the tilt sinks by itself, rad/s.
+    pub droop_rad_per_s: f64,
 }
 
 impl MountPlant {
@@ -26,6 +30,7 @@ impl MountPlant {
                 lag_s: 0.42,
                 limit: limit(0.4),
                 stops: None,
+                flaws: AxisFlaws::default(),
             },
             tilt: AxisPlant {
                 start_dead_time_s: 0.10,
@@ -33,7 +38,10 @@ impl MountPlant {
                 lag_s: 0.10,
                 limit: limit(0.3),
                 stops: Some((Angle::from_degrees(-90.0), Angle::from_degrees(10.0))),
+                flaws: AxisFlaws::default(),
             },
+            cross_talk: 0.0,
+            droop_rad_per_s: 0.0,
         }
     }
 }
@@ -45,16 +53,24 @@ pub struct CameraMount {
     pub pan: CameraAxis,
     /// Tilt: 0 is level, positive upwards.
     pub tilt: CameraAxis,
+    cross_talk: f64,
+    droop_rad_per_s: f64,
     tick: u64,
 }
 
 impl CameraMount {
     /// A camera at rest that looks straight ahead and down by `depression`.
     pub fn at_rest(plant: MountPlant, depression: Angle) -> Self {
-        let tilt = Angle::from_radians(-depression.radians());
+        Self::looking(plant, Angle::ZERO, Angle::from_radians(-depression.radians()))
+    }
+
+    /// A camera at rest that looks there.
+    pub fn looking(plant: MountPlant, pan: Angle, tilt: Angle) -> Self {
         Self {
-            pan: CameraAxis::at_rest(plant.pan, Angle::ZERO),
+            pan: CameraAxis::at_rest(plant.pan, pan),
             tilt: CameraAxis::at_rest(plant.tilt, tilt),
+            cross_talk: plant.cross_talk,
+            droop_rad_per_s: plant.droop_rad_per_s,
             tick: 0,
         }
     }
@@ -67,8 +83,9 @@ impl CameraMount {
 
     /// Advances by one tick.
     pub fn advance(&mut self) {
-        self.pan.advance(self.tick);
-        self.tilt.advance(self.tick);
+        let (pan, tilt) = (self.pan.rate().radians_per_second(), self.tilt.rate().radians_per_second());
+        self.pan.advance_pushed(self.tick, self.cross_talk * tilt);
+        self.tilt.advance_pushed(self.tick, self.cross_talk * pan - self.droop_rad_per_s);
         self.tick += 1;
     }
 

@@ -4,15 +4,49 @@
 //! What must not be here: clocks, threads, files, the tracker, and any chance that does not come from a seed.
 //! The same seed gives the same bits on every machine: transcendental functions come from `libm`, noise from
 //! integer hashes.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
+
+pub mod optics;
+pub mod pose;
+pub mod snapshot;
+
+pub mod scenario;
+
+pub mod world;
+
+pub mod render;
+pub mod sea;
 
 pub mod camera_axis;
 pub mod camera_mount;
+pub mod kite;
+pub mod path;
+pub mod pursuit;
+pub mod sway;
 
+pub mod boat;
+pub mod helmsman;
+pub mod wind;
+
+pub mod scenery;
+
+pub mod electronics;
+pub mod sensor;
+pub mod video_link;
+
+pub mod chance;
 pub mod noise;
+
 pub mod practice;
 pub mod water_scene;
 
 pub use camera_axis::{AxisPlant, CameraAxis};
 pub use camera_mount::{CameraMount, MountPlant};
+pub use optics::Optics;
+pub use pose::{BodyPose, CameraPose, WorldPoint};
+pub use scenario::Scenario;
+pub use sea::{Sea, SeaState, Wind};
+pub use sensor::Sensor;
+pub use snapshot::Snapshot;
 pub use water_scene::{SceneKind, SceneScript, SceneTruth, TargetPaint, WaterScene};
+pub use world::{Truth, World};

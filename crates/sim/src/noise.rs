@@ -15,6 +15,23 @@ pub fn unit(seed: u64, stream: u64, index: u64) -> f64 {
     (hash(seed, stream, index) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
+/// A number from the standard normal distribution.
+pub fn normal(seed: u64, stream: u64, index: u64) -> f64 {
+    // Box and Muller; the first number lies in (0, 1], so that its logarithm is finite.
+    let radius = libm::sqrt(-2.0 * libm::log(1.0 - unit(seed, stream, 2 * index)));
+    radius * libm::cos(core::f64::consts::TAU * unit(seed, stream, 2 * index + 1))
+}
+
+/// A number from the exponential distribution of mean 1.
+pub fn exponential(seed: u64, stream: u64, index: u64) -> f64 {
+    -libm::log(1.0 - unit(seed, stream, index))
+}
+
+/// A number between two bounds.
+pub fn between(seed: u64, stream: u64, index: u64, low: f64, high: f64) -> f64 {
+    low + (high - low) * unit(seed, stream, index)
+}
+
 /// Side of the tile that [`tile`] makes.
 pub const TILE_SIDE: usize = 512;
 

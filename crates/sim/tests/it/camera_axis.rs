@@ -11,6 +11,7 @@ fn plant() -> AxisPlant {
         lag_s: 0.1,
         limit: AngularRate::from_radians_per_second(0.3),
         stops: Some((Angle::from_radians(-0.5), Angle::from_radians(0.5))),
+        flaws: barrelman_sim::camera_axis::AxisFlaws::default(),
     }
 }
 

@@ -1,5 +1,14 @@
 //! The simulated world, by tables.
 
+mod allocation;
+mod boat;
 mod camera_axis;
+mod kite;
+mod path;
 mod practice;
+mod render;
+mod sea;
+mod trial_world;
+mod video_link;
 mod water_scene;
+mod world;

@@ -1,0 +1,259 @@
+//! A small rescue boat with a jet, in the class of EMILY: 1.2 m long, 11.3 kg, about 9.5 m/s at full throttle.
+//!
+//! Three degrees of freedom in the body's frame (u ahead, v to the left, r anticlockwise), relative to water that
+//! moves with the waves (manoeuvring model after `fossen2011`; coefficients by comparison with craft of this size):
+//!
+//! ```text
+//! m11 u' =  T cos d - R(u) + m22 v r            + X_wind
+//! m22 v' = -T sin d + (Yv + Yuv |u|) v + Yvv |v| v - m11 u r  + Y_wind
+//! m33 r' =  T sin d l_j + (Nr + Nur |u|) r + Nrr |r| r - 0.35 (m22 - m11) u v + N_wind
+//! ```
+//!
+//! R grows up to the hump and is flat above it: the boat planes. T is the jet's thrust, d the angle of its nozzle.
+//! **A jet does not steer without thrust**: a boat that coasts goes straight on. The paper's simulated boat had a
+//! rudder, which steers whenever the boat moves; drivers notice. Above some 4 m/s the hull does not hold its course by
+//! itself (its linear motion in sway and yaw is unstable there) and must be steered.
+//! Heave, pitch and roll follow the waves, averaged over the hull, through second-order responses; speed lifts the
+//! bow, and the boat heels into its turns. What is not in here: slamming, broaching, capsizing, cavitation, a moment
+//! of the waves about the vertical.
+
+use barrelman_vocab::Angle;
+
+use crate::camera_axis::TICK_S;
+use crate::pose::{BodyPose, WorldPoint};
+use crate::sea::Sea;
+
+/// Length, breadth and draught of the hull, metres.
+pub const LENGTH_M: f64 = 1.2;
+/// See [`LENGTH_M`].
+pub const BREADTH_M: f64 = 0.36;
+const DRAUGHT_M: f64 = 0.08;
+
+const MASS_KG: f64 = 11.3;
+/// Masses with those of the water that moves along, kg and kg m².
+const M11: f64 = MASS_KG + 1.1;
+const M22: f64 = MASS_KG + 8.5;
+const M33: f64 = 1.02 + 0.9;
+/// Resistance ahead: linear and square, up to the hump, and what it grows by above it.
+const R_LINEAR: f64 = 2.5;
+const R_SQUARE: f64 = 2.2;
+const HUMP_MPS: f64 = 3.0;
+const R_PLANING: f64 = 1.25;
+/// Damping sideways and in yaw.
+const Y_V: f64 = -16.0;
+const Y_UV: f64 = -9.0;
+const Y_VV: f64 = -40.0;
+const N_R: f64 = -2.4;
+const N_UR: f64 = -1.8;
+const N_RR: f64 = -2.0;
+const MUNK: f64 = 0.35;
+/// Full thrust at rest, the speed at which the jet gives none, and full thrust astern: N, m/s, N.
+const THRUST_N: f64 = 52.0;
+const JET_MPS: f64 = 30.0;
+const ASTERN_N: f64 = 18.0;
+/// How far behind the centre of mass the jet pushes, metres, and how far the nozzle turns.
+const LEVER_M: f64 = 0.58;
+const NOZZLE_RAD: f64 = 27.0_f64.to_radians();
+/// Time constants of throttle and nozzle, seconds.
+const THROTTLE_S: f64 = 0.25;
+const NOZZLE_S: f64 = 0.15;
+/// Air: density, drag areas ahead and aside (with their coefficients), lever of the sideways push.
+const AIR_KG_PER_M3: f64 = 1.225;
+const DRAG_AHEAD_M2: f64 = 0.6 * 0.05;
+const DRAG_ASIDE_M2: f64 = 0.9 * 0.2;
+const WIND_LEVER_M: f64 = 0.1 * LENGTH_M;
+/// Responses to the waves: natural frequency, rad/s, and damping ratio.
+const HEAVE: (f64, f64) = (11.6, 0.3);
+const PITCH: (f64, f64) = (15.0, 0.4);
+const ROLL: (f64, f64) = (8.6, 0.2);
+/// The bow rises with speed, up to a limit; the boat heels into its turns.
+const TRIM_RAD_PER_MPS: f64 = 2.0_f64.to_radians();
+const MOST_TRIM_RAD: f64 = 6.0_f64.to_radians();
+const HEEL_S: f64 = 8.0_f64.to_radians();
+/// The hull's averaging of the waves is worked out anew every so many ticks: it depends on the heading alone.
+const AVERAGED_FOR: u64 = 6;
+
+/// What a boat is told.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Helm {
+    /// -1 (full astern) to 1 (full ahead).
+    pub throttle: f64,
+    /// -1 (turns right) to 1 (turns left), as a share of the nozzle's travel.
+    pub rudder: f64,
+}
+
+/// A boat under way.
+#[derive(Debug, Clone)]
+pub struct JetBoat {
+    place: (f64, f64),
+    heading: f64,
+    /// Velocity over ground in the body's frame: ahead, left; and turn rate.
+    velocity: (f64, f64),
+    turn: f64,
+    throttle: f64,
+    nozzle: f64,
+    heave: Response,
+    pitch: Response,
+    roll: Response,
+    averages: Vec<f64>,
+}
+
+/// A second-order response.
+#[derive(Debug, Clone, Copy, Default)]
+struct Response {
+    value: f64,
+    rate: f64,
+}
+
+impl Response {
+    fn follow(&mut self, wanted: f64, (frequency, damping): (f64, f64)) {
+        let acceleration =
+            frequency * frequency * (wanted - self.value) - 2.0 * damping * frequency * self.rate;
+        self.rate += acceleration * TICK_S;
+        self.value += self.rate * TICK_S;
+    }
+}
+
+impl JetBoat {
+    /// A boat at rest.
+    pub fn at_rest(place: (f64, f64), heading: Angle) -> Self {
+        Self {
+            place,
+            heading: heading.radians(),
+            velocity: (0.0, 0.0),
+            turn: 0.0,
+            throttle: 0.0,
+            nozzle: 0.0,
+            heave: Response::default(),
+            pitch: Response::default(),
+            roll: Response::default(),
+            averages: Vec::new(),
+        }
+    }
+
+    /// Advances through a tick: what it is told, the water, and the wind along the world's x and y, m/s.
+    pub fn advance(&mut self, helm: Helm, sea: &Sea, wind: (f64, f64), tick: u64) {
+        self.throttle += (helm.throttle.clamp(-1.0, 1.0) - self.throttle) * TICK_S / THROTTLE_S;
+        self.nozzle += (helm.rudder.clamp(-1.0, 1.0) * NOZZLE_RAD - self.nozzle) * TICK_S / NOZZLE_S;
+        let water = self.ride(sea, tick);
+        let (s, c) = libm::sincos(self.heading);
+        let in_body = |(x, y): (f64, f64)| (x * c + y * s, -x * s + y * c);
+        let current = in_body(water);
+        let (u, v, r) = (self.velocity.0 - current.0, self.velocity.1 - current.1, self.turn);
+        let air = in_body(wind);
+        let (air_u, air_v) = (air.0 - self.velocity.0, air.1 - self.velocity.1);
+        let blown = |area: f64, speed: f64| 0.5 * AIR_KG_PER_M3 * area * speed * speed.abs();
+        let (x_wind, y_wind) = (blown(DRAG_AHEAD_M2, air_u), blown(DRAG_ASIDE_M2, air_v));
+        let thrust = thrust(self.throttle, u);
+        let (sd, cd) = libm::sincos(self.nozzle);
+        let du = (thrust * cd - resistance(u) + M22 * v * r + x_wind) / M11;
+        let dv =
+            (-thrust * sd + (Y_V + Y_UV * u.abs()) * v + Y_VV * v.abs() * v - M11 * u * r + y_wind) / M22;
+        let dr = (thrust * sd * LEVER_M + (N_R + N_UR * u.abs()) * r + N_RR * r.abs() * r
+            - MUNK * (M22 - M11) * u * v
+            + WIND_LEVER_M * y_wind)
+            / M33;
+        self.velocity.0 += du * TICK_S;
+        self.velocity.1 += dv * TICK_S;
+        self.turn += dr * TICK_S;
+        self.heading += self.turn * TICK_S;
+        let (vx, vy) = self.velocity_over_ground();
+        self.place.0 += vx * TICK_S;
+        self.place.1 += vy * TICK_S;
+    }
+
+    /// Follows the waves, and says how the water moves where it is, along the world's x and y.
+    fn ride(&mut self, sea: &Sea, tick: u64) -> (f64, f64) {
+        let (s, c) = libm::sincos(self.heading);
+        let waves = sea.waves();
+        let due = tick.is_multiple_of(AVERAGED_FOR) || self.averages.len() != waves.len();
+        if due {
+            self.averages.clear();
+            self.averages.extend(waves.iter().map(|wave| {
+                let (kx, ky) = wave.vector;
+                let (along, across) = (kx * c + ky * s, -kx * s + ky * c);
+                sinc(0.5 * along * LENGTH_M)
+                    * sinc(0.5 * across * BREADTH_M)
+                    * libm::exp(-libm::hypot(kx, ky) * DRAUGHT_M)
+            }));
+        }
+        let (mut elevation, mut slope, mut water) = (0.0, (0.0, 0.0), (0.0, 0.0));
+        for (wave, average) in waves.iter().zip(&self.averages) {
+            let (sin, cos) = libm::sincos(wave.phase_at(self.place.0, self.place.1, tick));
+            let felt = wave.amplitude * average;
+            elevation += felt * cos;
+            slope.0 -= felt * wave.vector.0 * sin;
+            slope.1 -= felt * wave.vector.1 * sin;
+            let (x, y) = wave.drift();
+            water.0 += average * x * cos;
+            water.1 += average * y * cos;
+        }
+        let along = slope.0 * c + slope.1 * s;
+        let to_left = -slope.0 * s + slope.1 * c;
+        let trim = (TRIM_RAD_PER_MPS * self.velocity.0).clamp(0.0, MOST_TRIM_RAD);
+        self.heave.follow(elevation, HEAVE);
+        self.pitch.follow(along + trim, PITCH);
+        // Positive where the right side sinks: the left side is lifted by water that climbs to the left.
+        self.roll.follow(to_left - HEEL_S * self.turn, ROLL);
+        water
+    }
+
+    /// Where it lies and how.
+    pub const fn pose(&self) -> BodyPose {
+        BodyPose {
+            place: WorldPoint { x: self.place.0, y: self.place.1, z: self.heave.value },
+            heading: Angle::from_radians(self.heading),
+            pitch: Angle::from_radians(self.pitch.value),
+            roll: Angle::from_radians(self.roll.value),
+        }
+    }
+
+    /// Its velocity along the world's x and y, m/s.
+    pub fn velocity_over_ground(&self) -> (f64, f64) {
+        let (s, c) = libm::sincos(self.heading);
+        let (u, v) = self.velocity;
+        (u * c - v * s, u * s + v * c)
+    }
+
+    /// Its speed ahead, m/s.
+    pub const fn speed_ahead_mps(&self) -> f64 {
+        self.velocity.0
+    }
+
+    /// Its turn rate, rad/s, anticlockwise.
+    pub const fn turn_rad_per_s(&self) -> f64 {
+        self.turn
+    }
+
+    /// Its throttle, -1 to 1, and how its nozzle is turned, positive to turn left.
+    pub const fn jet(&self) -> (f64, Angle) {
+        (self.throttle, Angle::from_radians(self.nozzle))
+    }
+}
+
+/// The jet's thrust at a throttle (-1 to 1) and a speed ahead, N.
+fn thrust(throttle: f64, u: f64) -> f64 {
+    if throttle >= 0.0 {
+        THRUST_N * throttle * throttle * (1.0 - u / JET_MPS)
+    } else {
+        -ASTERN_N * throttle * throttle
+    }
+}
+
+/// Resistance at a speed ahead, N.
+fn resistance(u: f64) -> f64 {
+    let speed = u.abs();
+    let slow = speed.min(HUMP_MPS);
+    let resistance = R_LINEAR * slow + R_SQUARE * slow * slow + R_PLANING * (speed - slow);
+    if u < 0.0 { -resistance } else { resistance }
+}
+
+/// The throttle that keeps a speed on calm water, 0 to 1.
+pub fn throttle_for(speed_mps: f64) -> f64 {
+    let speed = speed_mps.clamp(0.0, 0.9 * JET_MPS);
+    libm::sqrt(resistance(speed) / (THRUST_N * (1.0 - speed / JET_MPS))).min(1.0)
+}
+
+fn sinc(x: f64) -> f64 {
+    if x.abs() < 1.0e-4 { 1.0 } else { libm::sin(x) / x }
+}

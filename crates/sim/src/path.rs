@@ -1,0 +1,95 @@
+//! A path over the floor or the water: way-points joined by straight lines.
+
+/// A path with at least two way-points, no two neighbours in one place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    points: Vec<(f64, f64)>,
+    /// Length from the start to each way-point, metres.
+    lengths: Vec<f64>,
+}
+
+/// Way-points make no path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoPath;
+
+/// Way-points nearer to each other than this are one, metres.
+const SAME_PLACE_M: f64 = 1.0e-6;
+
+impl Path {
+    /// The path through these way-points, metres.
+    ///
+    /// # Errors
+    /// [`NoPath`] where there are not two of them in different places, or one is not a number.
+    pub fn through(way_points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, NoPath> {
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        let mut lengths: Vec<f64> = Vec::new();
+        for point in way_points {
+            if !(point.0.is_finite() && point.1.is_finite()) {
+                return Err(NoPath);
+            }
+            let Some(last) = points.last() else {
+                points.push(point);
+                lengths.push(0.0);
+                continue;
+            };
+            let leg = libm::hypot(point.0 - last.0, point.1 - last.1);
+            if leg > SAME_PLACE_M {
+                lengths.push(lengths.last().copied().unwrap_or_default() + leg);
+                points.push(point);
+            }
+        }
+        if points.len() < 2 { Err(NoPath) } else { Ok(Self { points, lengths }) }
+    }
+
+    /// Its way-points, metres.
+    pub fn points(&self) -> &[(f64, f64)] {
+        &self.points
+    }
+
+    /// Its length, metres.
+    pub fn length(&self) -> f64 {
+        self.lengths.last().copied().unwrap_or_default()
+    }
+
+    /// The place that lies so far from its start along it; its ends beyond them.
+    pub fn at(&self, along_m: f64) -> (f64, f64) {
+        let leg = self.leg_at(along_m);
+        let (from, to) = (self.points[leg], self.points[leg + 1]);
+        let share =
+            ((along_m - self.lengths[leg]) / (self.lengths[leg + 1] - self.lengths[leg])).clamp(0.0, 1.0);
+        (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))
+    }
+
+    /// Its direction there: radians anticlockwise from x.
+    pub fn direction_at(&self, along_m: f64) -> f64 {
+        let leg = self.leg_at(along_m);
+        let (from, to) = (self.points[leg], self.points[leg + 1]);
+        libm::atan2(to.1 - from.1, to.0 - from.0)
+    }
+
+    /// How far along it the place lies that is nearest to `place`, looked for from `from_m` on over the next
+    /// `reach_m`: a path may cross itself.
+    pub fn nearest(&self, place: (f64, f64), from_m: f64, reach_m: f64) -> f64 {
+        let mut best = (f64::INFINITY, from_m);
+        for leg in self.leg_at(from_m)..self.points.len() - 1 {
+            let (start, end) = (self.lengths[leg], self.lengths[leg + 1]);
+            if start > from_m + reach_m {
+                break;
+            }
+            let (a, b) = (self.points[leg], self.points[leg + 1]);
+            let (dx, dy) = ((b.0 - a.0) / (end - start), (b.1 - a.1) / (end - start));
+            let along = (start + (place.0 - a.0) * dx + (place.1 - a.1) * dy)
+                .clamp(start.max(from_m), end.min(from_m + reach_m));
+            let (x, y) = (a.0 + (along - start) * dx, a.1 + (along - start) * dy);
+            let distance = libm::hypot(place.0 - x, place.1 - y);
+            if distance < best.0 {
+                best = (distance, along);
+            }
+        }
+        best.1
+    }
+
+    fn leg_at(&self, along_m: f64) -> usize {
+        self.lengths.partition_point(|length| *length <= along_m).clamp(1, self.points.len() - 1) - 1
+    }
+}

@@ -1,0 +1,76 @@
+//! What lies or drifts beside the target, and where it is at any tick.
+
+use barrelman_vocab::Angle;
+
+use crate::camera_axis::TICK_S;
+use crate::chance::{Draws, Stream};
+use crate::pose::{BodyPose, WorldPoint};
+use crate::sea::Sea;
+use crate::snapshot::{Thing, ThingKind};
+
+/// A thing and how it moves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ThingScript {
+    /// What it is.
+    pub kind: ThingKind,
+    /// Where it is at the start, metres.
+    pub at: (f64, f64),
+    /// Standard deviation of that place from trial to trial, metres.
+    pub jitter_m: f64,
+    /// How it lies: 0 along x, anticlockwise.
+    pub heading: Angle,
+    /// Its velocity along x and y, m/s.
+    pub velocity_m_per_s: (f64, f64),
+    /// It goes to and fro: after so many seconds it turns round. `None`: it goes on for ever.
+    pub turns_after_s: Option<f64>,
+}
+
+/// All things of a trial.
+#[derive(Debug, Clone)]
+pub struct Scenery {
+    things: Vec<(ThingScript, (f64, f64), u64)>,
+}
+
+impl Scenery {
+    /// Those of a trial.
+    pub fn new(scripts: &[ThingScript], seed: u64) -> Self {
+        let draws = Draws::of(seed, Stream::Scenery);
+        let things = scripts.iter().enumerate().map(|(index, script)| {
+            let off = |which: u64| script.jitter_m * draws.normal(4 * index as u64 + which);
+            let own_seed = seed.wrapping_mul(0x9E37_79B9).wrapping_add(index as u64);
+            (script.clone(), (script.at.0 + off(0), script.at.1 + off(1)), own_seed)
+        });
+        Self { things: things.collect() }
+    }
+
+    /// Puts them into `out` as they are at a tick; what floats rides the waves.
+    pub fn show(&self, tick: u64, sea: Option<&Sea>, out: &mut Vec<Thing>) {
+        out.clear();
+        out.extend(self.things.iter().map(|(script, start, seed)| {
+            let at_s = tick as f64 * TICK_S;
+            // There and back again: a triangle of the time.
+            let gone_s = script.turns_after_s.map_or(at_s, |turn_s| {
+                let phase = at_s % (2.0 * turn_s);
+                if phase < turn_s { phase } else { 2.0 * turn_s - phase }
+            });
+            let (x, y) =
+                (start.0 + gone_s * script.velocity_m_per_s.0, start.1 + gone_s * script.velocity_m_per_s.1);
+            let fixed =
+                matches!(script.kind, ThingKind::Pier { .. } | ThingKind::Shore | ThingKind::FloorMark);
+            let surface = sea.filter(|_| !fixed).map(|sea| sea.at(x, y, tick)).unwrap_or_default();
+            let (s, c) = libm::sincos(script.heading.radians());
+            let (along, to_left) =
+                (surface.slope.0 * c + surface.slope.1 * s, -surface.slope.0 * s + surface.slope.1 * c);
+            Thing {
+                kind: script.kind,
+                pose: BodyPose {
+                    place: WorldPoint { x, y, z: surface.elevation },
+                    heading: script.heading,
+                    pitch: Angle::from_radians(along),
+                    roll: Angle::from_radians(to_left),
+                },
+                seed: *seed,
+            }
+        }));
+    }
+}

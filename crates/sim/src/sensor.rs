@@ -1,0 +1,52 @@
+//! Truth as a noisy localisation, for trials without pixels.
+
+use barrelman_vocab::{ImagePoint, Localisation, PixelBox};
+
+use crate::chance::{Draws, Stream};
+use crate::scenario::{BeyondBorder, CameraSetup, Sensing};
+use crate::world::Truth;
+
+/// Measures truth.
+#[derive(Debug, Clone)]
+pub struct Sensor {
+    sensing: Sensing,
+    camera: CameraSetup,
+    draws: Draws,
+}
+
+impl Sensor {
+    /// The sensor of a trial.
+    pub fn new(sensing: Sensing, camera: CameraSetup, seed: u64) -> Self {
+        Self { sensing, camera, draws: Draws::of(seed, Stream::Sensor) }
+    }
+
+    /// What is measured of that truth; `None` where the target is not to be seen.
+    pub fn sense(&self, truth: &Truth) -> Option<Localisation> {
+        let noise = |which: u64| self.sensing.noise_px * self.draws.normal(2 * truth.tick + which);
+        let measured = |true_px: f64, which: u64| {
+            let noisy = true_px + noise(which);
+            if self.sensing.rounded { libm::rint(noisy) } else { noisy }
+        };
+        let (x, y) = (measured(truth.image.x, 0), measured(truth.image.y, 1));
+        let (x, y) = match self.sensing.beyond_border {
+            BeyondBorder::Clamped { x_px, y_px } => (x.clamp(-x_px, x_px), y.clamp(-y_px, y_px)),
+            BeyondBorder::Absent if truth.in_picture => (x, y),
+            BeyondBorder::Absent => return None,
+        };
+        let picture = self.camera.frame;
+        let centre = ImagePoint { x, y }.in_pixels(picture);
+        let (length, breadth) = self.sensing.target_size_m;
+        let px_per_m = self.camera.optics.focal_px / truth.range_m;
+        let (w, h) = (length * px_per_m, breadth * px_per_m);
+        let bounds = PixelBox { u: centre.u - 0.5 * w, v: centre.v - 0.5 * h, w, h };
+        Some(Localisation {
+            captured: truth.at,
+            picture,
+            centre,
+            bounds: bounds.clipped(picture),
+            shape: None,
+            heading: None,
+            confidence: 1.0,
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! The wind at a place above the water: a mean, turbulence and gusts.
+//!
+//! Turbulence is Dryden's at low altitude (`milf8785c`): with h the height in feet (10 to 1000) and W the mean wind,
+//! the vertical length scale is h, the horizontal one `h / (0.177 + 0.000823 h)^1.2`; the vertical deviation is
+//! 0.1 W, the horizontal one `0.1 W / (0.177 + 0.000823 h)^0.4`. Each component is an Ornstein-Uhlenbeck process of
+//! its length over the mean wind: the first-order form for all three, which has the deviations and the time scales
+//! and lacks the small overshoot of the transverse spectra.
+//! Gusts come by chance, each a whole period of (1 - cos). What is not in here: direction changes, shear.
+
+use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
+use crate::chance::{Draws, Stream, Wander, Wandering};
+use crate::sea::Wind;
+
+/// Feet in a metre.
+const FEET: f64 = 1.0 / 0.3048;
+/// Mean time between two gusts, seconds.
+const GUST_EVERY_S: f64 = 30.0;
+/// Bounds of a gust's strength, m/s, and of its duration, seconds, in a wind of 5 m/s; the strength grows with it.
+const GUST_MPS: (f64, f64) = (2.0, 3.0);
+const GUST_S: (f64, f64) = (2.0, 4.0);
+const GUST_AT_MPS: f64 = 5.0;
+/// The slowest wind that turbulence is carried by, m/s.
+const SLOWEST_MPS: f64 = 1.0;
+
+/// The wind of a trial at one height.
+#[derive(Debug, Clone)]
+pub struct TurbulentWind {
+    mean: Wind,
+    along: Wandering,
+    across: Wandering,
+    up: Wandering,
+    gusts: Draws,
+    /// The gust that blows: its strength, its first tick and its last.
+    gust: Option<(f64, u64, u64)>,
+    gustiness: f64,
+    now: (f64, f64, f64),
+}
+
+impl TurbulentWind {
+    /// The wind at a height above the water, metres. `gustiness` multiplies how often gusts come and how strong they
+    /// are: 0 for none, 1 as usual.
+    pub fn new(mean: Wind, height_m: f64, gustiness: f64, seed: u64) -> Self {
+        let h = (height_m * FEET).clamp(10.0, 1000.0);
+        let shape = 0.177 + 0.000_823 * h;
+        let carried = mean.speed_mps.max(SLOWEST_MPS);
+        let vertical = 0.1 * mean.speed_mps;
+        let horizontal = Wander {
+            deviation: vertical / libm::pow(shape, 0.4),
+            time_s: h / libm::pow(shape, 1.2) / FEET / carried,
+        };
+        let upright = Wander { deviation: vertical, time_s: h / FEET / carried };
+        // Three processes of one stream, told apart by the seed.
+        let wandering = |wander, which: u64| {
+            Wandering::new(wander, Draws::of(seed.wrapping_add(which << 48), Stream::Wind))
+        };
+        Self {
+            mean,
+            along: wandering(horizontal, 0),
+            across: wandering(horizontal, 1),
+            up: wandering(upright, 2),
+            gusts: Draws::of(seed, Stream::WindGusts),
+            gust: None,
+            gustiness,
+            now: (0.0, 0.0, 0.0),
+        }
+    }
+
+    /// Advances through a tick.
+    pub fn advance(&mut self, tick: u64) {
+        self.along.advance(tick);
+        self.across.advance(tick);
+        self.up.advance(tick);
+        if self.gust.is_none_or(|(_, _, last)| tick > last) {
+            self.gust = None;
+            if self.gusts.unit(3 * tick) < self.gustiness * TICK_S / GUST_EVERY_S {
+                let strength =
+                    self.gustiness * self.gusts.between(3 * tick + 1, GUST_MPS) * self.mean.speed_mps
+                        / GUST_AT_MPS;
+                let lasts_s = self.gusts.between(3 * tick + 2, GUST_S);
+                self.gust = Some((strength, tick, tick + (lasts_s * f64::from(TICKS_PER_SECOND)) as u64));
+            }
+        }
+        let gust = self.gust.map_or(0.0, |(strength, first, last)| {
+            let share = (tick - first) as f64 / (last - first).max(1) as f64;
+            0.5 * strength * (1.0 - libm::cos(core::f64::consts::TAU * share))
+        });
+        let (sin, cos) = libm::sincos(self.mean.towards.radians());
+        let (along, across) = (self.along.value() + gust, self.across.value());
+        self.now = (along * cos - across * sin, along * sin + across * cos, self.up.value());
+    }
+
+    /// What it differs from its mean by, along the world's x, y and z, m/s.
+    pub const fn turbulence(&self) -> (f64, f64, f64) {
+        self.now
+    }
+
+    /// Its velocity along the world's x and y, m/s.
+    pub fn velocity(&self) -> (f64, f64) {
+        let (sin, cos) = libm::sincos(self.mean.towards.radians());
+        (self.mean.speed_mps * cos + self.now.0, self.mean.speed_mps * sin + self.now.1)
+    }
+}

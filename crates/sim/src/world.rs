@@ -1,0 +1,339 @@
+//! The world of a trial, advanced in ticks.
+//!
+//! In each tick the kite sways, the camera's axes turn as they were told, and the target moves. What is seen of it
+//! is looked up at any tick ([`World::truth`], [`World::show`]); who looks, how late it arrives and what comes of it
+//! is not the world's business.
+
+use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Timestamp};
+
+use crate::boat::{Helm, JetBoat};
+use crate::camera_axis::{CameraAxis, TICKS_PER_SECOND};
+use crate::camera_mount::CameraMount;
+use crate::electronics::Electronics;
+use crate::helmsman::Helmsman;
+use crate::kite::{Kite, SETTLES_TICKS};
+use crate::path::NoPath;
+use crate::pose::{BodyPose, CameraPose, WorldPoint};
+use crate::pursuit::{Pursuit, wrapped};
+use crate::scenario::{CameraSetup, Platform, Scenario, TargetScript};
+use crate::scenery::Scenery;
+use crate::sea::Sea;
+use crate::snapshot::{Boat, Ground, Light, Snapshot, Target};
+use crate::sway::Swaying;
+use crate::wind::TurbulentWind;
+
+/// What is true at one tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truth {
+    /// The tick.
+    pub tick: u64,
+    /// Its time since the trial's start.
+    pub at: Timestamp,
+    /// The camera.
+    pub camera: CameraPose,
+    /// The target.
+    pub target: BodyPose,
+    /// Where the target is in the picture, also where that is beyond its border; a target behind the camera is put
+    /// far out on its side.
+    pub image: ImagePoint,
+    /// Whether it is within the picture.
+    pub in_picture: bool,
+    /// From the camera to the target, metres.
+    pub range_m: f64,
+    /// The rates that the camera's axes have, rad/s: pan, tilt.
+    pub rates: (f64, f64),
+}
+
+/// The world of a trial.
+#[derive(Debug, Clone)]
+pub struct World {
+    camera: CameraSetup,
+    light: Light,
+    mount: CameraMount,
+    platform: MovingPlatform,
+    sea: Option<Sea>,
+    /// The wind at the target.
+    wind: Option<TurbulentWind>,
+    target: MovingTarget,
+    scenery: Scenery,
+    electronics: Electronics,
+    steered: Option<Helm>,
+    tick: u64,
+    last_tick: u64,
+}
+
+#[derive(Debug, Clone)]
+enum MovingPlatform {
+    Swaying(Box<Swaying>),
+    Kite(Box<Kite>),
+}
+
+#[derive(Debug, Clone)]
+enum MovingTarget {
+    Pursuit { pursuit: Box<Pursuit>, on_water: bool },
+    Boat { boat: Box<JetBoat>, helmsman: Helmsman },
+}
+
+/// Ticks before the trial's own have these numbers.
+const BEFORE_THE_TRIAL: u64 = 1 << 40;
+/// The wind at the water is that at so many metres.
+const WIND_AT_WATER_M: f64 = 3.0;
+
+impl World {
+    /// The world as a trial begins.
+    ///
+    /// # Errors
+    /// [`NoPath`] where the target's way-points make no path.
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, NoPath> {
+        let water = scenario.water;
+        let target = match &scenario.target {
+            TargetScript::Pursuit(script) => {
+                let pursuit = Box::new(Pursuit::new(script.clone(), seed)?);
+                MovingTarget::Pursuit { pursuit, on_water: water.is_some() }
+            }
+            TargetScript::Boat(script) => {
+                let (helmsman, boat) = Helmsman::new(script, seed)?;
+                MovingTarget::Boat { boat: Box::new(boat), helmsman }
+            }
+        };
+        let camera = scenario.camera.clone();
+        let place = target.pose().place;
+        let (pan_off, tilt_off) = camera.first_view.off(seed);
+        let pan = Angle::from_radians(wrapped(libm::atan2(place.x, place.y) + pan_off.radians()));
+        let down = libm::atan2(camera.height_m, libm::hypot(place.x, place.y));
+        let tilt = Angle::from_radians(tilt_off.radians() - down);
+        let calm = crate::sea::Wind { speed_mps: 0.0, towards: Angle::ZERO };
+        let mean = water.map_or(calm, |water| water.wind);
+        let platform = match scenario.platform {
+            Platform::Swaying(sway) => MovingPlatform::Swaying(Box::new(Swaying::new(&sway, seed))),
+            Platform::Kite { gustiness } => {
+                let wind = TurbulentWind::new(mean, camera.height_m, gustiness, seed);
+                let mut kite = Kite::new(camera.height_m, wind, mean.towards, seed);
+                // A trial begins with a kite that has long been aloft: before its own ticks come others.
+                for tick in 0..SETTLES_TICKS {
+                    kite.advance(BEFORE_THE_TRIAL + tick, false);
+                }
+                MovingPlatform::Kite(Box::new(kite))
+            }
+        };
+        Ok(Self {
+            mount: CameraMount::looking(scenario.mount, pan, tilt),
+            platform,
+            sea: water.map(|water| Sea::new(water.state, water.wind, seed)),
+            wind: water.map(|water| {
+                TurbulentWind::new(water.wind, WIND_AT_WATER_M, 1.0, seed.wrapping_add(1 << 40))
+            }),
+            target,
+            scenery: Scenery::new(&scenario.things, seed),
+            electronics: Electronics::new(&camera.electronics, seed),
+            light: scenario.light,
+            camera,
+            steered: None,
+            tick: 0,
+            last_tick: (scenario.most_s * f64::from(TICKS_PER_SECOND)) as u64,
+        })
+    }
+
+    /// A command reaches the camera now.
+    pub fn command(&mut self, command: CameraCommand) {
+        self.mount.command(command);
+    }
+
+    /// From now on somebody else steers the boat, or nobody but the helmsman again.
+    pub fn steer(&mut self, helm: Option<Helm>) {
+        self.steered = helm;
+    }
+
+    /// Whether the target is a boat that can be steered; others are moved along their path whatever is asked.
+    pub const fn can_be_steered(&self) -> bool {
+        matches!(self.target, MovingTarget::Boat { .. })
+    }
+
+    /// How fast the target goes ahead, m/s.
+    pub const fn target_speed_m_per_s(&self) -> f64 {
+        match &self.target {
+            MovingTarget::Pursuit { pursuit, .. } => pursuit.speed_m_per_s(),
+            MovingTarget::Boat { boat, .. } => boat.speed_ahead_mps(),
+        }
+    }
+
+    /// Advances by one tick.
+    pub fn advance(&mut self) {
+        match &mut self.platform {
+            MovingPlatform::Swaying(swaying) => swaying.advance(self.tick),
+            MovingPlatform::Kite(kite) => kite.advance(self.tick, self.mount.pan.is_commanded()),
+        }
+        if let Some(wind) = &mut self.wind {
+            wind.advance(self.tick);
+        }
+        match &mut self.target {
+            MovingTarget::Pursuit { pursuit, .. } => pursuit.advance(self.tick),
+            MovingTarget::Boat { boat, helmsman } => {
+                let own = helmsman.steer(boat);
+                if let Some(sea) = &self.sea {
+                    let wind = self.wind.as_ref().map_or((0.0, 0.0), TurbulentWind::velocity);
+                    boat.advance(self.steered.unwrap_or(own), sea, wind, self.tick);
+                }
+            }
+        }
+        self.electronics.advance(self.tick);
+        self.mount.advance();
+        self.tick += 1;
+    }
+
+    /// The rates that the camera's axes have, rad/s: pan, tilt.
+    pub const fn camera_rates(&self) -> (f64, f64) {
+        (self.mount.pan.rate().radians_per_second(), self.mount.tilt.rate().radians_per_second())
+    }
+
+    /// Ticks since the trial's start.
+    pub const fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// The time of a tick since the trial's start.
+    pub const fn time_of(tick: u64) -> Timestamp {
+        // Whole nanoseconds, rounded down: 25 ms are three ticks to the nanosecond.
+        Timestamp::from_nanos(tick * 1_000_000_000 / TICKS_PER_SECOND as u64)
+    }
+
+    /// The time now.
+    pub const fn now(&self) -> Timestamp {
+        Self::time_of(self.tick)
+    }
+
+    /// Whether a picture is taken at this tick.
+    pub const fn takes_picture(&self) -> bool {
+        self.tick.is_multiple_of(self.camera.ticks_per_picture())
+    }
+
+    /// Whether the trial is over. A boat that somebody steers is not at the end of its path.
+    pub fn is_over(&self) -> bool {
+        let arrived = match &self.target {
+            MovingTarget::Pursuit { pursuit, .. } => pursuit.is_over(),
+            MovingTarget::Boat { helmsman, .. } => self.steered.is_none() && helmsman.has_arrived(),
+        };
+        arrived || self.tick >= self.last_tick
+    }
+
+    /// The sea, where there is one.
+    pub const fn sea(&self) -> Option<&Sea> {
+        self.sea.as_ref()
+    }
+
+    /// The camera now.
+    pub fn camera_pose(&self) -> CameraPose {
+        let (yaw, pitch, roll) = match &self.platform {
+            MovingPlatform::Swaying(swaying) => swaying.turns(),
+            MovingPlatform::Kite(kite) => kite.turns(self.mount.pan.angle()),
+        };
+        let off = match &self.platform {
+            MovingPlatform::Swaying(swaying) => swaying.displacement(),
+            MovingPlatform::Kite(kite) => kite.displacement(),
+        };
+        let turned =
+            |axis: &CameraAxis, by: Angle| Angle::from_radians(axis.angle().radians() + by.radians());
+        CameraPose {
+            place: WorldPoint { x: off.x, y: off.y, z: self.camera.height_m + off.z },
+            pan: turned(&self.mount.pan, yaw),
+            tilt: turned(&self.mount.tilt, pitch),
+            roll,
+        }
+    }
+
+    /// The target now.
+    pub fn target_pose(&self) -> BodyPose {
+        self.target.pose()
+    }
+
+    /// What is true now.
+    pub fn truth(&self) -> Truth {
+        let (camera, target) = (self.camera_pose(), self.target_pose());
+        let (right, down, ahead) = camera.in_camera(target.place);
+        let picture = self.camera.optics.picture;
+        let seen = self.camera.optics.seen_at((right, down, ahead.max(BEHIND_M)));
+        let image = seen.map_or(ImagePoint { x: 0.0, y: 0.0 }, |seen| seen.in_image(picture));
+        let (half_width, half_height) = (0.5 * f64::from(picture.width), 0.5 * f64::from(picture.height));
+        Truth {
+            tick: self.tick,
+            at: self.now(),
+            camera,
+            target,
+            image,
+            in_picture: ahead > BEHIND_M && image.x.abs() < half_width && image.y.abs() < half_height,
+            range_m: camera.place.to(target.place).length(),
+            rates: self.camera_rates(),
+        }
+    }
+
+    /// What there is to see now.
+    pub fn show(&self, snapshot: &mut Snapshot) {
+        let first_row = self.camera_pose();
+        let (pan, tilt) = self.camera_rates();
+        let turned = |angle: Angle, rate: f64| {
+            Angle::from_radians(angle.radians() + rate * self.camera.rolling_shutter_s)
+        };
+        snapshot.tick = self.tick;
+        snapshot.first_row = first_row;
+        snapshot.last_row =
+            CameraPose { pan: turned(first_row.pan, pan), tilt: turned(first_row.tilt, tilt), ..first_row };
+        snapshot.light = self.light;
+        snapshot.ground = if self.sea.is_some() { Ground::Water } else { Ground::Floor };
+        snapshot.target = self.target.shown();
+        snapshot.sensor = self.electronics.state();
+        self.scenery.show(self.tick, self.sea.as_ref(), &mut snapshot.things);
+    }
+
+    /// A snapshot of now.
+    pub fn snapshot(&self) -> Snapshot {
+        let mut snapshot = Snapshot {
+            tick: self.tick,
+            first_row: self.camera_pose(),
+            last_row: self.camera_pose(),
+            light: self.light,
+            ground: Ground::Floor,
+            target: self.target.shown(),
+            things: Vec::new(),
+            sensor: self.electronics.state(),
+        };
+        self.show(&mut snapshot);
+        snapshot
+    }
+}
+
+impl MovingTarget {
+    fn pose(&self) -> BodyPose {
+        match self {
+            Self::Pursuit { pursuit, .. } => {
+                let (x, y) = pursuit.place();
+                BodyPose {
+                    place: WorldPoint { x, y, z: 0.0 },
+                    heading: pursuit.heading(),
+                    pitch: Angle::ZERO,
+                    roll: Angle::ZERO,
+                }
+            }
+            Self::Boat { boat, .. } => boat.pose(),
+        }
+    }
+
+    fn shown(&self) -> Target {
+        let pose = self.pose();
+        match self {
+            Self::Pursuit { on_water: false, .. } => Target::FloorTarget(pose),
+            Self::Pursuit { pursuit, on_water: true } => {
+                let (s, c) = libm::sincos(pose.heading.radians());
+                let speed = pursuit.speed_m_per_s();
+                let thrust = crate::boat::throttle_for(speed);
+                Target::Boat(Boat { pose, velocity: (speed * c, speed * s), thrust, nozzle: Angle::ZERO })
+            }
+            Self::Boat { boat, .. } => {
+                let (thrust, nozzle) = boat.jet();
+                Target::Boat(Boat { pose, velocity: boat.velocity_over_ground(), thrust, nozzle })
+            }
+        }
+    }
+}
+
+/// What lies less far ahead of the camera than this counts as beside it, metres.
+const BEHIND_M: f64 = 0.06;

@@ -1,0 +1,39 @@
+//! Paths, in numbers worked out by hand.
+
+use barrelman_sim::path::Path;
+
+fn corner() -> Path {
+    Path::through([(0.0, 0.0), (3.0, 0.0), (3.0, 0.0), (3.0, 4.0)]).expect("three places")
+}
+
+#[test]
+fn places_lie_along_the_legs() {
+    let path = corner();
+    assert_eq!(path.length(), 7.0);
+    let check = |along: f64, expected: (f64, f64)| {
+        let (x, y) = path.at(along);
+        assert!((x - expected.0).abs() < 1e-12 && (y - expected.1).abs() < 1e-12, "{along}: {x}, {y}");
+    };
+    check(-1.0, (0.0, 0.0));
+    check(1.5, (1.5, 0.0));
+    check(3.0, (3.0, 0.0));
+    check(5.0, (3.0, 2.0));
+    check(9.0, (3.0, 4.0));
+}
+
+#[test]
+fn the_nearest_place_is_looked_for_ahead_only() {
+    let path = corner();
+    assert_eq!(path.nearest((2.0, 0.5), 0.0, 10.0), 2.0);
+    assert_eq!(path.nearest((2.0, 0.5), 2.5, 10.0), 2.5, "what lies behind is not looked at");
+    assert_eq!(path.nearest((1.0, 3.0), 0.0, 10.0), 6.0, "the second leg is 2 m away, the first 3 m");
+    assert_eq!(path.nearest((3.0, 4.0), 0.0, 1.0), 1.0, "no farther than the reach");
+}
+
+#[test]
+fn fewer_than_two_places_and_no_numbers_are_no_path() {
+    assert!(Path::through([]).is_err());
+    assert!(Path::through([(1.0, 2.0)]).is_err());
+    assert!(Path::through([(1.0, 2.0), (1.0, 2.0)]).is_err());
+    assert!(Path::through([(1.0, 2.0), (f64::NAN, 2.0)]).is_err());
+}

@@ -1,0 +1,122 @@
+//! The world of a trial as a whole.
+
+use barrelman_sim::chance::Wander;
+use barrelman_sim::scenario::{BeyondBorder, Platform, TargetScript};
+use barrelman_sim::sway::Sway;
+use barrelman_sim::{Sensor, Truth, World};
+use barrelman_vocab::{AngularRate, CameraCommand};
+
+use crate::trial_world::plain;
+
+fn truths(seed: u64, ticks: u64, swaying: bool) -> Vec<Truth> {
+    let mut scenario = plain();
+    if swaying {
+        let wander = Wander { deviation: 0.05, time_s: 1.0 };
+        scenario.platform =
+            Platform::Swaying(Sway { yaw: wander, pitch: wander, roll: wander, place: wander });
+    }
+    let mut world = World::new(&scenario, seed).expect("a path");
+    (0..ticks)
+        .map(|_| {
+            world.advance();
+            world.truth()
+        })
+        .collect()
+}
+
+#[test]
+fn the_same_seed_is_the_same_trial_and_another_is_not() {
+    assert_eq!(truths(7, 600, true), truths(7, 600, true));
+    assert_ne!(truths(7, 600, true), truths(8, 600, true));
+}
+
+#[test]
+fn without_chance_every_seed_is_the_same_trial() {
+    assert_eq!(truths(7, 600, false), truths(8, 600, false));
+}
+
+#[test]
+fn the_first_view_points_at_the_target() {
+    let world = World::new(&plain(), 1).expect("a path");
+    let truth = world.truth();
+    assert!(truth.image.x.abs() < 1e-6 && truth.image.y.abs() < 1e-6, "{:?}", truth.image);
+    assert!(truth.in_picture);
+    assert!((truth.range_m - 6.0).abs() < 1e-9, "{}: root of 16 + 16 + 4", truth.range_m);
+}
+
+#[test]
+fn a_target_that_moves_right_is_seen_to_move_right_and_pan_follows_it() {
+    let mut still = World::new(&plain(), 1).expect("a path");
+    let mut turning = World::new(&plain(), 1).expect("a path");
+    let rate = AngularRate::from_radians_per_second(0.15);
+    turning.command(CameraCommand { pan: rate, tilt: AngularRate::ZERO });
+    for _ in 0..360 {
+        still.advance();
+        turning.advance();
+    }
+    let (still, turning) = (still.truth(), turning.truth());
+    assert!(still.image.x > 100.0, "{:?}", still.image);
+    assert!(turning.image.x < still.image.x - 100.0, "{:?} and {:?}", turning.image, still.image);
+    assert!((turning.rates.0 - 0.15).abs() < 1e-3, "the lag is over: {:?}", turning.rates);
+}
+
+#[test]
+fn a_trial_is_over_at_the_end_of_the_path_or_of_its_time() {
+    let mut world = World::new(&plain(), 1).expect("a path");
+    while !world.is_over() {
+        world.advance();
+    }
+    let (x, s) = (world.target_pose().place.x, world.now().as_secs_f64());
+    assert!(x > 3.7, "{x}");
+    assert!((7.5..10.0).contains(&s), "8 m at 1 m/s, and a start from rest: {s}");
+    let mut short = plain();
+    short.most_s = 2.0;
+    let mut world = World::new(&short, 1).expect("a path");
+    while !world.is_over() {
+        world.advance();
+    }
+    assert_eq!(world.tick(), 240);
+}
+
+#[test]
+fn a_target_out_of_the_picture_is_absent_or_clamped_as_the_scenario_says() {
+    let mut scenario = plain();
+    let away = |world: &mut World| {
+        while world.truth().in_picture {
+            world.advance();
+        }
+        world.truth()
+    };
+    let truth = away(&mut World::new(&scenario, 1).expect("a path"));
+    let absent = Sensor::new(scenario.sensing, scenario.camera.clone(), 1).sense(&truth);
+    assert_eq!(absent, None);
+    scenario.sensing.beyond_border = BeyondBorder::Clamped { x_px: 316.0, y_px: 177.0 };
+    let clamped = Sensor::new(scenario.sensing, scenario.camera.clone(), 1).sense(&truth).expect("clamped");
+    assert_eq!(clamped.centre.in_image(clamped.picture).x, 316.0);
+}
+
+#[test]
+fn a_drawn_plant_lies_in_its_ranges_and_differs_from_seed_to_seed() {
+    let scenario = plain();
+    let mut focal = Vec::new();
+    for seed in 0..200 {
+        let drawn = scenario.with_plant_drawn(seed);
+        assert_eq!(drawn, scenario.with_plant_drawn(seed));
+        let pan = drawn.mount.pan;
+        assert!((0.1..=0.2).contains(&pan.start_dead_time_s), "{seed}: {pan:?}");
+        assert!((0.3..=0.4).contains(&pan.stop_dead_time_s), "{seed}: {pan:?}");
+        assert!((0.2..=0.4).contains(&drawn.mount.tilt.lag_s), "{seed}: {pan:?}");
+        focal.push(drawn.camera.optics.focal_px);
+    }
+    let (low, high) =
+        focal.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), f| (low.min(*f), high.max(*f)));
+    assert!(low >= 300.0 && high <= 360.0 && high - low > 50.0, "{low} to {high}");
+}
+
+#[test]
+fn way_points_in_one_place_make_no_world() {
+    let mut scenario = plain();
+    let TargetScript::Pursuit(script) = &mut scenario.target else { panic!("it pursues") };
+    script.way_points = vec![(1.0, 1.0), (1.0, 1.0)];
+    assert!(World::new(&scenario, 1).is_err());
+}
