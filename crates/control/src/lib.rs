@@ -2,7 +2,7 @@
 //!
 //! A [`percept::Percept`] is what a localisation means to a camera law: how far out of the region the target is
 //! and in which direction. A law turns percepts into [`barrelman_vocab::CameraCommand`]s:
-//! [`schema::MotorSchema`] is the paper's.
+//! [`schema::MotorSchema`] is the paper's, [`law::CameraLaw`] whichever was chosen.
 //!
 //! What must not be here: pixels other than image coordinates, clocks, randomness, allocation, vehicle signs
 //! (they are applied where a command leaves), and any decision on whether the camera may move at all
@@ -15,6 +15,12 @@ pub mod percept;
 
 pub mod schema;
 
+pub mod centring;
+
+pub mod law;
+
+pub use centring::CentringGains;
+pub use law::{CameraLaw, LawSettings};
 pub use percept::Percept;
 pub use region::Region;
 pub use schema::{MotorSchema, Sector};

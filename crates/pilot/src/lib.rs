@@ -15,6 +15,7 @@ pub mod safety;
 pub mod input;
 pub mod outcome;
 
+pub use barrelman_control::LawSettings;
 pub use input::Input;
 pub use outcome::{Advice, Mode, Notice, Outcome};
 pub use step::{Pilot, PilotSettings};

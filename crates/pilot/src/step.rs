@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_control::{MotorSchema, Percept, Region, Sector};
+use barrelman_control::{CameraLaw, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::{OperatorRequest, PixelBox, Timestamp, Track, VehicleProfile, VideoFrame};
 
@@ -16,17 +16,20 @@ pub struct PilotSettings {
     /// The vehicle whose camera is moved: region, rates, latency and times come from it. Its signs are not used
     /// here.
     pub profile: VehicleProfile,
+    /// The camera law.
+    pub law: LawSettings,
 }
 
 /// Joins localisation and control, one input at a time.
 pub struct Pilot {
     settings: PilotSettings,
     tracker: Box<dyn Tracker>,
-    schema: MotorSchema,
+    law: CameraLaw,
     safety: Safety,
     pending_selection: Option<PixelBox>,
     track: Track,
     percept: Option<Percept>,
+    advice: Option<Advice>,
     last_capture: Option<Timestamp>,
 }
 
@@ -42,13 +45,14 @@ impl Pilot {
     /// A pilot that has seen nothing yet: disengaged, at rest.
     pub fn new(settings: PilotSettings, tracker: Box<dyn Tracker>) -> Self {
         Self {
-            schema: MotorSchema::new(settings.profile.schema),
+            law: CameraLaw::new(settings.law, &settings.profile),
             safety: Safety::new(settings.profile.coast_motion),
             settings,
             tracker,
             pending_selection: None,
             track: Track::Unseeded,
             percept: None,
+            advice: None,
             last_capture: None,
         }
     }
@@ -87,6 +91,7 @@ impl Pilot {
         self.safety.request(request);
         if let OperatorRequest::Select(selection) = request {
             self.pending_selection = Some(*selection);
+            self.law.forget();
         }
     }
 
@@ -112,12 +117,17 @@ impl Pilot {
     /// What the newest look is worth as evidence for motion.
     fn weigh(&mut self, age: Option<Duration>) -> Evidence {
         let profile = &self.settings.profile;
-        self.percept = self.track.localisation().map(|seen| {
+        let looked = self.track.localisation().map(|seen| {
             let region = Region::in_picture(profile.region, seen.picture);
-            Percept::new(seen.centre.in_image(seen.picture), region)
+            let percept = Percept::new(seen.centre.in_image(seen.picture), region);
+            let command = self.law.command(&percept, seen.picture, seen.captured);
+            let sector = MotorSchema::released(&percept).then(|| Sector::of(percept.position));
+            (percept, Advice { command, sector })
         });
+        self.percept = looked.map(|(percept, _)| percept);
+        self.advice = looked.map(|(_, advice)| advice);
         let stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
-        let advice = self.advice().map(|advice| advice.command);
+        let advice = self.advice.map(|advice| advice.command);
         match (self.track, advice) {
             (Track::Unseeded, _) => Evidence::Nothing(HoldCause::NoSelection),
             (Track::Lost { .. }, _) | (_, None) => Evidence::Nothing(HoldCause::TrackLost),
@@ -125,13 +135,6 @@ impl Pilot {
             (Track::Tracking(_), Some(wanted)) => Evidence::Fresh(wanted),
             (Track::Coasting(_), Some(wanted)) => Evidence::Coasting(wanted),
         }
-    }
-
-    fn advice(&self) -> Option<Advice> {
-        self.percept.as_ref().map(|percept| Advice {
-            command: self.schema.command(percept),
-            sector: MotorSchema::released(percept).then(|| Sector::of(percept.position)),
-        })
     }
 
     fn conclude(
@@ -148,7 +151,7 @@ impl Pilot {
             track: self.track,
             age,
             percept: self.percept,
-            advice: self.advice(),
+            advice: self.advice,
             command: ruling.command,
             wake_at: ruling.wake_at,
             notice,

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
-use barrelman_pilot::{Input, Pilot, PilotSettings};
+use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
 use barrelman_station::tracker::{TrackerName, TrackerSettings};
 use barrelman_station::video::decoder::{DecodeMode, UnitDecoder};
@@ -86,7 +86,7 @@ fn localisation(bencher: Bencher<'_, '_>, name: TrackerName) {
 fn whole_step(bencher: Bencher<'_, '_>, name: TrackerName) {
     let clip = PracticeClip::new(SIZE, 1);
     let frames = frames(&clip);
-    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro() };
+    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::Schema };
     let mut pilot = Pilot::new(settings, tracker(name));
     let selection = OperatorRequest::Select(clip.truth(0).selection);
     pilot.step(Input::Request(selection), Timestamp::ZERO);

@@ -4,8 +4,8 @@
 //! not move the recorded picture: it is a check of the law against the recorded commands, no proof of how well
 //! it would have held the target.
 
-use barrelman_control::{MotorSchema, Percept, Region};
-use barrelman_vocab::{ImagePoint, VehicleProfile, VehicleRates};
+use barrelman_control::{CameraLaw, LawSettings, Percept, Region};
+use barrelman_vocab::{ImagePoint, Timestamp, VehicleProfile, VehicleRates};
 
 use crate::logs::TrialLog;
 
@@ -22,13 +22,21 @@ pub struct LawRow {
     pub rates: VehicleRates,
 }
 
-/// Puts the positions of a log through the motor schema of a profile. The recorded commands are not looked at.
-pub fn schema_over(log: &TrialLog, region: Region, profile: &VehicleProfile) -> Vec<LawRow> {
-    let schema = MotorSchema::new(profile.schema);
+/// Puts the positions of a log through a law for a vehicle. The recorded commands are not looked at.
+pub fn law_over(
+    log: &TrialLog,
+    region: Region,
+    profile: &VehicleProfile,
+    settings: LawSettings,
+) -> Vec<LawRow> {
+    let mut law = CameraLaw::new(settings, profile);
     let rows = log.rows.iter().enumerate();
     rows.map(|(row, at)| {
         let percept = at.position.map(|position| Percept::new(position, region));
-        let rates = percept.map_or(VehicleRates::REST, |percept| profile.outgoing(schema.command(&percept)));
+        let captured = Timestamp::from_secs_f64(at.time_s);
+        let rates = percept.map_or(VehicleRates::REST, |percept| {
+            profile.outgoing(law.command(&percept, log.frame, captured))
+        });
         let target = percept.map(|percept| (percept.position, percept.p));
         LawRow { row, time_s: at.time_s, target, rates }
     })

@@ -122,6 +122,16 @@ impl VehicleProfile {
         }
     }
 
+    /// The same vehicle with another rate of the schema on both axes. A limit below it is raised: who asks what
+    /// another rate would do asks about a vehicle that can turn so fast.
+    #[must_use]
+    pub fn with_schema_rate(mut self, rate: AngularRate) -> Self {
+        let raised = |limit: AngularRate| if limit < rate { rate } else { limit };
+        self.schema = AxisRates { pan: rate, tilt: rate };
+        self.limits = AxisRates { pan: raised(self.limits.pan), tilt: raised(self.limits.tilt) };
+        self
+    }
+
     /// The door from the other side, for whoever plays the vehicle: rates in its own signs as our command.
     pub fn incoming(&self, rates: VehicleRates) -> CameraCommand {
         CameraCommand {

@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use barrelman_pilot::{Input, Mode, Outcome, Pilot, PilotSettings};
+use barrelman_pilot::{Input, LawSettings, Mode, Outcome, Pilot, PilotSettings};
 use barrelman_vision::{Explanation, SelectionError, SelectionReport, Tracker};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
@@ -90,7 +90,7 @@ impl Told {
 }
 
 pub(crate) fn settings() -> PilotSettings {
-    PilotSettings { profile: VehicleProfile::fotokite_pro() }
+    PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::Schema }
 }
 
 /// A pilot that is told where the target is, and never sees a frame.

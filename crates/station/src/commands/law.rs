@@ -4,12 +4,11 @@ use std::io::{BufWriter, Write, stdout};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use barrelman_trial::law::{LawRow, schema_over};
+use barrelman_trial::law::{LawRow, law_over};
 use barrelman_vocab::AngularRate;
-use barrelman_vocab::profile::AxisRates;
 
 use super::trial_input;
-use crate::cli::{LawArgs, LawName};
+use crate::cli::LawArgs;
 use crate::config::resolve::profile_named;
 use crate::output;
 
@@ -23,22 +22,14 @@ pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";
 pub fn run(args: &LawArgs) -> Result<ExitCode> {
     let mut profile = profile_named(&args.profile)?;
     if let Some(rate) = args.rate {
-        let rate = AngularRate::from_radians_per_second(rate);
-        profile.schema = AxisRates { pan: rate, tilt: rate };
-        // A sweep over rates asks what a faster vehicle would do: its own limit must not hide the answer.
-        profile.limits = AxisRates {
-            pan: if rate > profile.limits.pan { rate } else { profile.limits.pan },
-            tilt: if rate > profile.limits.tilt { rate } else { profile.limits.tilt },
-        };
+        profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));
     }
     let mut input = trial_input::read(&args.log)?;
     if let Some(frame) = args.region.frame_size {
         input.log.frame = frame;
     }
     let region = input.log.region(args.region.region.unwrap_or(profile.region));
-    let rows = match args.law {
-        LawName::Schema => schema_over(&input.log, region, &profile),
-    };
+    let rows = law_over(&input.log, region, &profile, args.law.settings());
     match &args.output {
         Some(path) => {
             let file = output::create(path, args.force)?;

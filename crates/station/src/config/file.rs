@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::tracker::TrackerSection;
+use crate::cli::LawName;
 
 /// A configuration file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -15,8 +16,19 @@ pub struct ConfigFile {
     pub link: LinkSection,
     /// The vehicle.
     pub vehicle: VehicleSection,
+    /// The camera law.
+    pub law: LawSection,
     /// The tracker.
     pub tracker: TrackerSection,
+}
+
+/// The camera law.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LawSection {
+    /// Its name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<LawName>,
 }
 
 /// Where the video comes from.

@@ -7,8 +7,9 @@ use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use barrelman_wire::fotokite_pro::Framing;
 
-use super::file::{ConfigFile, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
+use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::tracker::TrackerSection;
+use crate::cli::LawName;
 use crate::tracker::TrackerSettings;
 
 /// The effective configuration.
@@ -22,6 +23,8 @@ pub struct Configuration {
     pub framing: Framing,
     /// The vehicle.
     pub profile: VehicleProfile,
+    /// The camera law.
+    pub law: LawName,
     /// The tracker.
     pub tracker: TrackerSettings,
 }
@@ -57,6 +60,7 @@ impl Configuration {
                 Some(LineEnding::Lf) => Framing::LineFeed,
             },
             profile,
+            law: file.law.name.unwrap_or_default(),
             tracker: file.tracker.settings().validated()?,
         })
     }
@@ -95,6 +99,7 @@ impl Configuration {
                 stale_after_s: seconds(profile.stale_after),
                 coast_motion_s: seconds(profile.coast_motion),
             },
+            law: LawSection { name: Some(self.law) },
             tracker: TrackerSection::of(&self.tracker),
         }
     }

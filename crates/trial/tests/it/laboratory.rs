@@ -4,14 +4,15 @@
 
 use std::path::{Path, PathBuf};
 
-use barrelman_trial::law::schema_over;
+use barrelman_control::LawSettings;
+use barrelman_trial::law::law_over;
 use barrelman_trial::logs::{TrialLog, laboratory, read_text};
 use barrelman_trial::metrics::{Arena, TrialEntry, TrialMetrics, measure, summarise};
 use barrelman_vocab::VehicleProfile;
 
 /// Every log's name and text; `None` where there are none.
 #[allow(clippy::print_stdout, reason = "a test that checks nothing says why")]
-fn logs() -> Option<Vec<(String, String)>> {
+pub(crate) fn logs() -> Option<Vec<(String, String)>> {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/trials");
     if !folder.is_dir() {
         assert!(std::env::var_os("CI").is_none(), "{} is absent on the build server", folder.display());
@@ -64,7 +65,7 @@ fn the_law_gives_every_recorded_command_and_p_from_the_positions_alone() {
     for (name, text) in &logs {
         let log = log_of(text);
         let region = log.region(profile.region);
-        let law = schema_over(&log, region, &profile);
+        let law = law_over(&log, region, &profile, LawSettings::Schema);
         for (asked, (recorded, cells)) in law.iter().zip(log.rows.iter().zip(fields(text))) {
             assert_eq!(Some(asked.rates), recorded.rates, "{name}, row {}", asked.row);
             let (p, recorded_p) = (asked.target.unwrap().1, cells[4].parse::<f64>().unwrap());
@@ -72,7 +73,7 @@ fn the_law_gives_every_recorded_command_and_p_from_the_positions_alone() {
             assert!((p - recorded_p).abs() <= 1e-5 * p.max(1.0), "{name}, row {}: {p}", asked.row);
             rows += 1;
         }
-        assert_eq!(law, schema_over(&log_of(&blanked(text)), region, &profile), "{name}");
+        assert_eq!(law, law_over(&log_of(&blanked(text)), region, &profile, LawSettings::Schema), "{name}");
     }
     assert_eq!(rows, 71_914);
 }
