@@ -1,0 +1,214 @@
+//! `report`, `metrics` on campaigns, and `render`, tried from outside.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use barrelman_pilot::{Input, Outcome};
+use barrelman_sim::render::{DrawnTruth, Serial};
+use barrelman_sim::scenario::CameraSetup;
+use barrelman_sim::{Truth, World};
+use barrelman_simd::{Simd, SimdLevel};
+use barrelman_station::campaign::plan::Request;
+use barrelman_station::campaign::{Perception, Plan};
+use barrelman_station::cli::{LawName, PlantName};
+use barrelman_station::scenario::Changes;
+use barrelman_station::video::{FileFrames, VideoUrl};
+use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
+use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
+
+/// An empty folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn barrelman(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_barrelman")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+#[track_caller]
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = barrelman(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {message}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[track_caller]
+fn refused(folder: &Path, arguments: &[&str], words: &str) {
+    let output = barrelman(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains(words), "{arguments:?}: {message}");
+}
+
+const TRIALS: [&str; 6] = ["trials", "lab1", "--perception", "truth", "--trials", "2"];
+
+#[test]
+fn metrics_of_a_campaigns_file_are_what_trials_printed() {
+    let folder = folder("campaign-metrics");
+    let printed = done(&folder, &[&TRIALS[..], &["--output", "lab1.jsonl", "--json"]].concat());
+    assert_eq!(done(&folder, &["metrics", "lab1.jsonl", "--json"]), printed);
+    refused(&folder, &["metrics", "lab1.jsonl", "--region", "0.5,0.5"], "--region");
+    // A file whose last line was cut: the trials before it, and exit 1.
+    let text = std::fs::read_to_string(folder.join("lab1.jsonl")).unwrap();
+    std::fs::write(folder.join("cut.jsonl"), &text[..text.len() - 10]).unwrap();
+    refused(&folder, &["metrics", "cut.jsonl"], "line 2");
+}
+
+#[test]
+fn a_report_shows_recordings_campaigns_and_exported_logs_and_overwrites_nothing() {
+    let folder = folder("report");
+    done(&folder, &[&TRIALS[..], &["--record", "recordings", "--output", "lab1.jsonl"]].concat());
+    done(&folder, &["export", "recordings/lab1-1.mcap", "--output", "exported"]);
+    let world = std::fs::read_to_string(folder.join("exported/truth.csv")).unwrap();
+    assert!(
+        world.starts_with("log_time_ns,tick,at_ns,target_x_m,target_y_m,target_heading_rad,camera_x_m"),
+        "{world}"
+    );
+    let logs = ["recordings/lab1-1.mcap", "recordings/lab1-2.mcap", "lab1.jsonl", "exported/trial.csv"];
+    let arguments = [&["report"][..], &logs, &["--output", "report.html", "--svg", "figures"]].concat();
+    done(&folder, &arguments);
+    let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    for words in
+        ["lab1/1", "lab1/2", "lab1, schema, recorded", "lab1, schema, truth", "exported logs", "0.6045"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+    let mut figures: Vec<String> = std::fs::read_dir(folder.join("figures"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    figures.sort();
+    // Two recordings with four figures each, an exported log without truth, and one figure for each group of trials.
+    assert_eq!(figures.len(), 4 + 4 + 3 + 2, "{figures:?}");
+    for figure in figures {
+        let svg = std::fs::read_to_string(folder.join("figures").join(&figure)).unwrap();
+        assert!(roxmltree::Document::parse(&svg).is_ok(), "{figure}");
+    }
+    refused(&folder, &arguments, "--force");
+    done(&folder, &[&arguments[..], &["--force"]].concat());
+}
+
+#[test]
+fn a_recorded_trial_is_lost_where_the_simulated_one_was() {
+    let folder = folder("recorded-truth");
+    let all = ["trials", "lab1", "--perception", "truth", "--trials", "4"];
+    done(&folder, &[&all[..], &["--record", "recordings", "--output", "lab1.jsonl"]].concat());
+    let figures = |arguments: &[&str]| -> Vec<(String, f64)> {
+        let text = done(&folder, arguments);
+        let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let trials = document["trials"].as_array().unwrap();
+        trials.iter().map(|t| (t["lost"].to_string(), t["out_of_picture_s"].as_f64().unwrap())).collect()
+    };
+    let simulated = figures(&["metrics", "lab1.jsonl", "--json"]);
+    let recordings: Vec<String> = (1..=4).map(|seed| format!("recordings/lab1-{seed}.mcap")).collect();
+    let recorded: Vec<&str> = recordings.iter().map(String::as_str).collect();
+    let recorded = figures(&[&["metrics"][..], &recorded, &["--json"]].concat());
+    for (simulated, recorded) in simulated.iter().zip(&recorded) {
+        assert_eq!(simulated.0, recorded.0);
+        assert!(
+            (simulated.1 - recorded.1).abs() < 1e-6,
+            "{simulated:?} {recorded:?}: nanoseconds of rounding a row"
+        );
+    }
+}
+
+/// What a renderer of the test's own says is true of each picture.
+struct OwnTruth {
+    camera: CameraSetup,
+    simd: Simd,
+    eye: Option<DrawnEye<'static>>,
+    truth: Vec<(Timestamp, DrawnTruth)>,
+}
+
+impl Witness for OwnTruth {
+    fn step(&mut self, _: Timestamp, _: &Input<'_>, _: &Outcome, _: VehicleRates) {}
+    fn truth(&mut self, _: &Truth) {}
+    fn world(&mut self, world: &World) {
+        let eye =
+            self.eye.get_or_insert_with(|| DrawnEye::new(world, self.camera.clone(), 7, self.simd, &Serial));
+        let view = eye.look(world);
+        self.truth.push((view.frame.capture.at, eye.truth().clone()));
+    }
+}
+
+#[test]
+fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
+    let folder = folder("render");
+    let size = PictureSize::new(160, 96);
+    let arguments = [
+        "render",
+        "open",
+        "--seed",
+        "7",
+        "--seconds",
+        "0.7",
+        "--size",
+        "160x96",
+        "--output",
+        "clip.mp4",
+        "--truth",
+        "truth.csv",
+        "--masks",
+        "masks",
+    ];
+    done(&folder, &arguments);
+    refused(&folder, &arguments, "--force");
+    let mut frames = FileFrames::open(&VideoUrl::file(folder.join("clip.mp4"))).unwrap();
+    let mut count = 0;
+    while let Some(frame) = frames.next_frame().unwrap() {
+        assert_eq!(frame.picture.size(), size);
+        count += 1;
+    }
+    let plan = Plan::new(&Request {
+        scenario: "open".to_owned(),
+        changes: Changes { size: Some(size), ..Changes::default() },
+        law: LawName::Schema,
+        rate: None,
+        perception: Perception::Truth,
+        plant: PlantName::Nominal,
+        simd: SimdLevel::Baseline,
+    })
+    .unwrap()
+    .lasting(0.7);
+    let camera = plan.scenario().camera.clone();
+    let simd = Simd::at_most(SimdLevel::Baseline);
+    let mut own = OwnTruth { camera, simd, eye: None, truth: Vec::new() };
+    plan.log(7, &mut own).unwrap();
+    let text = std::fs::read_to_string(folder.join("truth.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m"));
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!((rows.len(), own.truth.len()), (count, count));
+    for (index, (row, (at, truth))) in rows.iter().zip(&own.truth).enumerate() {
+        let (bounds, waterline) = (truth.bounds.unwrap(), truth.waterline.unwrap());
+        let expected = [
+            index as f64,
+            at.as_secs_f64(),
+            bounds.u,
+            bounds.v,
+            bounds.w,
+            bounds.h,
+            waterline.u,
+            waterline.v,
+            truth.visible,
+            truth.heading.unwrap().degrees().rem_euclid(360.0),
+            truth.range_m,
+        ];
+        for (found, expected) in row.iter().zip(expected) {
+            assert!((found - expected).abs() <= 0.000_51, "row {index}: {row:?}, {expected}: three decimals");
+        }
+        let mask = png::Decoder::new(std::io::BufReader::new(
+            std::fs::File::open(folder.join(format!("masks/{index:06}.png"))).unwrap(),
+        ));
+        let mut reader = mask.read_info().unwrap();
+        let mut samples = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut samples).unwrap();
+        let shown = samples.iter().filter(|sample| **sample == 255).count();
+        assert_eq!((samples.len(), shown), (size.area(), truth.mask.count()), "mask {index}");
+        assert!(shown > 0, "the boat is in view");
+    }
+}

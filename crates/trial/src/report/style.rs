@@ -1,0 +1,103 @@
+//! Colours and lines of figures: one palette, by day and by night.
+
+use std::fmt::Write as _;
+
+/// A colour of the palette: name, by day, by night.
+type Colour = (&'static str, &'static str, &'static str);
+
+/// Ink and paper first, then what carries meaning: `track` for what the target did, `out` for excursions, `region` for
+/// the boundary that P = 1 is, `pitch` and `yaw` for commands.
+const PALETTE: [Colour; 9] = [
+    ("paper", "#fdfcf9", "#15191c"),
+    ("ink", "#20272b", "#e8e5de"),
+    ("muted", "#687177", "#9aa3a8"),
+    ("hair", "#dedad1", "#31383d"),
+    ("track", "#28607c", "#86bcd6"),
+    ("out", "#c4431c", "#ff8d60"),
+    ("region", "#2c7a58", "#74c69d"),
+    ("pitch", "#75489a", "#c6a1e4"),
+    ("yaw", "#28607c", "#86bcd6"),
+];
+
+/// Selectors of figures, with what they are painted with. `%name` is a colour of the palette.
+const RULES: [(&str, &str); 35] = [
+    (".fig .sheet", "fill:%paper;stroke:none"),
+    (
+        ".fig text",
+        "font-family:system-ui,-apple-system,'Segoe UI','Helvetica Neue',Arial,'DejaVu Sans',sans-serif;font-size:11px;fill:%ink",
+    ),
+    (".fig .tick", "fill:%muted"),
+    (".fig .unit", "fill:%muted;font-size:10.5px"),
+    (".fig .small", "font-size:9px"),
+    (".fig .name", "font-weight:600"),
+    (".fig .t-out", "fill:%out"),
+    (".fig .t-region", "fill:%region"),
+    (".fig .t-pitch", "fill:%pitch"),
+    (".fig .t-yaw", "fill:%yaw"),
+    (".fig .halo", "fill:none;stroke:%paper;stroke-width:3;stroke-linejoin:round"),
+    (".fig path,.fig line", "fill:none;stroke-linecap:butt;stroke-linejoin:round"),
+    (".fig .axis", "stroke:%muted;stroke-width:1"),
+    (".fig .grid", "stroke:%hair;stroke-width:1"),
+    (".fig .frame", "fill:none;stroke:%hair;stroke-width:1"),
+    (".fig .margin", "fill:%hair;fill-opacity:.45;stroke:none"),
+    (".fig .bound", "stroke:%region;stroke-width:1.3"),
+    (".fig .region", "fill:%region;fill-opacity:.07;stroke:%region;stroke-width:1.3"),
+    (".fig .sector", "stroke:%muted;stroke-width:1;stroke-dasharray:2 4"),
+    (".fig .track", "stroke:%track;stroke-width:1.3"),
+    (".fig .faint", "stroke-opacity:.55;stroke-width:1"),
+    (".fig .out", "stroke:%out;stroke-width:1.6"),
+    (".fig .over", "fill:%out;fill-opacity:.3;stroke:none"),
+    (".fig .wash", "fill:%out;fill-opacity:.08;stroke:none"),
+    (".fig .gap", "fill:%muted;fill-opacity:.16;stroke:none"),
+    (".fig .h", "stroke:%out;stroke-width:1"),
+    (".fig .b", "stroke:%out;stroke-width:3.2"),
+    (".fig .open", "stroke-dasharray:4 2.5"),
+    (".fig .pitch", "fill:%pitch;fill-opacity:.28;stroke:%pitch;stroke-width:1"),
+    (".fig .yaw", "fill:%yaw;fill-opacity:.28;stroke:%yaw;stroke-width:1"),
+    (".fig .dot", "fill:%track;fill-opacity:.75;stroke:%paper;stroke-width:.8"),
+    (".fig .dot.bad", "fill:%paper;fill-opacity:1;stroke:%out;stroke-width:1.6"),
+    (".fig .start", "fill:%paper;stroke:%ink;stroke-width:1.4"),
+    (".fig .end", "fill:%ink;stroke:%paper;stroke-width:1"),
+    (".fig .mean", "stroke:%ink;stroke-width:2.4"),
+];
+
+/// The style of figures by day.
+pub(super) fn by_day() -> String {
+    painted(|(_, day, _)| day)
+}
+
+/// The style of figures by night.
+pub(super) fn by_night() -> String {
+    painted(|(_, _, night)| night)
+}
+
+/// The style of figures by day, and by night where the reader's screen is dark.
+pub(super) fn by_day_and_night() -> String {
+    format!("{}@media screen and (prefers-color-scheme:dark){{{}}}", by_day(), by_night())
+}
+
+/// The palette as properties of a page, `--ink` and so on.
+pub(super) fn properties() -> String {
+    let all = |which: fn(Colour) -> &'static str| {
+        PALETTE.iter().fold(String::new(), |mut text, colour| {
+            let _ = write!(text, "--{}:{};", colour.0, which(*colour));
+            text
+        })
+    };
+    format!(
+        ":root{{color-scheme:light dark;{}}}@media screen and (prefers-color-scheme:dark){{:root{{{}}}}}",
+        all(|(_, day, _)| day),
+        all(|(_, _, night)| night)
+    )
+}
+
+fn painted(which: fn(Colour) -> &'static str) -> String {
+    RULES.iter().fold(String::new(), |mut text, (selector, rule)| {
+        let mut rule = (*rule).to_owned();
+        for colour in PALETTE {
+            rule = rule.replace(&format!("%{}", colour.0), which(colour));
+        }
+        let _ = writeln!(text, "{selector}{{{rule}}}");
+        text
+    })
+}

@@ -1,0 +1,274 @@
+//! Figures and the page hold what they claim.
+
+use barrelman_control::Region;
+use barrelman_trial::logs::{RowTruth, TrialLog, read_text};
+use barrelman_trial::metrics::{Arena, TrialEntry, excursions, measure};
+use barrelman_trial::report::{
+    Course, Figure, Report, ReportedTrial, SetKind, TrialSet, arena_path, commands, p_over_time, picture_path,
+};
+use barrelman_vocab::{ImagePoint, VehicleProfile};
+use roxmltree::{Document, Node, ParsingOptions};
+
+use crate::laboratory::logs;
+use crate::trial_logs::{PICTURE, REGION, drawn, of_rows, rates};
+
+/// A name that would break a page which does not escape it.
+const NASTY: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
+
+fn course(rows: &str) -> Course {
+    Course { log: drawn(rows), region: REGION }
+}
+
+fn reported(name: &str, log: TrialLog, region: Region, kind: SetKind) -> ReportedTrial {
+    let metrics = measure(&log, region, log.picture);
+    let entry = TrialEntry { name: name.to_owned(), arena: Arena::from_name(name), metrics };
+    let set = TrialSet { kind, name: format!("set of {name}") };
+    ReportedTrial { entry, set, course: Some(Course { log, region }) }
+}
+
+fn report(trials: Vec<ReportedTrial>) -> Report {
+    Report { trials, version: "0.1.0".to_owned() }
+}
+
+/// Hands a figure's elements over; it must be XML.
+fn with_elements<R>(figure: &Figure, look: impl Fn(&Document<'_>) -> R) -> R {
+    let svg = figure.svg();
+    let document = Document::parse(&svg).unwrap_or_else(|error| panic!("{}: {error}\n{svg}", figure.name));
+    assert_eq!(document.root_element().tag_name().namespace(), Some("http://www.w3.org/2000/svg"));
+    look(&document)
+}
+
+fn of_class<'a>(document: &'a Document<'_>, element: &str, class: &str) -> Vec<Node<'a, 'a>> {
+    let has = |node: &Node<'_, '_>| {
+        node.attribute("class").is_some_and(|all| all.split(' ').any(|one| one == class))
+    };
+    document
+        .descendants()
+        .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", element)) && has(node))
+        .collect()
+}
+
+fn place(node: &Node<'_, '_>, name: &str) -> f64 {
+    node.attribute(name).unwrap().parse().unwrap()
+}
+
+/// Checks how many excursions are drawn, and how many of them are open.
+#[track_caller]
+fn check_excursions(rows: &str, all: usize, open: usize) {
+    let course = course(rows);
+    let p = p_over_time::figure("p", "trial", &course);
+    with_elements(&p, |document| {
+        assert_eq!(of_class(document, "line", "b").len(), all, "{rows}: b");
+        assert_eq!(of_class(document, "line", "h").len(), all, "{rows}: h");
+        assert_eq!(of_class(document, "rect", "wash").len(), all, "{rows}: shaded");
+        let is_open =
+            of_class(document, "line", "b").iter().filter(|b| b.attribute("class") == Some("b open")).count();
+        assert_eq!(is_open, open, "{rows}: open");
+    });
+    let picture = picture_path::figure("picture", "trial", &course);
+    with_elements(&picture, |document| {
+        let ways_out: usize = of_class(document, "path", "out").len();
+        assert_eq!(ways_out, all, "{rows}: ways out in the picture");
+    });
+}
+
+#[test]
+fn every_excursion_is_drawn_once() {
+    check_excursions("", 0, 0);
+    check_excursions(".", 0, 0);
+    check_excursions("a", 1, 1);
+    check_excursions("-", 0, 0);
+    check_excursions(".oo.", 0, 0);
+    check_excursions(".aab.", 1, 0);
+    check_excursions(".a.b.c", 3, 1);
+    check_excursions("a--.-b.", 2, 0);
+}
+
+#[test]
+fn the_boundary_lies_at_1_and_peaks_where_p_is() {
+    // P is 0, 4, 0 and 9: h is 3 and 8, the boundary a ninth of the way from 0 to the highest peak.
+    let figure = p_over_time::figure("p", "trial", &course(".b.c."));
+    with_elements(&figure, |document| {
+        let [boundary] = of_class(document, "line", "bound")[..] else { panic!("one boundary") };
+        let level = place(&boundary, "y1");
+        assert_eq!(level, place(&boundary, "y2"));
+        let heights: Vec<f64> =
+            of_class(document, "line", "h").iter().map(|h| place(h, "y1") - place(h, "y2")).collect();
+        let per_p = heights[1] / 8.0;
+        assert!((heights[0] - 3.0 * per_p).abs() < 0.11, "{heights:?}: coordinates have tenths");
+        let [axis] = of_class(document, "line", "axis")[..] else { panic!("one axis") };
+        assert!((place(&axis, "y1") - level - per_p).abs() < 0.11, "P = 0 lies one below the boundary");
+        for b in of_class(document, "line", "b") {
+            assert_eq!((place(&b, "y1"), place(&b, "y2")), (level, level));
+        }
+    });
+}
+
+#[test]
+fn the_region_and_the_sectors_are_drawn_to_scale() {
+    let figure = picture_path::figure("picture", "trial", &course(".b."));
+    with_elements(&figure, |document| {
+        let [frame] = of_class(document, "rect", "frame")[..] else { panic!("one frame") };
+        let [region] = of_class(document, "ellipse", "region")[..] else { panic!("one region") };
+        let per_px = place(&frame, "width") / f64::from(PICTURE.width);
+        assert!((place(&region, "rx") - REGION.a_px * per_px).abs() < 0.1);
+        assert!((place(&region, "ry") - REGION.b_px * per_px).abs() < 0.1);
+        let sectors = of_class(document, "line", "sector");
+        assert_eq!(sectors.len(), 2);
+        for sector in sectors {
+            let (dx, dy) =
+                (place(&sector, "x2") - place(&sector, "x1"), place(&sector, "y2") - place(&sector, "y1"));
+            assert!((dx.abs() - dy.abs()).abs() < 0.3, "{dx} {dy}: 45 degrees in pixels");
+        }
+    });
+}
+
+#[test]
+fn commands_are_steps_in_two_lanes() {
+    let at = Some(ImagePoint { x: 0.0, y: 0.0 });
+    let log = of_rows(
+        [(0.0, 0.0), (0.3, 0.0), (0.3, 0.0), (0.0, -0.3), (0.0, 0.0)]
+            .map(|(yaw, pitch)| (at, Some(rates(yaw, pitch)))),
+    );
+    let figure = commands::figure("commands", "trial", &Course { log, region: REGION }).unwrap();
+    with_elements(&figure, |document| {
+        for word in ["pitch", "yaw"] {
+            assert_eq!(of_class(document, "path", word).len(), 1, "{word}");
+        }
+    });
+    assert!(figure.description.contains("1 starts of pitch, 1 of yaw"), "{}", figure.description);
+    let silent = of_rows([(at, None)]);
+    assert_eq!(commands::figure("commands", "trial", &Course { log: silent, region: REGION }), None);
+}
+
+#[test]
+fn the_path_in_the_world_needs_the_truth() {
+    assert_eq!(arena_path::figure("world", "trial", &course(".b.")), None);
+    let mut log = drawn(".bb.a");
+    let truth = (0..5).map(|row| RowTruth {
+        out_of_picture: false,
+        achieved: None,
+        target_m: (f64::from(row), 2.0),
+        camera_m: (0.0, 0.0),
+    });
+    log.truth = Some(truth.collect());
+    let figure = arena_path::figure("world", "trial", &Course { log, region: REGION }).unwrap();
+    with_elements(&figure, |document| assert_eq!(of_class(document, "path", "out").len(), 2));
+}
+
+#[test]
+fn names_are_escaped_everywhere() {
+    let trial = reported(NASTY, drawn(".a.b."), REGION, SetKind::Recorded);
+    let alone = ReportedTrial { course: None, ..reported(NASTY, drawn("a"), REGION, SetKind::Laboratory) };
+    let lost = reported(NASTY, drawn(".------"), REGION, SetKind::Simulated);
+    let report = report(vec![trial, alone, lost]);
+    let page = report.page();
+    assert!(!page.contains("<script>alert"), "{page}");
+    assert!(page.contains("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt; &amp; &quot;quotes&quot;"));
+    well_formed(&page);
+    for figure in report.figures() {
+        assert!(
+            figure.name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)),
+            "{}",
+            figure.name
+        );
+        with_elements(&figure, |_| ());
+    }
+}
+
+#[track_caller]
+fn well_formed(page: &str) {
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    if let Err(error) = Document::parse_with_options(page, options) {
+        panic!("{error}");
+    }
+    for outside in ["http-equiv", "src=", "href=\"http", "@import", "url("] {
+        assert!(!page.contains(outside), "the page needs something else: {outside}");
+    }
+}
+
+#[test]
+fn small_and_empty_reports_are_pages_too() {
+    well_formed(&report(Vec::new()).page());
+    for rows in ["", ".", "a", "-", "..", "a.", ".------"] {
+        let report = report(vec![reported("arena1_01", drawn(rows), REGION, SetKind::Laboratory)]);
+        well_formed(&report.page());
+        for figure in report.figures() {
+            with_elements(&figure, |_| ());
+            assert!(
+                !figure.svg().contains("NaN") && !figure.svg().contains("inf"),
+                "{rows}: {}",
+                figure.name
+            );
+        }
+    }
+    // A header with no row, and one row, as files.
+    let header = "time_s,x,y,pitch_rate,yaw_rate\n";
+    assert!(read_text(header).is_err());
+    let one = read_text(&format!("{header}0,500,0,0,0\n")).unwrap().log;
+    well_formed(&report(vec![reported("one", one, REGION, SetKind::Recorded)]).page());
+}
+
+#[test]
+fn the_claim_and_the_count_stand_beside_each_other() {
+    let trials = ["....", ".aa.", "..aa"].into_iter().enumerate().map(|(index, rows)| {
+        let log = TrialLog { knows_lost: false, ..drawn(rows) };
+        let mut trial = reported(&format!("arena2_{index}"), log, REGION, SetKind::Laboratory);
+        trial.set.name = "laboratory logs".to_owned();
+        trial
+    });
+    let page = report(trials.collect()).page();
+    assert!(
+        page.contains(
+            "claims 100\u{a0}% success; of 3 laboratory logs 1 ends outside the ellipse: arena2_2."
+        ),
+        "{page}"
+    );
+    assert!(page.contains("0.4536") && page.contains("2 of 3"), "{page}");
+}
+
+#[test]
+fn the_laboratorys_logs_are_reported_as_they_are() {
+    let Some(logs) = logs() else { return };
+    let shares = VehicleProfile::fotokite_pro().region;
+    let trials: Vec<ReportedTrial> = logs
+        .iter()
+        .map(|(name, text)| {
+            let log = read_text(text).unwrap().log;
+            let region = log.region(shares);
+            let mut trial = reported(name, log, region, SetKind::Laboratory);
+            trial.set.name = "laboratory logs".to_owned();
+            trial
+        })
+        .collect();
+    let counts: Vec<usize> = trials
+        .iter()
+        .map(|trial| trial.course.as_ref().map_or(0, |course| excursions(&course.log, course.region).len()))
+        .collect();
+    let report = report(trials);
+    let page = report.page();
+    well_formed(&page);
+    for words in [
+        "of 30 laboratory logs 4 end outside",
+        "arena2_03, arena2_04, arena2_05 and arena2_07",
+        "0.6055",
+        "0.4535",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    let figures = report.figures();
+    let of_p: Vec<&Figure> = figures.iter().filter(|figure| figure.name.ends_with("-p")).collect();
+    for (figure, count) in of_p.iter().zip(&counts) {
+        let drawn = with_elements(figure, |document| of_class(document, "line", "b").len());
+        assert_eq!(drawn, *count, "{}", figure.name);
+    }
+    for (figure, dots) in figures.iter().filter(|figure| figure.name.starts_with("sensitivity")).zip([13, 17])
+    {
+        assert_eq!(
+            with_elements(figure, |document| of_class(document, "circle", "dot").len()),
+            dots,
+            "{}",
+            figure.name
+        );
+    }
+}
