@@ -16,10 +16,10 @@ program=target/debug/barrelman
 # One practice clip for all of them.
 clip=$(mktemp -d)
 trap 'rm -rf "$clip"' EXIT
-"$program" demo --draw-only --force --output "$clip"
+"$program" demo --clip --draw-only --force --output "$clip"
 with_clip="--clip $clip"
 for script in law "rule $with_clip" "stops $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" \
-  "live --restarts 2" "camshift $with_clip"; do
+  "live --restarts 2" "camshift $with_clip" "drive"; do
   # shellcheck disable=SC2086  # the words after a script's name are its options
   set -- $script
   name=$1; shift

@@ -304,7 +304,7 @@ def practice_clip(args, folder):
         where = pathlib.Path(args.clip).resolve()
     else:
         where = folder / "practice"
-        done = run([args.barrelman, "demo", "--draw-only", "--output", where], timeout=180)
+        done = run([args.barrelman, "demo", "--clip", "--draw-only", "--output", where], timeout=180)
         if done.returncode:
             sys.exit(f"the practice clip could not be drawn: {done.stderr}")
     return where / "practice.mp4", read_truth(where / "truth.csv")

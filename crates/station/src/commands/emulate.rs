@@ -1,6 +1,7 @@
 //! `barrelman emulate`: a ground station to test against.
 
 use std::io::{Write as _, stdout};
+use std::net::SocketAddr;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,6 +17,10 @@ use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
 use crate::fault::FaultPlan;
 use crate::output;
+use crate::video::url::VideoSource;
+use crate::video::{VideoHandle, VideoUrl, spawn_world};
+use crate::world::rtsp_server::RtspServer;
+use crate::world::{CameraLink, LiveWorld};
 
 /// Runs the command.
 ///
@@ -28,6 +33,7 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
+    let mut world = args.world.as_deref().map(|world| Served::begin(world, args.video_listen)).transpose()?;
     let port = match (&args.pty, &args.listen) {
         (Some(path), _) => HostPort::pty(path)?,
         (None, Some(address)) => HostPort::listen(address)?,
@@ -44,9 +50,59 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
         signal_hook::flag::register(signal, Arc::clone(&ended))?;
     }
     let mut emulator = FotokitePro::new(port, settings, StationLog::new(log, clock), faults, clock);
+    if let Some(world) = &world {
+        writeln!(
+            stdout(),
+            "the world's video is at {}; the world begins when somebody looks",
+            world.server.url()
+        )?;
+        emulator = emulator.in_world(world.link.clone());
+    }
     // A script waits for this line: it must be out before the first client can come.
     writeln!(stdout(), "an emulated Fotokite Pro answers at {}", emulator.place())?;
     stdout().flush()?;
-    emulator.run(|| ended.load(Ordering::Relaxed))?;
-    Ok(ExitCode::SUCCESS)
+    let mut failed = None;
+    emulator.run(|| {
+        let over = world.as_mut().is_some_and(|world| {
+            world.go_on(clock).unwrap_or_else(|error| {
+                failed = Some(error);
+                true
+            })
+        });
+        over || ended.load(Ordering::Relaxed)
+    })?;
+    failed.map_or(Ok(ExitCode::SUCCESS), Err)
+}
+
+/// A world whose video is served.
+struct Served {
+    server: RtspServer,
+    link: CameraLink,
+    url: VideoUrl,
+    /// Until somebody looks.
+    waiting: Option<LiveWorld>,
+    running: Option<VideoHandle>,
+}
+
+impl Served {
+    fn begin(url: &str, listen: SocketAddr) -> Result<Self> {
+        let url = VideoUrl::parse(url)?;
+        let VideoSource::World(world) = &url.source else {
+            bail!("--world takes a simulated world, as in sim:arena1; {url} is none");
+        };
+        let world = LiveWorld::load(world)?.coded(true);
+        let link = world.link();
+        Ok(Self { server: RtspServer::start(listen)?, link, url, waiting: Some(world), running: None })
+    }
+
+    /// Begins the world when somebody looks. Returns whether it is over.
+    fn go_on(&mut self, clock: Clock) -> Result<bool> {
+        if self.server.is_wanted()
+            && let Some(world) = self.waiting.take()
+        {
+            tracing::info!("somebody looks: the world begins");
+            self.running = Some(spawn_world(world, &self.url, clock, self.server.sink())?);
+        }
+        Ok(self.running.as_ref().is_some_and(VideoHandle::is_finished))
+    }
 }

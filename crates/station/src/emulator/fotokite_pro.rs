@@ -15,6 +15,7 @@ use super::host_port::HostPort;
 use super::log::{Direction, LoggedState, StationLog};
 use crate::clock::Clock;
 use crate::fault::{FaultKind, FaultPlan};
+use crate::world::camera_link::{CameraLink, Pointing};
 
 /// How far down the camera looks at the start.
 const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
@@ -30,6 +31,8 @@ pub struct FotokitePro {
     station: GroundStation,
     settings: GroundStationSettings,
     mount: CameraMount,
+    /// The world whose camera it moves, if there is one.
+    world: Option<CameraLink>,
     profile: VehicleProfile,
     log: StationLog,
     faults: FaultPlan,
@@ -57,6 +60,7 @@ impl FotokitePro {
             station: GroundStation::boot(settings, now),
             settings,
             mount: CameraMount::at_rest(MountPlant::laboratory(), START_DEPRESSION),
+            world: None,
             profile: VehicleProfile::fotokite_pro(),
             log,
             faults,
@@ -69,6 +73,12 @@ impl FotokitePro {
         }
     }
 
+    /// The same emulator with a world's camera on it.
+    #[must_use]
+    pub fn in_world(self, link: CameraLink) -> Self {
+        Self { world: Some(link), ..self }
+    }
+
     /// Where clients connect to.
     pub fn place(&self) -> String {
         self.port.place()
@@ -78,7 +88,7 @@ impl FotokitePro {
     ///
     /// # Errors
     /// If the log cannot be written.
-    pub fn run(&mut self, ended: impl Fn() -> bool) -> Result<()> {
+    pub fn run(&mut self, mut ended: impl FnMut() -> bool) -> Result<()> {
         let mut buffer = [0; 1024];
         while !ended() {
             let read = self.port.read(&mut buffer, LONGEST_WAIT);
@@ -160,7 +170,11 @@ impl FotokitePro {
         let changed = rates != self.followed;
         if changed {
             self.followed = rates;
-            self.mount.command(self.profile.incoming(VehicleRates { yaw: rates.yaw, pitch: rates.pitch }));
+            let rates = VehicleRates { yaw: rates.yaw, pitch: rates.pitch };
+            self.mount.command(self.profile.incoming(rates));
+            if let Some(world) = &self.world {
+                world.keep(rates);
+            }
         }
         match line {
             Some(line) => self.log.add(now, Direction::In, line, self.state()),
@@ -190,13 +204,20 @@ impl FotokitePro {
     }
 
     fn state(&self) -> LoggedState {
-        LoggedState::of(&self.station, self.mount.pan.angle().radians(), self.mount.tilt.angle().radians())
+        let Pointing { pan, tilt } = self.pointing();
+        LoggedState::of(&self.station, pan.radians(), tilt.radians())
+    }
+
+    fn pointing(&self) -> Pointing {
+        let own = Pointing { pan: self.mount.pan.angle(), tilt: self.mount.tilt.angle() };
+        self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 
     fn reading(&self) -> VehicleReading {
         // The vehicle counts yaw to the left about the vertical, and pitch downwards.
         let half = |angle: Angle| -angle.radians() / 2.0;
-        let (yaw, pitch) = (half(self.mount.pan.angle()), half(self.mount.tilt.angle()));
+        let Pointing { pan, tilt } = self.pointing();
+        let (yaw, pitch) = (half(pan), half(tilt));
         VehicleReading {
             attitude: Quaternion { w: yaw.cos(), x: 0.0, y: 0.0, z: yaw.sin() },
             gimbal: Quaternion { w: pitch.cos(), x: 0.0, y: pitch.sin(), z: 0.0 },

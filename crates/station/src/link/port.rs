@@ -61,6 +61,9 @@ pub enum PortError {
         /// What the system says.
         source: io::Error,
     },
+    /// A simulated camera has no port.
+    #[error("sim: is no port: it moves the camera of the world that --video sim:SCENARIO shows")]
+    Simulated,
     /// Anything else.
     #[error("the port {} cannot be opened", path.display())]
     Other {
@@ -88,6 +91,7 @@ impl Port {
     pub fn open(endpoint: &Endpoint) -> Result<Self, PortError> {
         match endpoint {
             Endpoint::Serial { path, baud } => open_serial(path, *baud).map(Self::Serial),
+            Endpoint::World => Err(PortError::Simulated),
             Endpoint::Tcp { address } => connect(address)
                 .map(Self::Tcp)
                 .map_err(|source| PortError::Unreachable { address: address.clone(), source }),

@@ -1,4 +1,4 @@
-//! Where commands go: `serial:/dev/ttyACM0?baud=115200` or `tcp://host:port`.
+//! Where commands go: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, or `sim:` to a simulated camera.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -32,13 +32,17 @@ pub enum Endpoint {
         /// `host:port`.
         address: String,
     },
+    /// The camera of the simulated world that the video comes from.
+    World,
 }
 
 /// A link's address that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LinkUrlError {
     /// The scheme is unknown.
-    #[error("{0:?} is no link: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
+    #[error(
+        "{0:?} is no link: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port, or sim: with --video sim:SCENARIO"
+    )]
     Unknown(String),
     /// Nothing stands behind the scheme.
     #[error("the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
@@ -72,6 +76,8 @@ impl LinkUrl {
                 return Err(nowhere());
             }
             Endpoint::Tcp { address: address.to_owned() }
+        } else if address == "sim:" {
+            Endpoint::World
         } else {
             return Err(LinkUrlError::Unknown(text.to_owned()));
         };
@@ -93,7 +99,7 @@ impl LinkUrl {
     pub fn baud(&self) -> u32 {
         match &self.endpoint {
             Endpoint::Serial { baud, .. } => *baud,
-            Endpoint::Tcp { .. } => DEFAULT_BAUD,
+            Endpoint::Tcp { .. } | Endpoint::World => DEFAULT_BAUD,
         }
     }
 }
@@ -103,6 +109,7 @@ impl fmt::Display for LinkUrl {
         match &self.endpoint {
             Endpoint::Serial { path, baud } => write!(f, "serial:{}?baud={baud}", path.display()),
             Endpoint::Tcp { address } => write!(f, "tcp://{address}"),
+            Endpoint::World => f.write_str("sim:"),
         }
     }
 }
@@ -126,6 +133,8 @@ mod tests {
         check("serial:/dev/ttyACM0?baud=9600", Ok("serial:/dev/ttyACM0?baud=9600"));
         check("tcp://10.0.0.2:5000", Ok("tcp://10.0.0.2:5000"));
         check("tcp://[::1]:5000?fault=stall@3s", Ok("tcp://[::1]:5000"));
+        check("sim:", Ok("sim:"));
+        check("sim:arena1", Err("use serial:"));
         check("serial:", Err("names no port"));
         check("tcp://host", Err("names no port"));
         check("tcp://host:port", Err("names no port"));

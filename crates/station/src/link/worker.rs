@@ -22,7 +22,7 @@ use crate::fault::FaultKind;
 const REOPEN_AFTER: Duration = Duration::from_millis(250);
 /// How long rates may stay in force after the time by which they were to be renewed: the pilot has then been held
 /// up, and the link rests the camera in its place.
-const GRACE: Duration = Duration::from_millis(50);
+pub(crate) const GRACE: Duration = Duration::from_millis(50);
 /// How long the last words may take before the program ends without them.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(3);
 

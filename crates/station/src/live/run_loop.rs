@@ -19,7 +19,7 @@ use super::recorder::RecorderInput;
 use super::status::{self, Status};
 use super::threads::Saboteur;
 use crate::clock::Clock;
-use crate::link::{LinkHandle, LinkReport};
+use crate::link::{Link, LinkReport};
 use crate::video::VideoState;
 
 /// Longest wait without an event: bounds how late the status line is.
@@ -53,7 +53,7 @@ pub struct RunLoop<'a> {
     /// Where frames come from.
     pub latest: Arc<LatestFrame>,
     /// The link; `None`: a dry run.
-    pub link: Option<&'a LinkHandle>,
+    pub link: Option<&'a Link>,
     /// The recording, if there is one.
     pub recorder: Option<RecorderInput>,
     /// The status line.

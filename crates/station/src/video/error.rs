@@ -61,6 +61,12 @@ pub enum VideoError {
     /// The thread cannot be started.
     #[error("cannot start the video thread: {0}")]
     Thread(io::Error),
+    /// A simulated world cannot begin.
+    #[error("{reason}")]
+    World {
+        /// What is wrong with its scenario.
+        reason: String,
+    },
     /// A picture cannot be encoded.
     #[error("cannot encode a picture of {size}: {reason}")]
     Encode {

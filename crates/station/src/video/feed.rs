@@ -17,23 +17,23 @@ use crate::clock::Clock;
 
 /// Tells a thread to end, also while it waits.
 #[derive(Debug, Default)]
-pub(super) struct StopSignal {
+pub(crate) struct StopSignal {
     raised: Mutex<bool>,
     changed: Condvar,
 }
 
 impl StopSignal {
-    pub(super) fn raise(&self) {
+    pub(crate) fn raise(&self) {
         *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = true;
         self.changed.notify_all();
     }
 
-    pub(super) fn is_raised(&self) -> bool {
+    pub(crate) fn is_raised(&self) -> bool {
         *self.raised.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Waits until `moment`. True if the thread must end.
-    pub(super) fn wait_until(&self, moment: Instant) -> bool {
+    pub(crate) fn wait_until(&self, moment: Instant) -> bool {
         let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
         let left = moment.saturating_duration_since(Instant::now());
         let waited = self.changed.wait_timeout_while(raised, left, |raised| !*raised);
@@ -42,27 +42,27 @@ impl StopSignal {
 }
 
 /// Units on their way through faults and decoder to the sink.
-pub(super) struct Feed<S> {
-    pub(super) sink: S,
-    pub(super) clock: Clock,
-    pub(super) place: String,
+pub(crate) struct Feed<S> {
+    pub(crate) sink: S,
+    pub(crate) clock: Clock,
+    pub(crate) place: String,
     pub(super) faults: FaultFilter,
     /// When the source was started, from which the times of faults count.
     start: Timestamp,
-    pub(super) decoder: UnitDecoder,
+    pub(crate) decoder: UnitDecoder,
 }
 
 /// What became of a unit.
 #[derive(Debug, Default)]
-pub(super) struct Fed {
+pub(crate) struct Fed {
     /// Frames that are ready, in the order of display.
-    pub(super) frames: VecDeque<VideoFrame>,
+    pub(crate) frames: VecDeque<VideoFrame>,
     /// The first error.
-    pub(super) error: Option<DecodeError>,
+    pub(crate) error: Option<DecodeError>,
 }
 
 impl<S: VideoSink> Feed<S> {
-    pub(super) fn new(url: &VideoUrl, clock: Clock, sink: S) -> Self {
+    pub(crate) fn new(url: &VideoUrl, clock: Clock, sink: S) -> Self {
         let mode = if url.is_live() { DecodeMode::Live } else { DecodeMode::File };
         Self {
             sink,
@@ -75,12 +75,12 @@ impl<S: VideoSink> Feed<S> {
     }
 
     /// The time since the source was started, by which faults go.
-    pub(super) fn since_start(&self) -> Timestamp {
+    pub(crate) fn since_start(&self) -> Timestamp {
         Timestamp::ZERO.plus(self.clock.now().since(self.start))
     }
 
     /// A unit through the faults; what is left of it is decoded.
-    pub(super) fn put(&mut self, unit: Option<EncodedUnit>) -> (Vec<EncodedUnit>, Fed) {
+    pub(crate) fn put(&mut self, unit: Option<EncodedUnit>) -> (Vec<EncodedUnit>, Fed) {
         let at = self.since_start();
         self.faults.panic_if_planned(at);
         let mut units = Vec::new();
@@ -99,12 +99,12 @@ impl<S: VideoSink> Feed<S> {
         (units, fed)
     }
 
-    pub(super) fn fail(&mut self, error: VideoError) {
+    pub(crate) fn fail(&mut self, error: VideoError) {
         self.sink.state(VideoState::Failed(error));
     }
 
     /// The decoder found that the stream can never be shown.
-    pub(super) fn fail_to_decode(&mut self, cause: DecodeError) {
+    pub(crate) fn fail_to_decode(&mut self, cause: DecodeError) {
         let place = self.place.clone();
         self.fail(VideoError::Decode { place, cause });
     }

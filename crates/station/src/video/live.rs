@@ -3,7 +3,7 @@
 //! The thread is named `video`. It reads or receives units, decodes every one of them, and hands units and
 //! frames to a [`VideoSink`] at once; what is done with a frame that nobody has time for is the sink's business,
 //! which must not block. A file is paced by its times (time of capture = start + PTS) and ends; an RTSP source
-//! is connected again for ever (see [`super::supervision`]).
+//! is connected again for ever (see [`super::supervision`]); a simulated world ends with its scenario.
 
 use std::fmt;
 use std::sync::Arc;
@@ -19,6 +19,7 @@ use super::rtsp;
 use super::sink::{VideoSink, VideoState};
 use super::url::{VideoSource, VideoUrl};
 use crate::clock::Clock;
+use crate::world::live::{self, LiveWorld};
 
 /// A running source.
 #[derive(Debug)]
@@ -62,9 +63,30 @@ pub fn spawn(url: VideoUrl, clock: Clock, sink: impl VideoSink + 'static) -> Res
         let feed = Feed::new(&url, clock, sink);
         match &url.source {
             VideoSource::File(_) => run_file(&url, feed, &seen_by_thread),
+            VideoSource::World(world) => live::run_alone(world, feed, &seen_by_thread),
             VideoSource::Rtsp { address, login } => rtsp::run(address, login.as_ref(), feed, &seen_by_thread),
         }
     };
+    start(stop, run)
+}
+
+/// Starts a world that was loaded before, so that a link can move its camera.
+///
+/// # Errors
+/// The system has no thread left.
+pub fn spawn_world(
+    world: LiveWorld,
+    url: &VideoUrl,
+    clock: Clock,
+    sink: impl VideoSink + 'static,
+) -> Result<VideoHandle, VideoError> {
+    let stop = Arc::new(StopSignal::default());
+    let seen_by_thread = Arc::clone(&stop);
+    let url = url.clone();
+    start(stop, move || live::run(world, Feed::new(&url, clock, sink), &seen_by_thread))
+}
+
+fn start(stop: Arc<StopSignal>, run: impl FnOnce() + Send + 'static) -> Result<VideoHandle, VideoError> {
     let thread = thread::Builder::new().name("video".to_owned()).spawn(run).map_err(VideoError::Thread)?;
     Ok(VideoHandle { stop, thread: Some(thread) })
 }

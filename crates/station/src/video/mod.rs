@@ -24,7 +24,7 @@ pub mod writer;
 pub mod annexb;
 pub mod encoder;
 mod fault;
-mod feed;
+pub(crate) mod feed;
 mod mp4_mux;
 pub mod pool;
 mod quiet;
@@ -36,6 +36,6 @@ pub mod supervision;
 
 pub use error::{DecodeError, VideoError};
 pub use file::FileFrames;
-pub use live::{StopError, VideoHandle, spawn};
+pub use live::{StopError, VideoHandle, spawn, spawn_world};
 pub use sink::{VideoSink, VideoState};
 pub use url::{VideoUrl, VideoUrlError};

@@ -1,5 +1,6 @@
 //! What a source tells whoever takes its pictures.
 
+use barrelman_vocab::PixelBox;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
@@ -13,6 +14,9 @@ pub trait VideoSink: Send {
     fn frame(&mut self, frame: VideoFrame);
     /// The source changed its state.
     fn state(&mut self, state: VideoState);
+    /// Where the target is in the frame that comes next: told once, by a simulated world, at the first frame in which
+    /// the target is seen.
+    fn target(&mut self, _target: PixelBox) {}
     /// A unit was damaged; nothing is shown until the next key frame.
     fn damaged(&mut self, _error: &DecodeError) {}
 }

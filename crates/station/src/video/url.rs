@@ -1,7 +1,7 @@
-//! Where a video comes from, as the user writes it: `rtsp://...`, `file:clip.mp4`, or just a path.
+//! Where a video comes from, as the user writes it: `rtsp://...`, `sim:arena1`, `file:clip.mp4`, or just a path.
 //!
-//! Options stand behind a question mark: `?fps=30` (pictures per second of a folder) and
-//! `?fault=stall@12.5s,drop@3+2` (break things on purpose). A file may have a question mark in its name: what
+//! Options stand behind a question mark: `?fps=30` (pictures per second of a folder), `?seed=7&size=640x360` (of a
+//! simulated world) and `?fault=stall@12.5s,drop@3+2` (break things on purpose). A file may have a question mark in its name: what
 //! stands behind it is taken as options only if it is ours, and a file of exactly that name wins.
 //! A password in an address is never printed.
 
@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use url::Url;
 
 use crate::fault::{FaultPlan, FaultPlanError};
+use crate::world::{WorldUrl, WorldUrlError};
 
 /// A video source that this build can read, with its options.
 #[derive(Clone, PartialEq)]
@@ -35,6 +36,8 @@ pub enum VideoSource {
         /// Who logs in, if anybody.
         login: Option<Login>,
     },
+    /// What the camera of a simulated world sees.
+    World(WorldUrl),
 }
 
 /// Name and password of an RTSP camera.
@@ -79,6 +82,9 @@ pub enum VideoUrlError {
     /// The number of pictures per second is none.
     #[error("fps={0} is not a number of pictures per second: write e.g. ?fps=30 (more than 0, at most 1000)")]
     Fps(String),
+    /// The simulated world's address cannot be read.
+    #[error(transparent)]
+    World(#[from] WorldUrlError),
     /// The faults cannot be read.
     #[error(transparent)]
     Fault(#[from] FaultPlanError),
@@ -90,8 +96,6 @@ const SERVE_CAMERA: &str = "Serve the camera over RTSP, e.g. with MediaMTX and \
 const SERVE_STREAM: &str = "Serve it over RTSP, e.g. with MediaMTX and \
     `ffmpeg -i URL -c:v libx264 -tune zerolatency -pix_fmt yuv420p -f rtsp rtsp://127.0.0.1:8554/camera`, \
     and use that address";
-const USE_WORLD: &str = "Use `barrelman demo SCENARIO`, or serve the world with `barrelman emulate`, \
-    or make a clip with `barrelman render SCENARIO`";
 
 impl VideoUrl {
     /// Reads what the user wrote. Looks whether a file of that name exists; opens nothing.
@@ -104,6 +108,9 @@ impl VideoUrl {
         }
         if let Some(path) = text.strip_prefix("file://").or_else(|| text.strip_prefix("file:")) {
             return Self::parse_path(path);
+        }
+        if let Some(address) = text.strip_prefix("sim:") {
+            return Self::parse_world(address);
         }
         if Path::new(text).exists() {
             return Ok(Self::file(text));
@@ -122,7 +129,7 @@ impl VideoUrl {
 
     /// Whether the source delivers in its own time and may come back when it is lost.
     pub const fn is_live(&self) -> bool {
-        matches!(self.source, VideoSource::Rtsp { .. })
+        matches!(self.source, VideoSource::Rtsp { .. } | VideoSource::World(_))
     }
 
     fn parse_path(path: &str) -> Result<Self, VideoUrlError> {
@@ -140,6 +147,16 @@ impl VideoUrl {
                 url.set(option)?;
             }
         }
+        Ok(url)
+    }
+
+    fn parse_world(address: &str) -> Result<Self, VideoUrlError> {
+        let (world, faults) = WorldUrl::parse(address)?;
+        let mut url = Self::file("");
+        if let Some(faults) = faults {
+            url.faults = FaultPlan::parse(&percent_decoded(&faults))?;
+        }
+        url.source = VideoSource::World(world);
         Ok(url)
     }
 
@@ -200,7 +217,6 @@ fn refuse(scheme: &str, text: &str) -> VideoUrlError {
     let url = without_password(text);
     let (what, remedy) = match scheme {
         "v4l2" => ("USB and other V4L2 cameras are", SERVE_CAMERA),
-        "sim" => ("a simulated world as a video source is", USE_WORLD),
         "udp" | "rtp" | "srt" | "tcp" | "rtmp" => ("this kind of stream is", SERVE_STREAM),
         "http" | "https" => ("video over HTTP is", SERVE_STREAM),
         "rtsps" => ("RTSP over TLS is", "Use rtsp:// inside a trusted network or a VPN"),
@@ -244,6 +260,7 @@ impl fmt::Display for VideoSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File(path) => write!(f, "{}", path.display()),
+            Self::World(world) => write!(f, "{world}"),
             Self::Rtsp { address, login: None } => write!(f, "{address}"),
             Self::Rtsp { address, login: Some(_) } => {
                 let address = address.as_str();
@@ -260,6 +277,9 @@ impl fmt::Display for VideoUrl {
         if let VideoSource::Rtsp { address, .. } = &self.source
             && address.query().is_some()
         {
+            mark = '&';
+        }
+        if matches!(self.source, VideoSource::World(_)) {
             mark = '&';
         }
         if let Some(fps) = self.fps {
@@ -363,7 +383,8 @@ mod tests {
             ("v4l2:///dev/video0", "ffmpeg -f v4l2 -i /dev/video0"),
             ("udp://127.0.0.1:5600", "MediaMTX"),
             ("https://cam/live.m3u8", "MediaMTX"),
-            ("sim:arena1", "barrelman demo"),
+            ("sim:", "sim:arena1"),
+            ("sim:arena1?seed=x", "seed=7"),
             ("rtsps://cam/live", "rtsp://"),
             ("gopher://cam/live", "rtsp://HOST/PATH"),
             ("clip.mp4?fps=0", "more than 0"),
@@ -379,7 +400,13 @@ mod tests {
 
     #[test]
     fn what_is_printed_reads_as_the_same() {
-        for text in ["clip.mp4", "frames?fps=12.5&fault=stall@1+2", "rtsp://cam/live?profile=2"] {
+        for text in [
+            "clip.mp4",
+            "sim:open?seed=7",
+            "sim:mine.toml?seed=1&size=640x360&fault=stall@1",
+            "frames?fps=12.5&fault=stall@1+2",
+            "rtsp://cam/live?profile=2",
+        ] {
             assert_eq!(parsed(text).to_string(), text);
             assert!(parsed(&parsed(text).to_string()) == parsed(text));
         }

@@ -51,6 +51,12 @@ impl FileReader {
         let path = match &url.source {
             VideoSource::File(path) => path,
             VideoSource::Rtsp { .. } => return Err(VideoError::Missing(url.to_string().into())),
+            VideoSource::World(world) => {
+                let reason = format!(
+                    "{world} is a simulated world, which goes by the clock, and no recording: use `barrelman run --video {world}`"
+                );
+                return Err(VideoError::World { reason });
+            }
         };
         let about = fs::metadata(path).map_err(|error| cannot_read(path, error))?;
         let reader = if about.is_dir() {

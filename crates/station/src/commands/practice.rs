@@ -1,0 +1,147 @@
+//! `barrelman demo --clip`: the whole loop, with the real protocol, where no camera is attached.
+//!
+//! It draws a practice clip, starts an emulated ground station on a pseudo-terminal, and runs the real loop
+//! between the two: the same video thread, pilot, link and recorder as with a vehicle. The camera of the clip
+//! rests, so what is commanded shows in the emulator's log and the annotated video, not in the picture itself.
+
+use std::io::{BufWriter, Write as _, stdout};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context, Result};
+use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
+use barrelman_vocab::{Picture, PictureSize, Timestamp};
+use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
+use indicatif::ProgressBar;
+
+use super::run;
+use crate::cli::{DemoArgs, RunArgs};
+use crate::clock::Clock;
+use crate::emulator::fotokite_pro::FotokitePro;
+use crate::emulator::host_port::HostPort;
+use crate::emulator::log::StationLog;
+use crate::fault::FaultPlan;
+use crate::output;
+use crate::video::encoder::EncoderSettings;
+use crate::video::writer::Mp4Writer;
+
+/// The practice clip's pictures: what the UAV sends.
+const SIZE: PictureSize = PictureSize::new(1280, 720);
+/// The practice clip's water.
+const SEED: u64 = 1;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the folder cannot be written or the loop cannot be started.
+pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
+    let folder = &args.output;
+    let files = ["practice.mp4", "truth.csv", "seen.mp4", "recording.mcap", "station.jsonl"]
+        .map(|name| folder.join(name));
+    let [clip, truth, seen, recording, station_log] = &files;
+    for path in &files {
+        output::check_free(path, args.force)?;
+    }
+    std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
+    let practice = PracticeClip::new(SIZE, SEED);
+    let mut out = stdout();
+    writeln!(out, "drawing a practice clip: a red boat that crosses all four sectors of the picture ...")?;
+    draw_clip(&practice, clip)?;
+    write_truth(&practice, output::create(truth, args.force)?)?;
+    if args.draw_only {
+        writeln!(out, "{}: the clip\n{}: its truth", clip.display(), truth.display())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+
+    let port = folder.join("fotokite");
+    let log = StationLog::new(Some(output::create(station_log, args.force)?), clock);
+    let settings = GroundStationSettings::default();
+    let mut emulator = FotokitePro::new(HostPort::pty(&port)?, settings, log, FaultPlan::default(), clock);
+    writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.place())?;
+    let ended = Arc::new(AtomicBool::new(false));
+    let end = Arc::clone(&ended);
+    let station = std::thread::Builder::new()
+        .name("emulator".to_owned())
+        .spawn(move || emulator.run(|| end.load(Ordering::Relaxed)))?;
+
+    writeln!(
+        out,
+        "running for {} s: space stops the camera, e engages it again, q quits",
+        practice.frames() / FRAMES_PER_SECOND
+    )?;
+    out.flush()?;
+    let selection = practice.truth(0).selection;
+    let code = run::run(
+        &RunArgs {
+            config: None,
+            video: Some(format!("file:{}", clip.display())),
+            link: Some(format!("serial:{}", port.display())),
+            profile: None,
+            select: Some(selection),
+            tracker: Some(args.tracker),
+            engage: true,
+            headless: true,
+            record: Some(recording.clone()),
+            overlay: Some(seen.clone()),
+            force: args.force,
+            fault: Vec::new(),
+        },
+        clock,
+    );
+    ended.store(true, Ordering::Relaxed);
+    match station.join() {
+        Ok(result) => result.context("the emulated ground station failed")?,
+        Err(_) => tracing::error!("the emulated ground station panicked"),
+    }
+    let code = code?;
+    writeln!(
+        out,
+        "\n{}: the annotated video\n{}: every command as the ground station heard it\n{}: the recording; try\n  barrelman replay {} --compare\n  barrelman metrics {}",
+        seen.display(),
+        station_log.display(),
+        recording.display(),
+        recording.display(),
+        recording.display(),
+    )?;
+    Ok(code)
+}
+
+/// Encodes the practice clip.
+fn draw_clip(practice: &PracticeClip, path: &Path) -> Result<()> {
+    let fps = f64::from(FRAMES_PER_SECOND);
+    let mut writer = Mp4Writer::create(path, EncoderSettings::for_pictures(practice.size(), fps))?;
+    let mut picture = Picture::black(practice.size(), practice.colour());
+    let progress = ProgressBar::new(u64::from(practice.frames()));
+    for frame in 0..practice.frames() {
+        progress.inc(1);
+        practice.draw(frame, &mut picture);
+        writer.write_picture(&picture, Timestamp::from_secs_f64(f64::from(frame) / fps))?;
+    }
+    progress.finish_and_clear();
+    Ok(writer.finish()?)
+}
+
+/// Writes where the boat is in every frame, as `truth.csv` has it. The clip has no scale, so no range is known.
+fn write_truth(practice: &PracticeClip, file: std::fs::File) -> Result<()> {
+    let mut file = BufWriter::new(file);
+    writeln!(file, "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m")?;
+    for frame in 0..practice.frames() {
+        let truth = practice.truth(frame);
+        let (bounds, centre) = (truth.bounds, truth.centre.in_pixels(practice.size()));
+        writeln!(
+            file,
+            "{frame},{:.6},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3},1,{:.3},",
+            f64::from(frame) / f64::from(FRAMES_PER_SECOND),
+            bounds.u,
+            bounds.v,
+            bounds.w,
+            bounds.h,
+            centre.u,
+            centre.v,
+            truth.heading.degrees().rem_euclid(360.0),
+        )?;
+    }
+    Ok(file.flush()?)
+}

@@ -1,0 +1,112 @@
+//! What lies between a drive and the page in the browser: the newest picture and status on one side, inputs on the
+//! other.
+
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Mutex, PoisonError};
+
+use bytes::Bytes;
+use serde::Serialize;
+use tokio::sync::watch;
+
+use super::drive::DriveInput;
+
+/// Inputs that may wait for the next tick.
+const INPUTS: usize = 64;
+
+/// What a page shows, and what it asks for.
+pub struct Stage {
+    pictures: watch::Sender<Bytes>,
+    status: Mutex<String>,
+    inputs: SyncSender<DriveInput>,
+}
+
+/// How a drive stands, for the page and for scripts.
+#[derive(Debug, Clone, Serialize)]
+pub struct DriveStatus {
+    /// The scenario.
+    pub scenario: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Ticks since the drive's start: 120 a second.
+    pub tick: u64,
+    /// The same in seconds.
+    pub time_s: f64,
+    /// Whether the time stands still.
+    pub paused: bool,
+    /// Simulated seconds in each second.
+    pub pace: f64,
+    /// The pilot's mode, in words.
+    pub mode: String,
+    /// Whether the camera may move.
+    pub engaged: bool,
+    /// `unseeded`, `tracking`, `coasting` or `lost`.
+    pub track: &'static str,
+    /// How sure the tracker is, 0 to 1.
+    pub confidence: Option<f64>,
+    /// P: above 1 outside of the region.
+    pub p: Option<f64>,
+    /// What is in force, rad/s: pan to the right, tilt upwards.
+    pub pan: f64,
+    /// See `pan`.
+    pub tilt: f64,
+    /// What was sent, in the vehicle's own signs, rad/s.
+    pub yaw_rate: f64,
+    /// See `yaw_rate`.
+    pub pitch_rate: f64,
+    /// What the camera does, rad/s.
+    pub achieved: (f64, f64),
+    /// How fast the boat goes ahead, m/s.
+    pub speed_m_per_s: f64,
+    /// `page`, `helmsman`, or `nobody` where the target cannot be steered.
+    pub helm: &'static str,
+    /// What the page steers, -1 to 1; rudder to the left above 0.
+    pub thrust: f64,
+    /// See `thrust`.
+    pub rudder: f64,
+    /// Whether the boat is in the picture.
+    pub in_picture: Option<bool>,
+    /// Whether the drive is over.
+    pub over: bool,
+}
+
+impl Stage {
+    /// A stage, and where the inputs of its page come out.
+    pub fn new() -> (Self, Receiver<DriveInput>) {
+        let (inputs, queue) = sync_channel(INPUTS);
+        (
+            Self { pictures: watch::channel(Bytes::new()).0, status: Mutex::new("{}".to_owned()), inputs },
+            queue,
+        )
+    }
+
+    /// Shows a picture to all who look.
+    pub fn show(&self, jpeg: Bytes) {
+        self.pictures.send_replace(jpeg);
+    }
+
+    /// Whether anybody looks.
+    pub fn somebody_looks(&self) -> bool {
+        self.pictures.receiver_count() > 0
+    }
+
+    /// The pictures as they come; empty before the first.
+    pub(super) fn pictures(&self) -> watch::Receiver<Bytes> {
+        self.pictures.subscribe()
+    }
+
+    /// How the drive stands now.
+    pub fn tell(&self, status: &DriveStatus) {
+        if let Ok(text) = serde_json::to_string(status) {
+            *self.status.lock().unwrap_or_else(PoisonError::into_inner) = text;
+        }
+    }
+
+    pub(super) fn status(&self) -> String {
+        self.status.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Asks for something; `false` where too much waits already.
+    pub(super) fn ask(&self, input: DriveInput) -> bool {
+        self.inputs.try_send(input).is_ok()
+    }
+}

@@ -1,0 +1,121 @@
+//! Simulated worlds, live and in lock step.
+
+use std::sync::mpsc::{Sender, channel};
+use std::time::Duration;
+
+use barrelman_station::clock::Clock;
+use barrelman_station::tracker::TrackerName;
+use barrelman_station::video::{VideoSink, VideoState, VideoUrl, spawn};
+use barrelman_station::world::drive::DriveHash;
+use barrelman_station::world::render_threads::RenderThreads;
+use barrelman_station::world::{Cast, Drive, DriveInput, DriveReader, DriveWriter, WorldUrl};
+use barrelman_vocab::{EncodedUnit, PictureSize, PixelBox, VideoFrame};
+
+const SMALL: PictureSize = PictureSize::new(192, 108);
+
+fn cast(coded: bool) -> Cast {
+    let url = WorldUrl { size: Some(SMALL), ..WorldUrl::of("open") };
+    Cast::new(url, TrackerName::Camshift, coded).unwrap()
+}
+
+/// The hash of a drive of one second with these inputs.
+fn driven(cast: &Cast, inputs: &[(u64, DriveInput)]) -> String {
+    let threads = RenderThreads::two().unwrap();
+    let mut drive = Drive::new(cast, &threads).unwrap();
+    let mut hash = DriveHash::default();
+    for tick in 0..120 {
+        for (_, input) in inputs.iter().filter(|(at, _)| *at == tick) {
+            drive.put(*input, &mut hash);
+        }
+        drive.tick(&mut hash);
+    }
+    hash.hex()
+}
+
+const AHEAD: DriveInput = DriveInput::Helm { thrust: 100, rudder: 20 };
+
+#[test]
+fn the_same_inputs_at_the_same_ticks_give_the_same_drive() {
+    for coded in [false, true] {
+        let cast = cast(coded);
+        let first = driven(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]);
+        assert_eq!(driven(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
+        let paused =
+            [(0, DriveInput::Engage), (10, DriveInput::Pause), (10, DriveInput::Resume), (30, AHEAD)];
+        assert_eq!(driven(&cast, &paused), first, "a pause changes nothing in the world");
+        assert_ne!(driven(&cast, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
+    }
+}
+
+#[test]
+fn a_stored_drive_is_read_as_it_was_written() {
+    let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
+    let cast = cast(true);
+    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    writer.add(0, DriveInput::Engage).unwrap();
+    writer.add(30, AHEAD).unwrap();
+    let cut = DriveReader::read(&path).unwrap();
+    writer.end(120, "0123456789abcdef".to_owned()).unwrap();
+    let whole = DriveReader::read(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!((cut.end, cut.inputs.len()), (None, 2));
+    assert_eq!(whole.inputs, [(0, DriveInput::Engage), (30, AHEAD)]);
+    assert_eq!(whole.end, Some((120, "0123456789abcdef".to_owned())));
+    assert_eq!(
+        (whole.cast.url, whole.cast.coded, whole.cast.tracker),
+        (cast.url, true, TrackerName::Camshift)
+    );
+}
+
+enum Told {
+    Target(PixelBox),
+    Frame(VideoFrame),
+    Ended,
+}
+
+struct Teller(Sender<Told>);
+
+impl VideoSink for Teller {
+    fn unit(&mut self, _unit: &EncodedUnit) {}
+
+    fn target(&mut self, target: PixelBox) {
+        let _ = self.0.send(Told::Target(target));
+    }
+
+    fn frame(&mut self, frame: VideoFrame) {
+        let _ = self.0.send(Told::Frame(frame));
+    }
+
+    fn state(&mut self, state: VideoState) {
+        if matches!(state, VideoState::Ended | VideoState::Failed(_)) {
+            let _ = self.0.send(Told::Ended);
+        }
+    }
+}
+
+#[test]
+fn a_live_world_says_where_its_boat_is_and_stamps_its_pictures() {
+    let (told, queue) = channel();
+    let clock = Clock::start();
+    let url = VideoUrl::parse("sim:open?size=192x108").unwrap();
+    let source = spawn(url, clock, Teller(told)).unwrap();
+    let mut frames: Vec<VideoFrame> = Vec::new();
+    let mut target = None;
+    while frames.len() < 5 {
+        match queue.recv_timeout(Duration::from_secs(20)).unwrap() {
+            Told::Target(found) => target = target.or(Some((found, frames.len()))),
+            Told::Frame(frame) => {
+                let age = clock.now().since(frame.capture.at);
+                assert!(age >= Duration::from_millis(175), "it comes after the scenario's latency: {age:?}");
+                frames.push(frame);
+            }
+            Told::Ended => panic!("the world has ended"),
+        }
+    }
+    source.stop().unwrap();
+    let (target, before) = target.unwrap();
+    assert_eq!(before, 0, "the boat is in the first picture of this scenario");
+    assert!(target.w > 1.0 && target.u > 0.0 && target.u + target.w < 192.0, "{target}");
+    assert!(frames.windows(2).all(|pair| pair[0].capture.at < pair[1].capture.at));
+    assert!(frames.iter().all(|frame| frame.picture.size() == SMALL));
+}

@@ -1,0 +1,248 @@
+"""A boat to drive: the demo's page, a drive that is stored and driven again, and simulated worlds as video and link.
+
+The boat is steered with the arrow key in headless Chromium where that is installed, else over HTTP as the page does it. What counts is that it leaves the ellipse and that the camera brings
+it back, that a drive runs again bit for bit, and that a simulated world does for `run` what a vehicle does: through
+`--link sim:`, and through the real bytes of an emulated ground station with the video over RTSP. How many pictures a
+second are drawn is a matter of the machine, and only shown.
+"""
+import base64
+import http.client
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import time
+
+import common
+from common import Lines, Recording, Table
+
+SIZE = "480x270"
+
+
+class Demo:
+    """A running demo, and its page."""
+
+    def __init__(self, args, *options):
+        command = [args.barrelman, "demo", "--listen", "127.0.0.1:0", "--size", SIZE, *options]
+        self.child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.lines, self.errors = Lines(self.child.stdout), Lines(self.child.stderr)
+        _, line = self.lines.wait_for(r"http://", 20)
+        self.host = line.split("http://")[1].rstrip("/")
+
+    def ask(self, method, path, body=None, headers=None):
+        """The status and the body of an answer."""
+        connection = http.client.HTTPConnection(self.host, timeout=10)
+        connection.request(method, path, None if body is None else json.dumps(body), headers or {})
+        answer = connection.getresponse()
+        content = answer.read()
+        connection.close()
+        return answer.status, content
+
+    def status(self):
+        return json.loads(self.ask("GET", "/status")[1])
+
+    def helm(self, thrust, rudder):
+        return self.ask("POST", "/helm", {"thrust": thrust, "rudder": rudder})[0]
+
+    def do(self, what):
+        return self.ask("POST", "/do", {"input": what})[0]
+
+    def wait(self, condition, seconds, what, meanwhile=lambda: None):
+        """Waits by the world's clock, which may be slower than ours."""
+        first = self.status()
+        while True:
+            meanwhile()
+            status = self.status()
+            if condition(status):
+                return status
+            if status["time_s"] - first["time_s"] > seconds:
+                raise TimeoutError(f"{what} did not come within {seconds} s: {status}")
+            time.sleep(0.08)
+
+    def end(self):
+        self.child.send_signal(signal.SIGINT)
+        return self.child.wait(timeout=30)
+
+
+class Browser:
+    """A page in headless Chromium, by its remote debugging protocol (a WebSocket with JSON in it)."""
+
+    def __init__(self, program, url, folder):
+        command = [program, "--headless", "--disable-gpu", "--no-sandbox", "--remote-debugging-port=0", f"--user-data-dir={folder / 'chromium'}", "--window-size=1280,800", url]
+        self.child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        _, line = Lines(self.child.stderr).wait_for(r"DevTools listening on ws://", 20)
+        host = line.split("ws://")[1].split("/")[0]
+        pages = common.wait_until(lambda: self._pages(host, url), 10, "the page in the browser")
+        self.socket = socket.create_connection(host.split(":"), timeout=10)
+        path = pages[0]["webSocketDebuggerUrl"].split(host)[1]
+        key = base64.b64encode(os.urandom(16)).decode()
+        self.socket.sendall(f"GET {path} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
+        self.stream = self.socket.makefile("rb")
+        while self.stream.readline() not in (b"\r\n", b""):
+            pass
+        self.number = 0
+
+    @staticmethod
+    def _pages(host, url):
+        connection = http.client.HTTPConnection(host, timeout=5)
+        connection.request("GET", "/json")
+        pages = json.loads(connection.getresponse().read())
+        connection.close()
+        return [page for page in pages if page["type"] == "page" and page["url"].startswith(url)]
+
+    def call(self, method, **parameters):
+        self.number += 1
+        text = json.dumps({"id": self.number, "method": method, "params": parameters}).encode()
+        length = bytes([0x80 | len(text)]) if len(text) < 126 else bytes([0xFE]) + struct.pack(">H", len(text))
+        # A client masks what it sends; a mask of zeros changes nothing.
+        self.socket.sendall(b"\x81" + length + bytes(4) + text)
+        while True:
+            head = self.stream.read(2)
+            size = head[1] & 0x7F
+            if size >= 126:
+                size = int.from_bytes(self.stream.read(2 if size == 126 else 8), "big")
+            answer = json.loads(self.stream.read(size) or b"{}")
+            if answer.get("id") == self.number:
+                return answer.get("result", {})
+
+    def key(self, name, down):
+        codes = {"ArrowUp": 38, "ArrowLeft": 37, "ArrowRight": 39, "ArrowDown": 40}
+        self.call("Input.dispatchKeyEvent", type="rawKeyDown" if down else "keyUp", key=name, code=name, windowsVirtualKeyCode=codes[name])
+
+    def screenshot(self, path):
+        path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
+
+    def end(self):
+        self.child.kill()
+
+
+def browser(table, demo, folder):
+    """The page in a browser; None where there is none."""
+    program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+    if program is None:
+        table.show("the page in a browser", "not tried", "no Chromium is installed: its requests are made over HTTP")
+        return None
+    return Browser(program, f"http://{demo.host}/", folder)
+
+
+def page(table, demo):
+    code, html = demo.ask("GET", "/")
+    table.require("the page is one file", code == 200 and b"<title>Barrelman" in html and b"http://" not in html, f"{len(html)} bytes")
+    code, jpeg = demo.ask("GET", "/picture.jpg")
+    table.require("its pictures are JPEG", code == 200 and jpeg[:2] == b"\xff\xd8" and jpeg[-2:] == b"\xff\xd9", f"{len(jpeg)} bytes")
+    refused = [
+        ("a foreign name", demo.ask("GET", "/status", headers={"Host": "rebound.example"})[0], 403),
+        ("a foreign page", demo.ask("POST", "/do", {"input": "stop"}, {"Origin": "http://evil.example"})[0], 403),
+        ("a file", demo.ask("GET", "/../../etc/passwd")[0], 404),
+        ("a helm beyond its stops", demo.helm(7, 0), 400),
+        ("an unknown wish", demo.do("fly"), 400),
+        ("a long body", demo.ask("POST", "/do", {"input": "x" * 4000})[0], 413),
+    ]
+    for name, code, wanted in refused:
+        table.require(f"  {name} is refused", code == wanted, f"HTTP {code}", f"HTTP {wanted}")
+
+
+def drive(table, args, folder):
+    store, record = folder / "drive.jsonl", folder / "drive.mcap"
+    demo = Demo(args, "open", "--store", store, "--record", record)
+    page(table, demo)
+    demo.wait(lambda status: status["track"] == "tracking", 10, "the track")
+    window = browser(table, demo, folder)
+    if window:
+        window.key("ArrowUp", True)
+    steer = (lambda: None) if window else (lambda: demo.helm(1, 0.0))
+    out = demo.wait(lambda status: (status["p"] or 0) > 1.05, 60, "an excursion", steer)
+    if window:
+        window.key("ArrowUp", False)
+        if args.screenshot:
+            window.screenshot(pathlib.Path(args.screenshot))
+    table.require("arrow up: the boat leaves the ellipse", True, f"P {out['p']:.2f}, {out['speed_m_per_s']:.1f} m/s, {out['helm']} at the helm")
+    rest = demo.wait(lambda status: status["thrust"] == 0, 5, "a neutral helm")
+    table.require("a helm that nobody holds goes back to neutral", rest["helm"] == "page")
+    moved = demo.wait(lambda status: abs(status["pan"]) + abs(status["tilt"]) > 0, 5, "a rate")
+    table.require("the camera moves", True, f"pan {moved['pan']:+.2f}, tilt {moved['tilt']:+.2f} rad/s, P {moved['p']:.2f}")
+    back = demo.wait(lambda status: status["p"] is not None and status["p"] < 1, 30, "the boat in the ellipse")
+    table.require("and brings the boat back", True, f"P {back['p']:.2f} after {back['time_s'] - out['time_s']:.1f} s")
+    if window:
+        window.end()
+    demo.do("pause")
+    common.wait_until(lambda: demo.status()["paused"], 5, "the pause")
+    still = demo.status()["tick"]
+    time.sleep(0.3)
+    table.require("p: the time stands still", demo.status()["tick"] == still)
+    demo.do("resume")
+    demo.do("stop")
+    stopped = demo.wait(lambda status: not status["engaged"], 5, "the stop")
+    table.require("space: the camera is stopped", stopped["pan"] == 0 and stopped["tilt"] == 0, stopped["mode"])
+    demo.do("helmsman")
+    demo.do("engage")
+    demo.wait(lambda status: status["engaged"] and status["helm"] == "helmsman", 5, "the helmsman")
+    pace = demo.status()["pace"]
+    code = demo.end()
+    table.require("Ctrl-C ends it with exit 0", code == 0, f"exit {code}")
+    table.show("simulated seconds in each second", f"{pace:.2f}", f"at {SIZE}, with a recording")
+    again = common.run([args.barrelman, "demo", "--replay", store], timeout=300)
+    table.require("the drive runs again bit for bit", again.returncode == 0 and "bit for bit" in again.stdout, again.stdout.splitlines()[0] if again.stdout else again.stderr)
+    replayed = common.run([args.barrelman, "replay", record, "--compare"], timeout=300)
+    table.require("its recording replays bit for bit", replayed.returncode == 0 and "bit for bit" in replayed.stdout, replayed.stdout.splitlines()[0] if replayed.stdout else replayed.stderr)
+
+
+def share_inside(record):
+    """Share of the steps with a percept that have P <= 1, and how many there are."""
+    seen = [outcome.percept.p for outcome in Recording(record).outcomes if outcome.HasField("percept")]
+    return (sum(p <= 1 for p in seen) / len(seen) if seen else 0.0), len(seen)
+
+
+def run_for(table, args, seconds, name, *options):
+    """`run` for a while; its exit code and log."""
+    child = common.spawn([args.barrelman, "run", "--engage", *options], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    errors = Lines(child.stderr)
+    errors.wait_for("following the selection", 30)
+    time.sleep(seconds)
+    child.send_signal(signal.SIGINT)
+    code = child.wait(timeout=15)
+    table.require(f"{name}: SIGINT ends it with exit 0", code == 0, f"exit {code}", "" if code == 0 else errors.text()[-300:])
+    return errors
+
+
+def worlds(table, args, folder):
+    record = folder / "sim.mcap"
+    errors = run_for(table, args, args.seconds, "--link sim:", "--video", f"sim:arena1?size={SIZE}", "--link", "sim:", "--record", record)
+    table.require("a world says where its boat is", "no --select" in errors.text())
+    inside, steps = share_inside(record)
+    table.require("--link sim: keeps the boat in the ellipse", inside > 0.5, f"{inside:.0%} of {steps} steps", "more than half")
+    replayed = common.run([args.barrelman, "replay", record, "--compare"], timeout=300)
+    table.require("its recording replays bit for bit", replayed.returncode == 0 and "bit for bit" in replayed.stdout, replayed.stdout.splitlines()[0] if replayed.stdout else replayed.stderr)
+
+    # The selection is read from the same world: the first picture is the same for the same seed.
+    box = next(line for _, line in errors.lines if "no --select" in line).split("boat is, ")[1]
+    numbers = [float(word) for word in "".join(c if c in "0123456789.-" else " " for c in box).split()][:4]
+    record = folder / "bytes.mcap"
+    options = ["--world", f"sim:arena1?size={SIZE}", "--video-listen", "127.0.0.1:0"]
+    with common.Emulator(args.barrelman, folder, "world", *options) as emulator:
+        _, line = emulator.lines.wait_for("rtsp://", 10)
+        url = next(word for word in line.split() if word.startswith("rtsp://")).rstrip(";")
+        select = ",".join(f"{value:.1f}" for value in (numbers[0] - 4, numbers[1] - 4, numbers[2] + 8, numbers[3] + 8))
+        run_for(table, args, args.seconds, "the real bytes", "--video", url, "--link", emulator.url, "--select", select, "--record", record)
+        moved = [row for row in emulator.rows() if row.moves]
+    inside, steps = share_inside(record)
+    table.require("the real bytes keep the boat in the ellipse, too", inside > 0.5, f"{inside:.0%} of {steps} steps", "more than half")
+    table.show("moves that the ground station heard", len(moved))
+
+
+def main():
+    args = common.arguments(__doc__, seconds={"type": float, "default": 12.0, "help": "how long each run lasts"}, screenshot={"metavar": "FILE.png", "help": "keep a picture of the page in Chromium here"})
+    folder = common.temporary_folder()
+    table = Table("A boat to drive, and simulated worlds")
+    drive(table, args, folder)
+    worlds(table, args, folder)
+    return table.finish(args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
