@@ -1,10 +1,14 @@
 //! Rules that are executed, not remembered: `cargo run -p xtask -- tidy`; and requirements that are measured, not
-//! asserted: `cargo run --release -p xtask -- acceptance tracker`.
+//! asserted: `cargo run --release -p xtask -- acceptance tracker`; and pictures to be looked at:
+//! `cargo run --release -p xtask -- views --output DIR`.
 
 mod acceptance;
 
 mod documents;
 mod edges;
+
+mod simulation;
+mod views;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -24,23 +28,32 @@ struct Cli {
 enum Task {
     /// Compares the code with what the documents promise.
     Tidy,
+    /// Draws named views with the simulator's renderer, as PNG files to look at.
+    Views(views::Options),
     /// Measures what was required, and exits with 1 where it is missed.
     Acceptance {
         #[command(subcommand)]
         part: Part,
     },
+    /// Fits how the laboratory's simulated target moves to how the recorded ones moved.
+    FitTarget(simulation::FitOptions),
 }
 
 #[derive(Debug, Subcommand)]
 enum Part {
     /// The tracker on real clips and generated scenes: how well it follows, and what it costs.
     Tracker(acceptance::Options),
+    /// The simulator: whether its trials are like the recorded ones.
+    Sim(simulation::Options),
 }
 
 fn main() -> ExitCode {
     let (name, done) = match Cli::parse().task {
         Task::Tidy => ("tidy", tidy()),
+        Task::Views(options) => ("views", views::draw(&options)),
         Task::Acceptance { part: Part::Tracker(options) } => ("acceptance", acceptance::tracker(&options)),
+        Task::Acceptance { part: Part::Sim(options) } => ("acceptance", simulation::acceptance(&options)),
+        Task::FitTarget(options) => ("fit-target", simulation::fit_target(&options)),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,

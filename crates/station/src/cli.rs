@@ -3,11 +3,17 @@
 //! Values are checked while they are parsed; what is wrong with one is said in clap's words and ends with exit
 //! code 2. What a command does lives in `commands`.
 
-use std::path::PathBuf;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
 
+use anyhow::{Result, bail};
+use barrelman_control::{CentringGains, LawSettings};
+use barrelman_simd::SimdLevel;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 pub use crate::tracker::TrackerName;
 
@@ -53,7 +59,7 @@ pub enum LogFormat {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// The loop on a practice clip that the program draws itself, against an emulated ground station.
+    /// A simulated boat to drive in the browser, and the camera that follows it.
     Demo(DemoArgs),
     /// Track in live video and move the vehicle's camera.
     Run(RunArgs),
@@ -63,6 +69,18 @@ pub enum Command {
     Law(LawArgs),
     /// Metrics per trial and over all of them.
     Metrics(MetricsArgs),
+    /// The same as a page to look at.
+    Report(ReportArgs),
+    /// Repeated simulated trials.
+    Trials(TrialsArgs),
+    /// The shards of a campaign of trials as one.
+    Merge(MergeArgs),
+    /// Two sets of trials on the same seeds, paired.
+    Compare(CompareArgs),
+    /// The scenarios that can be simulated, or one scenario's file, documented.
+    Scenarios(ScenariosArgs),
+    /// A clip of a scenario with its exact truth.
+    Render(RenderArgs),
     /// A recording through the pilot again.
     Replay(ReplayArgs),
     /// A recording as CSV files and an MP4.
@@ -77,18 +95,52 @@ pub enum Command {
 
 /// `demo`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman demo --output demo-output")]
+#[command(after_help = "Examples:
+  barrelman demo
+  barrelman demo arena1 --store drive.jsonl
+  barrelman demo --replay drive.jsonl
+  barrelman demo --clip --output demo-output
+
+The page takes keys: arrows steer the boat, p pauses, space stops the camera, e engages it, h leaves the boat to
+the scenario's helmsman again. --clip is the loop on a practice clip that the program draws, against an emulated
+ground station.")]
 pub struct DemoArgs {
-    /// Where the clip, the annotated video and the recording go.
-    #[arg(long, default_value = "demo-output")]
-    pub output: PathBuf,
+    /// The scenario: one of `barrelman scenarios`, or a file of one's own that ends in .toml; without it: open.
+    pub scenario: Option<String>,
+    /// Where the page is served; without it: 127.0.0.1:8480, or the next port that is free.
+    #[arg(long, value_name = "ADDR")]
+    pub listen: Option<SocketAddr>,
+    /// Size of the picture; the view stays the same. Without it the scenario's, at most 960 wide.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<PictureSize>,
+    /// Everything that is left to chance comes from this.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// End after so many seconds.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_seconds)]
+    pub seconds: Option<f64>,
+    /// Record everything here; the pilot then sees the pictures as they are recorded, in H.264.
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
+    /// Store the drive here: the scenario, and each input with its tick.
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with = "replay")]
+    pub store: Option<PathBuf>,
+    /// Drive a stored drive again, without a page and as fast as it goes; exit 1 if it differs in a bit.
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds"])]
+    pub replay: Option<PathBuf>,
     /// The tracker.
-    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
+    #[arg(long, value_enum, value_name = "NAME", default_value_t, conflicts_with = "replay")]
     pub tracker: TrackerName,
-    /// Draw the practice clip and its truth, and run nothing.
-    #[arg(long)]
+    /// The loop on a practice clip instead, against an emulated ground station.
+    #[arg(long, conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "record", "store", "replay"])]
+    pub clip: bool,
+    /// With --clip: where the clip, the annotated video and the recording go.
+    #[arg(long, default_value = "demo-output", requires = "clip")]
+    pub output: PathBuf,
+    /// With --clip: draw the practice clip and its truth, and run nothing.
+    #[arg(long, requires = "clip")]
     pub draw_only: bool,
-    /// Overwrite what an earlier demo wrote.
+    /// Overwrite output files that exist.
     #[arg(long)]
     pub force: bool,
 }
@@ -96,10 +148,19 @@ pub struct DemoArgs {
 impl Default for DemoArgs {
     fn default() -> Self {
         Self {
-            output: PathBuf::from("demo-output"),
+            scenario: None,
+            listen: None,
+            size: None,
+            seed: 1,
+            seconds: None,
+            record: None,
+            store: None,
+            replay: None,
             tracker: TrackerName::default(),
+            clip: false,
+            output: PathBuf::from("demo-output"),
             draw_only: false,
-            force: true,
+            force: false,
         }
     }
 }
@@ -109,22 +170,26 @@ impl Default for DemoArgs {
 #[command(after_help = "Examples:
   barrelman run --video rtsp://192.168.2.100/live --link serial:/dev/ttyACM0?baud=115200 --record sortie.mcap
   barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link tcp://127.0.0.1:5000
+  barrelman run --video sim:arena1 --link sim: --engage
   barrelman run barrelman.toml --engage
 
 It starts disengaged. On a terminal: e engages, space stops, q quits.")]
 pub struct RunArgs {
     /// Configuration file (TOML); options of the command line go before it.
     pub config: Option<PathBuf>,
-    /// Where the video comes from: rtsp://..., file:clip.mp4, a folder of pictures.
+    /// Where the video comes from: rtsp://..., file:clip.mp4, a folder of pictures, or a simulated world
+    /// (sim:SCENARIO?seed=1&size=WxH).
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
-    /// Where the commands go: serial:/dev/ttyACM0?baud=115200 or tcp://host:port. Without it: a dry run.
+    /// Where the commands go: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: to the simulated world's
+    /// camera. Without it: a dry run.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
     /// The vehicle.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
-    /// Follow what is in this box of the first picture: left, top, width, height in pixels.
+    /// Follow what is in this box of the first picture: left, top, width, height in pixels. A simulated world says
+    /// by itself where its boat is.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
     /// The tracker; without it the configuration's, which is fused unless something else is said.
@@ -187,10 +252,32 @@ pub struct TrackArgs {
 }
 
 /// The camera laws.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum LawName {
     /// The paper's motor schema.
+    #[default]
     Schema,
+    /// A PID on the picture's centre, to compare with.
+    Centre,
+}
+
+impl LawName {
+    /// As it is written on the command line and in a configuration.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Schema => "schema",
+            Self::Centre => "centre",
+        }
+    }
+
+    /// The law's settings.
+    pub const fn settings(self) -> LawSettings {
+        match self {
+            Self::Schema => LawSettings::Schema,
+            Self::Centre => LawSettings::Centre(CentringGains::USUAL),
+        }
+    }
 }
 
 /// How P is to be computed.
@@ -234,7 +321,7 @@ pub struct LawArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  barrelman metrics arena1_*.csv arena2_*.csv")]
 pub struct MetricsArgs {
-    /// The logs: the laboratory's CSV, exported ones, or recordings.
+    /// The logs: the laboratory's CSV, exported ones, recordings, or files of campaigns.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// The arena, where the files' names do not say.
@@ -249,6 +336,241 @@ pub struct MetricsArgs {
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+impl RegionArgs {
+    /// A campaign's file holds figures of its own region: another one cannot be had from it.
+    ///
+    /// # Errors
+    /// If another one was asked for.
+    pub fn refuse_for_campaign(&self, path: &Path, picture: bool) -> Result<()> {
+        if self.region.is_some() || self.frame_size.is_some() || picture {
+            bail!(
+                "{} holds the metrics of a campaign, whose region and picture are fixed: leave --region, --frame-size \
+                 and --picture away, or give the recordings of its trials",
+                path.display()
+            );
+        }
+        Ok(())
+    }
+}
+
+/// `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  barrelman report arena1_*.csv arena2_*.csv --output report.html
+  barrelman trials lab1 --perception truth --trials 5 --record recordings
+  barrelman report arena1_*.csv recordings/*.mcap --output report.html --svg figures")]
+pub struct ReportArgs {
+    /// The logs: the laboratory's CSV, exported ones, recordings, or files of campaigns (their metrics alone).
+    #[arg(required = true)]
+    pub logs: Vec<PathBuf>,
+    /// The page.
+    #[arg(long, value_name = "REPORT.html")]
+    pub output: PathBuf,
+    /// Write each figure here as SVG, too.
+    #[arg(long, value_name = "DIR")]
+    pub svg: Option<PathBuf>,
+    /// The arena, where the files do not say.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub arena: Option<u8>,
+    /// The region.
+    #[command(flatten)]
+    pub region: RegionArgs,
+    /// Overwrite output files that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `render`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  barrelman render arena1 --seed 7 --seconds 20 --output clip.mp4 --truth truth.csv --masks masks")]
+pub struct RenderArgs {
+    /// The scenario: one of `barrelman scenarios`, or a file of one's own that ends in .toml.
+    pub scenario: String,
+    /// Seed of everything random.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Length of the clip; it ends before, where the scenario does.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_clip_length)]
+    pub seconds: f64,
+    /// The clip.
+    #[arg(long, value_name = "CLIP.mp4")]
+    pub output: PathBuf,
+    /// Where the target is in every frame.
+    #[arg(long, value_name = "TRUTH.csv")]
+    pub truth: PathBuf,
+    /// Write which pixels show the target here: one PNG for each frame, white on black.
+    #[arg(long, value_name = "DIR")]
+    pub masks: Option<PathBuf>,
+    /// Size of the picture; the view stays the same. Without it the scenario's.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<PictureSize>,
+    /// The widest vector instructions that pictures are drawn with: scalar, sse2, avx2 or avx512. The pictures are the
+    /// same with all.
+    #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]
+    pub simd: SimdLevel,
+    /// Overwrite output files that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `trials`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  barrelman trials lab1 --perception truth --trials 200 --seed 10000 --output lab1.jsonl
+  barrelman trials arena1 --trials 20 --record recordings
+  barrelman trials lab1 --perception truth --trials 1000 --shard 3/10 --output shard-3.jsonl
+
+Nothing is written without --output or --record.")]
+pub struct TrialsArgs {
+    /// The scenario: one of `barrelman scenarios`, or a file of one's own that ends in .toml.
+    pub scenario: String,
+    /// How many trials.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub trials: u64,
+    /// Seed of the first trial; each further one has the next.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// The camera law.
+    #[arg(long, value_enum, default_value_t)]
+    pub law: LawName,
+    /// Rate of the schema on both axes, rad/s; without it the vehicle's. The simulated vehicle is able to turn so fast.
+    #[arg(long, value_name = "RAD_PER_S", allow_negative_numbers = true, value_parser = parse_rate)]
+    pub rate: Option<f64>,
+    /// Where localisations come from.
+    #[arg(long, value_enum, default_value_t)]
+    pub perception: PerceptionName,
+    /// The tracker, in pixels.
+    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
+    pub tracker: TrackerName,
+    /// How the kite moves by itself: a setting of the scenario; without it the scenario's own.
+    #[arg(long, value_name = "NAME")]
+    pub setting: Option<String>,
+    /// The plant: as the scenario has it, or drawn for each trial from the scenario's intervals.
+    #[arg(long, value_enum, default_value_t)]
+    pub plant: PlantName,
+    /// The target's speed; without it the scenario's.
+    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true, value_parser = parse_positive)]
+    pub boat_speed: Option<f64>,
+    /// Sea state, 0 (glassy) to 4 (moderate); without it the scenario's.
+    #[arg(long, value_name = "0..4", allow_negative_numbers = true, value_parser = parse_sea_state)]
+    pub sea_state: Option<u8>,
+    /// Mean wind; without it the scenario's.
+    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true, value_parser = parse_not_negative)]
+    pub wind: Option<f64>,
+    /// Size of the picture; the view stays the same. Without it the scenario's.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<PictureSize>,
+    /// Trials at the same time; without it as many as there are cores. The results are the same for any number.
+    #[arg(long, value_name = "N", value_parser = parse_count)]
+    pub threads: Option<usize>,
+    /// Only every Nth trial, from the Ith on: one of N parts that `merge` joins.
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    pub shard: Option<Shard>,
+    /// The widest vector instructions that pictures are drawn with: scalar, sse2, avx2 or avx512. The results are the
+    /// same with all.
+    #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]
+    pub simd: SimdLevel,
+    /// Record every trial here: SCENARIO-SEED.mcap, and in pixels the annotated video SCENARIO-SEED.mp4.
+    #[arg(long, value_name = "DIR")]
+    pub record: Option<PathBuf>,
+    /// Go on with the file that --output names: trials that are in it are not run again.
+    #[arg(long)]
+    pub resume: bool,
+    /// Where results go, one trial per line (JSON).
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub output: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Overwrite an output file that exists.
+    #[arg(long, conflicts_with = "resume")]
+    pub force: bool,
+}
+
+/// Where localisations of simulated trials come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum PerceptionName {
+    /// Pictures are drawn, and the tracker looks at them.
+    #[default]
+    Pixels,
+    /// The truth, with noise.
+    Truth,
+}
+
+/// Which plant simulated trials have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum PlantName {
+    /// The scenario's.
+    #[default]
+    Nominal,
+    /// Drawn for each trial.
+    Drawn,
+}
+
+impl PlantName {
+    /// As it is written on the command line.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Nominal => "nominal",
+            Self::Drawn => "drawn",
+        }
+    }
+}
+
+/// One of several parts of a campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which, from 1.
+    pub index: usize,
+    /// Of how many.
+    pub count: usize,
+}
+
+/// `merge`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  barrelman merge shard-*.jsonl --output campaign.jsonl")]
+pub struct MergeArgs {
+    /// The files of the shards.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Where the whole goes.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub output: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Overwrite an output file that exists.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `compare`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  barrelman trials lab1 --perception truth --trials 200 --law schema --output schema.jsonl
+  barrelman trials lab1 --perception truth --trials 200 --law centre --output centre.jsonl
+  barrelman compare schema.jsonl centre.jsonl")]
+pub struct CompareArgs {
+    /// A campaign's file.
+    pub first: PathBuf,
+    /// Another's, on the same scenario and seeds.
+    pub second: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `scenarios`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  barrelman scenarios\n  barrelman scenarios lab1 > mine.toml\n  barrelman scenarios mine.toml"
+)]
+pub struct ScenariosArgs {
+    /// The scenario to print, or a file of one's own to check.
+    pub name: Option<String>,
 }
 
 /// `replay`.
@@ -299,8 +621,10 @@ pub enum StationName {
 #[command(after_help = "Example:
   barrelman emulate fotokite-pro --pty /tmp/fotokite --log station.jsonl
 and in another terminal
-  barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link serial:/tmp/fotokite")]
-#[group(required = true, multiple = true)]
+  barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link serial:/tmp/fotokite
+With --world sim:arena1 it moves that world's camera and serves its video:
+  barrelman run --video rtsp://127.0.0.1:8554/world --select 600,300,80,60 --engage --link serial:/tmp/fotokite")]
+#[group(required = true, multiple = true, args = ["pty", "listen"])]
 pub struct EmulateFotokiteProArgs {
     /// Make a pseudo-terminal and link it here.
     #[arg(long, value_name = "PATH")]
@@ -308,6 +632,13 @@ pub struct EmulateFotokiteProArgs {
     /// Listen for the pass-through server's TCP connections here.
     #[arg(long, value_name = "ADDR", conflicts_with = "pty")]
     pub listen: Option<String>,
+    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world begins
+    /// when somebody looks.
+    #[arg(long, value_name = "SIM")]
+    pub world: Option<String>,
+    /// Where the world's video is served (RTSP, path /world).
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8554")]
+    pub video_listen: SocketAddr,
     /// Log every line and state here, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
@@ -407,6 +738,42 @@ fn parse_region(text: &str) -> Result<RegionShares, String> {
 fn parse_positive(text: &str) -> Result<f64, String> {
     let [value] = numbers(text, '\0', "a number")?;
     if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = parse_positive(text)?;
+    if seconds <= 1.0e6 { Ok(seconds) } else { Err("at most a million seconds".to_owned()) }
+}
+
+fn parse_clip_length(text: &str) -> Result<f64, String> {
+    let seconds = parse_positive(text)?;
+    if seconds <= 3600.0 { Ok(seconds) } else { Err("a clip is at most 3600 s long".to_owned()) }
+}
+
+fn parse_not_negative(text: &str) -> Result<f64, String> {
+    let [value] = numbers(text, '\0', "a number")?;
+    if value >= 0.0 { Ok(value) } else { Err("must not be negative".to_owned()) }
+}
+
+fn parse_sea_state(text: &str) -> Result<u8, String> {
+    text.parse()
+        .ok()
+        .filter(|state| *state <= 4)
+        .ok_or_else(|| "a sea state is a whole number from 0 (glassy) to 4 (moderate)".to_owned())
+}
+
+fn parse_count(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|count| (1..=1024).contains(count))
+        .ok_or_else(|| "a whole number from 1 to 1024".to_owned())
+}
+
+fn parse_shard(text: &str) -> Result<Shard, String> {
+    let wrong = || "I/N with I from 1 to N, as in 3/10".to_owned();
+    let (index, count) = text.split_once('/').ok_or_else(wrong)?;
+    let (index, count) = (index.parse().map_err(|_| wrong())?, count.parse().map_err(|_| wrong())?);
+    if (1..=count).contains(&index) { Ok(Shard { index, count }) } else { Err(wrong()) }
 }
 
 fn parse_rate(text: &str) -> Result<f64, String> {

@@ -9,12 +9,16 @@ pub mod commands;
 pub mod config;
 pub mod tracker;
 
+pub mod campaign;
+pub mod scenario;
+
 pub mod live;
 
 pub mod link;
 pub mod video;
 
 pub mod emulator;
+pub mod world;
 
 pub mod film;
 pub mod overlay;
@@ -24,3 +28,4 @@ pub mod fault;
 pub mod input;
 pub mod logging;
 pub mod output;
+pub mod progress;

@@ -1,4 +1,4 @@
-//! Trials: recordings and how they are stored, the laboratory's logs, metrics.
+//! Trials: recordings and how they are stored, the laboratory's logs, simulated trials, metrics.
 //!
 //! What must not be here: files and sockets (readers and writers work on `Read` and `Write`), clocks, and any
 //! decision that a live run would not take too: a replay calls the same pilot.
@@ -8,6 +8,9 @@ pub mod logs;
 
 pub mod metrics;
 
+pub mod campaign;
 pub mod law;
 pub mod records;
 pub mod replay;
+
+pub mod report;

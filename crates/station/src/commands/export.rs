@@ -84,7 +84,7 @@ fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
         match entry {
             Ok(Entry::Outcome(outcome)) => trial.add(&outcome)?,
             Ok(Entry::Unit(unit)) => video.add(&unit)?,
-            Ok(Entry::Start(_) | Entry::Input { .. }) => {}
+            Ok(Entry::Start(_) | Entry::Input { .. } | Entry::Truth(_)) => {}
             Err(ReadError::CutOff) => cut = true,
             Err(error) => return Err(error.into()),
         }

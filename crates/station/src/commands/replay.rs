@@ -111,6 +111,7 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
                     replayed.comparison.add(&recorded, &outcome);
                 }
             }
+            Ok(Entry::Truth(_)) => {}
             Ok(Entry::Start(_)) => bail!("it begins twice"),
             Err(ReadError::CutOff) => replayed.cut = true,
             Err(error) => return Err(error.into()),

@@ -9,13 +9,14 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Pilot, PilotSettings};
 use barrelman_trial::records::RecordingStart;
-use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{EncodedUnit, OperatorRequest, VideoFrame};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{EncodedUnit, OperatorRequest, PixelBox, Telemetry, VideoFrame};
 
 use crate::cli::RunArgs;
 use crate::clock::Clock;
 use crate::config::{self, ConfigFile, Configuration};
-use crate::link::{LinkHandle, LinkReport, LinkUrl};
+use crate::link::url::Endpoint;
+use crate::link::{Link, LinkHandle, LinkReport, LinkUrl};
 use crate::live::event::Event;
 use crate::live::latest::LatestFrame;
 use crate::live::overlay_video::OverlayVideo;
@@ -25,7 +26,9 @@ use crate::live::status::Status;
 use crate::live::terminal::Terminal;
 use crate::live::threads::Saboteur;
 use crate::output;
-use crate::video::{DecodeError, VideoSink, VideoState, VideoUrl, spawn};
+use crate::video::url::VideoSource;
+use crate::video::{DecodeError, VideoSink, VideoState, VideoUrl, spawn, spawn_world};
+use crate::world::LiveWorld;
 
 /// Events that may wait for the loop. It takes thousands a second; hundreds come.
 const EVENTS: usize = 1024;
@@ -35,18 +38,28 @@ const EVENTS: usize = 1024;
 /// # Errors
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
-    let configuration = effective(args)?;
+    let (mut configuration, latency_is_known) = effective(args)?;
     let Some(video) = &configuration.video else {
         bail!(
-            "no video source: give --video rtsp://..., --video file:clip.mp4, or video.url in the configuration"
+            "no video source: give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration"
         );
     };
     let video = VideoUrl::parse(video)?;
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
+    let world = match &video.source {
+        VideoSource::World(url) => Some(LiveWorld::load(url)?),
+        VideoSource::File(_) | VideoSource::Rtsp { .. } => None,
+    };
+    if world.is_none() && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::World) {
+        bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
+    }
+    if let Some(world) = world.as_ref().filter(|_| !latency_is_known) {
+        configuration.profile.video_latency = world.scenario().camera.latency();
+    }
     for path in [&args.record, &args.overlay].into_iter().flatten() {
         output::check_free(path, args.force)?;
     }
-    let end = live(args, &configuration, video, link, clock)?;
+    let end = live(args, &configuration, Source { video, world }, link, clock)?;
     Ok(match end {
         RunEnd::VideoEnded => {
             tracing::info!("the video has ended");
@@ -63,8 +76,16 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
     })
 }
 
-/// The configuration of a run: the file, and over it what the command line says.
-fn effective(args: &RunArgs) -> Result<Configuration> {
+/// What the video comes from.
+struct Source {
+    video: VideoUrl,
+    /// The world, where it is simulated.
+    world: Option<LiveWorld>,
+}
+
+/// The configuration of a run: the file, and over it what the command line says; and whether it says how late the
+/// video comes.
+fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
     let mut file = match &args.config {
         Some(path) => config::read(path)?,
         None => ConfigFile::default(),
@@ -82,7 +103,8 @@ fn effective(args: &RunArgs) -> Result<Configuration> {
         Some(path) => format!("the configuration {} is not usable", path.display()),
         None => "the command line is not usable".to_owned(),
     };
-    Configuration::resolve(&file).with_context(context)
+    let latency_is_known = file.vehicle.video_latency_s.is_some();
+    Ok((Configuration::resolve(&file).with_context(context)?, latency_is_known))
 }
 
 /// A pilot for a configuration, with its tracker.
@@ -90,14 +112,15 @@ fn effective(args: &RunArgs) -> Result<Configuration> {
 /// # Errors
 /// If the tracker's settings lie outside their ranges.
 pub fn pilot_for(configuration: &Configuration) -> Result<Pilot> {
-    let settings = PilotSettings { profile: configuration.profile.clone() };
+    let settings =
+        PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
     Ok(Pilot::new(settings, configuration.tracker.tracker()?))
 }
 
 fn live(
     args: &RunArgs,
     configuration: &Configuration,
-    video: VideoUrl,
+    Source { video, world }: Source,
     link_url: Option<LinkUrl>,
     clock: Clock,
 ) -> Result<RunEnd> {
@@ -106,8 +129,15 @@ fn live(
     let pilot = pilot_for(configuration)?;
     // Signals are caught before the port is opened: from here on nothing ends the program without zeros.
     let terminal = Terminal::watch(events.clone(), clock, saboteur.clone())?;
-    let link = match &link_url {
-        Some(url) => {
+    let link = match (&link_url, &world) {
+        (Some(url), Some(world)) if url.endpoint == Endpoint::World => {
+            let link = world.link();
+            link.break_by(url.faults.clone());
+            let up = Telemetry { at: clock.now(), report: Report::Link(LinkState::Up) };
+            events.send(Event::Link(LinkReport::Telemetry(up)))?;
+            Some(Link::World(link))
+        }
+        (Some(url), _) => {
             let to_loop = events.clone();
             let report = move |report| {
                 // The link never waits for a loop that is held up: a report that finds no room is left out. Its last
@@ -117,12 +147,11 @@ fn live(
                     _ => drop(to_loop.try_send(Event::Link(report))),
                 }
             };
-            Some(
-                LinkHandle::open(url, configuration.framing, clock, report)
-                    .context("the link cannot be used")?,
-            )
+            let link = LinkHandle::open(url, configuration.framing, clock, report)
+                .context("the link cannot be used")?;
+            Some(Link::Port(link))
         }
-        None => {
+        (None, _) => {
             tracing::warn!("no link: this is a dry run that sends nothing");
             None
         }
@@ -148,8 +177,16 @@ fn live(
         recording: recording.clone(),
         events: events.clone(),
         damaged: 0,
+        selects: args.select.is_none(),
     };
-    let source = spawn(video, clock, sink)?;
+    let source = match world {
+        // What is recorded is what the pilot saw: a replay can only decode it again.
+        Some(world) => {
+            let world = world.on(&configuration.profile).coded(args.record.is_some());
+            spawn_world(world, &video, clock, sink)?
+        }
+        None => spawn(video, clock, sink)?,
+    };
     let link_state = link.as_ref().map(|_| LinkState::Opening);
     let status = Status::start(link_state, clock, saboteur.clone(), events.clone())?;
     drop(events);
@@ -174,7 +211,7 @@ fn live(
         .unwrap_or_else(|_| RunEnd::Failed("the pilot's thread panicked".to_owned()));
 
     // The zeros first, then everything else, and the vehicle's own stop meanwhile.
-    let said = link.map(LinkHandle::close);
+    let said = link.map(Link::close);
     if said == Some(false) {
         end = RunEnd::Failed(
             "the last zeros and the vehicle's stop could not be sent, as the link was down: the camera may still be turning. Stop it from the ground station itself".to_owned(),
@@ -221,6 +258,8 @@ struct Sink {
     recording: Option<RecorderInput>,
     events: SyncSender<Event>,
     damaged: u64,
+    /// Whether nobody has selected anything: a simulated world then says where its target is.
+    selects: bool,
 }
 
 impl VideoSink for Sink {
@@ -233,6 +272,13 @@ impl VideoSink for Sink {
     fn frame(&mut self, frame: VideoFrame) {
         if self.latest.put(frame) {
             let _ = self.events.send(Event::Frame);
+        }
+    }
+
+    fn target(&mut self, target: PixelBox) {
+        if self.selects {
+            tracing::info!("no --select: the simulated world says where the boat is, {target}");
+            let _ = self.events.send(Event::Request(OperatorRequest::Select(target)));
         }
     }
 

@@ -7,12 +7,33 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow, bail};
 use barrelman_trial::logs::recorded::Collector;
 use barrelman_trial::logs::{self, TrialLog};
-use barrelman_trial::records::{Entry, ReadError, RecordingReader};
+use barrelman_trial::records::{Entry, ReadError, RecordingReader, RecordingStart};
 
+use crate::campaign::file::{self as campaign_file, CampaignFile};
 use crate::input;
 
 /// How an MCAP file begins.
 const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];
+
+/// What was read from a file.
+#[derive(Debug)]
+pub(super) enum Input {
+    /// One trial.
+    Trial(Box<TrialInput>),
+    /// The trials of a campaign, by their metrics.
+    Campaign(CampaignFile),
+}
+
+/// What kind of log a trial was read from.
+#[derive(Debug)]
+pub(super) enum LogKind {
+    /// The authors' laboratory's.
+    Laboratory,
+    /// A CSV that this program wrote.
+    Exported,
+    /// A recording, with what ran; `None` where that is missing.
+    Recording(Option<Box<RecordingStart>>),
+}
 
 /// A trial that was read from a file.
 #[derive(Debug)]
@@ -23,6 +44,21 @@ pub(super) struct TrialInput {
     pub(super) log: TrialLog,
     /// Where the file was cut, if it was, in words.
     pub(super) cut: Option<String>,
+    /// What it was read from.
+    pub(super) kind: LogKind,
+}
+
+/// Reads a trial, or a campaign's file.
+///
+/// # Errors
+/// If the file cannot be read or is none that is known; the message names it.
+pub(super) fn read_any(path: &Path) -> Result<Input> {
+    let mut first = Vec::new();
+    input::open(path)?.take(1).read_to_end(&mut first)?;
+    if campaign_file::is_one(&first) {
+        return campaign_file::read(path).map(Input::Campaign);
+    }
+    read(path).map(|trial| Input::Trial(Box::new(trial)))
 }
 
 /// Reads a trial.
@@ -52,15 +88,19 @@ fn read_named(mut file: File, path: &Path, name: String) -> Result<TrialInput> {
             path.display()
         )
     });
-    Ok(TrialInput { name, log: read.log, cut })
+    let is_laboratory = text.starts_with(logs::laboratory::HEADER);
+    let kind = if is_laboratory { LogKind::Laboratory } else { LogKind::Exported };
+    Ok(TrialInput { name, log: read.log, cut, kind })
 }
 
 fn read_recording(file: File, name: String) -> Result<TrialInput> {
     let mut collector = Collector::default();
-    let mut cut = None;
+    let (mut cut, mut start) = (None, None);
     for entry in RecordingReader::new(BufReader::new(file)) {
         match entry {
             Ok(Entry::Outcome(outcome)) => collector.take(&outcome),
+            Ok(Entry::Truth(truth)) => collector.take_truth(truth),
+            Ok(Entry::Start(found)) => start = Some(Box::new(found)),
             Ok(_) => {}
             Err(ReadError::CutOff) => {
                 cut = Some(format!("{name}: the recording is cut off: everything before the cut was used"));
@@ -69,7 +109,7 @@ fn read_recording(file: File, name: String) -> Result<TrialInput> {
         }
     }
     match collector.finish() {
-        Some(log) => Ok(TrialInput { name, log, cut }),
+        Some(log) => Ok(TrialInput { name, log, cut, kind: LogKind::Recording(start) }),
         None => bail!("nothing was ever localised in this recording"),
     }
 }

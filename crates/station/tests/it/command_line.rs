@@ -36,6 +36,8 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
         &["csrt", "fused", "camshift"],
     );
     refused(&["run", "--video", "file:clip.mp4", "--tracker", "csrt"], 2, &["csrt", "fused", "camshift"]);
+    refused(&["demo", "--clip", "--seed", "3"], 2, &["--clip", "--seed"]);
+    refused(&["demo", "--seconds", "-1"], 2, &["above zero"]);
     refused(&["demo", "--tracker", "csrt"], 2, &["csrt", "fused", "camshift"]);
 }
 
@@ -49,6 +51,20 @@ fn what_is_not_there_is_named_and_ends_with_1() {
     refused(&["run", "nowhere.toml"], 1, &["nowhere.toml"]);
     refused(&["law", "nowhere.csv", "--profile", "kite"], 1, &["kite", "fotokite-pro"]);
     refused(&["run", "--video", "v4l2:///dev/video0"], 1, &["v4l2"]);
+    refused(&["run", "--video", "sim:"], 1, &["names no scenario", "sim:arena1"]);
+    refused(&["run", "--video", "sim:atlantis"], 1, &["atlantis", "arena1", "barrelman scenarios"]);
+    refused(&["run", "--video", "sim:open?seed=many"], 1, &["seed=many", "seed=7"]);
+    refused(&["run", "--video", "sim:open?size=0x7"], 1, &["picture", "even"]);
+    refused(&["run", "--video", "file:clip.mp4", "--link", "sim:"], 1, &["--video sim:SCENARIO"]);
+    refused(&["track", "sim:open", "--select", "1,2,3,4"], 1, &["simulated world", "barrelman run"]);
+    refused(&["demo", "atlantis"], 1, &["atlantis", "arena1"]);
+    refused(&["demo", "--replay", "nowhere.jsonl"], 1, &["nowhere.jsonl"]);
+    refused(&["demo", "--listen", "192.0.2.1:80"], 1, &["192.0.2.1:80", "--listen"]);
+    refused(
+        &["emulate", "fotokite-pro", "--pty", "nowhere/pty", "--world", "file:clip.mp4"],
+        1,
+        &["--world", "sim:arena1"],
+    );
     refused(
         &["run", "--video", "file:clip.mp4", "--link", "carrier-pigeon:coop"],
         1,
@@ -58,7 +74,9 @@ fn what_is_not_there_is_named_and_ends_with_1() {
 
 #[test]
 fn every_command_shows_an_example() {
-    for command in ["demo", "run", "track", "law", "metrics", "replay", "export", "check", "config"] {
+    for command in
+        ["demo", "run", "track", "law", "metrics", "report", "render", "replay", "export", "check", "config"]
+    {
         let output = barrelman(&[command, "--help"]);
         let help = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success() && help.contains("Example"), "{command}: {help}");

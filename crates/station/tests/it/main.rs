@@ -7,8 +7,12 @@
     reason = "a test fails by panicking, and says why it was skipped"
 )]
 
+mod campaigns;
 mod command_line;
 mod configuration;
 mod overlay;
+mod reports;
+mod scenarios;
 mod video;
 mod video_live;
+mod world;

@@ -78,6 +78,6 @@ pub fn read(text: &str) -> Result<ReadLog, LogError> {
     }
     let (frame, picture) = size.map_or((laboratory::FRAME, laboratory::PICTURE), |size| (size, size));
     let knows_lost = rows.iter().any(|row| row.position.is_none()) || size.is_some();
-    let log = TrialLog { rows, last_row_s, frame, picture, knows_lost };
+    let log = TrialLog { rows, last_row_s, frame, picture, knows_lost, truth: None };
     Ok(ReadLog { log, cut_at_line })
 }

@@ -54,6 +54,6 @@ pub fn read(text: &str) -> Result<ReadLog, LogError> {
         return Err(LogError::Empty);
     }
     let last_row_s = 1.0 / ROWS_PER_SECOND;
-    let log = TrialLog { rows, last_row_s, frame: FRAME, picture: PICTURE, knows_lost: false };
+    let log = TrialLog { rows, last_row_s, frame: FRAME, picture: PICTURE, knows_lost: false, truth: None };
     Ok(ReadLog { log, cut_at_line })
 }

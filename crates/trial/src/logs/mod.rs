@@ -36,6 +36,21 @@ pub struct TrialLog {
     pub picture: PictureSize,
     /// Whether the log can tell that the track was lost.
     pub knows_lost: bool,
+    /// What was true at each row, where the trial was simulated.
+    pub truth: Option<Vec<RowTruth>>,
+}
+
+/// What was true at a row of a simulated trial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RowTruth {
+    /// Whether the target was out of the picture.
+    pub out_of_picture: bool,
+    /// The rates that the camera's axes had, rad/s: pan, tilt; `None` in a recording.
+    pub achieved: Option<(f64, f64)>,
+    /// Where the target was in the world, metres: x to the right and y ahead of the first view.
+    pub target_m: (f64, f64),
+    /// Where the camera was, likewise.
+    pub camera_m: (f64, f64),
 }
 
 impl TrialLog {

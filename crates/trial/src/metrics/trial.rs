@@ -2,10 +2,10 @@
 
 use barrelman_control::Region;
 use barrelman_vocab::{ImagePoint, PictureSize, VehicleRates};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::excursion::{Excursion, excursions};
-use crate::logs::TrialLog;
+use crate::logs::{RowTruth, TrialLog};
 
 /// A target within this share of half the picture's width or height from its border counts as at the border.
 pub const BORDER_SHARE: f64 = 0.05;
@@ -13,7 +13,7 @@ pub const BORDER_SHARE: f64 = 0.05;
 pub const LOST_AFTER_S: f64 = 2.0;
 
 /// The metrics of one trial. Fields are `null` where the log cannot tell.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrialMetrics {
     /// Rows.
     pub samples: usize,
@@ -80,14 +80,17 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
             .fold(0.0, |sum, (index, _)| sum + log.step_s(index))
     };
     let camera = CameraWork::of(log);
-    let lost = log.knows_lost.then(|| LostTime::of(log));
+    let lost = match &log.truth {
+        Some(truth) => Some(LostTime::of(log, |index| truth[index].out_of_picture)),
+        None => log.knows_lost.then(|| LostTime::of(log, |index| log.rows[index].position.is_none())),
+    };
     let duration_s = log.duration_s();
     TrialMetrics {
         samples: log.rows.len(),
         duration_s,
         excursions: all.len(),
         complete_excursions: complete.len(),
-        time_outside_s: time_where(&|position| region.p(position) > 1.0),
+        time_outside_s: all.iter().map(|excursion| excursion.b_s).sum(),
         max_p: ps().reduce(f64::max),
         mean_h: mean(complete.iter().map(|excursion| excursion.h)),
         mean_b_s: mean(complete.iter().map(|excursion| excursion.b_s)),
@@ -101,7 +104,7 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
             .and_then(|work| (work.movement_s > 0.0).then(|| work.both_axes_s / work.movement_s)),
         movement_s: camera.as_ref().map(|work| work.movement_s),
         variation_rad_per_s: camera.as_ref().map(|work| work.variation_rad_per_s),
-        jerk_rad_per_s3: None,
+        jerk_rad_per_s3: log.truth.as_ref().and_then(|truth| jerk(log, truth)),
         border_s: time_where(&|position| at_border(position, picture)),
         out_of_picture_s: lost.as_ref().map(|lost| lost.total_s),
         ends_outside: ps().next_back().is_some_and(|p| p > 1.0),
@@ -161,6 +164,21 @@ impl CameraWork {
     }
 }
 
+/// RMS second derivative of the achieved rates, both axes together, rad/s³; `None` of fewer than three rows.
+fn jerk(log: &TrialLog, truth: &[RowTruth]) -> Option<f64> {
+    let squares = (1..truth.len().saturating_sub(1)).map(|index| {
+        let (before_s, after_s) = (log.step_s(index - 1), log.step_s(index));
+        let (before, now, after) =
+            (truth[index - 1].achieved?, truth[index].achieved?, truth[index + 1].achieved?);
+        let second = |before: f64, now: f64, after: f64| {
+            ((after - now) / after_s - (now - before) / before_s) / (0.5 * (before_s + after_s))
+        };
+        let (pan, tilt) = (second(before.0, now.0, after.0), second(before.1, now.1, after.1));
+        Some(pan * pan + tilt * tilt)
+    });
+    mean(squares.flatten().filter(|square| square.is_finite())).map(f64::sqrt)
+}
+
 /// Time without a position.
 struct LostTime {
     total_s: f64,
@@ -169,11 +187,11 @@ struct LostTime {
 }
 
 impl LostTime {
-    fn of(log: &TrialLog) -> Self {
+    fn of(log: &TrialLog, is_lost: impl Fn(usize) -> bool) -> Self {
         let mut lost = Self { total_s: 0.0, longest_s: 0.0, at_end: false };
         let mut stretch_s = 0.0;
-        for (index, row) in log.rows.iter().enumerate() {
-            lost.at_end = row.position.is_none();
+        for index in 0..log.rows.len() {
+            lost.at_end = is_lost(index);
             if lost.at_end {
                 let step_s = log.step_s(index);
                 stretch_s += step_s;

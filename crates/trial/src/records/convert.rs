@@ -16,7 +16,7 @@ use barrelman_vocab::{
 };
 use bytes::Bytes;
 
-use super::entry::{Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart};
+use super::entry::{Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart};
 use super::stored;
 
 /// What is wrong with a stored message.
@@ -534,5 +534,43 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
             track: outcome.track.ok_or_else(|| missing("track"))?.try_into()?,
             notice: outcome.notice,
         })
+    }
+}
+
+impl From<&RecordedTruth> for stored::WorldTruth {
+    fn from(truth: &RecordedTruth) -> Self {
+        Self {
+            tick: truth.tick,
+            at_ns: truth.at.as_nanos(),
+            target_x_m: truth.target_m.0,
+            target_y_m: truth.target_m.1,
+            target_heading_rad: truth.heading.radians(),
+            camera_x_m: truth.camera_m.0,
+            camera_y_m: truth.camera_m.1,
+            camera_z_m: truth.camera_m.2,
+            camera_pan_rad: truth.pan.radians(),
+            camera_tilt_rad: truth.tilt.radians(),
+            image_x: truth.image.x,
+            image_y: truth.image.y,
+            in_picture: truth.in_picture,
+            range_m: truth.range_m,
+        }
+    }
+}
+
+impl From<stored::WorldTruth> for RecordedTruth {
+    fn from(truth: stored::WorldTruth) -> Self {
+        Self {
+            tick: truth.tick,
+            at: Timestamp::from_nanos(truth.at_ns),
+            target_m: (truth.target_x_m, truth.target_y_m),
+            heading: Angle::from_radians(truth.target_heading_rad),
+            camera_m: (truth.camera_x_m, truth.camera_y_m, truth.camera_z_m),
+            pan: Angle::from_radians(truth.camera_pan_rad),
+            tilt: Angle::from_radians(truth.camera_tilt_rad),
+            image: ImagePoint { x: truth.image_x, y: truth.image_y },
+            in_picture: truth.in_picture,
+            range_m: truth.range_m,
+        }
     }
 }

@@ -4,10 +4,11 @@ use core::time::Duration;
 
 use barrelman_control::Percept;
 use barrelman_pilot::{Advice, Mode, Outcome};
+use barrelman_sim::Truth;
 use barrelman_vocab::video::{Capture, ColourEncoding};
 use barrelman_vocab::{
-    CameraCommand, EncodedUnit, OperatorRequest, PictureSize, Telemetry, Timestamp, Track, VehicleRates,
-    VideoFrame,
+    Angle, CameraCommand, EncodedUnit, ImagePoint, OperatorRequest, PictureSize, Telemetry, Timestamp, Track,
+    VehicleRates, VideoFrame,
 };
 
 /// One entry.
@@ -28,6 +29,8 @@ pub enum Entry {
     },
     /// What came of a step.
     Outcome(RecordedOutcome),
+    /// What is true of a simulated world as a picture is taken.
+    Truth(RecordedTruth),
 }
 
 /// What ran, with which settings, on which clock.
@@ -89,6 +92,50 @@ impl FrameStamp {
             size: frame.picture.size(),
             colour: frame.picture.colour(),
             luma_hash: xxhash_rust::xxh3::xxh3_64(luma),
+        }
+    }
+}
+
+/// What is true of a simulated world as a picture is taken, as stored. Places and angles are those of
+/// [`barrelman_sim::pose`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordedTruth {
+    /// The world's tick.
+    pub tick: u64,
+    /// Its time.
+    pub at: Timestamp,
+    /// Where the target is, metres: x, y.
+    pub target_m: (f64, f64),
+    /// Where its bow points.
+    pub heading: Angle,
+    /// Where the camera is, metres: x, y, z.
+    pub camera_m: (f64, f64, f64),
+    /// Its pan.
+    pub pan: Angle,
+    /// Its tilt.
+    pub tilt: Angle,
+    /// Where the target is in the picture, also where that is beyond its border.
+    pub image: ImagePoint,
+    /// Whether it is within the picture.
+    pub in_picture: bool,
+    /// From the camera to the target, metres.
+    pub range_m: f64,
+}
+
+impl From<&Truth> for RecordedTruth {
+    fn from(truth: &Truth) -> Self {
+        let (camera, target) = (truth.camera, truth.target);
+        Self {
+            tick: truth.tick,
+            at: truth.at,
+            target_m: (target.place.x, target.place.y),
+            heading: target.heading,
+            camera_m: (camera.place.x, camera.place.y, camera.place.z),
+            pan: camera.pan,
+            tilt: camera.tilt,
+            image: truth.image,
+            in_picture: truth.in_picture,
+            range_m: truth.range_m,
         }
     }
 }

@@ -21,6 +21,6 @@ mod stored {
     include!(concat!(env!("OUT_DIR"), "/barrelman.rs"));
 }
 
-pub use entry::{Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart};
+pub use entry::{Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart};
 pub use reader::{ReadError, RecordingReader};
 pub use writer::{RecordingWriter, WriteError};

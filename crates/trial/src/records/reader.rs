@@ -116,5 +116,6 @@ fn read(
         Topic::InputRequest => stored::RequestInput::decode(data)?.try_into()?,
         Topic::InputTick => stored::TickInput::decode(data)?.into(),
         Topic::Outcome => Entry::Outcome(stored::Outcome::decode(data)?.try_into()?),
+        Topic::Truth => Entry::Truth(stored::WorldTruth::decode(data)?.into()),
     }))
 }

@@ -22,10 +22,11 @@ pub(super) enum Topic {
     InputRequest,
     InputTick,
     Outcome,
+    Truth,
 }
 
 impl Topic {
-    pub(super) const ALL: [Self; 11] = [
+    pub(super) const ALL: [Self; 12] = [
         Self::Start,
         Self::VideoUnit,
         Self::Video,
@@ -37,6 +38,7 @@ impl Topic {
         Self::InputRequest,
         Self::InputTick,
         Self::Outcome,
+        Self::Truth,
     ];
 
     pub(super) const fn name(self) -> &'static str {
@@ -52,6 +54,7 @@ impl Topic {
             Self::InputRequest => "/input/request",
             Self::InputTick => "/input/tick",
             Self::Outcome => "/outcome",
+            Self::Truth => "/truth",
         }
     }
 
@@ -77,6 +80,7 @@ impl Topic {
             Self::InputRequest => own("RequestInput"),
             Self::InputTick => own("TickInput"),
             Self::Outcome => own("Outcome"),
+            Self::Truth => own("WorldTruth"),
         }
     }
 

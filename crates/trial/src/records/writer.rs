@@ -66,6 +66,7 @@ impl<W: Write> RecordingWriter<W> {
             Entry::Unit(unit) => self.write_unit(unit),
             Entry::Input { step, now, input } => self.write_input(*step, *now, input),
             Entry::Outcome(outcome) => self.put(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome)),
+            Entry::Truth(truth) => self.put(Topic::Truth, truth.at, &stored::WorldTruth::from(truth)),
         }
     }
 

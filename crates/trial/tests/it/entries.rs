@@ -6,8 +6,8 @@ use barrelman_control::{Percept, Sector};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
 use barrelman_trial::records::{
-    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
-    RecordingWriter,
+    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
+    RecordingStart, RecordingWriter,
 };
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::track::Shape;
@@ -236,5 +236,22 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         notice: String::new(),
         ..outcome(0.0)
     }));
+    entries.push(Entry::Truth(truth(ns(2_000))));
     entries
+}
+
+/// What is true of a world at a time.
+pub(crate) fn truth(at: Timestamp) -> RecordedTruth {
+    RecordedTruth {
+        tick: 3,
+        at,
+        target_m: (1.5, -2.0),
+        heading: Angle::from_radians(0.5),
+        camera_m: (0.1, 0.2, 1.83),
+        pan: Angle::from_radians(-0.25),
+        tilt: Angle::from_radians(-0.4),
+        image: ImagePoint { x: -300.0, y: 12.5 },
+        in_picture: true,
+        range_m: 3.5,
+    }
 }

@@ -12,6 +12,8 @@ mod laboratory;
 mod log_text;
 mod lost_trials;
 mod replay;
+mod simulated_trials;
+mod statistics;
 mod summaries;
 mod trial_logs;
 
@@ -23,3 +25,5 @@ mod round_trips;
 mod tables;
 
 mod entries;
+
+mod reports;

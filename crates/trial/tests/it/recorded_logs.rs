@@ -1,11 +1,13 @@
 //! Outcomes as a trial log.
 
+use core::time::Duration;
+
 use barrelman_control::{Percept, Region};
 use barrelman_trial::logs::recorded::Collector;
-use barrelman_trial::records::RecordedOutcome;
+use barrelman_trial::records::{RecordedOutcome, RecordedTruth};
 use barrelman_vocab::{ImagePoint, Localisation, PictureSize, Timestamp, Track};
 
-use crate::entries::{outcome, seen};
+use crate::entries::{outcome, seen, truth};
 use crate::trial_logs::rates;
 
 const POSITION: ImagePoint = ImagePoint { x: 3.0, y: 4.0 };
@@ -42,4 +44,53 @@ fn a_log_begins_with_the_first_localisation() {
     assert_eq!(rows, [(0.0, Some(POSITION), told), (0.25, None, told), (0.5, Some(POSITION), told)]);
     assert_eq!((log.last_row_s, log.knows_lost), (0.25, true));
     assert_eq!((log.frame, log.picture), (PictureSize::new(320, 240), PictureSize::new(320, 240)));
+}
+
+/// What happens in a recording of a simulated world.
+enum Event {
+    /// A picture is taken at this time; the target is in it, or not.
+    Picture(u64, bool),
+    /// A look at this time finds the target in a picture that is 100 ms old.
+    Found(u64),
+    /// A look at this time finds nothing.
+    Missed(u64),
+}
+
+/// Whether the target was out of the picture, row by row.
+fn out_of_picture(events: &[Event]) -> Option<Vec<bool>> {
+    let mut collector = Collector::default();
+    for event in events {
+        match *event {
+            Event::Picture(ms, in_picture) => {
+                let at = Timestamp::from_nanos(ms * 1_000_000);
+                collector.take_truth(RecordedTruth { in_picture, ..truth(at) });
+            }
+            Event::Found(ms) => {
+                let age = Some(Duration::from_millis(100));
+                collector.take(&RecordedOutcome { age, ..tracked(ms) });
+            }
+            Event::Missed(ms) => collector.take(&RecordedOutcome { age: None, ..lost(ms) }),
+        }
+    }
+    let rows = collector.finish().unwrap().truth?;
+    Some(rows.iter().map(|row| row.out_of_picture).collect())
+}
+
+#[test]
+fn a_row_goes_by_what_was_true_as_its_picture_was_taken() {
+    use Event::{Found, Missed, Picture};
+    assert_eq!(out_of_picture(&[Found(100)]), None, "a recording of no simulated world");
+    let seen = [Picture(0, true), Picture(50, false), Found(100), Found(150), Picture(100, true), Found(200)];
+    assert_eq!(out_of_picture(&seen), Some(vec![false, true, false]));
+    // Pictures that nothing was found in have no row: the one before stands for them.
+    let gap =
+        [Picture(0, true), Found(100), Picture(100, false), Missed(200), Picture(200, true), Found(300)];
+    assert_eq!(out_of_picture(&gap), Some(vec![true, false]));
+    let at_end = [Picture(0, true), Found(100), Picture(100, false), Missed(200)];
+    assert_eq!(out_of_picture(&at_end), Some(vec![true]));
+    let on_the_way = [Picture(0, true), Found(100), Picture(90, false)];
+    assert_eq!(out_of_picture(&on_the_way), Some(vec![false]), "this picture never arrived");
+    let pictures = (1..2_000).map(|index| Picture(index * 10, index == 1));
+    let long: Vec<Event> = [Picture(0, true), Found(100)].into_iter().chain(pictures).collect();
+    assert_eq!(out_of_picture(&long), Some(vec![true]), "what waits is bounded, and not forgotten");
 }

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::{Input, Pilot, PilotSettings};
+use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
 use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingWriter};
 use barrelman_trial::replay::{Comparison, Replay};
@@ -20,7 +20,7 @@ const SIZE: PictureSize = PictureSize::new(640, 480);
 
 fn pilot(profile: &VehicleProfile) -> Pilot {
     let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
-    Pilot::new(PilotSettings { profile: profile.clone() }, Box::new(tracker))
+    Pilot::new(PilotSettings { profile: profile.clone(), law: LawSettings::Schema }, Box::new(tracker))
 }
 
 fn input(recorded: &RecordedInput) -> Input<'static> {
@@ -106,7 +106,7 @@ fn replayed(recording: &[u8], profile: &VehicleProfile) -> Comparison {
                 again = Some(replay.step(step, now, input(&recorded)));
             }
             Entry::Outcome(recorded) => comparison.add(&recorded, &again.take().unwrap()),
-            Entry::Start(_) | Entry::Unit(_) => {}
+            Entry::Start(_) | Entry::Unit(_) | Entry::Truth(_) => {}
         }
     }
     comparison

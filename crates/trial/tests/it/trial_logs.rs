@@ -18,7 +18,14 @@ pub(crate) fn of_rows(
 ) -> TrialLog {
     let rows = rows.into_iter().enumerate();
     let rows = rows.map(|(row, (position, rates))| LogRow { time_s: row as f64 * 0.5, position, rates });
-    TrialLog { rows: rows.collect(), last_row_s: 0.5, frame: PICTURE, picture: PICTURE, knows_lost: true }
+    TrialLog {
+        rows: rows.collect(),
+        last_row_s: 0.5,
+        frame: PICTURE,
+        picture: PICTURE,
+        knows_lost: true,
+        truth: None,
+    }
 }
 
 /// One character a row: `.` P = 0, `o` P = 1, `a` P = 2.25, `b` P = 4, `c` P = 9, `-` no position.

@@ -1,0 +1,33 @@
+//! `barrelman scenarios`: the list of scenarios, or one scenario's file.
+
+use std::io::{Write as _, stdout};
+use std::process::ExitCode;
+
+use anyhow::Result;
+
+use crate::cli::ScenariosArgs;
+use crate::scenario::{self, BUILT_IN, Changes, file::ScenarioFile};
+
+/// Runs the command.
+///
+/// # Errors
+/// If there is no such scenario, or a file of one has a mistake.
+pub fn run(args: &ScenariosArgs) -> Result<ExitCode> {
+    let mut out = stdout().lock();
+    let Some(name) = &args.name else {
+        let width = BUILT_IN.iter().map(|built_in| built_in.name.len()).max().unwrap_or(0);
+        for built_in in BUILT_IN {
+            let file: ScenarioFile = toml::from_str(built_in.text)?;
+            writeln!(out, "{:width$}  {}", built_in.name, file.summary)?;
+        }
+        return Ok(ExitCode::SUCCESS);
+    };
+    if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name) {
+        write!(out, "{}", built_in.text)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    // A file of one's own: it is checked.
+    let loaded = scenario::load(name, &Changes::default())?;
+    writeln!(out, "{name} is a scenario: {}", loaded.scenario.name)?;
+    Ok(ExitCode::SUCCESS)
+}

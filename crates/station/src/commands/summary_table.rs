@@ -1,0 +1,81 @@
+//! The metrics of trials as a table for people.
+
+use std::fmt::Write as _;
+
+use barrelman_trial::metrics::{Arena, Summary};
+
+/// The figures that people compare first; `--json` has all of them.
+///
+/// # Errors
+/// Never in practice: it is written into a string.
+pub(super) fn of(summary: &Summary) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let width = summary.trials.iter().map(|trial| trial.name.len()).max().unwrap_or(0).max("trial".len());
+    writeln!(
+        text,
+        "{:width$}  {:>7}  {:>10}  {:>9}  {:>6}  {:>7}  {:>6}  {:>6}  {:>5}  {:>9}  {:>7}",
+        "trial",
+        "time s",
+        "excursions",
+        "outside s",
+        "max P",
+        "mean b",
+        "mean h",
+        "moves",
+        "rad",
+        "rad2/s",
+        "s"
+    )?;
+    let number = |value: Option<f64>, decimals: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+    };
+    for trial in &summary.trials {
+        let m = &trial.metrics;
+        writeln!(
+            text,
+            "{:width$}  {:>7.1}  {:>10}  {:>9.2}  {:>6}  {:>7}  {:>6}  {:>6}  {:>5}  {:>9}  {:>7}{}",
+            trial.name,
+            m.duration_s,
+            format!("{}/{}", m.complete_excursions, m.excursions),
+            m.time_outside_s,
+            number(m.max_p, 2),
+            number(m.mean_b_s, 2),
+            number(m.mean_h, 2),
+            m.moves.map_or_else(|| "-".to_owned(), |moves| moves.to_string()),
+            number(m.travel_rad, 2),
+            number(m.effort_rad2_per_s, 3),
+            number(m.sensitivity, 3),
+            if m.ends_outside { "  ends outside" } else { "" },
+        )?;
+    }
+    for (number_of_arena, figures) in &summary.arenas {
+        let outside: usize = summary
+            .trials
+            .iter()
+            .filter(|trial| trial.arena.is_some_and(|arena| arena.number().to_string() == *number_of_arena))
+            .filter(|trial| trial.metrics.ends_outside)
+            .count();
+        let published =
+            number_of_arena.parse().ok().and_then(Arena::numbered).map(Arena::published_sensitivity);
+        writeln!(
+            text,
+            "\narena {number_of_arena}: {} trials, mean sensitivity {} (published {}), normalised {}, success rate {} \
+             ({outside} end outside; the paper claims 1.00)",
+            figures.trials,
+            number(figures.pooled.mean_sensitivity, 4),
+            number(published, 4),
+            number(figures.pooled.normalised_sensitivity, 4),
+            number(figures.pooled.success_rate, 2),
+        )?;
+    }
+    if summary.arenas.is_empty() {
+        writeln!(
+            text,
+            "\nall: mean sensitivity {}, normalised {}, success rate {}",
+            number(summary.pooled.mean_sensitivity, 4),
+            number(summary.pooled.normalised_sensitivity, 4),
+            number(summary.pooled.success_rate, 2),
+        )?;
+    }
+    Ok(text)
+}

@@ -1,0 +1,116 @@
+//! The camera's axes, and the intervals that they are drawn from.
+
+use barrelman_sim::MountPlant;
+use barrelman_sim::camera_axis::{AxisFlaws, AxisPlant};
+use barrelman_sim::scenario::{AxisRanges, PlantRanges};
+use barrelman_vocab::{Angle, AngularRate};
+
+use super::within;
+use crate::scenario::Mistake;
+use crate::scenario::file::{AxisSection, DrawnAxisSection, DrawnSection, ScenarioFile};
+
+/// The axes as they are nominally.
+pub(super) fn mount(file: &ScenarioFile, latency_s: f64) -> Result<MountPlant, Mistake> {
+    Ok(MountPlant {
+        pan: axis("pan", &file.pan, latency_s)?,
+        tilt: axis("tilt", &file.tilt, latency_s)?,
+        cross_talk: 0.0,
+        droop_rad_per_s: 0.0,
+    })
+}
+
+fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, Mistake> {
+    let dead = |key: &str, value: f64| {
+        let key = format!("{name}.{key}");
+        let value = within(&key, value, 0.0, 5.0, "seconds")?;
+        past_latency(&key, value, latency_s)
+    };
+    let stops = match section.stops_deg {
+        None => None,
+        Some([low, high]) if low < high && low >= -180.0 && high <= 180.0 => {
+            Some((Angle::from_degrees(low), Angle::from_degrees(high)))
+        }
+        Some(_) => {
+            return Err(Mistake::value(
+                format!("{name}.stops_deg"),
+                "use two angles from -180 to 180, the lower first",
+            ));
+        }
+    };
+    let limit = within(&format!("{name}.limit_rad_per_s"), section.limit_rad_per_s, 0.001, 10.0, "rad/s")?;
+    Ok(AxisPlant {
+        start_dead_time_s: dead("start_dead_time_s", section.start_dead_time_s)?,
+        stop_dead_time_s: dead("stop_dead_time_s", section.stop_dead_time_s)?,
+        lag_s: within(&format!("{name}.lag_s"), section.lag_s, 0.0, 5.0, "seconds")?,
+        limit: AngularRate::from_radians_per_second(limit),
+        stops,
+        flaws: AxisFlaws {
+            acceleration_rad_per_s2: section
+                .acceleration_rad_per_s2
+                .map(|most| within(&format!("{name}.acceleration_rad_per_s2"), most, 0.01, 100.0, "rad/s²"))
+                .transpose()?,
+            dead_band_rad_per_s: within(
+                &format!("{name}.dead_band_rad_per_s"),
+                section.dead_band_rad_per_s,
+                0.0,
+                1.0,
+                "rad/s",
+            )?,
+            gain: 1.0,
+        },
+    })
+}
+
+/// A dead time as seen in the picture, less the camera's share of it.
+fn past_latency(key: &str, value: f64, latency_s: f64) -> Result<f64, Mistake> {
+    if value < latency_s {
+        return Err(Mistake::value(
+            key,
+            format!("{value} s is less than camera.latency_s, {latency_s} s, which is part of it"),
+        ));
+    }
+    Ok(value - latency_s)
+}
+
+/// What is drawn for each trial.
+pub(super) fn ranges(section: &DrawnSection, latency_s: f64) -> Result<PlantRanges, Mistake> {
+    let interval = |key: String, [low, high]: [f64; 2], least: f64, most: f64| {
+        if low <= high && low >= least && high <= most {
+            Ok((low, high))
+        } else {
+            Err(Mistake::value(
+                key,
+                format!("{low} to {high}: use two numbers from {least} to {most}, the lower first"),
+            ))
+        }
+    };
+    let axis = |name: &str, section: &DrawnAxisSection| {
+        let dead = |key: &str, bounds: [f64; 2]| {
+            let key = format!("drawn.{name}.{key}");
+            let (low, high) = interval(key.clone(), bounds, 0.0, 5.0)?;
+            Ok::<_, Mistake>((past_latency(&key, low, latency_s)?, past_latency(&key, high, latency_s)?))
+        };
+        Ok::<_, Mistake>(AxisRanges {
+            start_dead_time_s: dead("start_dead_time_s", section.start_dead_time_s)?,
+            stop_dead_time_s: dead("stop_dead_time_s", section.stop_dead_time_s)?,
+            lag_s: interval(format!("drawn.{name}.lag_s"), section.lag_s, 0.0, 5.0)?,
+            gain: section
+                .gain
+                .map_or(Ok((1.0, 1.0)), |gain| interval(format!("drawn.{name}.gain"), gain, 0.1, 10.0))?,
+        })
+    };
+    Ok(PlantRanges {
+        focal_px: interval("drawn.focal_px".to_owned(), section.focal_px, 10.0, 100_000.0)?,
+        pan: axis("pan", &section.pan)?,
+        tilt: axis("tilt", &section.tilt)?,
+        cross_talk: section
+            .cross_talk
+            .map_or(Ok((0.0, 0.0)), |bounds| interval("drawn.cross_talk".to_owned(), bounds, -1.0, 1.0))?,
+        droop_rad_per_s: section
+            .droop_deg_per_s
+            .map_or(Ok((0.0, 0.0)), |bounds| {
+                interval("drawn.droop_deg_per_s".to_owned(), bounds, -10.0, 10.0)
+            })
+            .map(|(low, high)| (low.to_radians(), high.to_radians()))?,
+    })
+}

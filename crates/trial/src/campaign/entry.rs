@@ -1,0 +1,55 @@
+//! What is kept of a simulated trial: one line of a campaign's file.
+
+use serde::{Deserialize, Serialize};
+
+use crate::metrics::TrialEntry;
+
+/// The settings of a campaign: two trials with the same ones and the same seed are the same trial.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignSettings {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// XXH3-64 of the scenario's file, in hexadecimal digits.
+    pub scenario_hash: String,
+    /// The law.
+    pub law: String,
+    /// Rate of the schema, rad/s, where it was not the vehicle's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_rad_per_s: Option<f64>,
+    /// `truth` or `pixels`.
+    pub perception: String,
+    /// How the kite moves by itself.
+    pub setting: String,
+    /// `nominal` or `drawn`.
+    pub plant: String,
+    /// Sea state, where it was not the scenario's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sea_state: Option<u8>,
+    /// Mean wind, m/s, where it was not the scenario's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wind_m_per_s: Option<f64>,
+    /// The boat's speed, m/s, where it was not the scenario's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boat_speed_m_per_s: Option<f64>,
+    /// Size of the picture, where it was not the scenario's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<String>,
+    /// The tracker, in pixels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tracker: Option<String>,
+    /// Version of the program.
+    pub program: String,
+}
+
+/// One trial of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CampaignEntry {
+    /// Its seed.
+    pub seed: u64,
+    /// Its name and metrics.
+    #[serde(flatten)]
+    pub trial: TrialEntry,
+    /// What it was a trial of.
+    pub campaign: CampaignSettings,
+}
