@@ -27,11 +27,6 @@ pub fn exponential(seed: u64, stream: u64, index: u64) -> f64 {
     -libm::log(1.0 - unit(seed, stream, index))
 }
 
-/// A number between two bounds.
-pub fn between(seed: u64, stream: u64, index: u64, low: f64, high: f64) -> f64 {
-    low + (high - low) * unit(seed, stream, index)
-}
-
 /// Side of the tile that [`tile`] makes.
 pub const TILE_SIDE: usize = 512;
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use barrelman_pilot::{LawSettings, Pilot, PilotSettings};
+use barrelman_pilot::{Pilot, PilotSettings};
 use barrelman_sim::render::Serial;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
@@ -52,9 +52,7 @@ pub struct Plan {
     loaded: Loaded,
     settings: CampaignSettings,
     profile: VehicleProfile,
-    law: LawSettings,
-    law_name: LawName,
-    in_pixels: bool,
+    law: LawName,
     tracker: TrackerName,
     plant: PlantName,
     simd: Simd,
@@ -69,8 +67,7 @@ impl Plan {
     /// If the scenario cannot be used.
     pub fn new(request: &Request) -> Result<Self> {
         let mut loaded = scenario::load(&request.scenario, &request.changes)?;
-        let mut profile = VehicleProfile::fotokite_pro();
-        profile.video_latency = loaded.scenario.camera.latency();
+        let mut profile = loaded.profile();
         if let Some(rate) = request.rate {
             // The sweep over rates is about the rate: the simulated vehicle, too, is made able to turn so fast.
             profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));
@@ -100,9 +97,7 @@ impl Plan {
             loaded,
             settings,
             profile,
-            law: request.law.settings(),
-            law_name: request.law,
-            in_pixels: tracker.is_some(),
+            law: request.law,
             tracker: tracker.unwrap_or(TrackerName::Camshift),
             plant: request.plant,
             simd: Simd::at_most(request.simd),
@@ -150,11 +145,12 @@ impl Plan {
         let Ok(world) = World::new(&scenario, seed) else {
             bail!("the way-points of {} make no path in trial {seed}", scenario.name);
         };
-        let settings = PilotSettings { profile: self.profile.clone(), law: self.law };
+        let settings = PilotSettings { profile: self.profile.clone(), law: self.law.settings() };
         let pilot = Pilot::new(settings, TrackerSettings::of(self.tracker).tracker()?);
         // Trials run beside each other, each on one thread.
+        let in_pixels = self.settings.tracker.is_some();
         let mut eye =
-            self.in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
+            in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
         let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
         Ok(Simulation::new(&scenario, world, seed, pilot, &self.profile).run(eye, witness))
     }
@@ -169,7 +165,7 @@ impl Plan {
         };
         let configuration = Configuration {
             profile: self.profile.clone(),
-            law: self.law_name,
+            law: self.law,
             tracker: TrackerSettings::of(self.tracker),
             ..Configuration::resolve(&ConfigFile::default())?
         };

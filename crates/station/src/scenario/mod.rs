@@ -11,7 +11,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use barrelman_sim::Scenario;
-use barrelman_vocab::PictureSize;
+use barrelman_vocab::{PictureSize, VehicleProfile};
 
 pub use mistake::Mistake;
 
@@ -84,6 +84,13 @@ pub struct Loaded {
     pub setting: String,
     /// XXH3-64 of its file.
     pub hash: u64,
+}
+
+impl Loaded {
+    /// The vehicle that flies in it: the laboratory's, with the scenario's video latency.
+    pub fn profile(&self) -> VehicleProfile {
+        VehicleProfile { video_latency: self.scenario.camera.latency(), ..VehicleProfile::fotokite_pro() }
+    }
 }
 
 /// The scenario of that name, or in the file at that path.
