@@ -7,6 +7,7 @@
 //! Numbers are kept to the bit, but for one: protobuf leaves a zero away, so that -0.0 is read as 0.0.
 
 pub mod entry;
+mod framing;
 
 pub mod reader;
 pub mod writer;

@@ -8,6 +8,7 @@ use prost::Message as _;
 
 use super::convert::Malformed;
 use super::entry::Entry;
+use super::framing::Framed;
 use super::stored;
 use super::topics::Topic;
 
@@ -32,7 +33,7 @@ pub enum ReadError {
 
 /// The entries of a recording, in order. Topics that are not ours are passed over.
 pub struct RecordingReader<R: Read> {
-    messages: mcap::io::MessageReader<R>,
+    messages: mcap::io::MessageReader<Framed<R>>,
     /// A unit whose payload comes with the next video message.
     announced: Option<stored::VideoUnit>,
     started: bool,
@@ -83,9 +84,9 @@ impl<R: Read> Iterator for RecordingReader<R> {
 const LONGEST_RECORD: usize = 64 << 20;
 
 /// The messages of an MCAP file.
-pub(super) fn messages<R: Read>(input: R) -> mcap::io::MessageReader<R> {
+pub(super) fn messages<R: Read>(input: R) -> mcap::io::MessageReader<Framed<R>> {
     let options = mcap::sans_io::LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD);
-    mcap::io::MessageReader::new_with_options(input, options)
+    mcap::io::MessageReader::new_with_options(Framed::new(input), options)
 }
 
 pub(super) fn is_cut(error: &mcap::McapError) -> bool {

@@ -7,6 +7,8 @@
 use std::collections::BTreeMap;
 use std::io::Read;
 
+use prost::Message as _;
+use prost_reflect::prost_types::FileDescriptorSet;
 use prost_reflect::{DescriptorPool, DynamicMessage, FieldDescriptor, Kind, MessageDescriptor, Value};
 
 use super::reader::{ReadError, is_cut, messages};
@@ -44,11 +46,7 @@ pub fn read_rows<R: Read, E: From<ReadError>>(
                 if schema.encoding != "protobuf" || message.channel.message_encoding != "protobuf" {
                     continue;
                 }
-                let pool = DescriptorPool::decode(schema.data.as_ref())
-                    .map_err(|error| malformed(error.to_string()))?;
-                let descriptor = pool
-                    .get_message_by_name(&schema.name)
-                    .ok_or_else(|| malformed(format!("its schema does not describe {}", schema.name)))?;
+                let descriptor = described(&schema.name, &schema.data).map_err(malformed)?;
                 descriptors.entry(message.channel.id).or_insert(descriptor).clone()
             }
         };
@@ -61,6 +59,22 @@ pub fn read_rows<R: Read, E: From<ReadError>>(
         row(TableRow { topic, columns: flat.columns, cells: flat.cells })?;
     }
     Ok(())
+}
+
+/// The message of that name in a schema.
+fn described(name: &str, schema: &[u8]) -> Result<MessageDescriptor, String> {
+    let files = FileDescriptorSet::decode(schema).map_err(|error| error.to_string())?;
+    for file in &files.file {
+        // The pool panics at a syntax that it does not know.
+        if !matches!(file.syntax(), "" | "proto2" | "proto3") {
+            return Err(format!(
+                "its schema is written in the syntax {:?}, which is not known here",
+                file.syntax()
+            ));
+        }
+    }
+    let pool = DescriptorPool::from_file_descriptor_set(files).map_err(|error| error.to_string())?;
+    pool.get_message_by_name(name).ok_or_else(|| format!("its schema does not describe {name}"))
 }
 
 /// The columns and cells of one message, as they are collected.

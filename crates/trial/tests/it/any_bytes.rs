@@ -4,7 +4,7 @@ use barrelman_trial::records::table::read_rows;
 use barrelman_trial::records::{ReadError, RecordingReader};
 use proptest::prelude::*;
 
-use crate::entries::{every_kind, read, written};
+use crate::entries::{every_kind, read, start, written};
 
 fn read_all(bytes: &[u8]) {
     let entries = RecordingReader::new(bytes).count();
@@ -36,4 +36,35 @@ proptest! {
         let _ = read(&bytes);
         read_all(&bytes);
     }
+}
+
+/// Every byte of the lengths in the first chunk, each in turn as large as it can be.
+#[test]
+fn a_record_that_reaches_beyond_its_chunk_is_refused() {
+    let bytes = written(&every_kind());
+    let version = start().program_version.into_bytes();
+    let library = bytes.windows(version.len()).position(|window| window == version).unwrap();
+    let chunk = library + version.len();
+    assert_eq!(bytes[chunk], 0x06, "a chunk follows the header");
+    let first_record = chunk + 9 + 40;
+    for place in first_record + 1..first_record + 9 {
+        let mut damaged = bytes.clone();
+        damaged[place] = 0xff;
+        let (_, error) = read(&damaged);
+        assert!(matches!(error, Some(ReadError::Container(_))), "length byte at {place}: {error:?}");
+    }
+}
+
+#[test]
+fn a_schema_in_a_syntax_that_nobody_knows_is_refused() {
+    let mut bytes = written(&every_kind());
+    let places: Vec<_> =
+        bytes.windows(6).enumerate().filter(|(_, text)| text == b"proto3").map(|(at, _)| at).collect();
+    assert!(!places.is_empty());
+    for at in places {
+        bytes[at..at + 6].copy_from_slice(b"proto9");
+    }
+    let refusal = read_rows(bytes.as_slice(), |_| Ok::<(), ReadError>(())).unwrap_err();
+    assert!(matches!(refusal, ReadError::Message { .. }), "{refusal:?}");
+    assert!(refusal.to_string().contains("proto9"), "{refusal}");
 }
