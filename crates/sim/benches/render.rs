@@ -1,7 +1,10 @@
-//! What a frame costs, on one thread: an arena on the water (boat, buoys, 5.5 m up, looking 24 degrees down, sea state
-//! 1) and the laboratory's floor, by size of picture; and what is left when parts are left out.
+//! What a frame costs on one thread, as a whole and stage by stage, by size of picture: an arena on the water (boat, five
+//! buoys, 5.5 m up, looking 24 degrees down, sea state 1), a low view of a pier before a shore, and the laboratory's
+//! floor.
+//!
+//! `cargo bench -p barrelman-sim --bench render`; an argument picks benches by name.
 
-use barrelman_sim::render::{ENCODING, Effects, RenderSettings, Renderer, Serial, WaveGrid};
+use barrelman_sim::render::{ENCODING, Effects, RenderSettings, Renderer, Serial, Stage, WaveGrid};
 use barrelman_sim::snapshot::{Boat, Ground, Light, SensorState, Target, Thing, ThingKind};
 use barrelman_sim::{BodyPose, CameraPose, Optics, Sea, SeaState, Snapshot, Wind, WorldPoint};
 use barrelman_vocab::{Angle, Picture, PictureSize};
@@ -11,68 +14,139 @@ fn main() {
 }
 
 const SIZES: [(u32, u32); 3] = [(320, 240), (640, 480), (1280, 720)];
+const LARGE: [(u32, u32); 2] = [(640, 480), (1280, 720)];
 
-fn bench(
-    bencher: divan::Bencher<'_, '_>,
-    size: (u32, u32),
-    ground: Ground,
-    grid: WaveGrid,
-    effects: Effects,
-) {
-    let picture = PictureSize::new(size.0, size.1);
-    let optics = Optics { picture, focal_px: 0.83 * f64::from(size.0), barrel: 0.06 };
+/// What is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scene {
+    Arena,
+    Pier,
+    Floor,
+}
+
+fn renderer((width, height): (u32, u32), grid: WaveGrid, effects: Effects) -> (Renderer, Picture) {
+    let size = PictureSize::new(width, height);
+    let optics = Optics { picture: size, focal_px: 0.83 * f64::from(width), barrel: 0.06 };
     let state = SeaState::ALL[1];
     let sea = Sea::new(state, Wind { speed_mps: state.wind_mps(), towards: Angle::ZERO }, 1);
     let settings = RenderSettings { grid, effects, ..RenderSettings::new(optics, Some(sea), 1) };
-    let mut renderer = Renderer::new(settings);
-    let mut picture = Picture::black(picture, ENCODING);
+    (Renderer::new(settings), Picture::black(size, ENCODING))
+}
+
+/// A frame, or one stage of it, of a boat under way.
+fn bench(
+    bencher: divan::Bencher<'_, '_>,
+    scene: Scene,
+    size: (u32, u32),
+    (grid, effects): (WaveGrid, Effects),
+    stage: Option<Stage>,
+) {
+    let (mut renderer, mut picture) = renderer(size, grid, effects);
     let mut tick = 0;
+    // A wake needs a while.
+    for _ in 0..60 {
+        tick += 4;
+        renderer.observe(&snapshot(scene, tick));
+    }
+    renderer.draw(&snapshot(scene, tick), &mut picture, &Serial);
     bencher.bench_local(|| {
         tick += 4;
-        renderer.draw(divan::black_box(&arena(ground, tick)), &mut picture, &Serial).visible
+        let snapshot = divan::black_box(snapshot(scene, tick));
+        match stage {
+            Some(stage) => renderer.draw_stage(stage, &snapshot, &mut picture, &Serial),
+            None => drop(divan::black_box(renderer.draw(&snapshot, &mut picture, &Serial).visible)),
+        }
     });
 }
 
-/// Everything on, waves on grids of 256.
-#[divan::bench(args = SIZES)]
-fn arena_fine(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
-    bench(bencher, size, Ground::Water, WaveGrid::Fine, Effects::ALL);
+const USUAL: (WaveGrid, Effects) = (WaveGrid::Coarse, Effects::ALL);
+
+macro_rules! stages {
+    ($($name:ident: $stage:ident, $what:literal;)*) => {
+        mod arena {
+            use super::*;
+            $(
+                #[doc = $what]
+                #[divan::bench(args = LARGE)]
+                fn $name(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
+                    bench(bencher, Scene::Arena, size, USUAL, Some(Stage::$stage));
+                }
+            )*
+            /// All stages.
+            #[divan::bench(args = SIZES)]
+            fn whole_frame(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
+                bench(bencher, Scene::Arena, size, USUAL, None);
+            }
+        }
+        mod pier {
+            use super::*;
+            $(
+                #[doc = $what]
+                #[divan::bench(args = LARGE)]
+                fn $name(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
+                    bench(bencher, Scene::Pier, size, USUAL, Some(Stage::$stage));
+                }
+            )*
+            /// All stages.
+            #[divan::bench(args = SIZES)]
+            fn whole_frame(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
+                bench(bencher, Scene::Pier, size, USUAL, None);
+            }
+        }
+    };
 }
 
-/// Everything on, waves on grids of 128.
+stages! {
+    waves: Waves, "Tiles of slopes by Fourier transforms.";
+    wake: Wake, "One step of the wake.";
+    projection_and_mirror_images: Images, "Camera, light, mirror images and shadows.";
+    water_and_sky: Water, "Rays, surface, light.";
+    objects: Things, "Things, drawn and laid over.";
+    sensor: Sensor, "From light to samples.";
+}
+
+/// Waves on grids of 256.
 #[divan::bench(args = SIZES)]
-fn arena_coarse(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
-    bench(bencher, size, Ground::Water, WaveGrid::Coarse, Effects::ALL);
+fn arena_with_fine_waves(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
+    bench(bencher, Scene::Arena, size, (WaveGrid::Fine, Effects::ALL), None);
 }
 
 /// Without wake, mirror images, shadows, noise and blur.
 #[divan::bench(args = SIZES)]
 fn arena_plain(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
-    bench(bencher, size, Ground::Water, WaveGrid::Coarse, Effects::NONE);
+    bench(bencher, Scene::Arena, size, (WaveGrid::Coarse, Effects::NONE), None);
 }
 
 /// No waves at all.
 #[divan::bench(args = SIZES)]
 fn floor(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
-    bench(bencher, size, Ground::Floor, WaveGrid::Coarse, Effects::ALL);
+    bench(bencher, Scene::Floor, size, USUAL, None);
 }
 
-fn arena(ground: Ground, tick: u64) -> Snapshot {
+fn snapshot(scene: Scene, tick: u64) -> Snapshot {
     let lies = |x: f64, y: f64, heading: f64| BodyPose {
         place: WorldPoint { x, y, z: 0.0 },
         heading: Angle::from_degrees(heading),
         pitch: Angle::ZERO,
         roll: Angle::ZERO,
     };
-    let kind = if ground == Ground::Water { ThingKind::Buoy } else { ThingKind::FloorMark };
-    let things = [(-3.2, 9.0), (3.0, 9.5), (-3.6, 15.6), (3.8, 15.4), (0.2, 18.5)]
+    let ground = if scene == Scene::Floor { Ground::Floor } else { Ground::Water };
+    let kind = if scene == Scene::Floor { ThingKind::FloorMark } else { ThingKind::Buoy };
+    let mut things: Vec<Thing> = [(-3.2, 9.0), (3.0, 9.5), (-3.6, 15.6), (3.8, 15.4), (0.2, 18.5)]
         .into_iter()
         .map(|(x, y)| Thing { kind, pose: lies(x, y, 0.0), seed: 1 })
         .collect();
+    let (mut height, mut down) = (5.5, 24.0);
+    if scene == Scene::Pier {
+        (height, down) = (3.0, 8.0);
+        let pier = ThingKind::Pier { length_m: 24.0, breadth_m: 1.6 };
+        things.push(Thing { kind: pier, pose: lies(-9.0, 16.0, 10.0), seed: 1 });
+        things.push(Thing { kind: ThingKind::Shore, pose: lies(-6.0, 40.0, 5.0), seed: 1 });
+    }
     let camera = CameraPose {
-        place: WorldPoint { x: 0.0, y: 0.0, z: 5.5 },
+        place: WorldPoint { x: 0.0, y: 0.0, z: height },
         pan: Angle::ZERO,
-        tilt: Angle::from_degrees(-24.0),
+        tilt: Angle::from_degrees(-down),
         roll: Angle::ZERO,
     };
     let pose = lies(0.002 * tick as f64, 12.0, 30.0);

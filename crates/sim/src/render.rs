@@ -1,13 +1,17 @@
 //! Draws the world as a camera sees it, on the CPU, into planar YUV, with the truth about the target.
 //!
-//! One frame goes through these stages; those marked * are spread over the caller's [`Bands`]:
+//! One frame goes through these [`Stage`]s, each but the wake spread over the caller's [`Bands`]:
 //!
-//! 1. *waves: three tiles of slopes by Fourier transforms ([`waves`]), and the wake's grid ([`wake`]);
-//! 2. *things: each with its mirror image and shadow as a small supersampled tile ([`raster`]);
-//! 3. *rows: rays through the lens ([`rays`]), the surface where they meet it ([`surface`]), its light ([`shading`],
-//!    [`floor`], [`land`]), things laid over it from far to near;
-//! 4. *rows again: softness and motion blur, exposure, tone, noise, YUV ([`sensor`]);
-//! 5. truth: the target's tile, less what stands before it ([`truth`]).
+//! 1. waves: three tiles of slopes by Fourier transforms ([`waves`]);
+//! 2. the wake's grid ([`wake`]);
+//! 3. mirror images and shadows of things, each as a small tile ([`raster`]);
+//! 4. rows: rays through the lens ([`rays`]), the surface where they meet it ([`surface`]), its light ([`shading`],
+//!    [`floor`], [`land`]); what changes slowly along a row is computed at every eighth pixel ([`nodes`]);
+//! 5. things as supersampled tiles, laid over the rows from far to near;
+//! 6. rows again: softness and motion blur, exposure, tone, noise, YUV ([`sensor`]).
+//!
+//! The last three go band by band, so that the light of a band is still at hand when it is developed. Then the truth is
+//! told: the target's tile, less what stands before it ([`truth`]).
 //!
 //! The picture depends on the settings and the snapshot, and through the wake on the snapshots before; not on the number
 //! of bands, threads or vector instructions. All arithmetic keeps to operations that round alike everywhere
@@ -37,6 +41,7 @@ mod waves;
 
 mod chunk;
 mod light;
+mod nodes;
 mod shading;
 mod surface;
 mod texture;
@@ -73,6 +78,29 @@ use crate::snapshot::{Ground, Snapshot, ThingKind};
 /// How a drawn picture's samples stand for colours.
 pub const ENCODING: ColourEncoding =
     ColourEncoding { matrix: ColourMatrix::Bt709, range: SampleRange::Limited };
+
+/// What is done for a frame, in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The tiles of waves.
+    Waves,
+    /// The boat's wake.
+    Wake,
+    /// Where camera, things and light are; mirror images and shadows.
+    Images,
+    /// Water, sky and land, or the floor, as linear light.
+    Water,
+    /// Things, drawn and laid over.
+    Things,
+    /// From light to samples.
+    Sensor,
+}
+
+impl Stage {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Waves, Self::Wake, Self::Images, Self::Water, Self::Things, Self::Sensor];
+}
 
 /// Draws one camera's pictures.
 #[derive(Debug)]
@@ -164,13 +192,58 @@ impl Renderer {
     /// Draws a snapshot into `picture`, which takes the renderer's size and [`ENCODING`]. Snapshots come in the
     /// order of their ticks; where they jump back, the wake starts anew.
     pub fn draw(&mut self, snapshot: &Snapshot, picture: &mut Picture, bands: &dyn Bands) -> &DrawnTruth {
-        picture.reshape(self.settings.optics.picture, ENCODING);
-        self.camera.pose(snapshot);
-        let light = Lighting::new(&snapshot.light, snapshot.tick);
-        if snapshot.ground == Ground::Water {
-            self.make_waves(snapshot, bands);
+        for stage in [Stage::Waves, Stage::Wake, Stage::Images] {
+            self.draw_stage(stage, snapshot, picture, bands);
         }
-        self.draw_things(snapshot, &light, bands);
+        let light = Lighting::new(&snapshot.light, snapshot.tick);
+        self.draw_things(&light, bands);
+        picture.reshape(self.settings.optics.picture, ENCODING);
+        let (frame, view) = self.view(snapshot, &light);
+        frame.draw(&view, picture, bands);
+        self.tell_truth(snapshot);
+        &self.truth
+    }
+
+    /// One stage of [`Self::draw`] alone, for measuring: it works on what the stages before it have left, and all of
+    /// them in order give the same picture.
+    pub fn draw_stage(
+        &mut self,
+        stage: Stage,
+        snapshot: &Snapshot,
+        picture: &mut Picture,
+        bands: &dyn Bands,
+    ) {
+        let (simd, waves) = (self.settings.simd, &self.waves);
+        let light = Lighting::new(&snapshot.light, snapshot.tick);
+        match stage {
+            Stage::Waves if snapshot.ground == Ground::Water => {
+                bands.run(waves.len(), &|part| locked(&waves[part]).advance(simd, snapshot.tick));
+            }
+            Stage::Waves => {}
+            Stage::Wake => self.observe(snapshot),
+            Stage::Images => {
+                self.camera.pose(snapshot);
+                self.list_things(snapshot);
+                self.draw_images(&light, bands);
+            }
+            Stage::Water => {
+                let (frame, view) = self.view(snapshot, &light);
+                frame.shade(&view, bands);
+            }
+            Stage::Things => {
+                self.draw_things(&light, bands);
+                let (frame, view) = self.view(snapshot, &light);
+                frame.lay_over(&view, bands);
+            }
+            Stage::Sensor => {
+                picture.reshape(self.settings.optics.picture, ENCODING);
+                let (frame, view) = self.view(snapshot, &light);
+                frame.develop(&view, picture, bands);
+            }
+        }
+    }
+
+    fn view<'a>(&'a mut self, snapshot: &'a Snapshot, light: &'a Lighting) -> (&'a mut Frame, View<'a>) {
         let wake = held(&mut self.wake);
         let view = View {
             settings: &self.settings,
@@ -181,25 +254,13 @@ impl Renderer {
             rough: self.rough,
             wake: (self.settings.effects.wake && snapshot.ground == Ground::Water).then_some(&*wake),
             things: &self.things,
-            light: &light,
+            light,
             snapshot,
         };
-        self.frame.draw(&view, picture, bands);
-        self.tell_truth(snapshot);
-        &self.truth
+        (&mut self.frame, view)
     }
 
-    fn make_waves(&mut self, snapshot: &Snapshot, bands: &dyn Bands) {
-        let (simd, waves, wake) = (self.settings.simd, &self.waves, &self.wake);
-        let with_wake = self.settings.effects.wake;
-        bands.run(4, &|part| match waves.get(part) {
-            Some(tile) => locked(tile).advance(simd, snapshot.tick),
-            None if with_wake => locked(wake).follow(simd, snapshot),
-            None => {}
-        });
-    }
-
-    fn draw_things(&mut self, snapshot: &Snapshot, light: &Lighting, bands: &dyn Bands) {
+    fn list_things(&mut self, snapshot: &Snapshot) {
         let things = &mut self.things;
         thing::instances(snapshot, &mut things.list);
         let count = things.list.len();
@@ -218,7 +279,7 @@ impl Renderer {
             });
             things.waterlines.push(cut);
         }
-        let eye = self.camera.row(self.settings.optics.picture.height as usize / 2).place;
+        let eye = self.camera.middle().place;
         things.order.clear();
         things.order.extend(0..count);
         let list = &things.list;
@@ -228,19 +289,20 @@ impl Renderer {
         things.shores.extend(
             snapshot.things.iter().filter(|thing| thing.kind == ThingKind::Shore).map(land::Shore::new),
         );
+    }
+
+    /// Mirror images and shadows.
+    fn draw_images(&mut self, light: &Lighting, bands: &dyn Bands) {
+        let things = &mut self.things;
         let (camera, shapes, effects) = (&self.camera, &self.shapes, self.settings.effects);
-        let (at_work, waterlines) = (&things.at_work, &things.waterlines);
-        let size = self.settings.optics.picture;
+        let (list, at_work, waterlines) = (&things.list, &things.at_work, &things.waterlines);
+        let eye = camera.middle().place;
         let sunny = light.sun[0] > 0.05 && light.to_sun[2] > 0.1;
-        bands.run(count, &|index| {
-            let mut drawn = locked(&at_work[index]);
+        bands.run(list.len(), &|index| {
+            let drawn = &mut *locked(&at_work[index]);
             let (thing, cut) = (&list[index], waterlines[index].as_ref());
             let mesh = shapes.of(thing.shape);
-            let whole =
-                if thing.is_target { (size.width as i32 / 2, size.height as i32 / 2) } else { (0, 0) };
-            let scene = Scene { camera, light, margin: whole };
-            drawn.itself.draw(&scene, mesh, thing, cut, Image::Itself);
-            let scene = Scene { margin: (8, 8), ..scene };
+            let scene = Scene { camera, light, margin: (8, 8) };
             drawn.mirror.skip();
             if effects.mirror && cut.is_some() {
                 drawn.mirror.draw(&scene, mesh, thing, cut, Image::Mirror);
@@ -252,8 +314,29 @@ impl Renderer {
             let range = thing.distance_from(eye).max(0.5);
             drawn.reach = (camera.optics.focal_px / range * thing.mirror_height_m()) as f32;
         });
-        for (work, drawn) in things.at_work.iter_mut().zip(&mut things.drawn) {
-            core::mem::swap(held(work), drawn);
+        for (work, drawn) in things.at_work.iter_mut().map(held).zip(&mut things.drawn) {
+            core::mem::swap(&mut work.mirror, &mut drawn.mirror);
+            core::mem::swap(&mut work.shadow, &mut drawn.shadow);
+            drawn.reach = work.reach;
+        }
+    }
+
+    /// The things themselves.
+    fn draw_things(&mut self, light: &Lighting, bands: &dyn Bands) {
+        let things = &mut self.things;
+        let (camera, shapes) = (&self.camera, &self.shapes);
+        let (list, at_work, waterlines) = (&things.list, &things.at_work, &things.waterlines);
+        let size = self.settings.optics.picture;
+        bands.run(list.len(), &|index| {
+            let thing = &list[index];
+            let whole =
+                if thing.is_target { (size.width as i32 / 2, size.height as i32 / 2) } else { (0, 0) };
+            let scene = Scene { camera, light, margin: whole };
+            let (mesh, cut) = (shapes.of(thing.shape), waterlines[index].as_ref());
+            locked(&at_work[index]).itself.draw(&scene, mesh, thing, cut, Image::Itself);
+        });
+        for (work, drawn) in things.at_work.iter_mut().map(held).zip(&mut things.drawn) {
+            core::mem::swap(&mut work.itself, &mut drawn.itself);
         }
     }
 

@@ -8,6 +8,12 @@ use crate::snapshot::Snapshot;
 
 /// Rounds in which the row of a thing and the pose of that row are brought to agree.
 const ROUNDS: usize = 3;
+/// The same for the corners of a shape, whose first row is that of the shape's middle.
+const ROUNDS_OF_CORNER: usize = 2;
+/// Newton's steps for a corner in single precision: exact in the picture, a thousandth of a pixel far outside.
+const STEPS: usize = 3;
+/// What lies nearer than this is not seen, metres.
+const NEAREST_M: f32 = 0.05;
 
 /// One row's place and axes.
 #[derive(Debug, Clone, Copy)]
@@ -28,17 +34,40 @@ impl RowPose {
     }
 }
 
+/// The same in single precision, from the middle row's place.
+#[derive(Debug, Clone, Copy)]
+struct NearPose {
+    place: [f32; 3],
+    right: [f32; 3],
+    down: [f32; 3],
+    ahead: [f32; 3],
+}
+
+impl NearPose {
+    fn new(pose: &RowPose, middle: WorldPoint) -> Self {
+        let single = |p: WorldPoint| [p.x as f32, p.y as f32, p.z as f32];
+        Self {
+            place: single(middle.to(pose.place)),
+            right: single(pose.axes.right),
+            down: single(pose.axes.down),
+            ahead: single(pose.axes.ahead),
+        }
+    }
+}
+
 /// The camera.
 #[derive(Debug, Clone)]
 pub(super) struct Camera {
     pub(super) optics: Optics,
     rows: Vec<RowPose>,
+    near: Vec<NearPose>,
     still: bool,
 }
 
 impl Camera {
     pub(super) fn new(optics: Optics) -> Self {
-        Self { optics, rows: Vec::with_capacity(optics.picture.height as usize), still: true }
+        let height = optics.picture.height as usize;
+        Self { optics, rows: Vec::with_capacity(height), near: Vec::with_capacity(height), still: true }
     }
 
     /// Takes up the poses of a snapshot.
@@ -48,13 +77,19 @@ impl Camera {
         self.still = snapshot.first_row == snapshot.last_row;
         if self.still {
             self.rows.resize(height, RowPose::of(&snapshot.first_row));
-            return;
+        } else {
+            let last = (height - 1).max(1) as f64;
+            let pose = |row| between(&snapshot.first_row, &snapshot.last_row, row as f64 / last);
+            self.rows.extend((0..height).map(|row| RowPose::of(&pose(row))));
         }
-        let last = (height - 1).max(1) as f64;
-        self.rows
-            .extend((0..height).map(|row| {
-                RowPose::of(&between(&snapshot.first_row, &snapshot.last_row, row as f64 / last))
-            }));
+        let middle = self.middle().place;
+        self.near.clear();
+        self.near.extend(self.rows.iter().map(|pose| NearPose::new(pose, middle)));
+    }
+
+    /// The pose of the middle row.
+    pub(super) fn middle(&self) -> &RowPose {
+        self.row(self.optics.picture.height as usize / 2)
     }
 
     /// The pose of a row.
@@ -75,7 +110,71 @@ impl Camera {
         }
         seen
     }
+
+    /// The row in which a place is seen, or the nearest one.
+    pub(super) fn row_of(&self, place: WorldPoint) -> usize {
+        let last = self.rows.len() - 1;
+        self.seen(place).map_or(last / 2, |(point, _)| (point.v.max(0.0) as usize).min(last))
+    }
+
+    /// Where a corner of a shape is seen (pixels), and 1 over how far ahead it lies; `None` behind the camera. `from`
+    /// is its place from that of the middle row, metres, `row` one that is near.
+    pub(super) fn corner_seen(&self, from: [f32; 3], mut row: usize) -> Option<(f32, f32, f32)> {
+        let size = self.optics.picture;
+        let (middle_u, middle_v) = (0.5 * size.width as f32, 0.5 * size.height as f32);
+        let (focal, barrel) = (self.optics.focal_px as f32, self.optics.barrel as f32);
+        let rounds = if self.still { 1 } else { ROUNDS_OF_CORNER };
+        let mut seen = None;
+        for _ in 0..rounds {
+            let pose = &self.near[row];
+            let p = [from[0] - pose.place[0], from[1] - pose.place[1], from[2] - pose.place[2]];
+            let dot = |axis: &[f32; 3]| p[0] * axis[0] + p[1] * axis[1] + p[2] * axis[2];
+            let ahead = dot(&pose.ahead);
+            if ahead <= NEAREST_M {
+                return None;
+            }
+            let nearness = 1.0 / ahead;
+            let (x, y) = (dot(&pose.right) * nearness, dot(&pose.down) * nearness);
+            // The share s of the pinhole's radius at which it is seen solves s + bend s^3 = 1.
+            let bend = barrel * (x * x + y * y);
+            let mut share = (1.0 + 2.0 * bend) / (1.0 + 3.0 * bend);
+            for _ in 0..STEPS {
+                let square = share * share;
+                share -= (share + bend * square * share - 1.0) / (1.0 + 3.0 * bend * square);
+            }
+            let (u, v) = (middle_u + focal * x * share, middle_v + focal * y * share);
+            row = (v.max(0.0) as usize).min(self.near.len() - 1);
+            seen = Some((u, v, nearness));
+        }
+        seen
+    }
+
+    /// Whether nothing of a ball can be seen within so many pixels about the picture.
+    pub(super) fn misses(&self, centre: WorldPoint, radius_m: f64, margin: (i32, i32)) -> bool {
+        let (right, down, ahead) = self.middle().in_camera(centre);
+        if ahead < -radius_m {
+            return true;
+        }
+        let size = self.optics.picture;
+        let half = |pixels: u32, margin: i32| 0.5 * f64::from(pixels) + f64::from(margin);
+        let (x, y) = (
+            half(size.width, margin.0) / self.optics.focal_px,
+            half(size.height, margin.1) / self.optics.focal_px,
+        );
+        let stretch = 1.0 + self.optics.barrel * (x * x + y * y);
+        // The border's plane, and what the camera turns and moves during the picture.
+        let beyond = |aside: f64, edge: f64| {
+            let tangent = edge * stretch + TURNED_MEANWHILE;
+            (libm::fabs(aside) - tangent * ahead) / libm::sqrt(1.0 + tangent * tangent)
+                > radius_m + MOVED_MEANWHILE_M
+        };
+        beyond(right, x) || beyond(down, y)
+    }
 }
+
+/// More than a camera turns (as a tangent) and moves (metres) from its middle row to another.
+const TURNED_MEANWHILE: f64 = 0.1;
+const MOVED_MEANWHILE_M: f64 = 0.2;
 
 fn between(first: &CameraPose, last: &CameraPose, part: f64) -> CameraPose {
     let mix = |a: f64, b: f64| a + part * (b - a);

@@ -20,10 +20,9 @@ pub(super) struct Chunk {
     pub(super) t: Lane,
     /// Width of the pixel's footprint, metres, a mean of along and across.
     pub(super) footprint: Lane,
-    /// Slopes, and their variance along one axis below the pixel's resolution.
+    /// Slopes.
     pub(super) sx: Lane,
     pub(super) sy: Lane,
-    pub(super) variance: Lane,
     /// Elevation of the swell, metres.
     pub(super) elevation: Lane,
     /// How much of the surface is foam, 0 to 1, and how much air is in the water below.
@@ -51,7 +50,6 @@ impl Chunk {
             footprint: ZERO,
             sx: ZERO,
             sy: ZERO,
-            variance: ZERO,
             elevation: ZERO,
             foam: ZERO,
             air: ZERO,

@@ -1,17 +1,20 @@
 //! The rows of a frame: shaded in bands as linear light, then developed into samples.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError, RwLock};
 
+use barrelman_simd::{Simd, at_level};
 use barrelman_vocab::{Picture, PictureSize};
 
 use super::camera::Camera;
 use super::chunk::{CHUNK, Chunk};
 use super::light::Lighting;
+use super::nodes::Nodes;
 use super::raster::Tile;
-use super::rays::{HORIZON, Rays, cast};
+use super::rays::{HORIZON, Rays, cast, survey};
 use super::sensor::{self, Development, NoiseTable, TAPS};
-use super::shading::{Body, FoamLook, break_up, light_sky, light_water};
-use super::surface::{Look, Values, Water, meet};
+use super::shading::{Body, FoamLook, break_up, light_sky, light_water, polish};
+use super::surface::{Look, Values, Water, meet, settle};
 use super::texture::ROUNDING;
 use super::wake::{Wake, add_wake};
 use super::{Bands, RenderSettings, Textures, Things, WaterColour, floor, locked, waves};
@@ -20,7 +23,7 @@ use crate::sea::Sea;
 use crate::snapshot::{Ground, Snapshot};
 
 /// Rows of a band; even, so that chroma rows stay within one.
-const ROWS: usize = 16;
+const ROWS: usize = 8;
 /// Sea states from here on are drawn with relief.
 const RELIEF: u8 = 2;
 /// A picture moves by less than this during the exposure: no blur, pixels.
@@ -50,6 +53,8 @@ pub(super) struct Frame {
     noise: NoiseTable,
     light: Vec<RwLock<Light>>,
     strips: Vec<Mutex<Strip>>,
+    /// For each band, how many bands are still to be shaded before it can be developed.
+    missing: Vec<AtomicUsize>,
 }
 
 /// Linear light of a band: red, green and blue of each row, one behind the other, each padded to whole chunks.
@@ -57,6 +62,20 @@ pub(super) struct Frame {
 struct Light {
     values: Vec<f32>,
     chunk: Box<Chunk>,
+    nodes: Nodes,
+    images: Vec<ImageNear>,
+}
+
+/// An image that a row may see.
+#[derive(Debug, Clone, Copy)]
+struct ImageNear {
+    /// Number of the thing.
+    index: usize,
+    is_mirror: bool,
+    /// Pixels by which a slope of 1 moves it.
+    reach: f32,
+    /// Pixels by which it is moved at most, and some.
+    spare: i32,
 }
 
 /// Samples of a band, and two rows at work.
@@ -76,7 +95,8 @@ impl Frame {
         let bands = height.div_ceil(ROWS);
         let light = || {
             let values = vec![0.0; ROWS * 3 * padded];
-            RwLock::new(Light { values, chunk: Box::new(Chunk::new()) })
+            let (chunk, nodes) = (Box::new(Chunk::new()), Nodes::new(width));
+            RwLock::new(Light { values, chunk, nodes, images: Vec::new() })
         };
         let strip = || {
             Mutex::new(Strip {
@@ -93,29 +113,79 @@ impl Frame {
             noise: NoiseTable::new(seed),
             light: (0..bands).map(|_| light()).collect(),
             strips: (0..bands).map(|_| strip()).collect(),
+            missing: (0..bands).map(|_| AtomicUsize::new(0)).collect(),
         }
     }
 
-    /// Draws all rows into a picture of this size.
+    /// Draws all rows into a picture of this size. Each band is developed by whoever has shaded the last band that it
+    /// needs, while their light is still at hand.
     pub(super) fn draw(&mut self, view: &View<'_>, picture: &mut Picture, bands: &dyn Bands) {
-        let height = self.size.height as usize;
-        let light = &self.light;
-        bands.run(light.len(), &|band| {
-            let mut light = light[band].write().unwrap_or_else(PoisonError::into_inner);
-            let last = (ROWS * (band + 1)).min(height);
-            for row in ROWS * band..last {
-                shade_row(view, row, &mut light);
+        let blur = blur_px(view);
+        let count = self.light.len();
+        let reach = (libm::ceil(0.5 * libm::fabs(blur.1)) as usize + 1).div_ceil(ROWS);
+        let about = |band: usize| band.saturating_sub(reach)..(band + reach + 1).min(count);
+        for (band, missing) in self.missing.iter_mut().enumerate() {
+            *missing.get_mut() = about(band).len();
+        }
+        let this = &*self;
+        bands.run(count, &|band| {
+            this.each_row(band, &|row, light| shade_row(view, row, light));
+            this.each_row(band, &|row, light| this.lay_over_row(view, row, light));
+            for ready in about(band) {
+                if this.missing[ready].fetch_sub(1, Ordering::AcqRel) == 1 {
+                    this.develop_band(view, blur, ready);
+                }
             }
         });
+        self.put_into(picture);
+    }
+
+    /// Shades all rows.
+    pub(super) fn shade(&self, view: &View<'_>, bands: &dyn Bands) {
+        bands.run(self.light.len(), &|band| {
+            self.each_row(band, &|row, light| shade_row(view, row, light));
+        });
+    }
+
+    /// Lays things over the shaded rows.
+    pub(super) fn lay_over(&self, view: &View<'_>, bands: &dyn Bands) {
+        bands.run(self.light.len(), &|band| {
+            self.each_row(band, &|row, light| self.lay_over_row(view, row, light));
+        });
+    }
+
+    /// Turns the rows of light into a picture of this size.
+    pub(super) fn develop(&mut self, view: &View<'_>, picture: &mut Picture, bands: &dyn Bands) {
         let blur = blur_px(view);
         let this = &*self;
-        bands.run(this.strips.len(), &|band| {
-            let mut strip = locked(&this.strips[band]);
-            let last = (ROWS * (band + 1)).min(height);
-            for row in (ROWS * band..last).step_by(2) {
-                this.develop_pair(view, blur, row, &mut strip);
-            }
-        });
+        bands.run(this.strips.len(), &|band| this.develop_band(view, blur, band));
+        self.put_into(picture);
+    }
+
+    fn each_row(&self, band: usize, work: &dyn Fn(usize, &mut Light)) {
+        let mut light = self.light[band].write().unwrap_or_else(PoisonError::into_inner);
+        let last = (ROWS * (band + 1)).min(self.size.height as usize);
+        (ROWS * band..last).for_each(|row| work(row, &mut light));
+    }
+
+    fn lay_over_row(&self, view: &View<'_>, row: usize, light: &mut Light) {
+        let width = self.size.width as usize;
+        let padded = width.next_multiple_of(CHUNK);
+        let values = &mut light.values[(row % ROWS) * 3 * padded..][..3 * padded];
+        for &index in &view.things.order {
+            lay_over(&view.things.drawn[index].itself, row, width, padded, values);
+        }
+    }
+
+    fn develop_band(&self, view: &View<'_>, blur: (f64, f64), band: usize) {
+        let mut strip = locked(&self.strips[band]);
+        let last = (ROWS * (band + 1)).min(self.size.height as usize);
+        for row in (ROWS * band..last).step_by(2) {
+            self.develop_pair(view, blur, row, &mut strip);
+        }
+    }
+
+    fn put_into(&mut self, picture: &mut Picture) {
         let [y, u, v] = picture.planes_mut();
         for (band, strip) in self.strips.iter_mut().enumerate() {
             let strip = strip.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -249,40 +319,64 @@ fn shade_row(view: &View<'_>, row: usize, light: &mut Light) {
     };
     let body = body_of(view.settings.water);
     let step = (1.0 / optics.focal_px) as f32;
-    let Light { values, chunk } = light;
+    let Light { values, chunk, nodes, images } = light;
+    survey(simd, &rays, nodes);
+    if let Some(water) = &water {
+        settle(simd, water, nodes);
+        polish(simd, view.light, nodes);
+    }
+    images_near(view, row, images);
+    let clouds = &view.textures.clouds;
     for column in (0..width).step_by(CHUNK) {
-        cast(simd, &rays, column, chunk);
+        cast(simd, &rays, nodes, column, chunk);
         if let Some(water) = &water {
-            meet(simd, water, row, chunk);
-            if let Some(wake) = wake.as_ref().filter(|wake| wake.meets(chunk)) {
-                add_wake(simd, wake, chunk);
+            let (low, high) = nodes.dz.range(column);
+            let (sky_is_seen, water_is_seen) = (high > -HORIZON - 2.0 * step, low < 2.0 * step - HORIZON);
+            if water_is_seen {
+                meet(simd, water, nodes, (row, column), chunk);
+                let wake = wake.as_ref().filter(|wake| wake.meets(nodes, column, water.relief_m()));
+                if let Some(wake) = wake {
+                    add_wake(simd, wake, chunk);
+                }
+                let mut is_bare = true;
+                for near in &*images {
+                    is_bare &= !image(view, near, (row, column), chunk);
+                }
+                let may_foam = wake.is_some() || water.foam.is_some();
+                if may_foam && chunk.foam.iter().fold(0, |bits, foam| bits | foam.to_bits()) != 0 {
+                    break_up(simd, &foam, chunk);
+                    is_bare = false;
+                }
+                is_bare &= wake.is_none();
+                light_water(simd, view.light, &body, clouds, nodes, (column, is_bare), chunk);
+            } else {
+                chunk.colour = [[0.0; CHUNK]; 3];
             }
-            images(view, row, column, chunk);
-            if chunk.foam.iter().any(|&foam| foam > 0.0) {
-                break_up(simd, &foam, chunk);
-            }
-            light_water(simd, view.light, &body, &view.textures.clouds, chunk);
-            if chunk.dz.iter().any(|&dz| -dz <= HORIZON + step) {
-                let per_pixel = optics.focal_px as f32;
-                light_sky(simd, view.light, &view.textures.clouds, HORIZON, per_pixel, chunk);
+            if sky_is_seen {
+                light_sky(simd, view.light, clouds, HORIZON, optics.focal_px as f32, chunk);
             }
             for shore in &view.things.shores {
                 shore.paint(eye, view.light, &view.textures.grain, &view.textures.gusts, chunk);
             }
         } else {
             chunk.lit = [1.0; CHUNK];
-            images(view, row, column, chunk);
+            for near in &*images {
+                image(view, near, (row, column), chunk);
+            }
             let origin = (part(eye.x, 307.2), part(eye.y, 307.2));
             floor::light_floor(simd, view.light, &view.textures.grain, &view.textures.gusts, origin, chunk);
         }
-        for channel in 0..3 {
-            let start = ((row % ROWS) * 3 + channel) * padded + column;
-            values[start..start + CHUNK].copy_from_slice(&chunk.colour[channel]);
-        }
+        let start = (row % ROWS) * 3 * padded + column;
+        put_down(simd, chunk, padded, &mut values[start..]);
     }
-    let row_values = &mut values[(row % ROWS) * 3 * padded..][..3 * padded];
-    for &index in &view.things.order {
-        lay_over(&view.things.drawn[index].itself, row, width, padded, row_values);
+}
+
+at_level! { simd;
+    /// Copies a chunk's colours to the front of each channel's row.
+    fn put_down(simd: Simd, chunk: &Chunk, padded: usize, values: &mut [f32]) {
+        for (channel, colour) in chunk.colour.iter().enumerate() {
+            values[channel * padded..][..CHUNK].copy_from_slice(colour);
+        }
     }
 }
 
@@ -316,29 +410,33 @@ fn body_of(water: WaterColour) -> Body {
     Body { deep, crest, aerated: [0.16, 0.40, 0.38] }
 }
 
-/// Mirror images and shadows as a chunk of water sees them, moved by its slopes.
-fn images(view: &View<'_>, row: usize, column: usize, chunk: &mut Chunk) {
+/// Writes down the mirror images and shadows that a row may see, from far to near.
+fn images_near(view: &View<'_>, row: usize, images: &mut Vec<ImageNear>) {
+    images.clear();
+    images.reserve(2 * view.things.order.len());
     for &index in &view.things.order {
         let drawn = &view.things.drawn[index];
         for (tile, is_mirror) in [(&drawn.mirror, true), (&drawn.shadow, false)] {
             let reach = if is_mirror { 2.0 * drawn.reach } else { 0.5 * drawn.reach };
             let spare = (0.4 * reach) as i32 + 2;
-            let (r, c) = (row as i32, column as i32);
-            let outside = tile.width == 0
-                || r < tile.top - spare
-                || r >= tile.top + tile.height as i32 + spare
-                || c + (CHUNK as i32) < tile.left - spare
-                || c >= tile.left + tile.width as i32 + spare;
-            if !outside {
-                image(tile, is_mirror, reach, (r, c), chunk);
+            let row = row as i32;
+            if tile.width > 0 && row >= tile.top - spare && row < tile.top + tile.height as i32 + spare {
+                images.push(ImageNear { index, is_mirror, reach, spare });
             }
         }
     }
 }
 
-fn image(tile: &Tile, is_mirror: bool, reach: f32, (row, column): (i32, i32), chunk: &mut Chunk) {
-    let limit = 0.4 * reach;
-    for i in 0..CHUNK {
+/// A mirror image or a shadow as a chunk of water sees it, moved by its slopes. Returns whether it may be there at all.
+fn image(view: &View<'_>, near: &ImageNear, (row, column): (usize, usize), chunk: &mut Chunk) -> bool {
+    let drawn = &view.things.drawn[near.index];
+    let tile = if near.is_mirror { &drawn.mirror } else { &drawn.shadow };
+    let column = column as i32;
+    let first = (tile.left - near.spare - column).max(0);
+    let last = (tile.left + tile.width as i32 + near.spare - column).min(CHUNK as i32);
+    let (reach, limit) = (near.reach, 0.4 * near.reach);
+    let seen_by = first.max(0) as usize..last.max(0) as usize;
+    for i in seen_by.clone() {
         let (dx, dy) = (chunk.dx[i], chunk.dy[i]);
         let level = (dx * dx + dy * dy).sqrt().max(1e-3);
         let (ax, ay) = (dx / level, dy / level);
@@ -346,14 +444,14 @@ fn image(tile: &Tile, is_mirror: bool, reach: f32, (row, column): (i32, i32), ch
         let aside = chunk.sx[i] * ay - chunk.sy[i] * ax;
         let dv = (reach * away).clamp(-limit, limit);
         let du = (0.5 * reach * aside).clamp(-limit, limit);
-        let (x, y) = (column + i as i32 - tile.left, row - tile.top);
+        let (x, y) = (column + i as i32 - tile.left, row as i32 - tile.top);
         let (x, y) = (x + nearest(du), y + nearest(dv));
         if x < 0 || y < 0 || x as usize >= tile.width || y as usize >= tile.height {
             continue;
         }
         let pixel = tile.pixels[y as usize * tile.width + x as usize];
         let left = 1.0 - pixel[3];
-        if is_mirror {
+        if near.is_mirror {
             for c in 0..3 {
                 chunk.mirror[c][i] = chunk.mirror[c][i] * left + pixel[c];
             }
@@ -362,6 +460,7 @@ fn image(tile: &Tile, is_mirror: bool, reach: f32, (row, column): (i32, i32), ch
             chunk.lit[i] *= 1.0 - 0.85 * pixel[3];
         }
     }
+    !seen_by.is_empty()
 }
 
 /// The nearest whole number.

@@ -60,11 +60,13 @@ pub(super) struct Vertex {
 pub(super) struct Mesh {
     pub(super) vertices: Vec<Vertex>,
     pub(super) triangles: Vec<([u32; 3], Part)>,
+    /// Distance of the farthest corner from the origin; [`Mesh::measured`] finds it.
+    pub(super) radius_m: f32,
 }
 
 pub(super) fn normalised(v: [f32; 3]) -> [f32; 3] {
-    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-9);
-    [v[0] / length, v[1] / length, v[2] / length]
+    let shorten = 1.0 / (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-9);
+    [v[0] * shorten, v[1] * shorten, v[2] * shorten]
 }
 
 fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
@@ -82,6 +84,14 @@ pub(super) fn turn(radians: f64) -> (f32, f32) {
 }
 
 impl Mesh {
+    /// The finished shape.
+    pub(super) fn measured(mut self) -> Self {
+        let square = |p: [f32; 3]| p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+        let farthest = self.vertices.iter().fold(0.0_f32, |most, vertex| most.max(square(vertex.place)));
+        self.radius_m = farthest.sqrt();
+        self
+    }
+
     /// A skin over rings of equally many points each, `point(ring, k)`; closed around, open at its ends.
     pub(super) fn skin(
         &mut self,

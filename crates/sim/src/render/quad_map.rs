@@ -7,6 +7,8 @@
 
 use barrelman_simd::{Simd, at_level};
 
+use super::texture::ROUNDING;
+
 /// Quads in a map, of whatever size: enough for 256 x 256 and all its levels. A fixed number, so that a masked index
 /// needs no check.
 pub(super) const QUADS: usize = 1 << 17;
@@ -63,15 +65,16 @@ at_level! { simd;
                 Texel::Pair(step) => {
                     let scale = 1.0 / step;
                     for i in 0..n {
-                        let x = (a[i] * scale).clamp(-127.0, 127.0) as i32;
-                        let y = (b[i] * scale).clamp(-127.0, 127.0) as i32;
-                        out[i] = ((x & 0xFF) | ((y & 0xFF) << 8)) as u16;
+                        let x = (a[i] * scale).max(-127.0).min(127.0) + ROUNDING;
+                        let y = (b[i] * scale).max(-127.0).min(127.0) + ROUNDING;
+                        out[i] = (x.to_bits() & 0xFF | (y.to_bits() & 0xFF) << 8) as u16;
                     }
                 }
                 Texel::Single(step) => {
                     let scale = 1.0 / step;
                     for i in 0..n {
-                        out[i] = (a[i] * scale).clamp(-32_767.0, 32_767.0) as i32 as u16;
+                        let x = (a[i] * scale).max(-32_767.0).min(32_767.0) + ROUNDING;
+                        out[i] = x.to_bits() as u16;
                     }
                 }
             }

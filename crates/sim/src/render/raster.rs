@@ -68,6 +68,18 @@ pub(super) struct Tile {
     nearness: Vec<f32>,
     triangle: Vec<u32>,
     corners: Vec<Corner>,
+    lies: Vec<Lies>,
+}
+
+/// How a triangle lies to the water, as far as its corners say it of all of it.
+#[derive(Debug, Clone, Copy)]
+struct Lies {
+    /// Wholly over the water here, or wholly below it.
+    dry: bool,
+    sunk: bool,
+    /// Wholly over the body's own waterline, or wholly below it.
+    high: bool,
+    low: bool,
 }
 
 /// A vertex in the picture and in the world.
@@ -123,6 +135,9 @@ impl Tile {
         image: Image,
     ) {
         self.clear();
+        if scene.camera.misses(thing.pose.place, reach_m(scene, mesh, thing, image), scene.margin) {
+            return;
+        }
         self.place_corners(scene, mesh, thing, cut, image);
         if !self.frame(scene, image, if thing.is_target { SAMPLES } else { SAMPLES_OF_OTHERS }) {
             return;
@@ -137,7 +152,10 @@ impl Tile {
         }
         match image {
             Image::Shadow => self.resolve_shadow(),
-            _ => self.resolve(scene, mesh, thing, cut),
+            _ => {
+                self.sort_out(mesh, cut);
+                self.resolve(scene, mesh, thing, cut);
+            }
         }
     }
 
@@ -152,34 +170,35 @@ impl Tile {
         self.corners.clear();
         let axes = thing.axes();
         let sun = scene.light.to_sun;
-        let eye = scene.camera.row(scene.camera.optics.picture.height as usize / 2).place;
+        let (camera, origin) = (scene.camera, thing.pose.place);
+        let eye = camera.middle().place;
+        let row = camera.row_of(origin);
+        let single = |p: WorldPoint| [p.x as f32, p.y as f32, p.z as f32];
+        let (from_eye, place) = (single(eye.to(origin)), single(origin));
+        // A mirror image is what an eye below the water would see of the thing.
+        let lower = if image == Image::Mirror { 2.0 * eye.z as f32 } else { 0.0 };
         for (at, vertex) in mesh.vertices.iter().enumerate() {
             let body = thing.bent(mesh, at, vertex.place);
             let spread = |p: [f32; 3]| -> [f32; 3] {
                 core::array::from_fn(|i| p[0] * axes[0][i] + p[1] * axes[1][i] + p[2] * axes[2][i])
             };
             let turned = spread(body);
-            let origin = thing.pose.place;
-            let world =
-                [origin.x as f32 + turned[0], origin.y as f32 + turned[1], origin.z as f32 + turned[2]];
+            let world: [f32; 3] = core::array::from_fn(|i| place[i] + turned[i]);
+            let from: [f32; 3] = core::array::from_fn(|i| from_eye[i] + turned[i]);
             let above = cut.map_or(world[2], |water| water.above(world));
             let shown = match image {
-                Image::Itself => world,
-                Image::Mirror => [world[0], world[1], world[2] - 2.0 * above],
+                Image::Itself => from,
+                Image::Mirror => [from[0], from[1], from[2] - 2.0 * above],
                 Image::Shadow => {
-                    let part = above.max(0.0) / sun[2].max(0.08);
-                    [world[0] - part * sun[0], world[1] - part * sun[1], world[2] - part * sun[2]]
+                    let part = above.max(0.0) / sun[2].max(LOWEST_SUN);
+                    [from[0] - part * sun[0], from[1] - part * sun[1], from[2] - part * sun[2]]
                 }
             };
-            let place = WorldPoint { x: f64::from(shown[0]), y: f64::from(shown[1]), z: f64::from(shown[2]) };
-            let (u, v, nearness) = scene.camera.seen(place).map_or((0.0, 0.0, 0.0), |(point, ahead)| {
-                (point.u as f32, point.v as f32, (1.0 / ahead) as f32)
-            });
-            let normal = normalised(spread(vertex.normal));
-            // A mirror image is what an eye below the water would see of the thing.
-            let height = if image == Image::Mirror { -eye.z } else { eye.z } as f32;
-            let view = normalised([eye.x as f32 - world[0], eye.y as f32 - world[1], height - world[2]]);
-            let facing = normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2];
+            let (u, v, nearness) = camera.corner_seen(shown, row).unwrap_or_default();
+            let normal = spread(vertex.normal);
+            let view = [-from[0], -from[1], -from[2] - lower];
+            let length = (view[0] * view[0] + view[1] * view[1] + view[2] * view[2]).sqrt().max(1e-9);
+            let facing = (normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2]) / length;
             self.corners.push(Corner { u, v, nearness, world, normal, above, facing });
         }
     }
@@ -275,6 +294,20 @@ impl Tile {
         }
     }
 
+    fn sort_out(&mut self, mesh: &Mesh, cut: Option<&Waterline>) {
+        self.lies.clear();
+        self.lies.extend(mesh.triangles.iter().map(|(corners, _)| {
+            let above = corners.map(|at| self.corners[at as usize].above);
+            let level = corners.map(|at| mesh.vertices[at as usize].place[2]);
+            Lies {
+                dry: cut.is_none() || above.iter().all(|&above| above > RAGGED_BELOW_M),
+                sunk: cut.is_some() && above.iter().all(|&above| above < -RAGGED_M),
+                high: level.iter().all(|&z| z >= 0.0),
+                low: level.iter().all(|&z| z < 0.0),
+            }
+        }));
+    }
+
     fn resolve(&mut self, scene: &Scene<'_>, mesh: &Mesh, thing: &Instance, cut: Option<&Waterline>) {
         let ss = self.per_pixel;
         let columns = self.width * ss;
@@ -289,6 +322,14 @@ impl Tile {
                     if triangle == NONE {
                         continue;
                     }
+                    let lies = self.lies[triangle as usize];
+                    let is_painted = sample % every == 0 || painted == 0;
+                    if (lies.high || lies.low) && (lies.sunk || lies.dry && !is_painted) {
+                        self.afloat += usize::from(lies.high);
+                        self.shown += usize::from(lies.dry);
+                        covered += usize::from(lies.dry);
+                        continue;
+                    }
                     let (corners, part) = mesh.triangles[triangle as usize];
                     let u = self.left as f32 + (x as f32 + 0.5) / ss as f32;
                     let v = self.top as f32 + (y as f32 + 0.5) / ss as f32;
@@ -300,7 +341,7 @@ impl Tile {
                     let world = blend(corners.map(|at| self.corners[at as usize].world), weights);
                     let above = if cut.is_none() {
                         1.0
-                    } else if above > 0.03 {
+                    } else if above > RAGGED_BELOW_M {
                         above
                     } else {
                         above - ragged(world)
@@ -310,7 +351,7 @@ impl Tile {
                     }
                     self.shown += 1;
                     covered += 1;
-                    if sample % every != 0 && painted > 0 {
+                    if !is_painted {
                         continue;
                     }
                     painted += 1;
@@ -335,19 +376,45 @@ impl Tile {
     fn weights(&self, corners: [u32; 3], u: f32, v: f32) -> [f32; 3] {
         let [a, b, c] = corners.map(|at| self.corners[at as usize]);
         let doubled = (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
-        let wb = ((u - a.u) * (c.v - a.v) - (v - a.v) * (c.u - a.u)) / doubled;
-        let wc = ((b.u - a.u) * (v - a.v) - (b.v - a.v) * (u - a.u)) / doubled;
+        let inverse = 1.0 / doubled;
+        let wb = ((u - a.u) * (c.v - a.v) - (v - a.v) * (c.u - a.u)) * inverse;
+        let wc = ((b.u - a.u) * (v - a.v) - (b.v - a.v) * (u - a.u)) * inverse;
         let w = [(1.0 - wb - wc) * a.nearness, wb * b.nearness, wc * c.nearness];
         let sum = 1.0 / (w[0] + w[1] + w[2]);
         w.map(|share| share * sum)
     }
 }
 
+/// A ball of this radius about a thing's origin holds all of its image.
+fn reach_m(scene: &Scene<'_>, mesh: &Mesh, thing: &Instance, image: Image) -> f64 {
+    let stretch = thing.scale.into_iter().fold(0.0_f32, f32::max);
+    let radius = f64::from(mesh.radius_m * stretch) + f64::from(NOZZLE_M);
+    match image {
+        Image::Itself => radius,
+        // The water that mirrors it may slope, and lie above or below its origin.
+        Image::Mirror => 2.5 * radius + 2.0 * thing.pose.place.z.abs(),
+        Image::Shadow => {
+            let low = f64::from(scene.light.to_sun[2].max(LOWEST_SUN));
+            (radius + thing.pose.place.z.abs()) * (2.0 + 1.5 / low)
+        }
+    }
+}
+
+/// By how much a turned nozzle may reach out of its mesh, metres.
+const NOZZLE_M: f32 = 0.1;
+/// Shadows grow no longer than under a sun that stands so high, as a sine.
+const LOWEST_SUN: f32 = 0.08;
+
 fn blend(corners: [[f32; 3]; 3], weights: [f32; 3]) -> [f32; 3] {
     core::array::from_fn(|i| {
         corners[0][i] * weights[0] + corners[1][i] * weights[1] + corners[2][i] * weights[2]
     })
 }
+
+/// Below this height over the water a thing is cut by small waves, metres.
+const RAGGED_BELOW_M: f32 = 0.03;
+/// Their height is less than this, metres.
+const RAGGED_M: f32 = 0.01;
 
 /// Small waves along a waterline, metres: no hull is cut straight.
 fn ragged(world: [f32; 3]) -> f32 {
@@ -374,7 +441,7 @@ fn shade(
 ) -> [f32; 3] {
     let light = scene.light;
     let paint = paint(part, body, body_normal, seed);
-    let eye = scene.camera.row(scene.camera.optics.picture.height as usize / 2).place;
+    let eye = scene.camera.middle().place;
     let view = normalised([eye.x as f32 - world[0], eye.y as f32 - world[1], eye.z as f32 - world[2]]);
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     // Both sides of a sheet are seen: the normal is turned to the viewer.

@@ -4,6 +4,7 @@ use barrelman_simd::{Simd, at_level};
 
 use super::camera::RowPose;
 use super::chunk::{CHUNK, Chunk};
+use super::nodes::{Nodes, STEP};
 use crate::optics::Optics;
 
 /// A line of sight that sinks less than this for one unit ahead looks at the sky.
@@ -42,30 +43,73 @@ impl Rays {
     }
 }
 
+/// A line of sight that is one unit long along the optical axis, and the part of its length down to the plane.
+struct Ray {
+    dx: f32,
+    dy: f32,
+    dz: f32,
+    sink: f32,
+    t: f32,
+}
+
+impl Rays {
+    #[inline(always)]
+    fn of(&self, column: usize) -> Ray {
+        let x = self.x0 + column as i32 as f32 * self.step;
+        let y = self.y;
+        let stretch = 1.0 + self.barrel * (x * x + y * y);
+        let (right, down) = (x * stretch, y * stretch);
+        let dx = self.ahead[0] + right * self.right[0] + down * self.down[0];
+        let dy = self.ahead[1] + right * self.right[1] + down * self.down[1];
+        let dz = self.ahead[2] + right * self.right[2] + down * self.down[2];
+        let sink = if -dz > HORIZON { -dz } else { HORIZON };
+        let t = self.height / sink;
+        Ray { dx, dy, dz, sink, t: if t < FARTHEST_M { t } else { FARTHEST_M } }
+    }
+}
+
+at_level! { simd;
+    /// Fills in what the nodes of a row know of its rays.
+    pub(super) fn survey(simd: Simd, rays: &Rays, nodes: &mut Nodes) {
+        let count = nodes.count();
+        let (vx, vy, vz) = (&mut nodes.vx.0[..count], &mut nodes.vy.0[..count], &mut nodes.vz.0[..count]);
+        let (px, py) = (&mut nodes.px.0[..count], &mut nodes.py.0[..count]);
+        let dzs = &mut nodes.dz.0[..count];
+        let (per_length, haze) = (&mut nodes.per_length.0[..count], &mut nodes.haze.0[..count]);
+        let footprint = &mut nodes.footprint.0[..count];
+        for i in 0..count {
+            let ray = rays.of(STEP * i);
+            let (dx, dy, dz) = (ray.dx, ray.dy, ray.dz);
+            let length = (dx * dx + dy * dy + dz * dz).sqrt();
+            let shorten = 1.0 / length;
+            per_length[i] = shorten;
+            vx[i] = -dx * shorten;
+            vy[i] = -dy * shorten;
+            vz[i] = (-dz * shorten).max(0.002);
+            dzs[i] = dz;
+            px[i] = ray.t * dx;
+            py[i] = ray.t * dy;
+            // Across the line of sight a pixel is t * length * step wide, along the water 1/sin(grazing) of that.
+            let grazing = (ray.sink * shorten).sqrt();
+            footprint[i] = ray.t * length * rays.step / (grazing * grazing.sqrt());
+            let hazy = ray.t / (ray.t + 1_800.0);
+            haze[i] = hazy * hazy;
+        }
+    }
+}
+
 at_level! { simd;
     /// Fills directions, lengths, places and footprints of the pixels from `column` on.
-    pub(super) fn cast(simd: Simd, rays: &Rays, column: usize, chunk: &mut Chunk) {
+    pub(super) fn cast(simd: Simd, rays: &Rays, nodes: &Nodes, column: usize, chunk: &mut Chunk) {
         for i in 0..CHUNK {
-            let x = rays.x0 + (column + i) as i32 as f32 * rays.step;
-            let y = rays.y;
-            let stretch = 1.0 + rays.barrel * (x * x + y * y);
-            let (right, down) = (x * stretch, y * stretch);
-            let dx = rays.ahead[0] + right * rays.right[0] + down * rays.down[0];
-            let dy = rays.ahead[1] + right * rays.right[1] + down * rays.down[1];
-            let dz = rays.ahead[2] + right * rays.right[2] + down * rays.down[2];
-            let sink = if -dz > HORIZON { -dz } else { HORIZON };
-            let t = rays.height / sink;
-            let t = if t < FARTHEST_M { t } else { FARTHEST_M };
-            let length = (dx * dx + dy * dy + dz * dz).sqrt();
-            // Across the line of sight a pixel is t * length * step wide, along the water 1/sin(grazing) of that.
-            let grazing = (sink / length).sqrt();
-            chunk.dx[i] = dx;
-            chunk.dy[i] = dy;
-            chunk.dz[i] = dz;
-            chunk.t[i] = t;
-            chunk.px[i] = t * dx;
-            chunk.py[i] = t * dy;
-            chunk.footprint[i] = t * length * rays.step / (grazing * grazing.sqrt());
+            let ray = rays.of(column + i);
+            chunk.dx[i] = ray.dx;
+            chunk.dy[i] = ray.dy;
+            chunk.dz[i] = ray.dz;
+            chunk.t[i] = ray.t;
+            chunk.px[i] = ray.t * ray.dx;
+            chunk.py[i] = ray.t * ray.dy;
         }
+        nodes.footprint.fill(column, &mut chunk.footprint);
     }
 }

@@ -7,6 +7,7 @@
 
 use barrelman_simd::{Simd, at_level};
 
+use super::texture::ROUNDING;
 use crate::noise;
 
 /// Numbers in the table of noise.
@@ -75,7 +76,7 @@ at_level! { simd;
         for i in 0..width {
             let y = 16.0 + 219.0 * (0.2126 * r[i] + 0.7152 * g[i] + 0.0722 * b[i]);
             let y = y + how.noise * noise[i] * (1.2 + 0.012 * y);
-            out[i] = (y + 0.5).max(16.0).min(235.0) as i32 as u8;
+            out[i] = (y.max(16.0).min(235.0) + ROUNDING).to_bits() as u8;
         }
     }
 }
@@ -99,10 +100,10 @@ at_level! { simd;
             let (r, g, b) = (mean(r), mean(g), mean(b));
             let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
             let strength = how.noise * (0.7 + 1.2 * y);
-            let blue = 128.5 + (224.0 / 1.8556) * (b - y) + strength * nu[i];
-            let red = 128.5 + (224.0 / 1.5748) * (r - y) + strength * nv[i];
-            u[i] = blue.max(16.0).min(240.0) as i32 as u8;
-            v[i] = red.max(16.0).min(240.0) as i32 as u8;
+            let blue = 128.0 + (224.0 / 1.8556) * (b - y) + strength * nu[i];
+            let red = 128.0 + (224.0 / 1.5748) * (r - y) + strength * nv[i];
+            u[i] = (blue.max(16.0).min(240.0) + ROUNDING).to_bits() as u8;
+            v[i] = (red.max(16.0).min(240.0) + ROUNDING).to_bits() as u8;
         }
     }
 }

@@ -10,6 +10,7 @@ use barrelman_simd::{Simd, at_level};
 
 use super::chunk::{CHUNK, Chunk};
 use super::light::{Colour, Lighting};
+use super::nodes::Nodes;
 use super::texture::Texture;
 
 /// The colour of the water's body and of what floats in it.
@@ -58,71 +59,114 @@ at_level! { simd;
 }
 
 at_level! { simd;
-    /// The colour of a chunk of water.
+    /// What the spread of the facets makes of reflections, at the nodes of a row.
+    pub(super) fn polish(simd: Simd, light: &Lighting, nodes: &mut Nodes) {
+        let count = nodes.count();
+        let (vx, vy, vz) = (&nodes.vx.0[..count], &nodes.vy.0[..count], &nodes.vz.0[..count]);
+        let variance = &nodes.variance.0[..count];
+        let (deviation, lean) = (&mut nodes.deviation.0[..count], &mut nodes.lean.0[..count]);
+        let grazing = &mut nodes.grazing.0[..count];
+        let (glint_x, glint_y) = (&mut nodes.glint_x.0[..count], &mut nodes.glint_y.0[..count]);
+        let (fall, peak) = (&mut nodes.glint_fall.0[..count], &mut nodes.glint_peak.0[..count]);
+        for i in 0..count {
+            let variance = variance[i] + 1e-6;
+            let sigma = variance.sqrt();
+            let level = (vx[i] * vx[i] + vy[i] * vy[i]).sqrt();
+            deviation[i] = sigma;
+            lean[i] = variance / (vz[i] + 0.6 * sigma * level);
+            grazing[i] = 0.98 / (1.0 + 22.7 * sigma * sigma.sqrt());
+            // The slope that would mirror the sun into this line of sight.
+            let (hx, hy, hz) = (light.to_sun[0] + vx[i], light.to_sun[1] + vy[i], light.to_sun[2] + vz[i]);
+            let per_hz = -1.0 / hz;
+            glint_x[i] = hx * per_hz;
+            glint_y[i] = hy * per_hz;
+            let spread = variance + SUN_VARIANCE;
+            fall[i] = 1.0 / (16.0 * spread);
+            peak[i] = 0.010 / (spread * (vz[i] + 0.15));
+        }
+    }
+}
+
+/// 1 / sqrt(1 + q) of squared slopes, to a thousandth below q = 1: a cubic, and one step of Newton's method.
+#[inline(always)]
+fn per_root(q: f32) -> f32 {
+    let p = if q < 1.5 { q } else { 1.5 };
+    let first = 1.0 - p * (0.5 - p * (0.375 - 0.18 * p));
+    first * (1.5 - 0.5 * (1.0 + q) * first * first)
+}
+
+at_level! { simd;
+    /// The colour of a chunk of water. `place` is the column that it begins with, and whether it is bare: in plain
+    /// light, without foam, wake and images.
     pub(super) fn light_water(
         simd: Simd,
         light: &Lighting,
         body: &Body,
         clouds: &Texture,
+        nodes: &Nodes,
+        place: (usize, bool),
         chunk: &mut Chunk,
     ) {
+        let (column, is_bare) = place;
         let mut reflect = [[0.0_f32; CHUNK]; 3];
         let mut fresnel = [0.0_f32; CHUNK];
         let mut glint = [0.0_f32; CHUNK];
         let mut thin = [0.0_f32; CHUNK];
+        let per_length = nodes.per_length.lane(column);
+        let (deviation, lean) = (nodes.deviation.lane(column), nodes.lean.lane(column));
+        let grazing = nodes.grazing.lane(column);
+        let (glint_x, glint_y) = (nodes.glint_x.lane(column), nodes.glint_y.lane(column));
+        let (fall, peak) = (nodes.glint_fall.lane(column), nodes.glint_peak.lane(column));
         for i in 0..CHUNK {
-            let (dx, dy, dz) = (chunk.dx[i], chunk.dy[i], chunk.dz[i]);
-            let per_length = 1.0 / (dx * dx + dy * dy + dz * dz).sqrt();
-            let (vx, vy) = (-dx * per_length, -dy * per_length);
-            let vz = (-dz * per_length).max(0.002);
-            let variance = chunk.variance[i] + 1e-6;
-            let sigma = variance.sqrt();
-            let level = (vx * vx + vy * vy).sqrt();
-            let lean = variance / (vz + 0.6 * sigma * level);
-            let (sx, sy) = (chunk.sx[i] - lean * vx, chunk.sy[i] - lean * vy);
-            let steep = 1.0 / (1.0 + sx * sx + sy * sy).sqrt();
-            let raw = (vz - sx * vx - sy * vy) * steep;
+            let (vx, vy) = (-chunk.dx[i] * per_length[i], -chunk.dy[i] * per_length[i]);
+            let vz = (-chunk.dz[i] * per_length[i]).max(0.002);
+            let (sx, sy) = (chunk.sx[i] - lean[i] * vx, chunk.sy[i] - lean[i] * vy);
+            let steep = per_root(sx * sx + sy * sy);
+            let uphill = sx * vx + sy * vy;
+            let raw = (vz - uphill) * steep;
             let cos = if raw > 0.03 { raw } else { 0.03 };
             let away = 1.0 - cos;
             let away2 = away * away;
-            fresnel[i] =
-                0.02 + 0.98 * (away2 * away2 * away) / (1.0 + 22.7 * sigma * sigma.sqrt());
+            fresnel[i] = 0.02 + grazing[i] * (away2 * away2 * away);
             let twice = 2.0 * cos * steep;
             let (rx, ry, rz) = (-twice * sx - vx, -twice * sy - vy, twice - vz);
-            let sky = light.sky(clouds, rx, ry, rz, 1.4 * sigma);
+            let sky = light.sky(clouds, rx, ry, rz, 1.4 * deviation[i]);
             for c in 0..3 {
                 reflect[c][i] = sky[c];
             }
-            // The slope that would mirror the sun into this line of sight.
-            let (hx, hy, hz) = (light.to_sun[0] + vx, light.to_sun[1] + vy, light.to_sun[2] + vz);
-            let per_hz = 1.0 / hz;
-            let (ex, ey) = (-hx * per_hz - sx, -hy * per_hz - sy);
-            let spread = variance + SUN_VARIANCE;
-            let off = (ex * ex + ey * ey) / (16.0 * spread);
-            let lobe = (1.0 - off).max(0.0);
+            let (ex, ey) = (glint_x[i] - sx, glint_y[i] - sy);
+            let lobe = (1.0 - (ex * ex + ey * ey) * fall[i]).max(0.0);
             let lobe = lobe * lobe;
             let lobe = lobe * lobe;
             let lobe = lobe * lobe;
-            glint[i] = (0.010 * lobe / (spread * (vz + 0.15))).min(9.0);
-            thin[i] = ((sx * vx + sy * vy) * 1.6 + 0.28).max(0.0).min(1.0);
+            glint[i] = (peak[i] * lobe).min(9.0);
+            thin[i] = (uphill * 1.6 + 0.28).max(0.0).min(1.0);
         }
+        let haze = nodes.haze.lane(column);
         for c in 0..3 {
             let (sun, ambient) = (light.sun[c], light.ambient[c]);
+            let far = light.haze[c];
+            if is_bare {
+                let day = ambient * 1.25 + 0.8 * sun;
+                let (deep, crest) = (day * body.deep[c], day * body.crest[c]);
+                for i in 0..CHUNK {
+                    let below = deep + thin[i] * crest;
+                    let water = below + fresnel[i] * (reflect[c][i] - below) + glint[i] * sun;
+                    chunk.colour[c][i] = water + haze[i] * (far - water);
+                }
+                continue;
+            }
             for i in 0..CHUNK {
-                let lit = chunk.lit[i];
-                let day = ambient * 1.25 + 0.8 * sun * lit;
+                let shone = sun * chunk.lit[i];
+                let day = ambient * 1.25 + 0.8 * shone;
                 let air = chunk.air[i];
                 let below = body.deep[c] + thin[i] * body.crest[c];
                 let below = day * (below + air * (body.aerated[c] - below));
                 let mirrored = reflect[c][i] * chunk.sky_left[i] + chunk.mirror[c][i];
-                let f = fresnel[i];
-                let water = f * mirrored + (1.0 - f) * below + glint[i] * sun * lit * chunk.sky_left[i];
-                let white = 0.86 * (ambient + 0.85 * sun * lit);
-                let foam = chunk.foam[i];
-                let seen = water + foam * (white - water);
-                let length = chunk.t[i];
-                let haze = length / (length + 1_800.0);
-                chunk.colour[c][i] = seen + haze * haze * (light.haze[c] - seen);
+                let water = below + fresnel[i] * (mirrored - below) + glint[i] * shone * chunk.sky_left[i];
+                let white = 0.86 * ambient + 0.731 * shone;
+                let seen = water + chunk.foam[i] * (white - water);
+                chunk.colour[c][i] = seen + haze[i] * (far - seen);
             }
         }
     }

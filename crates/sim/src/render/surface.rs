@@ -8,6 +8,7 @@
 use barrelman_simd::{Simd, at_level};
 
 use super::chunk::{CHUNK, Chunk, Lane};
+use super::nodes::{GROUP, Nodes};
 use super::quad_map::{QUADS, QuadMap};
 use super::rays::HORIZON;
 use super::texture::{ROUNDING, Texture};
@@ -39,6 +40,9 @@ pub(super) struct Look<'a> {
     /// Below the camera, tiles.
     origin: (f32, f32),
     slope_step: f32,
+    texels_per_metre: f32,
+    /// Footprints from here on see nothing of its slopes, metres.
+    flat_from_m: f32,
     lost: &'a [f32; LEVELS],
 }
 
@@ -49,14 +53,25 @@ pub(super) struct Values<'a> {
     pub(super) step: f32,
 }
 
+impl Water<'_> {
+    /// By how much relief moves a place at most, metres.
+    pub(super) fn relief_m(&self) -> f32 {
+        // Elevation in whole steps, over what it is held to.
+        self.elevation.map_or(0.0, |values| 32_767.0 * values.step / 0.10 * 1.5)
+    }
+}
+
 impl<'a> Look<'a> {
     /// From a camera over this place of the world.
     pub(super) fn new(tile: &'a Tile, x: f64, y: f64) -> Self {
         let (cos, sin) = tile.turn;
         let (u, v) = ((x * cos + y * sin) / tile.side_m, (y * cos - x * sin) / tile.side_m);
+        let texels_per_metre = (tile.n as f64 / tile.side_m) as f32;
         Self {
             quads: &tile.slopes.quads,
             n: tile.n as f32,
+            texels_per_metre,
+            flat_from_m: (1_u32 << tile.flat_level) as f32 / texels_per_metre,
             along: ((cos / tile.side_m) as f32, (sin / tile.side_m) as f32),
             origin: ((u - libm::floor(u)) as f32, (v - libm::floor(v)) as f32),
             slope_step: tile.slope_step,
@@ -68,10 +83,9 @@ impl<'a> Look<'a> {
     /// their own, so that all but the look-up itself becomes vector instructions.
     #[inline(always)]
     fn find(&self, chunk: &Chunk, footprint: &Lane, found: &mut Found) {
-        let coarsest = (self.n.to_bits() >> 23) as i32 - 127;
-        let texels_per_metre = self.n * (self.along.0 * self.along.0 + self.along.1 * self.along.1).sqrt();
+        let coarsest = self.coarsest();
         for i in 0..CHUNK {
-            let texels = footprint[i] * texels_per_metre;
+            let texels = footprint[i] * self.texels_per_metre;
             let level = ((texels.to_bits() >> 23) as i32 - 127).max(0).min(coarsest);
             let shrink = f32::from_bits(((127 - level) << 23) as u32);
             let (px, py) = (chunk.px[i], chunk.py[i]);
@@ -79,28 +93,35 @@ impl<'a> Look<'a> {
             let v = self.origin.1 + py * self.along.0 - px * self.along.1;
             let n = self.n * shrink;
             // Level l averages texels: its first one stands (1 - 2^-l) / 2 of its own width to the right.
-            let shift = 0.5 - 0.5 * shrink;
+            let shift = 1.0 - 0.5 * shrink;
             let (u, v) = (u * n - shift, v * n - shift);
-            let (mu, mv) = ((u - 0.5) + ROUNDING, (v - 0.5) + ROUNDING);
+            let (mu, mv) = (u + ROUNDING, v + ROUNDING);
             let mask = ((n + ROUNDING).to_bits() as i32 & 0xFFFF) - 1;
             let (iu, iv) = (mu.to_bits() as i32 & mask, mv.to_bits() as i32 & mask);
-            found.level[i] = level;
             found.index[i] = ((mask + 1) * (mask + 1 + iv) + iu) as u32;
-            found.fu[i] = u - (mu - ROUNDING);
-            found.fv[i] = v - (mv - ROUNDING);
+            found.fu[i] = u - (mu - ROUNDING) + 0.5;
+            found.fv[i] = v - (mv - ROUNDING) + 0.5;
         }
     }
 
-    /// What each pixel's level has lost.
     #[inline(always)]
-    fn lost(&self, found: &Found, i: usize) -> f32 {
-        self.lost[found.level[i] as usize & (LEVELS - 1)]
+    fn coarsest(&self) -> i32 {
+        (self.n.to_bits() >> 23) as i32 - 127
+    }
+
+    /// The variance that is lost at a footprint, between those of the levels on both sides.
+    #[inline(always)]
+    fn lost(&self, footprint: f32) -> f32 {
+        let texels = (footprint * self.texels_per_metre).max(1.0).min(self.n);
+        let level = (texels.to_bits() >> 23) as usize - 127;
+        let part = f32::from_bits(texels.to_bits() & 0x7F_FFFF | 0x3F80_0000) - 1.0;
+        let (here, next) = (self.lost[level & (LEVELS - 1)], self.lost[(level + 1) & (LEVELS - 1)]);
+        here + part * (next - here)
     }
 }
 
 /// Quads for all pixels, and where in them each pixel lies.
 struct Found {
-    level: [i32; CHUNK],
     index: [u32; CHUNK],
     fu: Lane,
     fv: Lane,
@@ -111,14 +132,7 @@ struct Found {
 impl Found {
     #[inline(always)]
     fn nothing() -> Self {
-        Self {
-            level: [0; CHUNK],
-            index: [0; CHUNK],
-            fu: [0.0; CHUNK],
-            fv: [0.0; CHUNK],
-            upper: [0; CHUNK],
-            lower: [0; CHUNK],
-        }
+        Self { index: [0; CHUNK], fu: [0.0; CHUNK], fv: [0.0; CHUNK], upper: [0; CHUNK], lower: [0; CHUNK] }
     }
 
     #[inline(always)]
@@ -169,13 +183,14 @@ fn bilinear(a: f32, b: f32, c: f32, d: f32, fu: f32, fv: f32) -> f32 {
 }
 
 /// Spreads the change from level to level over neighbouring pixels without a pattern: factors from 1 to 2, the same
-/// order in every row, begun elsewhere.
-const DITHER: [f32; CHUNK] = {
-    let mut factors = [0.0; CHUNK];
+/// order in every row, begun elsewhere. Twice in a row, so that it can begin anywhere.
+const DITHER: [f32; 2 * CHUNK] = {
+    let mut factors = [0.0; 2 * CHUNK];
     let mut i = 0;
-    while i < CHUNK {
+    while i < 2 * CHUNK {
         // 2^x on 0..1 by a parabola through both ends; the numbers i * 37 + ... mod 64 come in no visible order.
-        let k = (i * i * 11 + i * 37 + (i >> 2) * 29) % CHUNK;
+        let j = i % CHUNK;
+        let k = (j * j * 11 + j * 37 + (j >> 2) * 29) % CHUNK;
         let x = (k as f32 + 0.5) / CHUNK as f32;
         factors[i] = 1.0 + x * (0.656 + 0.344 * x);
         i += 1;
@@ -184,12 +199,47 @@ const DITHER: [f32; CHUNK] = {
 };
 
 at_level! { simd;
-    /// Slopes, variance, elevation and whitecaps for a chunk whose rays are cast.
-    pub(super) fn meet(simd: Simd, water: &Water<'_>, row: usize, chunk: &mut Chunk) {
-        let mut sized = [0.0_f32; CHUNK];
-        for i in 0..CHUNK {
-            sized[i] = chunk.footprint[i] * DITHER[(i + 23 * row) % CHUNK];
+    /// Gusts, and the variance below the pixels' resolution, at the nodes of a row.
+    pub(super) fn settle(simd: Simd, water: &Water<'_>, nodes: &mut Nodes) {
+        let [swell, longer, shorter] = &water.tiles;
+        for first in (0..nodes.count()).step_by(GROUP) {
+            let group = first..first + GROUP;
+            let (px, py) = (&nodes.px.0[group.clone()], &nodes.py.0[group.clone()]);
+            let footprint = &nodes.footprint.0[group.clone()];
+            // Memory of its own: what is written is not what is looked up.
+            let mut gust = [0.0_f32; GROUP];
+            for i in 0..GROUP {
+                let (u, v) =
+                    (water.gust_origin.0 + 2.1 * px[i], water.gust_origin.1 + 2.1 * py[i]);
+                gust[i] = 0.45 + (1.1 / 255.0) * water.gusts.at(u, v);
+            }
+            let mut variance = [0.0_f32; GROUP];
+            for i in 0..GROUP {
+                let short = water.rough + longer.lost(footprint[i]) + shorter.lost(footprint[i]);
+                variance[i] = swell.lost(footprint[i]) + gust[i] * gust[i] * short;
+            }
+            nodes.gust.0[group.clone()].copy_from_slice(&gust);
+            nodes.variance.0[group].copy_from_slice(&variance);
         }
+    }
+}
+
+at_level! { simd;
+    /// Slopes, elevation and whitecaps for a chunk whose rays are cast.
+    pub(super) fn meet(
+        simd: Simd,
+        water: &Water<'_>,
+        nodes: &Nodes,
+        place: (usize, usize),
+        chunk: &mut Chunk,
+    ) {
+        let (row, column) = place;
+        let mut sized = [0.0_f32; CHUNK];
+        let dither = &DITHER[(23 * row) % CHUNK..][..CHUNK];
+        for i in 0..CHUNK {
+            sized[i] = chunk.footprint[i] * dither[i];
+        }
+        let (least, _) = nodes.footprint.range(column);
         let swell = &water.tiles[0];
         let mut found = Found::nothing();
         if let Some(elevation) = water.elevation {
@@ -209,45 +259,38 @@ at_level! { simd;
                 }
             }
         }
-        let mut gust = [0.0_f32; CHUNK];
-        for i in 0..CHUNK {
-            let (u, v) = (water.gust_origin.0 + 2.1 * chunk.px[i], water.gust_origin.1 + 2.1 * chunk.py[i]);
-            gust[i] = 0.45 + (1.1 / 255.0) * water.gusts.at(u, v);
-        }
-        swell.find(chunk, &sized, &mut found);
-        found.load(swell.quads);
-        for i in 0..CHUNK {
-            let (sx, sy) = found.pair(i);
-            chunk.sx[i] = sx * swell.slope_step;
-            chunk.sy[i] = sy * swell.slope_step;
-        }
-        for i in 0..CHUNK {
-            chunk.variance[i] = swell.lost(&found, i);
-        }
-        let mut cover = [0.0_f32; CHUNK];
-        if let Some(foam) = water.foam {
-            found.load(&foam.quads);
-            for i in 0..CHUNK {
-                cover[i] = found.pair(i).0 * (0.62 / 127.0);
-            }
-        }
-        let mut lost = [water.rough; CHUNK];
-        for look in &water.tiles[1..] {
-            look.find(chunk, &sized, &mut found);
-            found.load(look.quads);
+        chunk.foam = [0.0; CHUNK];
+        if least < swell.flat_from_m || water.foam.is_some() {
+            swell.find(chunk, &sized, &mut found);
+            found.load(swell.quads);
             for i in 0..CHUNK {
                 let (sx, sy) = found.pair(i);
-                chunk.sx[i] += gust[i] * sx * look.slope_step;
-                chunk.sy[i] += gust[i] * sy * look.slope_step;
+                chunk.sx[i] = sx * swell.slope_step;
+                chunk.sy[i] = sy * swell.slope_step;
             }
-            for i in 0..CHUNK {
-                lost[i] += look.lost(&found, i);
+            if let Some(foam) = water.foam {
+                found.load(&foam.quads);
+                for i in 0..CHUNK {
+                    chunk.foam[i] = found.pair(i).0 * (0.62 / 127.0);
+                }
+            }
+        } else {
+            chunk.sx = [0.0; CHUNK];
+            chunk.sy = [0.0; CHUNK];
+        }
+        let gust = nodes.gust.lane(column);
+        for look in &water.tiles[1..] {
+            if least < look.flat_from_m {
+                look.find(chunk, &sized, &mut found);
+                found.load(look.quads);
+                for i in 0..CHUNK {
+                    let (sx, sy) = found.pair(i);
+                    let step = gust[i] * look.slope_step;
+                    chunk.sx[i] += step * sx;
+                    chunk.sy[i] += step * sy;
+                }
             }
         }
-        for i in 0..CHUNK {
-            chunk.variance[i] += gust[i] * gust[i] * lost[i];
-        }
-        chunk.foam = cover;
         chunk.air = [0.0; CHUNK];
         chunk.lit = [1.0; CHUNK];
         chunk.sky_left = [1.0; CHUNK];

@@ -45,7 +45,7 @@ pub(super) struct Shapes(Vec<Mesh>);
 
 impl Shapes {
     pub(super) fn new() -> Self {
-        Self(vec![
+        let shapes = vec![
             shapes::boat(),
             shapes::red_craft(),
             shapes::buoy(),
@@ -57,7 +57,8 @@ impl Shapes {
             shapes::crate_on_beach(),
             shapes::floor_target(),
             shapes::floor_mark(),
-        ])
+        ];
+        Self(shapes.into_iter().map(Mesh::measured).collect())
     }
 
     pub(super) fn of(&self, shape: Shape) -> &Mesh {

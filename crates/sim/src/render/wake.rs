@@ -11,6 +11,7 @@
 use barrelman_simd::{Simd, at_level};
 
 use super::chunk::{CHUNK, Chunk};
+use super::nodes::Nodes;
 use super::texture::ROUNDING;
 use crate::camera_axis::TICKS_PER_SECOND;
 use crate::snapshot::{Boat, Snapshot, Target};
@@ -18,6 +19,9 @@ use crate::snapshot::{Boat, Snapshot, Target};
 /// Slots along the grid's side.
 const SIDE: usize = 512;
 const MASK: i64 = SIDE as i64 - 1;
+/// Cells along the side of a block, and blocks along the grid's side.
+const BLOCK: usize = 16;
+const BLOCKS: usize = SIDE / BLOCK;
 /// Side of a cell, metres.
 const CELL_M: f64 = 0.075;
 /// Ticks of a step.
@@ -43,6 +47,8 @@ pub(super) struct Wake {
     foam_before: Vec<f32>,
     /// Slopes (two signed bytes), foam and air (a byte each).
     packed: Box<[u32; SIDE * SIDE]>,
+    /// Blocks of cells where there is anything, a bit each, row by row.
+    occupied: [u32; BLOCKS],
     /// Cell of the window's lower corner.
     window: Option<(i64, i64)>,
     last: Option<(u64, Boat)>,
@@ -59,6 +65,7 @@ impl Wake {
             foam: zeros(),
             foam_before: zeros(),
             packed: packed.try_into().unwrap_or_else(|_| Box::new([0; SIDE * SIDE])),
+            occupied: [0; BLOCKS],
             window: None,
             last: None,
             stepped: 0,
@@ -93,7 +100,7 @@ impl Wake {
             self.step(simd, x, y, &boat);
         }
         self.last = Some((snapshot.tick, boat));
-        pack(simd, &self.height, &self.foam, &mut self.packed);
+        pack(simd, &self.height, &self.foam, &mut self.packed, &mut self.occupied);
     }
 
     fn forget(&mut self) {
@@ -195,6 +202,7 @@ impl Wake {
         let reach = ((SIDE as f64 - 4.0) * CELL_M) as f32;
         Some(WakeLook {
             packed: &self.packed,
+            occupied: &self.occupied,
             origin: (slot(x) as f32, slot(y) as f32),
             low: (from(left, x), from(low, y)),
             high: (from(left, x) + reach, from(low, y) + reach),
@@ -247,7 +255,14 @@ at_level! { simd;
 }
 
 at_level! { simd;
-    fn pack(simd: Simd, height: &[f32], foam: &[f32], packed: &mut [u32; SIDE * SIDE]) {
+    fn pack(
+        simd: Simd,
+        height: &[f32],
+        foam: &[f32],
+        packed: &mut [u32; SIDE * SIDE],
+        occupied: &mut [u32; BLOCKS],
+    ) {
+        *occupied = [0; BLOCKS];
         let scale = 0.5 / (CELL_M as f32 * SLOPE_STEP);
         for row in 0..SIDE {
             let here = &height[row * SIDE..][..SIDE];
@@ -256,12 +271,17 @@ at_level! { simd;
             let foam = &foam[row * SIDE..][..SIDE];
             let out = &mut packed[row * SIDE..][..SIDE];
             for at in 1..SIDE - 1 {
-                let sx = ((here[at + 1] - here[at - 1]) * scale).clamp(-127.0, 127.0) as i32;
-                let sy = ((lower[at] - upper[at]) * scale).clamp(-127.0, 127.0) as i32;
-                let white = (foam[at] * 200.0).clamp(0.0, 255.0) as i32;
-                out[at] = (sx & 0xFF | (sy & 0xFF) << 8 | white << 16) as u32;
+                let sx = ((here[at + 1] - here[at - 1]) * scale).max(-127.0).min(127.0) + ROUNDING;
+                let sy = ((lower[at] - upper[at]) * scale).max(-127.0).min(127.0) + ROUNDING;
+                let white = (foam[at] * 200.0).min(255.0) + ROUNDING;
+                out[at] = sx.to_bits() & 0xFF | (sy.to_bits() & 0xFF) << 8 | (white.to_bits() & 0xFF) << 16;
             }
             (out[0], out[SIDE - 1]) = (out[1], out[SIDE - 2]);
+            let blocks = &mut occupied[row / BLOCK];
+            for (block, cells) in out.chunks_exact(BLOCK).enumerate() {
+                let any = cells.iter().fold(0, |any, cell| any | cell);
+                *blocks |= u32::from(any != 0) << block;
+            }
         }
     }
 }
@@ -270,6 +290,7 @@ at_level! { simd;
 #[derive(Clone, Copy)]
 pub(super) struct WakeLook<'a> {
     packed: &'a [u32; SIDE * SIDE],
+    occupied: &'a [u32; BLOCKS],
     /// Slot below the camera.
     origin: (f32, f32),
     /// The window's corners from below the camera, metres.
@@ -278,14 +299,26 @@ pub(super) struct WakeLook<'a> {
 }
 
 impl WakeLook<'_> {
-    /// Whether a chunk sees anything of it.
-    pub(super) fn meets(&self, chunk: &Chunk) -> bool {
-        let range = |lane: &[f32; CHUNK]| {
-            lane.iter().fold((f32::MAX, f32::MIN), |(low, high), &v| (low.min(v), high.max(v)))
-        };
-        let (x, y) = (range(&chunk.px), range(&chunk.py));
-        x.1 > self.low.0 && x.0 < self.high.0 && y.1 > self.low.1 && y.0 < self.high.1
+    /// Whether a chunk sees anything of it, if relief moves its places by no more than `moved` metres.
+    pub(super) fn meets(&self, nodes: &Nodes, column: usize, moved: f32) -> bool {
+        let wider = |(low, high): (f32, f32)| (low - moved, high + moved);
+        let (x, y) = (wider(nodes.px.range(column)), wider(nodes.py.range(column)));
+        let columns = blocks(x, (self.low.0, self.high.0), self.origin.0);
+        let rows = blocks(y, (self.low.1, self.high.1), self.origin.1);
+        let mask = columns.fold(0_u32, |mask, block| mask | 1 << (block as usize % BLOCKS));
+        rows.map(|block| block as usize % BLOCKS).any(|block| self.occupied[block] & mask != 0)
     }
+}
+
+/// The blocks that look-ups from `low` to `high` metres may touch, within the window's borders.
+fn blocks((low, high): (f32, f32), window: (f32, f32), origin: f32) -> std::ops::Range<i32> {
+    if high <= window.0 || low >= window.1 {
+        return 0..0;
+    }
+    let slot = |at: f32| (origin + at / CELL_M as f32) as i32 + 2 * SIDE as i32;
+    let (first, last) = (slot(low.max(window.0)) - 2, slot(high.min(window.1)) + 2);
+    let (first, last) = (first / BLOCK as i32, last / BLOCK as i32);
+    first..(last + 1).min(first + BLOCKS as i32)
 }
 
 at_level! { simd;

@@ -42,8 +42,10 @@ pub(super) struct Tile {
     pub(super) slopes: QuadMap,
     /// Slope for one step of a byte.
     pub(super) slope_step: f32,
-    /// Variance of the slope along one axis that each level has lost.
+    /// Variance of the slope along one axis that each level has lost; the flat ones have lost all.
     pub(super) lost: [f32; LEVELS],
+    /// Levels from here on are as good as flat.
+    pub(super) flat_level: usize,
     spectrum: Spectrum,
     fourier: Fourier,
     maps: [Map; 2],
@@ -115,6 +117,7 @@ fn swell(sea: &Sea, n: usize) -> Tile {
         add_lost(&mut lost, 0.5 * a2 * k2, (wave.lattice.0, wave.lattice.1), n);
     }
     let significant = sea.state().significant_height_m();
+    let (flat_level, lost) = flattened(lost, 0.5 * crest2, n);
     let foam = (sea.state().number() >= BREAKING).then(|| QuadMap::new(n));
     Tile {
         side_m: sea.side_m(),
@@ -122,7 +125,8 @@ fn swell(sea: &Sea, n: usize) -> Tile {
         turn: (1.0, 0.0),
         slopes: QuadMap::new(n),
         slope_step: (4.5 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
-        lost: lost.map(|value| value as f32),
+        lost,
+        flat_level,
         spectrum: Spectrum::Sea(Box::new(Swell {
             sea: sea.clone(),
             elevation: QuadMap::new(n),
@@ -148,6 +152,17 @@ fn add_lost(lost: &mut [f64; LEVELS], variance: f64, lattice: (i32, i32), n: usi
         let kept = pass(lattice.0) * pass(lattice.1);
         *slot += variance * (1.0 - kept * kept);
     }
+}
+
+/// A level that keeps less than this share of the variance is flat.
+const KEPT_BY_FLAT: f64 = 0.01;
+
+/// The first flat level, and what each level has lost; `all` is the variance along one axis.
+fn flattened(lost: [f64; LEVELS], all: f64, n: usize) -> (usize, [f32; LEVELS]) {
+    let coarsest = n.ilog2() as usize;
+    let flat = (0..=coarsest).find(|&level| all - lost[level] < KEPT_BY_FLAT * all).unwrap_or(coarsest);
+    let flat_or_lost = |level| if level < flat { lost[level] } else { all } as f32;
+    (flat, core::array::from_fn(flat_or_lost))
 }
 
 fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), variance: f64) -> Tile {
@@ -205,13 +220,15 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
             all.back.2.push(all.ahead.2[opposite]);
         }
     }
+    let (flat_level, lost) = flattened(lost, 0.5 * (sx2 + sy2), n);
     Tile {
         side_m,
         n,
         turn,
         slopes: QuadMap::new(n),
         slope_step: (4.0 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
-        lost: lost.map(|value| value as f32),
+        lost,
+        flat_level,
         spectrum: Spectrum::Ripples(all),
         fourier: Fourier::new(n),
         maps: [Map::zeros(n), Map::zeros(n)],

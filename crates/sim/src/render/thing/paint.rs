@@ -135,8 +135,7 @@ fn boat_hull([x, y, z]: [f32; 3], normal: [f32; 3]) -> Paint {
     let across = y.abs();
     // A hull of cloth over foam: seams across, faint dirt.
     let seam = ((x + 2.0) * 5.0) % 1.0 < 0.035 && !on_deck;
-    let worn = 0.86 + 0.22 * mottle([x, y, z], 0.06);
-    let red = dimmed(RED, if seam { 0.55 } else { worn });
+    let red = || dimmed(RED, if seam { 0.55 } else { 0.86 + 0.22 * mottle([x, y, z], 0.06) });
     let (albedo, gloss) = if on_deck {
         // The bow carries a white arrow, the foredeck the name, the after deck a black mat.
         let arrow = x > 0.395 && across < 0.62 * (0.55 - x);
@@ -152,14 +151,14 @@ fn boat_hull([x, y, z]: [f32; 3], normal: [f32; 3]) -> Paint {
             let ribbed = ((y + 1.0) * 60.0) % 1.0 < 0.3;
             (dimmed(DARK, if ribbed { 1.6 } else { 1.0 }), 0.25)
         } else {
-            (red, 0.55)
+            (red(), 0.55)
         }
     } else if (0.052..0.078).contains(&z) && x > -0.52 {
         (WHITE, 0.45)
     } else if z < -0.01 {
         (dimmed(DARK, 1.5), 0.4)
     } else {
-        (red, 0.55)
+        (red(), 0.55)
     };
     Paint { albedo, gloss }
 }
