@@ -50,6 +50,8 @@ pub enum Stream {
     Scenery = 19,
     /// The gimbal's shiver.
     Shiver = 20,
+    /// How the target's heading weaves about where it means to go.
+    Weave = 21,
 }
 
 /// A seed with one of its streams.

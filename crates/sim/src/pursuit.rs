@@ -1,5 +1,6 @@
 //! A target that is moved along a path, as a hand moved the laboratory's: it looks a little ahead on the path,
-//! turns towards that place, hurries and dawdles, slows down where it must turn, and stands still now and then.
+//! turns towards that place, weaving, hurries and dawdles, slows down where it must turn and where it arrives, and
+//! stands still now and then.
 //!
 //! Kinematic: turn rate and speed follow what is wanted through first-order lags, and nothing pushes it aside.
 //! For a boat that does what its jet and the water make it do see [`crate::boat`].
@@ -21,6 +22,8 @@ pub struct PursuitScript {
     pub speed_spread: f64,
     /// How the logarithm of the speed wanders during a trial.
     pub gust: Wander,
+    /// How its heading weaves about where it means to go, radians.
+    pub weave: Wander,
     /// How far ahead on the path it looks, metres.
     pub look_ahead_m: f64,
     /// Standard deviation by which each way-point is missed, metres.
@@ -35,6 +38,8 @@ pub struct PursuitScript {
     pub turn_lag_s: f64,
     /// What share of its speed it gives up where it must turn by a right angle or more, 0 to 1.
     pub corner_slow_down: f64,
+    /// It comes to rest over so many of the path's last metres, as with a constant deceleration; 0: it stops at once.
+    pub arrival_m: f64,
     /// Mean time that it stands before it starts, seconds.
     pub stand_before_s: f64,
     /// Mean time that it stands at the end, seconds.
@@ -68,6 +73,7 @@ pub struct Pursuit {
     pauses: Draws,
     pace: Draws,
     gust: Wandering,
+    weave: Wandering,
     /// Speed of this trial, m/s.
     speed_of_trial: f64,
     doing: Doing,
@@ -97,6 +103,7 @@ impl Pursuit {
         let path = Path::through(jittered)?;
         let pace = Draws::of(seed, Stream::Pace);
         let gust = Wandering::new(script.gust, Draws::of(seed, Stream::Gust));
+        let weave = Wandering::new(script.weave, Draws::of(seed, Stream::Weave));
         let speed_of_trial = script.speed_m_per_s * libm::exp(script.speed_spread * pace.normal(0));
         let place = path.at(0.0);
         let until = ticks(script.stand_before_s * pace.exponential(100));
@@ -104,6 +111,7 @@ impl Pursuit {
             pauses: Draws::of(seed, Stream::Pauses),
             pace,
             gust,
+            weave,
             speed_of_trial,
             doing: Doing::StandingBefore { until },
             place,
@@ -119,6 +127,7 @@ impl Pursuit {
     /// Advances through a tick.
     pub fn advance(&mut self, tick: u64) {
         self.gust.advance(tick);
+        self.weave.advance(tick);
         self.doing = self.next(tick);
         let (speed, turn) = match self.doing {
             Doing::UnderWay => self.wanted(),
@@ -156,10 +165,15 @@ impl Pursuit {
     fn wanted(&self) -> (f64, f64) {
         let ahead = self.path.at(self.along_m + self.script.look_ahead_m);
         let bearing = libm::atan2(ahead.1 - self.place.1, ahead.0 - self.place.0);
-        let off = wrapped(bearing - self.heading);
+        let off = wrapped(bearing + self.weave.value() - self.heading);
         let sharp = (off.abs() / core::f64::consts::FRAC_PI_2).min(1.0);
-        let speed =
-            self.speed_of_trial * libm::exp(self.gust.value()) * (1.0 - self.script.corner_slow_down * sharp);
+        let left = self.path.length() - self.along_m;
+        let arriving =
+            if left < self.script.arrival_m { libm::sqrt(left / self.script.arrival_m) } else { 1.0 };
+        let speed = self.speed_of_trial
+            * libm::exp(self.gust.value())
+            * (1.0 - self.script.corner_slow_down * sharp)
+            * arriving;
         let most = self.script.most_turn_rad_per_s;
         (speed, (self.script.heading_gain * off).clamp(-most, most))
     }

@@ -86,22 +86,12 @@ impl World {
     /// [`NoPath`] where the target's way-points make no path.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, NoPath> {
         let water = scenario.water;
-        let target = match &scenario.target {
-            TargetScript::Pursuit(script) => {
-                let pursuit = Box::new(Pursuit::new(script.clone(), seed)?);
-                MovingTarget::Pursuit { pursuit, on_water: water.is_some() }
-            }
-            TargetScript::Boat(script) => {
-                let (helmsman, boat) = Helmsman::new(script, seed)?;
-                MovingTarget::Boat { boat: Box::new(boat), helmsman }
-            }
-        };
+        let target = MovingTarget::new(scenario, seed)?;
         let camera = scenario.camera.clone();
         let place = target.pose().place;
         let (pan_off, tilt_off) = camera.first_view.off(seed);
         let pan = Angle::from_radians(wrapped(libm::atan2(place.x, place.y) + pan_off.radians()));
-        let down = libm::atan2(camera.height_m, libm::hypot(place.x, place.y));
-        let tilt = Angle::from_radians(tilt_off.radians() - down);
+        let tilt = Angle::from_radians(tilt_off.radians() - depression(camera.height_m, place));
         let calm = crate::sea::Wind { speed_mps: 0.0, towards: Angle::ZERO };
         let mean = water.map_or(calm, |water| water.wind);
         let platform = match scenario.platform {
@@ -132,6 +122,17 @@ impl World {
             tick: 0,
             last_tick: (scenario.most_s * f64::from(TICKS_PER_SECOND)) as u64,
         })
+    }
+
+    /// How the camera looks up or down as a trial of a scenario begins, before chance has its say: what is known of
+    /// it beforehand.
+    ///
+    /// # Errors
+    /// [`NoPath`] where the target's way-points make no path.
+    pub fn nominal_tilt(scenario: &Scenario) -> Result<Angle, NoPath> {
+        let place = MovingTarget::new(scenario, 0)?.pose().place;
+        let (_, off) = scenario.camera.first_view.mean;
+        Ok(Angle::from_radians(off - depression(scenario.camera.height_m, place)))
     }
 
     /// A command reaches the camera now.
@@ -301,7 +302,25 @@ impl World {
     }
 }
 
+/// How far below the horizon a place on the water is, seen from that high above the origin, radians.
+fn depression(height_m: f64, place: WorldPoint) -> f64 {
+    libm::atan2(height_m, libm::hypot(place.x, place.y))
+}
+
 impl MovingTarget {
+    fn new(scenario: &Scenario, seed: u64) -> Result<Self, NoPath> {
+        Ok(match &scenario.target {
+            TargetScript::Pursuit(script) => {
+                let pursuit = Box::new(Pursuit::new(script.clone(), seed)?);
+                Self::Pursuit { pursuit, on_water: scenario.water.is_some() }
+            }
+            TargetScript::Boat(script) => {
+                let (helmsman, boat) = Helmsman::new(script, seed)?;
+                Self::Boat { boat: Box::new(boat), helmsman }
+            }
+        })
+    }
+
     fn pose(&self) -> BodyPose {
         match self {
             Self::Pursuit { pursuit, .. } => {

@@ -5,20 +5,21 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use barrelman_trial::campaign::statistics::mean_interval;
 use barrelman_trial::logs::TrialLog;
-use barrelman_trial::metrics::{excursions, measure};
+use barrelman_trial::metrics::excursions;
 
-use super::motion;
 use super::recorded::{FIGURES, Recorded, figures, read, region, scenario, simulated};
+use super::{Options, motion};
 use crate::say;
 
 /// Intervals that must have a value in common, of fourteen.
 const OVERLAPS: usize = 10;
 
 /// Prints the tables; whether enough intervals overlap.
-pub(super) fn run(folder: &Path, first_seed: u64, seeds: u64) -> Result<bool> {
+pub(super) fn run(folder: &Path, options: &Options) -> Result<bool> {
+    let (first_seed, seeds) = (options.first_seed, options.seeds);
     let mut overlaps = 0;
     for arena in [1, 2] {
-        let scenario = scenario(arena)?;
+        let scenario = scenario(arena, options.scenarios.as_deref())?;
         let recorded = read(folder, arena, false)?;
         let simulated: Vec<TrialLog> =
             (first_seed..first_seed + seeds).map(|seed| simulated(&scenario, seed)).collect::<Result<_>>()?;
@@ -48,11 +49,6 @@ pub(super) fn run(folder: &Path, first_seed: u64, seeds: u64) -> Result<bool> {
                 if overlap { "overlap" } else { "apart" }
             ));
         }
-        outcome(
-            "recorded, all",
-            &read(folder, arena, true)?.iter().map(|t| t.log.clone()).collect::<Vec<_>>(),
-        );
-        outcome("simulated", &simulated);
         axes("recorded", &recorded.iter().map(|t| t.log.clone()).collect::<Vec<_>>());
         axes("simulated", &simulated);
         motion_table(&recorded, &simulated, &scenario)?;
@@ -76,32 +72,6 @@ fn axes(name: &str, logs: &[TrialLog]) {
     let [pan, tilt] =
         by_axis.map(|(n, b)| format!("{:.2} of {:.2} s", n as f64 / count, b / n.max(1) as f64));
     say(&format!("{name}: excursions per trial answered by pan {pan}, by tilt {tilt}"));
-}
-
-/// How the trials ended.
-fn outcome(name: &str, logs: &[TrialLog]) {
-    let picture_left = |log: &TrialLog| match &log.truth {
-        Some(truth) => truth.iter().any(|row| row.out_of_picture),
-        // A recorded place at the border is all that tells.
-        None => measure(log, region(log), log.picture).border_s > 0.0,
-    };
-    let left = logs.iter().filter(|log| picture_left(log)).count();
-    let metrics: Vec<_> = logs.iter().map(|log| measure(log, region(log), log.picture)).collect();
-    let out_s: Option<f64> = metrics.iter().map(|m| m.out_of_picture_s).sum::<Option<f64>>();
-    let ends = metrics.iter().filter(|m| m.ends_outside).count();
-    say(&format!(
-        "{name}: {} trials, {left} {}, {}, {ends} end outside of the region",
-        logs.len(),
-        if logs.iter().all(|log| log.truth.is_some()) { "left the picture" } else { "came to its border" },
-        out_s.map_or_else(
-            || "time out of it unknown".to_owned(),
-            |s| format!(
-                "{:.2} s out of it per trial ({:.1} %)",
-                s / logs.len() as f64,
-                100.0 * s / logs.iter().map(TrialLog::duration_s).sum::<f64>()
-            )
-        ),
-    ));
 }
 
 /// What the target's motion was fitted to.

@@ -3,14 +3,25 @@
 //! The recorded trials may not be handed on, so they lie beside the repository.
 
 mod believable;
+mod picture;
+
+mod jumps;
+
+mod rate;
+
+mod centring;
+
+mod pace;
+
 mod fit;
+
 mod motion;
 mod recorded;
 
 use std::path::PathBuf;
 
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::root;
 
@@ -20,6 +31,12 @@ pub(crate) struct Options {
     /// The folder of recorded trials [default: ../shared/data/trials beside the workspace].
     #[arg(long, value_name = "DIR")]
     pub(crate) trials: Option<PathBuf>,
+    /// A folder with `lab1.toml` and `lab2.toml` to use in place of the program's own.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenarios: Option<PathBuf>,
+    /// This table only.
+    #[arg(long, value_name = "TABLE")]
+    pub(crate) only: Option<TableName>,
     /// Simulated trials of each arena.
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub(crate) seeds: u64,
@@ -28,21 +45,47 @@ pub(crate) struct Options {
     pub(crate) first_seed: u64,
 }
 
+/// A table of `acceptance sim`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TableName {
+    /// Whether simulated trials are like the recorded ones: the one that is judged.
+    Believable,
+    /// Whether the target stays in the picture.
+    Picture,
+    /// The published sensitivities, and the jumps of the authors' tracker.
+    Jumps,
+    /// What the schema's rate does.
+    Rate,
+    /// The schema against centring.
+    Centre,
+    /// How much faster than real time trials run.
+    Pace,
+}
+
 /// Options of `fit-target`.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct FitOptions {
     /// The folder of recorded trials [default: ../shared/data/trials beside the workspace].
     #[arg(long, value_name = "DIR")]
     pub(crate) trials: Option<PathBuf>,
+    /// A folder with `lab1.toml` and `lab2.toml` to use in place of the program's own.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenarios: Option<PathBuf>,
     /// Which arena's target.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub(crate) arena: u8,
-    /// Candidates that are tried.
-    #[arg(long, value_name = "N", default_value_t = 600)]
-    pub(crate) rounds: u64,
-    /// Simulated trials for each, with the seeds from 1 on.
-    #[arg(long, value_name = "N", default_value_t = 40)]
+    /// Searches, the first from what the file has, the others from anywhere.
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub(crate) starts: u64,
+    /// Generations of each, of 16 candidates.
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    pub(crate) generations: u64,
+    /// Simulated trials for each candidate, with the seeds from 1 on.
+    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u64).range(2..10_000))]
     pub(crate) seeds: u64,
+    /// Candidates that are judged at the same time.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub(crate) threads: usize,
 }
 
 fn trials_folder(given: Option<&PathBuf>) -> Result<PathBuf> {
@@ -58,7 +101,23 @@ fn trials_folder(given: Option<&PathBuf>) -> Result<PathBuf> {
 /// If recorded trials or scenarios cannot be used.
 pub(crate) fn acceptance(options: &Options) -> Result<bool> {
     let folder = trials_folder(options.trials.as_ref())?;
-    believable::run(&folder, options.first_seed, options.seeds)
+    let wanted = |table| options.only.is_none_or(|only| only == table);
+    if wanted(TableName::Picture) {
+        picture::run(&folder, options)?;
+    }
+    if wanted(TableName::Jumps) {
+        jumps::run(&folder, options)?;
+    }
+    if wanted(TableName::Rate) {
+        rate::run(options)?;
+    }
+    if wanted(TableName::Centre) {
+        centring::run(options)?;
+    }
+    if wanted(TableName::Pace) {
+        pace::run(options)?;
+    }
+    if wanted(TableName::Believable) { believable::run(&folder, options) } else { Ok(true) }
 }
 
 /// Fits the target's motion.
@@ -67,5 +126,5 @@ pub(crate) fn acceptance(options: &Options) -> Result<bool> {
 /// If recorded trials or scenarios cannot be used.
 pub(crate) fn fit_target(options: &FitOptions) -> Result<bool> {
     let folder = trials_folder(options.trials.as_ref())?;
-    fit::run(&folder, options.arena, options.rounds, options.seeds)
+    fit::run(&folder, options)
 }

@@ -15,7 +15,7 @@ use barrelman_vocab::{Angle, VehicleProfile};
 use super::recorded::{JUMP_PX, step_px};
 
 /// Names of [`Motion::values`].
-pub(super) const STATISTICS: [&str; 25] = [
+pub(super) const STATISTICS: [&str; COUNT] = [
     "length, s",
     "speed, 10 %, px/s",
     "speed, 25 %",
@@ -23,13 +23,37 @@ pub(super) const STATISTICS: [&str; 25] = [
     "speed, 75 %",
     "speed, 90 %",
     "speed, 95 %",
+    "speed, 99 %",
+    "speed across, 50 %",
+    "speed across, 90 %",
+    "speed across, 95 %",
+    "speed up and down, 50 %",
+    "speed up and down, 90 %",
+    "speed up and down, 95 %",
     "moving share",
     "faster than the camera, share",
+    "faster than the camera, mean s",
     "direction changes per minute",
+    "speed where the direction changes",
     "pauses per minute",
     "mean pause, s",
-    "standing before, s",
+    "setting off after, s",
     "standing after, s",
+    "speed in the last 1 s",
+    "speed in the last 3 s",
+    "acceleration, RMS, px/s2",
+    "correlation of speed over 1 s",
+    "correlation of speed over 2 s",
+    "persistence across over 1 s",
+    "persistence across over 2 s",
+    "persistence up, down over 0.5 s",
+    "persistence up, down over 1 s",
+    "legs across per minute",
+    "legs across, RMS, px",
+    "speed on long legs across",
+    "legs up and down per minute",
+    "legs up and down, RMS, px",
+    "speed on long legs up, down",
     "azimuth over 1 s, RMS, px",
     "azimuth over 2 s",
     "azimuth over 4 s",
@@ -38,16 +62,23 @@ pub(super) const STATISTICS: [&str; 25] = [
     "depression over 2 s",
     "depression over 4 s",
     "depression over 8 s",
-    "speed where the direction changes",
-    "correlation of speed over 1 s",
-    "correlation of speed over 2 s",
+    "azimuth, from end to end, px",
+    "depression, 10 to 50 %, degrees",
+    "depression, 50 to 90 %",
+    "azimuth over 1 s, 95 %, px",
+    "azimuth over 2 s, 95 %",
+    "azimuth over 2 s, 99 %",
+    "azimuth over 4 s, 95 %",
 ];
+
+/// How many statistics there are.
+pub(super) const COUNT: usize = 53;
 
 /// How the target of a trial moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Motion {
     /// As [`STATISTICS`] names them.
-    pub(super) values: [f64; 25],
+    pub(super) values: [f64; COUNT],
 }
 
 /// Places are compared over so long, seconds.
@@ -62,6 +93,18 @@ const PAUSE_S: f64 = 0.4;
 const CHANGE_DEG: f64 = 50.0;
 /// Depression at the start, as identified.
 const DEPRESSION_DEG: f64 = 24.0;
+/// A leg is what lies between two turning points of a bearing that are so far apart at least: across, and up and
+/// down, pixels.
+const LEG_PX: (f64, f64) = (40.0, 25.0);
+/// Legs of so many times that are long.
+const LONG_LEG: f64 = 3.0;
+/// It has set off when it is so far from where it stood, pixels, for so long, seconds.
+const SET_OFF_PX: f64 = 60.0;
+const SET_OFF_S: f64 = 2.5;
+/// So long before the first of several jumps and after the last the place is not the target's either, seconds.
+const AROUND_JUMPS_S: f64 = 0.25;
+/// Jumps that follow each other within this belong together: what lies between them was not the target, seconds.
+const JUMPS_S: f64 = 1.5;
 /// A place this close to the picture's border may be clamped, pixels.
 const BORDER_PX: f64 = 4.0;
 
@@ -72,40 +115,86 @@ struct Sample {
     azimuth: f64,
     depression: f64,
     good: bool,
+    /// Whether its place is at the picture's border, where it may have been clamped.
+    at_border: bool,
+    /// Whether its place is far from the one before.
+    jumped: bool,
 }
 
 /// Measures a trial. The plant is the scenario's nominal one.
 pub(super) fn of(log: &TrialLog, scenario: &Scenario) -> Motion {
+    let f = scenario.camera.optics.focal_px;
     let samples = bearings(log, scenario);
-    let speeds = velocities(&samples, scenario.camera.optics.focal_px);
-    let mut sorted: Vec<f64> = speeds.iter().filter_map(|(_, v)| v.map(|(a, e)| a.hypot(e))).collect();
-    sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(0.0);
+    let velocities = velocities(&samples, f);
+    let known: Vec<(f64, f64)> = velocities.iter().filter_map(|(_, v)| *v).collect();
+    let speed = |v: (f64, f64)| v.0.hypot(v.1);
+    let speeds = Sorted::of(known.iter().map(|v| speed(*v)));
+    let across = Sorted::of(known.iter().map(|v| v.0.abs()));
+    let upward = Sorted::of(known.iter().map(|v| v.1.abs()));
+    let depressions =
+        Sorted::of(samples.iter().filter(|sample| sample.good).map(|s| s.depression.to_degrees()));
+    let azimuths = Sorted::of(samples.iter().map(|sample| f * sample.azimuth));
     let share = |condition: &dyn Fn(f64) -> bool| {
-        sorted.iter().filter(|speed| condition(**speed)).count() as f64 / sorted.len().max(1) as f64
+        speeds.0.iter().filter(|speed| condition(**speed)).count() as f64 / speeds.0.len().max(1) as f64
     };
     let minutes = log.duration_s() / 60.0;
-    let (pauses, pause_s, before_s, after_s) = standing(&speeds);
-    let (changes, speed_in_changes) = direction_changes(&speeds);
+    let before_s = setting_off(&samples, f);
+    let (pauses, pause_s, after_s) = standing(&velocities, before_s);
+    let (changes, speed_in_changes) = direction_changes(&velocities);
     let moved = |over_s: f64, of: fn(&Sample) -> f64| {
-        displacement(&samples, over_s, of) * scenario.camera.optics.focal_px
+        mean(displacements(&samples, over_s, of).map(|by| by * by)).sqrt() * f
     };
+    let went = |over_s: f64, share: f64| {
+        Sorted::of(displacements(&samples, over_s, |s| s.azimuth).map(|by| f * by.abs())).at(share)
+    };
+    let last_s = samples.last().map_or(0.0, |sample| sample.at_s);
+    let mean_speed = |from_s: f64, to_s: f64| {
+        mean(
+            velocities.iter().filter(|(at, _)| (from_s..to_s).contains(at)).filter_map(|(_, v)| v.map(speed)),
+        )
+    };
+    let legs_across = Legs::of(&samples, LEG_PX.0, |sample| f * sample.azimuth * sample.depression.cos());
+    let legs_upward = Legs::of(&samples, LEG_PX.1, |sample| f * sample.depression);
     Motion {
         values: [
             log.duration_s(),
-            at(0.10),
-            at(0.25),
-            at(0.50),
-            at(0.75),
-            at(0.90),
-            at(0.95),
+            speeds.at(0.10),
+            speeds.at(0.25),
+            speeds.at(0.50),
+            speeds.at(0.75),
+            speeds.at(0.90),
+            speeds.at(0.95),
+            speeds.at(0.99),
+            across.at(0.50),
+            across.at(0.90),
+            across.at(0.95),
+            upward.at(0.50),
+            upward.at(0.90),
+            upward.at(0.95),
             share(&|speed| speed > STANDING),
             share(&|speed| speed > CAMERA),
+            stretches(&velocities, |v| v.0.hypot(v.1) > CAMERA),
             changes / minutes,
+            speed_in_changes,
             pauses / minutes,
             pause_s,
             before_s,
             after_s,
+            mean_speed(last_s - 1.0, last_s),
+            mean_speed(last_s - 3.0, last_s),
+            acceleration(&velocities),
+            correlation(&velocities, 1.0, speed),
+            correlation(&velocities, 2.0, speed),
+            correlation(&velocities, 1.0, |v| v.0),
+            correlation(&velocities, 2.0, |v| v.0),
+            correlation(&velocities, 0.5, |v| v.1),
+            correlation(&velocities, 1.0, |v| v.1),
+            legs_across.count / minutes,
+            legs_across.rms_px,
+            legs_across.long_px_per_s,
+            legs_upward.count / minutes,
+            legs_upward.rms_px,
+            legs_upward.long_px_per_s,
             moved(1.0, |sample| sample.azimuth),
             moved(2.0, |sample| sample.azimuth),
             moved(4.0, |sample| sample.azimuth),
@@ -114,11 +203,37 @@ pub(super) fn of(log: &TrialLog, scenario: &Scenario) -> Motion {
             moved(2.0, |sample| sample.depression),
             moved(4.0, |sample| sample.depression),
             moved(8.0, |sample| sample.depression),
-            speed_in_changes,
-            persistence(&speeds, 1.0),
-            persistence(&speeds, 2.0),
+            azimuths.at(1.0) - azimuths.at(0.0),
+            depressions.at(0.50) - depressions.at(0.10),
+            depressions.at(0.90) - depressions.at(0.50),
+            went(1.0, 0.95),
+            went(2.0, 0.95),
+            went(2.0, 0.99),
+            went(4.0, 0.95),
         ],
     }
+}
+
+/// Values in order.
+struct Sorted(Vec<f64>);
+
+impl Sorted {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.collect();
+        values.sort_by(f64::total_cmp);
+        Self(values)
+    }
+
+    /// The quantile of a share; 0 where there are no values.
+    fn at(&self, share: f64) -> f64 {
+        let index = (share * self.0.len() as f64) as usize;
+        self.0.get(index.min(self.0.len().max(1) - 1)).copied().unwrap_or(0.0)
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+    sum / count.max(1) as f64
 }
 
 /// The bearings at the rows.
@@ -149,16 +264,55 @@ fn bearings(log: &TrialLog, scenario: &Scenario) -> Vec<Sample> {
         let (right, up) = (at.x / f, at.y / f);
         let (s, c) = (-tilt).sin_cos();
         let (forward, down) = (c + up * s, s - up * c);
+        let at_border = at.x.abs() >= half_width || at.y.abs() >= half_height;
+        let jumped = index > 0 && step_px(log, index) > JUMP_PX;
         samples.push(Sample {
             at_s: row.time_s,
             azimuth: right.atan2(forward) + pan,
             depression: down.atan2(right.hypot(forward)),
-            good: at.x.abs() < half_width
-                && at.y.abs() < half_height
-                && (index == 0 || step_px(log, index) <= JUMP_PX),
+            good: !at_border && !jumped,
+            at_border,
+            jumped,
         });
     }
+    bridge(&mut samples);
     samples
+}
+
+/// Lays a straight line over what is not the target: what lies between jumps, which stays untrusted, and over where it
+/// was beyond the picture's border, through which it went at some speed that this is the mean of.
+fn bridge(samples: &mut [Sample]) {
+    let jumps: Vec<usize> = (0..samples.len()).filter(|index| samples[*index].jumped).collect();
+    for pair in jumps.windows(2) {
+        let (from_s, to_s) = (samples[pair[0]].at_s, samples[pair[1]].at_s);
+        if to_s - from_s <= JUMPS_S {
+            let first = samples.partition_point(|sample| sample.at_s < from_s - AROUND_JUMPS_S);
+            let end = samples.partition_point(|sample| sample.at_s <= to_s + AROUND_JUMPS_S);
+            span(samples, first, end, false);
+        }
+    }
+    let mut first = 0;
+    while first < samples.len() {
+        let run = samples[first..].iter().take_while(|sample| sample.at_border).count();
+        if run > 0 {
+            span(samples, first, first + run, true);
+        }
+        first += run.max(1);
+    }
+}
+
+/// The straight line from the sample before `first` to the one at `end`, where there are both.
+fn span(samples: &mut [Sample], first: usize, end: usize, good: bool) {
+    if first == 0 || end >= samples.len() {
+        return;
+    }
+    let (from, to) = (samples[first - 1], samples[end]);
+    for sample in &mut samples[first..end] {
+        let share = (sample.at_s - from.at_s) / (to.at_s - from.at_s);
+        sample.azimuth = from.azimuth + share * (to.azimuth - from.azimuth);
+        sample.depression = from.depression + share * (to.depression - from.depression);
+        sample.good = good;
+    }
 }
 
 /// Velocities of the bearing at the samples, pixels per second; `None` where a sample near it is not to be trusted.
@@ -186,25 +340,47 @@ fn velocities(samples: &[Sample], focal_px: f64) -> Vec<(f64, Option<(f64, f64)>
     velocities
 }
 
-/// RMS of how far a bearing moves within a time, radians, over the samples that are to be trusted.
-fn displacement(samples: &[Sample], over_s: f64, of: fn(&Sample) -> f64) -> f64 {
-    let (mut sum, mut count) = (0.0, 0_usize);
+/// By how much a bearing changes within a time, radians, from each sample on that is to be trusted.
+fn displacements<'a>(
+    samples: &'a [Sample],
+    over_s: f64,
+    of: fn(&Sample) -> f64,
+) -> impl Iterator<Item = f64> + 'a {
     let mut later = 0;
-    for sample in samples {
+    samples.iter().filter_map(move |sample| {
         while later < samples.len() && samples[later].at_s < sample.at_s + over_s {
             later += 1;
         }
-        let Some(then) = samples.get(later) else { break };
-        if sample.good && then.good {
-            sum += (of(then) - of(sample)).powi(2);
-            count += 1;
-        }
-    }
-    (sum / count.max(1) as f64).sqrt()
+        let then = samples.get(later)?;
+        (sample.good && then.good).then(|| of(then) - of(sample))
+    })
 }
 
-/// The correlation of the speed with what it is after a time.
-fn persistence(velocities: &[(f64, Option<(f64, f64)>)], after_s: f64) -> f64 {
+/// When it sets off: from then on it is [`SET_OFF_PX`] from where it stood for [`SET_OFF_S`] at least. What a hand
+/// does to it before, and what a tracker makes of the hand, comes back sooner.
+fn setting_off(samples: &[Sample], focal_px: f64) -> f64 {
+    let Some(first) = samples.first() else { return 0.0 };
+    let stood = |of: fn(&Sample) -> f64| {
+        Sorted::of(samples.iter().take_while(|s| s.at_s < first.at_s + 1.0).map(of)).at(0.5)
+    };
+    let (azimuth, depression) = (stood(|s| s.azimuth), stood(|s| s.depression));
+    let mut since = first.at_s;
+    for sample in samples {
+        let off = (sample.azimuth - azimuth).hypot(sample.depression - depression) * focal_px;
+        if off < SET_OFF_PX {
+            since = sample.at_s;
+        } else if sample.at_s - since > SET_OFF_S {
+            break;
+        }
+    }
+    since - first.at_s
+}
+
+/// The velocity at each sample's time.
+type Velocities = [(f64, Option<(f64, f64)>)];
+
+/// The correlation of what `of` makes of the velocity with what it is after a time.
+fn correlation(velocities: &Velocities, after_s: f64, of: impl Fn((f64, f64)) -> f64) -> f64 {
     let mut pairs = Vec::new();
     let mut later = 0;
     for (at_s, velocity) in velocities {
@@ -212,8 +388,8 @@ fn persistence(velocities: &[(f64, Option<(f64, f64)>)], after_s: f64) -> f64 {
             later += 1;
         }
         let Some((_, then)) = velocities.get(later) else { break };
-        if let (Some((a, e)), Some((b, f))) = (velocity, then) {
-            pairs.push((a.hypot(*e), b.hypot(*f)));
+        if let (Some(now), Some(then)) = (velocity, then) {
+            pairs.push((of(*now), of(*then)));
         }
     }
     let count = pairs.len().max(1) as f64;
@@ -228,8 +404,83 @@ fn persistence(velocities: &[(f64, Option<(f64, f64)>)], after_s: f64) -> f64 {
     if scale > 0.0 { both / scale } else { 0.0 }
 }
 
+/// RMS change of the velocity within half a second, for each second.
+fn acceleration(velocities: &Velocities) -> f64 {
+    let mut later = 0;
+    let squares = velocities.iter().filter_map(|(at_s, velocity)| {
+        while later + 1 < velocities.len() && velocities[later].0 < at_s + BASE_S {
+            later += 1;
+        }
+        let (a, b) = ((*velocity)?, velocities[later].1?);
+        Some(((b.0 - a.0).powi(2) + (b.1 - a.1).powi(2)) / (BASE_S * BASE_S))
+    });
+    mean(squares).sqrt()
+}
+
+/// The mean duration of the stretches in which something holds of the velocity, seconds.
+fn stretches(velocities: &Velocities, holds: impl Fn((f64, f64)) -> bool) -> f64 {
+    let mut durations = Vec::new();
+    let mut since: Option<f64> = None;
+    for (at_s, velocity) in velocities {
+        match (velocity.is_some_and(&holds), since) {
+            (true, None) => since = Some(*at_s),
+            (false, Some(from)) => {
+                durations.push(at_s - from);
+                since = None;
+            }
+            _ => {}
+        }
+    }
+    mean(durations.into_iter())
+}
+
+/// What lies between the turning points of a bearing.
+struct Legs {
+    count: f64,
+    rms_px: f64,
+    /// Mean speed over the long ones, pixels per second.
+    long_px_per_s: f64,
+}
+
+impl Legs {
+    /// A turning point is one from which the bearing goes by `least_px` before it goes further.
+    fn of(samples: &[Sample], least_px: f64, bearing: impl Fn(&Sample) -> f64) -> Self {
+        let mut turns: Vec<(f64, f64)> = Vec::new();
+        let Some(first) = samples.first() else {
+            return Self { count: 0.0, rms_px: 0.0, long_px_per_s: 0.0 };
+        };
+        let mut extreme = (first.at_s, bearing(first));
+        let mut sense = 0.0_f64;
+        turns.push(extreme);
+        for sample in samples {
+            let now = (sample.at_s, bearing(sample));
+            let off = now.1 - extreme.1;
+            if sense == 0.0 {
+                if off.abs() >= least_px {
+                    (sense, extreme) = (off.signum(), now);
+                }
+            } else if sense * off >= 0.0 {
+                extreme = now;
+            } else if off.abs() >= least_px {
+                turns.push(extreme);
+                (sense, extreme) = (-sense, now);
+            }
+        }
+        turns.push(extreme);
+        let legs: Vec<(f64, f64)> =
+            turns.windows(2).map(|pair| (pair[1].0 - pair[0].0, (pair[1].1 - pair[0].1).abs())).collect();
+        let long = || legs.iter().filter(|(_, px)| *px >= LONG_LEG * least_px);
+        let (long_s, long_px) = long().fold((0.0, 0.0), |sum, leg| (sum.0 + leg.0, sum.1 + leg.1));
+        Self {
+            count: legs.len() as f64,
+            rms_px: mean(legs.iter().map(|(_, px)| px * px)).sqrt(),
+            long_px_per_s: if long_s > 0.0 { long_px / long_s } else { 0.0 },
+        }
+    }
+}
+
 /// How often the direction changed within a second, and the mean speed in the middle of that.
-fn direction_changes(velocities: &[(f64, Option<(f64, f64)>)]) -> (f64, f64) {
+fn direction_changes(velocities: &Velocities) -> (f64, f64) {
     let (mut speed, mut count) = (0.0, 0_usize);
     let mut changes = 0;
     let mut changing = false;
@@ -256,12 +507,12 @@ fn direction_changes(velocities: &[(f64, Option<(f64, f64)>)]) -> (f64, f64) {
     (changes as f64, speed / count.max(1) as f64)
 }
 
-/// Pauses on the way, their mean length, and how long it stood before and after.
-fn standing(velocities: &[(f64, Option<(f64, f64)>)]) -> (f64, f64, f64, f64) {
+/// Pauses on the way, their mean length, and how long it stood after.
+fn standing(velocities: &Velocities, set_off_s: f64) -> (f64, f64, f64) {
     let moves = |v: &Option<(f64, f64)>| v.is_some_and(|(a, e)| a.hypot(e) > STANDING);
-    let first = velocities.iter().position(|(_, v)| moves(v)).unwrap_or(0);
-    let last = velocities.iter().rposition(|(_, v)| moves(v)).unwrap_or(0);
     let start = velocities.first().map_or(0.0, |(at, _)| *at);
+    let first = velocities.partition_point(|(at, _)| *at < start + set_off_s);
+    let last = velocities.iter().rposition(|(_, v)| moves(v)).unwrap_or(0);
     let end = velocities.last().map_or(0.0, |(at, _)| *at);
     let mut pauses = Vec::new();
     let mut since: Option<f64> = None;
@@ -277,11 +528,5 @@ fn standing(velocities: &[(f64, Option<(f64, f64)>)]) -> (f64, f64, f64, f64) {
         }
     }
     pauses.retain(|pause| *pause >= PAUSE_S);
-    let mean = pauses.iter().sum::<f64>() / pauses.len().max(1) as f64;
-    (
-        pauses.len() as f64,
-        mean,
-        velocities.get(first).map_or(0.0, |(at, _)| at - start),
-        velocities.get(last).map_or(0.0, |(at, _)| end - at),
-    )
+    (pauses.len() as f64, mean(pauses.iter().copied()), velocities.get(last).map_or(0.0, |(at, _)| end - at))
 }

@@ -6,6 +6,10 @@ use anyhow::{Context, Result};
 use barrelman_control::Region;
 use barrelman_pilot::{LawSettings, Pilot, PilotSettings};
 use barrelman_sim::{Scenario, World};
+use barrelman_simd::SimdLevel;
+use barrelman_station::campaign::plan::{Perception, Plan, Request};
+use barrelman_station::cli::PlantName;
+use barrelman_station::law_choice::LawChoice;
 use barrelman_station::scenario::{self, Changes};
 use barrelman_station::tracker::{TrackerName, TrackerSettings};
 use barrelman_trial::campaign::Simulation;
@@ -41,9 +45,29 @@ pub(super) fn read(folder: &Path, arena: u8, with_lost: bool) -> Result<Vec<Reco
     Ok(trials)
 }
 
-/// The laboratory's scenario for an arena.
-pub(super) fn scenario(arena: u8) -> Result<Scenario> {
-    Ok(scenario::load(&format!("lab{arena}"), &Changes::default())?.scenario)
+/// The laboratory's scenario for an arena: the program's own, or the one in a folder.
+pub(super) fn scenario(arena: u8, folder: Option<&Path>) -> Result<Scenario> {
+    Ok(scenario::load(&scenario_name(arena, folder), &Changes::default())?.scenario)
+}
+
+fn scenario_name(arena: u8, folder: Option<&Path>) -> String {
+    match folder {
+        Some(folder) => folder.join(format!("lab{arena}.toml")).display().to_string(),
+        None => format!("lab{arena}"),
+    }
+}
+
+/// The laboratory's trials for an arena, with a law and where given another rate of the schema.
+pub(super) fn plan(arena: u8, folder: Option<&Path>, law: LawChoice, rate: Option<f64>) -> Result<Plan> {
+    Plan::new(&Request {
+        scenario: scenario_name(arena, folder),
+        changes: Changes::default(),
+        law,
+        rate,
+        perception: Perception::Truth,
+        plant: PlantName::Nominal,
+        simd: SimdLevel::Avx512,
+    })
 }
 
 /// One simulated trial with the schema, perceived by truth.

@@ -1,12 +1,13 @@
 //! The world of a trial as a whole.
 
 use barrelman_sim::chance::Wander;
+use barrelman_sim::pursuit::{Pursuit, PursuitScript};
 use barrelman_sim::scenario::{BeyondBorder, Platform, TargetScript};
 use barrelman_sim::sway::Sway;
 use barrelman_sim::{Sensor, Truth, World};
 use barrelman_vocab::{AngularRate, CameraCommand};
 
-use crate::trial_world::plain;
+use crate::trial_world::{plain, pursuit};
 
 fn truths(seed: u64, ticks: u64, swaying: bool) -> Vec<Truth> {
     let mut scenario = plain();
@@ -119,4 +120,40 @@ fn way_points_in_one_place_make_no_world() {
     let TargetScript::Pursuit(script) = &mut scenario.target else { panic!("it pursues") };
     script.way_points = vec![(1.0, 1.0), (1.0, 1.0)];
     assert!(World::new(&scenario, 1).is_err());
+}
+
+/// Its way to the end of its path: how long it was, its speed half a metre before the end, and where it ended.
+fn way(script: PursuitScript) -> (f64, f64, (f64, f64)) {
+    let mut target = Pursuit::new(script, 3).expect("the way-points make a path");
+    let (mut length, mut before_end, mut tick) = (0.0, 0.0, 0);
+    while !target.is_over() {
+        let from = target.place();
+        target.advance(tick);
+        tick += 1;
+        assert!(tick < 12_000, "it does not arrive");
+        let to = target.place();
+        length += ((to.0 - from.0).powi(2) + (to.1 - from.1).powi(2)).sqrt();
+        if to.0 < 3.5 {
+            before_end = target.speed_m_per_s();
+        }
+    }
+    (length, before_end, target.place())
+}
+
+#[test]
+fn a_target_comes_to_rest_over_the_last_metres() {
+    let (_, at_once, _) = way(pursuit());
+    let (_, slowly, _) = way(PursuitScript { arrival_m: 2.0, ..pursuit() });
+    assert!((at_once - 1.0).abs() < 0.01, "{at_once}");
+    // A quarter of the way is left, so half of the speed, but for the lag of a tenth of a second.
+    assert!((slowly - 0.5).abs() < 0.05, "{slowly}");
+}
+
+#[test]
+fn a_target_that_weaves_goes_a_longer_way_to_the_same_end() {
+    let (straight, ..) = way(pursuit());
+    let weave = Wander { deviation: 0.5, time_s: 0.5 };
+    let (weaving, _, end) = way(PursuitScript { weave, ..pursuit() });
+    assert!(weaving > 1.03 * straight, "{weaving} m, {straight} m");
+    assert!((end.0 - 4.0).abs() < 0.4 && (end.1 - 4.0).abs() < 0.4, "{end:?}");
 }

@@ -63,8 +63,7 @@ impl TrialRecorder {
             link: "sim:".to_owned(),
             live_video: false,
         };
-        let writer = RecordingWriter::begin(file, &start)
-            .with_context(|| format!("{} cannot be written", path.display()))?;
+        let writer = RecordingWriter::begin(file, &start).with_context(|| cannot_be_written(path))?;
         Ok(Self { path: path.to_owned(), writer, film: None, step: 0, failed: None })
     }
 
@@ -73,19 +72,22 @@ impl TrialRecorder {
     /// # Errors
     /// If anything could not be written.
     pub fn finish(self) -> Result<()> {
-        let place = self.path.display().to_string();
         if let Some(error) = self.failed {
-            return Err(error.context(format!("{place} cannot be written")));
+            return Err(error);
         }
-        self.writer.finish().with_context(|| format!("{place} cannot be written"))?;
+        self.writer.finish().with_context(|| cannot_be_written(&self.path))?;
         self.film.map_or(Ok(()), Film::finish)
     }
 
     /// A unit of video, ahead of the frame that it gives.
     pub fn unit(&mut self, unit: EncodedUnit) {
         if self.failed.is_none() {
-            self.failed = self.writer.write(&Entry::Unit(unit)).err().map(Into::into);
+            self.failed = self.write(&Entry::Unit(unit)).err();
         }
+    }
+
+    fn write(&mut self, entry: &Entry) -> Result<()> {
+        self.writer.write(entry).with_context(|| cannot_be_written(&self.path))
     }
 
     fn put(
@@ -104,13 +106,17 @@ impl TrialRecorder {
             Input::Request(request) => RecordedInput::Request(*request),
             Input::Tick => RecordedInput::Tick,
         };
-        self.writer.write(&Entry::Input { step, now, input: recorded })?;
-        self.writer.write(&Entry::Outcome(RecordedOutcome::new(step, outcome, rates)))?;
+        self.write(&Entry::Input { step, now, input: recorded })?;
+        self.write(&Entry::Outcome(RecordedOutcome::new(step, outcome, rates)))?;
         if let (Input::Frame(frame), Some(film)) = (input, &mut self.film) {
             film.add_outcome(frame, outcome, rates)?;
         }
         Ok(())
     }
+}
+
+fn cannot_be_written(path: &Path) -> String {
+    format!("{} cannot be written", path.display())
 }
 
 impl Witness for TrialRecorder {
@@ -122,7 +128,7 @@ impl Witness for TrialRecorder {
 
     fn truth(&mut self, truth: &Truth) {
         if self.failed.is_none() {
-            self.failed = self.writer.write(&Entry::Truth(truth.into())).err().map(Into::into);
+            self.failed = self.write(&Entry::Truth(truth.into())).err();
         }
     }
 }

@@ -290,6 +290,12 @@ pub struct TargetSection {
     pub gust_share: f64,
     /// Time after which that is forgotten, seconds.
     pub gust_time_s: f64,
+    /// Deviation by which its heading weaves, radians.
+    #[serde(default)]
+    pub weave_rad: f64,
+    /// Time after which that is forgotten, seconds.
+    #[serde(default = "one_second")]
+    pub weave_time_s: f64,
     /// How far ahead on the path it looks, metres.
     pub look_ahead_m: f64,
     /// Deviation of each way-point, metres.
@@ -304,6 +310,9 @@ pub struct TargetSection {
     pub turn_lag_s: f64,
     /// Share of its speed that it gives up at a right angle.
     pub corner_slow_down: f64,
+    /// Over so many of the path's last metres it comes to rest.
+    #[serde(default)]
+    pub arrival_m: f64,
     /// Mean time that it stands before it starts, seconds.
     pub stand_before_s: f64,
     /// Mean time that it stands at the end, seconds.
@@ -334,4 +343,8 @@ pub struct SensingSection {
 pub struct PathFile {
     /// Way-points, metres.
     pub way_points: Vec<[f64; 2]>,
+}
+
+const fn one_second() -> f64 {
+    1.0
 }

@@ -72,6 +72,10 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
             deviation: number("gust_share", section.gust_share, 0.0, 1.0, "a share")?,
             time_s: number("gust_time_s", section.gust_time_s, 0.01, 1000.0, "seconds")?,
         },
+        weave: Wander {
+            deviation: number("weave_rad", section.weave_rad, 0.0, 3.0, "radians")?,
+            time_s: number("weave_time_s", section.weave_time_s, 0.01, 1000.0, "seconds")?,
+        },
         look_ahead_m: number("look_ahead_m", section.look_ahead_m, 0.01, 1000.0, "metres")?,
         way_point_jitter_m: number("way_point_jitter_m", section.way_point_jitter_m, 0.0, 1000.0, "metres")?,
         heading_gain: number("heading_gain", section.heading_gain, 0.01, 100.0, "1/s")?,
@@ -79,6 +83,7 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
         surge_lag_s: number("surge_lag_s", section.surge_lag_s, 0.0, 60.0, "seconds")?,
         turn_lag_s: number("turn_lag_s", section.turn_lag_s, 0.0, 60.0, "seconds")?,
         corner_slow_down: number("corner_slow_down", section.corner_slow_down, 0.0, 0.95, "a share")?,
+        arrival_m: number("arrival_m", section.arrival_m, 0.0, 1000.0, "metres")?,
         stand_before_s: number("stand_before_s", section.stand_before_s, 0.0, 600.0, "seconds")?,
         stand_after_s: number("stand_after_s", section.stand_after_s, 0.0, 600.0, "seconds")?,
         pauses_per_s: number("pauses_per_s", section.pauses_per_s, 0.0, 10.0, "1/s")?,
