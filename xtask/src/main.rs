@@ -7,6 +7,8 @@ mod acceptance;
 mod documents;
 mod edges;
 
+mod law;
+
 mod simulation;
 mod views;
 
@@ -37,6 +39,8 @@ enum Task {
     },
     /// Fits how the laboratory's simulated target moves to how the recorded ones moved.
     FitTarget(simulation::FitOptions),
+    /// Searches for a tuning of the optimal law.
+    TuneLaw(law::TuneOptions),
 }
 
 #[derive(Debug, Subcommand)]
@@ -45,6 +49,8 @@ enum Part {
     Tracker(acceptance::Options),
     /// The simulator: whether its trials are like the recorded ones.
     Sim(simulation::Options),
+    /// The camera laws, against each other.
+    Law(law::Options),
 }
 
 fn main() -> ExitCode {
@@ -53,6 +59,8 @@ fn main() -> ExitCode {
         Task::Views(options) => ("views", views::draw(&options)),
         Task::Acceptance { part: Part::Tracker(options) } => ("acceptance", acceptance::tracker(&options)),
         Task::Acceptance { part: Part::Sim(options) } => ("acceptance", simulation::acceptance(&options)),
+        Task::Acceptance { part: Part::Law(options) } => ("acceptance", law::acceptance(&options)),
+        Task::TuneLaw(options) => ("tune-law", law::tune(&options)),
         Task::FitTarget(options) => ("fit-target", simulation::fit_target(&options)),
     };
     match done {

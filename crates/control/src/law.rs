@@ -1,10 +1,65 @@
-//! The camera law that a pilot works by.
+//! The camera law that a pilot works by, with the camera as it imagines it.
 
-use barrelman_vocab::{CameraCommand, PictureSize, Timestamp, VehicleProfile};
+use core::fmt;
 
+use barrelman_vocab::{Angle, CameraCommand, PictureSize, Timestamp, VehicleProfile};
+
+use crate::camera_model::CameraModel;
 use crate::centring::{Centring, CentringGains};
+use crate::optimal::{OptimalLaw, OptimalSettings};
 use crate::percept::Percept;
+use crate::region::Region;
 use crate::schema::MotorSchema;
+
+/// What a law works on at one step.
+#[derive(Debug, Clone, Copy)]
+pub struct Sight<'a> {
+    /// What was seen.
+    pub percept: &'a Percept,
+    /// The region that the target may roam in.
+    pub region: Region,
+    /// The picture that it was seen in.
+    pub picture: PictureSize,
+    /// When that was taken.
+    pub captured: Timestamp,
+    /// When the command will be in force: now.
+    pub now: Timestamp,
+}
+
+/// Turns what is seen into what is asked of the camera.
+pub trait Law: Send {
+    /// What to ask of the camera for what is seen.
+    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand;
+
+    /// Forgets what was seen of a target: another one was selected.
+    fn forget(&mut self) {}
+}
+
+impl Law for MotorSchema {
+    fn command(&mut self, sight: &Sight<'_>, _: &CameraModel) -> CameraCommand {
+        Self::command(self, sight.percept)
+    }
+}
+
+impl Law for Centring {
+    fn command(&mut self, sight: &Sight<'_>, _: &CameraModel) -> CameraCommand {
+        Self::command(self, sight.percept, sight.picture, sight.captured)
+    }
+
+    fn forget(&mut self) {
+        Self::forget(self);
+    }
+}
+
+impl Law for OptimalLaw {
+    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
+        Self::command(self, sight, camera)
+    }
+
+    fn forget(&mut self) {
+        Self::forget(self);
+    }
+}
 
 /// Which law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -14,39 +69,60 @@ pub enum LawSettings {
     Schema,
     /// A PID on the picture's centre.
     Centre(CentringGains),
+    /// Both axes at once with the least energy.
+    Optimal(OptimalSettings),
 }
 
-/// A law with what it remembers.
-#[derive(Debug, Clone)]
-pub enum CameraLaw {
-    /// The paper's motor schema, which remembers nothing.
-    Schema(MotorSchema),
-    /// A PID on the picture's centre.
-    Centre(Centring),
+/// A law with the camera that it imagines.
+pub struct CameraLaw {
+    camera: CameraModel,
+    law: Box<dyn Law>,
 }
 
 impl CameraLaw {
     /// A law for a vehicle.
     pub fn new(settings: LawSettings, profile: &VehicleProfile) -> Self {
-        match settings {
-            LawSettings::Schema => Self::Schema(MotorSchema::new(profile.schema)),
-            LawSettings::Centre(gains) => Self::Centre(Centring::new(gains, profile.limits)),
-        }
+        let law: Box<dyn Law> = match settings {
+            LawSettings::Schema => Box::new(MotorSchema::new(profile.schema)),
+            LawSettings::Centre(gains) => Box::new(Centring::new(gains, profile.limits)),
+            LawSettings::Optimal(settings) => Box::new(OptimalLaw::new(&settings, profile)),
+        };
+        Self::of(law, profile)
     }
 
-    /// What to ask of the camera for a percept of a picture of that size, taken at `captured`.
-    pub fn command(&mut self, percept: &Percept, picture: PictureSize, captured: Timestamp) -> CameraCommand {
-        match self {
-            Self::Schema(schema) => schema.command(percept),
-            Self::Centre(centring) => centring.command(percept, picture, captured),
-        }
+    /// A law of one's own for a vehicle.
+    pub fn of(law: Box<dyn Law>, profile: &VehicleProfile) -> Self {
+        Self { camera: CameraModel::new(profile.camera, profile.limits), law }
+    }
+
+    /// What to ask of the camera for what is seen.
+    pub fn command(&mut self, sight: &Sight<'_>) -> CameraCommand {
+        self.law.command(sight, &self.camera)
+    }
+
+    /// This command is in force from `now` on, whoever wanted it.
+    pub fn in_force(&mut self, command: CameraCommand, now: Timestamp) {
+        self.camera.command(command, now);
+    }
+
+    /// The gimbal reported its tilt.
+    pub fn tilt_reported(&mut self, tilt: Angle, at: Timestamp) {
+        self.camera.tilt_reported(tilt, at);
+    }
+
+    /// The camera as the law imagines it.
+    pub const fn camera(&self) -> &CameraModel {
+        &self.camera
     }
 
     /// Forgets what was seen of a target: another one was selected.
     pub fn forget(&mut self) {
-        match self {
-            Self::Schema(_) => {}
-            Self::Centre(centring) => centring.forget(),
-        }
+        self.law.forget();
+    }
+}
+
+impl fmt::Debug for CameraLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CameraLaw").field("camera", &self.camera).finish_non_exhaustive()
     }
 }

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_control::{CameraLaw, LawSettings, MotorSchema, Percept, Region, Sector};
+use barrelman_control::{CameraLaw, LawSettings, MotorSchema, Percept, Region, Sector, Sight};
 use barrelman_vision::Tracker;
 use barrelman_vocab::{OperatorRequest, PixelBox, Timestamp, Track, VehicleProfile, VideoFrame};
 
@@ -44,8 +44,14 @@ struct Look {
 impl Pilot {
     /// A pilot that has seen nothing yet: disengaged, at rest.
     pub fn new(settings: PilotSettings, tracker: Box<dyn Tracker>) -> Self {
+        let law = CameraLaw::new(settings.law, &settings.profile);
+        Self::with_law(settings, law, tracker)
+    }
+
+    /// The same with a law of one's own in place of the settings'.
+    pub fn with_law(settings: PilotSettings, law: CameraLaw, tracker: Box<dyn Tracker>) -> Self {
         Self {
-            law: CameraLaw::new(settings.law, &settings.profile),
+            law,
             safety: Safety::new(settings.profile.coast_motion),
             settings,
             tracker,
@@ -83,7 +89,7 @@ impl Pilot {
         }
         self.track = look.track;
         let age = look.captured.map(|captured| now.since(captured));
-        let evidence = self.weigh(age);
+        let evidence = self.weigh(age, now);
         self.conclude(evidence, age, look.notice, now)
     }
 
@@ -115,12 +121,14 @@ impl Pilot {
     }
 
     /// What the newest look is worth as evidence for motion.
-    fn weigh(&mut self, age: Option<Duration>) -> Evidence {
+    fn weigh(&mut self, age: Option<Duration>, now: Timestamp) -> Evidence {
         let profile = &self.settings.profile;
         let looked = self.track.localisation().map(|seen| {
             let region = Region::in_picture(profile.region, seen.picture);
             let percept = Percept::new(seen.centre.in_image(seen.picture), region);
-            let command = self.law.command(&percept, seen.picture, seen.captured);
+            let (picture, captured) = (seen.picture, seen.captured);
+            let sight = Sight { percept: &percept, region, picture, captured, now };
+            let command = self.law.command(&sight);
             let sector = MotorSchema::released(&percept).then(|| Sector::of(percept.position));
             (percept, Advice { command, sector })
         });
@@ -145,6 +153,7 @@ impl Pilot {
         now: Timestamp,
     ) -> Outcome {
         let ruling = self.safety.rule(evidence, now);
+        self.law.in_force(ruling.command, now);
         Outcome {
             at: now,
             mode: ruling.mode,

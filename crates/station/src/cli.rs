@@ -7,14 +7,12 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use barrelman_control::{CentringGains, LawSettings};
 use barrelman_simd::SimdLevel;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
+pub use crate::law_choice::LawOptions;
 pub use crate::tracker::TrackerName;
 
 /// Keeps an unmanned surface vehicle in a small tethered UAV's view, moving the camera as little as possible.
@@ -251,35 +249,6 @@ pub struct TrackArgs {
     pub force: bool,
 }
 
-/// The camera laws.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum LawName {
-    /// The paper's motor schema.
-    #[default]
-    Schema,
-    /// A PID on the picture's centre, to compare with.
-    Centre,
-}
-
-impl LawName {
-    /// As it is written on the command line and in a configuration.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Schema => "schema",
-            Self::Centre => "centre",
-        }
-    }
-
-    /// The law's settings.
-    pub const fn settings(self) -> LawSettings {
-        match self {
-            Self::Schema => LawSettings::Schema,
-            Self::Centre => LawSettings::Centre(CentringGains::USUAL),
-        }
-    }
-}
-
 /// How P is to be computed.
 #[derive(Debug, Args)]
 pub struct RegionArgs {
@@ -293,13 +262,15 @@ pub struct RegionArgs {
 
 /// `law`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman law arena1_01.csv --law schema --output commands.csv")]
+#[command(
+    after_help = "Examples:\n  barrelman law arena1_01.csv --law schema --output commands.csv\n  barrelman law arena1_01.csv --law optimal --mode eco --output commands.csv"
+)]
 pub struct LawArgs {
     /// The log: the laboratory's CSV, an exported one, or a recording.
     pub log: PathBuf,
     /// The law.
-    #[arg(long, value_enum, default_value_t = LawName::Schema)]
-    pub law: LawName,
+    #[command(flatten)]
+    pub law: LawOptions,
     /// Rate of the schema on both axes, rad/s; without it the vehicle's.
     #[arg(long, value_name = "RAD_PER_S", allow_negative_numbers = true, value_parser = parse_rate)]
     pub rate: Option<f64>,
@@ -433,9 +404,9 @@ pub struct TrialsArgs {
     /// Seed of the first trial; each further one has the next.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub seed: u64,
-    /// The camera law.
-    #[arg(long, value_enum, default_value_t)]
-    pub law: LawName,
+    /// The law.
+    #[command(flatten)]
+    pub law: LawOptions,
     /// Rate of the schema on both axes, rad/s; without it the vehicle's. The simulated vehicle is able to turn so fast.
     #[arg(long, value_name = "RAD_PER_S", allow_negative_numbers = true, value_parser = parse_rate)]
     pub rate: Option<f64>,

@@ -26,6 +26,7 @@ pub mod overlay;
 pub mod clock;
 pub mod fault;
 pub mod input;
+pub mod law_choice;
 pub mod logging;
 pub mod output;
 pub mod progress;

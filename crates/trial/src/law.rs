@@ -2,10 +2,10 @@
 //!
 //! The law sees where the target was, row by row, and says what it would have commanded. What it commands does
 //! not move the recorded picture: it is a check of the law against the recorded commands, no proof of how well
-//! it would have held the target.
+//! it would have held the target. A law that imagines the camera imagines that it did what it was asked.
 
-use barrelman_control::{CameraLaw, LawSettings, Percept, Region};
-use barrelman_vocab::{ImagePoint, Timestamp, VehicleProfile, VehicleRates};
+use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
+use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile, VehicleRates};
 
 use crate::logs::TrialLog;
 
@@ -33,10 +33,12 @@ pub fn law_over(
     let rows = log.rows.iter().enumerate();
     rows.map(|(row, at)| {
         let percept = at.position.map(|position| Percept::new(position, region));
-        let captured = Timestamp::from_secs_f64(at.time_s);
-        let rates = percept.map_or(VehicleRates::REST, |percept| {
-            profile.outgoing(law.command(&percept, log.frame, captured))
+        let now = Timestamp::from_secs_f64(at.time_s);
+        let command = percept.map_or(CameraCommand::REST, |percept| {
+            law.command(&Sight { percept: &percept, region, picture: log.frame, captured: now, now })
         });
+        law.in_force(command, now);
+        let rates = profile.outgoing(command);
         let target = percept.map(|percept| (percept.position, percept.p));
         LawRow { row, time_s: at.time_s, target, rates }
     })

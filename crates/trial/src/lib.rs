@@ -12,5 +12,6 @@ pub mod campaign;
 pub mod law;
 pub mod records;
 pub mod replay;
+pub mod shadow;
 
 pub mod report;

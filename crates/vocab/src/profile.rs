@@ -6,7 +6,7 @@
 
 use core::time::Duration;
 
-use crate::angle::AngularRate;
+use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
 
 /// What a vehicle is and how its camera is to be moved.
@@ -24,6 +24,8 @@ pub struct VehicleProfile {
     pub limits: AxisRates,
     /// The vehicle's own signs.
     pub signs: AxisSigns,
+    /// How its camera answers, for laws that predict.
+    pub camera: CameraDynamics,
     /// Nominal time from the sensor to the arrival of a video frame.
     pub video_latency: Duration,
     /// How much older than `video_latency` a video frame may be on arrival before it counts as stale.
@@ -55,6 +57,34 @@ pub struct AxisRates {
     pub pan: AngularRate,
     /// Tilt.
     pub tilt: AngularRate,
+}
+
+/// How a camera answers commands and what it sees: the nominal values, which a law goes by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraDynamics {
+    /// Focal length as a share of the picture's width.
+    pub focal_share: f64,
+    /// The camera's elevation at the start where no telemetry tells; negative looks down.
+    pub first_tilt: Angle,
+    /// The end stops of that elevation, lower and upper.
+    pub tilt_stops: (Angle, Angle),
+    /// The axis that pans.
+    pub pan: AxisDynamics,
+    /// The axis that tilts.
+    pub tilt: AxisDynamics,
+}
+
+/// How one axis answers a rate that is asked of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisDynamics {
+    /// From a command that moves to the start of its effect, without the video's latency.
+    pub start_dead_time: Duration,
+    /// From a zero to the start of its effect; not less.
+    pub stop_dead_time: Duration,
+    /// Time constant of the rate after that.
+    pub lag: Duration,
+    /// The least rate other than zero that it turns at.
+    pub least_rate: AngularRate,
 }
 
 /// How the vehicle's own rates are signed against ours.
@@ -104,6 +134,26 @@ impl VehicleRates {
     }
 }
 
+impl CameraDynamics {
+    /// The Fotokite Pro's camera as identified from the recorded laboratory trials, the camera's 0.10 s taken off the
+    /// dead times.
+    pub fn laboratory() -> Self {
+        let axis = |start_ms, stop_ms, lag_ms| AxisDynamics {
+            start_dead_time: Duration::from_millis(start_ms),
+            stop_dead_time: Duration::from_millis(stop_ms),
+            lag: Duration::from_millis(lag_ms),
+            least_rate: AngularRate::ZERO,
+        };
+        Self {
+            focal_share: 330.0 / 640.0,
+            first_tilt: Angle::from_degrees(-24.0),
+            tilt_stops: (Angle::from_degrees(-90.0), Angle::from_degrees(10.0)),
+            pan: axis(200, 400, 420),
+            tilt: axis(100, 400, 100),
+        }
+    }
+}
+
 impl VehicleProfile {
     /// The Fotokite Pro as the paper's authors flew it: negative yaw turns the view right, negative pitch
     /// raises it; 0.3 rad/s on both axes; yaw limited to 0.4 and gimbal pitch to 0.3 rad/s by its clients.
@@ -116,6 +166,7 @@ impl VehicleProfile {
             schema: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
             limits: AxisRates { pan: rad_per_s(0.4), tilt: rad_per_s(0.3) },
             signs: AxisSigns { yaw: Sign::Opposite, pitch: Sign::Opposite },
+            camera: CameraDynamics::laboratory(),
             video_latency: Duration::from_millis(200),
             stale_after: Duration::from_millis(300),
             coast_motion: Duration::from_millis(250),

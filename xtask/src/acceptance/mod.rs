@@ -26,7 +26,7 @@ mod scoring;
 
 mod chance;
 mod figures;
-mod parallel;
+pub(crate) mod parallel;
 mod report;
 
 use std::path::PathBuf;

@@ -1,3 +1,8 @@
 //! The laws, by tables and by properties.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
 
+mod bearing;
+mod camera_model;
+mod optimal;
 mod schema;
+mod transfer;

@@ -4,7 +4,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
 
-use barrelman_pilot::{Input, Pilot};
+use barrelman_control::optimal::{Mode as OptimalMode, OptimalSettings};
+use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::video::{Capture, CaptureQuality};
@@ -46,20 +47,27 @@ fn drawn(clip: &PracticeClip, index: u32, sequence: u64, captured: Timestamp) ->
 
 #[test]
 fn steps_with_camshift_allocate_nothing_after_the_first_round() {
-    steps_allocate_nothing_after_the_first_round(Box::new(CamShift::new(CamShiftConfig::default()).unwrap()));
+    let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
+    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::Schema);
+}
+
+#[test]
+fn steps_with_the_optimal_law_allocate_nothing_after_the_first_round() {
+    let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
+    let law = LawSettings::Optimal(OptimalSettings::of(OptimalMode::MinimumEnergy));
+    steps_allocate_nothing_after_the_first_round(Box::new(tracker), law);
 }
 
 #[test]
 fn steps_with_the_fused_tracker_allocate_nothing_after_the_first_round() {
-    steps_allocate_nothing_after_the_first_round(Box::new(
-        FusedTracker::new(FusedConfig::default()).unwrap(),
-    ));
+    let tracker = FusedTracker::new(FusedConfig::default()).unwrap();
+    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::Schema);
 }
 
 #[track_caller]
-fn steps_allocate_nothing_after_the_first_round(tracker: Box<dyn Tracker>) {
+fn steps_allocate_nothing_after_the_first_round(tracker: Box<dyn Tracker>, law: LawSettings) {
     let clip = PracticeClip::new(SIZE, 1);
-    let mut pilot = Pilot::new(settings(), tracker);
+    let mut pilot = Pilot::new(PilotSettings { law, ..settings() }, tracker);
     let mut sequence = 0_u64;
     let mut round = || {
         let (mut allocations, mut moved, mut followed) = (0, 0, 0);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use barrelman_control::{CameraLaw, Law};
 use barrelman_pilot::{Pilot, PilotSettings};
 use barrelman_sim::render::Serial;
 use barrelman_sim::{Scenario, World};
@@ -13,8 +14,9 @@ use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 
 use super::recording::TrialRecorder;
-use crate::cli::{LawName, PlantName};
+use crate::cli::PlantName;
 use crate::config::{ConfigFile, Configuration};
+use crate::law_choice::LawChoice;
 use crate::scenario::{self, Changes, Loaded};
 use crate::tracker::{TrackerName, TrackerSettings};
 
@@ -35,7 +37,7 @@ pub struct Request {
     /// What differs from it.
     pub changes: Changes,
     /// The law.
-    pub law: LawName,
+    pub law: LawChoice,
     /// Rate of the schema, rad/s.
     pub rate: Option<f64>,
     /// How the pilot comes to know where the target is.
@@ -52,7 +54,7 @@ pub struct Plan {
     loaded: Loaded,
     settings: CampaignSettings,
     profile: VehicleProfile,
-    law: LawName,
+    law: LawChoice,
     tracker: TrackerName,
     plant: PlantName,
     simd: Simd,
@@ -67,7 +69,7 @@ impl Plan {
     /// If the scenario cannot be used.
     pub fn new(request: &Request) -> Result<Self> {
         let mut loaded = scenario::load(&request.scenario, &request.changes)?;
-        let mut profile = loaded.profile();
+        let mut profile = loaded.profile()?;
         if let Some(rate) = request.rate {
             // The sweep over rates is about the rate: the simulated vehicle, too, is made able to turn so fast.
             profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));
@@ -82,6 +84,8 @@ impl Plan {
             scenario: loaded.scenario.name.clone(),
             scenario_hash: format!("{:016x}", loaded.hash),
             law: request.law.word().to_owned(),
+            mode: request.law.mode_word().map(str::to_owned),
+            horizon_s: request.law.horizon_s,
             rate_rad_per_s: request.rate,
             perception: perception.to_owned(),
             setting: loaded.setting.clone(),
@@ -123,6 +127,25 @@ impl Plan {
         self
     }
 
+    /// The same plan in a world that differs from the scenario, of which law and pilot know nothing.
+    #[must_use]
+    pub fn in_changed_world(mut self, change: impl FnOnce(&mut Scenario)) -> Self {
+        change(&mut self.loaded.scenario);
+        self
+    }
+
+    /// The same plan with a vehicle that is said to be otherwise than it is.
+    #[must_use]
+    pub fn with_profile(mut self, change: impl FnOnce(&mut VehicleProfile)) -> Self {
+        change(&mut self.profile);
+        self
+    }
+
+    /// The vehicle as law and pilot know it.
+    pub const fn profile(&self) -> &VehicleProfile {
+        &self.profile
+    }
+
     /// The scenario, with what was changed about it.
     pub const fn scenario(&self) -> &Scenario {
         &self.loaded.scenario
@@ -138,6 +161,19 @@ impl Plan {
     /// # Errors
     /// If it cannot be set up.
     pub fn log(&self, seed: u64, witness: &mut dyn Witness) -> Result<TrialLog> {
+        self.log_by(None, seed, witness)
+    }
+
+    /// The same with a law of one's own in place of the one that was asked for.
+    ///
+    /// # Errors
+    /// If it cannot be set up.
+    pub fn log_by(
+        &self,
+        law: Option<Box<dyn Law>>,
+        seed: u64,
+        witness: &mut dyn Witness,
+    ) -> Result<TrialLog> {
         let scenario = match self.plant {
             PlantName::Nominal => self.loaded.scenario.clone(),
             PlantName::Drawn => self.loaded.scenario.with_plant_drawn(seed),
@@ -146,7 +182,11 @@ impl Plan {
             bail!("the way-points of {} make no path in trial {seed}", scenario.name);
         };
         let settings = PilotSettings { profile: self.profile.clone(), law: self.law.settings() };
-        let pilot = Pilot::new(settings, TrackerSettings::of(self.tracker).tracker()?);
+        let tracker = TrackerSettings::of(self.tracker).tracker()?;
+        let pilot = match law {
+            Some(law) => Pilot::with_law(settings, CameraLaw::of(law, &self.profile), tracker),
+            None => Pilot::new(settings, tracker),
+        };
         // Trials run beside each other, each on one thread.
         let in_pixels = self.settings.tracker.is_some();
         let mut eye =
@@ -184,14 +224,14 @@ impl Plan {
     /// If it cannot be set up.
     pub fn run(&self, seed: u64) -> Result<CampaignEntry> {
         let log = self.watched(seed).with_context(|| format!("trial {seed}"))?;
-        let metrics = measure(&log, log.region(self.profile.region), log.picture);
+        Ok(CampaignEntry { seed, trial: self.entry(seed, &log), campaign: self.settings.clone() })
+    }
+
+    /// A trial's name and metrics.
+    pub fn entry(&self, seed: u64, log: &TrialLog) -> TrialEntry {
+        let metrics = measure(log, log.region(self.profile.region), log.picture);
         let name = format!("{}/{seed}", self.settings.scenario);
-        let arena = arena_of(&self.settings.scenario);
-        Ok(CampaignEntry {
-            seed,
-            trial: TrialEntry { name, arena, metrics },
-            campaign: self.settings.clone(),
-        })
+        TrialEntry { name, arena: arena_of(&self.settings.scenario), metrics }
     }
 }
 

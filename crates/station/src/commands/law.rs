@@ -10,6 +10,7 @@ use barrelman_vocab::AngularRate;
 use super::trial_input;
 use crate::cli::LawArgs;
 use crate::config::resolve::profile_named;
+use crate::law_choice::LawName;
 use crate::output;
 
 /// The header of what is written.
@@ -20,6 +21,7 @@ pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";
 /// # Errors
 /// If the log cannot be read or the output not be written.
 pub fn run(args: &LawArgs) -> Result<ExitCode> {
+    let law = args.law.choice()?;
     let mut profile = profile_named(&args.profile)?;
     if let Some(rate) = args.rate {
         profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));
@@ -29,7 +31,13 @@ pub fn run(args: &LawArgs) -> Result<ExitCode> {
         input.log.frame = frame;
     }
     let region = input.log.region(args.region.region.unwrap_or(profile.region));
-    let rows = law_over(&input.log, region, &profile, args.law.settings());
+    if law.name != LawName::Schema {
+        tracing::warn!(
+            "open loop: the recorded camera did not obey this law, so what it asks for here is no proof of how well it \
+             holds a target; `barrelman trials` closes the loop"
+        );
+    }
+    let rows = law_over(&input.log, region, &profile, law.settings());
     match &args.output {
         Some(path) => {
             let file = output::create(path, args.force)?;

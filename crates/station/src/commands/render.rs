@@ -20,7 +20,8 @@ use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 use crate::campaign::plan::Request;
 use crate::campaign::{Perception, Plan};
-use crate::cli::{LawName, PlantName, RenderArgs};
+use crate::cli::{PlantName, RenderArgs};
+use crate::law_choice::LawChoice;
 use crate::output;
 use crate::progress::Progress;
 use crate::scenario::Changes;
@@ -38,7 +39,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let plan = Plan::new(&Request {
         scenario: args.scenario.clone(),
         changes: Changes { size: args.size, ..Changes::default() },
-        law: LawName::Schema,
+        law: LawChoice::default(),
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

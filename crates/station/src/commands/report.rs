@@ -9,12 +9,14 @@ use barrelman_trial::campaign::CampaignSettings;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
 use barrelman_trial::report::{Course, Report, ReportedTrial, SetKind, TrialSet};
+use barrelman_trial::shadow::schema_over;
 use barrelman_vocab::VehicleProfile;
 
 use super::trial_input::{self, Input, LogKind, TrialInput};
 use crate::campaign::plan::arena_of;
 use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
+use crate::law_choice::LawName;
 use crate::output;
 
 /// Runs the command.
@@ -74,6 +76,10 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
         LogKind::Recording(Some(start)) => SimulatedRun::of(start),
         _ => None,
     };
+    let vehicle = match &input.kind {
+        LogKind::Recording(Some(start)) => vehicle_of_another_law(start),
+        _ => None,
+    };
     let asked = args.arena.and_then(Arena::numbered);
     let recorded = |name: &str| TrialSet { kind: SetKind::Recorded, name: name.to_owned() };
     let (name, arena, set) = match (simulated, &input.kind) {
@@ -93,8 +99,18 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
             (input.name, arena, set)
         }
     };
+    let shadow = vehicle.map(|profile| {
+        schema_over(&input.log, region, &profile).into_iter().map(|step| step.map(|step| step.p)).collect()
+    });
     let entry = TrialEntry { name, arena, metrics };
-    ReportedTrial { entry, set, course: Some(Course { log: input.log, region }) }
+    ReportedTrial { entry, set, course: Some(Course { log: input.log, region, shadow }) }
+}
+
+/// The vehicle of a recording that another law than the schema servoed.
+fn vehicle_of_another_law(start: &RecordingStart) -> Option<VehicleProfile> {
+    let file = config::parse_recorded(&start.configuration).ok()?;
+    let all = Configuration::resolve(&file).ok()?;
+    (all.law.name != LawName::Schema).then_some(all.profile)
 }
 
 /// What a recording of a simulated trial is of.
@@ -126,6 +142,8 @@ impl SimulatedRun {
 /// A campaign's settings, as far as they tell it from others.
 fn in_words(settings: &CampaignSettings) -> String {
     let mut words = vec![settings.scenario.clone(), settings.law.clone(), settings.perception.clone()];
+    words.extend(settings.mode.clone());
+    words.extend(settings.horizon_s.map(|horizon| format!("horizon {horizon} s")));
     words.extend(settings.rate_rad_per_s.map(|rate| format!("{rate} rad/s")));
     words.extend((settings.plant != "nominal").then(|| format!("plant {}", settings.plant)));
     words.extend(settings.sea_state.map(|state| format!("sea state {state}")));

@@ -23,7 +23,7 @@ use crate::scenario::Changes;
 /// # Errors
 /// If the campaign cannot be set up, a trial fails, or results cannot be written.
 pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
-    let mut plan = Plan::new(&request(args))?;
+    let mut plan = Plan::new(&request(args)?)?;
     if let Some(folder) = &args.record {
         plan = plan.recorded_in(folder, args.force || args.resume)?;
     }
@@ -72,8 +72,8 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     Ok(if interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn request(args: &TrialsArgs) -> Request {
-    Request {
+fn request(args: &TrialsArgs) -> Result<Request> {
+    Ok(Request {
         scenario: args.scenario.clone(),
         changes: Changes {
             setting: args.setting.clone(),
@@ -82,7 +82,7 @@ fn request(args: &TrialsArgs) -> Request {
             wind_m_per_s: args.wind,
             size: args.size,
         },
-        law: args.law,
+        law: args.law.choice()?,
         rate: args.rate,
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,
@@ -90,7 +90,7 @@ fn request(args: &TrialsArgs) -> Request {
         },
         plant: args.plant,
         simd: args.simd,
-    }
+    })
 }
 
 /// The seeds of this shard, in order.

@@ -3,8 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::camera::CameraSection;
 use super::tracker::TrackerSection;
-use crate::cli::LawName;
+use crate::law_choice::{LawName, ModeName};
 
 /// A configuration file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -16,6 +17,8 @@ pub struct ConfigFile {
     pub link: LinkSection,
     /// The vehicle.
     pub vehicle: VehicleSection,
+    /// How its camera answers, for laws that predict.
+    pub camera: CameraSection,
     /// The camera law.
     pub law: LawSection,
     /// The tracker.
@@ -29,6 +32,12 @@ pub struct LawSection {
     /// Its name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<LawName>,
+    /// What the optimal law spares.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mode: Option<ModeName>,
+    /// Within what time the optimal law brings the target back, seconds, 0.5 to 5; without it the mode's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizon: Option<f64>,
 }
 
 /// Where the video comes from.

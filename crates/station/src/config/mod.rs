@@ -4,6 +4,7 @@
 //! `config/barrelman.example.toml`. What is left out takes the default of the vehicle's profile. The effective
 //! configuration, with nothing left out, is the first message of every recording.
 
+pub mod camera;
 pub mod file;
 pub mod resolve;
 pub mod tracker;

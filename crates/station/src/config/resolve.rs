@@ -7,9 +7,10 @@ use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use barrelman_wire::fotokite_pro::Framing;
 
+use super::camera::CameraSection;
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::tracker::TrackerSection;
-use crate::cli::LawName;
+use crate::law_choice::LawChoice;
 use crate::tracker::TrackerSettings;
 
 /// The effective configuration.
@@ -24,7 +25,7 @@ pub struct Configuration {
     /// The vehicle.
     pub profile: VehicleProfile,
     /// The camera law.
-    pub law: LawName,
+    pub law: LawChoice,
     /// The tracker.
     pub tracker: TrackerSettings,
 }
@@ -51,7 +52,8 @@ impl Configuration {
     pub fn resolve(file: &ConfigFile) -> Result<Self> {
         let vehicle = &file.vehicle;
         let profile_name = vehicle.profile.as_deref().unwrap_or(PROFILES[0]);
-        let profile = overridden(profile_named(profile_name).context("vehicle.profile")?, vehicle)?;
+        let mut profile = overridden(profile_named(profile_name).context("vehicle.profile")?, vehicle)?;
+        profile.camera = file.camera.over(&profile.camera)?;
         Ok(Self {
             video: file.video.url.clone(),
             link: file.link.url.clone(),
@@ -60,7 +62,12 @@ impl Configuration {
                 Some(LineEnding::Lf) => Framing::LineFeed,
             },
             profile,
-            law: file.law.name.unwrap_or_default(),
+            law: LawChoice {
+                name: file.law.name.unwrap_or_default(),
+                mode: file.law.mode,
+                horizon_s: file.law.horizon,
+            }
+            .validated("law.")?,
             tracker: file.tracker.settings().validated()?,
         })
     }
@@ -99,7 +106,8 @@ impl Configuration {
                 stale_after_s: seconds(profile.stale_after),
                 coast_motion_s: seconds(profile.coast_motion),
             },
-            law: LawSection { name: Some(self.law) },
+            camera: CameraSection::of(&profile.camera),
+            law: LawSection { name: Some(self.law.name), mode: self.law.mode, horizon: self.law.horizon_s },
             tracker: TrackerSection::of(&self.tracker),
         }
     }
@@ -159,10 +167,22 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleP
 }
 
 fn ranged(key: &str, value: Option<f64>, base: f64, least: f64, most: f64, unit: &str) -> Result<f64> {
+    within(&format!("vehicle.{key}"), value, base, least, most, unit)
+}
+
+/// What a file says, or the base, if that lies within a range.
+pub(super) fn within(
+    key: &str,
+    value: Option<f64>,
+    base: f64,
+    least: f64,
+    most: f64,
+    unit: &str,
+) -> Result<f64> {
     let value = value.unwrap_or(base);
     if (least..=most).contains(&value) {
         Ok(value)
     } else {
-        bail!("vehicle.{key} = {value}: use {unit} from {least} to {most}")
+        bail!("{key} = {value}: use {unit} from {least} to {most}")
     }
 }

@@ -7,11 +7,14 @@ pub mod file;
 pub mod mistake;
 pub mod resolve;
 
+use core::time::Duration;
 use std::path::Path;
 
-use anyhow::{Result, bail};
-use barrelman_sim::Scenario;
-use barrelman_vocab::{PictureSize, VehicleProfile};
+use anyhow::{Result, anyhow, bail};
+use barrelman_sim::camera_axis::AxisPlant;
+use barrelman_sim::{Scenario, World};
+use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
+use barrelman_vocab::{AngularRate, PictureSize, VehicleProfile};
 
 pub use mistake::Mistake;
 
@@ -87,9 +90,34 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// The vehicle that flies in it: the laboratory's, with the scenario's video latency.
-    pub fn profile(&self) -> VehicleProfile {
-        VehicleProfile { video_latency: self.scenario.camera.latency(), ..VehicleProfile::fotokite_pro() }
+    /// The vehicle that flies in it: the laboratory's, with the scenario's video latency, and its camera as the scenario
+    /// has it before anything is drawn by chance.
+    ///
+    /// # Errors
+    /// If the target's way-points make no path.
+    pub fn profile(&self) -> Result<VehicleProfile> {
+        let camera = &self.scenario.camera;
+        let mount = &self.scenario.mount;
+        let base = VehicleProfile::fotokite_pro();
+        let first_tilt = World::nominal_tilt(&self.scenario)
+            .map_err(|_| anyhow!("the way-points of {} make no path", self.scenario.name))?;
+        let axis = |plant: &AxisPlant| AxisDynamics {
+            start_dead_time: Duration::from_secs_f64(plant.start_dead_time_s),
+            stop_dead_time: Duration::from_secs_f64(plant.stop_dead_time_s),
+            lag: Duration::from_secs_f64(plant.lag_s),
+            least_rate: AngularRate::from_radians_per_second(plant.flaws.dead_band_rad_per_s),
+        };
+        Ok(VehicleProfile {
+            video_latency: camera.latency(),
+            camera: CameraDynamics {
+                focal_share: camera.optics.focal_px / f64::from(camera.frame.width),
+                first_tilt,
+                tilt_stops: mount.tilt.stops.unwrap_or(base.camera.tilt_stops),
+                pan: axis(&mount.pan),
+                tilt: axis(&mount.tilt),
+            },
+            ..base
+        })
     }
 }
 

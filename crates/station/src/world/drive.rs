@@ -74,7 +74,7 @@ impl Cast {
         let changes = Changes { size: url.size, ..Changes::default() };
         let mut loaded = scenario::load(&url.scenario, &changes)?;
         loaded.scenario.most_s = MOST_S;
-        let profile = loaded.profile();
+        let profile = loaded.profile()?;
         Ok(Self { url, loaded, profile, tracker, coded })
     }
 

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use xxhash_rust::xxh3::Xxh3;
+
 fn trials(options: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_barrelman"))
         .args(["trials", "lab2", "--perception", "truth", "--seed", "500"])
@@ -134,4 +136,44 @@ fn a_recorded_trial_replays_to_the_same_commands() {
     let recording = folder.join("lab2-500.mcap");
     let said = barrelman(&["replay", word(&recording), "--compare"]);
     assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+}
+
+/// One number for a recorded trial: channel, time and payload of all messages, and the bytes of the annotated video.
+fn hash_of(recording: &Path) -> u64 {
+    let bytes = std::fs::read(recording).unwrap();
+    let mut hash = Xxh3::new();
+    let mut frames = 0;
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        hash.update(message.channel.topic.as_bytes());
+        hash.update(&message.log_time.to_le_bytes());
+        hash.update(&message.data);
+        frames += usize::from(message.channel.topic == "/truth");
+    }
+    assert!(frames > 40, "{frames} pictures in {}", recording.display());
+    hash.update(&std::fs::read(recording.with_extension("mp4")).unwrap());
+    hash.digest()
+}
+
+#[test]
+fn a_trial_in_pictures_is_the_same_to_the_bit_however_it_is_computed() {
+    let folder = scratch("pictures");
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/scenarios");
+    let text = std::fs::read_to_string(scenarios.join("arena1.toml")).unwrap();
+    let short = folder.join("short.toml");
+    std::fs::write(&short, text.replace("longest_s = 400", "longest_s = 2")).unwrap();
+    std::fs::create_dir(folder.join("paths")).unwrap();
+    std::fs::copy(scenarios.join("paths/arena1.toml"), folder.join("paths/arena1.toml")).unwrap();
+    let hashes = |name: &str, options: &[&str]| {
+        let into = folder.join(name);
+        let plain = ["trials", word(&short), "--trials", "2", "--size", "208x118", "--record", word(&into)];
+        ok(&barrelman(&[&plain, options].concat()));
+        ["arena1-1.mcap", "arena1-2.mcap"].map(|recording| hash_of(&into.join(recording)))
+    };
+    let expected = hashes("one", &["--threads", "1"]);
+    assert_ne!(expected[0], expected[1]);
+    assert_eq!(hashes("two", &["--threads", "2"]), expected, "two threads");
+    for level in ["scalar", "sse2", "avx2"] {
+        assert_eq!(hashes(level, &["--simd", level]), expected, "{level}");
+    }
 }

@@ -62,6 +62,15 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[vehicle]\nprofile = \"kite\"\n", "use one of fotokite-pro");
     refused("[vehicle]\nschema_pan_rad_per_s = 2.0\n", "above the limit of its axis");
     refused("[vehicle]\ncoast_motion_s = -1.0\n", "coast_motion_s = -1");
+    refused(
+        "[camera]\nfocal_share = 0\n",
+        "camera.focal_share = 0: use a share of the picture's width from 0.1 to 20",
+    );
+    refused("[camera]\nlowest_tilt_rad = 0.4\n", "camera.lowest_tilt_rad is not below");
+    refused("[camera.pan]\nlag_s = nan\n", "camera.pan.lag_s = NaN: use seconds from 0 to 2");
+    refused("[camera.tilt]\nstop_dead_time_s = 0.05\n", "camera.tilt.stop_dead_time_s is less than");
+    refused("[law]\nmode = \"eco\"\n", "law.mode is for the law \"optimal\" alone");
+    refused("[law]\nname = \"optimal\"\nhorizon = 9\n", "law.horizon 9: use seconds from 0.5 to 5");
     refused("[link]\nline_ending = \"crlf\"\n", "cr-around");
     refused("[tracker]\nvalue_floor = 300\n", "300");
     refused("[tracker]\nname = \"csrt\"\n", "`fused` or `camshift`");

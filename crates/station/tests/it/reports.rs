@@ -10,7 +10,8 @@ use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_station::campaign::plan::Request;
 use barrelman_station::campaign::{Perception, Plan};
-use barrelman_station::cli::{LawName, PlantName};
+use barrelman_station::cli::PlantName;
+use barrelman_station::law_choice::LawChoice;
 use barrelman_station::scenario::Changes;
 use barrelman_station::video::{FileFrames, VideoUrl};
 use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
@@ -165,7 +166,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
     let plan = Plan::new(&Request {
         scenario: "open".to_owned(),
         changes: Changes { size: Some(size), ..Changes::default() },
-        law: LawName::Schema,
+        law: LawChoice::default(),
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

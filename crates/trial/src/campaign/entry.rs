@@ -14,6 +14,12 @@ pub struct CampaignSettings {
     pub scenario_hash: String,
     /// The law.
     pub law: String,
+    /// What the optimal law spares.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mode: Option<String>,
+    /// The optimal law's horizon, seconds, where it was not the mode's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub horizon_s: Option<f64>,
     /// Rate of the schema, rad/s, where it was not the vehicle's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_rad_per_s: Option<f64>,

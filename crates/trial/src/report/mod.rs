@@ -62,4 +62,6 @@ pub struct Course {
     pub log: TrialLog,
     /// The region that P is of.
     pub region: Region,
+    /// P as it would have been with the schema, row by row, where another law servoed.
+    pub shadow: Option<Vec<Option<f64>>>,
 }

@@ -13,12 +13,16 @@ const BOTTOM: f64 = HEIGHT - 24.0;
 /// The scale goes up to this P at least.
 const LEAST_P: f64 = 1.6;
 
+/// What might have been does not stretch the scale beyond this P.
+const MOST_OF_SHADOW: f64 = 4.0;
+
 /// The figure of a trial.
 pub fn figure(name: &str, trial: &str, course: &Course) -> Figure {
     let (log, region) = (&course.log, course.region);
     let found = excursions(log, region);
     let p_at = |row: usize| log.rows[row].position.map(|position| region.p(position));
-    let most = (0..log.rows.len()).filter_map(p_at).fold(LEAST_P, f64::max);
+    let of_shadow = course.shadow.iter().flatten().flatten().map(|p| p.min(MOST_OF_SHADOW));
+    let most = (0..log.rows.len()).filter_map(p_at).chain(of_shadow).fold(LEAST_P, f64::max);
     let axis = TimeAxis::of(log);
     let p_scale = Scale { values: (0.0, 1.06 * most), places: (BOTTOM, TOP) };
     let boundary = p_scale.at(1.0);
@@ -34,6 +38,10 @@ pub fn figure(name: &str, trial: &str, course: &Course) -> Figure {
     axis.draw_gaps(&mut canvas, log, TOP, BOTTOM);
     canvas.text("name", Anchor::Start, (axis.left() - 20.0, TOP - 9.0), "P");
     canvas.text("t-region", Anchor::End, (axis.right(), TOP - 9.0), "boundary of the region: P = 1");
+    if course.shadow.is_some() {
+        let at = (axis.left() + 8.0, TOP - 9.0);
+        canvas.text("t-shadow", Anchor::Start, at, "dashed: as it would have been with the paper's schema");
+    }
 
     for excursion in &found {
         axis.draw_span(&mut canvas, log, excursion, TOP, BOTTOM);
@@ -42,9 +50,16 @@ pub fn figure(name: &str, trial: &str, course: &Course) -> Figure {
             rows.filter_map(|row| Some((axis.at(log.rows[row].time_s), p_scale.at(p_at(row)?)))).collect();
         canvas.path("over", &line::area(&over, boundary));
     }
-    let course =
+    let trial_shadow: Option<Vec<Option<Place>>> = course.shadow.as_ref().map(|shadow| {
+        let rows = log.rows.iter().zip(shadow);
+        rows.map(|(row, p)| p.map(|p| (axis.at(row.time_s), p_scale.at(p.min(most))))).collect()
+    });
+    let track =
         (0..log.rows.len()).map(|row| p_at(row).map(|p| (axis.at(log.rows[row].time_s), p_scale.at(p))));
-    canvas.path("track", &line::through(course));
+    if let Some(shadow) = &trial_shadow {
+        canvas.path("shadow", &line::through(shadow.iter().copied()));
+    }
+    canvas.path("track", &line::through(track));
     canvas.line("bound", (axis.left(), boundary), (axis.right(), boundary));
 
     let mut places = Vec::with_capacity(found.len());

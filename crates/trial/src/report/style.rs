@@ -20,7 +20,7 @@ const PALETTE: [Colour; 9] = [
 ];
 
 /// Selectors of figures, with what they are painted with. `%name` is a colour of the palette.
-const RULES: [(&str, &str); 35] = [
+const RULES: [(&str, &str); 37] = [
     (".fig .sheet", "fill:%paper;stroke:none"),
     (
         ".fig text",
@@ -44,6 +44,8 @@ const RULES: [(&str, &str); 35] = [
     (".fig .region", "fill:%region;fill-opacity:.07;stroke:%region;stroke-width:1.3"),
     (".fig .sector", "stroke:%muted;stroke-width:1;stroke-dasharray:2 4"),
     (".fig .track", "stroke:%track;stroke-width:1.3"),
+    (".fig .shadow", "stroke:%muted;stroke-width:1.1;stroke-dasharray:4 2.5"),
+    (".fig .t-shadow", "fill:%muted"),
     (".fig .faint", "stroke-opacity:.55;stroke-width:1"),
     (".fig .out", "stroke:%out;stroke-width:1.6"),
     (".fig .over", "fill:%out;fill-opacity:.3;stroke:none"),

@@ -16,14 +16,14 @@ use crate::trial_logs::{PICTURE, REGION, drawn, of_rows, rates};
 const NASTY: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
 
 fn course(rows: &str) -> Course {
-    Course { log: drawn(rows), region: REGION }
+    Course { log: drawn(rows), region: REGION, shadow: None }
 }
 
 fn reported(name: &str, log: TrialLog, region: Region, kind: SetKind) -> ReportedTrial {
     let metrics = measure(&log, region, log.picture);
     let entry = TrialEntry { name: name.to_owned(), arena: Arena::from_name(name), metrics };
     let set = TrialSet { kind, name: format!("set of {name}") };
-    ReportedTrial { entry, set, course: Some(Course { log, region }) }
+    ReportedTrial { entry, set, course: Some(Course { log, region, shadow: None }) }
 }
 
 fn report(trials: Vec<ReportedTrial>) -> Report {
@@ -130,7 +130,8 @@ fn commands_are_steps_in_two_lanes() {
         [(0.0, 0.0), (0.3, 0.0), (0.3, 0.0), (0.0, -0.3), (0.0, 0.0)]
             .map(|(yaw, pitch)| (at, Some(rates(yaw, pitch)))),
     );
-    let figure = commands::figure("commands", "trial", &Course { log, region: REGION }).unwrap();
+    let figure =
+        commands::figure("commands", "trial", &Course { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| {
         for word in ["pitch", "yaw"] {
             assert_eq!(of_class(document, "path", word).len(), 1, "{word}");
@@ -138,7 +139,10 @@ fn commands_are_steps_in_two_lanes() {
     });
     assert!(figure.description.contains("1 starts of pitch, 1 of yaw"), "{}", figure.description);
     let silent = of_rows([(at, None)]);
-    assert_eq!(commands::figure("commands", "trial", &Course { log: silent, region: REGION }), None);
+    assert_eq!(
+        commands::figure("commands", "trial", &Course { log: silent, region: REGION, shadow: None }),
+        None
+    );
 }
 
 #[test]
@@ -152,7 +156,7 @@ fn the_path_in_the_world_needs_the_truth() {
         camera_m: (0.0, 0.0),
     });
     log.truth = Some(truth.collect());
-    let figure = arena_path::figure("world", "trial", &Course { log, region: REGION }).unwrap();
+    let figure = arena_path::figure("world", "trial", &Course { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| assert_eq!(of_class(document, "path", "out").len(), 2));
 }
 

@@ -57,6 +57,7 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             speed_m_per_s,
             speed_spread: 0.0,
             gust: none,
+            weave: Wander { deviation: 0.0, time_s: 1.0 },
             look_ahead_m: 0.4,
             way_point_jitter_m: 0.05,
             heading_gain: 3.5,
@@ -64,6 +65,7 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             surge_lag_s: 0.3,
             turn_lag_s: 0.1,
             corner_slow_down: 0.5,
+            arrival_m: 0.0,
             stand_before_s: 0.5,
             stand_after_s: 0.5,
             pauses_per_s: 0.0,
@@ -191,4 +193,22 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
     assert!(errors.len() > 60, "{}", errors.len());
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!(mean < 8.0, "{mean} px");
+}
+
+/// The schema on the bearings of a trial that the schema itself servoed: what it is said that it would have done is
+/// what it did.
+#[test]
+fn the_shadow_of_the_schema_is_the_schema() {
+    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut ());
+    let mut profile = VehicleProfile::fotokite_pro();
+    profile.video_latency = scenario(1.2).camera.latency();
+    let region = log.region(profile.region);
+    let shadow = barrelman_trial::shadow::schema_over(&log, region, &profile);
+    let mut compared = 0;
+    for (row, step) in log.rows.iter().zip(&shadow) {
+        let (Some(rates), Some(step)) = (row.rates, step) else { continue };
+        assert_eq!(profile.outgoing(step.command), rates, "at {} s", row.time_s);
+        compared += 1;
+    }
+    assert!(compared > 300, "{compared} rows");
 }

@@ -1,0 +1,32 @@
+//! Nanoseconds of a step of the optimal law: at rest, moving, and with a target far outside.
+
+use barrelman_control::optimal::{Mode, OptimalSettings};
+use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
+use barrelman_vocab::{ImagePoint, PictureSize, Timestamp, VehicleProfile};
+use divan::{Bencher, black_box};
+
+fn main() {
+    divan::main();
+}
+
+/// A step on a target that goes to and fro so far, the camera model's included.
+#[divan::bench(args = [60.0, 200.0, 300.0])]
+fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
+    let profile = VehicleProfile::fotokite_pro();
+    let settings = LawSettings::Optimal(OptimalSettings::of(Mode::MinimumEnergy));
+    let mut law = CameraLaw::new(settings, &profile);
+    let picture = PictureSize::new(640, 480);
+    let region = Region::in_picture(profile.region, picture);
+    let mut frame = 0_u64;
+    bencher.bench_local(|| {
+        frame += 1;
+        let captured = Timestamp::from_nanos(frame * 33_333_333);
+        let now = Timestamp::from_nanos(frame * 33_333_333 + 100_000_000);
+        let swing = (frame % 120) as f64 / 60.0 - 1.0;
+        let position = ImagePoint { x: reach_px * swing, y: 0.3 * reach_px * swing };
+        let percept = Percept::new(black_box(position), region);
+        let command = law.command(&Sight { percept: &percept, region, picture, captured, now });
+        law.in_force(command, now);
+        command
+    });
+}

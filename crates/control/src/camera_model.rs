@@ -1,0 +1,296 @@
+//! The camera as a law imagines it: where it pointed when a picture was taken, and where the commands that are under
+//! way will have taken it.
+//!
+//! Each axis answers a command after a dead time, through a first-order lag: `w' = (u - w)/lag`, `angle' = w`. The
+//! dead time of a zero may be longer than that of a command that moves, as it is on the recorded vehicle; a later
+//! command overrules an earlier one that has not taken effect by then. So the state that is kept is the one at *now +
+//! the start's dead time*: every command so far is in it but for one zero that may still be on its way (the predictor
+//! of Smith, 1957). What a picture shows is looked up by its time of capture in the states of the past, so that no
+//! count of frames and no latency of the video enters.
+//!
+//! It knows commands alone. Where the vehicle reports the gimbal's attitude, [`CameraModel::tilt_reported`] pulls the
+//! tilt towards it. The sway of the kite is not in it. O(1), no allocation.
+
+use barrelman_vocab::profile::{AxisDynamics, AxisRates, CameraDynamics};
+use barrelman_vocab::{Angle, CameraCommand, Timestamp};
+
+/// States that are remembered of each axis; at [`CLOSEST_S`] they reach back by 2 s.
+const KEPT: usize = 256;
+/// States closer together than this are not remembered apart, seconds.
+const CLOSEST_S: f64 = 0.008;
+/// Lags shorter than this are taken for this, seconds: no division by zero.
+const SHORTEST_LAG_S: f64 = 1e-3;
+/// A rate below this is none, rad/s: it would fade for ever.
+const NO_RATE: f64 = 1e-9;
+/// What share of its error a report of the tilt takes away.
+const REPORT_SHARE: f64 = 0.2;
+
+/// The camera with both axes.
+#[derive(Debug, Clone)]
+pub struct CameraModel {
+    dynamics: CameraDynamics,
+    pan: AxisModel,
+    tilt: AxisModel,
+}
+
+impl CameraModel {
+    /// A camera at rest, with its tilt as the profile has it where nothing else tells.
+    pub fn new(dynamics: CameraDynamics, limits: AxisRates) -> Self {
+        let axis = |dynamics: AxisDynamics, limit: f64, angle: f64, stops| AxisModel {
+            start_s: dynamics.start_dead_time.as_secs_f64(),
+            stop_s: dynamics.stop_dead_time.max(dynamics.start_dead_time).as_secs_f64(),
+            lag_s: dynamics.lag.as_secs_f64().max(SHORTEST_LAG_S),
+            limit,
+            stops,
+            state: State { at_s: dynamics.start_dead_time.as_secs_f64(), angle, rate: 0.0 },
+            in_effect: 0.0,
+            zero_at_s: None,
+            history: History::new(angle),
+        };
+        let (low, high) = dynamics.tilt_stops;
+        let tilt = dynamics.first_tilt.radians().clamp(low.radians(), high.radians());
+        Self {
+            pan: axis(dynamics.pan, limits.pan.radians_per_second(), 0.0, None),
+            tilt: axis(
+                dynamics.tilt,
+                limits.tilt.radians_per_second(),
+                tilt,
+                Some((low.radians(), high.radians())),
+            ),
+            dynamics,
+        }
+    }
+
+    /// What it was made of.
+    pub const fn dynamics(&self) -> &CameraDynamics {
+        &self.dynamics
+    }
+
+    /// A command is in force from `now` on.
+    pub fn command(&mut self, command: CameraCommand, now: Timestamp) {
+        let now_s = now.as_secs_f64();
+        self.pan.command(command.pan.radians_per_second(), now_s);
+        self.tilt.command(command.tilt.radians_per_second(), now_s);
+    }
+
+    /// The gimbal reported its tilt at `at`.
+    pub fn tilt_reported(&mut self, tilt: Angle, at: Timestamp) {
+        let error = tilt.radians() - self.tilt.at(at.as_secs_f64()).angle;
+        if error.is_finite() {
+            self.tilt.shift(REPORT_SHARE * error);
+        }
+    }
+
+    /// Where the camera pointed at a time, which may lie up to 2 s back: pan (from where it first pointed; unbounded)
+    /// and tilt, radians.
+    pub fn pointing(&self, at: Timestamp) -> (f64, f64) {
+        let at_s = at.as_secs_f64();
+        (self.pan.at(at_s).angle, self.tilt.at(at_s).angle)
+    }
+
+    pub(crate) const fn axes(&self) -> [&AxisModel; 2] {
+        [&self.pan, &self.tilt]
+    }
+}
+
+/// Angle and rate of an axis at a time.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct State {
+    pub(crate) at_s: f64,
+    pub(crate) angle: f64,
+    pub(crate) rate: f64,
+}
+
+impl State {
+    /// The state `span_s` later under a constant rate asked for.
+    fn after(self, span_s: f64, asked: f64, lag_s: f64) -> Self {
+        if asked == 0.0 && self.rate == 0.0 {
+            return Self { at_s: self.at_s + span_s, ..self };
+        }
+        let kept = libm::exp(-span_s / lag_s);
+        let excess = self.rate - asked;
+        Self {
+            at_s: self.at_s + span_s,
+            angle: self.angle + asked * span_s + excess * lag_s * (1.0 - kept),
+            rate: asked + excess * kept,
+        }
+    }
+}
+
+/// One axis.
+#[derive(Debug, Clone)]
+pub(crate) struct AxisModel {
+    start_s: f64,
+    /// At least `start_s`.
+    stop_s: f64,
+    lag_s: f64,
+    limit: f64,
+    stops: Option<(f64, f64)>,
+    /// At the last command's time + `start_s`.
+    state: State,
+    in_effect: f64,
+    /// When a zero on its way takes effect.
+    zero_at_s: Option<f64>,
+    history: History,
+}
+
+impl AxisModel {
+    pub(crate) const fn lag_s(&self) -> f64 {
+        self.lag_s
+    }
+
+    pub(crate) const fn start_s(&self) -> f64 {
+        self.start_s
+    }
+
+    /// What is left of a rate after that span.
+    pub(crate) fn fading(&self, span_s: f64) -> f64 {
+        libm::exp(-span_s / self.lag_s)
+    }
+
+    /// The angle once that is left of the rate at that time, if nothing is asked of the axis from then on.
+    pub(crate) fn angle_coasting(&self, left: f64) -> f64 {
+        self.held(self.state.angle + self.state.rate * self.lag_s * (1.0 - left))
+    }
+
+    /// How far it is from that angle to the end stops, down and up, radians; `None` where it turns freely.
+    pub(crate) fn left_to_stops(&self) -> Option<(f64, f64)> {
+        let angle = self.state.angle;
+        self.stops.map(|(low, high)| ((angle - low).max(0.0), (high - angle).max(0.0)))
+    }
+
+    /// An angle, or the end stop before it.
+    pub(crate) fn held(&self, angle: f64) -> f64 {
+        self.stops.map_or(angle, |(low, high)| angle.clamp(low, high))
+    }
+
+    /// The angle `span_s` after that time if the axis is told now to rest.
+    pub(crate) fn angle_resting(&self, span_s: f64) -> f64 {
+        self.held(self.angle_going_to_rest(span_s))
+    }
+
+    fn angle_going_to_rest(&self, span_s: f64) -> f64 {
+        let state = self.state;
+        if self.in_effect == 0.0 && state.rate == 0.0 {
+            return state.angle;
+        }
+        if self.in_effect == 0.0 {
+            return self.angle_coasting(self.fading(span_s));
+        }
+        let zero_s = self.zero_at_s.map_or(self.stop_s - self.start_s, |at_s| at_s - state.at_s);
+        if span_s <= zero_s {
+            return state.after(span_s, self.in_effect, self.lag_s).angle;
+        }
+        let at_zero = state.after(zero_s, self.in_effect, self.lag_s);
+        at_zero.after(span_s - zero_s, 0.0, self.lag_s).angle
+    }
+
+    fn command(&mut self, asked: f64, now_s: f64) {
+        self.advance(now_s + self.start_s);
+        let asked = if asked.is_nan() { 0.0 } else { asked.clamp(-self.limit, self.limit) };
+        if asked != 0.0 {
+            (self.in_effect, self.zero_at_s) = (asked, None);
+        } else if self.in_effect != 0.0 && self.zero_at_s.is_none() {
+            self.zero_at_s = Some(now_s + self.stop_s);
+            self.advance(now_s + self.start_s);
+        }
+    }
+
+    /// Carries the state on to a time; one that lies back changes nothing.
+    fn advance(&mut self, until_s: f64) {
+        if let Some(zero_s) = self.zero_at_s.filter(|zero_s| *zero_s <= until_s) {
+            self.go_on(zero_s);
+            (self.in_effect, self.zero_at_s) = (0.0, None);
+        }
+        self.go_on(until_s);
+    }
+
+    fn go_on(&mut self, until_s: f64) {
+        let span_s = until_s - self.state.at_s;
+        if span_s > 0.0 {
+            self.state = self.state.after(span_s, self.in_effect, self.lag_s);
+            if self.in_effect == 0.0 && self.state.rate.abs() < NO_RATE {
+                self.state.rate = 0.0;
+            }
+            if let Some((low, high)) = self.stops
+                && !(low..=high).contains(&self.state.angle)
+            {
+                self.state.angle = self.state.angle.clamp(low, high);
+                self.state.rate = 0.0;
+            }
+            self.history.remember(self.state);
+        }
+    }
+
+    /// Where it was at a time; before everything that is remembered, as the oldest.
+    fn at(&self, at_s: f64) -> State {
+        if at_s >= self.state.at_s {
+            return self.state.after(at_s - self.state.at_s, self.in_effect, self.lag_s);
+        }
+        self.history.at(at_s)
+    }
+
+    fn shift(&mut self, by: f64) {
+        let kept =
+            self.stops.map_or(self.state.angle + by, |(low, high)| (self.state.angle + by).clamp(low, high));
+        let by = kept - self.state.angle;
+        self.state.angle = kept;
+        self.history.shift(by);
+    }
+}
+
+/// The states of the past, in a ring.
+#[derive(Debug, Clone)]
+struct History {
+    states: Box<[State; KEPT]>,
+    newest: usize,
+    len: usize,
+}
+
+impl History {
+    fn new(angle: f64) -> Self {
+        let oldest = State { at_s: f64::NEG_INFINITY, angle, rate: 0.0 };
+        Self { states: Box::new([oldest; KEPT]), newest: 0, len: 1 }
+    }
+
+    fn remember(&mut self, state: State) {
+        // The newest moves on until it is far enough from the one before.
+        let before = self.states[(self.newest + KEPT - 1) % KEPT];
+        if self.len < 2 || self.states[self.newest].at_s - before.at_s >= CLOSEST_S {
+            self.newest = (self.newest + 1) % KEPT;
+            self.len = (self.len + 1).min(KEPT);
+        }
+        self.states[self.newest] = state;
+    }
+
+    fn at(&self, at_s: f64) -> State {
+        let mut later = self.states[self.newest];
+        for back in 1..self.len {
+            let earlier = self.states[(self.newest + KEPT - back) % KEPT];
+            if earlier.at_s <= at_s {
+                return between(earlier, later, at_s);
+            }
+            later = earlier;
+        }
+        later
+    }
+
+    fn shift(&mut self, by: f64) {
+        for state in self.states.iter_mut() {
+            state.angle += by;
+        }
+    }
+}
+
+/// Between two states: the angle by the cubic that has both rates.
+fn between(earlier: State, later: State, at_s: f64) -> State {
+    let span_s = later.at_s - earlier.at_s;
+    if !span_s.is_finite() || span_s <= 0.0 {
+        return State { at_s, rate: 0.0, ..earlier };
+    }
+    let t = ((at_s - earlier.at_s) / span_s).clamp(0.0, 1.0);
+    let rise = later.angle - earlier.angle;
+    let (bend, twist) = (earlier.rate * span_s - rise, rise - later.rate * span_s);
+    let angle = earlier.angle + t * rise + t * (1.0 - t) * ((1.0 - t) * bend + t * twist);
+    State { at_s, angle, rate: earlier.rate + t * (later.rate - earlier.rate) }
+}

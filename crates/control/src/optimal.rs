@@ -1,0 +1,362 @@
+//! The optimal law: both axes at once, with the least energy that brings the target back, started by a prediction.
+//!
+//! Where the target will be by the time at which a command counts is predicted ([`BearingFilter`], [`CameraModel`]).
+//! While the prediction stays well inside of the region the camera rests. Where it leaves the *start* ellipse within
+//! the look-ahead, the camera starts, and from then on each look asks anew: which constant rates take the target into
+//! the *aim* ellipse within the horizon with the least `∫|u|² dt` ([`Transfer`])? Where the camera, told to rest now,
+//! would leave the target inside the *stop* ellipse, it is told to rest. `docs/law.md` derives it and draws the
+//! ellipses.
+//!
+//! What must not be here: whether the camera may move at all (the pilot's safety judges), and the vehicle's signs.
+//! O(1), no allocation.
+
+use barrelman_vocab::profile::{AxisRates, VehicleProfile};
+use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, Timestamp};
+
+use crate::bearing::{Bearing, BearingFilter, BearingNoise};
+use crate::camera_model::CameraModel;
+use crate::law::Sight;
+use crate::region::Region;
+use crate::transfer::{Pair, Transfer};
+use crate::view::View;
+
+/// What is to be spared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// The integral of the squared rate: the camera moves gently, and for longer.
+    #[default]
+    MinimumEnergy,
+    /// The time in motion, too: the camera moves at a cruising speed, and rests.
+    TimeFuel,
+    /// All of it: less of everything than the schema, at the price of more time outside than the others have.
+    Eco,
+}
+
+/// The optimal law's settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OptimalSettings {
+    /// What is to be spared.
+    pub mode: Mode,
+    /// Within what time the target is to be back, seconds: short is tight, long is lazy. `None`: the mode's own.
+    pub horizon_s: Option<f64>,
+}
+
+impl OptimalSettings {
+    /// A mode with its own horizon.
+    pub const fn of(mode: Mode) -> Self {
+        Self { mode, horizon_s: None }
+    }
+
+    /// Horizons that make sense, seconds.
+    pub const HORIZONS_S: core::ops::RangeInclusive<f64> = 0.5..=5.0;
+
+    /// What these settings stand for.
+    pub fn tuning(&self) -> Tuning {
+        let tuning = match self.mode {
+            Mode::MinimumEnergy => Tuning::MINIMUM_ENERGY,
+            Mode::TimeFuel => Tuning::TIME_FUEL,
+            Mode::Eco => Tuning::ECO,
+        };
+        Tuning { horizon_s: self.horizon_s.unwrap_or(tuning.horizon_s), ..tuning }
+    }
+}
+
+/// Everything that the law is tuned by. Distances are in semi-axes of the region: 1 is its ellipse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuning {
+    /// The camera starts where the prediction leaves this ellipse.
+    pub start: f64,
+    /// It stops where the prediction with the camera at rest lies in this ellipse.
+    pub stop: f64,
+    /// It moves the target into this ellipse.
+    pub aim: f64,
+    /// Within what time, seconds, where the target is fast.
+    pub horizon_s: f64,
+    /// By what share that time is longer where it stands: there is time, and gentle movements take less energy.
+    pub lazy: f64,
+    /// By how much wider stop and aim are where it stands: what moves slowly need not be fetched far in.
+    pub ease: f64,
+    /// How far ahead it looks for the start, seconds, where the target is fast.
+    pub start_ahead_s: f64,
+    /// From what turn of the bearing on a target is fast, rad/s: for slower ones it looks less far ahead.
+    pub fast: f64,
+    /// And for the stop.
+    pub stop_ahead_s: f64,
+    /// The faster axis turns at least so fast, rad/s.
+    pub least_rate: f64,
+    /// It turns at most so fast, rad/s.
+    pub most_rate: f64,
+    /// An axis slower than this share of the other rests.
+    pub least_share: f64,
+    /// A command that differs by less from the one in force is not given, rad/s.
+    pub hold: f64,
+    /// How long the camera rests at least, seconds.
+    pub least_rest_s: f64,
+    /// How the target is taken to move.
+    pub noise: BearingNoise,
+}
+
+impl Tuning {
+    /// [`Mode::MinimumEnergy`].
+    pub const MINIMUM_ENERGY: Self = Self {
+        start: 0.961,
+        stop: 0.595,
+        aim: 0.48,
+        horizon_s: 1.357,
+        start_ahead_s: 0.802,
+        fast: 0.19,
+        lazy: 0.5,
+        ease: 0.058,
+        stop_ahead_s: 1.037,
+        least_rate: 0.086,
+        most_rate: 0.271,
+        least_share: 0.194,
+        hold: 0.014,
+        least_rest_s: 0.098,
+        noise: BearingNoise { rate: 0.073, memory_s: 1.155, look: 0.0084, worst_look: 0.0125 },
+    };
+    /// [`Mode::TimeFuel`].
+    pub const TIME_FUEL: Self = Self {
+        start: 0.98,
+        stop: 0.7,
+        aim: 0.7,
+        horizon_s: 2.0,
+        start_ahead_s: 0.3,
+        fast: 0.1,
+        lazy: 0.0,
+        ease: 0.0,
+        stop_ahead_s: 0.6,
+        least_rate: 0.28,
+        most_rate: 0.3,
+        least_share: 0.12,
+        hold: 0.06,
+        least_rest_s: 0.3,
+        noise: BearingNoise { rate: 0.16, memory_s: 1.0, look: 0.005, worst_look: 0.015 },
+    };
+    /// [`Mode::Eco`].
+    pub const ECO: Self = Self {
+        start: 0.99,
+        stop: 0.801,
+        aim: 0.819,
+        horizon_s: 2.602,
+        start_ahead_s: 0.003,
+        fast: 0.195,
+        lazy: 0.111,
+        ease: 0.0,
+        stop_ahead_s: 0.784,
+        least_rate: 0.259,
+        most_rate: 0.293,
+        least_share: 0.376,
+        hold: 0.016,
+        least_rest_s: 0.286,
+        noise: BearingNoise { rate: 0.144, memory_s: 0.795, look: 0.0085, worst_look: 0.0164 },
+    };
+}
+
+/// Without a look for so long it begins anew, seconds.
+const LONGEST_GAP_S: f64 = 0.6;
+
+/// The law with what it remembers.
+#[derive(Debug, Clone)]
+pub struct OptimalLaw {
+    tuning: Tuning,
+    limits: Pair,
+    least: Pair,
+    bearings: BearingFilter,
+    asked: CameraCommand,
+    rested_since: Option<Timestamp>,
+}
+
+/// What is predicted for one moment.
+#[derive(Debug, Clone, Copy)]
+struct Outlook {
+    view: View,
+    point: ImagePoint,
+}
+
+/// The prediction of one step: everything at `span` after the time from which a command given now counts.
+struct Prediction<'a> {
+    camera: &'a CameraModel,
+    focal_px: f64,
+    region: Region,
+    bearing: Bearing,
+    memory_s: f64,
+    /// What is left of the bearing's rate by the time that a command counts.
+    fading: f64,
+    /// The slower axis' dead time, seconds.
+    start_s: f64,
+}
+
+impl OptimalLaw {
+    /// A law that has seen nothing.
+    pub fn new(settings: &OptimalSettings, profile: &VehicleProfile) -> Self {
+        Self::tuned(settings.tuning(), profile)
+    }
+
+    /// A law with a tuning of one's own.
+    pub fn tuned(tuning: Tuning, profile: &VehicleProfile) -> Self {
+        let pair = |rates: AxisRates| [rates.pan.radians_per_second(), rates.tilt.radians_per_second()];
+        Self {
+            limits: pair(profile.limits).map(|limit| limit.min(tuning.most_rate)),
+            least: [&profile.camera.pan, &profile.camera.tilt]
+                .map(|axis| axis.least_rate.radians_per_second()),
+            bearings: BearingFilter::new(tuning.noise),
+            tuning,
+            asked: CameraCommand::REST,
+            rested_since: None,
+        }
+    }
+
+    /// Forgets what it has seen of a target.
+    pub fn forget(&mut self) {
+        self.bearings.forget();
+        (self.asked, self.rested_since) = (CameraCommand::REST, None);
+    }
+
+    /// Where the target is taken to be.
+    pub const fn bearings(&self) -> &BearingFilter {
+        &self.bearings
+    }
+
+    /// What to ask of the camera.
+    pub fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
+        let gap = self.bearings.known().map(|(last, _)| {
+            if sight.captured >= *last { sight.captured.since(*last) } else { last.since(sight.captured) }
+        });
+        if gap.is_some_and(|gap| gap.as_secs_f64() > LONGEST_GAP_S) {
+            self.forget();
+        }
+        let focal_px = camera.dynamics().focal_share * f64::from(sight.picture.width);
+        let (pan, tilt) = camera.pointing(sight.captured);
+        let direction = View::new(focal_px, pan, tilt).direction(sight.percept.position);
+        self.bearings.look(direction, sight.captured);
+        let Some((looked, bearing)) = self.bearings.known() else { return CameraCommand::REST };
+        let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
+        let prediction = Prediction {
+            camera,
+            focal_px,
+            region: sight.region,
+            bearing: *bearing,
+            memory_s: self.tuning.noise.memory_s,
+            fading: libm::exp(
+                -(sight.now.since(*looked).as_secs_f64() + start_s) / self.tuning.noise.memory_s,
+            ),
+            start_s,
+        };
+        let was_moving = !self.asked.is_rest();
+        let moves = if was_moving { self.goes_on(&prediction) } else { self.starts(&prediction, sight.now) };
+        let command = if moves { self.rates(&prediction) } else { CameraCommand::REST };
+        if command.is_rest() && was_moving {
+            self.rested_since = Some(sight.now);
+        }
+        self.asked = command;
+        command
+    }
+
+    /// How fast the target is: from 0 where it stands to 1.
+    fn pace(&self, prediction: &Prediction<'_>) -> f64 {
+        (prediction.bearing.speed() / self.tuning.fast).min(1.0)
+    }
+
+    fn starts(&self, prediction: &Prediction<'_>, now: Timestamp) -> bool {
+        let ahead_s = self.pace(prediction) * self.tuning.start_ahead_s;
+        let rested =
+            self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.least_rest_s);
+        rested
+            && [0.0, 0.5, 1.0].iter().any(|share| {
+                let resting = prediction.resting(share * ahead_s);
+                prediction.region.p(resting.point) > self.tuning.start * self.tuning.start
+            })
+    }
+
+    fn goes_on(&self, prediction: &Prediction<'_>) -> bool {
+        let resting = prediction.resting(self.tuning.stop_ahead_s);
+        let stop = self.tuning.stop + self.tuning.ease * (1.0 - self.pace(prediction));
+        prediction.region.p(resting.point) > stop * stop
+    }
+
+    /// The rates of a camera that moves.
+    fn rates(&self, prediction: &Prediction<'_>) -> CameraCommand {
+        let leisure = 1.0 - self.pace(prediction);
+        let horizon_s = (1.0 + self.tuning.lazy * leisure) * self.tuning.horizon_s;
+        let transfer =
+            prediction.transfer(horizon_s, self.tuning.aim + self.tuning.ease * leisure, self.limits);
+        let wanted = transfer.solve().rates;
+        let fastest = wanted[0].abs().max(wanted[1].abs());
+        if fastest == 0.0 {
+            // It drifts in by itself, but not far enough to rest: as before.
+            return self.asked;
+        }
+        let raised = (self.tuning.least_rate / fastest).max(1.0);
+        let before = [self.asked.pan, self.asked.tilt].map(AngularRate::radians_per_second);
+        let mut rates = [0.0; 2];
+        for axis in [0, 1] {
+            let rate = wanted[axis] * raised;
+            let share = wanted[axis].abs() / fastest;
+            rates[axis] = if share < self.tuning.least_share {
+                0.0
+            } else {
+                at_least(rate, self.least[axis]).clamp(-self.limits[axis], self.limits[axis])
+            };
+        }
+        let changed = (0..2).any(|axis| (rates[axis] - before[axis]).abs() >= self.tuning.hold);
+        if !changed && !self.asked.is_rest() {
+            return self.asked;
+        }
+        let [pan, tilt] = rates.map(AngularRate::from_radians_per_second);
+        CameraCommand { pan, tilt }
+    }
+}
+
+impl Prediction<'_> {
+    /// Where the target will be seen if the camera is told now to rest.
+    fn resting(&self, span_s: f64) -> Outlook {
+        let angles =
+            self.camera.axes().map(|axis| axis.angle_resting(span_s + self.start_s - axis.start_s()));
+        self.outlook(span_s, angles)
+    }
+
+    fn outlook(&self, span_s: f64, [pan, tilt]: Pair) -> Outlook {
+        let reach = self.memory_s * (1.0 - self.fading * libm::exp(-span_s / self.memory_s));
+        let view = View::new(self.focal_px, pan, tilt);
+        Outlook { view, point: view.point(self.bearing.direction_after(reach)) }
+    }
+
+    /// The problem of bringing the target into the aim within the horizon.
+    fn transfer(&self, horizon_s: f64, aim: f64, limits: Pair) -> Transfer {
+        let (mut reach, mut angles) = ([0.0; 2], [0.0; 2]);
+        let (mut least, mut most) = (limits.map(|limit| -limit), limits);
+        for (index, axis) in self.camera.axes().into_iter().enumerate() {
+            let span_s = horizon_s + self.start_s - axis.start_s();
+            let left = axis.fading(span_s);
+            reach[index] = span_s - axis.lag_s() * (1.0 - left);
+            angles[index] = axis.angle_coasting(left);
+            if let Some((below, above)) = axis.left_to_stops() {
+                least[index] = least[index].max(-below / reach[index]);
+                most[index] = most[index].min(above / reach[index]);
+            }
+        }
+        let coasting = self.outlook(horizon_s, angles);
+        let gains = coasting.view.sensitivity(coasting.point);
+        let (a, b) = (self.region.a_px, self.region.b_px);
+        Transfer {
+            offset: [coasting.point.x / a, coasting.point.y / b],
+            pan: [gains.pan[0] * reach[0] / a, gains.pan[1] * reach[0] / b],
+            tilt: [gains.tilt[0] * reach[1] / a, gains.tilt[1] * reach[1] / b],
+            aim,
+            least,
+            most,
+        }
+    }
+}
+
+/// A rate that the vehicle can turn at: below half its least it rests.
+fn at_least(rate: f64, least: f64) -> f64 {
+    if rate.abs() >= least {
+        rate
+    } else if rate.abs() >= 0.5 * least {
+        libm::copysign(least, rate)
+    } else {
+        0.0
+    }
+}

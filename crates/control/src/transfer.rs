@@ -1,0 +1,214 @@
+//! The least energy that brings a point into the ellipse: a small problem with an exact solution.
+//!
+//! ```text
+//! minimise |u|²   subject to   |c + H u| <= aim   and   least_i <= u_i <= most_i
+//! ```
+//! u are the rates of both axes, c is where the target will be without them, in semi-axes of the region, and H by how
+//! much the rates move it there. Three cases, each solved in closed form but for one root:
+//!
+//! 1. The limits do not matter. With the Lagrange factor λ >= 0 of the ellipse the remaining offset is
+//!    `r(λ) = (I + λ H Hᵀ)^-1 c` and `u = -λ Hᵀ r`; in the eigenvectors of H Hᵀ it is two numbers,
+//!    `r_i = c_i / (1 + λ k_i)`, and `|r(λ)| = aim` is the secular equation of trust regions (Moré and Sorensen, 1983).
+//!    Newton's method on 1/|r|, from λ = 0, rises monotonically to the root. No division by a gain: one that is nearly
+//!    zero (a camera that looks steeply down) makes its axis worthless, not infinite.
+//! 2. A limit holds: then the answer lies on one of the four sides of the rectangle of rates, and on each the ellipse leaves an
+//!    interval of the other rate. The least of at most four.
+//! 3. Nothing within the limits reaches the ellipse: then what comes closest to its centre.
+//!
+//! No allocation.
+
+/// Both axes: pan, tilt.
+pub type Pair = [f64; 2];
+
+/// What is asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transfer {
+    /// Where the point will be without any rate, in semi-axes.
+    pub offset: Pair,
+    /// By how many semi-axes (across, up) a rate of 1 rad/s of pan moves it.
+    pub pan: Pair,
+    /// The same of tilt.
+    pub tilt: Pair,
+    /// How near to the centre it is to come, in semi-axes, above 0.
+    pub aim: f64,
+    /// Least rates, rad/s, at most 0: how fast each axis may turn left, or down.
+    pub least: Pair,
+    /// Largest rates, rad/s, at least 0: how fast each may turn right, or up.
+    pub most: Pair,
+}
+
+/// The answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rates {
+    /// rad/s: pan, tilt.
+    pub rates: Pair,
+    /// Whether the point comes as near as was asked.
+    pub arrives: bool,
+}
+
+/// Newton steps at most; a handful is usual, and the gains must differ by many powers of ten for more than a dozen.
+const STEPS: usize = 60;
+/// Relative error of the distance at which they end.
+const CLOSE_ENOUGH: f64 = 1e-13;
+/// By how much the constraint may be missed for rounding's sake.
+const ROUNDING: f64 = 1e-12;
+
+impl Transfer {
+    /// Solves it. Numbers that are none give rest.
+    pub fn solve(&self) -> Rates {
+        // An empty range, or one without zero, is no range of rates.
+        let ordered = (0..2).all(|axis| self.least[axis] <= 0.0 && self.most[axis] >= 0.0);
+        let usable =
+            [self.offset, self.pan, self.tilt, self.least, self.most].iter().flatten().all(|x| x.is_finite());
+        if !usable || !ordered || self.aim.is_nan() {
+            return Rates { rates: [0.0; 2], arrives: false };
+        }
+        if square(self.offset) <= self.aim * self.aim {
+            return Rates { rates: [0.0; 2], arrives: true };
+        }
+        match self.unlimited() {
+            Some(rates) if self.within(rates) => Rates { rates, arrives: true },
+            _ => self.at_a_limit().unwrap_or_else(|| self.closest()),
+        }
+    }
+
+    fn within(&self, rates: Pair) -> bool {
+        (0..2).all(|axis| (self.least[axis]..=self.most[axis]).contains(&rates[axis]))
+    }
+
+    fn moved(&self, rates: Pair) -> Pair {
+        [0, 1].map(|i| self.offset[i] + self.pan[i] * rates[0] + self.tilt[i] * rates[1])
+    }
+
+    /// Case 1; `None` where no rates reach the ellipse.
+    fn unlimited(&self) -> Option<Pair> {
+        let (pan, tilt) = (self.pan, self.tilt);
+        // H Hᵀ, its eigenvalues and its first eigenvector.
+        let (xx, yy) = (pan[0] * pan[0] + tilt[0] * tilt[0], pan[1] * pan[1] + tilt[1] * tilt[1]);
+        let xy = pan[0] * pan[1] + tilt[0] * tilt[1];
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let radius = libm::sqrt(half * half + xy * xy);
+        let large = mean + radius;
+        if large <= 0.0 {
+            return None;
+        }
+        let area = pan[0] * tilt[1] - pan[1] * tilt[0];
+        // Not the difference of two like numbers; relative to the large one.
+        let small = (area / large) * (area / large);
+        let axis = if half >= 0.0 { [half + radius, xy] } else { [xy, radius - half] };
+        let length = libm::sqrt(square(axis));
+        let axis = if length > 0.0 { [axis[0] / length, axis[1] / length] } else { [1.0, 0.0] };
+        let c = [
+            axis[0] * self.offset[0] + axis[1] * self.offset[1],
+            axis[0] * self.offset[1] - axis[1] * self.offset[0],
+        ];
+        if small == 0.0 && c[1].abs() > self.aim {
+            return None;
+        }
+        let mut factor = 0.0;
+        let mut left = c;
+        for _ in 0..STEPS {
+            let shrink = [1.0 + factor, 1.0 + factor * small];
+            left = [c[0] / shrink[0], c[1] / shrink[1]];
+            let distance_squared = square(left);
+            let slope = left[0] * left[0] / shrink[0] + left[1] * left[1] * small / shrink[1];
+            let miss = libm::sqrt(distance_squared) / self.aim - 1.0;
+            let step = miss * distance_squared / slope;
+            if miss <= CLOSE_ENOUGH || !step.is_finite() || factor + step == factor {
+                break;
+            }
+            factor += step;
+        }
+        // Back from the eigenvectors: the remaining offset, and the rates that leave it.
+        let rest = [axis[0] * left[0] - axis[1] * left[1], axis[1] * left[0] + axis[0] * left[1]];
+        let scale = -factor / large;
+        let rates =
+            [scale * (pan[0] * rest[0] + pan[1] * rest[1]), scale * (tilt[0] * rest[0] + tilt[1] * rest[1])];
+        rates.iter().all(|rate| rate.is_finite()).then_some(rates)
+    }
+
+    /// Case 2: the least on the rectangle's sides, if any reaches the ellipse.
+    fn at_a_limit(&self) -> Option<Rates> {
+        let mut best: Option<(f64, Pair)> = None;
+        for held in [0, 1] {
+            for rate in [self.least[held], self.most[held]] {
+                let (fixed, free) = if held == 0 { (self.pan, self.tilt) } else { (self.tilt, self.pan) };
+                let start = [0, 1].map(|i| self.offset[i] + rate * fixed[i]);
+                let range = (self.least[1 - held], self.most[1 - held]);
+                let Some(other) = least_into(start, free, self.aim, range) else { continue };
+                let rates = if held == 0 { [rate, other] } else { [other, rate] };
+                let energy = square(rates);
+                if best.is_none_or(|(least, _)| energy < least) {
+                    best = Some((energy, rates));
+                }
+            }
+        }
+        best.map(|(_, rates)| Rates { rates, arrives: true })
+    }
+
+    /// Case 3: the rates within the limits that come closest; of several, the least.
+    fn closest(&self) -> Rates {
+        let (pan, tilt) = (self.pan, self.tilt);
+        let dot = |a: Pair, b: Pair| a[0] * b[0] + a[1] * b[1];
+        let (pp, tt, pt) = (square(pan), square(tilt), dot(pan, tilt));
+        let (pc, tc) = (dot(pan, self.offset), dot(tilt, self.offset));
+        let area = pan[0] * tilt[1] - pan[1] * tilt[0];
+        let mut best: Option<(f64, f64, Pair)> = None;
+        let mut offer = |rates: Pair| {
+            if !self.within(rates) {
+                return;
+            }
+            let (distance, energy) = (square(self.moved(rates)), square(rates));
+            let better = best.is_none_or(|(nearest, least, _)| {
+                let same = ROUNDING * (nearest + square(self.offset));
+                distance < nearest - same || (distance <= nearest + same && energy < least)
+            });
+            if better {
+                best = Some((distance, energy, rates));
+            }
+        };
+        offer([0.0; 2]);
+        let determinant = area * area;
+        if determinant > ROUNDING * pp * tt {
+            offer([(pt * tc - tt * pc) / determinant, (pt * pc - pp * tc) / determinant]);
+        } else if pp + tt > 0.0 {
+            // Both axes push the same way: the shortest rates that cancel what lies along it.
+            let way = if pp >= tt { pan } else { tilt };
+            let along = |axis: Pair| dot(axis, way) / libm::sqrt(square(way));
+            let (p, t, c) = (along(pan), along(tilt), along(self.offset));
+            offer([-c * p / (p * p + t * t), -c * t / (p * p + t * t)]);
+        }
+        let nearest = |start: f64, gain: f64, axis: usize| {
+            if gain > 0.0 { (-start / gain).clamp(self.least[axis], self.most[axis]) } else { 0.0 }
+        };
+        for limits in [self.least, self.most] {
+            let [p, t] = limits;
+            offer([p, nearest(tc + p * pt, tt, 1)]);
+            offer([nearest(pc + t * pt, pp, 0), t]);
+        }
+        Rates { rates: best.map_or([0.0; 2], |(_, _, rates)| rates), arrives: false }
+    }
+}
+
+/// The rate nearest to zero within a range that brings a point into the circle of the radius `aim` around the origin.
+fn least_into(start: Pair, gain: Pair, aim: f64, (least, most): (f64, f64)) -> Option<f64> {
+    let outside = square(start) - aim * aim;
+    if outside <= 0.0 {
+        return Some(0.0);
+    }
+    let (a, b) = (square(gain), start[0] * gain[0] + start[1] * gain[1]);
+    // The miss distance of the line, without the difference of two like numbers.
+    let across = start[0] * gain[1] - start[1] * gain[0];
+    let inside = a * aim * aim - across * across;
+    if a <= 0.0 || inside < 0.0 {
+        return None;
+    }
+    // The root nearer to zero, as what the far root leaves of their product.
+    let far = b.abs() + libm::sqrt(inside);
+    let rate = -outside / far * if b < 0.0 { -1.0 } else { 1.0 };
+    (least..=most).contains(&rate).then_some(rate)
+}
+
+fn square(v: Pair) -> f64 {
+    v[0] * v[0] + v[1] * v[1]
+}

@@ -1,0 +1,120 @@
+//! Directions and image points of a pinhole camera, and how both axes move a point.
+//!
+//! Directions are unit vectors in a frame that does not turn with the camera: to the right of where it first pointed,
+//! ahead, up. They have no pole: a target may pass right below. With the point (x, y) of the picture and the focal
+//! length f, the ray has the components x/f to the right, y/f upwards across the optical axis and 1 along it. What
+//! lies behind the camera is put far out. A lens's distortion is not in it.
+
+use barrelman_vocab::ImagePoint;
+
+/// A unit vector: right, ahead, up.
+pub type Direction = [f64; 3];
+
+/// What lies less far ahead than this share of its distance is taken to lie that far ahead.
+const LEAST_AHEAD: f64 = 0.15;
+
+/// A camera's focal length and where it points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    focal_px: f64,
+    pan: (f64, f64),
+    tilt: (f64, f64),
+}
+
+/// Pixels by which a point moves for each radian of pan to the right, and of tilt upwards: `[x, y]` each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sensitivity {
+    pub(crate) pan: [f64; 2],
+    pub(crate) tilt: [f64; 2],
+}
+
+impl View {
+    pub(crate) fn new(focal_px: f64, pan: f64, tilt: f64) -> Self {
+        Self { focal_px, pan: libm::sincos(pan), tilt: libm::sincos(tilt) }
+    }
+
+    /// The direction of an image point.
+    pub(crate) fn direction(&self, point: ImagePoint) -> Direction {
+        let (right, up) = (point.x / self.focal_px, point.y / self.focal_px);
+        let ((sin_pan, cos_pan), (sin_tilt, cos_tilt)) = (self.pan, self.tilt);
+        let ahead = cos_tilt - up * sin_tilt;
+        let above = sin_tilt + up * cos_tilt;
+        let length = libm::sqrt(1.0 + right * right + up * up);
+        [
+            (right * cos_pan + ahead * sin_pan) / length,
+            (ahead * cos_pan - right * sin_pan) / length,
+            above / length,
+        ]
+    }
+
+    /// Where a direction is seen.
+    pub(crate) fn point(&self, [east, north, above]: Direction) -> ImagePoint {
+        let ((sin_pan, cos_pan), (sin_tilt, cos_tilt)) = (self.pan, self.tilt);
+        let right = east * cos_pan - north * sin_pan;
+        let ahead = east * sin_pan + north * cos_pan;
+        let depth = (ahead * cos_tilt + above * sin_tilt).max(LEAST_AHEAD);
+        let across = above * cos_tilt - ahead * sin_tilt;
+        ImagePoint { x: self.focal_px * right / depth, y: self.focal_px * across / depth }
+    }
+
+    /// How the axes move a point that is seen there.
+    pub(crate) fn sensitivity(&self, point: ImagePoint) -> Sensitivity {
+        let ImagePoint { x, y } = point;
+        let (f, (sin, cos)) = (self.focal_px, self.tilt);
+        Sensitivity {
+            pan: [-(f * cos - y * sin + x * x * cos / f), -(x * sin + x * y * cos / f)],
+            tilt: [-x * y / f, -(f + y * y / f)],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FOCAL_PX: f64 = 330.0;
+    const TILTS_DEG: [f64; 6] = [10.0, 0.0, -24.0, -60.0, -85.0, -90.0];
+
+    fn each_view(mut check: impl FnMut(f64, f64, ImagePoint)) {
+        for tilt_deg in TILTS_DEG {
+            for pan in [-3.0, 0.0, 0.7] {
+                for (x, y) in [(0.0, 0.0), (300.0, 170.0), (-310.0, 20.0), (40.0, -175.0)] {
+                    check(pan, tilt_deg.to_radians(), ImagePoint { x, y });
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_is_seen_where_its_direction_is() {
+        each_view(|pan, tilt, point| {
+            let view = View::new(FOCAL_PX, pan, tilt);
+            let again = view.point(view.direction(point));
+            assert!(
+                (again.x - point.x).abs() < 1e-9 && (again.y - point.y).abs() < 1e-9,
+                "{point:?} {again:?}"
+            );
+        });
+    }
+
+    #[test]
+    fn a_point_moves_as_the_sensitivity_says() {
+        const STEP: f64 = 1e-6;
+        each_view(|pan, tilt, point| {
+            let view = View::new(FOCAL_PX, pan, tilt);
+            let direction = view.direction(point);
+            let found = view.sensitivity(point);
+            for (axis, expected) in [(0, found.pan), (1, found.tilt)] {
+                let seen = |off: f64| {
+                    let (pan, tilt) = if axis == 0 { (pan + off, tilt) } else { (pan, tilt + off) };
+                    View::new(FOCAL_PX, pan, tilt).point(direction)
+                };
+                let (before, after) = (seen(-STEP), seen(STEP));
+                let slope = [(after.x - before.x) / (2.0 * STEP), (after.y - before.y) / (2.0 * STEP)];
+                for (slope, expected) in slope.into_iter().zip(expected) {
+                    assert!((slope - expected).abs() < 1e-3, "{slope} {expected} at {point:?}, tilt {tilt}");
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,107 @@
+//! The bearing filter: what it says of itself is what it is worth.
+
+use barrelman_control::{BearingFilter, BearingNoise};
+use barrelman_vocab::Timestamp;
+
+const NOISE: BearingNoise = BearingNoise { rate: 0.14, memory_s: 1.1, look: 0.004, worst_look: 0.004 };
+
+fn gauss(state: &mut u64) -> f64 {
+    let mut unit = || {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((*state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    };
+    libm::sqrt(-2.0 * libm::log(unit())) * libm::cos(core::f64::consts::TAU * unit())
+}
+
+fn toward(azimuth: f64, elevation: f64) -> [f64; 3] {
+    let (sin_a, cos_a) = libm::sincos(azimuth);
+    let (sin_e, cos_e) = libm::sincos(elevation);
+    [cos_e * sin_a, cos_e * cos_a, sin_e]
+}
+
+/// A target near the horizon whose rates are what the filter takes them for, seen at steps of `step_s`, some of them
+/// not at all; the mean squared error of its azimuth in units of the variance that the filter gives.
+fn surprise(step_s: f64, seen_share: f64) -> f64 {
+    const FINE: usize = 8;
+    let mut state = 7;
+    let mut filter = BearingFilter::new(NOISE);
+    let (mut angle, mut rate) = (0.0, 0.0);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for k in 1..40_000_u64 {
+        for _ in 0..FINE {
+            let dt = step_s / FINE as f64;
+            let kept = libm::exp(-dt / NOISE.memory_s);
+            angle += dt * rate;
+            rate = kept * rate + NOISE.rate * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
+        }
+        let now = Timestamp::from_secs_f64(k as f64 * step_s);
+        if let Some((last, bearing)) = filter.known().copied().filter(|_| k > 100) {
+            let expected = bearing.after(now.since(last).as_secs_f64(), &NOISE);
+            let azimuth = libm::atan2(expected.direction[0], expected.direction[1]);
+            let off = libm::remainder(azimuth - angle, core::f64::consts::TAU);
+            sum += off * off / expected.variance;
+            count += 1.0;
+        }
+        let shown = (gauss(&mut state) > 0.0) || seen_share >= 1.0;
+        if shown {
+            let look = toward(angle + NOISE.look * gauss(&mut state), NOISE.look * gauss(&mut state));
+            filter.look(look, now);
+        }
+    }
+    sum / count
+}
+
+#[test]
+fn its_variance_is_honest_at_any_rate_of_pictures_and_through_gaps() {
+    for (step_s, seen_share) in [(1.0 / 60.0, 1.0), (1.0 / 30.0, 1.0), (0.1, 1.0), (1.0 / 30.0, 0.5)] {
+        let surprise = surprise(step_s, seen_share);
+        assert!((0.85..1.15).contains(&surprise), "every {step_s} s, seen {seen_share}: {surprise}");
+    }
+}
+
+#[test]
+fn the_same_picture_again_tells_nothing() {
+    let mut filter = BearingFilter::new(NOISE);
+    let at = Timestamp::from_secs_f64(1.0);
+    filter.look(toward(0.1, -0.4), at);
+    let before = filter.known().copied();
+    filter.look(toward(0.3, -0.4), at);
+    filter.look(toward(0.3, -0.4), Timestamp::from_secs_f64(0.9));
+    filter.look([f64::NAN; 3], Timestamp::from_secs_f64(1.1));
+    assert_eq!(filter.known().copied(), before);
+}
+
+#[test]
+fn a_target_may_pass_right_below() {
+    let mut filter = BearingFilter::new(NOISE);
+    // Straight ahead at 60 degrees down, through the vertical, and away behind, at 0.15 rad/s.
+    for k in 0..300 {
+        let t = f64::from(k) / 30.0;
+        let down = 1.05 + 0.15 * t;
+        filter.look(toward(0.0, -down), Timestamp::from_secs_f64(t));
+        if k > 60 {
+            let (_, bearing) = filter.known().unwrap();
+            assert!((bearing.speed() - 0.15).abs() < 0.01, "at {t} s: {}", bearing.speed());
+        }
+    }
+}
+
+#[test]
+fn in_wind_it_learns_that_looks_are_worse() {
+    let noise = BearingNoise { worst_look: 0.03, ..NOISE };
+    let spread = |sway: f64| {
+        let mut filter = BearingFilter::new(noise);
+        let mut state = 3;
+        let mut sum = 0.0;
+        for k in 0..900_u64 {
+            let look = toward(sway * gauss(&mut state), -0.4);
+            filter.look(look, Timestamp::from_secs_f64(k as f64 / 30.0));
+            if k > 300 {
+                sum += filter.known().unwrap().1.speed();
+            }
+        }
+        sum / 600.0
+    };
+    let (calm, windy) = (spread(0.004), spread(0.02));
+    assert!(windy < 3.0 * calm, "five times the sway gives {windy} for {calm} rad/s");
+}

@@ -1,0 +1,204 @@
+//! The camera model against a plant that is integrated in small steps.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use barrelman_control::CameraModel;
+use barrelman_vocab::profile::{AxisRates, CameraDynamics};
+use barrelman_vocab::{Angle, AngularRate, CameraCommand, Timestamp, VehicleProfile};
+use proptest::prelude::*;
+
+/// A plant in steps of 0.1 ms: dead times, overruling, lag, as it is described.
+struct Plant {
+    start_s: f64,
+    stop_s: f64,
+    lag_s: f64,
+    on_their_way: VecDeque<(f64, f64)>,
+    asked: f64,
+    in_effect: f64,
+    rate: f64,
+    angle: f64,
+}
+
+const STEP_S: f64 = 1e-4;
+
+impl Plant {
+    fn new(start_s: f64, stop_s: f64, lag_s: f64) -> Self {
+        Self {
+            start_s,
+            stop_s,
+            lag_s,
+            on_their_way: VecDeque::new(),
+            asked: 0.0,
+            in_effect: 0.0,
+            rate: 0.0,
+            angle: 0.0,
+        }
+    }
+
+    fn command(&mut self, asked: f64, now_s: f64) {
+        if asked == self.asked {
+            return;
+        }
+        self.asked = asked;
+        let at_s = now_s + if asked == 0.0 { self.stop_s } else { self.start_s };
+        while self.on_their_way.back().is_some_and(|(later_s, _)| *later_s >= at_s) {
+            self.on_their_way.pop_back();
+        }
+        self.on_their_way.push_back((at_s, asked));
+    }
+
+    fn step(&mut self, now_s: f64) {
+        while self.on_their_way.front().is_some_and(|(at_s, _)| *at_s <= now_s + 0.5 * STEP_S) {
+            self.in_effect = self.on_their_way.pop_front().unwrap().1;
+        }
+        self.rate += STEP_S / self.lag_s * (self.in_effect - self.rate);
+        self.angle += STEP_S * self.rate;
+    }
+}
+
+fn profile() -> (CameraDynamics, AxisRates) {
+    let profile = VehicleProfile::fotokite_pro();
+    (profile.camera, profile.limits)
+}
+
+fn pan_at(rate: f64) -> CameraCommand {
+    CameraCommand { pan: AngularRate::from_radians_per_second(rate), tilt: AngularRate::ZERO }
+}
+
+fn seconds(s: f64) -> Timestamp {
+    Timestamp::from_secs_f64(s)
+}
+
+/// Commands at times, and what model and plant make of them.
+fn compare(commands: &[(f64, f64)]) {
+    let (dynamics, limits) = profile();
+    let pan = dynamics.pan;
+    let mut plant = Plant::new(
+        pan.start_dead_time.as_secs_f64(),
+        pan.stop_dead_time.as_secs_f64(),
+        pan.lag.as_secs_f64(),
+    );
+    let mut model = CameraModel::new(dynamics, limits);
+    let mut course = Vec::new();
+    let end_s = commands.last().unwrap().0;
+    let mut next = commands.iter().peekable();
+    for step in 0.. {
+        let now_s = f64::from(step) * STEP_S;
+        if now_s > end_s {
+            break;
+        }
+        while let Some((at_s, rate)) = next.next_if(|(at_s, _)| *at_s <= now_s + 0.5 * STEP_S) {
+            plant.command(*rate, *at_s);
+            model.command(pan_at(*rate), seconds(*at_s));
+        }
+        course.push((now_s, plant.angle));
+        plant.step(now_s);
+    }
+    for (at_s, angle) in course.into_iter().rev().take_while(|(at_s, _)| *at_s > end_s - 1.5).step_by(97) {
+        let found = model.pointing(seconds(at_s)).0;
+        assert!((found - angle).abs() < 1e-3, "at {at_s} s: {found} against {angle}");
+    }
+}
+
+#[test]
+fn a_start_and_a_stop_are_as_the_plant_has_them() {
+    let steps: Vec<(f64, f64)> =
+        (0..90).map(|k| (f64::from(k) / 30.0, if (15..45).contains(&k) { 0.3 } else { 0.0 })).collect();
+    compare(&steps);
+}
+
+#[test]
+fn a_stop_is_overruled_by_a_start_that_takes_effect_before_it() {
+    let rate = |k| match k {
+        10..30 => 0.3,
+        33..60 => -0.2,
+        _ => 0.0,
+    };
+    let steps: Vec<(f64, f64)> = (0..90).map(|k| (f64::from(k) / 30.0, rate(k))).collect();
+    compare(&steps);
+}
+
+#[test]
+fn at_the_end_stop_it_stays() {
+    let (dynamics, limits) = profile();
+    let mut model = CameraModel::new(dynamics, limits);
+    let down = CameraCommand { pan: AngularRate::ZERO, tilt: AngularRate::from_radians_per_second(-0.3) };
+    for k in 0..300 {
+        model.command(down, seconds(f64::from(k) / 30.0));
+    }
+    let lowest = dynamics.tilt_stops.0.radians();
+    assert!((model.pointing(seconds(9.9)).1 - lowest).abs() < 1e-12);
+    for k in 300..360 {
+        let up = CameraCommand { tilt: -down.tilt, ..down };
+        model.command(up, seconds(f64::from(k) / 30.0));
+    }
+    // Two seconds up, less dead time and lag: it turned back at once.
+    let risen = model.pointing(seconds(12.0)).1 - lowest;
+    assert!((0.48..0.56).contains(&risen), "{risen}");
+}
+
+#[test]
+fn a_reported_tilt_is_believed_in_time() {
+    let (dynamics, limits) = profile();
+    let mut model = CameraModel::new(dynamics, limits);
+    for k in 0..60 {
+        let now = seconds(f64::from(k) / 30.0);
+        model.command(CameraCommand::REST, now);
+        model.tilt_reported(Angle::from_degrees(-60.0), now);
+    }
+    assert!((model.pointing(seconds(2.0)).1.to_degrees() + 60.0).abs() < 0.01);
+    model.tilt_reported(Angle::from_radians(f64::NAN), seconds(2.0));
+    assert!((model.pointing(seconds(2.0)).1.to_degrees() + 60.0).abs() < 0.01);
+}
+
+#[test]
+fn no_lag_is_no_trouble() {
+    let (mut dynamics, limits) = profile();
+    dynamics.pan.lag = Duration::ZERO;
+    dynamics.pan.start_dead_time = Duration::ZERO;
+    let mut model = CameraModel::new(dynamics, limits);
+    for k in 0..=30 {
+        model.command(pan_at(0.3), seconds(f64::from(k) / 30.0));
+    }
+    assert!((model.pointing(seconds(1.0)).0 - 0.3).abs() < 1e-3);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+    #[test]
+    fn any_commands_at_any_times(
+        spans in prop::collection::vec((0.002_f64..0.3, prop_oneof![Just(0.0), -0.4..0.4]), 5..60),
+    ) {
+        let mut at_s = 0.0;
+        let mut commands: Vec<(f64, f64)> = spans
+            .into_iter()
+            .map(|(span_s, rate)| {
+                at_s += libm::round(span_s / STEP_S) * STEP_S;
+                (at_s, rate)
+            })
+            .collect();
+        let end_s = at_s + 0.5;
+        let last = commands.last().unwrap().1;
+        commands.push((libm::round(end_s / STEP_S) * STEP_S, last));
+        compare(&commands);
+    }
+
+    #[test]
+    fn nothing_makes_it_point_nowhere(
+        commands in prop::collection::vec((any::<u32>(), any::<f64>(), any::<f64>()), 1..200),
+    ) {
+        let (dynamics, limits) = profile();
+        let mut model = CameraModel::new(dynamics, limits);
+        for (at_us, pan, tilt) in commands {
+            let now = Timestamp::from_nanos(u64::from(at_us) * 1000);
+            let command = CameraCommand {
+                pan: AngularRate::from_radians_per_second(pan),
+                tilt: AngularRate::from_radians_per_second(tilt),
+            };
+            model.command(command, now);
+            let (pan, tilt) = model.pointing(now);
+            prop_assert!(pan.is_finite() && tilt.is_finite());
+        }
+    }
+}

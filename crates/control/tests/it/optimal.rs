@@ -1,0 +1,213 @@
+//! The optimal law, alone and with a camera that obeys it.
+
+use core::time::Duration;
+
+use barrelman_control::optimal::{Mode, OptimalSettings};
+use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
+use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, Timestamp, VehicleProfile};
+use proptest::prelude::*;
+
+const PICTURE: PictureSize = PictureSize::new(640, 480);
+const STEP_S: f64 = 1.0 / 30.0;
+const MODES: [Mode; 3] = [Mode::MinimumEnergy, Mode::TimeFuel, Mode::Eco];
+
+fn law(mode: Mode, profile: &VehicleProfile) -> CameraLaw {
+    CameraLaw::new(LawSettings::Optimal(OptimalSettings::of(mode)), profile)
+}
+
+fn rates(command: CameraCommand) -> [f64; 2] {
+    [command.pan.radians_per_second(), command.tilt.radians_per_second()]
+}
+
+/// One look at a target, `latency` ago, and what the law makes of it.
+fn look(
+    law: &mut CameraLaw,
+    profile: &VehicleProfile,
+    position: ImagePoint,
+    now: Timestamp,
+) -> CameraCommand {
+    let region = Region::in_picture(profile.region, PICTURE);
+    let percept = Percept::new(position, region);
+    let captured = now.minus(Duration::from_millis(100));
+    let command = law.command(&Sight { percept: &percept, region, picture: PICTURE, captured, now });
+    law.in_force(command, now);
+    command
+}
+
+/// A camera that obeys at once, and a target whose bearing turns steadily: where it is in the picture, and the
+/// commands, for `seconds`.
+fn follow(
+    mode: Mode,
+    profile: &VehicleProfile,
+    start_px: f64,
+    speed: f64,
+    seconds: f64,
+) -> Vec<(f64, CameraCommand)> {
+    let focal_px = profile.camera.focal_share * f64::from(PICTURE.width);
+    let mut law = law(mode, profile);
+    let mut pan = 0.0;
+    let mut pans = vec![0.0; 4];
+    let mut course = Vec::new();
+    for k in 0..(seconds / STEP_S) as usize {
+        let t = k as f64 * STEP_S;
+        // Seen near the horizontal, so that pan and azimuth are one; what is seen is 100 ms old.
+        let seen_pan = pans[pans.len() - 4];
+        let azimuth = libm::atan(start_px / focal_px) + speed * (t - 0.1) - seen_pan;
+        let position = ImagePoint { x: focal_px * libm::tan(azimuth), y: 0.0 };
+        let command = look(&mut law, profile, position, Timestamp::from_secs_f64(1.0 + t));
+        pan += STEP_S * rates(command)[0];
+        pans.push(pan);
+        course.push((position.x, command));
+    }
+    course
+}
+
+/// A vehicle that answers at once and looks straight ahead.
+fn prompt_vehicle() -> VehicleProfile {
+    let mut profile = VehicleProfile::fotokite_pro();
+    for axis in [&mut profile.camera.pan, &mut profile.camera.tilt] {
+        (axis.start_dead_time, axis.stop_dead_time, axis.lag) =
+            (Duration::ZERO, Duration::ZERO, Duration::ZERO);
+    }
+    profile.camera.first_tilt = barrelman_vocab::Angle::ZERO;
+    profile
+}
+
+#[test]
+fn a_target_that_stands_inside_moves_nothing() {
+    for mode in MODES {
+        let profile = VehicleProfile::fotokite_pro();
+        let mut law = law(mode, &profile);
+        for k in 0..300 {
+            let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
+            let command = look(&mut law, &profile, ImagePoint { x: 120.0, y: -60.0 }, now);
+            assert_eq!(command, CameraCommand::REST, "{mode:?} at look {k}");
+        }
+    }
+}
+
+#[test]
+fn a_target_that_leaves_is_kept_and_then_the_camera_rests() {
+    for mode in MODES {
+        let course = follow(mode, &prompt_vehicle(), 0.0, 0.12, 20.0);
+        let edge = 0.6 * 320.0;
+        let farthest = course.iter().map(|(x, _)| x.abs()).fold(0.0, f64::max);
+        assert!(farthest < 1.1 * edge, "{mode:?}: {farthest} px");
+        let resting = course.iter().filter(|(_, command)| command.is_rest()).count();
+        assert!(resting * 8 > course.len(), "{mode:?}: rests in {resting} of {} steps", course.len());
+        let (_, last) = course.iter().rev().find(|(_, command)| !command.is_rest()).unwrap();
+        assert!(last.pan > AngularRate::ZERO, "{mode:?}");
+    }
+}
+
+#[test]
+fn a_target_found_outside_is_fetched_within_a_few_horizons() {
+    for mode in MODES {
+        let course = follow(mode, &prompt_vehicle(), 260.0, 0.0, 8.0);
+        assert!(course[0].0 > 250.0);
+        let (x, command) = *course.last().unwrap();
+        assert!(x.abs() < 192.0 && command.is_rest(), "{mode:?}: {x} px, {command:?}");
+    }
+}
+
+#[test]
+fn both_axes_move_at_once() {
+    let profile = VehicleProfile::fotokite_pro();
+    let mut law = law(Mode::MinimumEnergy, &profile);
+    let mut both = false;
+    for k in 0..30 {
+        let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
+        let [pan, tilt] = rates(look(&mut law, &profile, ImagePoint { x: 200.0, y: 110.0 }, now));
+        assert!(pan >= 0.0 && tilt >= 0.0, "towards the target");
+        both |= pan > 0.0 && tilt > 0.0;
+    }
+    assert!(both);
+}
+
+#[test]
+fn a_vehicle_s_least_rate_is_respected() {
+    let mut profile = VehicleProfile::fotokite_pro();
+    let least = 0.2;
+    for axis in [&mut profile.camera.pan, &mut profile.camera.tilt] {
+        axis.least_rate = AngularRate::from_radians_per_second(least);
+    }
+    let mut law = law(Mode::MinimumEnergy, &profile);
+    let mut moved = false;
+    for k in 0..600 {
+        let t = f64::from(k) * STEP_S;
+        let position = ImagePoint { x: 260.0 * libm::sin(0.7 * t), y: 130.0 * libm::cos(0.4 * t) };
+        for rate in rates(look(&mut law, &profile, position, Timestamp::from_secs_f64(1.0 + t))) {
+            assert!(rate == 0.0 || rate.abs() >= least - 1e-12, "{rate} rad/s");
+            moved |= rate != 0.0;
+        }
+    }
+    assert!(moved);
+}
+
+#[test]
+fn a_longer_horizon_is_lazier() {
+    let profile = VehicleProfile::fotokite_pro();
+    let effort = |horizon_s: f64| {
+        let settings = OptimalSettings { mode: Mode::MinimumEnergy, horizon_s: Some(horizon_s) };
+        let mut law = CameraLaw::new(LawSettings::Optimal(settings), &profile);
+        let [pan, _] =
+            rates(look(&mut law, &profile, ImagePoint { x: 230.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)));
+        pan
+    };
+    let (tight, lazy) = (effort(1.5), effort(4.0));
+    assert!(tight > lazy && lazy > 0.0, "{tight} {lazy}");
+}
+
+#[test]
+fn after_a_gap_it_begins_anew() {
+    let profile = VehicleProfile::fotokite_pro();
+    let mut law = law(Mode::MinimumEnergy, &profile);
+    // Running out of the picture to the right, unseen for a second, and then at rest in the middle.
+    for k in 0..20 {
+        let position = ImagePoint { x: 10.0 * f64::from(k), y: 0.0 };
+        look(&mut law, &profile, position, Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S));
+    }
+    law.in_force(CameraCommand::REST, Timestamp::from_secs_f64(1.9));
+    let command = look(&mut law, &profile, ImagePoint { x: 0.0, y: 0.0 }, Timestamp::from_secs_f64(3.0));
+    assert_eq!(command, CameraCommand::REST);
+}
+
+/// A look of any kind.
+fn any_looks() -> impl Strategy<Value = Vec<(f64, f64, u16)>> {
+    let coordinate = prop_oneof![4 => -400.0_f64..400.0, 1 => any::<f64>()];
+    prop::collection::vec(
+        (coordinate.clone(), coordinate, prop_oneof![8 => 20_u16..50, 1 => any::<u16>()]),
+        1..120,
+    )
+}
+
+proptest! {
+    #[test]
+    fn whatever_is_seen_the_rates_are_within_the_limits(looks in any_looks(), mode in 0_usize..3) {
+        let profile = VehicleProfile::fotokite_pro();
+        let mut law = law(MODES[mode], &profile);
+        let mut now_ms = 1_000_u64;
+        for (x, y, span_ms) in looks {
+            now_ms += u64::from(span_ms);
+            let now = Timestamp::from_nanos(now_ms * 1_000_000);
+            let [pan, tilt] = rates(look(&mut law, &profile, ImagePoint { x, y }, now));
+            prop_assert!(pan.abs() <= profile.limits.pan.radians_per_second(), "{} rad/s", pan);
+            prop_assert!(tilt.abs() <= profile.limits.tilt.radians_per_second(), "{} rad/s", tilt);
+        }
+    }
+
+    #[test]
+    fn mirrored_left_to_right_it_pans_the_other_way(looks in any_looks(), mode in 0_usize..3) {
+        let profile = VehicleProfile::fotokite_pro();
+        let (mut law, mut mirrored) = (law(MODES[mode], &profile), law(MODES[mode], &profile));
+        let mut now_ms = 1_000_u64;
+        for (x, y, span_ms) in looks {
+            now_ms += u64::from(span_ms);
+            let now = Timestamp::from_nanos(now_ms * 1_000_000);
+            let [pan, tilt] = rates(look(&mut law, &profile, ImagePoint { x, y }, now));
+            let [other_pan, other_tilt] = rates(look(&mut mirrored, &profile, ImagePoint { x: -x, y }, now));
+            prop_assert!((pan + other_pan).abs() < 1e-9, "{} {}", pan, other_pan);
+            prop_assert!((tilt - other_tilt).abs() < 1e-9, "{} {}", tilt, other_tilt);
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! The least-energy transfer against an independent conic solver, and its properties.
+
+use barrelman_control::Transfer;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SolverStatus,
+};
+use proptest::prelude::*;
+
+/// Numbers that look random, the same each time.
+struct Draws(u64);
+
+impl Draws {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+/// A problem as a camera poses it: offsets with P up to 400, gains from nearly zero to those of a long lens, either
+/// axis' range cut short by an end stop now and then.
+fn problem(draws: &mut Draws) -> Transfer {
+    let distance =
+        libm::sqrt(if draws.unit() < 0.2 { draws.between(0.0, 400.0) } else { draws.between(0.0, 6.0) });
+    let bearing = draws.between(-3.2, 3.2);
+    let gain = |draws: &mut Draws| {
+        let size = libm::pow(10.0, draws.between(-0.5, 1.3));
+        match draws.unit() {
+            x if x < 0.05 => 0.0,
+            x if x < 0.15 => size * libm::pow(10.0, draws.between(-9.0, -2.0)),
+            _ => size,
+        }
+    };
+    let across = |draws: &mut Draws| draws.between(-0.5, 0.5);
+    let (pan, tilt) = (gain(draws), gain(draws));
+    let limit = |draws: &mut Draws| if draws.unit() < 0.05 { 0.0 } else { draws.between(0.05, 2.0) };
+    Transfer {
+        offset: [distance * libm::cos(bearing), distance * libm::sin(bearing)],
+        pan: [-pan, pan * across(draws)],
+        tilt: [tilt * across(draws), -tilt],
+        aim: draws.between(0.1, 1.0),
+        least: [-limit(draws), -limit(draws)],
+        most: [limit(draws), limit(draws)],
+    }
+}
+
+fn moved(problem: &Transfer, rates: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| problem.offset[i] + problem.pan[i] * rates[0] + problem.tilt[i] * rates[1])
+}
+
+fn length(v: [f64; 2]) -> f64 {
+    libm::hypot(v[0], v[1])
+}
+
+/// The conic solver's rates: of least energy where `nearest` is false, otherwise those that come closest. `None` where
+/// it says that there are none.
+fn conic(problem: &Transfer, nearest: bool) -> Option<[f64; 2]> {
+    // Variables: the rates, and for the closest point its distance.
+    let n = if nearest { 3 } else { 2 };
+    let mut quadratic = vec![vec![0.0; n]; n];
+    let mut linear = vec![0.0; n];
+    if nearest {
+        linear[2] = 1.0;
+    } else {
+        (quadratic[0][0], quadratic[1][1]) = (2.0, 2.0);
+    }
+    let row = |values: [f64; 3]| values[..n].to_vec();
+    let a = [
+        // Within the limits: b - A u >= 0.
+        row([1.0, 0.0, 0.0]),
+        row([0.0, 1.0, 0.0]),
+        row([-1.0, 0.0, 0.0]),
+        row([0.0, -1.0, 0.0]),
+        // The cone (radius, c + H u).
+        row([0.0, 0.0, -1.0]),
+        row([-problem.pan[0], -problem.tilt[0], 0.0]),
+        row([-problem.pan[1], -problem.tilt[1], 0.0]),
+    ];
+    let radius = if nearest { 0.0 } else { problem.aim };
+    let b = [
+        problem.most[0],
+        problem.most[1],
+        -problem.least[0],
+        -problem.least[1],
+        radius,
+        problem.offset[0],
+        problem.offset[1],
+    ];
+    let settings = DefaultSettingsBuilder::default()
+        .verbose(false)
+        .max_iter(200)
+        .tol_gap_abs(1e-13)
+        .tol_gap_rel(1e-12)
+        .tol_feas(1e-12)
+        .build()
+        .unwrap();
+    let (p, a) = (CscMatrix::from(&quadratic), CscMatrix::from(&a));
+    let cones = [NonnegativeConeT(4), SecondOrderConeT(3)];
+    let mut solver = DefaultSolver::new(&p, &linear, &a, &b, &cones, settings).unwrap();
+    solver.solve();
+    match solver.solution.status {
+        SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => None,
+        SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => {
+            Some([solver.solution.x[0], solver.solution.x[1]])
+        }
+        other => panic!("{other:?} for {problem:?}"),
+    }
+}
+
+#[test]
+fn it_agrees_with_a_conic_solver() {
+    let mut draws = Draws(1);
+    let (mut at_rest, mut feasible, mut infeasible) = (0, 0, 0);
+    for case in 0..20_000 {
+        let problem = problem(&mut draws);
+        let found = problem.solve();
+        for axis in 0..2 {
+            assert!(
+                (problem.least[axis]..=problem.most[axis]).contains(&found.rates[axis]),
+                "{case}: {problem:?}"
+            );
+        }
+        let left = length(moved(&problem, found.rates));
+        if found.arrives {
+            assert!(left <= problem.aim + 1e-9, "{case}: misses by {}: {problem:?}", left - problem.aim);
+            let energy = length(found.rates) * length(found.rates);
+            if energy == 0.0 {
+                at_rest += 1;
+                continue;
+            }
+            feasible += 1;
+            if let Some(theirs) = conic(&problem, false) {
+                let least = length(theirs) * length(theirs);
+                assert!(
+                    energy <= least * (1.0 + 1e-6) + 1e-12,
+                    "{case}: {energy} against {least}: {found:?} {theirs:?} {problem:?}"
+                );
+            }
+        } else {
+            infeasible += 1;
+            let theirs = conic(&problem, true).expect("there is always a closest point");
+            let nearest = length(moved(&problem, theirs));
+            assert!(left <= nearest + 1e-7, "{case}: {left} against {nearest}: {problem:?}");
+            assert!(nearest > problem.aim - 1e-7, "{case}: {nearest} is near enough: {problem:?}");
+        }
+    }
+    assert!(at_rest > 500 && feasible > 5_000 && infeasible > 5_000, "{at_rest} {feasible} {infeasible}");
+}
+
+fn any_problem() -> impl Strategy<Value = Transfer> {
+    any::<u64>().prop_map(|seed| problem(&mut Draws(seed)))
+}
+
+proptest! {
+    #[test]
+    fn mirrored_left_to_right_the_answer_is_mirrored(problem in any_problem()) {
+        let mirrored = Transfer {
+            offset: [-problem.offset[0], problem.offset[1]],
+            pan: [problem.pan[0], -problem.pan[1]],
+            tilt: [-problem.tilt[0], problem.tilt[1]],
+            least: [-problem.most[0], problem.least[1]],
+            most: [-problem.least[0], problem.most[1]],
+            ..problem
+        };
+        let (found, other) = (problem.solve(), mirrored.solve());
+        prop_assert_eq!(found.arrives, other.arrives);
+        for (rate, mirrored) in [(-found.rates[0], other.rates[0]), (found.rates[1], other.rates[1])] {
+            prop_assert!((rate - mirrored).abs() <= 1e-9 * (1.0 + rate.abs()), "{:?} {:?}", found, other);
+        }
+    }
+
+    #[test]
+    fn inside_the_aim_nothing_moves(problem in any_problem()) {
+        let offset = problem.offset.map(|x| x * 0.99 * problem.aim / length(problem.offset).max(problem.aim));
+        prop_assert_eq!(Transfer { offset, ..problem }.solve().rates, [0.0; 2]);
+    }
+
+    #[test]
+    fn whatever_is_put_in_no_rate_is_beyond_its_limits(numbers in prop::array::uniform11(any::<f64>())) {
+        let [ox, oy, px, py, tx, ty, aim, least_pan, least_tilt, most_pan, most_tilt] = numbers;
+        let problem = Transfer {
+            offset: [ox, oy],
+            pan: [px, py],
+            tilt: [tx, ty],
+            aim,
+            least: [-least_pan.abs(), -least_tilt.abs()],
+            most: [most_pan.abs(), most_tilt.abs()],
+        };
+        let found = problem.solve();
+        for axis in 0..2 {
+            let within = problem.least[axis] <= found.rates[axis] && found.rates[axis] <= problem.most[axis];
+            prop_assert!(found.rates[axis] == 0.0 || within, "{:?} for {:?}", found, problem);
+        }
+    }
+}

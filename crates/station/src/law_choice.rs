@@ -1,0 +1,126 @@
+//! The camera law that was asked for: on the command line, in a configuration, in a campaign's settings.
+
+use anyhow::{Result, bail};
+use barrelman_control::optimal::{Mode, OptimalSettings};
+use barrelman_control::{CentringGains, LawSettings};
+use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The camera laws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawName {
+    /// The paper's motor schema.
+    #[default]
+    Schema,
+    /// Both axes at once, by prediction, with the least energy.
+    Optimal,
+    /// A PID on the picture's centre, to compare with.
+    Centre,
+}
+
+/// What the optimal law spares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeName {
+    /// The integral of the squared rate: gentle movements.
+    #[default]
+    MinimumEnergy,
+    /// The time in motion, too: short movements at a cruising speed.
+    TimeFuel,
+    /// Less of everything than the schema; more time outside than the other modes.
+    Eco,
+}
+
+/// The law's options of a command.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct LawOptions {
+    /// The camera law.
+    #[arg(long, value_enum, default_value_t)]
+    pub law: LawName,
+    /// What the optimal law spares; without it minimum-energy.
+    #[arg(long, value_enum)]
+    pub mode: Option<ModeName>,
+    /// Within what time the optimal law brings the target back, seconds, 0.5 to 5: short is tight, long is lazy. Without
+    /// it the mode's own.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub horizon: Option<f64>,
+}
+
+impl LawOptions {
+    /// The choice that they make.
+    ///
+    /// # Errors
+    /// If they contradict each other, or the horizon is out of its range.
+    pub fn choice(self) -> Result<LawChoice> {
+        LawChoice { name: self.law, mode: self.mode, horizon_s: self.horizon }.validated("--")
+    }
+}
+
+/// A law, and of the optimal one how.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LawChoice {
+    /// Which law.
+    pub name: LawName,
+    /// What the optimal law spares; `None`: the default.
+    pub mode: Option<ModeName>,
+    /// The optimal law's horizon, seconds; `None`: the mode's own.
+    pub horizon_s: Option<f64>,
+}
+
+impl LawChoice {
+    /// Itself, if it makes sense; `prefix` stands before the names of what is wrong.
+    ///
+    /// # Errors
+    /// If a mode or horizon is given to another law than the optimal one, or the horizon is out of its range.
+    pub fn validated(self, prefix: &str) -> Result<Self> {
+        if self.name != LawName::Optimal {
+            for (given, key) in [(self.mode.is_some(), "mode"), (self.horizon_s.is_some(), "horizon")] {
+                if given {
+                    bail!(
+                        "{prefix}{key} is for the law \"optimal\" alone: leave it out, or choose that law instead of {:?}",
+                        self.word()
+                    );
+                }
+            }
+        }
+        let range = OptimalSettings::HORIZONS_S;
+        if let Some(horizon) = self.horizon_s.filter(|horizon| !range.contains(horizon)) {
+            bail!("{prefix}horizon {horizon}: use seconds from {} to {}", range.start(), range.end());
+        }
+        Ok(self)
+    }
+
+    /// The law's name as it is written on the command line and in a configuration.
+    pub const fn word(&self) -> &'static str {
+        match self.name {
+            LawName::Schema => "schema",
+            LawName::Optimal => "optimal",
+            LawName::Centre => "centre",
+        }
+    }
+
+    /// The mode's name, where the law has modes.
+    pub fn mode_word(&self) -> Option<&'static str> {
+        (self.name == LawName::Optimal).then(|| match self.mode.unwrap_or_default() {
+            ModeName::MinimumEnergy => "minimum-energy",
+            ModeName::TimeFuel => "time-fuel",
+            ModeName::Eco => "eco",
+        })
+    }
+
+    /// The law's settings.
+    pub fn settings(&self) -> LawSettings {
+        let mode = match self.mode.unwrap_or_default() {
+            ModeName::MinimumEnergy => Mode::MinimumEnergy,
+            ModeName::TimeFuel => Mode::TimeFuel,
+            ModeName::Eco => Mode::Eco,
+        };
+        match self.name {
+            LawName::Schema => LawSettings::Schema,
+            LawName::Optimal => LawSettings::Optimal(OptimalSettings { mode, horizon_s: self.horizon_s }),
+            LawName::Centre => LawSettings::Centre(CentringGains::USUAL),
+        }
+    }
+}
