@@ -30,10 +30,26 @@ pub struct TurbulentWind {
     across: Wandering,
     up: Wandering,
     gusts: Draws,
-    /// The gust that blows: its strength, its first tick and its last.
-    gust: Option<(f64, u64, u64)>,
+    /// The gust that blows.
+    gust: Option<Gust>,
     gustiness: f64,
     now: (f64, f64, f64),
+}
+
+/// A gust under way.
+#[derive(Debug, Clone, Copy)]
+struct Gust {
+    /// m/s.
+    strength: f64,
+    age_ticks: u64,
+    lasts_ticks: u64,
+}
+
+impl Gust {
+    /// A tick later; `None` where it is over.
+    fn later(self) -> Option<Self> {
+        (self.age_ticks < self.lasts_ticks).then(|| Self { age_ticks: self.age_ticks + 1, ..self })
+    }
 }
 
 impl TurbulentWind {
@@ -70,19 +86,18 @@ impl TurbulentWind {
         self.along.advance(tick);
         self.across.advance(tick);
         self.up.advance(tick);
-        if self.gust.is_none_or(|(_, _, last)| tick > last) {
-            self.gust = None;
-            if self.gusts.unit(3 * tick) < self.gustiness * TICK_S / GUST_EVERY_S {
-                let strength =
-                    self.gustiness * self.gusts.between(3 * tick + 1, GUST_MPS) * self.mean.speed_mps
-                        / GUST_AT_MPS;
-                let lasts_s = self.gusts.between(3 * tick + 2, GUST_S);
-                self.gust = Some((strength, tick, tick + (lasts_s * f64::from(TICKS_PER_SECOND)) as u64));
-            }
+        // A gust counts its own ticks: the world's begin anew where a trial begins, and it may blow across that.
+        self.gust = self.gust.and_then(Gust::later);
+        if self.gust.is_none() && self.gusts.unit(3 * tick) < self.gustiness * TICK_S / GUST_EVERY_S {
+            let strength = self.gustiness * self.gusts.between(3 * tick + 1, GUST_MPS) * self.mean.speed_mps
+                / GUST_AT_MPS;
+            let lasts_s = self.gusts.between(3 * tick + 2, GUST_S);
+            let lasts_ticks = (lasts_s * f64::from(TICKS_PER_SECOND)) as u64;
+            self.gust = Some(Gust { strength, age_ticks: 0, lasts_ticks });
         }
-        let gust = self.gust.map_or(0.0, |(strength, first, last)| {
-            let share = (tick - first) as f64 / (last - first).max(1) as f64;
-            0.5 * strength * (1.0 - libm::cos(core::f64::consts::TAU * share))
+        let gust = self.gust.map_or(0.0, |gust| {
+            let share = gust.age_ticks as f64 / gust.lasts_ticks.max(1) as f64;
+            0.5 * gust.strength * (1.0 - libm::cos(core::f64::consts::TAU * share))
         });
         let (sin, cos) = libm::sincos(self.mean.towards.radians());
         let (along, across) = (self.along.value() + gust, self.across.value());

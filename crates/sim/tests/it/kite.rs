@@ -59,3 +59,21 @@ fn a_commanded_yaw_drifts_and_a_resting_one_only_wanders() {
     let off = (drift(true) - drift(false)).abs();
     assert!((off - 12.0).abs() < 0.1, "0.2 degrees per second for a minute: {off}");
 }
+
+#[test]
+fn a_gust_blows_on_where_the_count_of_ticks_begins_anew() {
+    let mean = Wind { speed_mps: 8.0, towards: Angle::ZERO };
+    for seed in 0..200 {
+        let mut wind = TurbulentWind::new(mean, 5.5, 1.0, seed);
+        let mut before = None;
+        // As a kite settles before a trial: ticks far up, then those of the trial.
+        for tick in (1 << 40..(1 << 40) + 1200).chain(0..600) {
+            wind.advance(tick);
+            let (along, ..) = wind.turbulence();
+            if let Some(before) = before.replace(along) {
+                let step: f64 = along - before;
+                assert!(step.abs() < 1.0, "seed {seed}, tick {tick}: the wind leaps by {step} m/s");
+            }
+        }
+    }
+}
