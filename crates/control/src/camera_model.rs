@@ -95,10 +95,10 @@ impl CameraModel {
 
 /// Angle and rate of an axis at a time.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct State {
-    pub(crate) at_s: f64,
-    pub(crate) angle: f64,
-    pub(crate) rate: f64,
+struct State {
+    at_s: f64,
+    angle: f64,
+    rate: f64,
 }
 
 impl State {
@@ -160,7 +160,7 @@ impl AxisModel {
     }
 
     /// An angle, or the end stop before it.
-    pub(crate) fn held(&self, angle: f64) -> f64 {
+    fn held(&self, angle: f64) -> f64 {
         self.stops.map_or(angle, |(low, high)| angle.clamp(low, high))
     }
 

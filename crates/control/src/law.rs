@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use barrelman_vocab::{Angle, CameraCommand, PictureSize, Timestamp, VehicleProfile};
+use barrelman_vocab::{CameraCommand, PictureSize, Timestamp, VehicleProfile};
 
 use crate::camera_model::CameraModel;
 use crate::centring::{Centring, CentringGains};
@@ -103,16 +103,6 @@ impl CameraLaw {
     /// This command is in force from `now` on, whoever wanted it.
     pub fn in_force(&mut self, command: CameraCommand, now: Timestamp) {
         self.camera.command(command, now);
-    }
-
-    /// The gimbal reported its tilt.
-    pub fn tilt_reported(&mut self, tilt: Angle, at: Timestamp) {
-        self.camera.tilt_reported(tilt, at);
-    }
-
-    /// The camera as the law imagines it.
-    pub const fn camera(&self) -> &CameraModel {
-        &self.camera
     }
 
     /// Forgets what was seen of a target: another one was selected.

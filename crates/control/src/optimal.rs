@@ -4,8 +4,8 @@
 //! While the prediction stays well inside of the region the camera rests. Where it leaves the *start* ellipse within
 //! the look-ahead, the camera starts, and from then on each look asks anew: which constant rates take the target into
 //! the *aim* ellipse within the horizon with the least `∫|u|² dt` ([`Transfer`])? Where the camera, told to rest now,
-//! would leave the target inside the *stop* ellipse, it is told to rest. `docs/law.md` derives it and draws the
-//! ellipses.
+//! would leave the target inside the *stop* ellipse, it is told to rest. `docs/optimal-law.md` derives it and draws
+//! the ellipses.
 //!
 //! What must not be here: whether the camera may move at all (the pilot's safety judges), and the vehicle's signs.
 //! O(1), no allocation.
@@ -211,11 +211,6 @@ impl OptimalLaw {
     pub fn forget(&mut self) {
         self.bearings.forget();
         (self.asked, self.rested_since) = (CameraCommand::REST, None);
-    }
-
-    /// Where the target is taken to be.
-    pub const fn bearings(&self) -> &BearingFilter {
-        &self.bearings
     }
 
     /// What to ask of the camera.
