@@ -3,7 +3,7 @@
 #
 #   scripts/setup.sh build      a C++ compiler, and nasm (halves the cost of H.264)
 #   scripts/setup.sh test       what the tests talk to, and what makes the fixtures anew: an RTSP server (GStreamer),
-#                               FFmpeg, Python with OpenCV and mcap
+#                               FFmpeg, Python with OpenCV and mcap, and Chromium for the page
 #
 # Packages come from Debian (as root, or through sudo) and, for Python, from PyPI into .venv beside this tree.
 set -euo pipefail
@@ -36,7 +36,8 @@ need_python() {
 
 build=(g++ nasm)
 test=(python3-venv python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-base gstreamer1.0-plugins-good
-  gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg)
+  gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg
+  chromium chromium-driver)
 
 case "${1:-build}" in
   build) need_packages "${build[@]}" ;;

@@ -1,24 +1,23 @@
 """A boat to drive: the demo's page, a drive that is stored and driven again, and simulated worlds as video and link.
 
-The boat is steered with the arrow key in headless Chromium where that is installed, else over HTTP as the page does it. What counts is that it leaves the ellipse and that the camera brings
-it back, that a drive runs again bit for bit, and that a simulated world does for `run` what a vehicle does: through
+The boat is steered with the arrow keys in headless Chromium. What counts is that it leaves the ellipse and that the
+camera brings it back, that a drive runs again bit for bit, and that a simulated world does for `run` what a vehicle does: through
 `--link sim:`, and through the real bytes of an emulated ground station with the video over RTSP. How many pictures a
 second are drawn is a matter of the machine, and only shown.
 """
-import base64
 import http.client
 import json
-import os
 import pathlib
 import shutil
 import signal
-import socket
-import struct
 import subprocess
 import sys
 import time
 
 import common
+from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
 from common import Lines, Recording, Table
 
 SIZE = "480x270"
@@ -70,64 +69,47 @@ class Demo:
 
 
 class Browser:
-    """A page in headless Chromium, by its remote debugging protocol (a WebSocket with JSON in it)."""
+    """A page in headless Chromium."""
 
-    def __init__(self, program, url, folder):
-        command = [program, "--headless", "--disable-gpu", "--no-sandbox", "--remote-debugging-port=0", f"--user-data-dir={folder / 'chromium'}", "--window-size=1280,800", url]
-        self.child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        _, line = Lines(self.child.stderr).wait_for(r"DevTools listening on ws://", 20)
-        host = line.split("ws://")[1].split("/")[0]
-        pages = common.wait_until(lambda: self._pages(host, url), 10, "the page in the browser")
-        self.socket = socket.create_connection(host.split(":"), timeout=10)
-        path = pages[0]["webSocketDebuggerUrl"].split(host)[1]
-        key = base64.b64encode(os.urandom(16)).decode()
-        self.socket.sendall(f"GET {path} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
-        self.stream = self.socket.makefile("rb")
-        while self.stream.readline() not in (b"\r\n", b""):
-            pass
-        self.number = 0
+    KEYS = {"up": Keys.ARROW_UP, "left": Keys.ARROW_LEFT, "right": Keys.ARROW_RIGHT, "down": Keys.ARROW_DOWN, "p": "p", "space": Keys.SPACE, "h": "h", "e": "e"}
 
-    @staticmethod
-    def _pages(host, url):
-        connection = http.client.HTTPConnection(host, timeout=5)
-        connection.request("GET", "/json")
-        pages = json.loads(connection.getresponse().read())
-        connection.close()
-        return [page for page in pages if page["type"] == "page" and page["url"].startswith(url)]
+    def __init__(self, url, folder):
+        options = webdriver.ChromeOptions()
+        options.binary_location = installed("chromium", "google-chrome")
+        for option in ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1280,800", f"--user-data-dir={folder / 'chromium'}"):
+            options.add_argument(option)
+        # The live picture never ends: nothing waits for it.
+        options.page_load_strategy = "eager"
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(options, webdriver.ChromeService(installed("chromedriver")))
+        self.driver.get(url)
 
-    def call(self, method, **parameters):
-        self.number += 1
-        text = json.dumps({"id": self.number, "method": method, "params": parameters}).encode()
-        length = bytes([0x80 | len(text)]) if len(text) < 126 else bytes([0xFE]) + struct.pack(">H", len(text))
-        # A client masks what it sends; a mask of zeros changes nothing.
-        self.socket.sendall(b"\x81" + length + bytes(4) + text)
-        while True:
-            head = self.stream.read(2)
-            size = head[1] & 0x7F
-            if size >= 126:
-                size = int.from_bytes(self.stream.read(2 if size == 126 else 8), "big")
-            answer = json.loads(self.stream.read(size) or b"{}")
-            if answer.get("id") == self.number:
-                return answer.get("result", {})
+    def press(self, name):
+        ActionChains(self.driver).key_down(self.KEYS[name]).perform()
 
-    def key(self, name, down):
-        codes = {"ArrowUp": 38, "ArrowLeft": 37, "ArrowRight": 39, "ArrowDown": 40}
-        self.call("Input.dispatchKeyEvent", type="rawKeyDown" if down else "keyUp", key=name, code=name, windowsVirtualKeyCode=codes[name])
+    def release(self, name):
+        ActionChains(self.driver).key_up(self.KEYS[name]).perform()
+
+    def type(self, name):
+        self.press(name)
+        self.release(name)
+
+    def complaints(self):
+        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
 
     def screenshot(self, path):
-        path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
+        self.driver.save_screenshot(str(path))
 
     def end(self):
-        self.child.kill()
+        self.driver.quit()
 
 
-def browser(table, demo, folder):
-    """The page in a browser; None where there is none."""
-    program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
-    if program is None:
-        table.show("the page in a browser", "not tried", "no Chromium is installed: its requests are made over HTTP")
-        return None
-    return Browser(program, f"http://{demo.host}/", folder)
+def installed(*names):
+    """A program's path."""
+    found = next(filter(None, map(shutil.which, names)), None)
+    if found is None:
+        sys.exit(f"{names[0]} is not installed: scripts/setup.sh test installs it")
+    return found
 
 
 def page(table, demo):
@@ -152,36 +134,54 @@ def drive(table, args, folder):
     demo = Demo(args, "open", "--store", store, "--record", record)
     page(table, demo)
     demo.wait(lambda status: status["track"] == "tracking", 10, "the track")
-    window = browser(table, demo, folder)
-    if window:
-        window.key("ArrowUp", True)
-    steer = (lambda: None) if window else (lambda: demo.helm(1, 0.0))
-    out = demo.wait(lambda status: (status["p"] or 0) > 1.05, 60, "an excursion", steer)
-    if window:
-        window.key("ArrowUp", False)
-        if args.screenshot:
-            window.screenshot(pathlib.Path(args.screenshot))
-    table.require("arrow up: the boat leaves the ellipse", True, f"P {out['p']:.2f}, {out['speed_m_per_s']:.1f} m/s, {out['helm']} at the helm")
+    browser = Browser(f"http://{demo.host}/", folder)
+
+    browser.press("up")
+    helm = demo.wait(lambda status: status["thrust"] > 0, 5, "thrust")
+    table.require("arrow up, held: thrust, and the page has the helm", helm["helm"] == "page" and helm["rudder"] == 0, f"thrust {helm['thrust']:+.1f}, rudder {helm['rudder']:+.1f}")
+    for key, sign in (("left", 1), ("right", -1)):
+        browser.press(key)
+        helm = demo.wait(lambda status: status["rudder"] != 0, 5, "rudder")
+        table.require(f"arrow {key}: the rudder, to {key}", helm["rudder"] * sign > 0 and helm["thrust"] > 0, f"thrust {helm['thrust']:+.1f}, rudder {helm['rudder']:+.1f}")
+        browser.release(key)
+        demo.wait(lambda status: status["rudder"] == 0, 5, "a rudder amidships")
+    out = demo.wait(lambda status: (status["p"] or 0) > 1.05, 60, "an excursion")
+    table.require("the boat leaves the ellipse", True, f"P {out['p']:.2f}, {out['speed_m_per_s']:.1f} m/s, {out['helm']} at the helm")
+    if args.screenshot:
+        browser.screenshot(pathlib.Path(args.screenshot))
+    browser.release("up")
     rest = demo.wait(lambda status: status["thrust"] == 0, 5, "a neutral helm")
-    table.require("a helm that nobody holds goes back to neutral", rest["helm"] == "page")
+    table.require("keys let go: the helm is neutral, and still the page's", rest["helm"] == "page")
     moved = demo.wait(lambda status: abs(status["pan"]) + abs(status["tilt"]) > 0, 5, "a rate")
     table.require("the camera moves", True, f"pan {moved['pan']:+.2f}, tilt {moved['tilt']:+.2f} rad/s, P {moved['p']:.2f}")
     back = demo.wait(lambda status: status["p"] is not None and status["p"] < 1, 30, "the boat in the ellipse")
     table.require("and brings the boat back", True, f"P {back['p']:.2f} after {back['time_s'] - out['time_s']:.1f} s")
-    if window:
-        window.end()
-    demo.do("pause")
+
+    browser.press("up")
+    demo.wait(lambda status: status["thrust"] > 0, 5, "thrust")
+    browser.driver.close()
+    rest = demo.wait(lambda status: status["thrust"] == 0, 5, "a neutral helm")
+    table.require("the page is closed with the key down: the helm goes back to neutral", True)
+    browser.end()
+
+    browser = Browser(f"http://{demo.host}/", folder)
+    browser.type("p")
     common.wait_until(lambda: demo.status()["paused"], 5, "the pause")
     still = demo.status()["tick"]
     time.sleep(0.3)
     table.require("p: the time stands still", demo.status()["tick"] == still)
-    demo.do("resume")
-    demo.do("stop")
+    browser.type("p")
+    common.wait_until(lambda: not demo.status()["paused"], 5, "the end of the pause")
+    browser.type("space")
     stopped = demo.wait(lambda status: not status["engaged"], 5, "the stop")
     table.require("space: the camera is stopped", stopped["pan"] == 0 and stopped["tilt"] == 0, stopped["mode"])
-    demo.do("helmsman")
-    demo.do("engage")
+    browser.type("h")
+    browser.type("e")
     demo.wait(lambda status: status["engaged"] and status["helm"] == "helmsman", 5, "the helmsman")
+    complaints = browser.complaints()
+    table.require("the browser has nothing to complain about", not complaints, "; ".join(complaints)[:200])
+    browser.end()
+
     pace = demo.status()["pace"]
     code = demo.end()
     table.require("Ctrl-C ends it with exit 0", code == 0, f"exit {code}")

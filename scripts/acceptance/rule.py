@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 import common
-from common import HEIGHT, WIDTH, Emulator, Recording, Table
+from common import HEIGHT, WIDTH, Emulator, Recording, Standstills, Table
 
 # The paper's rule, written down here once more on purpose.
 HALF_WIDTH, HALF_HEIGHT = 0.6 * WIDTH / 2, 0.5 * HEIGHT / 2
@@ -49,9 +49,9 @@ def in_force(rows, at):
     return rates
 
 
-def check_rule(table, truth, recording, rows):
+def check_rule(table, standstills, truth, recording, rows):
     frames = recording.frames
-    table.require("every video frame of the clip reached the pilot", len(frames) >= len(truth) - 2, f"{len(frames)} of {len(truth)}")
+    table.require_in_time(standstills, "every video frame of the clip reached the pilot", len(frames) >= len(truth) - 2, f"{len(frames)} of {len(truth)}")
     predicted = [rule(row["cx"] - WIDTH / 2, HEIGHT / 2 - row["cy"]) for row in truth]
     crossings = [frame for frame in range(1, len(truth)) if predicted[frame] != predicted[frame - 1]]
     astray = {crossing: [] for crossing in crossings}
@@ -70,8 +70,8 @@ def check_rule(table, truth, recording, rows):
             alone.append(frame)
     for crossing, wrong in astray.items():
         name = f"frame {crossing}: {sector(predicted[crossing - 1])} -> {sector(predicted[crossing])}"
-        table.require(name, len(wrong) <= FRAMES_PER_CROSSING, f"{len(wrong)} frames differ {wrong or ''}", f"at most {FRAMES_PER_CROSSING}")
-    table.require("nowhere else do they differ", not alone, f"{len(alone)} of {compared} frames {alone[:8] or ''}")
+        table.require_in_time(standstills, name, len(wrong) <= FRAMES_PER_CROSSING, f"{len(wrong)} frames differ {wrong or ''}", f"at most {FRAMES_PER_CROSSING}")
+    table.require_in_time(standstills, "nowhere else do they differ", not alone, f"{len(alone)} of {compared} frames {alone[:8] or ''}")
     seen = {sector(rates) for rates in predicted}
     table.require("the clip crosses all four sectors", len(seen) == 5, " ".join(sorted(seen)))
     offsets = []
@@ -86,7 +86,7 @@ def check_rule(table, truth, recording, rows):
     return {"crossings": {str(crossing): wrong for crossing, wrong in astray.items()}, "elsewhere": alone, "compared": compared}
 
 
-def check_start_up(table, rows):
+def check_start_up(table, standstills, rows):
     # The five carriage returns are no lines: their prompts show that they came.
     prompts = [row.at for row in rows if row.direction == "out" and row.raw.startswith("nsh>")]
     heard = [(row.raw, row.at) for row in rows if row.direction == "in"]
@@ -99,7 +99,7 @@ def check_start_up(table, rows):
     for (name, wait), this, following in zip(START_UP, events, events[1:]):
         if following[1] - this[1] < wait - LISTENING_JITTER:
             short.append(f"{name}: {following[1] - this[1]:.3f} s")
-    table.require("start-up: the waits are kept", not short, f"{events[len(names) - 1][1] - events[0][1]:.2f} s in all", " ".join(short))
+    table.require_in_time(standstills, "start-up: the waits are kept", not short, f"{events[len(names) - 1][1] - events[0][1]:.2f} s in all", " ".join(short))
     up = events[len(START_UP) - 1][1] if len(events) >= len(START_UP) else float("inf")
     streams = {name: sum(row.raw.startswith(f"!{name} ") for row in rows if row.direction == "out") for name in ("GSStatus", "Attitude", "Pos", "FlightStatus", "Gimbal")}
     lasted = rows[-1].at - up
@@ -110,7 +110,7 @@ def check_start_up(table, rows):
     return up
 
 
-def check_zeros(table, recording, rows):
+def check_zeros(table, standstills, recording, rows):
     motions = [row for row in rows if row.is_motion]
     delays = []
     before = None
@@ -122,7 +122,7 @@ def check_zeros(table, recording, rows):
                     heard = next((row.at for row in motions if row.name == name and row.is_zero and row.at >= asked), None)
                     delays.append(heard - asked if heard else float("inf"))
         before = outcome
-    table.require("zeros after the localisation that re-entered or left an axis", delays and max(delays) <= 0.05, f"{len(delays)} times, largest {max(delays, default=0) * 1e3:.1f} ms", "at most 50 ms")
+    table.require_in_time(standstills, "zeros after the localisation that re-entered or left an axis", delays and max(delays) <= 0.05, f"{len(delays)} times, largest {max(delays, default=0) * 1e3:.1f} ms", "at most 50 ms")
     sloppy = []
     threes = 0
     for name in ("Yaw", "GimbalPitch"):
@@ -133,7 +133,7 @@ def check_zeros(table, recording, rows):
                 threes += 1
                 if len(repeats) < 2 or abs(repeats[0] - 0.05) > LISTENING_JITTER or abs(repeats[1] - 0.1) > LISTENING_JITTER:
                     sloppy.append([round(repeat, 3) for repeat in repeats])
-    table.require("each such zero comes twice more, 50 ms apart", threes and not sloppy, f"{threes} times", str(sloppy) if sloppy else "")
+    table.require_in_time(standstills, "each such zero comes twice more, 50 ms apart", threes and not sloppy, f"{threes} times", str(sloppy) if sloppy else "")
     moving = [row.at for row in motions if row.moves]
     busiest = max((sum(at <= other < at + 1 for other in moving) for at in moving), default=0)
     table.require("lines with a rate in the busiest second", busiest <= 20, busiest, "at most 20")
@@ -167,7 +167,7 @@ def main():
     clip, truth = common.practice_clip(args, folder)
     table = Table("The practice clip through `run`, against the rule that predicts it")
     record = folder / "record.mcap"
-    with Emulator(args.barrelman, folder) as emulator:
+    with Emulator(args.barrelman, folder) as emulator, Standstills() as standstills:
         command = [args.barrelman, "run", "--engage", "--tracker", "camshift", "--video", f"file:{clip}", "--select", common.selection(truth), "--link", emulator.url, "--record", record]
         child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         out, err = child.communicate(timeout=len(truth) / 30 + 20)
@@ -175,9 +175,9 @@ def main():
     recording = Recording(record)
     # `stop` is not the last thing to happen: telemetry goes on.
     rows = emulator.rows()
-    figures = check_rule(table, truth, recording, rows)
-    check_start_up(table, rows)
-    check_zeros(table, recording, rows)
+    figures = check_rule(table, standstills, truth, recording, rows)
+    check_start_up(table, standstills, rows)
+    check_zeros(table, standstills, recording, rows)
     check_end(table, recording, rows)
     check_files(table, args, record, folder, len(recording.frames))
     table.require("no warning and no error on stderr", not re.search(r"WARN|ERROR|panicked", err), "", err if re.search(r"WARN|ERROR|panicked", err) else "")
