@@ -97,7 +97,7 @@ pub(super) fn of_trials(trials: &[ReportedTrial]) -> String {
     let mut html = String::from(
         "<div class=\"scroll\"><table class=\"trials\"><thead><tr><th>Trial</th><th>P over time</th><th>Length, s</th>\
          <th>Excursions<small>complete</small></th><th>Outside, s</th><th>Largest P</th><th>\u{222b}|rate|, rad</th>\
-         <th>Moves</th><th>s, 1/s</th><th></th></tr></thead><tbody>",
+         <th>Moves</th><th>s, 1/s</th></tr></thead><tbody>",
     );
     for (index, trial) in trials.iter().enumerate() {
         let m = &trial.entry.metrics;
@@ -115,8 +115,9 @@ pub(super) fn of_trials(trials: &[ReportedTrial]) -> String {
             format!("<small>{} complete</small>", m.complete_excursions)
         };
         html += &format!(
-            "<tr><th scope=\"row\">{name}</th><td class=\"spark\">{spark}</td><td>{}</td><td>{}{complete}</td><td>{}</td>\
-             <td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr><th scope=\"row\">{name}{}</th><td class=\"spark\">{spark}</td><td>{}</td><td>{}{complete}</td><td>{}</td>\
+             <td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            flags(trial),
             number(m.duration_s, 1),
             m.excursions,
             number(m.time_outside_s, 1),
@@ -124,7 +125,6 @@ pub(super) fn of_trials(trials: &[ReportedTrial]) -> String {
             optional(m.travel_rad, 2),
             m.moves.map_or_else(|| "\u{2013}".to_owned(), |moves| moves.to_string()),
             optional(m.sensitivity, 3),
-            flags(trial),
         );
     }
     html + "</tbody></table></div>"
