@@ -104,9 +104,10 @@ impl Pursuit {
         let pace = Draws::of(seed, Stream::Pace);
         let gust = Wandering::new(script.gust, Draws::of(seed, Stream::Gust));
         let weave = Wandering::new(script.weave, Draws::of(seed, Stream::Weave));
-        let speed_of_trial = script.speed_m_per_s * libm::exp(script.speed_spread * pace.normal(0));
+        let (haste, patience) = Self::lot(seed);
+        let speed_of_trial = script.speed_m_per_s * libm::exp(script.speed_spread * haste);
         let place = path.at(0.0);
-        let until = ticks(script.stand_before_s * pace.exponential(100));
+        let until = ticks(script.stand_before_s * patience);
         Ok(Self {
             pauses: Draws::of(seed, Stream::Pauses),
             pace,
@@ -122,6 +123,13 @@ impl Pursuit {
             path,
             script,
         })
+    }
+
+    /// What a trial's seed decides about all of it: deviations of its speed's logarithm (normal), and how many of the
+    /// mean times it stands before it starts (exponential).
+    pub fn lot(seed: u64) -> (f64, f64) {
+        let pace = Draws::of(seed, Stream::Pace);
+        (pace.normal(0), pace.exponential(100))
     }
 
     /// Advances through a tick.

@@ -8,18 +8,19 @@
 //! looked at.
 //!
 //! What is changed is how fast the target goes, how that varies, how much it slows down where it turns and where it
-//! arrives, how closely it keeps to its path, how long it stands, and how far away the path lies; plant, optics,
-//! sway and noise stay.
+//! arrives, how closely it keeps to its path, how long it stands, how far away the path lies and how broad it is;
+//! plant, optics, sway and noise stay.
 //!
 //! The search is an evolution strategy with a variance for each parameter (CMA-ES with a diagonal covariance, Ros and
 //! Hansen 2008), begun several times from different places, all draws from a fixed seed: the same call gives the same
-//! fit. All candidates meet the same seeds, from 1 on; none from 10,000 on.
+//! fit. All candidates meet the same seeds, all below 10,000, chosen so that the trials' speeds and standing are spread
+//! as many trials' are: a few dozen seeds in a row may happen to be slow, and a fit to those is too fast for the rest.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
-use barrelman_sim::pursuit::PursuitScript;
+use barrelman_sim::pursuit::{Pursuit, PursuitScript};
 use barrelman_sim::scenario::TargetScript;
 use barrelman_sim::{Scenario, noise};
 use barrelman_station::campaign::runner::run_in_order;
@@ -32,23 +33,25 @@ use crate::say;
 /// A parameter of the script: its name in the scenario's file, its bounds, and where it stands.
 type Parameter = (&'static str, f64, f64, fn(&mut Script) -> &mut f64);
 
-/// The script, and by what its path is stretched in addition.
+/// The script, and by what its path is stretched in addition: as a whole, and across.
 #[derive(Debug, Clone)]
 struct Script {
     pursuit: PursuitScript,
     scale: f64,
+    breadth: f64,
 }
 
 impl Script {
     fn stretched(&self) -> PursuitScript {
-        let way_points =
-            self.pursuit.way_points.iter().map(|(x, y)| (self.scale * x, self.scale * y)).collect();
+        let stretched = |(x, y): &(f64, f64)| (self.scale * self.breadth * x, self.scale * y);
+        let way_points = self.pursuit.way_points.iter().map(stretched).collect();
         PursuitScript { way_points, ..self.pursuit.clone() }
     }
 }
 
-const PARAMETERS: [Parameter; 16] = [
+const PARAMETERS: [Parameter; 17] = [
     ("scale", 0.6, 1.4, |s| &mut s.scale),
+    ("breadth", 0.6, 1.4, |s| &mut s.breadth),
     ("speed_m_per_s", 0.5, 3.0, |s| &mut s.pursuit.speed_m_per_s),
     ("speed_spread", 0.05, 0.4, |s| &mut s.pursuit.speed_spread),
     ("gust_share", 0.0, 0.8, |s| &mut s.pursuit.gust.deviation),
@@ -124,8 +127,36 @@ struct Judge {
     start: Script,
     wanted: [f64; COMPARED],
     errors: [f64; COMPARED],
-    seeds: u64,
+    seeds: Vec<u64>,
 }
+
+/// Seeds below [`SEEDS_END`] whose trials stand for all: of strata by speed that are equally likely one seed each, and
+/// their standing spread evenly, too.
+fn representative(count: u64) -> Vec<u64> {
+    let mut by_speed: Vec<u64> = (1..SEEDS_END).collect();
+    by_speed.sort_by(|a, b| Pursuit::lot(*a).0.total_cmp(&Pursuit::lot(*b).0));
+    let size = by_speed.len() as f64 / count as f64;
+    (0..count)
+        .map(|stratum| {
+            let from = (stratum as f64 * size) as usize;
+            // A share that no two strata have in common and that does not go with the speed.
+            let share = (stratum as f64 * GOLDEN).fract();
+            let middle = from + (0.5 * size) as usize;
+            let off = |seed: u64| ((1.0 - (-Pursuit::lot(seed).1).exp()) - share).abs();
+            by_speed[from..]
+                .iter()
+                .take(size as usize)
+                .copied()
+                .min_by(|a, b| off(*a).total_cmp(&off(*b)))
+                .unwrap_or(by_speed[middle])
+        })
+        .collect()
+}
+
+/// No seed from here on is used.
+const SEEDS_END: u64 = 10_000;
+/// Multiples of it spread most evenly between whole numbers.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl Judge {
     fn script(&self, place: &Place) -> Script {
@@ -144,8 +175,10 @@ impl Judge {
     fn found(&self, place: &Place) -> Result<[f64; COMPARED]> {
         let target = TargetScript::Pursuit(self.script(place).stretched());
         let scenario = Scenario { target, ..self.scenario.clone() };
-        let motions: Vec<_> = (1..=self.seeds)
-            .map(|seed| Ok(motion::of(&simulated(&scenario, seed)?, &scenario)))
+        let motions: Vec<_> = self
+            .seeds
+            .iter()
+            .map(|seed| Ok(motion::of(&simulated(&scenario, *seed)?, &scenario)))
             .collect::<Result<_>>()?;
         Ok(summary(&motions))
     }
@@ -262,8 +295,8 @@ pub(super) fn run(folder: &Path, options: &FitOptions) -> Result<bool> {
         errors: errors(&recorded, &wanted),
         wanted,
         scenario,
-        start: Script { pursuit, scale: 1.0 },
-        seeds: options.seeds,
+        start: Script { pursuit, scale: 1.0, breadth: 1.0 },
+        seeds: representative(options.seeds),
     };
     let start = judge.place(&judge.start);
     let mut best = (judge.misfit(&judge.found(&start)?), start);
@@ -324,7 +357,7 @@ pub(super) fn run(folder: &Path, options: &FitOptions) -> Result<bool> {
         ));
     }
     let mut script = judge.script(&place);
-    say("\n[target], its scale to be multiplied with the file's");
+    say("\n[target], its scale and its breadth to be multiplied with the file's");
     for (name, _, _, of) in PARAMETERS {
         say(&format!("{name} = {:.3}", *of(&mut script)));
     }

@@ -80,8 +80,8 @@ pub(crate) struct FitOptions {
     /// Generations of each, of 16 candidates.
     #[arg(long, value_name = "N", default_value_t = 60)]
     pub(crate) generations: u64,
-    /// Simulated trials for each candidate, with the seeds from 1 on.
-    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u64).range(2..10_000))]
+    /// Simulated trials for each candidate, with seeds below 10,000.
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u64).range(2..1_000))]
     pub(crate) seeds: u64,
     /// Candidates that are judged at the same time.
     #[arg(long, value_name = "N", default_value_t = 2)]

@@ -282,6 +282,8 @@ pub struct TargetSection {
     pub way_points: Option<Vec<[f64; 2]>>,
     /// By what the path is stretched.
     pub scale: f64,
+    /// By what it is stretched across in addition; left out: not at all.
+    pub breadth: Option<f64>,
     /// Median speed of the trials, m/s.
     pub speed_m_per_s: f64,
     /// Deviation of the logarithm of the trials' speeds.

@@ -81,7 +81,7 @@ fn a_mistake_is_shown_with_its_line() {
     };
     check("arena1", "sea_state = 1", "sea_state = 7", "sea_state = 7", "0 (glassy) to 4 (moderate)");
     check("lab1", "height_m = 1.83", "height_m = -3", "height_m = -3", "metres from 0.2 to 500");
-    check("lab1", "scale = 0.584", "scale = 900", "path = \"arena1\"", "leaves the world");
+    check("lab1", "scale = 0.616", "scale = 900", "path = \"arena1\"", "leaves the world");
     check("lab1", "pictures_per_second = 30", "pictures_per_second = 7", "= 7", "120 can be divided by");
     check("lab1", "path = \"arena1\"", "path = \"arena9\"", "arena9", "arena1, arena2");
     check("lab1", "start_dead_time_s = 0.30", "start_dead_time_s = 0.05", "= 0.05", "camera.latency_s");

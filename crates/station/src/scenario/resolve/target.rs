@@ -26,14 +26,16 @@ pub(super) fn target(file: &ScenarioFile, changes: &Changes) -> Result<TargetScr
     }
 }
 
-/// A path as written, stretched.
+/// A path as written, stretched, and across by a factor more.
 fn way_points(
     table: &str,
     path: Option<&String>,
     own: Option<&Vec<[f64; 2]>>,
     scale: f64,
+    breadth: f64,
 ) -> Result<Vec<(f64, f64)>, Mistake> {
     let scale = within(&format!("{table}.scale"), scale, 0.01, 1000.0, "a factor")?;
+    let breadth = within(&format!("{table}.breadth"), breadth, 0.01, 100.0, "a factor")?;
     let path_key = format!("{table}.path");
     let (key, way_points) = match (path, own) {
         (Some(name), None) => (path_key.clone(), built_in_path(&path_key, name)?),
@@ -43,7 +45,8 @@ fn way_points(
             return Err(Mistake::value(path_key, "it has way_points too: leave one of them out"));
         }
     };
-    let way_points: Vec<(f64, f64)> = way_points.iter().map(|[x, y]| (scale * x, scale * y)).collect();
+    let way_points: Vec<(f64, f64)> =
+        way_points.iter().map(|[x, y]| (scale * breadth * x, scale * y)).collect();
     for (x, y) in &way_points {
         if !(x.abs() <= WORLD_M && y.abs() <= WORLD_M) {
             return Err(Mistake::value(
@@ -59,7 +62,13 @@ fn way_points(
 }
 
 fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, Mistake> {
-    let way_points = way_points("target", section.path.as_ref(), section.way_points.as_ref(), section.scale)?;
+    let way_points = way_points(
+        "target",
+        section.path.as_ref(),
+        section.way_points.as_ref(),
+        section.scale,
+        section.breadth.unwrap_or(1.0),
+    )?;
     let at = |key: &str| format!("target.{key}");
     let number =
         |key: &str, value: f64, least: f64, most: f64, unit: &str| within(&at(key), value, least, most, unit);
@@ -97,7 +106,13 @@ fn boat(section: &BoatSection, changes: &Changes) -> Result<TargetScript, Mistak
     };
     let speed = changes.boat_speed_m_per_s.unwrap_or(section.speed_m_per_s);
     Ok(TargetScript::Boat(BoatScript {
-        way_points: way_points("boat", section.path.as_ref(), section.way_points.as_ref(), section.scale)?,
+        way_points: way_points(
+            "boat",
+            section.path.as_ref(),
+            section.way_points.as_ref(),
+            section.scale,
+            1.0,
+        )?,
         speed_m_per_s: number("speed_m_per_s", speed, 0.1, 12.0, "m/s")?,
         speed_spread: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
         most_throttle: number("most_throttle", section.most_throttle, 0.05, 1.0, "a share")?,
