@@ -12,7 +12,9 @@
 //! tilt towards it. The sway of the kite is not in it. O(1), no allocation.
 
 use barrelman_vocab::profile::{AxisDynamics, AxisRates, CameraDynamics};
-use barrelman_vocab::{Angle, CameraCommand, Timestamp};
+use barrelman_vocab::{Angle, CameraCommand, ImagePoint, MotionPrior, PictureSize, Timestamp};
+
+use crate::view::View;
 
 /// States that are remembered of each axis; at [`CLOSEST_S`] they reach back by 2 s.
 const KEPT: usize = 256;
@@ -22,6 +24,10 @@ const CLOSEST_S: f64 = 0.008;
 const SHORTEST_LAG_S: f64 = 1e-3;
 /// A rate below this is none, rad/s: it would fade for ever.
 const NO_RATE: f64 = 1e-9;
+/// How a kite sways in wind between pictures, radians for each root of a second: by 3 degrees, forgotten after 2 s.
+const SWAY_RAD_PER_ROOT_S: f64 = 0.05;
+/// What share of a shift by the axes may be wrong: dead times and lags differ by so much.
+const SHIFT_ERROR: f64 = 0.5;
 /// What share of its error a report of the tilt takes away.
 const REPORT_SHARE: f64 = 0.2;
 
@@ -86,6 +92,29 @@ impl CameraModel {
     pub fn pointing(&self, at: Timestamp) -> (f64, f64) {
         let at_s = at.as_secs_f64();
         (self.pan.at(at_s).angle, self.tilt.at(at_s).angle)
+    }
+
+    /// How a resting thing in the picture's middle shifted between two pictures, because the axes turned. How well that
+    /// is known: the kite's own sway is not in it, nor what a vehicle does otherwise than its profile says.
+    pub fn shift(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
+        let focal_px = self.dynamics.focal_share * f64::from(picture.width);
+        let over = to.since(from);
+        let ((pan, tilt), (pan_then, tilt_then)) = (self.pointing(to), self.pointing(from));
+        let middle = View::new(focal_px, pan_then, tilt_then).direction(ImagePoint { x: 0.0, y: 0.0 });
+        let shift = View::new(focal_px, pan, tilt).point(middle);
+        let sway = focal_px * SWAY_RAD_PER_ROOT_S * libm::sqrt(over.as_secs_f64());
+        MotionPrior {
+            shift_u_px: shift.x,
+            shift_v_px: -shift.y,
+            deviation_px: libm::hypot(sway, SHIFT_ERROR * libm::hypot(shift.x, shift.y)),
+            over,
+        }
+    }
+
+    /// How fast it turned at a time, pan and tilt, rad/s; what is on its way is in it.
+    pub fn turning(&self, at: Timestamp) -> (f64, f64) {
+        let at_s = at.as_secs_f64();
+        (self.pan.at(at_s).rate, self.tilt.at(at_s).rate)
     }
 
     pub(crate) const fn axes(&self) -> [&AxisModel; 2] {

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use barrelman_vocab::{CameraCommand, PictureSize, Timestamp, VehicleProfile};
+use barrelman_vocab::{CameraCommand, MotionPrior, PictureSize, Timestamp, VehicleProfile};
 
 use crate::camera_model::CameraModel;
 use crate::centring::{Centring, CentringGains};
@@ -98,6 +98,11 @@ impl CameraLaw {
     /// What to ask of the camera for what is seen.
     pub fn command(&mut self, sight: &Sight<'_>) -> CameraCommand {
         self.law.command(sight, &self.camera)
+    }
+
+    /// How the picture shifted between two times of capture because the camera turned.
+    pub fn shift(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
+        self.camera.shift(from, to, picture)
     }
 
     /// This command is in force from `now` on, whoever wanted it.

@@ -22,7 +22,7 @@ pub mod camera_model;
 
 pub mod bearing;
 
-mod view;
+pub mod view;
 
 pub mod transfer;
 

@@ -15,7 +15,7 @@ const LEAST_AHEAD: f64 = 0.15;
 
 /// A camera's focal length and where it points.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct View {
+pub struct View {
     focal_px: f64,
     pan: (f64, f64),
     tilt: (f64, f64),
@@ -23,18 +23,21 @@ pub(crate) struct View {
 
 /// Pixels by which a point moves for each radian of pan to the right, and of tilt upwards: `[x, y]` each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sensitivity {
-    pub(crate) pan: [f64; 2],
-    pub(crate) tilt: [f64; 2],
+pub struct Sensitivity {
+    /// For pan.
+    pub pan: [f64; 2],
+    /// For tilt.
+    pub tilt: [f64; 2],
 }
 
 impl View {
-    pub(crate) fn new(focal_px: f64, pan: f64, tilt: f64) -> Self {
+    /// A camera with that focal length, pixels, that points there, radians.
+    pub fn new(focal_px: f64, pan: f64, tilt: f64) -> Self {
         Self { focal_px, pan: libm::sincos(pan), tilt: libm::sincos(tilt) }
     }
 
     /// The direction of an image point.
-    pub(crate) fn direction(&self, point: ImagePoint) -> Direction {
+    pub fn direction(&self, point: ImagePoint) -> Direction {
         let (right, up) = (point.x / self.focal_px, point.y / self.focal_px);
         let ((sin_pan, cos_pan), (sin_tilt, cos_tilt)) = (self.pan, self.tilt);
         let ahead = cos_tilt - up * sin_tilt;
@@ -48,7 +51,7 @@ impl View {
     }
 
     /// Where a direction is seen.
-    pub(crate) fn point(&self, [east, north, above]: Direction) -> ImagePoint {
+    pub fn point(&self, [east, north, above]: Direction) -> ImagePoint {
         let ((sin_pan, cos_pan), (sin_tilt, cos_tilt)) = (self.pan, self.tilt);
         let right = east * cos_pan - north * sin_pan;
         let ahead = east * sin_pan + north * cos_pan;
@@ -58,7 +61,7 @@ impl View {
     }
 
     /// How the axes move a point that is seen there.
-    pub(crate) fn sensitivity(&self, point: ImagePoint) -> Sensitivity {
+    pub fn sensitivity(&self, point: ImagePoint) -> Sensitivity {
         let ImagePoint { x, y } = point;
         let (f, (sin, cos)) = (self.focal_px, self.tilt);
         Sensitivity {

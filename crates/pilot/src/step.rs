@@ -103,8 +103,12 @@ impl Pilot {
 
     fn look_at(&mut self, frame: &VideoFrame) -> Look {
         let captured = Some(frame.capture.at);
+        let shift = self
+            .last_capture
+            .filter(|last| *last <= frame.capture.at)
+            .map(|last| self.law.shift(last, frame.capture.at, frame.picture.size()));
         let Some(selection) = self.pending_selection.take() else {
-            return Look { track: self.tracker.track(frame, None), captured, notice: None };
+            return Look { track: self.tracker.track(frame, shift.as_ref()), captured, notice: None };
         };
         match self.tracker.select(frame, selection) {
             Ok(report) => Look {
@@ -113,7 +117,7 @@ impl Pilot {
                 notice: Some(Notice::Selected(report)),
             },
             Err(refusal) => Look {
-                track: self.tracker.track(frame, None),
+                track: self.tracker.track(frame, shift.as_ref()),
                 captured,
                 notice: Some(Notice::SelectionRefused(refusal)),
             },

@@ -211,9 +211,11 @@ fn rescaled(window: Window, from: PictureSize, to: PictureSize) -> Window {
     Window::nearest(scaled, to).unwrap_or(Window::whole(to.width as usize, to.height as usize))
 }
 
-/// The window moved with the picture, by whole pixels, and kept in it. A prior that is not finite is passed over.
+/// The window moved with the picture, by whole pixels, and kept in it. A prior that is not finite, or does not know the
+/// shift to within the window's size, is passed over.
 fn shifted(window: Window, prior: &MotionPrior, picture: PictureSize) -> Window {
-    if !(prior.shift_u_px.is_finite() && prior.shift_v_px.is_finite()) {
+    let known = prior.deviation_px <= window.w.max(window.h) as f64;
+    if !(known && prior.shift_u_px.is_finite() && prior.shift_v_px.is_finite()) {
         return window;
     }
     // A cast of what is negative gives 0.

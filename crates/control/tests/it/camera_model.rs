@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use barrelman_control::CameraModel;
 use barrelman_vocab::profile::{AxisRates, CameraDynamics};
-use barrelman_vocab::{Angle, AngularRate, CameraCommand, Timestamp, VehicleProfile};
+use barrelman_vocab::{Angle, AngularRate, CameraCommand, PictureSize, Timestamp, VehicleProfile};
 use proptest::prelude::*;
 
 /// A plant in steps of 0.1 ms: dead times, overruling, lag, as it is described.
@@ -201,4 +201,25 @@ proptest! {
             prop_assert!(pan.is_finite() && tilt.is_finite());
         }
     }
+}
+
+#[test]
+fn the_picture_shifts_against_the_turn_once_a_command_shows_and_is_known_less_well_then() {
+    let profile = VehicleProfile::fotokite_pro();
+    let at = |seconds: f64| Timestamp::from_secs_f64(seconds);
+    let size = PictureSize::new(1280, 720);
+    let turned = |pan: f64, tilt: f64| {
+        let mut camera = CameraModel::new(profile.camera, profile.limits);
+        let [pan, tilt] = [pan, tilt].map(AngularRate::from_radians_per_second);
+        camera.command(CameraCommand { pan, tilt }, at(10.0));
+        [camera.shift(at(10.0), at(10.04), size), camera.shift(at(12.0), at(12.04), size)]
+    };
+    let [before, right] = turned(0.3, 0.0);
+    assert!(before.shift_u_px.abs() < 1e-9 && before.shift_v_px.abs() < 1e-9, "{before:?}");
+    // 660 px of focal length, 0.3 rad/s for 40 ms, at a depression of 24 degrees: 7.2 px.
+    assert!((-7.9..-6.5).contains(&right.shift_u_px) && right.shift_v_px.abs() < 1.0, "{right:?}");
+    assert!(right.deviation_px > before.deviation_px && before.deviation_px > 1.0, "{right:?}, {before:?}");
+    let [_, up] = turned(0.0, 0.2);
+    assert!(up.shift_v_px > 4.0 && up.shift_u_px.abs() < 1e-9, "{up:?}");
+    assert_eq!(up.over, Duration::from_millis(40));
 }

@@ -83,7 +83,11 @@ fn run(steps: &[Step], selections: &[Option<ImagePoint>]) -> Vec<Taken> {
         What::Frame(_, answer) => Some(answer),
         What::Told(_) => None,
     });
-    let tracker = Scripted { tracks: answers.collect(), selections: selections.iter().copied().collect() };
+    let tracker = Scripted {
+        tracks: answers.collect(),
+        selections: selections.iter().copied().collect(),
+        ..Scripted::default()
+    };
     let mut pilot = Pilot::new(settings(), Box::new(tracker));
     let mut now_ms = 0_i64;
     steps

@@ -16,6 +16,7 @@ fn pilot(selections: &[Option<ImagePoint>], tracks: &[Answer]) -> Pilot {
     let tracker = Scripted {
         tracks: tracks.iter().copied().collect(),
         selections: selections.iter().copied().collect(),
+        ..Scripted::default()
     };
     Pilot::new(settings(), Box::new(tracker))
 }
@@ -122,4 +123,29 @@ fn frames_whose_clock_runs_back_are_noticed_with_and_without_a_target() {
     assert_eq!(show(&mut pilot, 310, 111).notice, Some(Notice::VideoClockWentBack));
     assert_eq!(show(&mut pilot, 320, 121).notice, None);
     assert_eq!(show(&mut pilot, 330, 132).notice, Some(Notice::VideoClockWentBack));
+}
+
+#[test]
+fn the_tracker_is_told_how_the_camera_turns() {
+    let tracker = Scripted {
+        selections: [Some(RIGHT)].into(),
+        tracks: [Answer::Tracking(RIGHT); 40].into(),
+        ..Scripted::default()
+    };
+    let priors = tracker.priors.clone();
+    let mut pilot = Pilot::new(settings(), Box::new(tracker));
+    pilot.step(Engage.input(at(0)), at(0));
+    pilot.step(Select.input(at(1)), at(1));
+    for frame in 0..40 {
+        show(&mut pilot, 300 + 40 * frame, LATENCY_MS);
+    }
+    let shifts: Vec<f64> = priors
+        .lock()
+        .unwrap()
+        .iter()
+        .map(|prior| prior.expect("a prior for each frame").shift_u_px)
+        .collect();
+    // A command from 300 ms on shows after its dead time, and not in the first frames.
+    assert!(shifts[..4].iter().all(|shift| *shift == 0.0), "{shifts:?}");
+    assert!(shifts[38] < 2.0 * shifts[12] && shifts[12] < 0.0, "{shifts:?}");
 }

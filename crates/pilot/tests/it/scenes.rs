@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use barrelman_pilot::{Input, LawSettings, Mode, Outcome, Pilot, PilotSettings};
 use barrelman_vision::{Explanation, SelectionError, SelectionReport, Tracker};
@@ -119,6 +119,8 @@ pub(crate) struct Scripted {
     pub(crate) tracks: VecDeque<Answer>,
     /// For selections.
     pub(crate) selections: VecDeque<Option<ImagePoint>>,
+    /// What it was told of the camera's motion, frame by frame.
+    pub(crate) priors: Arc<Mutex<Vec<Option<MotionPrior>>>>,
 }
 
 /// What a scripted tracker says of a frame.
@@ -161,7 +163,8 @@ impl Tracker for Scripted {
         Ok(report(seen(point, frame.capture.at)))
     }
 
-    fn track(&mut self, frame: &VideoFrame, _: Option<&MotionPrior>) -> Track {
+    fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
+        self.priors.lock().unwrap().push(prior.copied());
         self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.of(frame.capture.at))
     }
 

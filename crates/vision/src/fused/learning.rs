@@ -10,6 +10,7 @@ use super::phase::Phase;
 use super::target::{Outline, Recognition, Target, Vanished};
 use crate::colour_model::{ColourModel, count_colours};
 use crate::correlation::{CorrelationFilter, wanted_response};
+use crate::features::Place;
 use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
 use crate::heading::Heading;
@@ -85,6 +86,9 @@ impl Eyes {
             outline: None,
             motion: (Axis::at(middle.u, 1.0, speed), Axis::at(middle.v, 1.0, speed)),
             prior_known: false,
+            rough_prior: None,
+            refined: 0,
+            astray: 0,
             camera_known: false,
             camera_shift: (0.0, 0.0),
             heading: Heading::default(),
@@ -113,22 +117,27 @@ impl Eyes {
         let report = self.judge_colours(&mut target, (width, height));
         // The extent may have changed the window.
         let place = target.place(config);
-        self.take(&target, picture, &place);
-        self.place = place;
         let cell = place.step * CELL as f32;
         target.wanted =
             wanted_response(&mut self.features.fourier, config.response_deviation as f32 * size / cell);
         let half = (0.5 * config.mask as f32 * width / cell, 0.5 * config.mask as f32 * height / cell);
         target.mask = mask(half);
         target.reach = (half.0.ceil() as usize, half.1.ceil() as usize);
+        self.teach(&mut target, picture, place);
+        self.background.remember(picture.y(), &mut self.features.fourier, centre, target.blank());
+        (target, report)
+    }
+
+    /// Teaches the filter, and where which colours lie, from nothing but what is at a place now.
+    pub(super) fn teach(&mut self, target: &mut Target, picture: &Picture, place: Place) {
+        self.take(target, picture, &place);
+        self.place = place;
         self.features.measure(&mut self.crop, &place, target.bounds());
         target.filter.learn(&self.features.spectra, 1.0);
         for _ in 0..FIRST_STEPS {
             target.filter.improve(&mut self.features.fourier, &target.wanted, &target.mask);
         }
-        target.layout.count(picture, centre, target.half_axes(), target.axis);
-        self.background.remember(picture.y(), &mut self.features.fourier, centre, target.blank());
-        (target, report)
+        target.layout.count(picture, target.centre, target.half_axes(), target.axis);
     }
 
     /// How distinct the colours are, and what they say of the target's outline.

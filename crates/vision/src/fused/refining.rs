@@ -1,6 +1,6 @@
 //! Size, turn, place and direction of a target that was seen.
 
-use barrelman_vocab::VideoFrame;
+use barrelman_vocab::{Picture, VideoFrame};
 
 use super::Eyes;
 use super::config::FusedConfig;
@@ -54,6 +54,7 @@ impl Eyes {
             target.angle += turn * turn_step;
             target.axis += turn * turn_step;
             self.follow_silhouette(target, look, seconds as f32);
+            self.come_back(config, target, &frame.picture);
         }
 
         let size = f64::from(target.size_px());
@@ -109,7 +110,7 @@ impl Eyes {
         else {
             return;
         };
-        let (longer, wider) = (seen.major / outline.major, seen.minor / outline.minor);
+        let (longer, wider) = outline.stretch_of(&seen);
         let (long, wide) = (outline.length * longer, outline.breadth * wider);
         let fits = |measured: f32, known: f32| (1.0 / MISFIT..=MISFIT).contains(&(measured / known));
         if !(fits(long, 2.0 * along) && fits(wide, 2.0 * across)) || target.touches_border() {
@@ -128,6 +129,82 @@ impl Eyes {
         target.stretch_to(long, wide, share(SIZE_S));
     }
 }
+
+impl Eyes {
+    /// Brings a box back that slipped off its target while the filter learned along.
+    ///
+    /// The filter and the silhouette both look where the target is taken to be: once the box covers a part of it, or
+    /// its wake, they agree with each other on that. So now and then the blob of colour is followed to where it ends,
+    /// beginning with the box. Where the box stands out from its surroundings much less than that blob does, several
+    /// times in a row, the blob is the target, and the filter is taught anew. A thing of its colour beside the target
+    /// does not count: the target's own box stands out as before.
+    fn come_back(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) {
+        target.refined = target.refined.wrapping_add(1);
+        if !target.refined.is_multiple_of(BLOB_EVERY) {
+            return;
+        }
+        let (inside, ring) = self.crop.contrast(target.centre, target.half_axes(), target.axis);
+        let slipped = |(_, stands_out): &(Silhouette, f32)| inside - ring < SLIPPED * stands_out;
+        let Some((seen, _)) = self.blob(target, ring).filter(slipped) else {
+            target.astray = 0;
+            return;
+        };
+        target.astray += 1;
+        if target.astray < ASTRAY_BLOBS {
+            return;
+        }
+        target.astray = 0;
+        target.axis += half_turn_apart(seen.axis, target.axis);
+        target.centre = seen.centroid;
+        // Where nothing is known of how the colour fills the hull, it is taken to fill it.
+        let (long, wide) = target.outline.map_or((seen.major, seen.minor), |outline| {
+            let (longer, wider) = outline.stretch_of(&seen);
+            (outline.length * longer, outline.breadth * wider)
+        });
+        target.stretch_to(long, wide, 1.0);
+        let place = target.place(config);
+        self.teach(target, picture, place);
+    }
+
+    /// The blob of the target's colour that begins in its box, and how much it stands out; none where nothing stands out
+    /// from the likeness around the box.
+    fn blob(&self, target: &Target, ring: f32) -> Option<(Silhouette, f32)> {
+        let (along, across) = target.half_axes();
+        let least = BLOB_LEAST_PX;
+        let mut centre = target.centre;
+        let mut half = ((2.0 * along).max(least), (2.0 * along.max(across)).max(least));
+        let mut angle = target.axis;
+        let mut found: Option<Silhouette> = None;
+        for _ in 0..BLOB_STEPS {
+            let seen = Silhouette::of(&self.crop, centre, half, angle, (BLOB_LIKENESS, ring))?;
+            centre = seen.centroid;
+            half = (
+                (0.5 * SILHOUETTE_REACH * seen.major).max(least),
+                (0.5 * SILHOUETTE_REACH * seen.minor).max(least),
+            );
+            angle = seen.axis;
+            found = Some(seen);
+        }
+        let seen = found?;
+        let (inside, ring) =
+            self.crop.contrast(seen.centroid, (0.5 * seen.major, 0.5 * seen.minor), seen.axis);
+        (inside - ring >= BLOB_CONTRAST).then_some((seen, inside - ring))
+    }
+}
+
+/// The blob is looked for in each so many frames in which the target is seen ...
+const BLOB_EVERY: u32 = 8;
+/// ... in so many steps, from ellipses no smaller than this on, pixels ...
+const BLOB_STEPS: usize = 5;
+const BLOB_LEAST_PX: f32 = 6.0;
+/// ... among what is nearer to this likeness than to that around the box, ...
+const BLOB_LIKENESS: f32 = 0.95;
+/// ... and is one only if it stands out so far.
+const BLOB_CONTRAST: f32 = 0.4;
+/// A box slipped off that stands out by less than this share of what the blob does, ...
+const SLIPPED: f32 = 0.6;
+/// ... so many times in a row.
+const ASTRAY_BLOBS: u32 = 4;
 
 /// From one axis to another, -pi/2 to pi/2.
 fn half_turn_apart(to: f32, from: f32) -> f32 {

@@ -18,6 +18,7 @@ use crate::gradients::CELL;
 use crate::heading::Heading;
 use crate::layout::Layout;
 use crate::motion::Axis;
+use crate::silhouette::Silhouette;
 
 /// What the colour showed of the target at the selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +35,13 @@ pub(super) struct Outline {
     /// Length and breadth of the target then, pixels.
     pub(super) length: f32,
     pub(super) breadth: f32,
+}
+
+impl Outline {
+    /// By what a later silhouette is longer and wider.
+    pub(super) fn stretch_of(&self, seen: &Silhouette) -> (f32, f32) {
+        (seen.major / self.major, seen.minor / self.minor)
+    }
 }
 
 /// The target, as it was last seen.
@@ -56,8 +64,10 @@ pub(super) struct Target {
     /// against.
     pub(super) outline: Option<Outline>,
     pub(super) motion: (Axis, Axis),
-    /// Whether the last frame came with a motion prior.
+    /// Whether the last frame came with a motion prior that says as much as the surroundings would.
     pub(super) prior_known: bool,
+    /// The shift of this frame that is known less well than it can be measured.
+    pub(super) rough_prior: Option<MotionPrior>,
     /// Whether `camera_shift` was measured or told.
     pub(super) camera_known: bool,
     /// How the camera shifted the picture since the last frame, pixels, as far as that is known.
@@ -87,6 +97,9 @@ pub(super) struct Target {
     pub(super) recognition: Recognition,
     /// Size and proportions when it was last well seen and wholly in the picture.
     pub(super) steady: (f32, Extent),
+    /// Frames in which it was seen, and how often in a row its colour was found to lie elsewhere than its box.
+    pub(super) refined: u32,
+    pub(super) astray: u32,
     /// Frames that it was searched for in, since it was lost.
     pub(super) searched: u32,
     /// Which window of the whole picture is looked at next while it is lost.
@@ -231,6 +244,12 @@ impl Target {
             [p.shift_u_px, p.shift_v_px, p.deviation_px].iter().all(|pixels| pixels.abs() <= MOST_SHIFT_PX)
         };
         let prior = prior.filter(meant);
+        let trusted = |p: &&MotionPrior| p.deviation_px <= TRUSTED_DEVIATION_PX;
+        // What is known less well than it can be measured is for where nothing can be, and what is not known to within
+        // the target's size says nothing.
+        let size = f64::from(self.size_px());
+        self.rough_prior = prior.filter(|p| !trusted(p) && p.deviation_px <= size).copied();
+        let prior = prior.filter(trusted);
         self.prior_known = prior.is_some();
         let (u, v, deviation) =
             prior.map_or((0.0, 0.0, 0.0), |p| (p.shift_u_px, p.shift_v_px, p.deviation_px));
@@ -244,11 +263,23 @@ impl Target {
 
     /// Where it must be, in the picture: with the shift of the surroundings where one was measured.
     pub(super) fn expected(&mut self, shift: Option<(f32, f32)>) -> (f32, f32) {
-        if let Some((u, v)) = shift {
+        let rough = self.rough_prior.take();
+        // Surroundings that seem to have gone elsewhere than the camera can have turned were mistaken.
+        let believed = |(u, v): &(f32, f32)| {
+            rough.is_none_or(|prior| {
+                let off = libm::hypot(f64::from(*u) - prior.shift_u_px, f64::from(*v) - prior.shift_v_px);
+                off <= BELIEVED_DEVIATIONS * prior.deviation_px
+            })
+        };
+        if let Some((u, v)) = shift.filter(believed) {
             self.motion.0.shift(f64::from(u), SHIFT_DEVIATION_SHARE * f64::from(self.size_px()));
             self.motion.1.shift(f64::from(v), SHIFT_DEVIATION_SHARE * f64::from(self.size_px()));
             self.camera_shift = (u, v);
             self.camera_known = true;
+        } else if let Some(prior) = rough {
+            self.motion.0.shift(prior.shift_u_px, prior.deviation_px);
+            self.motion.1.shift(prior.shift_v_px, prior.deviation_px);
+            self.camera_shift = (prior.shift_u_px as f32, prior.shift_v_px as f32);
         }
         let bounds = self.bounds();
         ((self.motion.0.place as f32).clamp(0.0, bounds.0), (self.motion.1.place as f32).clamp(0.0, bounds.1))
@@ -389,6 +420,10 @@ const LEAST_WINDOW_PX: f32 = 24.0;
 const LONGEST_GAP_S: f64 = 2.0;
 /// A prior that speaks of more pixels than this is none.
 const MOST_SHIFT_PX: f64 = 1.0e6;
+/// A prior that knows the shift no better than this is used only where the surroundings show none, pixels.
+const TRUSTED_DEVIATION_PX: f64 = 1.5;
+/// The surroundings are believed within so many deviations of such a prior.
+const BELIEVED_DEVIATIONS: f64 = 4.0;
 /// How well the surroundings tell the camera's motion, in sizes of the target.
 const SHIFT_DEVIATION_SHARE: f64 = 0.05;
 
