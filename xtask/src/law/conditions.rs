@@ -11,6 +11,8 @@ use barrelman_station::scenario::Changes;
 use barrelman_trial::metrics::TrialEntry;
 use barrelman_vocab::VehicleProfile;
 
+use super::lqg::Lqg;
+use super::mpc::Mpc;
 use crate::acceptance::parallel;
 
 /// A scenario with one of its settings.
@@ -73,9 +75,18 @@ pub(super) enum Subject {
     Schema,
     Centre,
     Optimal(Tuning),
+    /// Centring by a linear-quadratic regulator that weighs the squared rate with so much, s².
+    Lqg(f64),
+    /// Model predictive control with a soft ellipse.
+    Mpc,
 }
 
 impl Subject {
+    /// Whether its trials take many times as long as the others'.
+    pub(super) const fn is_slow(&self) -> bool {
+        matches!(self, Self::Mpc)
+    }
+
     fn law(&self, profile: &VehicleProfile) -> Box<dyn Law> {
         match self {
             Self::Schema => Box::new(MotorSchema::new(profile.schema)),
@@ -83,6 +94,8 @@ impl Subject {
                 Box::new(barrelman_control::centring::Centring::new(CentringGains::USUAL, profile.limits))
             }
             Self::Optimal(tuning) => Box::new(OptimalLaw::tuned(*tuning, profile)),
+            Self::Lqg(weight) => Box::new(Lqg::new(*weight, profile)),
+            Self::Mpc => Box::new(Mpc::new(profile)),
         }
     }
 }

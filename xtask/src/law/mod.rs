@@ -1,6 +1,9 @@
 //! Measures the camera laws against each other, on the same seeds: what is required of the optimal law, and its tuning.
 
 mod conditions;
+mod lqg;
+mod mpc;
+mod outlook;
 mod robustness;
 mod table;
 mod tune;

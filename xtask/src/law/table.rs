@@ -23,6 +23,9 @@ const COLUMNS: [(&str, &str); 11] = [
     ("lost", "lost"),
 ];
 
+/// Trials of each condition of a law that solves at each picture.
+const SEEDS_OF_SLOW: u64 = 48;
+
 /// Prints it; whether every requirement holds.
 pub(super) fn print(conditions: &[&Condition], first_seed: u64, seeds: u64) -> Result<bool> {
     let mut holds = true;
@@ -38,8 +41,13 @@ pub(super) fn print(conditions: &[&Condition], first_seed: u64, seeds: u64) -> R
             ("time-fuel", Subject::Optimal(Tuning::TIME_FUEL)),
             ("eco", Subject::Optimal(Tuning::ECO)),
             ("centre", Subject::Centre),
+            ("LQG, weight 1", Subject::Lqg(1.0)),
+            ("LQG, weight 10", Subject::Lqg(10.0)),
+            ("MPC", Subject::Mpc),
         ] {
-            let other = trials(&plan, &subject, first_seed, seeds)?;
+            // A solver at each picture takes its time.
+            let count = if subject.is_slow() { seeds.min(SEEDS_OF_SLOW) } else { seeds };
+            let other = trials(&plan, &subject, first_seed, count)?;
             let comparison = Comparison::of(&base, &other, &Bootstrap::USUAL);
             for (short, figure) in COLUMNS {
                 let Some(paired) = comparison.figures.iter().find(|paired| paired.figure == figure) else {

@@ -100,7 +100,7 @@ pub(super) fn run(options: &TuneOptions) -> Result<bool> {
 
 /// What nobody requires, and what is wanted nevertheless: a camera that rests most of the time.
 fn wish(mode: &str, figure: &str) -> Option<f64> {
-    (mode == "minimum-energy" && figure == "movement time").then_some(2.2)
+    (mode == "minimum-energy" && figure == "movement time").then_some(3.0)
 }
 
 fn means(trials: &[TrialEntry]) -> Vec<Option<f64>> {

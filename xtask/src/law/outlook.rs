@@ -1,0 +1,76 @@
+//! What the reference laws predict from: the same bearing filter and camera model that the optimal law has, so that the
+//! table compares laws and not estimators.
+
+use core::time::Duration;
+
+use barrelman_control::optimal::Tuning;
+use barrelman_control::view::View;
+use barrelman_control::{Bearing, BearingFilter, CameraModel, Sight};
+use barrelman_vocab::ImagePoint;
+
+/// Without a look for so long it begins anew, seconds.
+const LONGEST_GAP_S: f64 = 0.6;
+
+/// How the target is taken to move.
+const NOISE: barrelman_control::BearingNoise = Tuning::MINIMUM_ENERGY.noise;
+
+/// The filter with what it has seen.
+#[derive(Debug, Clone)]
+pub(super) struct Outlook(BearingFilter);
+
+/// Target and camera at the time from which a command given now counts on both axes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ahead {
+    focal_px: f64,
+    bearing: Bearing,
+    /// Pan and tilt, radians, and how fast they turn, rad/s.
+    pub(super) angles: [f64; 2],
+    pub(super) rates: [f64; 2],
+}
+
+impl Outlook {
+    pub(super) const fn new() -> Self {
+        Self(BearingFilter::new(NOISE))
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.0.forget();
+    }
+
+    /// Takes the look, and predicts.
+    pub(super) fn look(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> Option<Ahead> {
+        if let Some((last, _)) = self.0.known()
+            && sight.captured >= *last
+            && sight.captured.since(*last).as_secs_f64() > LONGEST_GAP_S
+        {
+            self.forget();
+        }
+        let dynamics = camera.dynamics();
+        let focal_px = dynamics.focal_share * f64::from(sight.picture.width);
+        let (pan, tilt) = camera.pointing(sight.captured);
+        self.0.look(View::new(focal_px, pan, tilt).direction(sight.percept.position), sight.captured);
+        let (looked, bearing) = self.0.known()?;
+        let dead_time = dynamics.pan.start_dead_time.max(dynamics.tilt.start_dead_time);
+        let counts = sight.now.plus(dead_time);
+        let (pan, tilt) = camera.pointing(counts);
+        let (pan_rate, tilt_rate) = camera.turning(counts);
+        let age: Duration = counts.since(*looked);
+        Some(Ahead {
+            focal_px,
+            bearing: bearing.after(age.as_secs_f64(), &NOISE),
+            angles: [pan, tilt],
+            rates: [pan_rate, tilt_rate],
+        })
+    }
+}
+
+impl Ahead {
+    /// The target's rate keeps its value for about so long, seconds.
+    pub(super) const MEMORY_S: f64 = NOISE.memory_s;
+
+    /// The view and where the target is in it after so long, with the camera turned by these angles until then.
+    pub(super) fn seen(&self, after_s: f64, turned: [f64; 2]) -> (View, ImagePoint) {
+        let view = View::new(self.focal_px, self.angles[0] + turned[0], self.angles[1] + turned[1]);
+        (view, view.point(self.bearing.after(after_s, &NOISE).direction))
+    }
+}
