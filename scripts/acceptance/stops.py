@@ -6,6 +6,7 @@ tracker is the paper's: what it makes of this clip is known, so that the camera 
 """
 import concurrent.futures
 import contextlib
+import itertools
 import os
 import pty
 import signal
@@ -385,19 +386,24 @@ def main():
     selection = common.selection(truth)
     table = Table("What stops the camera, one by one")
     special = [("the video stalls", try_stall), ("space on a terminal", try_space), ("end of the video", try_end_of_video)]
-    jobs = [(name, lambda where, act=act: act(args, clip, selection, where, table)) for name, act in special]
-    jobs += [(case.name, lambda where, case=case: try_case(case, args, clip, selection, where, table)) for case in CASES]
+    jobs = [(name, lambda where, rows, act=act: act(args, clip, selection, where, rows)) for name, act in special]
+    jobs += [(case.name, lambda where, rows, case=case: try_case(case, args, clip, selection, where, rows)) for case in CASES]
     jobs = [job for job in jobs if not args.only or args.only in job[0]]
 
     def attempt(job):
         number, (name, act) = job
-        try:
-            return act(folder / f"case{number}")
-        except Exception as error:  # One case that goes astray must not hide the others.
-            table.require(name, False, type(error).__name__, str(error)[-300:])
-            if not isinstance(error, (TimeoutError, subprocess.TimeoutExpired)):
-                traceback.print_exc()
-            return {"case": name, "error": str(error)}
+        places = (folder / f"case{number}-{attempt}" for attempt in itertools.count(1))
+
+        def safely(rows):
+            try:
+                return act(next(places), rows)
+            except Exception as error:  # One case that goes astray must not hide the others.
+                rows.require(name, False, type(error).__name__, str(error)[-300:])
+                if not isinstance(error, (TimeoutError, subprocess.TimeoutExpired)):
+                    traceback.print_exc()
+                return {"case": name, "error": str(error)}
+
+        return table.try_again_through_standstills(safely)
 
     with concurrent.futures.ThreadPoolExecutor(args.at_once) as pool:
         figures = list(pool.map(attempt, enumerate(jobs)))

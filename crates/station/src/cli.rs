@@ -393,11 +393,17 @@ pub struct RenderArgs {
   barrelman trials lab1 --perception truth --trials 200 --seed 10000 --output lab1.jsonl
   barrelman trials arena1 --trials 20 --record recordings
   barrelman trials lab1 --perception truth --trials 1000 --shard 3/10 --output shard-3.jsonl
+  barrelman trials --drive drive.jsonl --law optimal --record recordings
 
 Nothing is written without --output or --record.")]
 pub struct TrialsArgs {
     /// The scenario: one of `barrelman scenarios`, or a file of one's own that ends in .toml.
-    pub scenario: String,
+    #[arg(required_unless_present = "drive")]
+    pub scenario: Option<String>,
+    /// One trial in which the boat is steered as in this drive, which `demo --store` wrote: its scenario, its seed, the
+    /// size of its pictures and its tracker, where no other is asked for.
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "trials", "seed", "shard", "boat_speed"])]
+    pub drive: Option<PathBuf>,
     /// How many trials.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub trials: u64,
@@ -413,9 +419,9 @@ pub struct TrialsArgs {
     /// Where localisations come from.
     #[arg(long, value_enum, default_value_t)]
     pub perception: PerceptionName,
-    /// The tracker, in pixels.
-    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
-    pub tracker: TrackerName,
+    /// The tracker, in pixels; without it `fused`.
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub tracker: Option<TrackerName>,
     /// How the kite moves by itself: a setting of the scenario; without it the scenario's own.
     #[arg(long, value_name = "NAME")]
     pub setting: Option<String>,

@@ -125,15 +125,35 @@ impl ColourModel {
     }
 }
 
-/// Counts the colours within an upright box (its middle counts more than its edge, what is beyond its ellipse
-/// nothing) and in the ring around it that is as wide as [`RING_SHARE`] of the box's mean side.
+/// An ellipse, and the upright box that the ring around it begins at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Region {
+    /// Width and height of the box, pixels.
+    pub(crate) upright: (f32, f32),
+    /// Half axes of the ellipse, pixels.
+    pub(crate) half: (f32, f32),
+    /// Radians clockwise from image right to the first of them.
+    pub(crate) angle: f32,
+}
+
+impl Region {
+    /// The ellipse in an upright box.
+    pub(crate) fn upright((w, h): (f32, f32)) -> Self {
+        Self { upright: (w, h), half: (0.5 * w, 0.5 * h), angle: 0.0 }
+    }
+}
+
+/// Counts the colours within the ellipse (its middle counts more than its edge) and in the ring around the box that is
+/// as wide as [`RING_SHARE`] of the box's mean side.
 pub(crate) fn count_colours(
     picture: &Picture,
     centre: (f32, f32),
-    (w, h): (f32, f32),
+    region: &Region,
     inside: &mut Histogram,
     around: &mut Histogram,
 ) {
+    let (w, h) = region.upright;
+    let (cos, sin) = (libm::cosf(region.angle), libm::sinf(region.angle));
     inside.clear();
     around.clear();
     let (y, u, v) = (picture.y(), picture.u(), picture.v());
@@ -154,13 +174,12 @@ pub(crate) fn count_colours(
         for column in columns.clone().step_by(stride) {
             let bin = bin(ys[(2 * column).min(y.width - 1)], us[column], vs[column]);
             let (right, down) = (2.0 * column as f32 + 1.0 - centre.0, 2.0 * row as f32 + 1.0 - centre.1);
-            let (a, b) = (2.0 * right / w, 2.0 * down / h);
-            if a.abs() < 1.0 && b.abs() < 1.0 {
-                let off = a * a + b * b;
-                if off < 1.0 {
-                    inside.add(bin, 1.0 - 0.7 * off);
-                }
-            } else if a.abs() > 1.1 || b.abs() > 1.1 {
+            let (ahead, aside) =
+                ((right * cos + down * sin) / region.half.0, (down * cos - right * sin) / region.half.1);
+            let off = ahead * ahead + aside * aside;
+            if off < 1.0 {
+                inside.add(bin, 1.0 - 0.7 * off);
+            } else if 2.0 * right.abs() > RING_FROM * w || 2.0 * down.abs() > RING_FROM * h {
                 around.add(bin, 1.0);
             }
         }
@@ -169,13 +188,17 @@ pub(crate) fn count_colours(
     around.finish();
 }
 
-/// Width of the ring around the target, in mean sides of its box.
+/// Where the ring begins, in sides of the box, ...
+const RING_FROM: f32 = 1.1;
+/// ... and its width, in mean sides of the box.
 const RING_SHARE: f32 = 0.7;
 /// Most samples that are counted.
 const MOST_SAMPLES: f32 = 4096.0;
 
 #[cfg(test)]
 mod tests {
+    use core::f32::consts::{FRAC_PI_4, SQRT_2};
+
     use barrelman_vocab::PictureSize;
     use barrelman_vocab::video::ColourEncoding;
 
@@ -202,7 +225,7 @@ mod tests {
 
     fn learned(picture: &Picture, centre: (f32, f32), size: (f32, f32)) -> ColourModel {
         let mut model = ColourModel::default();
-        count_colours(picture, centre, size, &mut model.target, &mut model.surroundings);
+        count_colours(picture, centre, &Region::upright(size), &mut model.target, &mut model.surroundings);
         model.renew();
         model
     }
@@ -228,6 +251,32 @@ mod tests {
     fn a_colour_that_is_as_common_around_the_target_as_in_it_says_nothing() {
         let model = learned(&picture(RED, RED, [0, 0, 1, 1]), (60.0, 45.0), (40.0, 30.0));
         assert!((125..=128).contains(&of(&model, RED)), "{}", of(&model, RED));
+    }
+
+    #[test]
+    fn the_water_in_the_box_of_a_hull_that_lies_askew_is_not_its_colour() {
+        // A hull four times as long as wide, at 45 degrees.
+        let mut picture = picture(BLUE, BLUE, [0, 0, 1, 1]);
+        for (plane, (samples, step)) in picture.planes_mut().into_iter().zip([1, 2, 2]).enumerate() {
+            let width = 120 / step;
+            for (index, sample) in samples.iter_mut().enumerate() {
+                let (right, down) =
+                    ((index % width * step) as f32 - 60.0, (index / width * step) as f32 - 45.0);
+                let (ahead, aside) = ((right + down) / SQRT_2, (down - right) / SQRT_2);
+                if (ahead / 32.0).powi(2) + (aside / 8.0).powi(2) < 1.0 {
+                    *sample = RED[plane];
+                }
+            }
+        }
+        let upright = (47.0, 47.0);
+        let loose = learned(&picture, (60.0, 45.0), upright);
+        assert!(of(&loose, BLUE) > 60, "{}", of(&loose, BLUE));
+        let mut close = ColourModel::default();
+        let region = Region { upright, half: (32.0, 8.0), angle: FRAC_PI_4 };
+        count_colours(&picture, (60.0, 45.0), &region, &mut close.target, &mut close.surroundings);
+        close.renew();
+        assert!(of(&close, BLUE) < 30, "{}", of(&close, BLUE));
+        assert!(of(&close, RED) > 230, "{}", of(&close, RED));
     }
 
     #[test]

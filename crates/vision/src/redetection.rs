@@ -190,7 +190,7 @@ mod tests {
     use barrelman_vocab::video::ColourEncoding;
 
     use super::*;
-    use crate::colour_model::count_colours;
+    use crate::colour_model::{Region, count_colours};
 
     const RED: [u8; 3] = [81, 90, 240];
     const BLUE: [u8; 3] = [70, 190, 100];
@@ -216,7 +216,13 @@ mod tests {
     fn found(boats: &[[usize; 4]], size: f32) -> Vec<Candidate> {
         let learned = picture(&[[140, 100, 40, 40]]);
         let mut model = ColourModel::default();
-        count_colours(&learned, (160.0, 120.0), (40.0, 40.0), &mut model.target, &mut model.surroundings);
+        count_colours(
+            &learned,
+            (160.0, 120.0),
+            &Region::upright((40.0, 40.0)),
+            &mut model.target,
+            &mut model.surroundings,
+        );
         model.renew();
         Redetection::default().look(&picture(boats), &model, (size, size)).to_vec()
     }

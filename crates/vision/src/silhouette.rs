@@ -119,7 +119,7 @@ mod tests {
     use barrelman_vocab::{Picture, PictureSize};
 
     use super::*;
-    use crate::colour_model::{ColourModel, count_colours};
+    use crate::colour_model::{ColourModel, Region, count_colours};
 
     const CENTRE: (f32, f32) = (160.0, 120.0);
 
@@ -147,7 +147,7 @@ mod tests {
     fn crop(axes: (f32, f32), turned_deg: f32, step: f32) -> Crop {
         let mut model = ColourModel::default();
         let upright = picture(axes, 0.0);
-        count_colours(&upright, CENTRE, axes, &mut model.target, &mut model.surroundings);
+        count_colours(&upright, CENTRE, &Region::upright(axes), &mut model.target, &mut model.surroundings);
         model.renew();
         let mut crop = Crop::default();
         crop.take(&picture(axes, turned_deg), &model, CENTRE, 120.0, step);

@@ -29,7 +29,7 @@ mod tests {
     use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
     use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
-    use crate::colour_model::{ColourModel, count_colours};
+    use crate::colour_model::{ColourModel, Region, count_colours};
     use crate::correlation::{CorrelationFilter, wanted_response};
     use crate::crop::{Crop, Grid, decimate};
     use crate::fourier::{AREA, Fourier, Map, Spectrum};
@@ -172,7 +172,13 @@ mod tests {
     fn patches_have_the_same_bits_with_and_without_wide_instructions() {
         let picture = picture((90, 70), 5);
         let mut model = ColourModel::default();
-        count_colours(&picture, (45.0, 35.0), (30.0, 20.0), &mut model.target, &mut model.surroundings);
+        count_colours(
+            &picture,
+            (45.0, 35.0),
+            &Region::upright((30.0, 20.0)),
+            &mut model.target,
+            &mut model.surroundings,
+        );
         model.renew();
         for (centre, angle, step) in
             [((45.0, 35.0), 0.0, 1.0), ((3.0, 66.0), 0.7, 1.7), ((80.0, 9.0), 4.0, 2.9)]

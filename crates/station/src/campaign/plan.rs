@@ -13,12 +13,14 @@ use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 
+use super::driven::Driven;
 use super::recording::TrialRecorder;
 use crate::cli::PlantName;
 use crate::config::{ConfigFile, Configuration};
 use crate::law_choice::LawChoice;
 use crate::scenario::{self, Changes, Loaded};
 use crate::tracker::{TrackerName, TrackerSettings};
+use crate::world::drive;
 
 /// How the pilot comes to know where the target is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +60,8 @@ pub struct Plan {
     tracker: TrackerName,
     plant: PlantName,
     simd: Simd,
+    /// How the boat is steered, where that is not the scenario's helmsman's affair.
+    driven: Option<Driven>,
     /// Where trials are recorded, and whether files there may be overwritten.
     record: Option<(PathBuf, bool)>,
 }
@@ -95,6 +99,7 @@ impl Plan {
             boat_speed_m_per_s: request.changes.boat_speed_m_per_s,
             size: request.changes.size.map(|size| format!("{}x{}", size.width, size.height)),
             tracker: tracker.map(|tracker| tracker.word().to_owned()),
+            drive: None,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         };
         Ok(Self {
@@ -105,6 +110,7 @@ impl Plan {
             tracker: tracker.unwrap_or(TrackerName::Camshift),
             plant: request.plant,
             simd: Simd::at_most(request.simd),
+            driven: None,
             record: None,
         })
     }
@@ -118,6 +124,14 @@ impl Plan {
             .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
         self.record = Some((folder.to_owned(), force));
         Ok(self)
+    }
+
+    /// The same plan with the boat steered as in a drive, for as long as that was.
+    #[must_use]
+    pub fn driven_by(mut self, driven: Driven) -> Self {
+        self.settings.drive = Some(driven.hash());
+        self.driven = Some(driven);
+        self.lasting(drive::MOST_S)
     }
 
     /// The same plan with trials that last so long, unless the target is at the end of its path before.
@@ -192,7 +206,11 @@ impl Plan {
         let mut eye =
             in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
         let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
-        Ok(Simulation::new(&scenario, world, seed, pilot, &self.profile).run(eye, witness))
+        let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile);
+        Ok(match &self.driven {
+            Some(driven) => driven.run(simulation, eye, witness),
+            None => simulation.run(eye, witness),
+        })
     }
 
     /// Runs one trial, and records it where that was asked for.

@@ -141,7 +141,11 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         )?;
     }
     for path in args.store.iter() {
-        writeln!(out, "{}: the drive; try\n  barrelman demo --replay {}", path.display(), path.display())?;
+        let path = path.display();
+        writeln!(
+            out,
+            "{path}: the drive; try\n  barrelman demo --replay {path}\n  barrelman trials --drive {path} --record recordings"
+        )?;
     }
     Ok(match end {
         End::Asked(cause) => {
@@ -192,7 +196,9 @@ fn recorder(args: &DemoArgs, cast: &Cast) -> Result<Option<TrialRecorder>> {
 
 /// A stored drive again, as fast as it goes.
 fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
-    let DriveReader { cast, inputs, end } = DriveReader::read(path)?;
+    let stored = DriveReader::read(path)?;
+    let last = stored.last_tick();
+    let DriveReader { cast, inputs, end } = stored;
     if args.record.is_some() && !cast.coded {
         bail!(
             "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
@@ -202,7 +208,6 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
     let threads = RenderThreads::two()?;
     let mut drive = Drive::new(&cast, &threads)?;
     let mut crew = Crew { recorder: recorder(args, &cast)?, ..Crew::default() };
-    let last = end.as_ref().map_or_else(|| inputs.last().map_or(0, |(tick, _)| *tick), |(tick, _)| *tick);
     let progress = Progress::new("ticks", last);
     let mut inputs = inputs.into_iter().peekable();
     loop {

@@ -10,6 +10,7 @@ use barrelman_trial::campaign::CampaignEntry;
 use barrelman_trial::metrics::summarise;
 
 use super::summary_table;
+use crate::campaign::driven::Driven;
 use crate::campaign::file::CampaignWriter;
 use crate::campaign::plan::Request;
 use crate::campaign::runner::run_in_order;
@@ -17,17 +18,25 @@ use crate::campaign::{Perception, Plan};
 use crate::cli::{PerceptionName, TrialsArgs};
 use crate::progress::Progress;
 use crate::scenario::Changes;
+use crate::world::DriveReader;
 
 /// Runs the command.
 ///
 /// # Errors
 /// If the campaign cannot be set up, a trial fails, or results cannot be written.
 pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
-    let mut plan = Plan::new(&request(args)?)?;
+    let drive = args.drive.as_deref().map(DriveReader::read).transpose()?;
+    let mut plan = Plan::new(&request(args, drive.as_ref())?)?;
+    if let Some(drive) = &drive {
+        plan = plan.driven_by(Driven::of(drive));
+    }
     if let Some(folder) = &args.record {
         plan = plan.recorded_in(folder, args.force || args.resume)?;
     }
-    let seeds = seeds(args)?;
+    let seeds = match &drive {
+        Some(drive) => vec![drive.cast.url.seed],
+        None => seeds(args)?,
+    };
     let (mut writer, mut entries) = match &args.output {
         None if args.resume => bail!("--resume goes on with a file: name it with --output"),
         None => (None, Vec::new()),
@@ -72,21 +81,28 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     Ok(if interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn request(args: &TrialsArgs) -> Result<Request> {
+/// What is asked for; what is not said of a drive is as it was driven.
+fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<Request> {
+    let Some(scenario) = args.scenario.as_ref().or(drive.map(|drive| &drive.cast.url.scenario)) else {
+        bail!("name a scenario, or a drive by --drive");
+    };
     Ok(Request {
-        scenario: args.scenario.clone(),
+        scenario: scenario.clone(),
         changes: Changes {
             setting: args.setting.clone(),
             boat_speed_m_per_s: args.boat_speed,
             sea_state: args.sea_state,
             wind_m_per_s: args.wind,
-            size: args.size,
+            size: args.size.or(drive.and_then(|drive| drive.cast.url.size)),
         },
         law: args.law.choice()?,
         rate: args.rate,
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,
-            PerceptionName::Pixels => Perception::Pixels(args.tracker),
+            PerceptionName::Pixels => {
+                let driven = drive.map(|drive| drive.cast.tracker);
+                Perception::Pixels(args.tracker.or(driven).unwrap_or_default())
+            }
         },
         plant: args.plant,
         simd: args.simd,

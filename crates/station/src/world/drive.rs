@@ -25,7 +25,7 @@ use crate::tracker::{TrackerName, TrackerSettings};
 use crate::video::encoder::EncoderSettings;
 
 /// A drive lasts an hour at most, whatever its scenario says of trials: somebody may steer.
-const MOST_S: f64 = 3600.0;
+pub const MOST_S: f64 = 3600.0;
 
 /// What a drive is made of, but for its inputs.
 #[derive(Debug, Clone)]
@@ -63,6 +63,33 @@ pub enum DriveInput {
     Pause,
     /// Lets it go on.
     Resume,
+}
+
+impl DriveInput {
+    /// What it does to the helm: somebody steers so, or nobody but the helmsman; `None` where it stays as it is.
+    fn helm(self) -> Option<Option<Helm>> {
+        let share = |percent: i8| f64::from(percent.clamp(-100, 100)) / 100.0;
+        match self {
+            Self::Helm { thrust, rudder } => {
+                Some(Some(Helm { throttle: share(thrust), rudder: share(rudder) }))
+            }
+            Self::Helmsman => Some(None),
+            Self::Engage | Self::Stop | Self::Pause | Self::Resume => None,
+        }
+    }
+
+    /// Does it in a trial, before its next tick.
+    pub fn act(self, simulation: &mut Simulation<'_>, witness: &mut dyn Witness) {
+        if let Some(helm) = self.helm() {
+            simulation.steer(helm);
+        }
+        match self {
+            Self::Engage => simulation.request(OperatorRequest::Engage, witness),
+            Self::Stop => simulation.request(OperatorRequest::Stop(StopCause::Operator), witness),
+            // Of time that stands still nothing in the world knows.
+            Self::Pause | Self::Resume | Self::Helm { .. } | Self::Helmsman => {}
+        }
+    }
 }
 
 impl Cast {
@@ -143,22 +170,8 @@ impl<'a> Drive<'a> {
 
     /// Something is done, before the next tick.
     pub fn put(&mut self, input: DriveInput, witness: &mut dyn Witness) {
-        match input {
-            DriveInput::Helm { thrust, rudder } => {
-                let share = |percent: i8| f64::from(percent.clamp(-100, 100)) / 100.0;
-                self.helm = Some(Helm { throttle: share(thrust), rudder: share(rudder) });
-                self.simulation.steer(self.helm);
-            }
-            DriveInput::Helmsman => {
-                self.helm = None;
-                self.simulation.steer(None);
-            }
-            DriveInput::Engage => self.simulation.request(OperatorRequest::Engage, witness),
-            DriveInput::Stop => {
-                self.simulation.request(OperatorRequest::Stop(StopCause::Operator), witness);
-            }
-            DriveInput::Pause | DriveInput::Resume => {}
-        }
+        self.helm = input.helm().unwrap_or(self.helm);
+        input.act(&mut self.simulation, witness);
     }
 
     /// One tick.

@@ -110,6 +110,12 @@ pub struct DriveReader {
 }
 
 impl DriveReader {
+    /// Its last tick; of a file that is cut, that of the last input.
+    pub fn last_tick(&self) -> u64 {
+        let input = self.inputs.last().map_or(0, |(tick, _)| *tick);
+        self.end.as_ref().map_or(input, |(tick, _)| *tick)
+    }
+
     /// Reads a file.
     ///
     /// # Errors

@@ -62,6 +62,9 @@ fn what_is_not_there_is_named_and_ends_with_1() {
     refused(&["track", "sim:open", "--select", "1,2,3,4"], 1, &["simulated world", "barrelman run"]);
     refused(&["demo", "atlantis"], 1, &["atlantis", "arena1"]);
     refused(&["demo", "--replay", "nowhere.jsonl"], 1, &["nowhere.jsonl"]);
+    refused(&["trials", "--drive", "nowhere.jsonl"], 1, &["nowhere.jsonl"]);
+    refused(&["trials", "--drive", "drive.jsonl", "--seed", "3"], 2, &["--drive", "--seed"]);
+    refused(&["trials"], 2, &["SCENARIO"]);
     refused(&["demo", "--listen", "192.0.2.1:80"], 1, &["192.0.2.1:80", "--listen"]);
     refused(
         &["emulate", "fotokite-pro", "--pty", "nowhere/pty", "--world", "file:clip.mp4"],

@@ -3,12 +3,20 @@
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
+use barrelman_simd::SimdLevel;
+use barrelman_station::campaign::driven::Driven;
+use barrelman_station::campaign::plan::Request;
+use barrelman_station::campaign::{Perception, Plan};
+use barrelman_station::cli::PlantName;
 use barrelman_station::clock::Clock;
+use barrelman_station::law_choice::{LawChoice, LawName};
+use barrelman_station::scenario::Changes;
 use barrelman_station::tracker::TrackerName;
 use barrelman_station::video::{VideoSink, VideoState, VideoUrl, spawn};
 use barrelman_station::world::drive::DriveHash;
 use barrelman_station::world::render_threads::RenderThreads;
 use barrelman_station::world::{Cast, Drive, DriveInput, DriveReader, DriveWriter, WorldUrl};
+use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::{EncodedUnit, PictureSize, PixelBox, VideoFrame};
 
 const SMALL: PictureSize = PictureSize::new(192, 108);
@@ -45,6 +53,39 @@ fn the_same_inputs_at_the_same_ticks_give_the_same_drive() {
         assert_eq!(driven(&cast, &paused), first, "a pause changes nothing in the world");
         assert_ne!(driven(&cast, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
     }
+}
+
+#[test]
+fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
+    let path = std::env::temp_dir().join(format!("barrelman-driven-{}.jsonl", std::process::id()));
+    let cast = cast(false);
+    let inputs = [(0, DriveInput::Engage), (30, AHEAD)];
+    let hash = driven(&cast, &inputs);
+    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    inputs.iter().for_each(|(tick, input)| writer.add(*tick, *input).unwrap());
+    writer.end(120, hash.clone()).unwrap();
+    let stored = DriveReader::read(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let request = Request {
+        scenario: "open".to_owned(),
+        changes: Changes { size: Some(SMALL), ..Changes::default() },
+        law: LawChoice::default(),
+        rate: None,
+        perception: Perception::Pixels(TrackerName::Camshift),
+        plant: PlantName::Nominal,
+        simd: SimdLevel::Avx512,
+    };
+    let plan = Plan::new(&request).unwrap().driven_by(Driven::of(&stored));
+    let mut again = DriveHash::default();
+    let log = plan.log(cast.url.seed, &mut again).unwrap();
+    assert_eq!(again.hex(), hash);
+    assert_eq!(plan.run(cast.url.seed).unwrap().campaign.drive.map(|drive| drive.len()), Some(16));
+    // The boat goes the same way whatever the camera does.
+    let law = LawChoice { name: LawName::Optimal, ..LawChoice::default() };
+    let other = Plan::new(&Request { law, perception: Perception::Truth, ..request }).unwrap();
+    let other = other.driven_by(Driven::of(&stored)).log(cast.url.seed, &mut ()).unwrap();
+    let end = |log: &TrialLog| log.truth.as_ref().unwrap().last().unwrap().target_m;
+    assert_eq!(end(&other), end(&log));
 }
 
 #[test]

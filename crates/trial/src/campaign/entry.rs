@@ -44,6 +44,9 @@ pub struct CampaignSettings {
     /// The tracker, in pixels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracker: Option<String>,
+    /// XXH3-64 of the inputs of the stored drive that the boat was steered by, in hexadecimal digits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<String>,
     /// Version of the program.
     pub program: String,
 }

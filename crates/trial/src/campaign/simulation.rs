@@ -139,6 +139,11 @@ impl<'a> Simulation<'a> {
         self.log
     }
 
+    /// How the target moved in the picture so far, and what was done about it.
+    pub fn into_log(self) -> TrialLog {
+        self.log
+    }
+
     /// Puts a request to the pilot, now.
     pub fn request(&mut self, request: OperatorRequest, witness: &mut dyn Witness) {
         self.step(Input::Request(request), witness);

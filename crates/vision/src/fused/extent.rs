@@ -9,6 +9,7 @@
 //! L |cos a| + B |sin a| wide, an ellipse's the root of the sum of squares; hulls lie between, and so does the
 //! exponent [`ROUNDING`] of the norm.
 
+use crate::colour_model::Region;
 use crate::silhouette::Silhouette;
 
 /// 1 for rectangles, 2 for ellipses.
@@ -80,6 +81,15 @@ impl Extent {
         match *self {
             Self::Box { width, height } => (0.5 * scale * width, 0.5 * scale * height),
             Self::Hull { length, breadth, .. } => (0.5 * scale * length, 0.5 * scale * breadth),
+        }
+    }
+
+    /// What the colours of a target are counted in that is `scale` times as large and whose axis is `axis`.
+    pub(crate) fn region(&self, scale: f32, axis: f32) -> Region {
+        let upright = self.upright(scale, axis);
+        match *self {
+            Self::Box { .. } => Region::upright(upright),
+            Self::Hull { .. } => Region { upright, half: self.half_axes(scale), angle: axis },
         }
     }
 

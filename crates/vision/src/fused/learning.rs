@@ -8,7 +8,7 @@ use super::evidence::Look;
 use super::extent::Extent;
 use super::phase::Phase;
 use super::target::{Outline, Recognition, Target, Vanished};
-use crate::colour_model::{ColourModel, count_colours};
+use crate::colour_model::{ColourModel, Region, count_colours};
 use crate::correlation::{CorrelationFilter, wanted_response};
 use crate::features::Place;
 use crate::fourier::{AREA, Map, SIDE, Spectrum};
@@ -72,7 +72,8 @@ impl Eyes {
         let (width, height) = (used.w as f32, used.h as f32);
         let size = (width * height).sqrt();
         let mut colours = ColourModel::default();
-        count_colours(picture, centre, (width, height), &mut colours.target, &mut colours.surroundings);
+        let region = Region::upright((width, height));
+        count_colours(picture, centre, &region, &mut colours.target, &mut colours.surroundings);
         colours.renew();
         let speed = 2.0 * f64::from(size);
         let mut target = Target {
@@ -212,8 +213,8 @@ impl Eyes {
         target.learned = target.learned.wrapping_add(1);
         if own && config.colour_rate > 0.0 && target.learned.is_multiple_of(COLOUR_EVERY) {
             let [inside, around] = &mut self.colours;
-            let upright = target.extent.upright(target.scale, target.axis);
-            count_colours(picture, target.centre, upright, inside, around);
+            let region = target.extent.region(target.scale, target.axis);
+            count_colours(picture, target.centre, &region, inside, around);
             target.kinship += KINSHIP_RATE * (inside.overlap(&target.colours.target) - target.kinship);
             target.colours.target.blend(inside, config.colour_rate as f32);
             // Waters change faster than paint.

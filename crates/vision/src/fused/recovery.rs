@@ -172,7 +172,7 @@ impl Eyes {
         let [inside, around] = &mut self.colours;
         let axis = target.axis_at(&look.place);
         let scale = target.scale * look.place.step / target.place(config).step;
-        count_colours(picture, look.centre, target.extent.upright(scale, axis), inside, around);
+        count_colours(picture, look.centre, &target.extent.region(scale, axis), inside, around);
         self.layout.count(picture, look.centre, target.extent.half_axes(scale), axis);
         inside.overlap(&target.colours.target) / target.kinship
             + self.layout.overlap(&target.layout) / target.layout_kinship
