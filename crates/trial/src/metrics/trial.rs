@@ -90,7 +90,8 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
         duration_s,
         excursions: all.len(),
         complete_excursions: complete.len(),
-        time_outside_s: all.iter().map(|excursion| excursion.b_s).sum(),
+        // A sum of nothing would be a negative zero.
+        time_outside_s: all.iter().fold(0.0, |sum, excursion| sum + excursion.b_s),
         max_p: ps().reduce(f64::max),
         mean_h: mean(complete.iter().map(|excursion| excursion.h)),
         mean_b_s: mean(complete.iter().map(|excursion| excursion.b_s)),

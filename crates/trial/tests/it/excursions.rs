@@ -62,6 +62,8 @@ fn what_a_log_cannot_tell_is_absent() {
     assert_eq!((nothing.samples, nothing.duration_s, nothing.max_p), (0, 0.0, None));
     assert_eq!((nothing.mean_h, nothing.mean_b_s, nothing.sensitivity), (None, None, None));
     assert_eq!((nothing.duty, nothing.ends_outside), (None, false));
+    // Not a negative zero, either.
+    assert_eq!(measured("....").time_outside_s.to_string(), "0");
     let never_back = measured(".cc");
     assert_eq!((never_back.sensitivity, never_back.max_p), (None, Some(9.0)));
     assert_eq!(measured("--").max_p, None);
