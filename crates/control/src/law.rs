@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use barrelman_vocab::{CameraCommand, MotionPrior, PictureSize, Timestamp, VehicleProfile};
+use barrelman_vocab::{Angle, CameraCommand, MotionPrior, PictureSize, Timestamp, VehicleProfile};
 
 use crate::camera_model::CameraModel;
 use crate::centring::{Centring, CentringGains};
@@ -108,6 +108,11 @@ impl CameraLaw {
     /// This command is in force from `now` on, whoever wanted it.
     pub fn in_force(&mut self, command: CameraCommand, now: Timestamp) {
         self.camera.command(command, now);
+    }
+
+    /// The gimbal reported the camera's tilt, as it was at `at`.
+    pub fn tilt_reported(&mut self, tilt: Angle, at: Timestamp) {
+        self.camera.tilt_reported(tilt, at);
     }
 
     /// Forgets what was seen of a target: another one was selected.

@@ -4,7 +4,8 @@ use core::time::Duration;
 
 use barrelman_control::{CameraLaw, LawSettings, MotorSchema, Percept, Region, Sector, Sight};
 use barrelman_vision::Tracker;
-use barrelman_vocab::{OperatorRequest, PixelBox, Timestamp, Track, VehicleProfile, VideoFrame};
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{OperatorRequest, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame};
 
 use crate::input::Input;
 use crate::outcome::{Advice, HoldCause, Notice, Outcome};
@@ -73,6 +74,10 @@ impl Pilot {
             }
             Input::Request(request) => {
                 self.take(&request);
+                None
+            }
+            Input::Telemetry(Telemetry { at, report: Report::CameraTilt(tilt) }) => {
+                self.law.tilt_reported(tilt, at);
                 None
             }
             Input::Telemetry(_) | Input::Tick => None,

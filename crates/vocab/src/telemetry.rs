@@ -30,8 +30,10 @@ pub enum Report {
     },
     /// Attitude of the vehicle relative to where it was initialised.
     VehicleAttitude(Quaternion),
-    /// Attitude of the gimbal.
+    /// Attitude of the gimbal, in the vehicle's own frames.
     GimbalAttitude(Quaternion),
+    /// Where the camera's axis points: above the horizon positive.
+    CameraTilt(Angle),
     /// Where the vehicle stands on its tether.
     Tether {
         /// Angle of the tether from the vertical.

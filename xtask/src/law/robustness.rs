@@ -17,20 +17,29 @@ struct Case {
     name: &'static str,
     world: fn(&mut Scenario),
     belief: fn(&mut VehicleProfile),
+    /// Whether the gimbal reports the camera's tilt.
+    reports: bool,
 }
 
-const CASES: [Case; 11] = [
-    Case { name: "as the profile says", world: |_| {}, belief: |_| {} },
-    Case { name: "focal length believed 30 % short", world: |_| {}, belief: |p| focal(p, 0.7) },
-    Case { name: "focal length believed 30 % long", world: |_| {}, belief: |p| focal(p, 1.3) },
-    Case { name: "dead times 100 ms longer", world: |w| delayed(w, 0.1), belief: |_| {} },
-    Case { name: "dead times 100 ms shorter", world: |w| delayed(w, -0.1), belief: |_| {} },
-    Case { name: "axes twice as slow", world: slower, belief: |_| {} },
-    Case { name: "drop-outs of 1 s, 6 a minute", world: |w| dropping(w, 1.0), belief: |_| {} },
-    Case { name: "drop-outs of 2 s, 6 a minute", world: |w| dropping(w, 2.0), belief: |_| {} },
-    Case { name: "tilt believed 45 degrees down", world: |_| {}, belief: tilted },
-    Case { name: "all at once, focal length short", world: everything, belief: |p| both(p, 0.7) },
-    Case { name: "all at once, focal length long", world: everything, belief: |p| both(p, 1.3) },
+impl Case {
+    const fn new(name: &'static str, world: fn(&mut Scenario), belief: fn(&mut VehicleProfile)) -> Self {
+        Self { name, world, belief, reports: false }
+    }
+}
+
+const CASES: [Case; 12] = [
+    Case::new("as the profile says", |_| {}, |_| {}),
+    Case::new("focal length believed 30 % short", |_| {}, |p| focal(p, 0.7)),
+    Case::new("focal length believed 30 % long", |_| {}, |p| focal(p, 1.3)),
+    Case::new("dead times 100 ms longer", |w| delayed(w, 0.1), |_| {}),
+    Case::new("dead times 100 ms shorter", |w| delayed(w, -0.1), |_| {}),
+    Case::new("axes twice as slow", slower, |_| {}),
+    Case::new("drop-outs of 1 s, 6 a minute", |w| dropping(w, 1.0), |_| {}),
+    Case::new("drop-outs of 2 s, 6 a minute", |w| dropping(w, 2.0), |_| {}),
+    Case::new("tilt believed 45 degrees down", |_| {}, tilted),
+    Case { reports: true, ..Case::new("the same, and the gimbal reports it", |_| {}, tilted) },
+    Case::new("all at once, focal length short", everything, |p| both(p, 0.7)),
+    Case::new("all at once, focal length long", everything, |p| both(p, 1.3)),
 ];
 
 fn focal(profile: &mut VehicleProfile, share: f64) {
@@ -88,7 +97,8 @@ pub(super) fn print(first_seed: u64, seeds: u64) -> Result<bool> {
             let plan = Condition { scenario, setting: "indoor" }
                 .nominal_plan()?
                 .in_changed_world(case.world)
-                .with_profile(case.belief);
+                .with_profile(case.belief)
+                .reporting_tilt(case.reports);
             let base = trials(&plan, &Subject::Schema, first_seed, seeds)?;
             let other = trials(&plan, &Subject::Optimal(Tuning::MINIMUM_ENERGY), first_seed, seeds)?;
             let comparison = Comparison::of(&base, &other, &Bootstrap::USUAL);

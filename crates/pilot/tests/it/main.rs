@@ -7,3 +7,4 @@ mod frames;
 mod modes;
 mod motion;
 mod scenes;
+mod telemetry;

@@ -62,6 +62,8 @@ pub struct Plan {
     simd: Simd,
     /// How the boat is steered, where that is not the scenario's helmsman's affair.
     driven: Option<Driven>,
+    /// Whether the gimbal reports the camera's tilt.
+    reports_tilt: bool,
     /// Where trials are recorded, and whether files there may be overwritten.
     record: Option<(PathBuf, bool)>,
 }
@@ -111,6 +113,7 @@ impl Plan {
             plant: request.plant,
             simd: Simd::at_most(request.simd),
             driven: None,
+            reports_tilt: false,
             record: None,
         })
     }
@@ -124,6 +127,13 @@ impl Plan {
             .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
         self.record = Some((folder.to_owned(), force));
         Ok(self)
+    }
+
+    /// The same plan with a gimbal that reports the camera's tilt.
+    #[must_use]
+    pub fn reporting_tilt(mut self, reports_tilt: bool) -> Self {
+        self.reports_tilt = reports_tilt;
+        self
     }
 
     /// The same plan with the boat steered as in a drive, for as long as that was.
@@ -206,7 +216,8 @@ impl Plan {
         let mut eye =
             in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
         let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
-        let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile);
+        let simulation =
+            Simulation::new(&scenario, world, seed, pilot, &self.profile).reporting_tilt(self.reports_tilt);
         Ok(match &self.driven {
             Some(driven) => driven.run(simulation, eye, witness),
             None => simulation.run(eye, witness),

@@ -135,6 +135,12 @@ fn live(
             link.break_by(url.faults.clone());
             let up = Telemetry { at: clock.now(), report: Report::Link(LinkState::Up) };
             events.send(Event::Link(LinkReport::Telemetry(up)))?;
+            let to_loop = events.clone();
+            link.report_to(move |tilt| {
+                let report = Telemetry { at: clock.now(), report: Report::CameraTilt(tilt) };
+                // The world never waits for a loop that is held up.
+                let _ = to_loop.try_send(Event::Link(LinkReport::Telemetry(report)));
+            });
             Some(Link::World(link))
         }
         (Some(url), _) => {

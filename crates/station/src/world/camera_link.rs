@@ -3,8 +3,11 @@
 //! It has the dead man's switch of a real link: rates that move are in force until the time by which they were to be
 //! renewed, and a little longer; then the camera rests.
 
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::fmt;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
+
+use barrelman_sim::camera_axis::TICKS_PER_SECOND;
 
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 
@@ -13,6 +16,9 @@ use crate::link::worker::GRACE;
 
 /// How long the last zeros may take to the camera: many ticks.
 const LAST_ZEROS: Duration = Duration::from_secs(1);
+
+/// From one report of the tilt to the next.
+const TICKS_PER_REPORT: u32 = TICKS_PER_SECOND / 10;
 
 /// The way to a simulated camera. Clones are the same link.
 #[derive(Debug, Clone, Default)]
@@ -27,11 +33,21 @@ pub struct Pointing {
     pub tilt: Angle,
 }
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Shared {
     asked: Mutex<Asked>,
     taken: Condvar,
+    listener: OnceLock<Listener>,
 }
+
+impl fmt::Debug for Shared {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CameraLink").field("asked", &self.asked).finish_non_exhaustive()
+    }
+}
+
+/// Whom the gimbal reports its tilt to.
+type Listener = Box<dyn Fn(Angle) + Send + Sync>;
 
 #[derive(Debug, Default)]
 struct Asked {
@@ -41,6 +57,7 @@ struct Asked {
     /// What the camera was told last.
     in_force: VehicleRates,
     pointing: Option<Pointing>,
+    told: u32,
     world_ended: bool,
     overdue: bool,
 }
@@ -72,9 +89,23 @@ impl CameraLink {
         self.asked().pointing
     }
 
-    /// For the world: where the camera points now.
+    /// Lets the gimbal report the camera's tilt, ten times a second, to whom must not make the world wait. Only the
+    /// first one who asks is told.
+    pub fn report_to(&self, listener: impl Fn(Angle) + Send + Sync + 'static) {
+        let _ = self.0.listener.set(Box::new(listener));
+    }
+
+    /// For the world: where the camera points at this tick.
     pub fn tell(&self, pointing: Pointing) {
-        self.asked().pointing = Some(pointing);
+        let is_due = {
+            let mut asked = self.asked();
+            asked.pointing = Some(pointing);
+            asked.told = (asked.told + 1) % TICKS_PER_REPORT;
+            asked.told == 0
+        };
+        if let Some(listener) = self.0.listener.get().filter(|_| is_due) {
+            listener(pointing.tilt);
+        }
     }
 
     /// Asks for rest, and waits until the camera was told so. Returns whether it was.
@@ -135,6 +166,18 @@ mod tests {
         );
         link.send(MOVING, None);
         assert!(link.take(at(160)).is_rest(), "rates that move need a time by which they are renewed");
+    }
+
+    #[test]
+    fn the_tilt_is_reported_ten_times_a_second() {
+        let link = CameraLink::default();
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let listener = Arc::clone(&told);
+        link.report_to(move |tilt| listener.lock().unwrap().push(tilt.degrees().round() as i32));
+        for tick in 1..=120 {
+            link.tell(Pointing { pan: Angle::ZERO, tilt: Angle::from_degrees(-f64::from(tick)) });
+        }
+        assert_eq!(*told.lock().unwrap(), [-12, -24, -36, -48, -60, -72, -84, -96, -108, -120]);
     }
 
     #[test]

@@ -11,14 +11,20 @@ use std::collections::VecDeque;
 
 use barrelman_pilot::{Input, Outcome, Pilot};
 use barrelman_sim::boat::Helm;
+use barrelman_sim::camera_axis::TICKS_PER_SECOND;
 use barrelman_sim::video_link::{Passage, VideoLink};
 use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{Scenario, Sensor};
+use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    Localisation, OperatorRequest, PixelBox, Timestamp, Track, VehicleProfile, VehicleRates, VideoFrame,
+    Localisation, OperatorRequest, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+    VideoFrame,
 };
 
 use crate::logs::{LogRow, RowTruth, TrialLog};
+
+/// From one report of the camera's tilt to the next.
+const TICKS_PER_REPORT: u64 = TICKS_PER_SECOND as u64 / 10;
 
 /// Who draws what the camera sees, for trials in pixels.
 pub trait Eye {
@@ -68,6 +74,7 @@ pub struct Simulation<'a> {
     selected: bool,
     outcome: Option<Outcome>,
     rates: VehicleRates,
+    reports_tilt: bool,
     log: TrialLog,
 }
 
@@ -126,8 +133,15 @@ impl<'a> Simulation<'a> {
             selected: false,
             outcome: None,
             rates: VehicleRates::REST,
+            reports_tilt: false,
             log,
         }
+    }
+
+    /// The same with a gimbal that reports the camera's tilt, ten times a second.
+    #[must_use]
+    pub fn reporting_tilt(self, reports_tilt: bool) -> Self {
+        Self { reports_tilt, ..self }
     }
 
     /// Runs to the end: with an eye in pixels, without one by the sensor.
@@ -191,6 +205,10 @@ impl<'a> Simulation<'a> {
             self.arrive(&sight, &truth, eye, witness);
         }
         let now = self.world.now();
+        if self.reports_tilt && self.world.tick().is_multiple_of(TICKS_PER_REPORT) {
+            let report = Report::CameraTilt(self.world.camera_pose().tilt);
+            self.step(Input::Telemetry(Telemetry { at: now, report }), witness);
+        }
         if self.outcome.as_ref().and_then(|outcome| outcome.wake_at).is_some_and(|at| at <= now) {
             let before = self.rates;
             self.step(Input::Tick, witness);

@@ -149,6 +149,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         input(RecordedInput::Request(OperatorRequest::Select(bounds))),
         telemetry(Report::VehicleAttitude(q)),
         telemetry(Report::GimbalAttitude(q)),
+        telemetry(Report::CameraTilt(Angle::from_radians(value))),
         telemetry(Report::Ground {
             control: ControlState::Ours,
             uptime_s: value,
