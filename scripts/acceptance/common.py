@@ -155,7 +155,7 @@ class Standstills:
     requirement of a few milliseconds cannot be measured through it.
     """
 
-    LEAST_S = 0.02
+    LEAST_S = 0.01
     WATCH = "import time\nthen = time.monotonic()\nwhile True:\n    time.sleep(0.002)\n    now = time.monotonic()\n    now - then > %r and print(now - then, flush=True)\n    then = now\n"
 
     def __enter__(self):

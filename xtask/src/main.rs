@@ -10,6 +10,7 @@ mod edges;
 mod law;
 
 mod simulation;
+mod svg;
 mod views;
 
 use std::io::Write;

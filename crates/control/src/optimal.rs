@@ -99,21 +99,21 @@ pub struct Tuning {
 impl Tuning {
     /// [`Mode::MinimumEnergy`].
     pub const MINIMUM_ENERGY: Self = Self {
-        start: 0.961,
-        stop: 0.595,
-        aim: 0.48,
-        horizon_s: 1.357,
-        start_ahead_s: 0.802,
-        fast: 0.19,
-        lazy: 0.5,
-        ease: 0.058,
-        stop_ahead_s: 1.037,
-        least_rate: 0.086,
-        most_rate: 0.271,
-        least_share: 0.194,
-        hold: 0.014,
-        least_rest_s: 0.098,
-        noise: BearingNoise { rate: 0.073, memory_s: 1.155, look: 0.0084, worst_look: 0.0125 },
+        start: 0.887,
+        stop: 0.377,
+        aim: 0.62,
+        horizon_s: 1.274,
+        start_ahead_s: 1.2,
+        fast: 0.029,
+        lazy: 0.288,
+        ease: 0.065,
+        stop_ahead_s: 0.391,
+        least_rate: 0.02,
+        most_rate: 0.286,
+        least_share: 0.339,
+        hold: 0.0,
+        least_rest_s: 0.083,
+        noise: BearingNoise { rate: 0.075, memory_s: 0.983, look: 0.009, worst_look: 0.0139 },
     };
     /// [`Mode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {

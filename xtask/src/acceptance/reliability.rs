@@ -4,15 +4,14 @@
 //! A frame is right where its IoU with the label is at least 0.5; one in which an absent target is reported is wrong.
 //! Frames without a label do not count.
 
-use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::clips::Clip;
 use super::follow::Followed;
 use super::report::{Requirements, Table, cell};
 use super::scoring::{Label, overlap};
-use crate::{root, say};
+use crate::svg;
 
 mod plot;
 
@@ -126,13 +125,7 @@ pub(crate) fn judge(curve: &Curve, requirements: &mut Requirements) {
 /// # Errors
 /// If it cannot be written.
 pub(crate) fn draw(curve: &Curve) -> Result<()> {
-    let place = Path::new("target/acceptance/reliability.svg");
-    let path = root()?.join(place);
-    let folder = path.parent().context("the picture lies in a folder")?;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    std::fs::write(&path, plot::svg(&curve.bins)).with_context(|| path.display().to_string())?;
-    say(&format!("\nThe curve is drawn in {}", place.display()));
-    Ok(())
+    svg::keep("reliability.svg", &plot::svg(&curve.bins))
 }
 
 #[cfg(test)]

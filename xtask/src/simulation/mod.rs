@@ -13,6 +13,8 @@ mod centring;
 
 mod pace;
 
+mod speed;
+
 mod fit;
 
 mod motion;
@@ -58,6 +60,8 @@ pub(crate) enum TableName {
     Rate,
     /// The schema against centring.
     Centre,
+    /// What speed of the boat the laws can hold.
+    Speed,
     /// How much faster than real time trials run.
     Pace,
 }
@@ -113,6 +117,9 @@ pub(crate) fn acceptance(options: &Options) -> Result<bool> {
     }
     if wanted(TableName::Centre) {
         centring::run(options)?;
+    }
+    if wanted(TableName::Speed) {
+        speed::run(options)?;
     }
     if wanted(TableName::Pace) {
         pace::run(options)?;
