@@ -9,7 +9,7 @@
 //! count of frames and no latency of the video enters.
 //!
 //! It knows commands alone. Where the vehicle reports the gimbal's attitude, [`CameraModel::tilt_reported`] pulls the
-//! tilt towards it. The sway of the kite is not in it. O(1), no allocation.
+//! tilt towards it; where it zooms, [`CameraModel::field_of_view_reported`] says so. The sway of the kite is not in it. O(1), no allocation.
 
 use barrelman_vocab::profile::{AxisDynamics, AxisRates, CameraDynamics};
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, MotionPrior, PictureSize, Timestamp};
@@ -31,12 +31,20 @@ const SHIFT_ERROR: f64 = 0.5;
 /// What share of its error a report of the tilt takes away.
 const REPORT_SHARE: f64 = 0.2;
 
+/// Focal lengths that a camera may have, as shares of the picture's width.
+const FOCAL_SHARES: core::ops::RangeInclusive<f64> = 0.1..=20.0;
+/// Focal lengths that differ by less than this share are the same: a report is rounded.
+const SAME_ZOOM: f64 = 0.002;
+
 /// The camera with both axes.
 #[derive(Debug, Clone)]
 pub struct CameraModel {
     dynamics: CameraDynamics,
     pan: AxisModel,
     tilt: AxisModel,
+    /// The focal length as a share of the picture's width, from when it is so, and what it was before.
+    zoom: (f64, Timestamp),
+    zoom_before: f64,
 }
 
 impl CameraModel {
@@ -63,6 +71,8 @@ impl CameraModel {
                 tilt,
                 Some((low.radians(), high.radians())),
             ),
+            zoom: (dynamics.focal_share, Timestamp::ZERO),
+            zoom_before: dynamics.focal_share,
             dynamics,
         }
     }
@@ -87,6 +97,26 @@ impl CameraModel {
         }
     }
 
+    /// From `at` on the picture shows so much from its left edge to its right: the camera zooms. What no lens shows is not
+    /// believed.
+    pub fn field_of_view_reported(&mut self, angle: Angle, at: Timestamp) {
+        let seen = angle.radians();
+        let share = 0.5 / libm::tan(0.5 * seen);
+        let (known, _) = self.zoom;
+        let is_one = seen > 0.0 && seen < core::f64::consts::PI && FOCAL_SHARES.contains(&share);
+        if is_one && (share - known).abs() > SAME_ZOOM * known {
+            self.zoom_before = known;
+            self.zoom = (share, at);
+        }
+    }
+
+    /// The focal length of a picture of that size that was taken at a time, pixels.
+    pub fn focal_px(&self, at: Timestamp, picture: PictureSize) -> f64 {
+        let (share, since) = self.zoom;
+        let share = if at >= since { share } else { self.zoom_before };
+        share * f64::from(picture.width)
+    }
+
     /// Where the camera pointed at a time, which may lie up to 2 s back: pan (from where it first pointed; unbounded)
     /// and tilt, radians.
     pub fn pointing(&self, at: Timestamp) -> (f64, f64) {
@@ -97,11 +127,16 @@ impl CameraModel {
     /// How a resting thing in the picture's middle shifted between two pictures, because the axes turned. How well that
     /// is known: the kite's own sway is not in it, nor what a vehicle does otherwise than its profile says.
     pub fn shift(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
-        let focal_px = self.dynamics.focal_share * f64::from(picture.width);
+        let focal_px = self.focal_px(to, picture);
         let over = to.since(from);
         let ((pan, tilt), (pan_then, tilt_then)) = (self.pointing(to), self.pointing(from));
         let middle = View::new(focal_px, pan_then, tilt_then).direction(ImagePoint { x: 0.0, y: 0.0 });
         let shift = View::new(focal_px, pan, tilt).point(middle);
+        if self.focal_px(from, picture).to_bits() != focal_px.to_bits() {
+            // Everything moved, each thing otherwise.
+            let deviation_px = f64::from(picture.width);
+            return MotionPrior { shift_u_px: 0.0, shift_v_px: 0.0, deviation_px, over };
+        }
         let sway = focal_px * SWAY_RAD_PER_ROOT_S * libm::sqrt(over.as_secs_f64());
         MotionPrior {
             shift_u_px: shift.x,

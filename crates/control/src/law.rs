@@ -115,6 +115,11 @@ impl CameraLaw {
         self.camera.tilt_reported(tilt, at);
     }
 
+    /// The camera reported that its picture shows so much from the left edge to the right, from `at` on: it zooms.
+    pub fn field_of_view_reported(&mut self, angle: Angle, at: Timestamp) {
+        self.camera.field_of_view_reported(angle, at);
+    }
+
     /// Forgets what was seen of a target: another one was selected.
     pub fn forget(&mut self) {
         self.law.forget();

@@ -66,6 +66,8 @@ impl OptimalSettings {
 pub struct Tuning {
     /// The camera starts where the prediction leaves this ellipse.
     pub start: f64,
+    /// By how many deviations of the prediction it must do so, where that lies ahead: what is not certain can wait.
+    pub doubt: f64,
     /// It stops where the prediction with the camera at rest lies in this ellipse.
     pub stop: f64,
     /// It moves the target into this ellipse.
@@ -99,25 +101,27 @@ pub struct Tuning {
 impl Tuning {
     /// [`Mode::MinimumEnergy`].
     pub const MINIMUM_ENERGY: Self = Self {
-        start: 0.887,
-        stop: 0.377,
+        start: 0.915,
+        doubt: 0.0,
+        stop: 0.432,
         aim: 0.62,
         horizon_s: 1.274,
-        start_ahead_s: 1.2,
-        fast: 0.029,
-        lazy: 0.288,
-        ease: 0.065,
-        stop_ahead_s: 0.391,
-        least_rate: 0.02,
-        most_rate: 0.286,
-        least_share: 0.339,
+        start_ahead_s: 1.14,
+        fast: 0.0401,
+        lazy: 0.105,
+        ease: 0.049,
+        stop_ahead_s: 0.41,
+        least_rate: 0.037,
+        most_rate: 0.269,
+        least_share: 0.361,
         hold: 0.0,
-        least_rest_s: 0.083,
-        noise: BearingNoise { rate: 0.075, memory_s: 0.983, look: 0.009, worst_look: 0.0139 },
+        least_rest_s: 0.054,
+        noise: BearingNoise { rate: 0.076, memory_s: 0.983, look: 0.0068, worst_look: 0.0135 },
     };
     /// [`Mode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {
         start: 0.98,
+        doubt: 0.0,
         stop: 0.7,
         aim: 0.7,
         horizon_s: 2.0,
@@ -136,6 +140,7 @@ impl Tuning {
     /// [`Mode::Eco`].
     pub const ECO: Self = Self {
         start: 0.99,
+        doubt: 0.0,
         stop: 0.801,
         aim: 0.819,
         horizon_s: 2.602,
@@ -221,7 +226,7 @@ impl OptimalLaw {
         if gap.is_some_and(|gap| gap.as_secs_f64() > LONGEST_GAP_S) {
             self.forget();
         }
-        let focal_px = camera.dynamics().focal_share * f64::from(sight.picture.width);
+        let focal_px = camera.focal_px(sight.captured, sight.picture);
         let (pan, tilt) = camera.pointing(sight.captured);
         let direction = View::new(focal_px, pan, tilt).direction(sight.percept.position);
         self.bearings.look(direction, sight.captured);
@@ -229,7 +234,7 @@ impl OptimalLaw {
         let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
         let prediction = Prediction {
             camera,
-            focal_px,
+            focal_px: camera.focal_px(sight.now, sight.picture),
             region: sight.region,
             bearing: *bearing,
             memory_s: self.tuning.noise.memory_s,
@@ -260,7 +265,8 @@ impl OptimalLaw {
         rested
             && [0.0, 0.5, 1.0].iter().any(|share| {
                 let resting = prediction.resting(share * ahead_s);
-                prediction.region.p(resting.point) > self.tuning.start * self.tuning.start
+                let start = self.tuning.start + self.tuning.doubt * prediction.doubt(share * ahead_s);
+                prediction.region.p(resting.point) > start * start
             })
     }
 
@@ -311,8 +317,21 @@ impl Prediction<'_> {
         self.outlook(span_s, angles)
     }
 
+    /// The deviation of what is known of the target's motion by then, in the region's smaller semi-axis.
+    fn doubt(&self, span_s: f64) -> f64 {
+        let reach = self.reach(span_s);
+        let Bearing { covariance, rate_variance, .. } = self.bearing;
+        let variance = reach * (2.0 * covariance + reach * rate_variance);
+        self.focal_px * libm::sqrt(variance.max(0.0)) / self.region.a_px.min(self.region.b_px)
+    }
+
+    /// For how long the bearing's rate counts, as it fades.
+    fn reach(&self, span_s: f64) -> f64 {
+        self.memory_s * (1.0 - self.fading * libm::exp(-span_s / self.memory_s))
+    }
+
     fn outlook(&self, span_s: f64, [pan, tilt]: Pair) -> Outlook {
-        let reach = self.memory_s * (1.0 - self.fading * libm::exp(-span_s / self.memory_s));
+        let reach = self.reach(span_s);
         let view = View::new(self.focal_px, pan, tilt);
         Outlook { view, point: view.point(self.bearing.direction_after(reach)) }
     }

@@ -53,7 +53,7 @@ impl Shadow {
             // Nothing was seen for so long: the schema's camera, too, would have come to rest.
             self.camera.command(CameraCommand::REST, last.plus(self.coast_motion));
         }
-        let focal_px = camera.dynamics().focal_share * f64::from(sight.picture.width);
+        let focal_px = camera.focal_px(sight.captured, sight.picture);
         let view = |model: &CameraModel| {
             let (pan, tilt) = model.pointing(sight.captured);
             View::new(focal_px, pan, tilt)

@@ -76,11 +76,11 @@ impl Pilot {
                 self.take(&request);
                 None
             }
-            Input::Telemetry(Telemetry { at, report: Report::CameraTilt(tilt) }) => {
-                self.law.tilt_reported(tilt, at);
+            Input::Telemetry(telemetry) => {
+                self.hear(&telemetry);
                 None
             }
-            Input::Telemetry(_) | Input::Tick => None,
+            Input::Tick => None,
         };
         let Some(mut look) = look else {
             return self.conclude(Evidence::NoLook, None, None, now);
@@ -103,6 +103,15 @@ impl Pilot {
         if let OperatorRequest::Select(selection) = request {
             self.pending_selection = Some(*selection);
             self.law.forget();
+        }
+    }
+
+    /// What the vehicle says of its camera is the law's affair.
+    fn hear(&mut self, telemetry: &Telemetry) {
+        match telemetry.report {
+            Report::CameraTilt(tilt) => self.law.tilt_reported(tilt, telemetry.at),
+            Report::FieldOfView(angle) => self.law.field_of_view_reported(angle, telemetry.at),
+            _ => {}
         }
     }
 

@@ -34,6 +34,8 @@ pub enum Report {
     GimbalAttitude(Quaternion),
     /// Where the camera's axis points: above the horizon positive.
     CameraTilt(Angle),
+    /// How much of the world the picture shows from its left edge to its right: it changes where a camera zooms.
+    FieldOfView(Angle),
     /// Where the vehicle stands on its tether.
     Tether {
         /// Angle of the tether from the vertical.

@@ -4,7 +4,6 @@
 //! A frame is right where its IoU with the label is at least 0.5; one in which an absent target is reported is wrong.
 //! Frames without a label do not count.
 
-
 use anyhow::Result;
 
 use super::clips::Clip;

@@ -46,7 +46,7 @@ impl Outlook {
             self.forget();
         }
         let dynamics = camera.dynamics();
-        let focal_px = dynamics.focal_share * f64::from(sight.picture.width);
+        let focal_px = camera.focal_px(sight.captured, sight.picture);
         let (pan, tilt) = camera.pointing(sight.captured);
         self.0.look(View::new(focal_px, pan, tilt).direction(sight.percept.position), sight.captured);
         let (looked, bearing) = self.0.known()?;

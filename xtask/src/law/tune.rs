@@ -19,8 +19,9 @@ use crate::say;
 /// A value that is tuned: its name, its range, and where it is.
 type Knob = (&'static str, (f64, f64), fn(&mut Tuning) -> &mut f64);
 
-const KNOBS: [Knob; 18] = [
+const KNOBS: [Knob; 19] = [
     ("start", (0.7, 1.1), |t| &mut t.start),
+    ("doubt", (0.0, 2.0), |t| &mut t.doubt),
     ("stop", (0.3, 1.0), |t| &mut t.stop),
     ("aim", (0.2, 1.0), |t| &mut t.aim),
     ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),

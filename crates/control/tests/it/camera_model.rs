@@ -153,6 +153,25 @@ fn a_reported_tilt_is_believed_in_time() {
 }
 
 #[test]
+fn a_zoom_counts_from_when_it_was_reported() {
+    let (dynamics, limits) = profile();
+    let picture = PictureSize::new(1000, 600);
+    let mut model = CameraModel::new(dynamics, limits);
+    let first = 1000.0 * dynamics.focal_share;
+    // 2 atan(1/4): the focal length is twice the picture's width.
+    model.field_of_view_reported(Angle::from_radians(2.0 * libm::atan(0.25)), seconds(1.0));
+    assert_eq!(model.focal_px(seconds(0.9), picture), first);
+    assert!((model.focal_px(seconds(1.0), picture) - 2000.0).abs() < 1e-9);
+    let across = model.shift(seconds(0.9), seconds(1.1), picture);
+    assert_eq!((across.shift_u_px, across.deviation_px), (0.0, 1000.0), "nothing is known of that step");
+    assert!(model.shift(seconds(1.1), seconds(1.2), picture).deviation_px < 100.0);
+    for radians in [f64::NAN, 0.0, -1.0, 3.2, 1e9, f64::INFINITY] {
+        model.field_of_view_reported(Angle::from_radians(radians), seconds(2.0));
+        assert!((model.focal_px(seconds(3.0), picture) - 2000.0).abs() < 1e-9, "{radians}");
+    }
+}
+
+#[test]
 fn no_lag_is_no_trouble() {
     let (mut dynamics, limits) = profile();
     dynamics.pan.lag = Duration::ZERO;

@@ -145,6 +145,39 @@ fn a_vehicle_s_least_rate_is_respected() {
 }
 
 #[test]
+fn a_camera_that_zoomed_is_moved_as_one_that_was_built_so() {
+    let zoomed = prompt_vehicle();
+    let mut built = zoomed.clone();
+    built.camera.focal_share = 2.0;
+    let (mut told, mut born) = (law(Mode::MinimumEnergy, &zoomed), law(Mode::MinimumEnergy, &built));
+    let field_of_view = barrelman_vocab::Angle::from_radians(2.0 * libm::atan(0.25));
+    told.field_of_view_reported(field_of_view, Timestamp::from_secs_f64(0.5));
+    for k in 0..60 {
+        let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
+        let position = ImagePoint { x: 4.0 * f64::from(k), y: -f64::from(k) };
+        let [a, b] = [(&mut told, &zoomed), (&mut born, &built)]
+            .map(|(law, profile)| rates(look(law, profile, position, now)));
+        assert!((a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9, "{k}: {a:?} {b:?}");
+        assert!(k < 55 || a[0] > 0.0, "{k}: it leaves");
+    }
+}
+
+#[test]
+fn a_zoom_under_way_is_no_motion_of_the_target() {
+    // A target that stands beside the middle, well inside of the region however near the camera shows it.
+    let vehicle = prompt_vehicle();
+    let mut law = law(Mode::MinimumEnergy, &vehicle);
+    for k in 0..90 {
+        let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
+        let share = if k < 30 { vehicle.camera.focal_share } else { 2.0 * vehicle.camera.focal_share };
+        let field_of_view = barrelman_vocab::Angle::from_radians(2.0 * libm::atan(0.5 / share));
+        law.field_of_view_reported(field_of_view, now.minus(Duration::from_millis(100)));
+        let position = ImagePoint { x: 640.0 * share * libm::tan(0.12), y: 0.0 };
+        assert_eq!(rates(look(&mut law, &vehicle, position, now)), [0.0, 0.0], "{k}");
+    }
+}
+
+#[test]
 fn a_longer_horizon_is_lazier() {
     let profile = VehicleProfile::fotokite_pro();
     let effort = |horizon_s: f64| {

@@ -322,6 +322,7 @@ impl From<&Telemetry> for stored::TelemetryInput {
             Report::VehicleAttitude(q) => Stored::VehicleAttitude(stored_quaternion(q)),
             Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
             Report::CameraTilt(tilt) => Stored::CameraTiltRad(tilt.radians()),
+            Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
             Report::Tether { elevation, azimuth, altitude_m } => Stored::Tether(stored::TetherReport {
                 elevation_rad: elevation.radians(),
                 azimuth_rad: azimuth.radians(),
@@ -360,6 +361,7 @@ impl TryFrom<stored::TelemetryInput> for Entry {
             Stored::VehicleAttitude(q) => Report::VehicleAttitude(quaternion(q)),
             Stored::GimbalAttitude(q) => Report::GimbalAttitude(quaternion(q)),
             Stored::CameraTiltRad(tilt) => Report::CameraTilt(Angle::from_radians(tilt)),
+            Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
             Stored::Tether(tether) => Report::Tether {
                 elevation: Angle::from_radians(tether.elevation_rad),
                 azimuth: Angle::from_radians(tether.azimuth_rad),

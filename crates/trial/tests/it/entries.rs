@@ -150,6 +150,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::VehicleAttitude(q)),
         telemetry(Report::GimbalAttitude(q)),
         telemetry(Report::CameraTilt(Angle::from_radians(value))),
+        telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::Ground {
             control: ControlState::Ours,
             uptime_s: value,
