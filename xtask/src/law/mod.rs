@@ -9,6 +9,7 @@ mod table;
 mod tune;
 
 use anyhow::Result;
+use barrelman_control::optimal::Tuning;
 use clap::Args;
 
 use conditions::{CONDITIONS, Condition};
@@ -25,6 +26,12 @@ pub(crate) struct Options {
     /// Only conditions whose name begins so, or `robustness` (repeatable).
     #[arg(long, value_name = "NAME")]
     pub(crate) only: Vec<String>,
+    /// Only laws whose name begins so, such as `minimum-energy` or `LQG` (repeatable).
+    #[arg(long, value_name = "NAME")]
+    pub(crate) law: Vec<String>,
+    /// Changes a value of `minimum-energy` (repeatable); the names are those that tune-law prints.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<String>,
 }
 
 /// Options of `tune-law`.
@@ -42,6 +49,9 @@ pub(crate) struct TuneOptions {
     /// Seed of the search.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) search: u64,
+    /// Changes a value that the search begins with (repeatable); the names are those that it prints.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<String>,
 }
 
 /// Measures the optimal law; whether every requirement holds.
@@ -56,9 +66,10 @@ pub(crate) fn acceptance(options: &Options) -> Result<bool> {
                 || options.only.iter().any(|name| condition.name().starts_with(name.as_str()))
         })
         .collect();
-    let mut holds = table::print(&chosen, options.first_seed, options.seeds)?;
+    let candidate = tune::with(Tuning::MINIMUM_ENERGY, &options.set)?;
+    let mut holds = table::print(&chosen, options, &candidate)?;
     if options.only.is_empty() || options.only.iter().any(|name| name == "robustness") {
-        holds &= robustness::print(options.first_seed, options.seeds)?;
+        holds &= robustness::print(options.first_seed, options.seeds, &candidate)?;
     }
     Ok(holds)
 }

@@ -86,7 +86,7 @@ fn everything(world: &mut Scenario) {
 }
 
 /// Prints the table; whether the law has less time outside and less energy in every row.
-pub(super) fn print(first_seed: u64, seeds: u64) -> Result<bool> {
+pub(super) fn print(first_seed: u64, seeds: u64, tuning: &Tuning) -> Result<bool> {
     let mut holds = true;
     for scenario in ["lab1", "lab2"] {
         say(&format!(
@@ -100,7 +100,7 @@ pub(super) fn print(first_seed: u64, seeds: u64) -> Result<bool> {
                 .with_profile(case.belief)
                 .reporting_tilt(case.reports);
             let base = trials(&plan, &Subject::Schema, first_seed, seeds)?;
-            let other = trials(&plan, &Subject::Optimal(Tuning::MINIMUM_ENERGY), first_seed, seeds)?;
+            let other = trials(&plan, &Subject::Optimal(*tuning), first_seed, seeds)?;
             let comparison = Comparison::of(&base, &other, &Bootstrap::USUAL);
             let of = |figure| comparison.figures.iter().find(|paired| paired.figure == figure);
             let (outside, energy, moves) = (of("time outside"), of("integral of rate squared"), of("moves"));

@@ -5,6 +5,7 @@ use barrelman_control::optimal::Tuning;
 use barrelman_trial::campaign::compare::{Comparison, Paired};
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
 
+use super::Options;
 use super::conditions::{Condition, Subject, trials};
 use crate::say;
 
@@ -27,7 +28,9 @@ const COLUMNS: [(&str, &str); 11] = [
 const SEEDS_OF_SLOW: u64 = 48;
 
 /// Prints it; whether every requirement holds.
-pub(super) fn print(conditions: &[&Condition], first_seed: u64, seeds: u64) -> Result<bool> {
+pub(super) fn print(conditions: &[&Condition], options: &Options, minimum_energy: &Tuning) -> Result<bool> {
+    let Options { first_seed, seeds, .. } = *options;
+    let wanted = |name: &str| options.law.is_empty() || options.law.iter().any(|law| name.starts_with(law));
     let mut holds = true;
     for condition in conditions {
         let plan = condition.plan()?;
@@ -37,7 +40,7 @@ pub(super) fn print(conditions: &[&Condition], first_seed: u64, seeds: u64) -> R
             condition.name()
         ));
         for (name, subject) in [
-            ("minimum-energy", Subject::Optimal(Tuning::MINIMUM_ENERGY)),
+            ("minimum-energy", Subject::Optimal(*minimum_energy)),
             ("time-fuel", Subject::Optimal(Tuning::TIME_FUEL)),
             ("eco", Subject::Optimal(Tuning::ECO)),
             ("centre", Subject::Centre),
@@ -45,6 +48,9 @@ pub(super) fn print(conditions: &[&Condition], first_seed: u64, seeds: u64) -> R
             ("LQG, weight 10", Subject::Lqg(10.0)),
             ("MPC", Subject::Mpc),
         ] {
+            if !wanted(name) {
+                continue;
+            }
             // A solver at each picture takes its time.
             let count = if subject.is_slow() { seeds.min(SEEDS_OF_SLOW) } else { seeds };
             let other = trials(&plan, &subject, first_seed, count)?;

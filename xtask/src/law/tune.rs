@@ -4,7 +4,7 @@
 //! The cost counts by how much each requirement's ratio lies above its limit less a margin, and, much less, time outside
 //! and energy themselves.
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use barrelman_control::optimal::Tuning;
 use barrelman_sim::noise;
 use barrelman_station::law_choice::ModeName;
@@ -73,7 +73,7 @@ pub(super) fn run(options: &TuneOptions) -> Result<bool> {
             Ok(Judge { condition, plan, base })
         })
         .collect::<Result<_>>()?;
-    let mut best = mode;
+    let mut best = with(mode, &options.set)?;
     let mut least = cost(&judges, name, &best, options.seeds)?;
     say(&format!("{name}: {least:.5} to begin with"));
     for round in 0..options.rounds {
@@ -91,10 +91,34 @@ pub(super) fn run(options: &TuneOptions) -> Result<bool> {
         let cost = cost(&judges, name, &candidate, options.seeds)?;
         if cost < least {
             (best, least) = (candidate, cost);
-            say(&format!("round {round}: {least:.5} {best:?}"));
+            say(&format!("round {round}: {least:.5} {}", in_words(&best)));
         }
     }
     Ok(true)
+}
+
+/// A tuning with some of its values changed.
+///
+/// # Errors
+/// If there is no such value, or it is no number.
+pub(super) fn with(mut tuning: Tuning, changes: &[String]) -> Result<Tuning> {
+    for change in changes {
+        let (name, value) = change.split_once('=').with_context(|| format!("{change}: write NAME=VALUE"))?;
+        let Some((_, _, at)) = KNOBS.iter().find(|(known, ..)| *known == name) else {
+            let known: Vec<&str> = KNOBS.iter().map(|(name, ..)| *name).collect();
+            bail!("{name}: there is no such value: it is one of {}", known.join(", "));
+        };
+        *at(&mut tuning) = value.parse().with_context(|| format!("{change}: {value} is no number"))?;
+    }
+    Ok(tuning)
+}
+
+/// How a tuning is given to `--set`.
+fn in_words(tuning: &Tuning) -> String {
+    let mut tuning = *tuning;
+    let words: Vec<String> =
+        KNOBS.iter().map(|(name, _, at)| format!("--set {name}={:.4}", at(&mut tuning))).collect();
+    words.join(" ")
 }
 
 /// What nobody requires, and what is wanted nevertheless: a camera that rests, too. Where the schema hardly moves at all,
