@@ -1,68 +1,86 @@
 //! The bearing filter: in what direction the target is and how fast that turns, in a frame that does not turn with the
 //! camera.
 //!
-//! A Kalman filter on the sphere, the same in every direction across the line of sight: the rate is an
+//! A Kalman filter on the sphere, the same in every direction across the line of sight. The target's rate is an
 //! Ornstein-Uhlenbeck process (it keeps its value for about [`BearingNoise::memory_s`] and has the deviation
-//! [`BearingNoise::rate`] in each of two directions), the bearing its integral, and a look measures the bearing with the
-//! deviation [`BearingNoise::look`], in which the kite's own sway is counted that the camera's model does not know: how
-//! far looks lie from what was predicted says how much that is, and in wind the filter smooths more. Steps are as long as the pictures are apart; a picture that comes again is no look; through a gap the covariance
-//! grows as it should. O(1), no allocation.
+//! [`BearingNoise::rate`] in each of two directions), its bearing the integral of that. The kite's own sway, which is in
+//! no command, is another such process on the bearing itself: it jumps about, and drifts back. How far looks lie from
+//! what was predicted says how much sway there is. Steps are as long as the pictures are apart; a picture that comes
+//! again is no look; through a gap the covariance grows as it should. O(1), no allocation.
 
 use barrelman_vocab::Timestamp;
 
 pub use crate::view::Direction;
 
-/// How a target's bearing turns and how well it is seen.
+/// How a target's bearing turns and how well it is seen; deviations are those in each of two directions across the line
+/// of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingNoise {
-    /// Deviation of the bearing's rate, rad/s, in each of two directions across the line of sight.
+    /// Deviation of the bearing's rate, rad/s.
     pub rate: f64,
     /// How long the rate keeps its value, seconds.
     pub memory_s: f64,
-    /// Deviation of a look where nothing sways, rad, in each of two directions.
+    /// Deviation of a look where nothing sways, rad.
     pub look: f64,
-    /// The most that it is taken to be: between the two it follows what the looks themselves show.
-    pub worst_look: f64,
+    /// The most that the kite's sway is taken to be, rad: up to that it follows what the looks themselves show.
+    pub sway: f64,
+    /// How long the sway keeps its value, seconds.
+    pub sway_memory_s: f64,
 }
+
+/// Symmetric: bearing, rate, sway.
+type Covariance = [[f64; 3]; 3];
 
 /// A bearing, how fast it turns, and how well both are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bearing {
-    /// Where the target is.
-    pub direction: Direction,
+    /// Where the target is, without the sway.
+    direction: Direction,
     /// How the direction changes, 1/s; across the direction.
-    pub rate: [f64; 3],
-    /// Variance of the direction across the line of sight, rad².
-    pub variance: f64,
-    /// Its covariance with the rate, rad²/s.
-    pub covariance: f64,
-    /// Variance of the rate, rad²/s².
-    pub rate_variance: f64,
+    rate: [f64; 3],
+    /// By what the sway shifts it; across the direction.
+    sway: [f64; 3],
+    covariance: Covariance,
 }
 
 /// Rates beyond this are no target's, rad/s.
 const FASTEST: f64 = 1.0;
 /// Innovations beyond so many deviations are taken for so many: a jump of the tracker counts for less.
 const FARTHEST: f64 = 4.0;
-/// By what share of a surprise the deviation of a look is corrected.
-const LEARNING_SHARE: f64 = 0.015;
+/// How long what looks show of the sway counts, seconds.
+const SWAY_LEARNT_OVER_S: f64 = 2.0;
 
 impl Bearing {
     /// After a first look.
     fn first(direction: Direction, noise: &BearingNoise) -> Self {
-        Self {
-            direction,
-            rate: [0.0; 3],
-            variance: noise.look * noise.look,
-            covariance: 0.0,
-            rate_variance: noise.rate * noise.rate,
-        }
+        let mut covariance = [[0.0; 3]; 3];
+        covariance[0][0] = noise.look * noise.look;
+        covariance[1][1] = noise.rate * noise.rate;
+        Self { direction, rate: [0.0; 3], sway: [0.0; 3], covariance }
     }
 
-    /// Where the target is after its rate has gone on for so long; `reach_s` is that time less what is lost as the rate
-    /// fades.
-    pub(crate) fn direction_after(&self, reach_s: f64) -> Direction {
-        unit([0, 1, 2].map(|i| self.direction[i] + reach_s * self.rate[i]))
+    /// In what direction the target is seen, the sway in it.
+    pub fn seen(&self) -> Direction {
+        unit([0, 1, 2].map(|i| self.direction[i] + self.sway[i]))
+    }
+
+    /// Variance of that direction in each of two directions across, rad².
+    pub fn variance(&self) -> f64 {
+        let [of_bearing, _, of_sway] = self.covariance;
+        of_bearing[0] + 2.0 * of_bearing[2] + of_sway[2]
+    }
+
+    /// In what direction it will be seen when its rate has gone on for so long and so much of the sway is left.
+    pub(crate) fn seen_after(&self, reach_s: f64, sway_left: f64) -> Direction {
+        unit([0, 1, 2].map(|i| self.direction[i] + reach_s * self.rate[i] + sway_left * self.sway[i]))
+    }
+
+    /// Deviation, rad, of what its rate and the sway make of that direction.
+    pub(crate) fn doubt_after(&self, reach_s: f64, sway_left: f64) -> f64 {
+        let row = [1.0, reach_s, sway_left];
+        let variance: f64 =
+            (0..3).map(|i| (0..3).map(|j| row[i] * row[j] * self.covariance[i][j]).sum::<f64>()).sum();
+        libm::sqrt((variance - self.variance()).max(0.0))
     }
 
     /// How fast the bearing turns, rad/s.
@@ -70,44 +88,55 @@ impl Bearing {
         libm::sqrt(dot(self.rate, self.rate))
     }
 
-    /// `span_s` later, unseen.
-    pub fn after(&self, span_s: f64, noise: &BearingNoise) -> Self {
+    /// `span_s` later, unseen, where the sway has that variance.
+    fn after(&self, span_s: f64, noise: &BearingNoise, sway_variance: f64) -> Self {
         let memory = noise.memory_s;
         let kept = libm::exp(-span_s / memory);
         let reach = memory * (1.0 - kept);
+        let sway_left = libm::exp(-span_s / noise.sway_memory_s);
         let variance = noise.rate * noise.rate;
         let wander = variance * memory * (2.0 * span_s - memory * (3.0 - kept * (4.0 - kept)));
-        let direction = self.direction_after(reach);
+        let [[bb, br, bs], [_, rr, rs], [_, _, ss]] = self.covariance;
+        let bearing = bb + reach * (2.0 * br + reach * rr) + wander.max(0.0);
+        let with_rate = kept * (br + reach * rr) + variance * reach * reach / memory;
+        let with_sway = sway_left * (bs + reach * rs);
+        let rate = kept * kept * rr + variance * (1.0 - kept * kept);
+        let rate_with_sway = kept * sway_left * rs;
+        let sway = sway_left * sway_left * ss + sway_variance * (1.0 - sway_left * sway_left);
+        let direction = unit([0, 1, 2].map(|i| self.direction[i] + reach * self.rate[i]));
         Self {
             direction,
             rate: across(self.rate.map(|rate| kept * rate), direction),
-            variance: self.variance
-                + reach * (2.0 * self.covariance + reach * self.rate_variance)
-                + wander.max(0.0),
-            covariance: kept * (self.covariance + reach * self.rate_variance)
-                + variance * reach * reach / memory,
-            rate_variance: kept * kept * self.rate_variance + variance * (1.0 - kept * kept),
+            sway: across(self.sway.map(|sway| sway_left * sway), direction),
+            covariance: [
+                [bearing, with_rate, with_sway],
+                [with_rate, rate, rate_with_sway],
+                [with_sway, rate_with_sway, sway],
+            ],
         }
     }
 
     /// How far a look lies off, across the line of sight.
     fn off(&self, look: Direction) -> [f64; 3] {
-        across([0, 1, 2].map(|i| look[i] - self.direction[i]), self.direction)
+        let seen = self.seen();
+        across([0, 1, 2].map(|i| look[i] - seen[i]), self.direction)
     }
 
     /// After a look that lies so far off.
-    fn seen(&self, off: [f64; 3], look_variance: f64) -> Self {
-        let spread = self.variance + look_variance;
+    fn corrected(&self, off: [f64; 3], look_variance: f64) -> Self {
+        let spread = self.variance() + look_variance;
         let innovation = shortened(off, FARTHEST * libm::sqrt(spread));
-        let (gain, rate_gain) = (self.variance / spread, self.covariance / spread);
-        let direction = unit([0, 1, 2].map(|i| self.direction[i] + gain * innovation[i]));
-        let rate = [0, 1, 2].map(|i| self.rate[i] + rate_gain * innovation[i]);
+        let shares = self.covariance.map(|row| row[0] + row[2]);
+        let [of_bearing, of_rate, of_sway] = shares.map(|share| share / spread);
+        let direction = unit([0, 1, 2].map(|i| self.direction[i] + of_bearing * innovation[i]));
+        let rate = [0, 1, 2].map(|i| self.rate[i] + of_rate * innovation[i]);
+        let sway = [0, 1, 2].map(|i| self.sway[i] + of_sway * innovation[i]);
         Self {
             direction,
             rate: shortened(across(rate, direction), FASTEST),
-            variance: (1.0 - gain) * self.variance,
-            covariance: (1.0 - gain) * self.covariance,
-            rate_variance: self.rate_variance - rate_gain * self.covariance,
+            sway: across(sway, direction),
+            covariance: [0, 1, 2]
+                .map(|i| [0, 1, 2].map(|j| self.covariance[i][j] - shares[i] * shares[j] / spread)),
         }
     }
 }
@@ -138,17 +167,17 @@ fn shortened(vector: [f64; 3], most: f64) -> [f64; 3] {
 }
 
 /// The filter with what it knows.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct BearingFilter {
     noise: BearingNoise,
     known: Option<(Timestamp, Bearing)>,
-    look_variance: f64,
+    sway_variance: f64,
 }
 
 impl BearingFilter {
     /// A filter that has seen nothing.
     pub const fn new(noise: BearingNoise) -> Self {
-        Self { known: None, look_variance: noise.look * noise.look, noise }
+        Self { noise, known: None, sway_variance: 0.0 }
     }
 
     /// Forgets what it has seen.
@@ -161,14 +190,20 @@ impl BearingFilter {
         self.known.as_ref()
     }
 
-    /// Takes from a look how well looks show the target: its squared distance from what was predicted, in two
-    /// directions, and the variance of the prediction.
-    fn learn(&mut self, off_squared: f64, predicted: f64) {
-        let (best, worst) =
-            (self.noise.look * self.noise.look, self.noise.worst_look * self.noise.worst_look);
-        let shown = (0.5 * off_squared - predicted).clamp(0.0, FARTHEST * FARTHEST * worst);
-        self.look_variance += LEARNING_SHARE * (shown - self.look_variance);
-        self.look_variance = self.look_variance.clamp(best, worst.max(best));
+    /// The bearing so long after the last look.
+    pub fn expected(&self, span_s: f64) -> Option<Bearing> {
+        self.known.map(|(_, bearing)| bearing.after(span_s, &self.noise, self.sway_variance))
+    }
+
+    /// Takes from a look how much sway there is: its squared distance from what was predicted, in two directions, beside
+    /// the variance of that prediction, `span_s` after the look before.
+    fn learn(&mut self, off_squared: f64, predicted: f64, span_s: f64) {
+        let most = self.noise.sway * self.noise.sway;
+        let renewed = 1.0 - libm::exp(-2.0 * span_s / self.noise.sway_memory_s);
+        let without = predicted + self.noise.look * self.noise.look - self.sway_variance * renewed;
+        let shown = ((0.5 * off_squared - without) / renewed).clamp(-FARTHEST * most, FARTHEST * most);
+        let share = 1.0 - libm::exp(-span_s / SWAY_LEARNT_OVER_S);
+        self.sway_variance = (self.sway_variance + share * (shown - self.sway_variance)).clamp(0.0, most);
     }
 
     /// A look at `captured` showed the target in this direction. One that is not later than the last tells nothing.
@@ -180,11 +215,10 @@ impl BearingFilter {
             Some((last, _)) if captured <= *last => return,
             Some((last, before)) => {
                 let span_s = captured.since(*last).as_secs_f64();
-                let expected = before.after(span_s, &self.noise);
+                let expected = before.after(span_s, &self.noise, self.sway_variance);
                 let off = expected.off(direction);
-                let next = expected.seen(off, self.look_variance);
-                self.learn(dot(off, off), expected.variance);
-                next
+                self.learn(dot(off, off), expected.variance(), span_s);
+                expected.corrected(off, self.noise.look * self.noise.look)
             }
             None => Bearing::first(direction, &self.noise),
         };

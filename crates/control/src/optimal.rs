@@ -76,6 +76,9 @@ pub struct Tuning {
     pub horizon_s: f64,
     /// By what share that time is longer where it stands: there is time, and gentle movements take less energy.
     pub lazy: f64,
+    /// By what power of the turning that it takes that time is longer: looking down steeply, where pan hardly moves what
+    /// is seen, there is little to be had for much energy.
+    pub thrift: f64,
     /// By how much wider stop and aim are where it stands: what moves slowly need not be fetched far in.
     pub ease: f64,
     /// How far ahead it looks for the start, seconds, where the target is fast.
@@ -109,6 +112,7 @@ impl Tuning {
         start_ahead_s: 1.14,
         fast: 0.0401,
         lazy: 0.105,
+        thrift: 0.0,
         ease: 0.049,
         stop_ahead_s: 0.41,
         least_rate: 0.037,
@@ -116,7 +120,7 @@ impl Tuning {
         least_share: 0.361,
         hold: 0.0,
         least_rest_s: 0.054,
-        noise: BearingNoise { rate: 0.076, memory_s: 0.983, look: 0.0068, worst_look: 0.0135 },
+        noise: BearingNoise { rate: 0.076, memory_s: 0.983, look: 0.003, sway: 0.06, sway_memory_s: 2.0 },
     };
     /// [`Mode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {
@@ -128,6 +132,7 @@ impl Tuning {
         start_ahead_s: 0.3,
         fast: 0.1,
         lazy: 0.0,
+        thrift: 0.0,
         ease: 0.0,
         stop_ahead_s: 0.6,
         least_rate: 0.28,
@@ -135,7 +140,7 @@ impl Tuning {
         least_share: 0.12,
         hold: 0.06,
         least_rest_s: 0.3,
-        noise: BearingNoise { rate: 0.16, memory_s: 1.0, look: 0.005, worst_look: 0.015 },
+        noise: BearingNoise { rate: 0.16, memory_s: 1.0, look: 0.003, sway: 0.06, sway_memory_s: 2.0 },
     };
     /// [`Mode::Eco`].
     pub const ECO: Self = Self {
@@ -147,6 +152,7 @@ impl Tuning {
         start_ahead_s: 0.003,
         fast: 0.195,
         lazy: 0.111,
+        thrift: 0.0,
         ease: 0.0,
         stop_ahead_s: 0.784,
         least_rate: 0.259,
@@ -154,7 +160,7 @@ impl Tuning {
         least_share: 0.376,
         hold: 0.016,
         least_rest_s: 0.286,
-        noise: BearingNoise { rate: 0.144, memory_s: 0.795, look: 0.0085, worst_look: 0.0164 },
+        noise: BearingNoise { rate: 0.144, memory_s: 0.795, look: 0.003, sway: 0.06, sway_memory_s: 2.0 },
     };
 }
 
@@ -185,9 +191,10 @@ struct Prediction<'a> {
     focal_px: f64,
     region: Region,
     bearing: Bearing,
-    memory_s: f64,
-    /// What is left of the bearing's rate by the time that a command counts.
+    noise: BearingNoise,
+    /// What is left of the bearing's rate and of the sway by the time that a command counts.
     fading: f64,
+    sway_left: f64,
     /// The slower axis' dead time, seconds.
     start_s: f64,
 }
@@ -232,15 +239,16 @@ impl OptimalLaw {
         self.bearings.look(direction, sight.captured);
         let Some((looked, bearing)) = self.bearings.known() else { return CameraCommand::REST };
         let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
+        let noise = self.tuning.noise;
+        let age_s = sight.now.since(*looked).as_secs_f64() + start_s;
         let prediction = Prediction {
             camera,
             focal_px: camera.focal_px(sight.now, sight.picture),
             region: sight.region,
             bearing: *bearing,
-            memory_s: self.tuning.noise.memory_s,
-            fading: libm::exp(
-                -(sight.now.since(*looked).as_secs_f64() + start_s) / self.tuning.noise.memory_s,
-            ),
+            noise,
+            fading: libm::exp(-age_s / noise.memory_s),
+            sway_left: libm::exp(-age_s / noise.sway_memory_s),
             start_s,
         };
         let was_moving = !self.asked.is_rest();
@@ -279,7 +287,9 @@ impl OptimalLaw {
     /// The rates of a camera that moves.
     fn rates(&self, prediction: &Prediction<'_>) -> CameraCommand {
         let leisure = 1.0 - self.pace(prediction);
-        let horizon_s = (1.0 + self.tuning.lazy * leisure) * self.tuning.horizon_s;
+        let horizon_s = (1.0 + self.tuning.lazy * leisure)
+            * libm::pow(prediction.effort(), self.tuning.thrift)
+            * self.tuning.horizon_s;
         let transfer =
             prediction.transfer(horizon_s, self.tuning.aim + self.tuning.ease * leisure, self.limits);
         let wanted = transfer.solve().rates;
@@ -317,23 +327,38 @@ impl Prediction<'_> {
         self.outlook(span_s, angles)
     }
 
+    /// How much more turning it takes to move the target to the middle than it takes a camera that looks level; at least
+    /// 1, and at most 4 where pan moves nothing.
+    fn effort(&self) -> f64 {
+        const LEAST_GAIN: f64 = 0.25;
+        let Outlook { view, point } = self.resting(0.0);
+        let gains = view.sensitivity(point);
+        let across = point.x * self.focal_px / gains.pan[0].abs().max(LEAST_GAIN * self.focal_px);
+        let along = point.y * self.focal_px / gains.tilt[1].abs().max(LEAST_GAIN * self.focal_px);
+        let level = libm::hypot(point.x, point.y).max(1.0);
+        (libm::hypot(across, along) / level).max(1.0)
+    }
+
     /// The deviation of what is known of the target's motion by then, in the region's smaller semi-axis.
     fn doubt(&self, span_s: f64) -> f64 {
-        let reach = self.reach(span_s);
-        let Bearing { covariance, rate_variance, .. } = self.bearing;
-        let variance = reach * (2.0 * covariance + reach * rate_variance);
-        self.focal_px * libm::sqrt(variance.max(0.0)) / self.region.a_px.min(self.region.b_px)
+        let deviation = self.bearing.doubt_after(self.reach(span_s), self.sway_left(span_s));
+        self.focal_px * deviation / self.region.a_px.min(self.region.b_px)
     }
 
     /// For how long the bearing's rate counts, as it fades.
     fn reach(&self, span_s: f64) -> f64 {
-        self.memory_s * (1.0 - self.fading * libm::exp(-span_s / self.memory_s))
+        self.noise.memory_s * (1.0 - self.fading * libm::exp(-span_s / self.noise.memory_s))
+    }
+
+    /// What is left of the sway.
+    fn sway_left(&self, span_s: f64) -> f64 {
+        self.sway_left * libm::exp(-span_s / self.noise.sway_memory_s)
     }
 
     fn outlook(&self, span_s: f64, [pan, tilt]: Pair) -> Outlook {
-        let reach = self.reach(span_s);
+        let direction = self.bearing.seen_after(self.reach(span_s), self.sway_left(span_s));
         let view = View::new(self.focal_px, pan, tilt);
-        Outlook { view, point: view.point(self.bearing.direction_after(reach)) }
+        Outlook { view, point: view.point(direction) }
     }
 
     /// The problem of bringing the target into the aim within the horizon.

@@ -23,7 +23,7 @@ pub(crate) struct Options {
     /// The first of them: nothing was tuned on those from 20,000 on.
     #[arg(long, value_name = "SEED", default_value_t = 20_000)]
     pub(crate) first_seed: u64,
-    /// Only conditions whose name begins so, or `robustness` (repeatable).
+    /// Only conditions whose name begins so, or `robustness` or `vehicles` (repeatable).
     #[arg(long, value_name = "NAME")]
     pub(crate) only: Vec<String>,
     /// Only laws whose name begins so, such as `minimum-energy` or `LQG` (repeatable).
@@ -70,6 +70,9 @@ pub(crate) fn acceptance(options: &Options) -> Result<bool> {
     let mut holds = table::print(&chosen, options, &candidate)?;
     if options.only.is_empty() || options.only.iter().any(|name| name == "robustness") {
         holds &= robustness::print(options.first_seed, options.seeds, &candidate)?;
+    }
+    if options.only.is_empty() || options.only.iter().any(|name| name == "vehicles") {
+        holds &= robustness::print_vehicles(options.first_seed, options.seeds, &candidate)?;
     }
     Ok(holds)
 }

@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use barrelman_control::optimal::Tuning;
 use barrelman_control::view::View;
-use barrelman_control::{Bearing, BearingFilter, CameraModel, Sight};
+use barrelman_control::{BearingFilter, CameraModel, Sight};
 use barrelman_vocab::ImagePoint;
 
 /// Without a look for so long it begins anew, seconds.
@@ -22,7 +22,9 @@ pub(super) struct Outlook(BearingFilter);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ahead {
     focal_px: f64,
-    bearing: Bearing,
+    /// What is known of the target, and how long before that time it was last seen.
+    target: BearingFilter,
+    age_s: f64,
     /// Pan and tilt, radians, and how fast they turn, rad/s.
     pub(super) angles: [f64; 2],
     pub(super) rates: [f64; 2],
@@ -49,7 +51,7 @@ impl Outlook {
         let focal_px = camera.focal_px(sight.captured, sight.picture);
         let (pan, tilt) = camera.pointing(sight.captured);
         self.0.look(View::new(focal_px, pan, tilt).direction(sight.percept.position), sight.captured);
-        let (looked, bearing) = self.0.known()?;
+        let (looked, _) = self.0.known()?;
         let dead_time = dynamics.pan.start_dead_time.max(dynamics.tilt.start_dead_time);
         let counts = sight.now.plus(dead_time);
         let (pan, tilt) = camera.pointing(counts);
@@ -57,7 +59,8 @@ impl Outlook {
         let age: Duration = counts.since(*looked);
         Some(Ahead {
             focal_px,
-            bearing: bearing.after(age.as_secs_f64(), &NOISE),
+            target: self.0,
+            age_s: age.as_secs_f64(),
             angles: [pan, tilt],
             rates: [pan_rate, tilt_rate],
         })
@@ -71,6 +74,7 @@ impl Ahead {
     /// The view and where the target is in it after so long, with the camera turned by these angles until then.
     pub(super) fn seen(&self, after_s: f64, turned: [f64; 2]) -> (View, ImagePoint) {
         let view = View::new(self.focal_px, self.angles[0] + turned[0], self.angles[1] + turned[1]);
-        (view, view.point(self.bearing.after(after_s, &NOISE).direction))
+        let direction = self.target.expected(self.age_s + after_s).map(|bearing| bearing.seen());
+        (view, direction.map_or(ImagePoint { x: 0.0, y: 0.0 }, |direction| view.point(direction)))
     }
 }

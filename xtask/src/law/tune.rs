@@ -19,7 +19,7 @@ use crate::say;
 /// A value that is tuned: its name, its range, and where it is.
 type Knob = (&'static str, (f64, f64), fn(&mut Tuning) -> &mut f64);
 
-const KNOBS: [Knob; 19] = [
+const KNOBS: [Knob; 21] = [
     ("start", (0.7, 1.1), |t| &mut t.start),
     ("doubt", (0.0, 2.0), |t| &mut t.doubt),
     ("stop", (0.3, 1.0), |t| &mut t.stop),
@@ -32,10 +32,12 @@ const KNOBS: [Knob; 19] = [
     ("least_share", (0.0, 0.5), |t| &mut t.least_share),
     ("least_rest_s", (0.0, 0.6), |t| &mut t.least_rest_s),
     ("noise.rate", (0.05, 0.3), |t| &mut t.noise.rate),
-    ("noise.memory_s", (0.5, 3.0), |t| &mut t.noise.memory_s),
-    ("noise.look", (0.002, 0.03), |t| &mut t.noise.look),
-    ("noise.worst_look", (0.002, 0.06), |t| &mut t.noise.worst_look),
+    ("noise.memory_s", (0.5, 6.0), |t| &mut t.noise.memory_s),
+    ("noise.look", (0.0005, 0.03), |t| &mut t.noise.look),
+    ("noise.sway", (0.0, 0.15), |t| &mut t.noise.sway),
+    ("noise.sway_memory_s", (0.3, 8.0), |t| &mut t.noise.sway_memory_s),
     ("fast", (0.01, 0.5), |t| &mut t.fast),
+    ("thrift", (0.0, 3.0), |t| &mut t.thrift),
     ("lazy", (0.0, 3.0), |t| &mut t.lazy),
     ("ease", (0.0, 0.4), |t| &mut t.ease),
     ("hold", (0.0, 0.1), |t| &mut t.hold),

@@ -3,7 +3,8 @@
 use barrelman_control::{BearingFilter, BearingNoise};
 use barrelman_vocab::Timestamp;
 
-const NOISE: BearingNoise = BearingNoise { rate: 0.14, memory_s: 1.1, look: 0.004, worst_look: 0.004 };
+const NOISE: BearingNoise =
+    BearingNoise { rate: 0.14, memory_s: 1.1, look: 0.004, sway: 0.0, sway_memory_s: 2.0 };
 
 fn gauss(state: &mut u64) -> f64 {
     let mut unit = || {
@@ -19,13 +20,14 @@ fn toward(azimuth: f64, elevation: f64) -> [f64; 3] {
     [cos_e * sin_a, cos_e * cos_a, sin_e]
 }
 
-/// A target near the horizon whose rates are what the filter takes them for, seen at steps of `step_s`, some of them
-/// not at all; the mean squared error of its azimuth in units of the variance that the filter gives.
-fn surprise(step_s: f64, seen_share: f64) -> f64 {
+/// A target near the horizon whose rates and sway are what the filter takes them for, seen at steps of `step_s`, some of
+/// them not at all; the mean squared error of its azimuth in units of the variance that the filter gives.
+fn surprise(noise: BearingNoise, sway: f64, step_s: f64, seen_share: f64) -> f64 {
     const FINE: usize = 8;
     let mut state = 7;
-    let mut filter = BearingFilter::new(NOISE);
+    let mut filter = BearingFilter::new(noise);
     let (mut angle, mut rate) = (0.0, 0.0);
+    let mut swung = [0.0; 2];
     let (mut sum, mut count) = (0.0, 0.0);
     for k in 1..40_000_u64 {
         for _ in 0..FINE {
@@ -33,18 +35,24 @@ fn surprise(step_s: f64, seen_share: f64) -> f64 {
             let kept = libm::exp(-dt / NOISE.memory_s);
             angle += dt * rate;
             rate = kept * rate + NOISE.rate * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
+            let kept = libm::exp(-dt / noise.sway_memory_s);
+            for swung in &mut swung {
+                *swung = kept * *swung + sway * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
+            }
         }
         let now = Timestamp::from_secs_f64(k as f64 * step_s);
-        if let Some((last, bearing)) = filter.known().copied().filter(|_| k > 100) {
-            let expected = bearing.after(now.since(last).as_secs_f64(), &NOISE);
-            let azimuth = libm::atan2(expected.direction[0], expected.direction[1]);
-            let off = libm::remainder(azimuth - angle, core::f64::consts::TAU);
-            sum += off * off / expected.variance;
+        if let Some((last, _)) = filter.known().copied().filter(|_| k > 300) {
+            let expected = filter.expected(now.since(last).as_secs_f64()).unwrap();
+            let [across, along, _] = expected.seen();
+            let azimuth = libm::atan2(across, along);
+            let off = libm::remainder(azimuth - angle - swung[0], core::f64::consts::TAU);
+            sum += off * off / expected.variance();
             count += 1.0;
         }
         let shown = (gauss(&mut state) > 0.0) || seen_share >= 1.0;
         if shown {
-            let look = toward(angle + NOISE.look * gauss(&mut state), NOISE.look * gauss(&mut state));
+            let off = [0, 1].map(|k| swung[k] + noise.look * gauss(&mut state));
+            let look = toward(angle + off[0], off[1]);
             filter.look(look, now);
         }
     }
@@ -54,7 +62,7 @@ fn surprise(step_s: f64, seen_share: f64) -> f64 {
 #[test]
 fn its_variance_is_honest_at_any_rate_of_pictures_and_through_gaps() {
     for (step_s, seen_share) in [(1.0 / 60.0, 1.0), (1.0 / 30.0, 1.0), (0.1, 1.0), (1.0 / 30.0, 0.5)] {
-        let surprise = surprise(step_s, seen_share);
+        let surprise = surprise(NOISE, 0.0, step_s, seen_share);
         assert!((0.85..1.15).contains(&surprise), "every {step_s} s, seen {seen_share}: {surprise}");
     }
 }
@@ -87,21 +95,32 @@ fn a_target_may_pass_right_below() {
 }
 
 #[test]
-fn in_wind_it_learns_that_looks_are_worse() {
-    let noise = BearingNoise { worst_look: 0.03, ..NOISE };
-    let spread = |sway: f64| {
+fn it_learns_how_much_the_kite_sways() {
+    let noise = BearingNoise { sway: 0.12, ..NOISE };
+    for sway in [0.0, 0.02, 0.06] {
+        let surprise = surprise(noise, sway, 1.0 / 30.0, 1.0);
+        assert!((0.85..1.25).contains(&surprise), "a sway of {sway} rad: {surprise}");
+    }
+}
+
+#[test]
+fn sway_is_hardly_taken_for_the_targets_own_motion() {
+    let noise = BearingNoise { sway: 0.12, ..NOISE };
+    let speed = |noise: BearingNoise| {
         let mut filter = BearingFilter::new(noise);
-        let mut state = 3;
-        let mut sum = 0.0;
-        for k in 0..900_u64 {
-            let look = toward(sway * gauss(&mut state), -0.4);
-            filter.look(look, Timestamp::from_secs_f64(k as f64 / 30.0));
+        let (mut state, mut swung, mut sum) = (3, [0.0; 2], 0.0);
+        for k in 0..3000_u64 {
+            let kept = libm::exp(-1.0 / 30.0 / noise.sway_memory_s);
+            for swung in &mut swung {
+                *swung = kept * *swung + 0.06 * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
+            }
+            filter.look(toward(swung[0], swung[1] - 0.4), Timestamp::from_secs_f64(k as f64 / 30.0));
             if k > 300 {
                 sum += filter.known().unwrap().1.speed();
             }
         }
-        sum / 600.0
+        sum / 2700.0
     };
-    let (calm, windy) = (spread(0.004), spread(0.02));
-    assert!(windy < 3.0 * calm, "five times the sway gives {windy} for {calm} rad/s");
+    let (told, untold) = (speed(noise), speed(NOISE));
+    assert!(told < 0.5 * untold, "at rest it turns at {told} rad/s, or {untold} where no sway is known");
 }

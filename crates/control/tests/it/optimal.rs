@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_control::optimal::{Mode, OptimalSettings};
+use barrelman_control::optimal::{Mode, OptimalLaw, OptimalSettings, Tuning};
 use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, Timestamp, VehicleProfile};
 use proptest::prelude::*;
@@ -111,6 +111,20 @@ fn a_target_found_outside_is_fetched_within_a_few_horizons() {
 }
 
 #[test]
+fn looking_down_steeply_pan_is_spared() {
+    let first = |down: f64, thrift: f64| {
+        let mut profile = VehicleProfile::fotokite_pro();
+        profile.camera.first_tilt = barrelman_vocab::Angle::from_degrees(-down);
+        let tuning = Tuning { thrift, horizon_s: 3.0, ..Tuning::MINIMUM_ENERGY };
+        let mut law = CameraLaw::of(Box::new(OptimalLaw::tuned(tuning, &profile)), &profile);
+        rates(look(&mut law, &profile, ImagePoint { x: 190.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)))[0]
+    };
+    assert!((first(0.0, 1.0) - first(0.0, 0.0)).abs() < 1e-3, "looking level nothing is to be spared");
+    assert!(first(60.0, 1.0) < 0.8 * first(60.0, 0.0), "{} {}", first(60.0, 1.0), first(60.0, 0.0));
+    assert!(first(85.0, 1.0) > 0.0, "it does not give up");
+}
+
+#[test]
 fn both_axes_move_at_once() {
     let profile = VehicleProfile::fotokite_pro();
     let mut law = law(Mode::MinimumEnergy, &profile);
@@ -184,7 +198,7 @@ fn a_longer_horizon_is_lazier() {
         let settings = OptimalSettings { mode: Mode::MinimumEnergy, horizon_s: Some(horizon_s) };
         let mut law = CameraLaw::new(LawSettings::Optimal(settings), &profile);
         let [pan, _] =
-            rates(look(&mut law, &profile, ImagePoint { x: 230.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)));
+            rates(look(&mut law, &profile, ImagePoint { x: 190.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)));
         pan
     };
     let (tight, lazy) = (effort(1.5), effort(4.0));
