@@ -87,6 +87,8 @@ pub struct Tuning {
     pub fast: f64,
     /// And for the stop.
     pub stop_ahead_s: f64,
+    /// Within what time it moves a target that is inside of the aim already on to the stop, seconds.
+    pub drift_s: f64,
     /// The faster axis turns at least so fast, rad/s.
     pub least_rate: f64,
     /// It turns at most so fast, rad/s.
@@ -104,23 +106,30 @@ pub struct Tuning {
 impl Tuning {
     /// [`Mode::MinimumEnergy`].
     pub const MINIMUM_ENERGY: Self = Self {
-        start: 0.915,
-        doubt: 0.0,
-        stop: 0.432,
-        aim: 0.62,
-        horizon_s: 1.274,
-        start_ahead_s: 1.14,
-        fast: 0.0401,
-        lazy: 0.105,
-        thrift: 0.0,
-        ease: 0.049,
-        stop_ahead_s: 0.41,
-        least_rate: 0.037,
-        most_rate: 0.269,
-        least_share: 0.361,
+        start: 0.85,
+        doubt: 0.6,
+        stop: 0.14,
+        aim: 0.662,
+        horizon_s: 1.34,
+        lazy: 0.009,
+        thrift: 1.1,
+        ease: 0.098,
+        start_ahead_s: 1.33,
+        fast: 0.0236,
+        stop_ahead_s: 0.165,
+        drift_s: 6.0,
+        least_rate: 0.01,
+        most_rate: 0.34,
+        least_share: 0.408,
         hold: 0.0,
-        least_rest_s: 0.054,
-        noise: BearingNoise { rate: 0.076, memory_s: 0.983, look: 0.003, sway: 0.06, sway_memory_s: 2.0 },
+        least_rest_s: 0.11,
+        noise: BearingNoise {
+            rate: 0.0504,
+            memory_s: 2.4,
+            look: 0.0015,
+            sway: 0.0282,
+            sway_memory_s: 4.76,
+        },
     };
     /// [`Mode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {
@@ -129,41 +138,57 @@ impl Tuning {
         stop: 0.7,
         aim: 0.7,
         horizon_s: 2.0,
-        start_ahead_s: 0.3,
-        fast: 0.1,
         lazy: 0.0,
         thrift: 0.0,
         ease: 0.0,
+        start_ahead_s: 0.3,
+        fast: 0.1,
         stop_ahead_s: 0.6,
+        drift_s: 6.0,
         least_rate: 0.28,
         most_rate: 0.3,
         least_share: 0.12,
         hold: 0.06,
         least_rest_s: 0.3,
-        noise: BearingNoise { rate: 0.16, memory_s: 1.0, look: 0.003, sway: 0.06, sway_memory_s: 2.0 },
+        noise: BearingNoise {
+            rate: 0.0855,
+            memory_s: 2.253,
+            look: 0.0013,
+            sway: 0.0149,
+            sway_memory_s: 5.02,
+        },
     };
     /// [`Mode::Eco`].
     pub const ECO: Self = Self {
-        start: 0.99,
-        doubt: 0.0,
-        stop: 0.801,
-        aim: 0.819,
-        horizon_s: 2.602,
-        start_ahead_s: 0.003,
-        fast: 0.195,
-        lazy: 0.111,
-        thrift: 0.0,
-        ease: 0.0,
-        stop_ahead_s: 0.784,
-        least_rate: 0.259,
-        most_rate: 0.293,
-        least_share: 0.376,
-        hold: 0.016,
-        least_rest_s: 0.286,
-        noise: BearingNoise { rate: 0.144, memory_s: 0.795, look: 0.003, sway: 0.06, sway_memory_s: 2.0 },
+        start: 1.033,
+        doubt: 0.2,
+        stop: 0.735,
+        aim: 0.518,
+        horizon_s: 1.806,
+        lazy: 0.145,
+        thrift: 0.426,
+        ease: 0.043,
+        start_ahead_s: 0.111,
+        fast: 0.185,
+        stop_ahead_s: 0.986,
+        drift_s: 6.0,
+        least_rate: 0.288,
+        most_rate: 0.333,
+        least_share: 0.59,
+        hold: 0.0196,
+        least_rest_s: 0.335,
+        noise: BearingNoise {
+            rate: 0.0855,
+            memory_s: 2.253,
+            look: 0.0013,
+            sway: 0.0149,
+            sway_memory_s: 5.02,
+        },
     };
 }
 
+/// Inside of the aim it is moved to this share of the stop.
+const DRIFT_SHARE: f64 = 0.8;
 /// Without a look for so long it begins anew, seconds.
 const LONGEST_GAP_S: f64 = 0.6;
 
@@ -287,15 +312,20 @@ impl OptimalLaw {
     /// The rates of a camera that moves.
     fn rates(&self, prediction: &Prediction<'_>) -> CameraCommand {
         let leisure = 1.0 - self.pace(prediction);
-        let horizon_s = (1.0 + self.tuning.lazy * leisure)
-            * libm::pow(prediction.effort(), self.tuning.thrift)
-            * self.tuning.horizon_s;
+        let thrift = libm::pow(prediction.effort(), self.tuning.thrift);
+        let horizon_s = (1.0 + self.tuning.lazy * leisure) * thrift * self.tuning.horizon_s;
         let transfer =
             prediction.transfer(horizon_s, self.tuning.aim + self.tuning.ease * leisure, self.limits);
-        let wanted = transfer.solve().rates;
-        let fastest = wanted[0].abs().max(wanted[1].abs());
+        let mut wanted = transfer.solve().rates;
+        let mut fastest = wanted[0].abs().max(wanted[1].abs());
         if fastest == 0.0 {
-            // It drifts in by itself, but not far enough to rest: as before.
+            // It drifts in by itself, but not far enough to rest: there is time.
+            let stop = self.tuning.stop + self.tuning.ease * leisure;
+            let drift_s = thrift * thrift * self.tuning.drift_s;
+            wanted = prediction.transfer(drift_s, DRIFT_SHARE * stop, self.limits).solve().rates;
+            fastest = wanted[0].abs().max(wanted[1].abs());
+        }
+        if fastest == 0.0 {
             return self.asked;
         }
         let raised = (self.tuning.least_rate / fastest).max(1.0);

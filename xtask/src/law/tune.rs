@@ -19,7 +19,7 @@ use crate::say;
 /// A value that is tuned: its name, its range, and where it is.
 type Knob = (&'static str, (f64, f64), fn(&mut Tuning) -> &mut f64);
 
-const KNOBS: [Knob; 21] = [
+const KNOBS: [Knob; 22] = [
     ("start", (0.7, 1.1), |t| &mut t.start),
     ("doubt", (0.0, 2.0), |t| &mut t.doubt),
     ("stop", (0.3, 1.0), |t| &mut t.stop),
@@ -27,6 +27,7 @@ const KNOBS: [Knob; 21] = [
     ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),
     ("start_ahead_s", (0.0, 1.2), |t| &mut t.start_ahead_s),
     ("stop_ahead_s", (0.2, 2.0), |t| &mut t.stop_ahead_s),
+    ("drift_s", (2.0, 30.0), |t| &mut t.drift_s),
     ("least_rate", (0.01, 0.3), |t| &mut t.least_rate),
     ("most_rate", (0.2, 0.4), |t| &mut t.most_rate),
     ("least_share", (0.0, 0.5), |t| &mut t.least_share),

@@ -101,10 +101,12 @@ fn a_target_that_leaves_is_kept_and_then_the_camera_rests() {
 }
 
 #[test]
-fn a_target_found_outside_is_fetched_within_a_few_horizons() {
+fn a_target_found_outside_is_fetched_within_a_few_horizons_and_then_the_camera_rests() {
     for mode in MODES {
-        let course = follow(mode, &prompt_vehicle(), 260.0, 0.0, 8.0);
+        let course = follow(mode, &prompt_vehicle(), 260.0, 0.0, 45.0);
         assert!(course[0].0 > 250.0);
+        let (x, _) = course[(8.0 / STEP_S) as usize];
+        assert!(x.abs() < 192.0, "{mode:?}: {x} px after 8 s");
         let (x, command) = *course.last().unwrap();
         assert!(x.abs() < 192.0 && command.is_rest(), "{mode:?}: {x} px, {command:?}");
     }
