@@ -123,13 +123,7 @@ impl Tuning {
         least_share: 0.408,
         hold: 0.0,
         least_rest_s: 0.11,
-        noise: BearingNoise {
-            rate: 0.0504,
-            memory_s: 2.4,
-            look: 0.0015,
-            sway: 0.0282,
-            sway_memory_s: 4.76,
-        },
+        noise: BearingNoise { rate: 0.0504, memory_s: 2.4, look: 0.0015, sway: 0.0282, sway_memory_s: 4.76 },
     };
     /// [`Mode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {
