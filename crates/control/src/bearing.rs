@@ -190,9 +190,9 @@ impl BearingFilter {
         self.known.as_ref()
     }
 
-    /// The bearing so long after the last look.
-    pub fn expected(&self, span_s: f64) -> Option<Bearing> {
-        self.known.map(|(_, bearing)| bearing.after(span_s, &self.noise, self.sway_variance))
+    /// What becomes of a bearing in so long, unseen.
+    pub fn later(&self, bearing: &Bearing, span_s: f64) -> Bearing {
+        bearing.after(span_s, &self.noise, self.sway_variance)
     }
 
     /// Takes from a look how much sway there is: its squared distance from what was predicted, in two directions, beside
@@ -215,7 +215,7 @@ impl BearingFilter {
             Some((last, _)) if captured <= *last => return,
             Some((last, before)) => {
                 let span_s = captured.since(*last).as_secs_f64();
-                let expected = before.after(span_s, &self.noise, self.sway_variance);
+                let expected = self.later(before, span_s);
                 let off = expected.off(direction);
                 self.learn(dot(off, off), expected.variance(), span_s);
                 expected.corrected(off, self.noise.look * self.noise.look)

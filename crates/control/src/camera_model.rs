@@ -9,7 +9,8 @@
 //! count of frames and no latency of the video enters.
 //!
 //! It knows commands alone. Where the vehicle reports the gimbal's attitude, [`CameraModel::tilt_reported`] pulls the
-//! tilt towards it; where it zooms, [`CameraModel::field_of_view_reported`] says so. The sway of the kite is not in it. O(1), no allocation.
+//! tilt towards it; where it zooms, [`CameraModel::field_of_view_reported`] says so. The sway of the kite is not in it.
+//! O(1), no allocation.
 
 use barrelman_vocab::profile::{AxisDynamics, AxisRates, CameraDynamics};
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, MotionPrior, PictureSize, Timestamp};
@@ -129,14 +130,14 @@ impl CameraModel {
     pub fn shift(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
         let focal_px = self.focal_px(to, picture);
         let over = to.since(from);
-        let ((pan, tilt), (pan_then, tilt_then)) = (self.pointing(to), self.pointing(from));
-        let middle = View::new(focal_px, pan_then, tilt_then).direction(ImagePoint { x: 0.0, y: 0.0 });
-        let shift = View::new(focal_px, pan, tilt).point(middle);
         if self.focal_px(from, picture).to_bits() != focal_px.to_bits() {
             // Everything moved, each thing otherwise.
             let deviation_px = f64::from(picture.width);
             return MotionPrior { shift_u_px: 0.0, shift_v_px: 0.0, deviation_px, over };
         }
+        let ((pan, tilt), (pan_then, tilt_then)) = (self.pointing(to), self.pointing(from));
+        let middle = View::new(focal_px, pan_then, tilt_then).direction(ImagePoint { x: 0.0, y: 0.0 });
+        let shift = View::new(focal_px, pan, tilt).point(middle);
         let sway = focal_px * SWAY_RAD_PER_ROOT_S * libm::sqrt(over.as_secs_f64());
         MotionPrior {
             shift_u_px: shift.x,

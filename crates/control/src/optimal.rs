@@ -103,6 +103,10 @@ pub struct Tuning {
     pub noise: BearingNoise,
 }
 
+/// How the target is taken to move by the modes that move in bursts.
+const IN_BURSTS: BearingNoise =
+    BearingNoise { rate: 0.0855, memory_s: 2.253, look: 0.0013, sway: 0.0149, sway_memory_s: 5.02 };
+
 impl Tuning {
     /// [`Mode::MinimumEnergy`].
     pub const MINIMUM_ENERGY: Self = Self {
@@ -144,13 +148,7 @@ impl Tuning {
         least_share: 0.12,
         hold: 0.06,
         least_rest_s: 0.3,
-        noise: BearingNoise {
-            rate: 0.0855,
-            memory_s: 2.253,
-            look: 0.0013,
-            sway: 0.0149,
-            sway_memory_s: 5.02,
-        },
+        noise: IN_BURSTS,
     };
     /// [`Mode::Eco`].
     pub const ECO: Self = Self {
@@ -171,13 +169,7 @@ impl Tuning {
         least_share: 0.59,
         hold: 0.0196,
         least_rest_s: 0.335,
-        noise: BearingNoise {
-            rate: 0.0855,
-            memory_s: 2.253,
-            look: 0.0013,
-            sway: 0.0149,
-            sway_memory_s: 5.02,
-        },
+        noise: IN_BURSTS,
     };
 }
 
@@ -202,6 +194,9 @@ pub struct OptimalLaw {
 struct Outlook {
     view: View,
     point: ImagePoint,
+    /// For how long the bearing's rate counts until then, as it fades, and what is left of the sway.
+    reach_s: f64,
+    sway_left: f64,
 }
 
 /// The prediction of one step: everything at `span` after the time from which a command given now counts.
@@ -280,6 +275,11 @@ impl OptimalLaw {
         command
     }
 
+    /// The stop ellipse for a target that leaves so much leisure: from 0 where it is fast to 1 where it stands.
+    fn stop(&self, leisure: f64) -> f64 {
+        self.tuning.stop + self.tuning.ease * leisure
+    }
+
     /// How fast the target is: from 0 where it stands to 1.
     fn pace(&self, prediction: &Prediction<'_>) -> f64 {
         (prediction.bearing.speed() / self.tuning.fast).min(1.0)
@@ -292,14 +292,14 @@ impl OptimalLaw {
         rested
             && [0.0, 0.5, 1.0].iter().any(|share| {
                 let resting = prediction.resting(share * ahead_s);
-                let start = self.tuning.start + self.tuning.doubt * prediction.doubt(share * ahead_s);
+                let start = self.tuning.start + self.tuning.doubt * prediction.doubt(&resting);
                 prediction.region.p(resting.point) > start * start
             })
     }
 
     fn goes_on(&self, prediction: &Prediction<'_>) -> bool {
         let resting = prediction.resting(self.tuning.stop_ahead_s);
-        let stop = self.tuning.stop + self.tuning.ease * (1.0 - self.pace(prediction));
+        let stop = self.stop(1.0 - self.pace(prediction));
         prediction.region.p(resting.point) > stop * stop
     }
 
@@ -314,9 +314,9 @@ impl OptimalLaw {
         let mut fastest = wanted[0].abs().max(wanted[1].abs());
         if fastest == 0.0 {
             // It drifts in by itself, but not far enough to rest: there is time.
-            let stop = self.tuning.stop + self.tuning.ease * leisure;
             let drift_s = thrift * thrift * self.tuning.drift_s;
-            wanted = prediction.transfer(drift_s, DRIFT_SHARE * stop, self.limits).solve().rates;
+            let aim = DRIFT_SHARE * self.stop(leisure);
+            wanted = prediction.transfer(drift_s, aim, self.limits).solve().rates;
             fastest = wanted[0].abs().max(wanted[1].abs());
         }
         if fastest == 0.0 {
@@ -355,7 +355,7 @@ impl Prediction<'_> {
     /// 1, and at most 4 where pan moves nothing.
     fn effort(&self) -> f64 {
         const LEAST_GAIN: f64 = 0.25;
-        let Outlook { view, point } = self.resting(0.0);
+        let Outlook { view, point, .. } = self.resting(0.0);
         let gains = view.sensitivity(point);
         let across = point.x * self.focal_px / gains.pan[0].abs().max(LEAST_GAIN * self.focal_px);
         let along = point.y * self.focal_px / gains.tilt[1].abs().max(LEAST_GAIN * self.focal_px);
@@ -364,25 +364,18 @@ impl Prediction<'_> {
     }
 
     /// The deviation of what is known of the target's motion by then, in the region's smaller semi-axis.
-    fn doubt(&self, span_s: f64) -> f64 {
-        let deviation = self.bearing.doubt_after(self.reach(span_s), self.sway_left(span_s));
+    fn doubt(&self, then: &Outlook) -> f64 {
+        let deviation = self.bearing.doubt_after(then.reach_s, then.sway_left);
         self.focal_px * deviation / self.region.a_px.min(self.region.b_px)
     }
 
-    /// For how long the bearing's rate counts, as it fades.
-    fn reach(&self, span_s: f64) -> f64 {
-        self.noise.memory_s * (1.0 - self.fading * libm::exp(-span_s / self.noise.memory_s))
-    }
-
-    /// What is left of the sway.
-    fn sway_left(&self, span_s: f64) -> f64 {
-        self.sway_left * libm::exp(-span_s / self.noise.sway_memory_s)
-    }
-
     fn outlook(&self, span_s: f64, [pan, tilt]: Pair) -> Outlook {
-        let direction = self.bearing.seen_after(self.reach(span_s), self.sway_left(span_s));
+        let memory_s = self.noise.memory_s;
+        let reach_s = memory_s * (1.0 - self.fading * libm::exp(-span_s / memory_s));
+        let sway_left = self.sway_left * libm::exp(-span_s / self.noise.sway_memory_s);
         let view = View::new(self.focal_px, pan, tilt);
-        Outlook { view, point: view.point(direction) }
+        let point = view.point(self.bearing.seen_after(reach_s, sway_left));
+        Outlook { view, point, reach_s, sway_left }
     }
 
     /// The problem of bringing the target into the aim within the horizon.

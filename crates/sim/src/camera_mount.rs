@@ -2,7 +2,10 @@
 
 use barrelman_vocab::{Angle, AngularRate, CameraCommand};
 
-use crate::camera_axis::{AxisFlaws, AxisPlant, CameraAxis};
+use crate::camera_axis::{AxisFlaws, AxisPlant, CameraAxis, TICKS_PER_SECOND};
+
+/// From one report of the tilt to the next, where the gimbal reports it.
+pub const TICKS_PER_REPORT: u32 = TICKS_PER_SECOND / 10;
 
 /// What both axes are like.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,7 +20,7 @@ pub(crate) struct Options {
     /// Trials of each condition.
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub(crate) seeds: u64,
-    /// The first of them: nothing was tuned on those from 20,000 on.
+    /// The first of them: the search never used those from 20,000 on.
     #[arg(long, value_name = "SEED", default_value_t = 20_000)]
     pub(crate) first_seed: u64,
     /// Only conditions whose name begins so, or `robustness` or `vehicles` (repeatable).

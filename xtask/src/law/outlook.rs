@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use barrelman_control::optimal::Tuning;
 use barrelman_control::view::View;
-use barrelman_control::{BearingFilter, CameraModel, Sight};
+use barrelman_control::{Bearing, BearingFilter, CameraModel, Sight};
 use barrelman_vocab::ImagePoint;
 
 /// Without a look for so long it begins anew, seconds.
@@ -22,9 +22,10 @@ pub(super) struct Outlook(BearingFilter);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ahead {
     focal_px: f64,
-    /// What is known of the target, and how long before that time it was last seen.
-    target: BearingFilter,
+    /// The target as it was last seen, how long before that time, and what knows how it goes on.
+    bearing: Bearing,
     age_s: f64,
+    filter: BearingFilter,
     /// Pan and tilt, radians, and how fast they turn, rad/s.
     pub(super) angles: [f64; 2],
     pub(super) rates: [f64; 2],
@@ -51,7 +52,7 @@ impl Outlook {
         let focal_px = camera.focal_px(sight.captured, sight.picture);
         let (pan, tilt) = camera.pointing(sight.captured);
         self.0.look(View::new(focal_px, pan, tilt).direction(sight.percept.position), sight.captured);
-        let (looked, _) = self.0.known()?;
+        let (looked, bearing) = self.0.known()?;
         let dead_time = dynamics.pan.start_dead_time.max(dynamics.tilt.start_dead_time);
         let counts = sight.now.plus(dead_time);
         let (pan, tilt) = camera.pointing(counts);
@@ -59,8 +60,9 @@ impl Outlook {
         let age: Duration = counts.since(*looked);
         Some(Ahead {
             focal_px,
-            target: self.0,
+            bearing: *bearing,
             age_s: age.as_secs_f64(),
+            filter: self.0,
             angles: [pan, tilt],
             rates: [pan_rate, tilt_rate],
         })
@@ -74,7 +76,6 @@ impl Ahead {
     /// The view and where the target is in it after so long, with the camera turned by these angles until then.
     pub(super) fn seen(&self, after_s: f64, turned: [f64; 2]) -> (View, ImagePoint) {
         let view = View::new(self.focal_px, self.angles[0] + turned[0], self.angles[1] + turned[1]);
-        let direction = self.target.expected(self.age_s + after_s).map(|bearing| bearing.seen());
-        (view, direction.map_or(ImagePoint { x: 0.0, y: 0.0 }, |direction| view.point(direction)))
+        (view, view.point(self.filter.later(&self.bearing, self.age_s + after_s).seen()))
     }
 }

@@ -41,8 +41,8 @@ fn surprise(noise: BearingNoise, sway: f64, step_s: f64, seen_share: f64) -> f64
             }
         }
         let now = Timestamp::from_secs_f64(k as f64 * step_s);
-        if let Some((last, _)) = filter.known().copied().filter(|_| k > 300) {
-            let expected = filter.expected(now.since(last).as_secs_f64()).unwrap();
+        if let Some((last, bearing)) = filter.known().copied().filter(|_| k > 300) {
+            let expected = filter.later(&bearing, now.since(last).as_secs_f64());
             let [across, along, _] = expected.seen();
             let azimuth = libm::atan2(across, along);
             let off = libm::remainder(azimuth - angle - swung[0], core::f64::consts::TAU);

@@ -7,8 +7,7 @@ use std::fmt;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
-
+use barrelman_sim::camera_mount::TICKS_PER_REPORT;
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 
 use crate::fault::{FaultKind, FaultPlan};
@@ -16,9 +15,6 @@ use crate::link::worker::GRACE;
 
 /// How long the last zeros may take to the camera: many ticks.
 const LAST_ZEROS: Duration = Duration::from_secs(1);
-
-/// From one report of the tilt to the next.
-const TICKS_PER_REPORT: u32 = TICKS_PER_SECOND / 10;
 
 /// The way to a simulated camera. Clones are the same link.
 #[derive(Debug, Clone, Default)]

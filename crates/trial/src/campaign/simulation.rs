@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 
 use barrelman_pilot::{Input, Outcome, Pilot};
 use barrelman_sim::boat::Helm;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_sim::camera_mount::TICKS_PER_REPORT;
 use barrelman_sim::video_link::{Passage, VideoLink};
 use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{Scenario, Sensor};
@@ -22,9 +22,6 @@ use barrelman_vocab::{
 };
 
 use crate::logs::{LogRow, RowTruth, TrialLog};
-
-/// From one report of the camera's tilt to the next.
-const TICKS_PER_REPORT: u64 = TICKS_PER_SECOND as u64 / 10;
 
 /// Who draws what the camera sees, for trials in pixels.
 pub trait Eye {
@@ -205,7 +202,7 @@ impl<'a> Simulation<'a> {
             self.arrive(&sight, &truth, eye, witness);
         }
         let now = self.world.now();
-        if self.reports_tilt && self.world.tick().is_multiple_of(TICKS_PER_REPORT) {
+        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_REPORT)) {
             let report = Report::CameraTilt(self.world.camera_pose().tilt);
             self.step(Input::Telemetry(Telemetry { at: now, report }), witness);
         }
