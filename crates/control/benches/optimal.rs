@@ -9,23 +9,30 @@ fn main() {
     divan::main();
 }
 
-/// A step on a target that goes to and fro so far, the camera model's included.
-#[divan::bench(args = [60.0, 200.0, 300.0])]
+/// Steps of one swing of the target.
+const SWING: u32 = 120;
+
+/// A step on a target that goes to and fro so far, the camera model's included: the mean over a swing.
+#[divan::bench(args = [60.0, 200.0, 300.0], sample_count = 500, sample_size = SWING)]
 fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
     let profile = VehicleProfile::fotokite_pro();
     let settings = LawSettings::Optimal(OptimalSettings::of(Mode::MinimumEnergy));
     let mut law = CameraLaw::new(settings, &profile);
     let picture = PictureSize::new(640, 480);
     let region = Region::in_picture(profile.region, picture);
+    let percepts: Vec<_> = (0..SWING)
+        .map(|step| {
+            let swing = f64::from(step) / f64::from(SWING / 2) - 1.0;
+            Percept::new(ImagePoint { x: reach_px * swing, y: 0.3 * reach_px * swing }, region)
+        })
+        .collect();
     let mut frame = 0_u64;
     bencher.bench_local(|| {
         frame += 1;
         let captured = Timestamp::from_nanos(frame * 33_333_333);
         let now = Timestamp::from_nanos(frame * 33_333_333 + 100_000_000);
-        let swing = (frame % 120) as f64 / 60.0 - 1.0;
-        let position = ImagePoint { x: reach_px * swing, y: 0.3 * reach_px * swing };
-        let percept = Percept::new(black_box(position), region);
-        let command = law.command(&Sight { percept: &percept, region, picture, captured, now });
+        let percept = black_box(&percepts[(frame % u64::from(SWING)) as usize]);
+        let command = law.command(&Sight { percept, region, picture, captured, now });
         law.in_force(command, now);
         command
     });

@@ -50,6 +50,37 @@ const FARTHEST: f64 = 4.0;
 /// How long what looks show of the sway counts, seconds.
 const SWAY_LEARNT_OVER_S: f64 = 2.0;
 
+/// A span of time, and what is left of the rate and of the sway at its end.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Span {
+    pub(crate) span_s: f64,
+    pub(crate) rate_left: f64,
+    pub(crate) sway_left: f64,
+}
+
+impl Span {
+    /// No time: everything is left.
+    pub(crate) const NONE: Self = Self { span_s: 0.0, rate_left: 1.0, sway_left: 1.0 };
+
+    /// So many seconds.
+    pub(crate) fn new(span_s: f64, noise: &BearingNoise) -> Self {
+        Self {
+            span_s,
+            rate_left: libm::exp(-span_s / noise.memory_s),
+            sway_left: libm::exp(-span_s / noise.sway_memory_s),
+        }
+    }
+
+    /// One after the other.
+    pub(crate) fn and(&self, next: &Self) -> Self {
+        Self {
+            span_s: self.span_s + next.span_s,
+            rate_left: self.rate_left * next.rate_left,
+            sway_left: self.sway_left * next.sway_left,
+        }
+    }
+}
+
 impl Bearing {
     /// After a first look.
     fn first(direction: Direction, noise: &BearingNoise) -> Self {
@@ -70,9 +101,10 @@ impl Bearing {
         of_bearing[0] + 2.0 * of_bearing[2] + of_sway[2]
     }
 
-    /// In what direction it will be seen when its rate has gone on for so long and so much of the sway is left.
+    /// In what direction it will be seen when its rate has gone on for so long and so much of the sway is left; somewhat
+    /// longer than a unit vector.
     pub(crate) fn seen_after(&self, reach_s: f64, sway_left: f64) -> Direction {
-        unit([0, 1, 2].map(|i| self.direction[i] + reach_s * self.rate[i] + sway_left * self.sway[i]))
+        [0, 1, 2].map(|i| self.direction[i] + reach_s * self.rate[i] + sway_left * self.sway[i])
     }
 
     /// Deviation, rad, of what its rate and the sway make of that direction.
@@ -88,12 +120,11 @@ impl Bearing {
         libm::sqrt(dot(self.rate, self.rate))
     }
 
-    /// `span_s` later, unseen, where the sway has that variance.
-    fn after(&self, span_s: f64, noise: &BearingNoise, sway_variance: f64) -> Self {
+    /// So much later, unseen, where the sway has that variance.
+    fn after(&self, span: &Span, noise: &BearingNoise, sway_variance: f64) -> Self {
+        let Span { span_s, rate_left: kept, sway_left } = *span;
         let memory = noise.memory_s;
-        let kept = libm::exp(-span_s / memory);
         let reach = memory * (1.0 - kept);
-        let sway_left = libm::exp(-span_s / noise.sway_memory_s);
         let variance = noise.rate * noise.rate;
         let wander = variance * memory * (2.0 * span_s - memory * (3.0 - kept * (4.0 - kept)));
         let [[bb, br, bs], [_, rr, rs], [_, _, ss]] = self.covariance;
@@ -118,25 +149,25 @@ impl Bearing {
 
     /// How far a look lies off, across the line of sight.
     fn off(&self, look: Direction) -> [f64; 3] {
-        let seen = self.seen();
-        across([0, 1, 2].map(|i| look[i] - seen[i]), self.direction)
+        let off = across(look, self.direction);
+        [0, 1, 2].map(|i| off[i] - self.sway[i])
     }
 
     /// After a look that lies so far off.
     fn corrected(&self, off: [f64; 3], look_variance: f64) -> Self {
         let spread = self.variance() + look_variance;
-        let innovation = shortened(off, FARTHEST * libm::sqrt(spread));
-        let shares = self.covariance.map(|row| row[0] + row[2]);
-        let [of_bearing, of_rate, of_sway] = shares.map(|share| share / spread);
+        let innovation = shortened(off, FARTHEST * FARTHEST * spread);
+        let with_look = self.covariance.map(|row| row[0] + row[2]);
+        let gains = with_look.map(|covariance| covariance / spread);
+        let [of_bearing, of_rate, of_sway] = gains;
         let direction = unit([0, 1, 2].map(|i| self.direction[i] + of_bearing * innovation[i]));
         let rate = [0, 1, 2].map(|i| self.rate[i] + of_rate * innovation[i]);
         let sway = [0, 1, 2].map(|i| self.sway[i] + of_sway * innovation[i]);
         Self {
             direction,
-            rate: shortened(across(rate, direction), FASTEST),
+            rate: shortened(across(rate, direction), FASTEST * FASTEST),
             sway: across(sway, direction),
-            covariance: [0, 1, 2]
-                .map(|i| [0, 1, 2].map(|j| self.covariance[i][j] - shares[i] * shares[j] / spread)),
+            covariance: [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.covariance[i][j] - gains[i] * with_look[j])),
         }
     }
 }
@@ -146,8 +177,8 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = libm::sqrt(dot(vector, vector));
-    vector.map(|x| x / length)
+    let scale = 1.0 / libm::sqrt(dot(vector, vector));
+    vector.map(|x| scale * x)
 }
 
 /// What of a vector lies across a direction.
@@ -156,13 +187,13 @@ fn across(vector: [f64; 3], direction: Direction) -> [f64; 3] {
     [0, 1, 2].map(|i| vector[i] - along * direction[i])
 }
 
-/// A vector of at most that length.
-fn shortened(vector: [f64; 3], most: f64) -> [f64; 3] {
+/// A vector of at most that squared length.
+fn shortened(vector: [f64; 3], most_squared: f64) -> [f64; 3] {
     let squared = dot(vector, vector);
-    if squared <= most * most {
+    if squared <= most_squared {
         return vector;
     }
-    let share = most / libm::sqrt(squared);
+    let share = libm::sqrt(most_squared / squared);
     vector.map(|x| share * x)
 }
 
@@ -192,17 +223,17 @@ impl BearingFilter {
 
     /// What becomes of a bearing in so long, unseen.
     pub fn later(&self, bearing: &Bearing, span_s: f64) -> Bearing {
-        bearing.after(span_s, &self.noise, self.sway_variance)
+        bearing.after(&Span::new(span_s, &self.noise), &self.noise, self.sway_variance)
     }
 
     /// Takes from a look how much sway there is: its squared distance from what was predicted, in two directions, beside
-    /// the variance of that prediction, `span_s` after the look before.
-    fn learn(&mut self, off_squared: f64, predicted: f64, span_s: f64) {
+    /// the variance of that prediction, so long after the look before.
+    fn learn(&mut self, off_squared: f64, predicted: f64, &Span { span_s, sway_left, .. }: &Span) {
         let most = self.noise.sway * self.noise.sway;
-        let renewed = 1.0 - libm::exp(-2.0 * span_s / self.noise.sway_memory_s);
+        let renewed = 1.0 - sway_left * sway_left;
         let without = predicted + self.noise.look * self.noise.look - self.sway_variance * renewed;
         let shown = ((0.5 * off_squared - without) / renewed).clamp(-FARTHEST * most, FARTHEST * most);
-        let share = 1.0 - libm::exp(-span_s / SWAY_LEARNT_OVER_S);
+        let share = span_s / (SWAY_LEARNT_OVER_S + span_s);
         self.sway_variance = (self.sway_variance + share * (shown - self.sway_variance)).clamp(0.0, most);
     }
 
@@ -214,10 +245,10 @@ impl BearingFilter {
         let next = match &self.known {
             Some((last, _)) if captured <= *last => return,
             Some((last, before)) => {
-                let span_s = captured.since(*last).as_secs_f64();
-                let expected = self.later(before, span_s);
+                let span = Span::new(captured.since(*last).as_secs_f64(), &self.noise);
+                let expected = before.after(&span, &self.noise, self.sway_variance);
                 let off = expected.off(direction);
-                self.learn(dot(off, off), expected.variance(), span_s);
+                self.learn(dot(off, off), expected.variance(), &span);
                 expected.corrected(off, self.noise.look * self.noise.look)
             }
             None => Bearing::first(direction, &self.noise),

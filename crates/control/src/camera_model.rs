@@ -329,15 +329,15 @@ impl History {
     }
 
     fn at(&self, at_s: f64) -> State {
-        let mut later = self.states[self.newest];
-        for back in 1..self.len {
-            let earlier = self.states[(self.newest + KEPT - back) % KEPT];
-            if earlier.at_s <= at_s {
-                return between(earlier, later, at_s);
+        let mut later = self.newest;
+        for _ in 1..self.len {
+            let earlier = (later + KEPT - 1) % KEPT;
+            if self.states[earlier].at_s <= at_s {
+                return between(self.states[earlier], self.states[later], at_s);
             }
             later = earlier;
         }
-        later
+        self.states[later]
     }
 
     fn shift(&mut self, by: f64) {

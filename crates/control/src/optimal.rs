@@ -13,7 +13,7 @@
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, Timestamp};
 
-use crate::bearing::{Bearing, BearingFilter, BearingNoise};
+use crate::bearing::{Bearing, BearingFilter, BearingNoise, Span};
 use crate::camera_model::CameraModel;
 use crate::law::Sight;
 use crate::region::Region;
@@ -76,8 +76,8 @@ pub struct Tuning {
     pub horizon_s: f64,
     /// By what share that time is longer where it stands: there is time, and gentle movements take less energy.
     pub lazy: f64,
-    /// By what power of the turning that it takes that time is longer: looking down steeply, where pan hardly moves what
-    /// is seen, there is little to be had for much energy.
+    /// How much longer that time is for each share of turning that it takes beyond a level camera's: looking down
+    /// steeply, where pan hardly moves what is seen, there is little to be had for much energy.
     pub thrift: f64,
     /// By how much wider stop and aim are where it stands: what moves slowly need not be fetched far in.
     pub ease: f64,
@@ -87,7 +87,7 @@ pub struct Tuning {
     pub fast: f64,
     /// And for the stop.
     pub stop_ahead_s: f64,
-    /// Within what time it moves a target that is inside of the aim already on to the stop, seconds.
+    /// Over what time it spreads the turning that takes a target that is inside of the aim already on to the stop, seconds.
     pub drift_s: f64,
     /// The faster axis turns at least so fast, rad/s.
     pub least_rate: f64,
@@ -114,14 +114,14 @@ impl Tuning {
         doubt: 0.6,
         stop: 0.14,
         aim: 0.662,
-        horizon_s: 1.34,
+        horizon_s: 1.36,
         lazy: 0.009,
         thrift: 1.1,
         ease: 0.098,
         start_ahead_s: 1.33,
         fast: 0.0236,
         stop_ahead_s: 0.165,
-        drift_s: 6.0,
+        drift_s: 7.5,
         least_rate: 0.01,
         most_rate: 0.34,
         least_share: 0.408,
@@ -185,6 +185,8 @@ pub struct OptimalLaw {
     limits: Pair,
     least: Pair,
     bearings: BearingFilter,
+    /// How far it looks ahead for the stop.
+    stop_ahead: Span,
     asked: CameraCommand,
     rested_since: Option<Timestamp>,
 }
@@ -202,13 +204,14 @@ struct Outlook {
 /// The prediction of one step: everything at `span` after the time from which a command given now counts.
 struct Prediction<'a> {
     camera: &'a CameraModel,
+    /// When the picture was taken.
+    view: View,
     focal_px: f64,
     region: Region,
     bearing: Bearing,
     noise: BearingNoise,
-    /// What is left of the bearing's rate and of the sway by the time that a command counts.
-    fading: f64,
-    sway_left: f64,
+    /// From the bearing to the time from which a command counts.
+    until_effect: Span,
     /// The slower axis' dead time, seconds.
     start_s: f64,
 }
@@ -227,6 +230,7 @@ impl OptimalLaw {
             least: [&profile.camera.pan, &profile.camera.tilt]
                 .map(|axis| axis.least_rate.radians_per_second()),
             bearings: BearingFilter::new(tuning.noise),
+            stop_ahead: Span::new(tuning.stop_ahead_s, &tuning.noise),
             tuning,
             asked: CameraCommand::REST,
             rested_since: None,
@@ -249,25 +253,26 @@ impl OptimalLaw {
         }
         let focal_px = camera.focal_px(sight.captured, sight.picture);
         let (pan, tilt) = camera.pointing(sight.captured);
-        let direction = View::new(focal_px, pan, tilt).direction(sight.percept.position);
-        self.bearings.look(direction, sight.captured);
+        let view = View::new(focal_px, pan, tilt);
+        self.bearings.look(view.direction(sight.percept.position), sight.captured);
         let Some((looked, bearing)) = self.bearings.known() else { return CameraCommand::REST };
         let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
         let noise = self.tuning.noise;
         let age_s = sight.now.since(*looked).as_secs_f64() + start_s;
         let prediction = Prediction {
             camera,
+            view,
             focal_px: camera.focal_px(sight.now, sight.picture),
             region: sight.region,
             bearing: *bearing,
             noise,
-            fading: libm::exp(-age_s / noise.memory_s),
-            sway_left: libm::exp(-age_s / noise.sway_memory_s),
+            until_effect: Span::new(age_s, &noise),
             start_s,
         };
         let was_moving = !self.asked.is_rest();
-        let moves = if was_moving { self.goes_on(&prediction) } else { self.starts(&prediction, sight.now) };
-        let command = if moves { self.rates(&prediction) } else { CameraCommand::REST };
+        let left =
+            if was_moving { self.not_yet_back(&prediction) } else { self.leaves(&prediction, sight.now) };
+        let command = left.map_or(CameraCommand::REST, |outlook| self.rates(&prediction, &outlook));
         if command.is_rest() && was_moving {
             self.rested_since = Some(sight.now);
         }
@@ -285,28 +290,32 @@ impl OptimalLaw {
         (prediction.bearing.speed() / self.tuning.fast).min(1.0)
     }
 
-    fn starts(&self, prediction: &Prediction<'_>, now: Timestamp) -> bool {
-        let ahead_s = self.pace(prediction) * self.tuning.start_ahead_s;
+    /// Where a resting camera would see the target leave the start ellipse.
+    fn leaves(&self, prediction: &Prediction<'_>, now: Timestamp) -> Option<Outlook> {
         let rested =
             self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.least_rest_s);
-        rested
-            && [0.0, 0.5, 1.0].iter().any(|share| {
-                let resting = prediction.resting(share * ahead_s);
-                let start = self.tuning.start + self.tuning.doubt * prediction.doubt(&resting);
-                prediction.region.p(resting.point) > start * start
-            })
+        if !rested {
+            return None;
+        }
+        let ahead_s = self.pace(prediction) * self.tuning.start_ahead_s;
+        let half = Span::new(0.5 * ahead_s, &self.tuning.noise);
+        [Span::NONE, half, half.and(&half)].iter().map(|span| prediction.resting(span)).find(|resting| {
+            let start = self.tuning.start + self.tuning.doubt * prediction.doubt(resting);
+            prediction.region.p(resting.point) > start * start
+        })
     }
 
-    fn goes_on(&self, prediction: &Prediction<'_>) -> bool {
-        let resting = prediction.resting(self.tuning.stop_ahead_s);
+    /// Where a camera that is told now to rest would leave the target, if that is not in the stop ellipse yet.
+    fn not_yet_back(&self, prediction: &Prediction<'_>) -> Option<Outlook> {
+        let resting = prediction.resting(&self.stop_ahead);
         let stop = self.stop(1.0 - self.pace(prediction));
-        prediction.region.p(resting.point) > stop * stop
+        (prediction.region.p(resting.point) > stop * stop).then_some(resting)
     }
 
-    /// The rates of a camera that moves.
-    fn rates(&self, prediction: &Prediction<'_>) -> CameraCommand {
+    /// The rates of a camera that moves, because the target would be seen there if it did not.
+    fn rates(&self, prediction: &Prediction<'_>, resting: &Outlook) -> CameraCommand {
         let leisure = 1.0 - self.pace(prediction);
-        let thrift = libm::pow(prediction.effort(), self.tuning.thrift);
+        let thrift = 1.0 + self.tuning.thrift * (prediction.effort(resting) - 1.0);
         let horizon_s = (1.0 + self.tuning.lazy * leisure) * thrift * self.tuning.horizon_s;
         let transfer =
             prediction.transfer(horizon_s, self.tuning.aim + self.tuning.ease * leisure, self.limits);
@@ -314,9 +323,9 @@ impl OptimalLaw {
         let mut fastest = wanted[0].abs().max(wanted[1].abs());
         if fastest == 0.0 {
             // It drifts in by itself, but not far enough to rest: there is time.
-            let drift_s = thrift * thrift * self.tuning.drift_s;
             let aim = DRIFT_SHARE * self.stop(leisure);
-            wanted = prediction.transfer(drift_s, aim, self.limits).solve().rates;
+            let slower = horizon_s / (thrift * thrift * self.tuning.drift_s);
+            wanted = Transfer { aim, ..transfer }.solve().rates.map(|rate| slower * rate);
             fastest = wanted[0].abs().max(wanted[1].abs());
         }
         if fastest == 0.0 {
@@ -345,22 +354,21 @@ impl OptimalLaw {
 
 impl Prediction<'_> {
     /// Where the target will be seen if the camera is told now to rest.
-    fn resting(&self, span_s: f64) -> Outlook {
+    fn resting(&self, span: &Span) -> Outlook {
         let angles =
-            self.camera.axes().map(|axis| axis.angle_resting(span_s + self.start_s - axis.start_s()));
-        self.outlook(span_s, angles)
+            self.camera.axes().map(|axis| axis.angle_resting(span.span_s + self.start_s - axis.start_s()));
+        self.outlook(span, angles)
     }
 
-    /// How much more turning it takes to move the target to the middle than it takes a camera that looks level; at least
-    /// 1, and at most 4 where pan moves nothing.
-    fn effort(&self) -> f64 {
+    /// How much more turning it takes to move the target from there to the middle than it takes a camera that looks level;
+    /// at least 1, and at most 4 where pan moves nothing.
+    fn effort(&self, Outlook { view, point, .. }: &Outlook) -> f64 {
         const LEAST_GAIN: f64 = 0.25;
-        let Outlook { view, point, .. } = self.resting(0.0);
-        let gains = view.sensitivity(point);
+        let gains = view.sensitivity(*point);
         let across = point.x * self.focal_px / gains.pan[0].abs().max(LEAST_GAIN * self.focal_px);
         let along = point.y * self.focal_px / gains.tilt[1].abs().max(LEAST_GAIN * self.focal_px);
-        let level = libm::hypot(point.x, point.y).max(1.0);
-        (libm::hypot(across, along) / level).max(1.0)
+        let level = (point.x * point.x + point.y * point.y).max(1.0);
+        libm::sqrt(((across * across + along * along) / level).max(1.0))
     }
 
     /// The deviation of what is known of the target's motion by then, in the region's smaller semi-axis.
@@ -369,11 +377,10 @@ impl Prediction<'_> {
         self.focal_px * deviation / self.region.a_px.min(self.region.b_px)
     }
 
-    fn outlook(&self, span_s: f64, [pan, tilt]: Pair) -> Outlook {
-        let memory_s = self.noise.memory_s;
-        let reach_s = memory_s * (1.0 - self.fading * libm::exp(-span_s / memory_s));
-        let sway_left = self.sway_left * libm::exp(-span_s / self.noise.sway_memory_s);
-        let view = View::new(self.focal_px, pan, tilt);
+    fn outlook(&self, span: &Span, [pan, tilt]: Pair) -> Outlook {
+        let Span { rate_left, sway_left, .. } = self.until_effect.and(span);
+        let reach_s = self.noise.memory_s * (1.0 - rate_left);
+        let view = self.view.turned(self.focal_px, pan, tilt);
         let point = view.point(self.bearing.seen_after(reach_s, sway_left));
         Outlook { view, point, reach_s, sway_left }
     }
@@ -392,7 +399,7 @@ impl Prediction<'_> {
                 most[index] = most[index].min(above / reach[index]);
             }
         }
-        let coasting = self.outlook(horizon_s, angles);
+        let coasting = self.outlook(&Span::new(horizon_s, &self.noise), angles);
         let gains = coasting.view.sensitivity(coasting.point);
         let (a, b) = (self.region.a_px, self.region.b_px);
         Transfer {

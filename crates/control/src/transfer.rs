@@ -7,12 +7,14 @@
 //! much the rates move it there. Three cases, each solved in closed form but for one root:
 //!
 //! 1. The limits do not matter. With the Lagrange factor λ >= 0 of the ellipse the remaining offset is
-//!    `r(λ) = (I + λ H Hᵀ)^-1 c` and `u = -λ Hᵀ r`; in the eigenvectors of H Hᵀ it is two numbers,
-//!    `r_i = c_i / (1 + λ k_i)`, and `|r(λ)| = aim` is the secular equation of trust regions (Moré and Sorensen, 1983).
-//!    Newton's method on 1/|r|, from λ = 0, rises monotonically to the root. No division by a gain: one that is nearly
-//!    zero (a camera that looks steeply down) makes its axis worthless, not infinite.
-//! 2. A limit holds: then the answer lies on one of the four sides of the rectangle of rates, and on each the ellipse leaves an
-//!    interval of the other rate. The least of at most four.
+//!    `r(λ) = (I + λ H Hᵀ)^-1 c` and `u = -λ Hᵀ r`. For two axes the inverse is written out:
+//!    `r(λ) = (c + λ adj(H Hᵀ) c) / (1 + λ tr + λ² det)`, and `|r(λ)| = aim` is the secular equation of trust regions
+//!    (Moré and Sorensen, 1983). Newton's method on 1/|r|, from λ = 0, rises monotonically to the root, twice as many
+//!    digits with each step. Every sum in it is one of terms that are not negative, and nothing is divided by a gain: one
+//!    that is nearly zero (a camera that looks steeply down) makes its axis worthless, not infinite.
+//! 2. A limit holds: then the answer lies on one of those sides of the rectangle of rates beyond which case 1's answer
+//!    lies (anywhere else a step towards that would take less energy), and on each the ellipse leaves an interval of the
+//!    other rate. The least of at most two.
 //! 3. Nothing within the limits reaches the ellipse: then what comes closest to its centre.
 //!
 //! No allocation.
@@ -48,8 +50,8 @@ pub struct Rates {
 
 /// Newton steps at most; a handful is usual, and the gains must differ by many powers of ten for more than a dozen.
 const STEPS: usize = 60;
-/// Relative error of the distance at which they end.
-const CLOSE_ENOUGH: f64 = 1e-13;
+/// Relative error of the distance from which on one more step is the last: it leaves about the square of that.
+const CLOSE_ENOUGH: f64 = 1e-7;
 /// By how much the constraint may be missed for rounding's sake.
 const ROUNDING: f64 = 1e-12;
 
@@ -58,8 +60,10 @@ impl Transfer {
     pub fn solve(&self) -> Rates {
         // An empty range, or one without zero, is no range of rates.
         let ordered = (0..2).all(|axis| self.least[axis] <= 0.0 && self.most[axis] >= 0.0);
-        let usable =
-            [self.offset, self.pan, self.tilt, self.least, self.most].iter().flatten().all(|x| x.is_finite());
+        // A sum with one that is not finite is not finite.
+        let [sum, other] =
+            [0, 1].map(|i| self.offset[i] + self.pan[i] + self.tilt[i] + self.least[i] + self.most[i]);
+        let usable = (sum + other).is_finite();
         if !usable || !ordered || self.aim.is_nan() {
             return Rates { rates: [0.0; 2], arrives: false };
         }
@@ -68,7 +72,7 @@ impl Transfer {
         }
         match self.unlimited() {
             Some(rates) if self.within(rates) => Rates { rates, arrives: true },
-            _ => self.at_a_limit().unwrap_or_else(|| self.closest()),
+            beyond => beyond.and_then(|rates| self.at_a_limit(rates)).unwrap_or_else(|| self.closest()),
         }
     }
 
@@ -82,65 +86,61 @@ impl Transfer {
 
     /// Case 1; `None` where no rates reach the ellipse.
     fn unlimited(&self) -> Option<Pair> {
-        let (pan, tilt) = (self.pan, self.tilt);
-        // H Hᵀ, its eigenvalues and its first eigenvector.
-        let (xx, yy) = (pan[0] * pan[0] + tilt[0] * tilt[0], pan[1] * pan[1] + tilt[1] * tilt[1]);
-        let xy = pan[0] * pan[1] + tilt[0] * tilt[1];
-        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let radius = libm::sqrt(half * half + xy * xy);
-        let large = mean + radius;
-        if large <= 0.0 {
+        let (pan, tilt, c) = (self.pan, self.tilt, self.offset);
+        let trace = square(pan) + square(tilt);
+        if trace <= 0.0 {
             return None;
         }
-        let area = pan[0] * tilt[1] - pan[1] * tilt[0];
-        // Not the difference of two like numbers; relative to the large one.
-        let small = (area / large) * (area / large);
-        let axis = if half >= 0.0 { [half + radius, xy] } else { [xy, radius - half] };
-        let length = libm::sqrt(square(axis));
-        let axis = if length > 0.0 { [axis[0] / length, axis[1] / length] } else { [1.0, 0.0] };
-        let c = [
-            axis[0] * self.offset[0] + axis[1] * self.offset[1],
-            axis[0] * self.offset[1] - axis[1] * self.offset[0],
-        ];
-        if small == 0.0 && c[1].abs() > self.aim {
+        // Of H Hᵀ / trace: the determinant, and the adjugate times c. The factor is λ times the trace.
+        let area = (pan[0] * tilt[1] - pan[1] * tilt[0]) / trace;
+        let determinant = area * area;
+        let beside = |axis: Pair| (axis[0] * c[1] - axis[1] * c[0]) / trace;
+        let (pan_beside, tilt_beside) = (beside(pan), beside(tilt));
+        let d = [-(pan_beside * pan[1] + tilt_beside * tilt[1]), pan_beside * pan[0] + tilt_beside * tilt[0]];
+        let (cc, cd, dd) = (square(c), dot(c, d), square(d));
+        if determinant == 0.0 && dd >= self.aim * self.aim {
             return None;
         }
-        let mut factor = 0.0;
-        let mut left = c;
+        let pull = square([dot(pan, c), dot(tilt, c)]) / trace;
+        let per_aim = 1.0 / self.aim;
+        let (mut factor, mut shrink) = (0.0, 1.0);
         for _ in 0..STEPS {
-            let shrink = [1.0 + factor, 1.0 + factor * small];
-            left = [c[0] / shrink[0], c[1] / shrink[1]];
-            let distance_squared = square(left);
-            let slope = left[0] * left[0] / shrink[0] + left[1] * left[1] * small / shrink[1];
-            let miss = libm::sqrt(distance_squared) / self.aim - 1.0;
-            let step = miss * distance_squared / slope;
-            if miss <= CLOSE_ENOUGH || !step.is_finite() || factor + step == factor {
+            let distance_squared = cc + factor * (2.0 * cd + factor * dd);
+            let slope = pull + factor * determinant * (3.0 * cc + factor * (3.0 * cd + factor * dd));
+            let miss = per_aim * libm::sqrt(distance_squared) - shrink;
+            let step = miss * (distance_squared / slope);
+            if miss <= 0.0 || !step.is_finite() || factor + step == factor {
                 break;
             }
+            let is_last = miss <= CLOSE_ENOUGH * shrink;
             factor += step;
+            shrink = 1.0 + factor * (1.0 + factor * determinant);
+            if is_last {
+                break;
+            }
         }
-        // Back from the eigenvectors: the remaining offset, and the rates that leave it.
-        let rest = [axis[0] * left[0] - axis[1] * left[1], axis[1] * left[0] + axis[0] * left[1]];
-        let scale = -factor / large;
-        let rates =
-            [scale * (pan[0] * rest[0] + pan[1] * rest[1]), scale * (tilt[0] * rest[0] + tilt[1] * rest[1])];
+        let rest = [c[0] + factor * d[0], c[1] + factor * d[1]];
+        let scale = -factor / (trace * shrink);
+        let rates = [scale * dot(pan, rest), scale * dot(tilt, rest)];
         rates.iter().all(|rate| rate.is_finite()).then_some(rates)
     }
 
-    /// Case 2: the least on the rectangle's sides, if any reaches the ellipse.
-    fn at_a_limit(&self) -> Option<Rates> {
+    /// Case 2: the least on those sides of the rectangle that `beyond` lies beyond, if any reaches the ellipse.
+    fn at_a_limit(&self, beyond: Pair) -> Option<Rates> {
         let mut best: Option<(f64, Pair)> = None;
         for held in [0, 1] {
-            for rate in [self.least[held], self.most[held]] {
-                let (fixed, free) = if held == 0 { (self.pan, self.tilt) } else { (self.tilt, self.pan) };
-                let start = [0, 1].map(|i| self.offset[i] + rate * fixed[i]);
-                let range = (self.least[1 - held], self.most[1 - held]);
-                let Some(other) = least_into(start, free, self.aim, range) else { continue };
-                let rates = if held == 0 { [rate, other] } else { [other, rate] };
-                let energy = square(rates);
-                if best.is_none_or(|(least, _)| energy < least) {
-                    best = Some((energy, rates));
-                }
+            let rate = beyond[held].clamp(self.least[held], self.most[held]);
+            if (self.least[held]..=self.most[held]).contains(&beyond[held]) {
+                continue;
+            }
+            let (fixed, free) = if held == 0 { (self.pan, self.tilt) } else { (self.tilt, self.pan) };
+            let start = [0, 1].map(|i| self.offset[i] + rate * fixed[i]);
+            let range = (self.least[1 - held], self.most[1 - held]);
+            let Some(other) = least_into(start, free, self.aim, range) else { continue };
+            let rates = if held == 0 { [rate, other] } else { [other, rate] };
+            let energy = square(rates);
+            if best.is_none_or(|(least, _)| energy < least) {
+                best = Some((energy, rates));
             }
         }
         best.map(|(_, rates)| Rates { rates, arrives: true })
@@ -149,7 +149,6 @@ impl Transfer {
     /// Case 3: the rates within the limits that come closest; of several, the least.
     fn closest(&self) -> Rates {
         let (pan, tilt) = (self.pan, self.tilt);
-        let dot = |a: Pair, b: Pair| a[0] * b[0] + a[1] * b[1];
         let (pp, tt, pt) = (square(pan), square(tilt), dot(pan, tilt));
         let (pc, tc) = (dot(pan, self.offset), dot(tilt, self.offset));
         let area = pan[0] * tilt[1] - pan[1] * tilt[0];
@@ -209,6 +208,10 @@ fn least_into(start: Pair, gain: Pair, aim: f64, (least, most): (f64, f64)) -> O
     (least..=most).contains(&rate).then_some(rate)
 }
 
+fn dot(a: Pair, b: Pair) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
 fn square(v: Pair) -> f64 {
-    v[0] * v[0] + v[1] * v[1]
+    dot(v, v)
 }

@@ -17,8 +17,28 @@ const LEAST_AHEAD: f64 = 0.15;
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     focal_px: f64,
-    pan: (f64, f64),
-    tilt: (f64, f64),
+    pan: Turn,
+    tilt: Turn,
+}
+
+/// An angle with its sine and cosine.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    angle: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl Turn {
+    fn new(angle: f64) -> Self {
+        let (sin, cos) = libm::sincos(angle);
+        Self { angle, sin, cos }
+    }
+
+    /// The same to another angle; where that is the same, nothing is worked out anew.
+    fn to(self, angle: f64) -> Self {
+        if angle.to_bits() == self.angle.to_bits() { self } else { Self::new(angle) }
+    }
 }
 
 /// Pixels by which a point moves for each radian of pan to the right, and of tilt upwards: `[x, y]` each.
@@ -33,40 +53,51 @@ pub struct Sensitivity {
 impl View {
     /// A camera with that focal length, pixels, that points there, radians.
     pub fn new(focal_px: f64, pan: f64, tilt: f64) -> Self {
-        Self { focal_px, pan: libm::sincos(pan), tilt: libm::sincos(tilt) }
+        Self { focal_px, pan: Turn::new(pan), tilt: Turn::new(tilt) }
+    }
+
+    /// The same camera when it points there, with that focal length.
+    #[must_use]
+    pub fn turned(&self, focal_px: f64, pan: f64, tilt: f64) -> Self {
+        Self { focal_px, pan: self.pan.to(pan), tilt: self.tilt.to(tilt) }
     }
 
     /// The direction of an image point.
     pub fn direction(&self, point: ImagePoint) -> Direction {
-        let (right, up) = (point.x / self.focal_px, point.y / self.focal_px);
-        let ((sin_pan, cos_pan), (sin_tilt, cos_tilt)) = (self.pan, self.tilt);
+        let per_px = 1.0 / self.focal_px;
+        let (right, up) = (per_px * point.x, per_px * point.y);
+        let (Turn { sin: sin_pan, cos: cos_pan, .. }, Turn { sin: sin_tilt, cos: cos_tilt, .. }) =
+            (self.pan, self.tilt);
         let ahead = cos_tilt - up * sin_tilt;
         let above = sin_tilt + up * cos_tilt;
-        let length = libm::sqrt(1.0 + right * right + up * up);
+        let scale = 1.0 / libm::sqrt(1.0 + right * right + up * up);
         [
-            (right * cos_pan + ahead * sin_pan) / length,
-            (ahead * cos_pan - right * sin_pan) / length,
-            above / length,
+            scale * (right * cos_pan + ahead * sin_pan),
+            scale * (ahead * cos_pan - right * sin_pan),
+            scale * above,
         ]
     }
 
-    /// Where a direction is seen.
+    /// Where a direction is seen; its length counts only for what is behind.
     pub fn point(&self, [east, north, above]: Direction) -> ImagePoint {
-        let ((sin_pan, cos_pan), (sin_tilt, cos_tilt)) = (self.pan, self.tilt);
+        let (Turn { sin: sin_pan, cos: cos_pan, .. }, Turn { sin: sin_tilt, cos: cos_tilt, .. }) =
+            (self.pan, self.tilt);
         let right = east * cos_pan - north * sin_pan;
         let ahead = east * sin_pan + north * cos_pan;
         let depth = (ahead * cos_tilt + above * sin_tilt).max(LEAST_AHEAD);
         let across = above * cos_tilt - ahead * sin_tilt;
-        ImagePoint { x: self.focal_px * right / depth, y: self.focal_px * across / depth }
+        let scale = self.focal_px / depth;
+        ImagePoint { x: scale * right, y: scale * across }
     }
 
     /// How the axes move a point that is seen there.
     pub fn sensitivity(&self, point: ImagePoint) -> Sensitivity {
         let ImagePoint { x, y } = point;
-        let (f, (sin, cos)) = (self.focal_px, self.tilt);
+        let (f, Turn { sin, cos, .. }) = (self.focal_px, self.tilt);
+        let per_f = 1.0 / f;
         Sensitivity {
-            pan: [-(f * cos - y * sin + x * x * cos / f), -(x * sin + x * y * cos / f)],
-            tilt: [-x * y / f, -(f + y * y / f)],
+            pan: [-(f * cos - y * sin + x * per_f * x * cos), -(x * sin + x * per_f * y * cos)],
+            tilt: [-x * per_f * y, -(f + y * per_f * y)],
         }
     }
 }
