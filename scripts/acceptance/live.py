@@ -22,7 +22,7 @@ FPS = 30
 LATENCY_LIMIT_MS = 10
 BACK_WITHIN = 3.0
 GROWS_AT_MOST_MIB = 4.0
-# The patch of the server rests in the middle at its start, and moves at most 170 px/s.
+# The patch of the server rests in the middle for some seconds, and moves at most 170 px/s then.
 SELECTION = f"{WIDTH // 2 - 26},{HEIGHT // 2 - 26},52,52"
 BIT_ROWS = HEIGHT // 16
 

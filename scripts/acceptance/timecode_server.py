@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """scripts/rtsp_server.py with something to follow in its time code pattern: a red patch that moves slowly.
 
-Same options; the patch is PATCH pixels wide and high, and at FIRST when the server starts.
+Same options; the patch is PATCH pixels wide and high, and rests in the middle for REST_S seconds after the first picture:
+a busy machine may be late to look.
 """
 import functools
 import math
@@ -15,7 +16,7 @@ import rtsp_server  # noqa: E402
 PATCH = 64
 RED = (81, 90, 240)  # Y, U, V of red in BT.601, limited range; in BT.709 it is a red, too.
 
-began = time.monotonic()
+REST_S = 3.0
 
 
 @functools.cache
@@ -31,9 +32,14 @@ def code(width, height):
     return (row + b"\x80" * (width - len(row))) * max(height // 16, 8)
 
 
+@functools.cache
+def first_picture():
+    return time.monotonic()
+
+
 def place(width, height):
     """Where the patch is, on even pixels: about a third of the picture's width to and fro in 8 s."""
-    swing = math.sin((time.monotonic() - began) * math.tau / 8)
+    swing = math.sin(max(time.monotonic() - first_picture() - REST_S, 0.0) * math.tau / 8)
     return (width // 2 - PATCH // 2 + int(swing * width / 6)) & ~1, (height // 2 - PATCH // 2) & ~1
 
 

@@ -9,8 +9,8 @@ fn main() {
     divan::main();
 }
 
-/// Steps of one swing of the target.
-const SWING: u32 = 120;
+/// Steps of one swing of the target, to and fro.
+const SWING: u32 = 240;
 
 /// A step on a target that goes to and fro so far, the camera model's included: the mean over a swing.
 #[divan::bench(args = [60.0, 200.0, 300.0], sample_count = 500, sample_size = SWING)]
@@ -22,7 +22,7 @@ fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
     let region = Region::in_picture(profile.region, picture);
     let percepts: Vec<_> = (0..SWING)
         .map(|step| {
-            let swing = f64::from(step) / f64::from(SWING / 2) - 1.0;
+            let swing = 1.0 - (f64::from(step) / f64::from(SWING / 4) - 2.0).abs();
             Percept::new(ImagePoint { x: reach_px * swing, y: 0.3 * reach_px * swing }, region)
         })
         .collect();

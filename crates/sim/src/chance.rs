@@ -22,7 +22,7 @@ pub enum Stream {
     Gust = 5,
     /// When it pauses.
     Pauses = 6,
-    /// The localisation's noise.
+    /// The localisation's noise, across.
     Sensor = 7,
     /// The kite's yaw.
     SwayYaw = 8,
@@ -52,6 +52,10 @@ pub enum Stream {
     Shiver = 20,
     /// How the target's heading weaves about where it means to go.
     Weave = 21,
+    /// The localisation's noise, up and down.
+    SensorUpward = 22,
+    /// At which corners the target pauses, and how long.
+    CornerPauses = 23,
 }
 
 /// A seed with one of its streams.
@@ -93,7 +97,7 @@ impl Draws {
 pub struct Wander {
     /// Standard deviation, in the unit of what wanders.
     pub deviation: f64,
-    /// Time after which it has forgotten where it was, seconds, above 0.
+    /// Time after which it has forgotten where it was, seconds; 0: at once.
     pub time_s: f64,
 }
 
@@ -110,7 +114,7 @@ pub struct Wandering {
 impl Wandering {
     /// Begins in the middle of its wandering: its first value has the full deviation.
     pub fn new(wander: Wander, draws: Draws) -> Self {
-        let keep = libm::exp(-TICK_S / wander.time_s.max(TICK_S));
+        let keep = libm::exp(-TICK_S / wander.time_s);
         let add = wander.deviation * libm::sqrt(1.0 - keep * keep);
         Self { draws, keep, add, value: wander.deviation * draws.normal(0) }
     }

@@ -1,5 +1,7 @@
 //! A path over the floor or the water: way-points joined by straight lines.
 
+use crate::pursuit::wrapped;
+
 /// A path with at least two way-points, no two neighbours in one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
@@ -65,6 +67,18 @@ impl Path {
         let leg = self.leg_at(along_m);
         let (from, to) = (self.points[leg], self.points[leg + 1]);
         libm::atan2(to.1 - from.1, to.0 - from.0)
+    }
+
+    /// How far along it the way-points lie at which it turns by more than so many radians.
+    pub fn corners(&self, radians: f64) -> impl Iterator<Item = f64> + '_ {
+        (1..self.points.len() - 1).filter_map(move |index| {
+            let direction = |leg: usize| {
+                let (from, to) = (self.points[leg], self.points[leg + 1]);
+                libm::atan2(to.1 - from.1, to.0 - from.0)
+            };
+            let turn = wrapped(direction(index) - direction(index - 1)).abs();
+            (turn > radians).then_some(self.lengths[index])
+        })
     }
 
     /// How far along it the place lies that is nearest to `place`, looked for from `from_m` on over the next

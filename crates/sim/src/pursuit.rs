@@ -46,6 +46,8 @@ pub struct PursuitScript {
     pub stand_after_s: f64,
     /// Pauses for each second under way.
     pub pauses_per_s: f64,
+    /// At what share of the path's corners, 0 to 1, it pauses in addition.
+    pub corner_pauses: f64,
     /// Mean duration of a pause, seconds.
     pub pause_s: f64,
 }
@@ -82,8 +84,14 @@ pub struct Pursuit {
     speed: f64,
     turn: f64,
     along_m: f64,
+    /// How far along the path its corners lie, metres, and how many of them are passed.
+    corners_m: Vec<f64>,
+    passed: usize,
+    corner_pauses: Draws,
 }
 
+/// Where the path turns by more than this is a corner, radians.
+const CORNER: f64 = core::f64::consts::FRAC_PI_4;
 /// It has arrived when no more than this is left of the path, metres.
 const ARRIVED_M: f64 = 0.15;
 /// So many look-aheads of the path are searched for the place that is nearest.
@@ -108,6 +116,7 @@ impl Pursuit {
         let speed_of_trial = script.speed_m_per_s * libm::exp(script.speed_spread * haste);
         let place = path.at(0.0);
         let until = ticks(script.stand_before_s * patience);
+        let corners_m = path.corners(CORNER).collect();
         Ok(Self {
             pauses: Draws::of(seed, Stream::Pauses),
             pace,
@@ -120,6 +129,9 @@ impl Pursuit {
             speed: 0.0,
             turn: 0.0,
             along_m: 0.0,
+            corners_m,
+            passed: 0,
+            corner_pauses: Draws::of(seed, Stream::CornerPauses),
             path,
             script,
         })
@@ -136,7 +148,8 @@ impl Pursuit {
     pub fn advance(&mut self, tick: u64) {
         self.gust.advance(tick);
         self.weave.advance(tick);
-        self.doing = self.next(tick);
+        let at_corner = self.passes_corner();
+        self.doing = self.next(tick, at_corner);
         let (speed, turn) = match self.doing {
             Doing::UnderWay => self.wanted(),
             Doing::StandingBefore { .. }
@@ -153,7 +166,16 @@ impl Pursuit {
         self.along_m = self.path.nearest(self.place, self.along_m, reach);
     }
 
-    fn next(&self, tick: u64) -> Doing {
+    /// Whether it comes to a corner now, of those that are passed once each.
+    fn passes_corner(&mut self) -> bool {
+        let passes = self.corners_m.get(self.passed).is_some_and(|corner_m| *corner_m <= self.along_m);
+        self.passed += usize::from(passes);
+        passes
+    }
+
+    fn next(&self, tick: u64, at_corner: bool) -> Doing {
+        let pauses_here =
+            || at_corner && self.corner_pauses.unit(2 * self.passed as u64) < self.script.corner_pauses;
         match self.doing {
             Doing::StandingBefore { until } | Doing::Paused { until } if tick >= until => Doing::UnderWay,
             Doing::UnderWay if self.path.length() - self.along_m <= ARRIVED_M => {
@@ -162,6 +184,11 @@ impl Pursuit {
             }
             Doing::UnderWay if self.pauses.unit(2 * tick) < self.script.pauses_per_s * TICK_S => {
                 let pause_s = self.script.pause_s * self.pauses.exponential(2 * tick + 1);
+                Doing::Paused { until: tick + ticks(pause_s) }
+            }
+            Doing::UnderWay if pauses_here() => {
+                let draw = 2 * self.passed as u64 + 1;
+                let pause_s = self.script.pause_s * self.corner_pauses.exponential(draw);
                 Doing::Paused { until: tick + ticks(pause_s) }
             }
             Doing::StandingAfter { until } if tick >= until => Doing::Over,

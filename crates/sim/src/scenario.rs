@@ -9,7 +9,7 @@ use barrelman_vocab::{Angle, PictureSize};
 
 use crate::camera_axis::{AxisPlant, TICKS_PER_SECOND};
 use crate::camera_mount::MountPlant;
-use crate::chance::{Draws, Stream};
+use crate::chance::{Draws, Stream, Wander};
 use crate::electronics::ElectronicsScript;
 use crate::helmsman::BoatScript;
 use crate::optics::Optics;
@@ -138,8 +138,8 @@ pub enum TargetScript {
 /// What a localisation without pixels is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensing {
-    /// Standard deviation of each coordinate, pixels.
-    pub noise_px: f64,
+    /// How far each coordinate is off, pixels.
+    pub noise: Wander,
     /// Whether coordinates are whole pixels.
     pub rounded: bool,
     /// What is said of a target that is out of the picture.

@@ -2,7 +2,7 @@
 
 use barrelman_vocab::{ImagePoint, Localisation, PixelBox};
 
-use crate::chance::{Draws, Stream};
+use crate::chance::{Draws, Stream, Wandering};
 use crate::scenario::{BeyondBorder, CameraSetup, Sensing};
 use crate::world::Truth;
 
@@ -11,23 +11,31 @@ use crate::world::Truth;
 pub struct Sensor {
     sensing: Sensing,
     camera: CameraSetup,
-    draws: Draws,
+    across: Wandering,
+    upward: Wandering,
+    tick: u64,
 }
 
 impl Sensor {
     /// The sensor of a trial.
     pub fn new(sensing: Sensing, camera: CameraSetup, seed: u64) -> Self {
-        Self { sensing, camera, draws: Draws::of(seed, Stream::Sensor) }
+        let noise = |stream| Wandering::new(sensing.noise, Draws::of(seed, stream));
+        Self { sensing, camera, across: noise(Stream::Sensor), upward: noise(Stream::SensorUpward), tick: 0 }
     }
 
-    /// What is measured of that truth; `None` where the target is not to be seen.
-    pub fn sense(&self, truth: &Truth) -> Option<Localisation> {
-        let noise = |which: u64| self.sensing.noise_px * self.draws.normal(2 * truth.tick + which);
-        let measured = |true_px: f64, which: u64| {
-            let noisy = true_px + noise(which);
+    /// What is measured of that truth, which is not older than the one before; `None` where the target is not to be
+    /// seen.
+    pub fn sense(&mut self, truth: &Truth) -> Option<Localisation> {
+        while self.tick < truth.tick {
+            self.across.advance(self.tick);
+            self.upward.advance(self.tick);
+            self.tick += 1;
+        }
+        let measured = |true_px: f64, noise: Wandering| {
+            let noisy = true_px + noise.value();
             if self.sensing.rounded { libm::rint(noisy) } else { noisy }
         };
-        let (x, y) = (measured(truth.image.x, 0), measured(truth.image.y, 1));
+        let (x, y) = (measured(truth.image.x, self.across), measured(truth.image.y, self.upward));
         let (x, y) = match self.sensing.beyond_border {
             BeyondBorder::Clamped { x_px, y_px } => (x.clamp(-x_px, x_px), y.clamp(-y_px, y_px)),
             BeyondBorder::Absent if truth.in_picture => (x, y),

@@ -49,7 +49,7 @@ impl Script {
     }
 }
 
-const PARAMETERS: [Parameter; 17] = [
+const PARAMETERS: [Parameter; 18] = [
     ("scale", 0.6, 1.4, |s| &mut s.scale),
     ("breadth", 0.6, 1.4, |s| &mut s.breadth),
     ("speed_m_per_s", 0.5, 3.0, |s| &mut s.pursuit.speed_m_per_s),
@@ -66,6 +66,7 @@ const PARAMETERS: [Parameter; 17] = [
     ("stand_before_s", 0.0, 15.0, |s| &mut s.pursuit.stand_before_s),
     ("stand_after_s", 0.0, 3.0, |s| &mut s.pursuit.stand_after_s),
     ("pauses_per_s", 0.0, 0.5, |s| &mut s.pursuit.pauses_per_s),
+    ("corner_pauses", 0.0, 1.0, |s| &mut s.pursuit.corner_pauses),
     ("pause_s", 0.2, 3.0, |s| &mut s.pursuit.pause_s),
 ];
 
@@ -84,12 +85,12 @@ const SPREADS: [(usize, &str); 5] = [
     (3, "spread of speed, 50 %"),
     (5, "spread of speed, 90 %"),
     (9, "spread of speed across, 90 %"),
-    (40, "spread of azimuth over 4 s"),
+    (43, "spread of azimuth over 4 s"),
 ];
 
 /// Where groups of statistics end that say nearly the same in different ways, such as the quantiles of the speed: a group
 /// counts as one figure, the mean of its losses.
-const GROUPS: [usize; 15] = [1, 8, 14, 17, 19, 21, 23, 25, 32, 38, 42, 46, 49, COUNT, COMPARED];
+const GROUPS: [usize; 15] = [1, 8, 14, 17, 19, 22, 24, 26, 35, 41, 45, 49, 53, COUNT, COMPARED];
 
 /// Means over trials, and what of the spreads is compared.
 fn summary(motions: &[motion::Motion]) -> [f64; COMPARED] {

@@ -5,6 +5,8 @@
 mod believable;
 mod picture;
 
+mod noise;
+
 mod jumps;
 
 mod rate;
@@ -52,6 +54,8 @@ pub(crate) struct Options {
 pub(crate) enum TableName {
     /// Whether simulated trials are like the recorded ones: the one that is judged.
     Believable,
+    /// How much the tracked place jitters.
+    Noise,
     /// Whether the target stays in the picture.
     Picture,
     /// The published sensitivities, and the jumps of the authors' tracker.
@@ -106,6 +110,9 @@ fn trials_folder(given: Option<&PathBuf>) -> Result<PathBuf> {
 pub(crate) fn acceptance(options: &Options) -> Result<bool> {
     let folder = trials_folder(options.trials.as_ref())?;
     let wanted = |table| options.only.is_none_or(|only| only == table);
+    if wanted(TableName::Noise) {
+        noise::run(&folder, options)?;
+    }
     if wanted(TableName::Picture) {
         picture::run(&folder, options)?;
     }

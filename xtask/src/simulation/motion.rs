@@ -37,6 +37,7 @@ pub(super) const STATISTICS: [&str; COUNT] = [
     "speed where the direction changes",
     "pauses per minute",
     "mean pause, s",
+    "pauses where it turns, share",
     "setting off after, s",
     "standing after, s",
     "speed in the last 1 s",
@@ -44,6 +45,8 @@ pub(super) const STATISTICS: [&str; COUNT] = [
     "acceleration, RMS, px/s2",
     "correlation of speed over 1 s",
     "correlation of speed over 2 s",
+    "correlation of speed over 4 s",
+    "correlation of speed over 6 s",
     "persistence across over 1 s",
     "persistence across over 2 s",
     "persistence up, down over 0.5 s",
@@ -63,6 +66,7 @@ pub(super) const STATISTICS: [&str; COUNT] = [
     "depression over 4 s",
     "depression over 8 s",
     "azimuth, from end to end, px",
+    "azimuth, its first leg, px",
     "depression, 10 to 50 %, degrees",
     "depression, 50 to 90 %",
     "azimuth over 1 s, 95 %, px",
@@ -72,7 +76,7 @@ pub(super) const STATISTICS: [&str; COUNT] = [
 ];
 
 /// How many statistics there are.
-pub(super) const COUNT: usize = 53;
+pub(super) const COUNT: usize = 57;
 
 /// How the target of a trial moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,6 +95,11 @@ const CAMERA: f64 = 98.0;
 const PAUSE_S: f64 = 0.4;
 /// A change of direction by more than this within a second counts, degrees.
 const CHANGE_DEG: f64 = 50.0;
+/// A pause after which it goes on in a direction that differs by more than this is at a turn, degrees; the directions are
+/// those of the displacements over so long before and after, seconds, of so many pixels at least.
+const TURN_DEG: f64 = 60.0;
+const TURN_S: f64 = 1.2;
+const TURN_PX: f64 = 8.0;
 /// Depression at the start, as identified.
 const DEPRESSION_DEG: f64 = 24.0;
 /// A leg is what lies between two turning points of a bearing that are so far apart at least: across, and up and
@@ -139,7 +148,8 @@ pub(super) fn of(log: &TrialLog, scenario: &Scenario) -> Motion {
     };
     let minutes = log.duration_s() / 60.0;
     let before_s = setting_off(&samples, f);
-    let (pauses, pause_s, after_s) = standing(&velocities, before_s);
+    let (pauses, after_s) = standing(&velocities, before_s);
+    let turns: Vec<f64> = pauses.iter().filter_map(|pause| turn(&samples, f, *pause)).collect();
     let (changes, speed_in_changes) = direction_changes(&velocities);
     let moved = |over_s: f64, of: fn(&Sample) -> f64| {
         mean(displacements(&samples, over_s, of).map(|by| by * by)).sqrt() * f
@@ -176,8 +186,9 @@ pub(super) fn of(log: &TrialLog, scenario: &Scenario) -> Motion {
             stretches(&velocities, |v| v.0.hypot(v.1) > CAMERA),
             changes / minutes,
             speed_in_changes,
-            pauses / minutes,
-            pause_s,
+            pauses.len() as f64 / minutes,
+            mean(pauses.iter().map(|(from_s, to_s)| to_s - from_s)),
+            mean(turns.iter().map(|turn| f64::from(*turn > TURN_DEG))),
             before_s,
             after_s,
             mean_speed(last_s - 1.0, last_s),
@@ -185,6 +196,8 @@ pub(super) fn of(log: &TrialLog, scenario: &Scenario) -> Motion {
             acceleration(&velocities),
             correlation(&velocities, 1.0, speed),
             correlation(&velocities, 2.0, speed),
+            correlation(&velocities, 4.0, speed),
+            correlation(&velocities, 6.0, speed),
             correlation(&velocities, 1.0, |v| v.0),
             correlation(&velocities, 2.0, |v| v.0),
             correlation(&velocities, 0.5, |v| v.1),
@@ -204,6 +217,7 @@ pub(super) fn of(log: &TrialLog, scenario: &Scenario) -> Motion {
             moved(4.0, |sample| sample.depression),
             moved(8.0, |sample| sample.depression),
             azimuths.at(1.0) - azimuths.at(0.0),
+            first_leg(&samples, f, before_s),
             depressions.at(0.50) - depressions.at(0.10),
             depressions.at(0.90) - depressions.at(0.50),
             went(1.0, 0.95),
@@ -354,6 +368,27 @@ fn displacements<'a>(
         let then = samples.get(later)?;
         (sample.good && then.good).then(|| of(then) - of(sample))
     })
+}
+
+/// By how much its azimuth changes until it first turns back after it has set off, to the right above 0, pixels.
+fn first_leg(samples: &[Sample], focal_px: f64, set_off_s: f64) -> f64 {
+    let azimuth = |sample: &Sample| focal_px * sample.azimuth;
+    let Some(first) = samples.first() else { return 0.0 };
+    let under_way = samples.partition_point(|sample| sample.at_s < first.at_s + set_off_s);
+    let stood = Sorted::of(samples.iter().take_while(|s| s.at_s < first.at_s + 1.0).map(azimuth)).at(0.5);
+    let (mut farthest, mut nearest) = (stood, stood);
+    for sample in &samples[under_way..] {
+        let now = azimuth(sample);
+        (farthest, nearest) = (farthest.max(now), nearest.min(now));
+        // It has gone one way by a leg, and back from there by another.
+        if farthest - stood >= LEG_PX.0 && farthest - now >= LEG_PX.0 {
+            return farthest - stood;
+        }
+        if stood - nearest >= LEG_PX.0 && now - nearest >= LEG_PX.0 {
+            return nearest - stood;
+        }
+    }
+    0.0
 }
 
 /// When it sets off: from then on it is [`SET_OFF_PX`] from where it stood for [`SET_OFF_S`] at least. What a hand
@@ -507,8 +542,26 @@ fn direction_changes(velocities: &Velocities) -> (f64, f64) {
     (changes as f64, speed / count.max(1) as f64)
 }
 
-/// Pauses on the way, their mean length, and how long it stood after.
-fn standing(velocities: &Velocities, set_off_s: f64) -> (f64, f64, f64) {
+/// By how much the direction after a pause differs from that before, degrees.
+fn turn(samples: &[Sample], focal_px: f64, (from_s, to_s): (f64, f64)) -> Option<f64> {
+    let at = |at_s: f64| samples.get(samples.partition_point(|sample| sample.at_s < at_s));
+    let went = |from: &Sample, to: &Sample| {
+        let across = focal_px * (to.azimuth - from.azimuth) * to.depression.cos();
+        let upward = focal_px * (to.depression - from.depression);
+        (across.hypot(upward) >= TURN_PX).then(|| upward.atan2(across))
+    };
+    let before = went(at(from_s - TURN_S)?, at(from_s)?)?;
+    let after = went(at(to_s)?, at(to_s + TURN_S)?)?;
+    Some(wrapped(after - before).abs().to_degrees())
+}
+
+/// An angle as one from -pi to pi.
+fn wrapped(radians: f64) -> f64 {
+    radians - std::f64::consts::TAU * (radians / std::f64::consts::TAU).round()
+}
+
+/// From when to when it paused on its way, and how long it stood after.
+fn standing(velocities: &Velocities, set_off_s: f64) -> (Vec<(f64, f64)>, f64) {
     let moves = |v: &Option<(f64, f64)>| v.is_some_and(|(a, e)| a.hypot(e) > STANDING);
     let start = velocities.first().map_or(0.0, |(at, _)| *at);
     let first = velocities.partition_point(|(at, _)| *at < start + set_off_s);
@@ -520,13 +573,13 @@ fn standing(velocities: &Velocities, set_off_s: f64) -> (f64, f64, f64) {
         match (velocity, since) {
             (Some(_), None) if !moves(velocity) => since = Some(*at_s),
             (Some(_), Some(from)) if moves(velocity) => {
-                pauses.push(at_s - from);
+                pauses.push((from, *at_s));
                 since = None;
             }
             (None, _) => since = None,
             _ => {}
         }
     }
-    pauses.retain(|pause| *pause >= PAUSE_S);
-    (pauses.len() as f64, mean(pauses.iter().copied()), velocities.get(last).map_or(0.0, |(at, _)| end - at))
+    pauses.retain(|(from_s, to_s)| to_s - from_s >= PAUSE_S);
+    (pauses, velocities.get(last).map_or(0.0, |(at, _)| end - at))
 }

@@ -37,3 +37,15 @@ fn fewer_than_two_places_and_no_numbers_are_no_path() {
     assert!(Path::through([(1.0, 2.0), (1.0, 2.0)]).is_err());
     assert!(Path::through([(1.0, 2.0), (f64::NAN, 2.0)]).is_err());
 }
+
+#[test]
+fn corners_are_where_it_turns_by_more_than_asked() {
+    let path =
+        Path::through([(0.0, 0.0), (2.0, 0.0), (4.0, 0.2), (4.0, 3.0), (4.0, 1.0)]).expect("five places");
+    let of = |degrees: f64| path.corners(degrees.to_radians()).collect::<Vec<_>>();
+    let second = 2.0 + libm::hypot(2.0, 0.2);
+    assert_eq!(of(1.0).len(), 3, "its ends are none");
+    let found = of(45.0);
+    assert!((found[0] - second).abs() < 1e-12 && (found[1] - second - 2.8).abs() < 1e-12, "{found:?}");
+    assert_eq!(of(100.0), found[1..], "there and back is the sharpest");
+}

@@ -49,7 +49,7 @@ pub(crate) fn plain() -> Scenario {
         target: TargetScript::Pursuit(pursuit()),
         things: Vec::new(),
         sensing: Sensing {
-            noise_px: 0.0,
+            noise: Wander::default(),
             rounded: false,
             beyond_border: BeyondBorder::Absent,
             target_size_m: (LENGTH_M, 0.3),
@@ -77,6 +77,7 @@ pub(crate) fn pursuit() -> PursuitScript {
         stand_before_s: 0.0,
         stand_after_s: 0.0,
         pauses_per_s: 0.0,
+        corner_pauses: 0.0,
         pause_s: 0.0,
     }
 }

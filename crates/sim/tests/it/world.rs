@@ -157,3 +157,73 @@ fn a_target_that_weaves_goes_a_longer_way_to_the_same_end() {
     assert!(weaving > 1.03 * straight, "{weaving} m, {straight} m");
     assert!((end.0 - 4.0).abs() < 0.4 && (end.1 - 4.0).abs() < 0.4, "{end:?}");
 }
+
+#[test]
+fn a_target_pauses_at_the_corners_that_it_is_to_pause_at() {
+    let script = |corner_pauses: f64| PursuitScript {
+        way_points: vec![(0.0, 4.0), (2.0, 4.0), (2.0, 6.0), (2.0, 8.0), (4.0, 8.0)],
+        corner_slow_down: 0.0,
+        corner_pauses,
+        pause_s: 1.5,
+        ..pursuit()
+    };
+    let pauses = |corner_pauses: f64, seed: u64| {
+        let mut target = Pursuit::new(script(corner_pauses), seed).expect("a path");
+        let (mut places, mut stood) = (Vec::new(), true);
+        for tick in 0..120 * 60 {
+            target.advance(tick);
+            let stands = target.speed_m_per_s() < 0.05;
+            if stands && !stood && !target.is_over() {
+                places.push(target.place());
+            }
+            stood = stands;
+        }
+        places
+    };
+    // Of 80 corners; one pause in five is over before it has come to rest.
+    let (mut all, mut some) = (0, 0);
+    for seed in 0..40 {
+        assert!(pauses(0.0, seed).len() <= 1, "it stands at its end alone");
+        for (x, y) in pauses(1.0, seed) {
+            let near = |corner: (f64, f64)| libm::hypot(x - corner.0, y - corner.1) < 0.7;
+            assert!(near((2.0, 4.0)) || near((2.0, 8.0)) || near((4.0, 8.0)), "it stands at {x}, {y}");
+        }
+        all += pauses(1.0, seed).len();
+        some += pauses(0.5, seed).len();
+    }
+    assert!((55..=75).contains(&all), "{all} pauses at all corners");
+    assert!((22..=45).contains(&some), "{some} at half of them");
+}
+
+#[test]
+fn a_localisation_is_off_by_as_much_and_for_as_long_as_the_scenario_says() {
+    let mut scenario = plain();
+    let pictures: Vec<Truth> = truths(1, 120 * 60, false).into_iter().step_by(4).collect();
+    let mut errors = |time_s: f64| {
+        scenario.sensing.noise = Wander { deviation: 0.6, time_s };
+        scenario.sensing.beyond_border = BeyondBorder::Clamped { x_px: 1e9, y_px: 1e9 };
+        let mut all = Vec::new();
+        for seed in 0..20 {
+            let mut sensor = Sensor::new(scenario.sensing, scenario.camera.clone(), seed);
+            let of_trial = pictures.iter().map(|truth| {
+                let seen = sensor.sense(truth).expect("clamped");
+                seen.centre.in_image(seen.picture).y - truth.image.y
+            });
+            all.push(of_trial.collect::<Vec<f64>>());
+        }
+        let mean =
+            |of: &dyn Fn(&[f64]) -> f64| all.iter().map(|trial| of(trial)).sum::<f64>() / all.len() as f64;
+        let square = mean(&|trial| trial.iter().map(|x| x * x).sum::<f64>() / trial.len() as f64);
+        let pairs = |trial: &[f64]| {
+            trial.windows(31).map(|window| window[0] * window[30]).sum::<f64>() / (trial.len() - 30) as f64
+        };
+        (square.sqrt(), mean(&pairs) / square)
+    };
+    let (deviation, after_1_s) = errors(1.0);
+    assert!(
+        (deviation - 0.6).abs() < 0.05 && (after_1_s - libm::exp(-1.0)).abs() < 0.1,
+        "{deviation} {after_1_s}"
+    );
+    let (deviation, after_1_s) = errors(0.0);
+    assert!((deviation - 0.6).abs() < 0.02 && after_1_s.abs() < 0.03, "{deviation} {after_1_s}");
+}

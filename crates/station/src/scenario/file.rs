@@ -280,6 +280,8 @@ pub struct TargetSection {
     pub path: Option<String>,
     /// Or way-points, metres.
     pub way_points: Option<Vec<[f64; 2]>>,
+    /// A way-point before the first of the path; left out: it begins with that.
+    pub start_m: Option<[f64; 2]>,
     /// By what the path is stretched.
     pub scale: f64,
     /// By what it is stretched across in addition; left out: not at all.
@@ -321,6 +323,9 @@ pub struct TargetSection {
     pub stand_after_s: f64,
     /// Pauses for each second under way.
     pub pauses_per_s: f64,
+    /// At what share of the path's corners it pauses in addition, 0 to 1.
+    #[serde(default)]
+    pub corner_pauses: f64,
     /// Mean duration of a pause, seconds.
     pub pause_s: f64,
 }
@@ -333,6 +338,9 @@ pub struct SensingSection {
     pub target_size_m: [f64; 2],
     /// Deviation, pixels.
     pub noise_px: f64,
+    /// After what time it is another, seconds; 0: with each picture.
+    #[serde(default)]
+    pub noise_time_s: f64,
     /// Whole pixels.
     pub rounded: bool,
     /// A target out of the picture is said to be at its border: largest |x| and |y|, pixels; left out: it is lost.

@@ -308,7 +308,10 @@ fn sensing(section: &SensingSection) -> Result<Sensing, Mistake> {
     let [length, breadth] = section.target_size_m;
     let size = |value: f64| within("sensing.target_size_m", value, 0.01, 100.0, "metres");
     Ok(Sensing {
-        noise_px: within("sensing.noise_px", section.noise_px, 0.0, 100.0, "pixels")?,
+        noise: Wander {
+            deviation: within("sensing.noise_px", section.noise_px, 0.0, 100.0, "pixels")?,
+            time_s: within("sensing.noise_time_s", section.noise_time_s, 0.0, 3600.0, "seconds")?,
+        },
         rounded: section.rounded,
         beyond_border: match section.clamped_at_px {
             None => BeyondBorder::Absent,

@@ -56,7 +56,10 @@ fn the_laboratory_has_the_plant_and_the_optics_as_identified() {
     let indoor = load("lab1", &Changes::default()).unwrap().scenario;
     let Platform::Swaying(sway) = indoor.platform else { panic!("it sways") };
     assert!((sway.yaw.deviation.to_degrees() - 0.3).abs() < 1e-9 && sway.yaw.time_s == 1.5, "{sway:?}");
-    assert_eq!((indoor.camera.height_m, indoor.sensing.noise_px, indoor.sensing.rounded), (1.83, 0.6, true));
+    assert_eq!(
+        (indoor.camera.height_m, indoor.sensing.noise.deviation, indoor.sensing.rounded),
+        (1.83, 0.6, true)
+    );
 }
 
 #[test]

@@ -69,11 +69,12 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             stand_before_s: 0.5,
             stand_after_s: 0.5,
             pauses_per_s: 0.0,
+            corner_pauses: 0.0,
             pause_s: 0.0,
         }),
         things: Vec::new(),
         sensing: Sensing {
-            noise_px: 0.3,
+            noise: Wander { deviation: 0.3, time_s: 0.0 },
             rounded: true,
             beyond_border: BeyondBorder::Absent,
             target_size_m: (0.3, 0.3),

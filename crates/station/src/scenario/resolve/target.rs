@@ -26,11 +26,12 @@ pub(super) fn target(file: &ScenarioFile, changes: &Changes) -> Result<TargetScr
     }
 }
 
-/// A path as written, stretched, and across by a factor more.
+/// A path as written, with another way-point before the first, stretched, and across by a factor more.
 fn way_points(
     table: &str,
     path: Option<&String>,
     own: Option<&Vec<[f64; 2]>>,
+    start: Option<[f64; 2]>,
     scale: f64,
     breadth: f64,
 ) -> Result<Vec<(f64, f64)>, Mistake> {
@@ -46,7 +47,7 @@ fn way_points(
         }
     };
     let way_points: Vec<(f64, f64)> =
-        way_points.iter().map(|[x, y]| (scale * breadth * x, scale * y)).collect();
+        start.iter().chain(&way_points).map(|[x, y]| (scale * breadth * x, scale * y)).collect();
     for (x, y) in &way_points {
         if !(x.abs() <= WORLD_M && y.abs() <= WORLD_M) {
             return Err(Mistake::value(
@@ -66,6 +67,7 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
         "target",
         section.path.as_ref(),
         section.way_points.as_ref(),
+        section.start_m,
         section.scale,
         section.breadth.unwrap_or(1.0),
     )?;
@@ -96,6 +98,7 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
         stand_before_s: number("stand_before_s", section.stand_before_s, 0.0, 600.0, "seconds")?,
         stand_after_s: number("stand_after_s", section.stand_after_s, 0.0, 600.0, "seconds")?,
         pauses_per_s: number("pauses_per_s", section.pauses_per_s, 0.0, 10.0, "1/s")?,
+        corner_pauses: number("corner_pauses", section.corner_pauses, 0.0, 1.0, "a share")?,
         pause_s: number("pause_s", section.pause_s, 0.0, 600.0, "seconds")?,
     }))
 }
@@ -110,6 +113,7 @@ fn boat(section: &BoatSection, changes: &Changes) -> Result<TargetScript, Mistak
             "boat",
             section.path.as_ref(),
             section.way_points.as_ref(),
+            None,
             section.scale,
             1.0,
         )?,
