@@ -129,10 +129,10 @@ impl Transfer {
     fn at_a_limit(&self, beyond: Pair) -> Option<Rates> {
         let mut best: Option<(f64, Pair)> = None;
         for held in [0, 1] {
-            let rate = beyond[held].clamp(self.least[held], self.most[held]);
             if (self.least[held]..=self.most[held]).contains(&beyond[held]) {
                 continue;
             }
+            let rate = beyond[held].clamp(self.least[held], self.most[held]);
             let (fixed, free) = if held == 0 { (self.pan, self.tilt) } else { (self.tilt, self.pan) };
             let start = [0, 1].map(|i| self.offset[i] + rate * fixed[i]);
             let range = (self.least[1 - held], self.most[1 - held]);

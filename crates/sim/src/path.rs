@@ -1,7 +1,5 @@
 //! A path over the floor or the water: way-points joined by straight lines.
 
-use crate::pursuit::wrapped;
-
 /// A path with at least two way-points, no two neighbours in one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
@@ -64,20 +62,16 @@ impl Path {
 
     /// Its direction there: radians anticlockwise from x.
     pub fn direction_at(&self, along_m: f64) -> f64 {
-        let leg = self.leg_at(along_m);
-        let (from, to) = (self.points[leg], self.points[leg + 1]);
-        libm::atan2(to.1 - from.1, to.0 - from.0)
+        let (x, y) = self.leg(self.leg_at(along_m));
+        libm::atan2(y, x)
     }
 
     /// How far along it the way-points lie at which it turns by more than so many radians.
     pub fn corners(&self, radians: f64) -> impl Iterator<Item = f64> + '_ {
         (1..self.points.len() - 1).filter_map(move |index| {
-            let direction = |leg: usize| {
-                let (from, to) = (self.points[leg], self.points[leg + 1]);
-                libm::atan2(to.1 - from.1, to.0 - from.0)
-            };
-            let turn = wrapped(direction(index) - direction(index - 1)).abs();
-            (turn > radians).then_some(self.lengths[index])
+            let (a, b) = (self.leg(index - 1), self.leg(index));
+            let turn = libm::atan2(a.0 * b.1 - a.1 * b.0, a.0 * b.0 + a.1 * b.1);
+            (turn.abs() > radians).then_some(self.lengths[index])
         })
     }
 
@@ -101,6 +95,12 @@ impl Path {
             }
         }
         best.1
+    }
+
+    /// From a way-point to the next, metres.
+    fn leg(&self, index: usize) -> (f64, f64) {
+        let (from, to) = (self.points[index], self.points[index + 1]);
+        (to.0 - from.0, to.1 - from.1)
     }
 
     fn leg_at(&self, along_m: f64) -> usize {

@@ -174,8 +174,8 @@ impl Pursuit {
     }
 
     fn next(&self, tick: u64, at_corner: bool) -> Doing {
-        let pauses_here =
-            || at_corner && self.corner_pauses.unit(2 * self.passed as u64) < self.script.corner_pauses;
+        let draw = 2 * self.passed as u64;
+        let pauses_here = || at_corner && self.corner_pauses.unit(draw) < self.script.corner_pauses;
         match self.doing {
             Doing::StandingBefore { until } | Doing::Paused { until } if tick >= until => Doing::UnderWay,
             Doing::UnderWay if self.path.length() - self.along_m <= ARRIVED_M => {
@@ -187,8 +187,7 @@ impl Pursuit {
                 Doing::Paused { until: tick + ticks(pause_s) }
             }
             Doing::UnderWay if pauses_here() => {
-                let draw = 2 * self.passed as u64 + 1;
-                let pause_s = self.script.pause_s * self.corner_pauses.exponential(draw);
+                let pause_s = self.script.pause_s * self.corner_pauses.exponential(draw + 1);
                 Doing::Paused { until: tick + ticks(pause_s) }
             }
             Doing::StandingAfter { until } if tick >= until => Doing::Over,

@@ -25,7 +25,7 @@ mod follow;
 mod scoring;
 
 mod chance;
-mod figures;
+pub(crate) mod figures;
 pub(crate) mod parallel;
 mod report;
 

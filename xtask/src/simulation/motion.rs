@@ -375,7 +375,7 @@ fn first_leg(samples: &[Sample], focal_px: f64, set_off_s: f64) -> f64 {
     let azimuth = |sample: &Sample| focal_px * sample.azimuth;
     let Some(first) = samples.first() else { return 0.0 };
     let under_way = samples.partition_point(|sample| sample.at_s < first.at_s + set_off_s);
-    let stood = Sorted::of(samples.iter().take_while(|s| s.at_s < first.at_s + 1.0).map(azimuth)).at(0.5);
+    let stood = stood_at(samples, azimuth);
     let (mut farthest, mut nearest) = (stood, stood);
     for sample in &samples[under_way..] {
         let now = azimuth(sample);
@@ -391,14 +391,17 @@ fn first_leg(samples: &[Sample], focal_px: f64, set_off_s: f64) -> f64 {
     0.0
 }
 
+/// Where it stood in the first second.
+fn stood_at(samples: &[Sample], of: impl Fn(&Sample) -> f64) -> f64 {
+    let start_s = samples.first().map_or(0.0, |first| first.at_s);
+    Sorted::of(samples.iter().take_while(|sample| sample.at_s < start_s + 1.0).map(of)).at(0.5)
+}
+
 /// When it sets off: from then on it is [`SET_OFF_PX`] from where it stood for [`SET_OFF_S`] at least. What a hand
 /// does to it before, and what a tracker makes of the hand, comes back sooner.
 fn setting_off(samples: &[Sample], focal_px: f64) -> f64 {
     let Some(first) = samples.first() else { return 0.0 };
-    let stood = |of: fn(&Sample) -> f64| {
-        Sorted::of(samples.iter().take_while(|s| s.at_s < first.at_s + 1.0).map(of)).at(0.5)
-    };
-    let (azimuth, depression) = (stood(|s| s.azimuth), stood(|s| s.depression));
+    let (azimuth, depression) = (stood_at(samples, |s| s.azimuth), stood_at(samples, |s| s.depression));
     let mut since = first.at_s;
     for sample in samples {
         let off = (sample.azimuth - azimuth).hypot(sample.depression - depression) * focal_px;
@@ -526,8 +529,7 @@ fn direction_changes(velocities: &Velocities) -> (f64, f64) {
         }
         let changed = match (velocity, velocities[later].1) {
             (Some(a), Some(b)) if a.0.hypot(a.1) > STANDING && b.0.hypot(b.1) > STANDING => {
-                let turn = (a.0 * b.1 - a.1 * b.0).atan2(a.0 * b.0 + a.1 * b.1);
-                turn.abs().to_degrees() > CHANGE_DEG
+                between_deg(*a, b) > CHANGE_DEG
             }
             _ => false,
         };
@@ -548,16 +550,16 @@ fn turn(samples: &[Sample], focal_px: f64, (from_s, to_s): (f64, f64)) -> Option
     let went = |from: &Sample, to: &Sample| {
         let across = focal_px * (to.azimuth - from.azimuth) * to.depression.cos();
         let upward = focal_px * (to.depression - from.depression);
-        (across.hypot(upward) >= TURN_PX).then(|| upward.atan2(across))
+        (across.hypot(upward) >= TURN_PX).then_some((across, upward))
     };
     let before = went(at(from_s - TURN_S)?, at(from_s)?)?;
     let after = went(at(to_s)?, at(to_s + TURN_S)?)?;
-    Some(wrapped(after - before).abs().to_degrees())
+    Some(between_deg(before, after))
 }
 
-/// An angle as one from -pi to pi.
-fn wrapped(radians: f64) -> f64 {
-    radians - std::f64::consts::TAU * (radians / std::f64::consts::TAU).round()
+/// The angle between two directions, degrees.
+fn between_deg(a: (f64, f64), b: (f64, f64)) -> f64 {
+    (a.0 * b.1 - a.1 * b.0).atan2(a.0 * b.0 + a.1 * b.1).abs().to_degrees()
 }
 
 /// From when to when it paused on its way, and how long it stood after.

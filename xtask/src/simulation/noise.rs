@@ -13,6 +13,7 @@ use barrelman_trial::logs::TrialLog;
 
 use super::Options;
 use super::recorded::{JUMP_PX, read, scenario, simulated, step_px};
+use crate::acceptance::figures::quantile;
 use crate::say;
 
 /// Speeds up to which the place is looked at, pixels per second; beyond, the rows' times are not known well enough.
@@ -55,13 +56,8 @@ fn row(name: &str, logs: &[TrialLog]) {
             }
         }
     }
-    let [slow, faster] = left.map(|[across, upward]| {
-        let median = |mut values: Vec<f64>| {
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-        };
-        format!("{:.2}, {:.2}", median(across), median(upward))
-    });
+    let [slow, faster] =
+        left.map(|[across, upward]| format!("{:.2}, {:.2}", quantile(&across, 0.5), quantile(&upward, 0.5)));
     say(&format!("{name:44} {slow:>20} {faster:>20}"));
 }
 
