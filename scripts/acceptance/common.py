@@ -319,6 +319,12 @@ class Row:
         return self.is_motion and any(self.values)
 
 
+def busiest_second(rows):
+    """How many lines with a rate other than zero a ground station heard in its busiest second."""
+    moving = [row.at for row in rows if row.is_motion and row.moves]
+    return max((sum(at <= other < at + 1 for other in moving) for at in moving), default=0)
+
+
 class Recording:
     """A recording, read with the Python package as far as it goes."""
 

@@ -134,8 +134,7 @@ def check_zeros(table, standstills, recording, rows):
                 if len(repeats) < 2 or abs(repeats[0] - 0.05) > LISTENING_JITTER or abs(repeats[1] - 0.1) > LISTENING_JITTER:
                     sloppy.append([round(repeat, 3) for repeat in repeats])
     table.require_in_time(standstills, "each such zero comes twice more, 50 ms apart", threes and not sloppy, f"{threes} times", str(sloppy) if sloppy else "")
-    moving = [row.at for row in motions if row.moves]
-    busiest = max((sum(at <= other < at + 1 for other in moving) for at in moving), default=0)
+    busiest = common.busiest_second(rows)
     table.require("lines with a rate in the busiest second", busiest <= 20, busiest, "at most 20")
 
 
@@ -168,7 +167,7 @@ def main():
     table = Table("The practice clip through `run`, against the rule that predicts it")
     record = folder / "record.mcap"
     with Emulator(args.barrelman, folder) as emulator, Standstills() as standstills:
-        command = [args.barrelman, "run", "--engage", "--tracker", "camshift", "--video", f"file:{clip}", "--select", common.selection(truth), "--link", emulator.url, "--record", record]
+        command = [args.barrelman, "run", "--engage", "--tracker", "camshift", "--law", "schema", "--video", f"file:{clip}", "--select", common.selection(truth), "--link", emulator.url, "--record", record]
         child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         out, err = child.communicate(timeout=len(truth) / 30 + 20)
         table.require("run ends with exit 0 when the video does", child.returncode == 0, f"exit {child.returncode}", "" if child.returncode == 0 else err)

@@ -124,11 +124,14 @@ pub struct DemoArgs {
     #[arg(long, value_name = "FILE.jsonl", conflicts_with = "replay")]
     pub store: Option<PathBuf>,
     /// Drive a stored drive again, without a page and as fast as it goes; exit 1 if it differs in a bit.
-    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds"])]
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "law", "mode", "horizon"])]
     pub replay: Option<PathBuf>,
     /// The tracker.
     #[arg(long, value_enum, value_name = "NAME", default_value_t, conflicts_with = "replay")]
     pub tracker: TrackerName,
+    /// The law.
+    #[command(flatten)]
+    pub law: LawOptions,
     /// The loop on a practice clip instead, against an emulated ground station.
     #[arg(long, conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "record", "store", "replay"])]
     pub clip: bool,
@@ -155,6 +158,7 @@ impl Default for DemoArgs {
             store: None,
             replay: None,
             tracker: TrackerName::default(),
+            law: LawOptions::default(),
             clip: false,
             output: PathBuf::from("demo-output"),
             draw_only: false,
@@ -193,6 +197,9 @@ pub struct RunArgs {
     /// The tracker; without it the configuration's, which is fused unless something else is said.
     #[arg(long, value_enum, value_name = "NAME")]
     pub tracker: Option<TrackerName>,
+    /// The law.
+    #[command(flatten)]
+    pub law: LawOptions,
     /// Move the camera from the start.
     #[arg(long)]
     pub engage: bool,
@@ -401,7 +408,7 @@ pub struct TrialsArgs {
     #[arg(required_unless_present = "drive")]
     pub scenario: Option<String>,
     /// One trial in which the boat is steered as in this drive, which `demo --store` wrote: its scenario, its seed, the
-    /// size of its pictures and its tracker, where no other is asked for.
+    /// size of its pictures, its tracker and its camera law, where no other is asked for.
     #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "trials", "seed", "shard", "boat_speed"])]
     pub drive: Option<PathBuf>,
     /// How many trials.

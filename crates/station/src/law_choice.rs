@@ -8,11 +8,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The camera laws.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawName {
     /// The paper's motor schema.
-    #[default]
     Schema,
     /// Both axes at once, by prediction, with the least energy.
     Optimal,
@@ -34,11 +33,13 @@ pub enum ModeName {
 }
 
 /// The law's options of a command.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Copy, Default, Args)]
 pub struct LawOptions {
-    /// The camera law.
-    #[arg(long, value_enum, default_value_t)]
-    pub law: LawName,
+    /// The camera law. Without it the paper's schema where its figures are reproduced (`trials`, `law`) and where the
+    /// camera rests (`demo --clip`), but that of the drive where one is run again; elsewhere the configuration's, which is
+    /// optimal unless something else is said.
+    #[arg(long, value_enum)]
+    pub law: Option<LawName>,
     /// What the optimal law spares; without it minimum-energy.
     #[arg(long, value_enum)]
     pub mode: Option<ModeName>,
@@ -49,27 +50,48 @@ pub struct LawOptions {
 }
 
 impl LawOptions {
-    /// The choice that they make.
+    /// The choice that they make, where without them it would be `base`.
     ///
     /// # Errors
     /// If they contradict each other, or the horizon is out of its range.
-    pub fn choice(self) -> Result<LawChoice> {
-        LawChoice { name: self.law, mode: self.mode, horizon_s: self.horizon }.validated("--")
+    pub fn over(self, base: LawChoice) -> Result<LawChoice> {
+        let base = self.law.filter(|name| *name != base.name).map_or(base, LawChoice::of);
+        LawChoice { mode: self.mode.or(base.mode), horizon_s: self.horizon.or(base.horizon_s), ..base }
+            .validated("--")
     }
 }
 
 /// A law, and of the optimal one how.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LawChoice {
     /// Which law.
     pub name: LawName,
     /// What the optimal law spares; `None`: the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<ModeName>,
     /// The optimal law's horizon, seconds; `None`: the mode's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub horizon_s: Option<f64>,
 }
 
+impl From<LawChoice> for LawOptions {
+    fn from(choice: LawChoice) -> Self {
+        Self { law: Some(choice.name), mode: choice.mode, horizon: choice.horizon_s }
+    }
+}
+
 impl LawChoice {
+    /// The paper's: the default wherever its figures are reproduced.
+    pub const SCHEMA: Self = Self::of(LawName::Schema);
+    /// The default wherever a camera follows a boat.
+    pub const OPTIMAL: Self = Self::of(LawName::Optimal);
+
+    /// A law as it is by itself.
+    pub const fn of(name: LawName) -> Self {
+        Self { name, mode: None, horizon_s: None }
+    }
+
     /// Itself, if it makes sense; `prefix` stands before the names of what is wrong.
     ///
     /// # Errors

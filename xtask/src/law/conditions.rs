@@ -60,7 +60,7 @@ impl Condition {
         Plan::new(&Request {
             scenario: self.scenario.to_owned(),
             changes,
-            law: LawChoice::default(),
+            law: LawChoice::SCHEMA,
             rate: None,
             perception: Perception::Truth,
             plant,

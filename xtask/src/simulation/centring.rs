@@ -34,10 +34,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
                 })
                 .collect()
         };
-        let (schema, centre) = (
-            trials(LawChoice::default())?,
-            trials(LawChoice { name: LawName::Centre, ..LawChoice::default() })?,
-        );
+        let (schema, centre) = (trials(LawChoice::SCHEMA)?, trials(LawChoice::of(LawName::Centre))?);
         say(&format!(
             "\n{:34} {:>10} {:>10} {:>34}",
             format!("arena {arena}, {} pairs", schema.len()),

@@ -25,7 +25,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
         let plan = Plan::new(&Request {
             scenario: name.to_owned(),
             changes: Changes::default(),
-            law: LawChoice::default(),
+            law: LawChoice::SCHEMA,
             rate: None,
             perception: Perception::Truth,
             plant: PlantName::Nominal,

@@ -33,7 +33,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
         }
         say(&header);
         for rate in RATES {
-            let plan = plan(arena, options.scenarios.as_deref(), LawChoice::default(), Some(rate))?;
+            let plan = plan(arena, options.scenarios.as_deref(), LawChoice::SCHEMA, Some(rate))?;
             let metrics: Vec<TrialMetrics> = (options.first_seed..options.first_seed + options.seeds)
                 .map(|seed| {
                     let log = plan.log(seed, &mut ())?;

@@ -59,7 +59,7 @@ fn plan(arena: &str, law: LawName, speed: f64) -> Result<Plan> {
     let plan = Plan::new(&Request {
         scenario: arena.to_owned(),
         changes: Changes { boat_speed_m_per_s: Some(speed), ..Changes::default() },
-        law: LawChoice { name: law, ..LawChoice::default() },
+        law: LawChoice::of(law),
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

@@ -22,6 +22,7 @@ use super::practice;
 use crate::campaign::recording::TrialRecorder;
 use crate::cli::DemoArgs;
 use crate::clock::Clock;
+use crate::law_choice::{LawChoice, LawName};
 use crate::live::event::{Event, QuitCause};
 use crate::live::terminal::Terminal;
 use crate::live::threads::{self, Saboteur};
@@ -29,6 +30,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::scenario::{self, Changes};
 use crate::world::drive::{DriveHash, DriveWitness};
+use crate::world::drive_shadow::DriveShadow;
 use crate::world::pacing::Pacing;
 use crate::world::page::{DriveStatus, Stage};
 use crate::world::painter::{self, Easel, Seen};
@@ -80,7 +82,7 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         size: args.size,
     };
     url.size = Some(size_of(&url)?);
-    let mut cast = Cast::new(url, args.tracker, args.record.is_some())?;
+    let mut cast = Cast::new(url, args.tracker, args.law.over(LawChoice::OPTIMAL)?, args.record.is_some())?;
     let threads = RenderThreads::two()?;
     let listener = listen(args.listen)?;
 
@@ -108,7 +110,12 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let end = loop {
         let mut live = LiveDrive {
             drive: Drive::new(&cast, &threads)?,
-            crew: Crew { recorder: recorder(args, &cast)?, easel: Some(&easel), ..Crew::default() },
+            crew: Crew {
+                recorder: recorder(args, &cast)?,
+                easel: Some(&easel),
+                shadow: (cast.law.name != LawName::Schema).then(|| DriveShadow::new(&cast.profile)),
+                ..Crew::default()
+            },
             store: args
                 .store
                 .as_deref()
@@ -252,6 +259,8 @@ struct Crew<'a> {
     hash: DriveHash,
     recorder: Option<TrialRecorder>,
     easel: Option<&'a Arc<Easel>>,
+    /// What the schema would have done, where another law servoes.
+    shadow: Option<DriveShadow>,
     last: Option<(Outcome, VehicleRates)>,
     in_picture: Option<bool>,
 }
@@ -264,6 +273,9 @@ impl Witness for Crew<'_> {
         }
         if let (Some(easel), Input::Frame(frame)) = (self.easel, input) {
             easel.put(Seen { frame: (*frame).clone(), outcome: outcome.clone(), rates });
+        }
+        if let Some(shadow) = &mut self.shadow {
+            shadow.step(now, outcome);
         }
         self.last = Some((outcome.clone(), rates));
     }
@@ -423,11 +435,13 @@ impl LiveDrive<'_> {
             time_s: world.now().as_secs_f64(),
             paused: self.paused,
             pace,
+            law: self.cast.law.word(),
             mode: outcome.map_or_else(String::new, |outcome| outcome.mode.to_string()),
             engaged: outcome.is_some_and(|outcome| matches!(outcome.mode, Mode::Servoing | Mode::Holding(_))),
             track: word,
             confidence,
             p: outcome.and_then(|outcome| outcome.percept).map(|percept| percept.p),
+            schema_p: self.crew.shadow.as_ref().and_then(DriveShadow::p),
             pan: command.pan.radians_per_second(),
             tilt: command.tilt.radians_per_second(),
             yaw_rate: rates.yaw.radians_per_second(),

@@ -10,7 +10,7 @@ use barrelman_vocab::AngularRate;
 use super::trial_input;
 use crate::cli::LawArgs;
 use crate::config::resolve::profile_named;
-use crate::law_choice::LawName;
+use crate::law_choice::{LawChoice, LawName};
 use crate::output;
 
 /// The header of what is written.
@@ -21,7 +21,7 @@ pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";
 /// # Errors
 /// If the log cannot be read or the output not be written.
 pub fn run(args: &LawArgs) -> Result<ExitCode> {
-    let law = args.law.choice()?;
+    let law = args.law.over(LawChoice::SCHEMA)?;
     let mut profile = profile_named(&args.profile)?;
     if let Some(rate) = args.rate {
         profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));

@@ -23,6 +23,7 @@ use crate::emulator::fotokite_pro::FotokitePro;
 use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
 use crate::fault::FaultPlan;
+use crate::law_choice::LawChoice;
 use crate::output;
 use crate::video::encoder::EncoderSettings;
 use crate::video::writer::Mp4Writer;
@@ -81,6 +82,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             profile: None,
             select: Some(selection),
             tracker: Some(args.tracker),
+            law: args.law.over(LawChoice::SCHEMA)?.into(),
             engage: true,
             headless: true,
             record: Some(recording.clone()),

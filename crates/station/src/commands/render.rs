@@ -39,7 +39,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let plan = Plan::new(&Request {
         scenario: args.scenario.clone(),
         changes: Changes { size: args.size, ..Changes::default() },
-        law: LawChoice::default(),
+        law: LawChoice::SCHEMA,
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

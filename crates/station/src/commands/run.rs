@@ -104,7 +104,9 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
         None => "the command line is not usable".to_owned(),
     };
     let latency_is_known = file.vehicle.video_latency_s.is_some();
-    Ok((Configuration::resolve(&file).with_context(context)?, latency_is_known))
+    let mut configuration = Configuration::resolve(&file).with_context(context)?;
+    configuration.law = args.law.over(configuration.law)?;
+    Ok((configuration, latency_is_known))
 }
 
 /// A pilot for a configuration, with its tracker.

@@ -16,6 +16,7 @@ use crate::campaign::plan::Request;
 use crate::campaign::runner::run_in_order;
 use crate::campaign::{Perception, Plan};
 use crate::cli::{PerceptionName, TrialsArgs};
+use crate::law_choice::LawChoice;
 use crate::progress::Progress;
 use crate::scenario::Changes;
 use crate::world::DriveReader;
@@ -95,7 +96,7 @@ fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<Request> {
             wind_m_per_s: args.wind,
             size: args.size.or(drive.and_then(|drive| drive.cast.url.size)),
         },
-        law: args.law.choice()?,
+        law: args.law.over(drive.map_or(LawChoice::SCHEMA, |drive| drive.cast.law))?,
         rate: args.rate,
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,

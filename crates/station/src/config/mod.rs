@@ -14,6 +14,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use crate::input;
+use crate::law_choice::LawName;
 use crate::tracker::TrackerName;
 
 pub use file::{ConfigFile, LineEnding};
@@ -41,13 +42,14 @@ pub fn parse(text: &str) -> Result<ConfigFile> {
 }
 
 /// Reads the configuration that a recording begins with. One that names no tracker was made when CamShift was the
-/// only one.
+/// only one, and one that names no law when the schema was.
 ///
 /// # Errors
 /// If a key is unknown or a value has another type; the message points at it.
 pub fn parse_recorded(text: &str) -> Result<ConfigFile> {
     let mut file = parse(text)?;
     file.tracker.name.get_or_insert(TrackerName::Camshift);
+    file.law.name.get_or_insert(LawName::Schema);
     Ok(file)
 }
 

@@ -63,7 +63,7 @@ impl Configuration {
             },
             profile,
             law: LawChoice {
-                name: file.law.name.unwrap_or_default(),
+                name: file.law.name.unwrap_or(LawChoice::OPTIMAL.name),
                 mode: file.law.mode,
                 horizon_s: file.law.horizon,
             }

@@ -8,6 +8,7 @@ use super::Pen;
 use super::placing::Places;
 use super::scene::Scene;
 use super::shapes::{Line, polyline};
+use super::strip::strip_height;
 use super::style::{Detail, Ink};
 use super::text;
 
@@ -83,7 +84,12 @@ impl CameraArrow {
             (Axis::Tilt, Some((w, h))) => (width + gap + w, length.max(h)),
             (Axis::Tilt, None) => (width, length),
         };
-        let choices = choices(places.page(), motion, group, gap * 2.0);
+        let clear = match motion.axis {
+            Axis::Pan => gap * 2.0,
+            // Above the strip, or below it.
+            Axis::Tilt => strip_height(pen) + gap,
+        };
+        let choices = choices(places.page(), motion, group, clear);
         if let Some(place) = places.take_steadily(self.place_of(motion.axis), &choices) {
             let arrow = match motion.axis {
                 Axis::Pan => {
@@ -131,7 +137,7 @@ fn write_label(words: &mut String, motion: Motion, shown: CameraCommand, rates: 
     words.push_str(" rad/s");
 }
 
-/// The places of an arrow with its label: along the edge that it points to, clear of the strip's height.
+/// The places of an arrow with its label: along the edge that it points to, and so far away from it.
 fn choices(page: PixelBox, motion: Motion, (w, h): (f64, f64), gap: f64) -> [PixelBox; ALONG.len()] {
     let far = |edge: f64, extent: f64| if motion.positive { edge - extent - gap } else { gap };
     ALONG.map(|share| match motion.axis {

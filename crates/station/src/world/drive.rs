@@ -1,6 +1,6 @@
 //! A drive: a trial in lock step that people take part in.
 //!
-//! It is made of its cast (scenario, seed, size, tracker) and of inputs, each put in before a tick, and of nothing
+//! It is made of its cast (scenario, seed, size, tracker, law) and of inputs, each put in before a tick, and of nothing
 //! else: the clock only says when the next tick is run. The same cast and the same inputs at the same ticks give the
 //! same drive, bit for bit.
 
@@ -20,6 +20,7 @@ use super::coded_eye::CodedEye;
 use super::render_threads::RenderThreads;
 use super::url::WorldUrl;
 use crate::config::{ConfigFile, Configuration};
+use crate::law_choice::LawChoice;
 use crate::scenario::{self, Changes, Loaded};
 use crate::tracker::{TrackerName, TrackerSettings};
 use crate::video::encoder::EncoderSettings;
@@ -38,6 +39,8 @@ pub struct Cast {
     pub profile: VehicleProfile,
     /// The tracker.
     pub tracker: TrackerName,
+    /// The camera law.
+    pub law: LawChoice,
     /// Whether pictures travel as H.264.
     pub coded: bool,
 }
@@ -97,12 +100,12 @@ impl Cast {
     ///
     /// # Errors
     /// If there is no such scenario, or it has a mistake.
-    pub fn new(url: WorldUrl, tracker: TrackerName, coded: bool) -> Result<Self> {
+    pub fn new(url: WorldUrl, tracker: TrackerName, law: LawChoice, coded: bool) -> Result<Self> {
         let changes = Changes { size: url.size, ..Changes::default() };
         let mut loaded = scenario::load(&url.scenario, &changes)?;
         loaded.scenario.most_s = MOST_S;
         let profile = loaded.profile()?;
-        Ok(Self { url, loaded, profile, tracker, coded })
+        Ok(Self { url, loaded, profile, tracker, law, coded })
     }
 
     /// The configuration that a recording of it begins with.
@@ -112,6 +115,7 @@ impl Cast {
     pub fn configuration(&self) -> Result<String> {
         Configuration {
             profile: self.profile.clone(),
+            law: self.law,
             tracker: TrackerSettings::of(self.tracker),
             ..Configuration::resolve(&ConfigFile::default())?
         }
@@ -136,8 +140,7 @@ impl<'a> Drive<'a> {
         let (scenario, seed) = (&cast.loaded.scenario, cast.url.seed);
         let world = World::new(scenario, seed)
             .map_err(|_| anyhow!("the way-points of {} make no path with seed {seed}", scenario.name))?;
-        let settings =
-            PilotSettings { profile: cast.profile.clone(), law: barrelman_pilot::LawSettings::Schema };
+        let settings = PilotSettings { profile: cast.profile.clone(), law: cast.law.settings() };
         let pilot = Pilot::new(settings, TrackerSettings::of(cast.tracker).tracker()?);
         let simd = Simd::at_most(SimdLevel::Avx512);
         let drawn = DrawnEye::new(&world, scenario.camera.clone(), seed, simd, threads);

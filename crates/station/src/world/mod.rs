@@ -13,6 +13,7 @@ pub mod live;
 pub mod rtsp_server;
 
 pub mod drive;
+pub mod drive_shadow;
 pub mod stored_drive;
 
 pub mod pacing;

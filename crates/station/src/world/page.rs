@@ -35,6 +35,8 @@ pub struct DriveStatus {
     pub paused: bool,
     /// Simulated seconds in each second.
     pub pace: f64,
+    /// The camera law.
+    pub law: &'static str,
     /// The pilot's mode, in words.
     pub mode: String,
     /// Whether the camera may move.
@@ -45,6 +47,8 @@ pub struct DriveStatus {
     pub confidence: Option<f64>,
     /// P: above 1 outside of the region.
     pub p: Option<f64>,
+    /// P as the paper's schema would have kept it; absent where it is the law.
+    pub schema_p: Option<f64>,
     /// What is in force, rad/s: pan to the right, tilt upwards.
     pub pan: f64,
     /// See `pan`.

@@ -1,7 +1,7 @@
 //! A drive on disk, JSON Lines: what it is made of, then each input with its tick, and the hash of all that happened.
 //!
 //! ```text
-//! {"drive":"open","scenario_hash":"0c31...","seed":1,"size":"960x540","tracker":"fused","coded":false,"program":"0.1.0"}
+//! {"drive":"open","scenario_hash":"0c31...","seed":1,"size":"960x540","tracker":"fused","law":{"name":"optimal"},"coded":false,"program":"0.1.0"}
 //! {"tick":0,"input":"engage"}
 //! {"tick":431,"input":"helm","thrust":100,"rudder":0}
 //! {"tick":3600,"hash":"8d5f..."}
@@ -18,19 +18,27 @@ use serde::{Deserialize, Serialize};
 
 use super::drive::{Cast, DriveInput};
 use super::url::WorldUrl;
+use crate::law_choice::LawChoice;
 use crate::tracker::TrackerName;
 use crate::{input, output};
 
 /// The first line.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Header {
     drive: String,
     scenario_hash: String,
     seed: u64,
     size: Option<(u32, u32)>,
     tracker: TrackerName,
+    /// Drives that do not say it were driven when the schema was the only law.
+    #[serde(default = "schema")]
+    law: LawChoice,
     coded: bool,
     program: String,
+}
+
+const fn schema() -> LawChoice {
+    LawChoice::SCHEMA
 }
 
 /// Every other line.
@@ -67,6 +75,7 @@ impl DriveWriter {
             seed: cast.url.seed,
             size: cast.url.size.map(|size| (size.width, size.height)),
             tracker: cast.tracker,
+            law: cast.law,
             coded: cast.coded,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         })?;
@@ -132,7 +141,7 @@ impl DriveReader {
         let header: Header = serde_json::from_str(first).context("its first line is no drive's")?;
         let size = header.size.map(|(width, height)| PictureSize::new(width, height));
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
-        let cast = Cast::new(url, header.tracker, header.coded)?;
+        let cast = Cast::new(url, header.tracker, header.law.validated("law.")?, header.coded)?;
         if format!("{:016x}", cast.loaded.hash) != header.scenario_hash {
             bail!("the scenario {} is another than it was then", cast.url.scenario);
         }

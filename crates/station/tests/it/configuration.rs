@@ -1,6 +1,7 @@
 //! The configuration: the example, the schema, and what is refused.
 
 use barrelman_station::config::{self, ConfigFile, Configuration};
+use barrelman_station::law_choice::{LawChoice, LawName, LawOptions, ModeName};
 use barrelman_station::tracker::TrackerName;
 
 fn resolved(text: &str) -> Result<Configuration, String> {
@@ -69,7 +70,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[camera]\nlowest_tilt_rad = 0.4\n", "camera.lowest_tilt_rad is not below");
     refused("[camera.pan]\nlag_s = nan\n", "camera.pan.lag_s = NaN: use seconds from 0 to 2");
     refused("[camera.tilt]\nstop_dead_time_s = 0.05\n", "camera.tilt.stop_dead_time_s is less than");
-    refused("[law]\nmode = \"eco\"\n", "law.mode is for the law \"optimal\" alone");
+    refused("[law]\nname = \"schema\"\nmode = \"eco\"\n", "law.mode is for the law \"optimal\" alone");
     refused("[law]\nname = \"optimal\"\nhorizon = 9\n", "law.horizon 9: use seconds from 0.5 to 5");
     refused("[link]\nline_ending = \"crlf\"\n", "cr-around");
     refused("[tracker]\nvalue_floor = 300\n", "300");
@@ -107,4 +108,31 @@ fn a_recording_is_replayed_with_the_tracker_that_made_it() {
         let effective = resolved(&format!("[tracker]\nname = \"{}\"\n", name.word())).unwrap();
         assert_eq!(recorded(&effective.to_toml().unwrap()), name);
     }
+}
+
+#[test]
+fn the_optimal_law_is_used_unless_another_is_named_and_a_recording_keeps_its_own() {
+    assert_eq!(resolved("").unwrap().law, LawChoice::OPTIMAL);
+    assert_eq!(resolved("[law]\nname = \"schema\"\n").unwrap().law, LawChoice::SCHEMA);
+    let eco = resolved("[law]\nmode = \"eco\"\n").unwrap();
+    assert_eq!(eco.law, LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL });
+    let recorded = |text: &str| {
+        let file = config::parse_recorded(text).expect("it is usable");
+        Configuration::resolve(&file).expect("it is usable").law
+    };
+    assert_eq!(recorded(""), LawChoice::SCHEMA, "as the program wrote it when there was no other");
+    assert_eq!(recorded(&eco.to_toml().unwrap()), eco.law);
+}
+
+#[test]
+fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
+    let eco = LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL };
+    let said =
+        |law, mode, horizon| LawOptions { law, mode, horizon }.over(eco).map_err(|error| error.to_string());
+    assert_eq!(said(None, None, None), Ok(eco));
+    assert_eq!(said(None, None, Some(2.0)), Ok(LawChoice { horizon_s: Some(2.0), ..eco }));
+    assert_eq!(said(Some(LawName::Optimal), None, None), Ok(eco));
+    assert_eq!(said(Some(LawName::Schema), None, None), Ok(LawChoice::SCHEMA), "its mode goes with the law");
+    assert!(said(Some(LawName::Schema), Some(ModeName::Eco), None).unwrap_err().contains("--mode is for"));
+    assert!(said(None, None, Some(9.0)).unwrap_err().contains("--horizon 9"));
 }

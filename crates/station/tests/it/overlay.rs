@@ -1,5 +1,6 @@
 //! Scenes drawn on copies of frames.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use barrelman_control::{MotorSchema, Percept, Region, Sector};
@@ -11,8 +12,8 @@ use barrelman_vision::{Explanation, GreyMap, Stage};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
-    Angle, CameraCommand, ImagePoint, Localisation, Picture, PictureSize, PixelBox, PixelPoint, StopCause,
-    Timestamp, Track, VehicleProfile, VideoFrame,
+    Angle, AngularRate, CameraCommand, ImagePoint, Localisation, Picture, PictureSize, PixelBox, PixelPoint,
+    StopCause, Timestamp, Track, VehicleProfile, VideoFrame,
 };
 
 const HD: PictureSize = PictureSize::new(1280, 720);
@@ -298,6 +299,37 @@ fn every_size_and_state_is_drawn() {
                     assert_eq!(out.size(), size);
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn each_way_that_the_camera_turns_has_its_arrow() {
+    let rate = AngularRate::from_radians_per_second;
+    for size in [PictureSize::new(480, 270), HD] {
+        let frame = grey(size, ColourEncoding::JPEG);
+        let track = Track::Tracking(target_at(size, 0.0, 0.05));
+        let scene = scene_of(size, &track, Some(Mode::Servoing), None);
+        let still = drawn(&frame, &scene);
+        for (pan, tilt) in [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1), (0.1, -0.1)] {
+            let command = CameraCommand { pan: rate(pan), tilt: rate(tilt) };
+            let moving = drawn(&frame, &Scene { command, ..scene_of(size, &track, scene.mode, None) });
+            // How much differs near the right, left, upper and lower edge, the strip along the lowest rows aside.
+            let (width, height) = (size.width as usize, size.height as usize);
+            let near = |rows: Range<usize>, columns: Range<usize>| {
+                let [a, b] = [&still, &moving].map(|picture| picture.y());
+                let differ =
+                    |row: usize| columns.clone().filter(|at| a.row(row)[*at] != b.row(row)[*at]).count();
+                rows.map(differ).sum::<usize>()
+            };
+            let level = height / 3..2 * height / 3;
+            let right = near(level.clone(), 4 * width / 5..width);
+            let left = near(level, 0..width / 5);
+            let top = near(0..height / 4, 0..width);
+            let bottom = near(3 * height / 4..height - height / 20, 0..width);
+            let arrow = height * height / 1000;
+            let shown = [right, left, top, bottom].map(|differing| differing > arrow);
+            assert_eq!(shown, [pan > 0.0, pan < 0.0, tilt > 0.0, tilt < 0.0], "{pan} {tilt} at {size}");
         }
     }
 }

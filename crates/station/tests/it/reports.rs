@@ -166,7 +166,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
     let plan = Plan::new(&Request {
         scenario: "open".to_owned(),
         changes: Changes { size: Some(size), ..Changes::default() },
-        law: LawChoice::default(),
+        law: LawChoice::SCHEMA,
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

@@ -1,0 +1,53 @@
+//! What the paper's schema would have made of a drive, while it goes on.
+//!
+//! From what the tracker says and what the camera is told, and from nothing else: it stands beside the drive and changes
+//! nothing in it.
+
+use barrelman_control::{CameraModel, Percept, Region, Shadow, Sight};
+use barrelman_pilot::Outcome;
+use barrelman_vocab::profile::RegionShares;
+use barrelman_vocab::{Timestamp, VehicleProfile};
+
+/// The schema, with the camera that it would have had.
+pub struct DriveShadow {
+    shares: RegionShares,
+    camera: CameraModel,
+    shadow: Shadow,
+    looked: Option<Timestamp>,
+    p: Option<f64>,
+}
+
+impl DriveShadow {
+    /// A shadow at a drive's start.
+    pub fn new(profile: &VehicleProfile) -> Self {
+        Self {
+            shares: profile.region,
+            camera: CameraModel::new(profile.camera, profile.limits),
+            shadow: Shadow::new(profile),
+            looked: None,
+            p: None,
+        }
+    }
+
+    /// A step of the drive. A step that brings no new picture only tells what the camera was told.
+    pub fn step(&mut self, now: Timestamp, outcome: &Outcome) {
+        match outcome.track.localisation() {
+            None => self.p = None,
+            Some(seen) if self.looked != Some(seen.captured) => {
+                self.looked = Some(seen.captured);
+                let region = Region::in_picture(self.shares, seen.picture);
+                let percept = Percept::new(seen.centre.in_image(seen.picture), region);
+                let (picture, captured) = (seen.picture, seen.captured);
+                let sight = Sight { percept: &percept, region, picture, captured, now };
+                self.p = Some(self.shadow.see(&sight, &self.camera).p);
+            }
+            Some(_) => {}
+        }
+        self.camera.command(outcome.command, now);
+    }
+
+    /// P as the schema would have kept it; `None` while the target is not seen.
+    pub const fn p(&self) -> Option<f64> {
+        self.p
+    }
+}
