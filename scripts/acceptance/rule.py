@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 import common
-from common import HEIGHT, WIDTH, Emulator, Recording, Standstills, Table
+from common import HEIGHT, LISTENING_JITTER, WIDTH, Emulator, Recording, Standstills, Table
 
 # The paper's rule, written down here once more on purpose.
 HALF_WIDTH, HALF_HEIGHT = 0.6 * WIDTH / 2, 0.5 * HEIGHT / 2
@@ -23,8 +23,6 @@ START_UP = [
     ("Pset 117,10.0", 0.05), ("Pcommit", 0.05), ("Pset 119,0", 0.05), ("Pcommit", 0.05), ("Get_GroundStatus 0", 0.05),
     ("Get_Att 0", 0.05), ("Get_Pos 0", 0.05), ("Get_FlightStatus 0", 0.05), ("Get_Gimbal 0", 0.05),
 ]
-# The emulator looks at its port every 10 ms at the least, and two cores are shared with the decoder.
-LISTENING_JITTER = 0.015
 
 
 def rule(x, y):

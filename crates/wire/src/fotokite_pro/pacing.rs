@@ -1,9 +1,8 @@
 //! When a rate goes out on the line.
 //!
 //! The vehicle keeps a rate until the next one, and a line can get lost, so a zero goes out first and at once,
-//! and twice more 50 ms apart. Other rates coalesce to the newest: at most 20 lines a second over both axes, at the
-//! far end too, where some are read late. What stays, rest too, is said again twice a second: a zero that was lost
-//! three times is made good.
+//! and twice more 50 ms apart. Other rates coalesce to the newest: at most 20 lines a second over both axes. What
+//! stays, rest too, is said again twice a second: a zero that was lost three times is made good.
 
 use core::time::Duration;
 
@@ -15,9 +14,8 @@ use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT, sayable};
 pub const ZERO_SPACING: Duration = Duration::from_millis(50);
 /// How often a zero is said again.
 pub const ZERO_REPEATS: u8 = 2;
-/// Least time between two lines that are not zeros. The 21st comes 1.04 s after the first, so that the far end hears at
-/// most 20 in any second even where it reads some of them 40 ms late.
-pub const LINE_SPACING: Duration = Duration::from_millis(52);
+/// Least time between two lines that are not zeros: 20 a second.
+pub const LINE_SPACING: Duration = Duration::from_millis(50);
 /// A rate in force is said again after this time.
 pub const REFRESH: Duration = Duration::from_millis(500);
 
