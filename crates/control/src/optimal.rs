@@ -111,23 +111,23 @@ impl Tuning {
     /// [`Mode::MinimumEnergy`].
     pub const MINIMUM_ENERGY: Self = Self {
         start: 0.85,
-        doubt: 0.6,
-        stop: 0.14,
-        aim: 0.662,
-        horizon_s: 1.36,
+        doubt: 0.1,
+        stop: 0.05,
+        aim: 0.704,
+        horizon_s: 1.25,
         lazy: 0.009,
-        thrift: 1.1,
+        thrift: 1.35,
         ease: 0.098,
-        start_ahead_s: 1.33,
+        start_ahead_s: 1.7,
         fast: 0.0236,
         stop_ahead_s: 0.165,
         drift_s: 7.5,
         least_rate: 0.01,
         most_rate: 0.34,
-        least_share: 0.408,
+        least_share: 0.58,
         hold: 0.0,
         least_rest_s: 0.11,
-        noise: BearingNoise { rate: 0.0504, memory_s: 2.4, look: 0.0015, sway: 0.0282, sway_memory_s: 4.76 },
+        noise: BearingNoise { rate: 0.085, memory_s: 2.4, look: 0.002, sway: 0.031, sway_memory_s: 4.76 },
     };
     /// [`Mode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {

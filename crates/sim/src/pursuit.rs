@@ -20,6 +20,9 @@ pub struct PursuitScript {
     pub speed_m_per_s: f64,
     /// Standard deviation of the logarithm of the trials' speeds.
     pub speed_spread: f64,
+    /// By which power of its distance from the place below the camera its speed grows; as it is at [`RANGE_M`]. 0: the same
+    /// speed everywhere, 1: the same speed in the picture, nearly.
+    pub range_exponent: f64,
     /// How the logarithm of the speed wanders during a trial.
     pub gust: Wander,
     /// How its heading weaves about where it means to go, radians.
@@ -38,6 +41,8 @@ pub struct PursuitScript {
     pub turn_lag_s: f64,
     /// What share of its speed it gives up where it must turn by a right angle or more, 0 to 1.
     pub corner_slow_down: f64,
+    /// What share of its speed it gives up at the ends of each leg from corner to corner, beside the leg's middle, 0 to 1.
+    pub leg_rhythm: f64,
     /// It comes to rest over so many of the path's last metres, as with a constant deceleration; 0: it stops at once.
     pub arrival_m: f64,
     /// Mean time that it stands before it starts, seconds.
@@ -90,6 +95,9 @@ pub struct Pursuit {
     corner_pauses: Draws,
 }
 
+/// Where the target's speed is what the script says, whatever its exponent: so far from the place below the camera,
+/// metres.
+pub const RANGE_M: f64 = 4.0;
 /// Where the path turns by more than this is a corner, radians.
 const CORNER: f64 = core::f64::consts::FRAC_PI_4;
 /// It has arrived when no more than this is left of the path, metres.
@@ -195,6 +203,17 @@ impl Pursuit {
         }
     }
 
+    /// By what its speed is less here than in the middle of the leg from corner to corner. A hand that moves from mark to
+    /// mark goes with the least jerk (`flash1985`): its speed rises and falls as (t (1 - t))^2 over the leg's time, which
+    /// over the leg's length is nearly (s (1 - s))^(2/3).
+    fn rhythm(&self) -> f64 {
+        let from = self.passed.checked_sub(1).map_or(0.0, |last| self.corners_m[last]);
+        let to = self.corners_m.get(self.passed).copied().unwrap_or_else(|| self.path.length());
+        let share = ((self.along_m - from) / (to - from)).clamp(0.0, 1.0);
+        let bell = libm::cbrt((4.0 * share * (1.0 - share)).powi(2));
+        1.0 - self.script.leg_rhythm * (1.0 - bell)
+    }
+
     /// The speed and the turn rate that it wants now.
     fn wanted(&self) -> (f64, f64) {
         let ahead = self.path.at(self.along_m + self.script.look_ahead_m);
@@ -207,6 +226,8 @@ impl Pursuit {
         let speed = self.speed_of_trial
             * libm::exp(self.gust.value())
             * (1.0 - self.script.corner_slow_down * sharp)
+            * self.rhythm()
+            * libm::pow(libm::hypot(self.place.0, self.place.1) / RANGE_M, self.script.range_exponent)
             * arriving;
         let most = self.script.most_turn_rad_per_s;
         (speed, (self.script.heading_gain * off).clamp(-most, most))

@@ -49,23 +49,25 @@ impl Script {
     }
 }
 
-const PARAMETERS: [Parameter; 18] = [
+const PARAMETERS: [Parameter; 20] = [
     ("scale", 0.6, 1.4, |s| &mut s.scale),
     ("breadth", 0.6, 1.4, |s| &mut s.breadth),
     ("speed_m_per_s", 0.5, 3.0, |s| &mut s.pursuit.speed_m_per_s),
     ("speed_spread", 0.05, 0.4, |s| &mut s.pursuit.speed_spread),
+    ("range_exponent", 0.0, 1.0, |s| &mut s.pursuit.range_exponent),
     ("gust_share", 0.0, 0.8, |s| &mut s.pursuit.gust.deviation),
-    ("gust_time_s", 0.3, 5.0, |s| &mut s.pursuit.gust.time_s),
+    ("gust_time_s", 0.1, 5.0, |s| &mut s.pursuit.gust.time_s),
     ("weave_rad", 0.0, 1.0, |s| &mut s.pursuit.weave.deviation),
     ("weave_time_s", 0.2, 3.0, |s| &mut s.pursuit.weave.time_s),
     ("look_ahead_m", 0.15, 1.0, |s| &mut s.pursuit.look_ahead_m),
     ("way_point_jitter_m", 0.0, 0.4, |s| &mut s.pursuit.way_point_jitter_m),
-    ("surge_lag_s", 0.05, 1.0, |s| &mut s.pursuit.surge_lag_s),
+    ("surge_lag_s", 0.02, 1.0, |s| &mut s.pursuit.surge_lag_s),
     ("corner_slow_down", 0.0, 0.95, |s| &mut s.pursuit.corner_slow_down),
     ("arrival_m", 0.0, 3.0, |s| &mut s.pursuit.arrival_m),
     ("stand_before_s", 0.0, 15.0, |s| &mut s.pursuit.stand_before_s),
     ("stand_after_s", 0.0, 3.0, |s| &mut s.pursuit.stand_after_s),
     ("pauses_per_s", 0.0, 0.5, |s| &mut s.pursuit.pauses_per_s),
+    ("leg_rhythm", 0.0, 0.95, |s| &mut s.pursuit.leg_rhythm),
     ("corner_pauses", 0.0, 1.0, |s| &mut s.pursuit.corner_pauses),
     ("pause_s", 0.2, 3.0, |s| &mut s.pursuit.pause_s),
 ];

@@ -7,6 +7,8 @@ mod picture;
 
 mod noise;
 
+mod distance;
+
 mod jumps;
 
 mod rate;
@@ -56,6 +58,8 @@ pub(crate) enum TableName {
     Believable,
     /// How much the tracked place jitters.
     Noise,
+    /// How fast the target goes where it is far, and where it is near.
+    Distance,
     /// Whether the target stays in the picture.
     Picture,
     /// The published sensitivities, and the jumps of the authors' tracker.
@@ -112,6 +116,9 @@ pub(crate) fn acceptance(options: &Options) -> Result<bool> {
     let wanted = |table| options.only.is_none_or(|only| only == table);
     if wanted(TableName::Noise) {
         noise::run(&folder, options)?;
+    }
+    if wanted(TableName::Distance) {
+        distance::run(&folder, options)?;
     }
     if wanted(TableName::Picture) {
         picture::run(&folder, options)?;

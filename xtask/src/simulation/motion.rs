@@ -228,6 +228,17 @@ pub(super) fn of(log: &TrialLog, scenario: &Scenario) -> Motion {
     }
 }
 
+/// Depressions, radians, and speeds, pixels per second, of a target that does not stand.
+pub(super) fn under_way(log: &TrialLog, scenario: &Scenario) -> Vec<(f64, f64)> {
+    let samples = bearings(log, scenario);
+    let velocities = velocities(&samples, scenario.camera.optics.focal_px);
+    let pairs = samples.iter().zip(velocities).filter_map(|(sample, (_, velocity))| {
+        let (across, upward) = velocity?;
+        Some((sample.depression, across.hypot(upward)))
+    });
+    pairs.filter(|(_, speed)| *speed > STANDING).collect()
+}
+
 /// Values in order.
 struct Sorted(Vec<f64>);
 

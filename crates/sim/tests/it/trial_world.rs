@@ -77,6 +77,8 @@ pub(crate) fn pursuit() -> PursuitScript {
         stand_before_s: 0.0,
         stand_after_s: 0.0,
         pauses_per_s: 0.0,
+        range_exponent: 0.0,
+        leg_rhythm: 0.0,
         corner_pauses: 0.0,
         pause_s: 0.0,
     }

@@ -1,7 +1,7 @@
 //! The world of a trial as a whole.
 
 use barrelman_sim::chance::Wander;
-use barrelman_sim::pursuit::{Pursuit, PursuitScript};
+use barrelman_sim::pursuit::{Pursuit, PursuitScript, RANGE_M};
 use barrelman_sim::scenario::{BeyondBorder, Platform, TargetScript};
 use barrelman_sim::sway::Sway;
 use barrelman_sim::{Sensor, Truth, World};
@@ -193,6 +193,65 @@ fn a_target_pauses_at_the_corners_that_it_is_to_pause_at() {
     }
     assert!((55..=75).contains(&all), "{all} pauses at all corners");
     assert!((22..=45).contains(&some), "{some} at half of them");
+}
+
+#[test]
+fn a_target_goes_from_corner_to_corner_with_a_rhythm_and_arrives() {
+    let fastest_near = |leg_rhythm: f64| {
+        let script = PursuitScript {
+            way_points: vec![(0.0, 4.0), (6.0, 4.0), (6.0, 10.0)],
+            speed_m_per_s: 1.0,
+            corner_slow_down: 0.0,
+            leg_rhythm,
+            ..pursuit()
+        };
+        let mut target = Pursuit::new(script, 1).expect("a path");
+        let places = [(0.0, 4.0), (3.0, 4.0), (6.0, 4.0), (6.0, 7.0), (6.0, 10.0)];
+        let mut fastest = places.map(|_| 0.0_f64);
+        for tick in 0..120 * 120 {
+            target.advance(tick);
+            let (x, y) = target.place();
+            for (fastest, place) in fastest.iter_mut().zip(places) {
+                if libm::hypot(x - place.0, y - place.1) < 0.3 {
+                    *fastest = fastest.max(target.speed_m_per_s());
+                }
+            }
+        }
+        assert!(target.is_over(), "it has not arrived with a rhythm of {leg_rhythm}");
+        fastest
+    };
+    for fastest in fastest_near(0.0) {
+        assert!((fastest - 1.0).abs() < 0.05, "steady: {fastest} m/s");
+    }
+    let [start, middle, corner, further, end] = fastest_near(0.8);
+    for fastest in [middle, further] {
+        assert!((fastest - 1.0).abs() < 0.05, "in the middle of a leg: {fastest} m/s");
+    }
+    for fastest in [start, corner, end] {
+        assert!((0.2..0.6).contains(&fastest), "at the end of a leg: {fastest} m/s");
+    }
+    fastest_near(0.95);
+}
+
+#[test]
+fn a_target_goes_faster_where_it_is_far_by_the_power_that_it_is_told() {
+    let speed_at = |distance_m: f64, range_exponent: f64| {
+        let way_points = vec![(-1.0, distance_m), (1.0, distance_m)];
+        let script = PursuitScript { way_points, speed_m_per_s: 0.8, range_exponent, ..pursuit() };
+        let mut target = Pursuit::new(script, 1).expect("a path");
+        let mut passes_middle = |tick: u64| {
+            target.advance(tick);
+            target.place().0 >= 0.0
+        };
+        assert!((0..120 * 60).any(&mut passes_middle), "it does not get there");
+        target.speed_m_per_s()
+    };
+    for (distance_m, range_exponent, speed) in
+        [(8.0, 0.0, 0.8), (RANGE_M, 0.5, 0.8), (4.0 * RANGE_M, 0.5, 1.6), (0.25 * RANGE_M, 1.0, 0.2)]
+    {
+        let found = speed_at(distance_m, range_exponent);
+        assert!((found / speed - 1.0).abs() < 0.05, "{found} m/s at {distance_m} m, power {range_exponent}");
+    }
 }
 
 #[test]

@@ -326,6 +326,12 @@ pub struct TargetSection {
     /// At what share of the path's corners it pauses in addition, 0 to 1.
     #[serde(default)]
     pub corner_pauses: f64,
+    /// What share of its speed it gives up at the ends of each leg from corner to corner, 0 to 1.
+    #[serde(default)]
+    pub leg_rhythm: f64,
+    /// By which power of its distance from below the camera its speed grows, 0 to 1.
+    #[serde(default)]
+    pub range_exponent: f64,
     /// Mean duration of a pause, seconds.
     pub pause_s: f64,
 }

@@ -69,6 +69,8 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             stand_before_s: 0.5,
             stand_after_s: 0.5,
             pauses_per_s: 0.0,
+            range_exponent: 0.0,
+            leg_rhythm: 0.0,
             corner_pauses: 0.0,
             pause_s: 0.0,
         }),

@@ -79,6 +79,7 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
         way_points,
         speed_m_per_s: number("speed_m_per_s", speed, 0.01, 50.0, "m/s")?,
         speed_spread: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
+        range_exponent: number("range_exponent", section.range_exponent, 0.0, 1.0, "a power")?,
         gust: Wander {
             deviation: number("gust_share", section.gust_share, 0.0, 1.0, "a share")?,
             time_s: number("gust_time_s", section.gust_time_s, 0.01, 1000.0, "seconds")?,
@@ -98,6 +99,7 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
         stand_before_s: number("stand_before_s", section.stand_before_s, 0.0, 600.0, "seconds")?,
         stand_after_s: number("stand_after_s", section.stand_after_s, 0.0, 600.0, "seconds")?,
         pauses_per_s: number("pauses_per_s", section.pauses_per_s, 0.0, 10.0, "1/s")?,
+        leg_rhythm: number("leg_rhythm", section.leg_rhythm, 0.0, 0.95, "a share")?,
         corner_pauses: number("corner_pauses", section.corner_pauses, 0.0, 1.0, "a share")?,
         pause_s: number("pause_s", section.pause_s, 0.0, 600.0, "seconds")?,
     }))
