@@ -7,7 +7,7 @@ use barrelman_trial::campaign::statistics::mean_interval;
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::excursions;
 
-use super::recorded::{FIGURES, Recorded, figures, read, region, scenario, simulated};
+use super::recorded::{FIGURES, Recorded, figures, read, region, scenario, simulated_from};
 use super::{Options, motion};
 use crate::say;
 
@@ -21,8 +21,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<bool> {
     for arena in [1, 2] {
         let scenario = scenario(arena, options.scenarios.as_deref())?;
         let recorded = read(folder, arena, false)?;
-        let simulated: Vec<TrialLog> =
-            (first_seed..first_seed + seeds).map(|seed| simulated(&scenario, seed)).collect::<Result<_>>()?;
+        let simulated = simulated_from(&scenario, first_seed, seeds)?;
         say(&format!(
             "\narena {arena}: {} recorded trials without excursions in which the place jumped; {seeds} simulated, seeds \
              from {first_seed} on",

@@ -12,7 +12,7 @@ use barrelman_trial::logs::TrialLog;
 
 use super::Options;
 use super::motion;
-use super::recorded::{read, scenario, simulated};
+use super::recorded::{read, scenario, simulated_from};
 use crate::acceptance::figures::{mean, quantile};
 use crate::say;
 
@@ -33,10 +33,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
         if let TargetScript::Pursuit(script) = &mut same_everywhere.target {
             script.range_exponent = 0.0;
         }
-        let trials = |scenario: &Scenario| -> Result<Vec<TrialLog>> {
-            let first = options.first_seed;
-            (first..first + TRIALS).map(|seed| simulated(scenario, seed)).collect()
-        };
+        let trials = |scenario: &Scenario| simulated_from(scenario, options.first_seed, TRIALS);
         let under_way = |logs: Vec<TrialLog>| -> Vec<(f64, f64)> {
             logs.iter().flat_map(|log| motion::under_way(log, &scenario)).collect()
         };

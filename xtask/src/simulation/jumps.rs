@@ -18,7 +18,7 @@ use barrelman_trial::metrics::{Arena, excursions, measure};
 use barrelman_vocab::ImagePoint;
 
 use super::Options;
-use super::recorded::{JUMP_PX, figures, read, region, scenario, simulated, step_px};
+use super::recorded::{JUMP_PX, figures, read, region, scenario, simulated_from, step_px};
 use crate::say;
 
 /// Steps that follow each other within this belong to one spike, seconds.
@@ -145,8 +145,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
             column(Spike::duration_s),
             column(Spike::largest_px),
         ));
-        let seeds = options.first_seed..options.first_seed + options.seeds;
-        let simulated: Vec<TrialLog> = seeds.map(|seed| simulated(&scenario, seed)).collect::<Result<_>>()?;
+        let simulated = simulated_from(&scenario, options.first_seed, options.seeds)?;
         let leapt: Vec<TrialLog> = simulated
             .iter()
             .zip(0..)

@@ -12,7 +12,7 @@ use barrelman_sim::chance::Wander;
 use barrelman_trial::logs::TrialLog;
 
 use super::Options;
-use super::recorded::{JUMP_PX, read, scenario, simulated, step_px};
+use super::recorded::{JUMP_PX, read, scenario, simulated_from, step_px};
 use crate::acceptance::figures::quantile;
 use crate::say;
 
@@ -34,10 +34,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
         let scenario = scenario(arena, options.scenarios.as_deref())?;
         let mut anew = scenario.clone();
         anew.sensing.noise = Wander { time_s: 0.0, ..scenario.sensing.noise };
-        let trials = |scenario: &Scenario| -> Result<Vec<TrialLog>> {
-            let first = options.first_seed;
-            (first..first + TRIALS).map(|seed| simulated(scenario, seed)).collect()
-        };
+        let trials = |scenario: &Scenario| simulated_from(scenario, options.first_seed, TRIALS);
         let recorded: Vec<_> = read(folder, arena, false)?.into_iter().map(|trial| trial.log).collect();
         row(&format!("arena {arena}, recorded"), &recorded);
         row(&format!("arena {arena}, simulated"), &trials(&scenario)?);

@@ -7,7 +7,7 @@ use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::measure;
 
 use super::Options;
-use super::recorded::{read, region, scenario, simulated};
+use super::recorded::{read, region, scenario, simulated_from};
 use crate::say;
 
 /// Prints the table.
@@ -23,8 +23,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
                 read(folder, arena, with_lost)?.into_iter().map(|trial| trial.log).collect();
             row(&format!("arena {arena}, {name}"), &logs);
         }
-        let seeds = options.first_seed..options.first_seed + options.seeds;
-        let logs: Vec<TrialLog> = seeds.map(|seed| simulated(&scenario, seed)).collect::<Result<_>>()?;
+        let logs = simulated_from(&scenario, options.first_seed, options.seeds)?;
         row(&format!("arena {arena}, simulated"), &logs);
     }
     Ok(())

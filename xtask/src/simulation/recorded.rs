@@ -80,6 +80,11 @@ pub(super) fn simulated(scenario: &Scenario, seed: u64) -> Result<TrialLog> {
     Ok(Simulation::new(scenario, world, seed, pilot, &profile).run(None, &mut ()))
 }
 
+/// So many of them, with the seeds from `first` on.
+pub(super) fn simulated_from(scenario: &Scenario, first: u64, count: u64) -> Result<Vec<TrialLog>> {
+    (first..first + count).map(|seed| simulated(scenario, seed)).collect()
+}
+
 /// The region of the laboratory.
 pub(super) fn region(log: &TrialLog) -> Region {
     log.region(VehicleProfile::fotokite_pro().region)
