@@ -3,7 +3,7 @@
 //! From what the tracker says and what the camera is told, and from nothing else: it stands beside the drive and changes
 //! nothing in it.
 
-use barrelman_control::{CameraModel, Percept, Region, Shadow, Sight};
+use barrelman_control::{CameraModel, Region, Shadow, Sight};
 use barrelman_pilot::Outcome;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Timestamp, VehicleProfile};
@@ -31,17 +31,16 @@ impl DriveShadow {
 
     /// A step of the drive. A step that brings no new picture only tells what the camera was told.
     pub fn step(&mut self, now: Timestamp, outcome: &Outcome) {
-        match outcome.track.localisation() {
-            None => self.p = None,
-            Some(seen) if self.looked != Some(seen.captured) => {
+        match (outcome.track.localisation(), outcome.percept) {
+            (Some(seen), Some(percept)) if self.looked != Some(seen.captured) => {
                 self.looked = Some(seen.captured);
                 let region = Region::in_picture(self.shares, seen.picture);
-                let percept = Percept::new(seen.centre.in_image(seen.picture), region);
                 let (picture, captured) = (seen.picture, seen.captured);
                 let sight = Sight { percept: &percept, region, picture, captured, now };
                 self.p = Some(self.shadow.see(&sight, &self.camera).p);
             }
-            Some(_) => {}
+            (Some(_), Some(_)) => {}
+            _ => self.p = None,
         }
         self.camera.command(outcome.command, now);
     }
