@@ -331,7 +331,8 @@ impl OptimalLaw {
         if fastest == 0.0 {
             return self.asked;
         }
-        let raised = (self.tuning.least_rate / fastest).max(1.0);
+        let faster = usize::from(wanted[1].abs() > wanted[0].abs());
+        let raised = (self.tuning.least_rate.max(self.least[faster]) / fastest).max(1.0);
         let before = [self.asked.pan, self.asked.tilt].map(AngularRate::radians_per_second);
         let mut rates = [0.0; 2];
         for axis in [0, 1] {

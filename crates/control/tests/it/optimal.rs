@@ -161,6 +161,23 @@ fn a_vehicle_s_least_rate_is_respected() {
 }
 
 #[test]
+fn a_vehicle_that_cannot_creep_fetches_a_slow_target_to_the_middle_all_the_same() {
+    let mut profile = prompt_vehicle();
+    for axis in [&mut profile.camera.pan, &mut profile.camera.tilt] {
+        axis.least_rate = AngularRate::from_radians_per_second(0.035);
+    }
+    // 1.2 rad in all, where the region is 0.5 rad wide to each side.
+    let course = follow(Mode::MinimumEnergy, &profile, 0.0, 0.01, 120.0);
+    let moving: Vec<bool> = course.iter().map(|(_, command)| !command.is_rest()).collect();
+    let starts = moving.windows(2).filter(|pair| !pair[0] && pair[1]).count();
+    let rests = course.windows(2).filter(|pair| !pair[0].1.is_rest() && pair[1].1.is_rest());
+    assert!((1..=4).contains(&starts), "{starts} movements");
+    for (at, (x, _)) in rests.map(|pair| pair[1]).enumerate() {
+        assert!(x.abs() < 40.0, "movement {at} ended {x} px from the middle");
+    }
+}
+
+#[test]
 fn a_camera_that_zoomed_is_moved_as_one_that_was_built_so() {
     let zoomed = prompt_vehicle();
     let mut built = zoomed.clone();
