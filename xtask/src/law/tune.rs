@@ -22,15 +22,15 @@ type Knob = (&'static str, (f64, f64), fn(&mut Tuning) -> &mut f64);
 const KNOBS: [Knob; 22] = [
     ("start", (0.7, 1.1), |t| &mut t.start),
     ("doubt", (0.0, 2.0), |t| &mut t.doubt),
-    ("stop", (0.3, 1.0), |t| &mut t.stop),
+    ("stop", (0.0, 1.0), |t| &mut t.stop),
     ("aim", (0.2, 1.0), |t| &mut t.aim),
     ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),
-    ("start_ahead_s", (0.0, 1.2), |t| &mut t.start_ahead_s),
-    ("stop_ahead_s", (0.2, 2.0), |t| &mut t.stop_ahead_s),
+    ("start_ahead_s", (0.0, 2.5), |t| &mut t.start_ahead_s),
+    ("stop_ahead_s", (0.0, 2.0), |t| &mut t.stop_ahead_s),
     ("drift_s", (2.0, 30.0), |t| &mut t.drift_s),
     ("least_rate", (0.01, 0.3), |t| &mut t.least_rate),
     ("most_rate", (0.2, 0.4), |t| &mut t.most_rate),
-    ("least_share", (0.0, 0.5), |t| &mut t.least_share),
+    ("least_share", (0.0, 0.9), |t| &mut t.least_share),
     ("least_rest_s", (0.0, 0.6), |t| &mut t.least_rest_s),
     ("noise.rate", (0.05, 0.3), |t| &mut t.noise.rate),
     ("noise.memory_s", (0.5, 6.0), |t| &mut t.noise.memory_s),
@@ -161,4 +161,19 @@ fn cost(judges: &[Judge], mode: &str, tuning: &Tuning, seeds: u64) -> Result<f64
 
 fn logarithm(value: f64) -> f64 {
     value.max(1e-3).ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mode_lies_within_what_is_searched() {
+        for mut tuning in [Tuning::MINIMUM_ENERGY, Tuning::TIME_FUEL, Tuning::ECO] {
+            for (name, (low, high), at) in &KNOBS {
+                let value = *at(&mut tuning);
+                assert!((*low..=*high).contains(&value), "{name}: {value} is not in {low} to {high}");
+            }
+        }
+    }
 }
