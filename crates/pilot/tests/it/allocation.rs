@@ -1,7 +1,5 @@
 //! No allocation per step once the buffers have their size.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::Arc;
 
 use barrelman_control::optimal::{Mode as OptimalMode, OptimalSettings};
@@ -14,27 +12,10 @@ use barrelman_vocab::{OperatorRequest, Picture, PictureSize, PixelBox, Timestamp
 use crate::scenes::Told::{Engage, Lost, Reports, Tick};
 use crate::scenes::settings;
 
-/// Counts what this thread asks for, so that tests beside it are not counted.
-struct Counting;
-
-thread_local! {
-    static REQUESTS: Cell<usize> = const { Cell::new(0) };
+/// How often this thread asks for memory while some work is done.
+fn allocations_of(work: impl FnOnce()) -> u64 {
+    allocation_counter::measure(work).count_total
 }
-
-#[allow(unsafe_code, reason = "the trait of an allocator is unsafe; every call goes to the system's own")]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        REQUESTS.with(|requests| requests.set(requests.get() + 1));
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 const SIZE: PictureSize = PictureSize::new(640, 480);
 
@@ -87,14 +68,14 @@ fn steps_allocate_nothing_after_the_first_round(tracker: Box<dyn Tracker>, law: 
                 };
                 pilot.step(Input::Request(OperatorRequest::Select(inner)), now);
             }
-            let before = REQUESTS.get();
-            pilot.step(Engage.input(now), now);
-            let outcome = pilot.step(Input::Frame(&frame), now);
-            pilot.step(Reports.input(now), now);
-            pilot.step(Tick.input(now), now);
-            allocations += REQUESTS.get() - before;
-            moved += usize::from(!outcome.command.is_rest());
-            followed += usize::from(matches!(outcome.track, Track::Tracking(_)));
+            allocations += allocations_of(|| {
+                pilot.step(Engage.input(now), now);
+                let outcome = pilot.step(Input::Frame(&frame), now);
+                pilot.step(Reports.input(now), now);
+                pilot.step(Tick.input(now), now);
+                moved += usize::from(!outcome.command.is_rest());
+                followed += usize::from(matches!(outcome.track, Track::Tracking(_)));
+            });
             sequence += 1;
         }
         (allocations, moved, followed)
@@ -117,11 +98,12 @@ fn localisations_and_refusals_allocate_nothing() {
     let frame = drawn(&clip, 0, 0, now);
     let earlier = drawn(&clip, 1, 1, Timestamp::from_nanos(5));
     let outside = PixelBox { u: 900.0, v: 900.0, w: 5.0, h: 5.0 };
-    let before = REQUESTS.get();
-    pilot.step(Input::Request(OperatorRequest::Select(outside)), now);
-    let refused = pilot.step(Input::Frame(&frame), now);
-    let went_back = pilot.step(Input::Frame(&earlier), now);
-    pilot.step(Lost.input(now), now);
-    assert_eq!(REQUESTS.get(), before);
-    assert!(refused.notice.is_some() && went_back.notice.is_some());
+    let allocations = allocations_of(|| {
+        pilot.step(Input::Request(OperatorRequest::Select(outside)), now);
+        let refused = pilot.step(Input::Frame(&frame), now);
+        let went_back = pilot.step(Input::Frame(&earlier), now);
+        pilot.step(Lost.input(now), now);
+        assert!(refused.notice.is_some() && went_back.notice.is_some());
+    });
+    assert_eq!(allocations, 0);
 }

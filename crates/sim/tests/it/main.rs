@@ -1,6 +1,5 @@
 //! The simulated world, by tables.
 
-mod allocation;
 mod boat;
 mod camera_axis;
 mod kite;

@@ -1,35 +1,11 @@
 //! No allocation per frame once the buffers have their size.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::time::Duration;
 
 use barrelman_vision::{CamShift, CamShiftConfig, Explanation, FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::{MotionPrior, Track, VideoFrame};
 
 use crate::scenes::{BLUE, Hull, Paint, RED, Scene, frame, pixels};
-
-/// Counts what this thread asks for, so that tests beside it are not counted.
-struct Counting;
-
-thread_local! {
-    static REQUESTS: Cell<usize> = const { Cell::new(0) };
-}
-
-#[allow(unsafe_code, reason = "the trait of an allocator is unsafe; every call goes to the system's own")]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        REQUESTS.with(|requests| requests.set(requests.get() + 1));
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn tracking_and_explaining_allocate_nothing_after_the_first_frames() {
@@ -44,13 +20,13 @@ fn tracking_and_explaining_allocate_nothing_after_the_first_frames() {
         tracker.track(frame, None);
         tracker.explain(&mut explanation);
     }
-    let before = REQUESTS.get();
-    assert!(before > 0, "the allocator is not counted");
-    for frame in path.iter().chain([&gone; 10]).chain(path.iter().rev()) {
-        tracker.track(frame, None);
-        tracker.explain(&mut explanation);
-    }
-    assert_eq!(REQUESTS.get(), before);
+    let allocations = allocation_counter::measure(|| {
+        for frame in path.iter().chain([&gone; 10]).chain(path.iter().rev()) {
+            tracker.track(frame, None);
+            tracker.explain(&mut explanation);
+        }
+    });
+    assert_eq!(allocations.count_total, 0);
 }
 
 /// A boat that goes to the right out of the picture, stays away for a while, and comes back in another place.
@@ -91,19 +67,17 @@ fn following_losing_and_finding_again_allocate_nothing_after_the_first_frames() 
         tracker.select(&voyage[0], pixels(129.0, 100.0, 62.0, 40.0)).unwrap();
         let prior = (round == 2).then_some(&prior);
         tracker.track(&voyage[1], prior);
-        let before = REQUESTS.get();
-        assert!(before > 0, "the allocator is not counted");
         let mut tracked = 0;
-        for frame in &voyage[2..] {
-            match tracker.track(frame, prior) {
-                Track::Lost { .. } => lost += 1,
-                _ => tracked += 1,
+        let allocations = allocation_counter::measure(|| {
+            for frame in &voyage[2..] {
+                match tracker.track(frame, prior) {
+                    Track::Lost { .. } => lost += 1,
+                    _ => tracked += 1,
+                }
+                tracker.explain(&mut explanation);
             }
-            tracker.explain(&mut explanation);
-        }
+        });
         assert!(lost > 20 && tracked > 40, "{lost} {tracked}");
-        if round > 0 {
-            assert_eq!(REQUESTS.get(), before, "round {round}");
-        }
+        assert_eq!(allocations.count_total == 0, round > 0, "round {round}: {allocations:?}");
     }
 }
