@@ -1,5 +1,5 @@
-//! How a kite that is not commanded moves all the same, as far as the laboratory's study told: each of its angles
-//! and each coordinate of its place wanders by itself (control study, section 2 and 4).
+//! How a kite that is not commanded moves all the same, as far as the recorded trials tell: each of its angles
+//! and each coordinate of its place wanders by itself.
 //!
 //! No physics stand behind it: for a kite on its tether in the wind see [`crate::kite`].
 

@@ -10,25 +10,40 @@ use anyhow::{Result, bail};
 use barrelman_simd::SimdLevel;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 
 pub use crate::law_choice::LawOptions;
 pub use crate::tracker::TrackerName;
 
 /// Keeps an unmanned surface vehicle in a small tethered UAV's view, moving the camera as little as possible.
 #[derive(Debug, Parser)]
-#[command(name = "barrelman", version, max_term_width = 100)]
+#[command(
+    name = "barrelman",
+    version,
+    max_term_width = 100,
+    after_help = "Examples:
+  barrelman
+  barrelman check --video rtsp://192.168.2.100/live
+  barrelman run --video sim:arena1 --link sim: --engage
+
+Without a command it does what demo does."
+)]
 pub struct Cli {
     /// What to do; without a command: demo.
     #[command(subcommand)]
     pub command: Option<Command>,
     /// How much is logged on stderr.
-    #[arg(long, global = true, value_enum, default_value_t = LogLevel::Info)]
+    #[arg(long, global = true, value_enum, default_value_t = LogLevel::Info, help_heading = "Logging")]
     pub log_level: LogLevel,
     /// How log lines look.
-    #[arg(long, global = true, value_enum, default_value_t = LogFormat::Text)]
+    #[arg(long, global = true, value_enum, default_value_t = LogFormat::Text, help_heading = "Logging")]
     pub log_format: LogFormat,
 }
+
+/// Options that make no sense together, or one that is missing: exit code 2, as for what clap refuses.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct WrongUse(pub String);
 
 /// How much is logged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -57,37 +72,37 @@ pub enum LogFormat {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// A simulated boat to drive in the browser, and the camera that follows it.
+    /// Drive a simulated boat in the browser, while the camera follows it.
     Demo(DemoArgs),
-    /// Track in live video and move the vehicle's camera.
+    /// Track the boat in live video and move the vehicle's camera.
     Run(RunArgs),
-    /// The tracker alone on a recording.
+    /// Run the tracker alone on a recording.
     Track(TrackArgs),
-    /// Recorded positions through a camera law.
+    /// Put recorded positions through a camera law.
     Law(LawArgs),
-    /// Metrics per trial and over all of them.
+    /// Measure trials: sensitivity, excursions, movement, energy.
     Metrics(MetricsArgs),
-    /// The same as a page to look at.
+    /// Make an HTML page of trials, with figures.
     Report(ReportArgs),
-    /// Repeated simulated trials.
+    /// Run simulated trials, one for each seed.
     Trials(TrialsArgs),
-    /// The shards of a campaign of trials as one.
+    /// Join the shards of a campaign of trials.
     Merge(MergeArgs),
-    /// Two sets of trials on the same seeds, paired.
+    /// Compare two campaigns of trials, paired by seed.
     Compare(CompareArgs),
-    /// The scenarios that can be simulated, or one scenario's file, documented.
+    /// List the scenarios that can be simulated, or print one scenario's file, documented.
     Scenarios(ScenariosArgs),
-    /// A clip of a scenario with its exact truth.
+    /// Draw a clip of a scenario, with its exact truth.
     Render(RenderArgs),
-    /// A recording through the pilot again.
+    /// Run a recording through the pilot again.
     Replay(ReplayArgs),
-    /// A recording as CSV files and an MP4.
+    /// Turn a recording into CSV files and an MP4.
     Export(ExportArgs),
-    /// A ground station to test against.
+    /// Emulate a ground station to test against.
     Emulate(EmulateArgs),
-    /// Tells what is reachable, what is missing, and how to mend it.
+    /// Say what is reachable, what is missing, and how to mend it.
     Check(CheckArgs),
-    /// The configuration, documented.
+    /// Print the configuration, documented.
     Config(ConfigArgs),
 }
 
@@ -103,7 +118,7 @@ The page takes keys: arrows steer the boat, p pauses, space stops the camera, e 
 the scenario's helmsman again. --clip is the loop on a practice clip that the program draws, against an emulated
 ground station.")]
 pub struct DemoArgs {
-    /// The scenario: one of `barrelman scenarios`, or a file of one's own that ends in .toml; without it: open.
+    /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file; without it: open.
     pub scenario: Option<String>,
     /// Where the page is served; without it: 127.0.0.1:8480, or the next port that is free.
     #[arg(long, value_name = "ADDR")]
@@ -123,7 +138,8 @@ pub struct DemoArgs {
     /// Store the drive here: the scenario, and each input with its tick.
     #[arg(long, value_name = "FILE.jsonl", conflicts_with = "replay")]
     pub store: Option<PathBuf>,
-    /// Drive a stored drive again, without a page and as fast as it goes; exit 1 if it differs in a bit.
+    /// Drive a stored drive again, without a page and as fast as it goes; exit 1 unless it
+    /// is the same, bit for bit.
     #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "law", "mode", "horizon"])]
     pub replay: Option<PathBuf>,
     /// The tracker.
@@ -170,14 +186,14 @@ impl Default for DemoArgs {
 /// `run`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  barrelman run --video rtsp://192.168.2.100/live --link serial:/dev/ttyACM0?baud=115200 --record sortie.mcap
+  barrelman run --video rtsp://192.168.2.100/live --link serial:/dev/ttyACM0 --select 600,300,80,60 --record sortie.mcap
   barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link tcp://127.0.0.1:5000
   barrelman run --video sim:arena1 --link sim: --engage
-  barrelman run barrelman.toml --engage
+  barrelman run barrelman.toml --select 600,300,80,60
 
 It starts disengaged. On a terminal: e engages, space stops, q quits.")]
 pub struct RunArgs {
-    /// Configuration file (TOML); options of the command line go before it.
+    /// Configuration file (TOML). Options on the command line override it.
     pub config: Option<PathBuf>,
     /// Where the video comes from: rtsp://..., file:clip.mp4, a folder of pictures, or a simulated world
     /// (sim:SCENARIO?seed=1&size=WxH).
@@ -187,11 +203,11 @@ pub struct RunArgs {
     /// camera. Without it: a dry run.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
-    /// The vehicle.
+    /// The vehicle's profile; without it the configuration's, or fotokite-pro, the only one in this build.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
-    /// Follow what is in this box of the first picture: left, top, width, height in pixels. A simulated world says
-    /// by itself where its boat is.
+    /// Follow what is in this box of the first picture: left, top, width, height in pixels. Nothing is followed
+    /// without it, but in a simulated world, which says by itself where its boat is.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
     /// The tracker; without it the configuration's, which is fused unless something else is said.
@@ -203,7 +219,7 @@ pub struct RunArgs {
     /// Move the camera from the start.
     #[arg(long)]
     pub engage: bool,
-    /// No console in the browser: the only way this build has, and so the default.
+    /// Accepted for scripts: `run` has no page in the browser in this build.
     #[arg(long)]
     pub headless: bool,
     /// Record everything here.
@@ -248,8 +264,8 @@ pub struct TrackArgs {
     /// Draw what each answer rests on into the annotated video.
     #[arg(long)]
     pub explain: bool,
-    /// Print figures as JSON; the track then needs --output.
-    #[arg(long, requires = "output")]
+    /// Print figures as JSON; the track is then written with --output alone.
+    #[arg(long)]
     pub json: bool,
     /// Overwrite output files that exist.
     #[arg(long)]
@@ -365,7 +381,7 @@ pub struct ReportArgs {
 #[command(after_help = "Example:
   barrelman render arena1 --seed 7 --seconds 20 --output clip.mp4 --truth truth.csv --masks masks")]
 pub struct RenderArgs {
-    /// The scenario: one of `barrelman scenarios`, or a file of one's own that ends in .toml.
+    /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file.
     pub scenario: String,
     /// Seed of everything random.
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -404,7 +420,7 @@ pub struct RenderArgs {
 
 Nothing is written without --output or --record.")]
 pub struct TrialsArgs {
-    /// The scenario: one of `barrelman scenarios`, or a file of one's own that ends in .toml.
+    /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file.
     #[arg(required_unless_present = "drive")]
     pub scenario: Option<String>,
     /// One trial in which the boat is steered as in this drive, which `demo --store` wrote: its scenario, its seed, the
@@ -429,7 +445,8 @@ pub struct TrialsArgs {
     /// The tracker, in pixels; without it `fused`.
     #[arg(long, value_enum, value_name = "NAME")]
     pub tracker: Option<TrackerName>,
-    /// How the kite moves by itself: a setting of the scenario; without it the scenario's own.
+    /// How the kite moves by itself: a setting of the scenario (of `lab1` still, indoor or windy, of `arena1` calm or
+    /// tether); without it the scenario's own.
     #[arg(long, value_name = "NAME")]
     pub setting: Option<String>,
     /// The plant: as the scenario has it, or drawn for each trial from the scenario's intervals.
@@ -553,7 +570,7 @@ pub struct CompareArgs {
     after_help = "Examples:\n  barrelman scenarios\n  barrelman scenarios lab1 > mine.toml\n  barrelman scenarios mine.toml"
 )]
 pub struct ScenariosArgs {
-    /// The scenario to print, or a file of one's own to check.
+    /// The scenario to print, or the path of your own .toml file to check.
     pub name: Option<String>,
 }
 
@@ -587,6 +604,7 @@ pub struct ExportArgs {
 
 /// `emulate`.
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  barrelman emulate fotokite-pro --pty /tmp/fotokite")]
 pub struct EmulateArgs {
     /// What to emulate.
     #[command(subcommand)]
@@ -607,8 +625,9 @@ pub enum StationName {
 and in another terminal
   barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link serial:/tmp/fotokite
 With --world sim:arena1 it moves that world's camera and serves its video:
-  barrelman run --video rtsp://127.0.0.1:8554/world --select 600,300,80,60 --engage --link serial:/tmp/fotokite")]
-#[group(required = true, multiple = true, args = ["pty", "listen"])]
+  barrelman run --video rtsp://127.0.0.1:8554/world --select 555,296,80,42 --engage --link serial:/tmp/fotokite")]
+#[group(skip)]
+#[command(group = ArgGroup::new("port").required(true).args(["pty", "listen"]))]
 pub struct EmulateFotokiteProArgs {
     /// Make a pseudo-terminal and link it here.
     #[arg(long, value_name = "PATH")]
@@ -626,7 +645,8 @@ pub struct EmulateFotokiteProArgs {
     /// Log every line and state here, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
-    /// Go wrong on purpose: KIND@SECONDS[+DURATION], several with commas.
+    /// Go wrong on purpose: KIND@SECONDS[+DURATION], several with commas, KIND being stall, drop, delay, duplicate,
+    /// corrupt, disconnect or reboot.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// A rate ends by itself this long after the last command for its axis, in seconds.
@@ -659,7 +679,9 @@ pub struct CheckArgs {
 
 /// `config`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman config example > barrelman.toml")]
+#[command(
+    after_help = "Examples:\n  barrelman config example > barrelman.toml\n  barrelman config print barrelman.toml"
+)]
 pub struct ConfigArgs {
     /// What to print.
     #[command(subcommand)]
@@ -670,10 +692,13 @@ pub struct ConfigArgs {
 #[derive(Debug, Subcommand)]
 pub enum ConfigWhat {
     /// An example with every key, its unit, range and default.
+    #[command(after_help = "Example:\n  barrelman config example > barrelman.toml")]
     Example,
     /// The JSON schema, for editors.
+    #[command(after_help = "Example:\n  barrelman config schema > barrelman.schema.json")]
     Schema,
     /// The full effective configuration.
+    #[command(after_help = "Example:\n  barrelman config print barrelman.toml")]
     Print {
         /// Configuration file (TOML); without it the defaults.
         config: Option<PathBuf>,

@@ -7,6 +7,8 @@ use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::cli::WrongUse;
+
 /// The camera laws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -28,16 +30,15 @@ pub enum ModeName {
     MinimumEnergy,
     /// The time in motion, too: short movements at a cruising speed.
     TimeFuel,
-    /// Less of everything than the schema; more time outside than the other modes.
+    /// Rests most: less energy and time in motion than the schema, in about as many movements.
     Eco,
 }
 
 /// The law's options of a command.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct LawOptions {
-    /// The camera law. Without it the paper's schema where its figures are reproduced (`trials`, `law`) and where the
-    /// camera rests (`demo --clip`), but that of the drive where one is run again; elsewhere the configuration's, which is
-    /// optimal unless something else is said.
+    /// The camera law. Without it: optimal in `run` (or the configuration's) and `demo`; schema in `trials`, `law` and
+    /// `demo --clip`; in `trials --drive` the drive's own.
     #[arg(long, value_enum)]
     pub law: Option<LawName>,
     /// What the optimal law spares; without it minimum-energy.
@@ -58,6 +59,7 @@ impl LawOptions {
         let base = self.law.filter(|name| *name != base.name).map_or(base, LawChoice::of);
         LawChoice { mode: self.mode.or(base.mode), horizon_s: self.horizon.or(base.horizon_s), ..base }
             .validated("--")
+            .map_err(|error| WrongUse(error.to_string()).into())
     }
 }
 

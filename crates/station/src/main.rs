@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use barrelman_station::cli::{Cli, Command};
+use barrelman_station::cli::{Cli, Command, WrongUse};
 use barrelman_station::clock::Clock;
 use barrelman_station::{commands, logging};
 use clap::Parser as _;
@@ -35,7 +35,7 @@ fn main() -> ExitCode {
         if !nobody_reads(&error) {
             tracing::error!("{error:#}");
         }
-        ExitCode::FAILURE
+        if error.is::<WrongUse>() { ExitCode::from(2) } else { ExitCode::FAILURE }
     })
 }
 

@@ -27,7 +27,7 @@ pub(super) struct Recorded {
 /// A place that moves by more than this from one row to the next was not the target's motion, pixels.
 pub(super) const JUMP_PX: f64 = 25.0;
 
-/// The trials of an arena in which the target was lost (control study, section 0).
+/// The trials of an arena in which the target was lost, as their rows show.
 const LOST: [&[u32]; 2] = [&[11], &[3, 4]];
 
 /// The recorded trials of an arena; those in which the target was lost are left out where asked.

@@ -1,4 +1,4 @@
-//! The boat against the table of the study that its parameters come from, and what a jet cannot do.
+//! The boat against the table that its parameters come from, and what a jet cannot do.
 
 use barrelman_sim::boat::{Helm, JetBoat, throttle_for};
 use barrelman_sim::sea::{Sea, SeaState, Wind};

@@ -12,7 +12,7 @@ use barrelman_trial::records::RecordingStart;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PixelBox, Telemetry, VideoFrame};
 
-use crate::cli::RunArgs;
+use crate::cli::{RunArgs, WrongUse};
 use crate::clock::Clock;
 use crate::config::{self, ConfigFile, Configuration};
 use crate::link::url::Endpoint;
@@ -40,9 +40,8 @@ const EVENTS: usize = 1024;
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
     let (mut configuration, latency_is_known) = effective(args)?;
     let Some(video) = &configuration.video else {
-        bail!(
-            "no video source: give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration"
-        );
+        let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
+        return Err(WrongUse(format!("no video source: {remedy}")).into());
     };
     let video = VideoUrl::parse(video)?;
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
@@ -164,6 +163,11 @@ fn live(
             None
         }
     };
+    if args.select.is_none() && world.is_none() {
+        tracing::warn!(
+            "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"
+        );
+    }
     let recorder = match &args.record {
         Some(path) => {
             let start = recording_start(configuration, &video, link_url.as_ref(), clock)?;

@@ -159,6 +159,8 @@ impl Tracked {
         if self.output.is_none() {
             let output: Box<dyn Write> = match &args.output {
                 Some(path) => Box::new(output::create(path, args.force)?),
+                // Nothing but the figures is printed.
+                None if args.json => Box::new(std::io::sink()),
                 None => Box::new(stdout().lock()),
             };
             let mut output = BufWriter::new(output);

@@ -1,4 +1,4 @@
-//! The camera's part of a configuration file: how it answers, for laws that predict.
+//! The camera's part of a configuration file: how it answers.
 
 use core::time::Duration;
 
@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::resolve::within;
 
-/// How the camera answers a command and what it sees. A law that predicts goes by it; the motor schema does not.
+/// How the camera answers a command and what it sees. A law that predicts goes by it,
+/// and under every law the tracker is told by it how far the camera's turning shifted the picture.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CameraSection {

@@ -17,7 +17,7 @@ pub struct ConfigFile {
     pub link: LinkSection,
     /// The vehicle.
     pub vehicle: VehicleSection,
-    /// How its camera answers, for laws that predict.
+    /// How its camera answers.
     pub camera: CameraSection,
     /// The camera law.
     pub law: LawSection,

@@ -2,6 +2,9 @@
 
 use std::process::{Command, Output};
 
+use barrelman_station::cli::Cli;
+use clap::CommandFactory as _;
+
 fn barrelman(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_barrelman")).args(arguments).output().expect("the program starts")
 }
@@ -26,12 +29,13 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
     refused(&["law", "log.csv", "--region", "0,2"], 2, &["at most 1"]);
     refused(&["law", "log.csv", "--frame-size", "640"], 2, &["WIDTHxHEIGHT"]);
     refused(&["law", "log.csv", "--rate", "-1"], 2, &["--rate"]);
-    refused(&["law", "log.csv", "--mode", "eco"], 1, &["--mode", "optimal"]);
-    refused(&["law", "log.csv", "--law", "optimal", "--horizon", "0"], 1, &["--horizon 0", "0.5 to 5"]);
-    refused(&["trials", "lab1", "--horizon", "2"], 1, &["--horizon", "optimal"]);
+    refused(&["law", "log.csv", "--mode", "eco"], 2, &["--mode", "optimal"]);
+    refused(&["law", "log.csv", "--law", "optimal", "--horizon", "0"], 2, &["--horizon 0", "0.5 to 5"]);
+    refused(&["trials", "lab1", "--horizon", "2"], 2, &["--horizon", "optimal"]);
     refused(&["metrics"], 2, &["LOGS"]);
     refused(&["emulate", "fotokite-pro"], 2, &["--pty"]);
-    refused(&["track", "clip.mp4", "--select", "1,2,3,4", "--json"], 2, &["--output"]);
+    refused(&["emulate", "fotokite-pro", "--no-echo"], 2, &["--pty", "--listen"]);
+    refused(&["run"], 2, &["no video source", "--video"]);
     refused(&["fly"], 2, &["fly"]);
     refused(
         &["track", "clip.mp4", "--select", "1,2,3,4", "--tracker", "csrt"],
@@ -50,7 +54,6 @@ fn what_is_not_there_is_named_and_ends_with_1() {
     refused(&["law", "nowhere.csv"], 1, &["nowhere.csv"]);
     refused(&["replay", "nowhere.mcap"], 1, &["nowhere.mcap"]);
     refused(&["export", "nowhere.mcap", "--output", "nowhere"], 1, &["nowhere.mcap"]);
-    refused(&["run"], 1, &["no video source", "--video"]);
     refused(&["run", "nowhere.toml"], 1, &["nowhere.toml"]);
     refused(&["law", "nowhere.csv", "--profile", "kite"], 1, &["kite", "fotokite-pro"]);
     refused(&["run", "--video", "v4l2:///dev/video0"], 1, &["v4l2"]);
@@ -80,15 +83,29 @@ fn what_is_not_there_is_named_and_ends_with_1() {
 
 #[test]
 fn every_command_shows_an_example() {
-    for command in
-        ["demo", "run", "track", "law", "metrics", "report", "render", "replay", "export", "check", "config"]
-    {
-        let output = barrelman(&[command, "--help"]);
-        let help = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success() && help.contains("Example"), "{command}: {help}");
+    fn all(command: &clap::Command, words: &[String]) -> Vec<Vec<String>> {
+        let below = command.get_subcommands().flat_map(|below| {
+            let words = [words, &[below.get_name().to_owned()]].concat();
+            all(below, &words)
+        });
+        below.chain([words.to_vec()]).collect()
     }
-    let output = barrelman(&["emulate", "fotokite-pro", "--help"]);
-    assert!(String::from_utf8_lossy(&output.stdout).contains("Example"));
+    let commands = all(&Cli::command(), &[]);
+    assert!(commands.len() > 16, "{commands:?}");
+    for command in commands {
+        let words: Vec<&str> = command.iter().map(String::as_str).chain(["--help"]).collect();
+        let output = barrelman(&words);
+        let help = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && help.contains("Example"), "{command:?}: {help}");
+    }
+}
+
+#[test]
+fn figures_of_a_track_are_printed_alone() {
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let output = barrelman(&["track", clip, "--select", "10,10,20,20", "--json"]);
+    let figures: serde_json::Value = serde_json::from_slice(&output.stdout).expect("nothing but JSON");
+    assert!(output.status.success() && figures["frames"].as_u64() > Some(1), "{figures}");
 }
 
 #[test]

@@ -31,7 +31,7 @@ fn every_built_in_scenario_can_be_loaded_in_all_its_settings() {
 
 #[test]
 fn the_laboratory_has_the_plant_and_the_optics_as_identified() {
-    // The intervals of the control study, section 2; dead times are less the camera's 0.1 s.
+    // The intervals that were identified from the recorded trials; dead times are less the camera's 0.1 s.
     for name in ["lab1", "lab2", "field1", "field2", "steep1", "steep2"] {
         let scenario = load(name, &Changes::default()).unwrap().scenario;
         let within = |what: &str, value: f64, low: f64, high: f64| {
