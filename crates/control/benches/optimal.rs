@@ -32,7 +32,7 @@ fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
         let captured = Timestamp::from_nanos(frame * 33_333_333);
         let now = Timestamp::from_nanos(frame * 33_333_333 + 100_000_000);
         let percept = black_box(&percepts[(frame % u64::from(SWING)) as usize]);
-        let command = law.command(&Sight { percept, region, picture, captured, now });
+        let command = law.command(&Sight { percept, region, picture, captured, seen: true, now });
         law.in_force(command, now);
         command
     });

@@ -47,6 +47,8 @@ pub struct Bearing {
 const FASTEST: f64 = 1.0;
 /// Innovations beyond so many deviations are taken for so many: a jump of the tracker counts for less.
 const FARTHEST: f64 = 4.0;
+/// A look shows at most so many times the most variance of the sway.
+const MOST_SHOWN: f64 = 4.0;
 /// How long what looks show of the sway counts, seconds.
 const SWAY_LEARNT_OVER_S: f64 = 2.0;
 
@@ -82,11 +84,13 @@ impl Span {
 }
 
 impl Bearing {
-    /// After a first look.
-    fn first(direction: Direction, noise: &BearingNoise) -> Self {
+    /// After a first look, where the sway has that variance: what it shows is bearing and sway together.
+    fn first(direction: Direction, noise: &BearingNoise, sway_variance: f64) -> Self {
         let mut covariance = [[0.0; 3]; 3];
-        covariance[0][0] = noise.look * noise.look;
+        covariance[0][0] = noise.look * noise.look + sway_variance;
         covariance[1][1] = noise.rate * noise.rate;
+        covariance[2][2] = sway_variance;
+        (covariance[0][2], covariance[2][0]) = (-sway_variance, -sway_variance);
         Self { direction, rate: [0.0; 3], sway: [0.0; 3], covariance }
     }
 
@@ -211,7 +215,7 @@ impl BearingFilter {
         Self { noise, known: None, sway_variance: 0.0 }
     }
 
-    /// Forgets what it has seen.
+    /// Forgets what it has seen of the target; how much sway there is, is the kite's.
     pub fn forget(&mut self) {
         self.known = None;
     }
@@ -232,14 +236,15 @@ impl BearingFilter {
         let most = self.noise.sway * self.noise.sway;
         let renewed = 1.0 - sway_left * sway_left;
         let without = predicted + self.noise.look * self.noise.look - self.sway_variance * renewed;
-        let shown = ((0.5 * off_squared - without) / renewed).clamp(-FARTHEST * most, FARTHEST * most);
+        let shown = ((0.5 * off_squared - without) / renewed).clamp(-MOST_SHOWN * most, MOST_SHOWN * most);
         let share = span_s / (SWAY_LEARNT_OVER_S + span_s);
         self.sway_variance = (self.sway_variance + share * (shown - self.sway_variance)).clamp(0.0, most);
     }
 
-    /// A look at `captured` showed the target in this direction. One that is not later than the last tells nothing.
+    /// A look at `captured` showed the target in this direction. One that is not later than the last tells nothing, nor
+    /// does what is no direction.
     pub fn look(&mut self, direction: Direction, captured: Timestamp) {
-        if !direction.iter().all(|x| x.is_finite()) {
+        if !(0.9..=1.1).contains(&dot(direction, direction)) {
             return;
         }
         let next = match &self.known {
@@ -251,7 +256,7 @@ impl BearingFilter {
                 self.learn(dot(off, off), expected.variance(), &span);
                 expected.corrected(off, self.noise.look * self.noise.look)
             }
-            None => Bearing::first(direction, &self.noise),
+            None => Bearing::first(direction, &self.noise, self.sway_variance),
         };
         self.known = Some((captured, next));
     }

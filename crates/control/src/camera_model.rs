@@ -12,12 +12,14 @@
 //! tilt towards it; where it zooms, [`CameraModel::field_of_view_reported`] says so. The sway of the kite is not in it.
 //! O(1), no allocation.
 
+use core::time::Duration;
+
 use barrelman_vocab::profile::{AxisDynamics, AxisRates, CameraDynamics};
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, MotionPrior, PictureSize, Timestamp};
 
 use crate::view::View;
 
-/// States that are remembered of each axis; at [`CLOSEST_S`] they reach back by 2 s.
+/// States that are remembered of each axis; at [`CLOSEST_S`] they reach back by 2 s, less the start's dead time.
 const KEPT: usize = 256;
 /// States closer together than this are not remembered apart, seconds.
 const CLOSEST_S: f64 = 0.008;
@@ -36,6 +38,10 @@ const REPORT_SHARE: f64 = 0.2;
 const FOCAL_SHARES: core::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Focal lengths that differ by less than this share are the same: a report is rounded.
 const SAME_ZOOM: f64 = 0.002;
+/// Focal lengths that are remembered; at [`CLOSEST_ZOOM`] they reach back by 1.2 s of a zoom under way.
+const ZOOMS_KEPT: usize = 32;
+/// Focal lengths reported closer together than this are not remembered apart.
+const CLOSEST_ZOOM: Duration = Duration::from_millis(40);
 
 /// The camera with both axes.
 #[derive(Debug, Clone)]
@@ -43,9 +49,7 @@ pub struct CameraModel {
     dynamics: CameraDynamics,
     pan: AxisModel,
     tilt: AxisModel,
-    /// The focal length as a share of the picture's width, from when it is so, and what it was before.
-    zoom: (f64, Timestamp),
-    zoom_before: f64,
+    zooms: Zooms,
 }
 
 impl CameraModel {
@@ -72,8 +76,7 @@ impl CameraModel {
                 tilt,
                 Some((low.radians(), high.radians())),
             ),
-            zoom: (dynamics.focal_share, Timestamp::ZERO),
-            zoom_before: dynamics.focal_share,
+            zooms: Zooms::new(dynamics.focal_share),
             dynamics,
         }
     }
@@ -81,6 +84,14 @@ impl CameraModel {
     /// What it was made of.
     pub const fn dynamics(&self) -> &CameraDynamics {
         &self.dynamics
+    }
+
+    /// Nothing else was commanded until `now`.
+    pub fn advance_to(&mut self, now: Timestamp) {
+        let now_s = now.as_secs_f64();
+        for axis in [&mut self.pan, &mut self.tilt] {
+            axis.advance(now_s + axis.start_s);
+        }
     }
 
     /// A command is in force from `now` on.
@@ -103,22 +114,19 @@ impl CameraModel {
     pub fn field_of_view_reported(&mut self, angle: Angle, at: Timestamp) {
         let seen = angle.radians();
         let share = 0.5 / libm::tan(0.5 * seen);
-        let (known, _) = self.zoom;
+        let known = self.zooms.at(at);
         let is_one = seen > 0.0 && seen < core::f64::consts::PI && FOCAL_SHARES.contains(&share);
         if is_one && (share - known).abs() > SAME_ZOOM * known {
-            self.zoom_before = known;
-            self.zoom = (share, at);
+            self.zooms.remember(share, at);
         }
     }
 
     /// The focal length of a picture of that size that was taken at a time, pixels.
     pub fn focal_px(&self, at: Timestamp, picture: PictureSize) -> f64 {
-        let (share, since) = self.zoom;
-        let share = if at >= since { share } else { self.zoom_before };
-        share * f64::from(picture.width)
+        self.zooms.at(at) * f64::from(picture.width)
     }
 
-    /// Where the camera pointed at a time, which may lie up to 2 s back: pan (from where it first pointed; unbounded)
+    /// Where the camera pointed at a time, which may lie 1.5 s back: pan (from where it first pointed; unbounded)
     /// and tilt, radians.
     pub fn pointing(&self, at: Timestamp) -> (f64, f64) {
         let at_s = at.as_secs_f64();
@@ -191,7 +199,7 @@ pub(crate) struct AxisModel {
     lag_s: f64,
     limit: f64,
     stops: Option<(f64, f64)>,
-    /// At the last command's time + `start_s`.
+    /// As of the last step's time + `start_s`.
     state: State,
     in_effect: f64,
     /// When a zero on its way takes effect.
@@ -218,9 +226,8 @@ impl AxisModel {
         self.held(self.state.angle + self.state.rate * self.lag_s * (1.0 - left))
     }
 
-    /// How far it is from that angle to the end stops, down and up, radians; `None` where it turns freely.
-    pub(crate) fn left_to_stops(&self) -> Option<(f64, f64)> {
-        let angle = self.state.angle;
+    /// How far it is from an angle to the end stops, down and up, radians; `None` where it turns freely.
+    pub(crate) fn left_to_stops(&self, angle: f64) -> Option<(f64, f64)> {
         self.stops.map(|(low, high)| ((angle - low).max(0.0), (high - angle).max(0.0)))
     }
 
@@ -273,34 +280,80 @@ impl AxisModel {
     fn go_on(&mut self, until_s: f64) {
         let span_s = until_s - self.state.at_s;
         if span_s > 0.0 {
-            self.state = self.state.after(span_s, self.in_effect, self.lag_s);
-            if self.in_effect == 0.0 && self.state.rate.abs() < NO_RATE {
-                self.state.rate = 0.0;
-            }
-            if let Some((low, high)) = self.stops
-                && !(low..=high).contains(&self.state.angle)
-            {
-                self.state.angle = self.state.angle.clamp(low, high);
-                self.state.rate = 0.0;
-            }
+            self.state = self.turned(self.state, until_s, self.in_effect);
             self.history.remember(self.state);
         }
     }
 
+    /// A state at a later time, under a constant rate asked for; an end stop ends the motion.
+    fn turned(&self, state: State, until_s: f64, asked: f64) -> State {
+        let mut state = state.after(until_s - state.at_s, asked, self.lag_s);
+        if asked == 0.0 && state.rate.abs() < NO_RATE {
+            state.rate = 0.0;
+        }
+        let held = self.held(state.angle);
+        if held.to_bits() != state.angle.to_bits() {
+            (state.angle, state.rate) = (held, 0.0);
+        }
+        state
+    }
+
     /// Where it was at a time; before everything that is remembered, as the oldest.
     fn at(&self, at_s: f64) -> State {
-        if at_s >= self.state.at_s {
-            return self.state.after(at_s - self.state.at_s, self.in_effect, self.lag_s);
+        if at_s < self.state.at_s {
+            return self.history.at(at_s);
         }
-        self.history.at(at_s)
+        match self.zero_at_s.filter(|zero_s| *zero_s <= at_s) {
+            Some(zero_s) => self.turned(self.turned(self.state, zero_s, self.in_effect), at_s, 0.0),
+            None => self.turned(self.state, at_s, self.in_effect),
+        }
     }
 
     fn shift(&mut self, by: f64) {
-        let kept =
-            self.stops.map_or(self.state.angle + by, |(low, high)| (self.state.angle + by).clamp(low, high));
+        let kept = self.held(self.state.angle + by);
         let by = kept - self.state.angle;
         self.state.angle = kept;
         self.history.shift(by);
+    }
+}
+
+/// Focal lengths as shares of the picture's width, each with the time from which on it is so: in a ring.
+#[derive(Debug, Clone)]
+struct Zooms {
+    shares: [(f64, Timestamp); ZOOMS_KEPT],
+    newest: usize,
+    len: usize,
+}
+
+impl Zooms {
+    const fn new(share: f64) -> Self {
+        Self { shares: [(share, Timestamp::ZERO); ZOOMS_KEPT], newest: 0, len: 1 }
+    }
+
+    /// A report; one that is not newer than the last changes nothing.
+    fn remember(&mut self, share: f64, at: Timestamp) {
+        let (_, last) = self.shares[self.newest];
+        if at < last {
+            return;
+        }
+        let (_, before) = self.shares[(self.newest + ZOOMS_KEPT - 1) % ZOOMS_KEPT];
+        if self.len < 2 || last.since(before) >= CLOSEST_ZOOM {
+            self.newest = (self.newest + 1) % ZOOMS_KEPT;
+            self.len = (self.len + 1).min(ZOOMS_KEPT);
+        }
+        self.shares[self.newest] = (share, at);
+    }
+
+    /// The share at a time; before everything that is remembered, the oldest.
+    fn at(&self, at: Timestamp) -> f64 {
+        let mut found = self.newest;
+        for _ in 1..self.len {
+            if self.shares[found].1 <= at {
+                break;
+            }
+            found = (found + ZOOMS_KEPT - 1) % ZOOMS_KEPT;
+        }
+        self.shares[found].0
     }
 }
 

@@ -22,6 +22,8 @@ pub struct Sight<'a> {
     pub picture: PictureSize,
     /// When that was taken.
     pub captured: Timestamp,
+    /// Whether the target was seen in it; otherwise the percept is what the tracker expects.
+    pub seen: bool,
     /// When the command will be in force: now.
     pub now: Timestamp,
 }
@@ -30,6 +32,9 @@ pub struct Sight<'a> {
 pub trait Law: Send {
     /// What to ask of the camera for what is seen.
     fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand;
+
+    /// This command is in force from `now` on: what the law asked for, or what safety made of it.
+    fn in_force(&mut self, _command: CameraCommand, _now: Timestamp) {}
 
     /// Forgets what was seen of a target: another one was selected.
     fn forget(&mut self) {}
@@ -54,6 +59,10 @@ impl Law for Centring {
 impl Law for OptimalLaw {
     fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
         Self::command(self, sight, camera)
+    }
+
+    fn in_force(&mut self, command: CameraCommand, now: Timestamp) {
+        Self::in_force(self, command, now);
     }
 
     fn forget(&mut self) {
@@ -97,6 +106,7 @@ impl CameraLaw {
 
     /// What to ask of the camera for what is seen.
     pub fn command(&mut self, sight: &Sight<'_>) -> CameraCommand {
+        self.camera.advance_to(sight.now);
         self.law.command(sight, &self.camera)
     }
 
@@ -108,6 +118,7 @@ impl CameraLaw {
     /// This command is in force from `now` on, whoever wanted it.
     pub fn in_force(&mut self, command: CameraCommand, now: Timestamp) {
         self.camera.command(command, now);
+        self.law.in_force(command, now);
     }
 
     /// The gimbal reported the camera's tilt, as it was at `at`.

@@ -87,7 +87,8 @@ pub struct Tuning {
     pub fast: f64,
     /// And for the stop.
     pub stop_ahead_s: f64,
-    /// Over what time it spreads the turning that takes a target that is inside of the aim already on to the stop, seconds.
+    /// Over what time it spreads the turning that takes a target that is inside of the aim already on to the stop,
+    /// seconds; thrift makes it longer, too.
     pub drift_s: f64,
     /// The faster axis turns at least so fast, rad/s.
     pub least_rate: f64,
@@ -177,6 +178,8 @@ impl Tuning {
 const DRIFT_SHARE: f64 = 0.8;
 /// Without a look for so long it begins anew, seconds.
 const LONGEST_GAP_S: f64 = 0.6;
+/// Where an end stop leaves an axis less than this, rad/s, it rests.
+const LEAST_LEFT: f64 = 0.01;
 
 /// The law with what it remembers.
 #[derive(Debug, Clone)]
@@ -187,7 +190,7 @@ pub struct OptimalLaw {
     bearings: BearingFilter,
     /// How far it looks ahead for the stop.
     stop_ahead: Span,
-    asked: CameraCommand,
+    in_force: CameraCommand,
     rested_since: Option<Timestamp>,
 }
 
@@ -204,7 +207,7 @@ struct Outlook {
 /// The prediction of one step: everything at `span` after the time from which a command given now counts.
 struct Prediction<'a> {
     camera: &'a CameraModel,
-    /// When the picture was taken.
+    /// The camera as of the picture.
     view: View,
     focal_px: f64,
     region: Region,
@@ -224,15 +227,17 @@ impl OptimalLaw {
 
     /// A law with a tuning of one's own.
     pub fn tuned(tuning: Tuning, profile: &VehicleProfile) -> Self {
-        let pair = |rates: AxisRates| [rates.pan.radians_per_second(), rates.tilt.radians_per_second()];
+        let AxisRates { pan, tilt } = profile.limits;
+        let limits = [pan, tilt].map(AngularRate::radians_per_second);
+        let least =
+            [&profile.camera.pan, &profile.camera.tilt].map(|axis| axis.least_rate.radians_per_second());
         Self {
-            limits: pair(profile.limits).map(|limit| limit.min(tuning.most_rate)),
-            least: [&profile.camera.pan, &profile.camera.tilt]
-                .map(|axis| axis.least_rate.radians_per_second()),
+            limits: [0, 1].map(|axis| limits[axis].min(tuning.most_rate.max(least[axis]))),
+            least,
             bearings: BearingFilter::new(tuning.noise),
             stop_ahead: Span::new(tuning.stop_ahead_s, &tuning.noise),
             tuning,
-            asked: CameraCommand::REST,
+            in_force: CameraCommand::REST,
             rested_since: None,
         }
     }
@@ -240,7 +245,14 @@ impl OptimalLaw {
     /// Forgets what it has seen of a target.
     pub fn forget(&mut self) {
         self.bearings.forget();
-        (self.asked, self.rested_since) = (CameraCommand::REST, None);
+    }
+
+    /// This command is in force from `now` on.
+    pub fn in_force(&mut self, command: CameraCommand, now: Timestamp) {
+        if command.is_rest() && !self.in_force.is_rest() {
+            self.rested_since = Some(now);
+        }
+        self.in_force = command;
     }
 
     /// What to ask of the camera.
@@ -254,7 +266,9 @@ impl OptimalLaw {
         let focal_px = camera.focal_px(sight.captured, sight.picture);
         let (pan, tilt) = camera.pointing(sight.captured);
         let view = View::new(focal_px, pan, tilt);
-        self.bearings.look(view.direction(sight.percept.position), sight.captured);
+        if sight.seen {
+            self.bearings.look(view.direction(sight.percept.position), sight.captured);
+        }
         let Some((looked, bearing)) = self.bearings.known() else { return CameraCommand::REST };
         let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
         let noise = self.tuning.noise;
@@ -269,15 +283,12 @@ impl OptimalLaw {
             until_effect: Span::new(age_s, &noise),
             start_s,
         };
-        let was_moving = !self.asked.is_rest();
-        let left =
-            if was_moving { self.not_yet_back(&prediction) } else { self.leaves(&prediction, sight.now) };
-        let command = left.map_or(CameraCommand::REST, |outlook| self.rates(&prediction, &outlook));
-        if command.is_rest() && was_moving {
-            self.rested_since = Some(sight.now);
-        }
-        self.asked = command;
-        command
+        let left = if self.in_force.is_rest() {
+            self.leaves(&prediction, sight.now)
+        } else {
+            self.not_yet_back(&prediction)
+        };
+        left.map_or(CameraCommand::REST, |outlook| self.rates(&prediction, &outlook))
     }
 
     /// The stop ellipse for a target that leaves so much leisure: from 0 where it is fast to 1 where it stands.
@@ -325,28 +336,32 @@ impl OptimalLaw {
             // It drifts in by itself, but not far enough to rest: there is time.
             let aim = DRIFT_SHARE * self.stop(leisure);
             let slower = horizon_s / (thrift * thrift * self.tuning.drift_s);
-            wanted = Transfer { aim, ..transfer }.solve().rates.map(|rate| slower * rate);
+            let drift = Transfer { aim, ..transfer }.solve();
+            wanted = drift.rates.map(|rate| slower * rate);
             fastest = wanted[0].abs().max(wanted[1].abs());
-        }
-        if fastest == 0.0 {
-            return self.asked;
+            if fastest == 0.0 {
+                // It comes on by itself; or nothing that the axes may do brings it nearer.
+                return if drift.arrives { self.in_force } else { CameraCommand::REST };
+            }
         }
         let faster = usize::from(wanted[1].abs() > wanted[0].abs());
         let raised = (self.tuning.least_rate.max(self.least[faster]) / fastest).max(1.0);
-        let before = [self.asked.pan, self.asked.tilt].map(AngularRate::radians_per_second);
+        let before = [self.in_force.pan, self.in_force.tilt].map(AngularRate::radians_per_second);
         let mut rates = [0.0; 2];
         for axis in [0, 1] {
             let rate = wanted[axis] * raised;
             let share = wanted[axis].abs() / fastest;
-            rates[axis] = if share < self.tuning.least_share {
+            let (least, most) = (transfer.least[axis], transfer.most[axis]);
+            let left = if rate < 0.0 { -least } else { most };
+            rates[axis] = if share < self.tuning.least_share || left < LEAST_LEFT.max(self.least[axis]) {
                 0.0
             } else {
-                at_least(rate, self.least[axis]).clamp(-self.limits[axis], self.limits[axis])
+                at_least(rate, self.least[axis]).clamp(least, most)
             };
         }
         let changed = (0..2).any(|axis| (rates[axis] - before[axis]).abs() >= self.tuning.hold);
-        if !changed && !self.asked.is_rest() {
-            return self.asked;
+        if !changed && !self.in_force.is_rest() {
+            return self.in_force;
         }
         let [pan, tilt] = rates.map(AngularRate::from_radians_per_second);
         CameraCommand { pan, tilt }
@@ -395,7 +410,7 @@ impl Prediction<'_> {
             let left = axis.fading(span_s);
             reach[index] = span_s - axis.lag_s() * (1.0 - left);
             angles[index] = axis.angle_coasting(left);
-            if let Some((below, above)) = axis.left_to_stops() {
+            if let Some((below, above)) = axis.left_to_stops(angles[index]) {
                 least[index] = least[index].max(-below / reach[index]);
                 most[index] = most[index].min(above / reach[index]);
             }

@@ -3,14 +3,14 @@
 //! Directions are unit vectors in a frame that does not turn with the camera: to the right of where it first pointed,
 //! ahead, up. They have no pole: a target may pass right below. With the point (x, y) of the picture and the focal
 //! length f, the ray has the components x/f to the right, y/f upwards across the optical axis and 1 along it. What
-//! lies behind the camera is put far out. A lens's distortion is not in it.
+//! lies behind the camera is put far out, the farther the more it does. A lens's distortion is not in it.
 
 use barrelman_vocab::ImagePoint;
 
 /// A unit vector: right, ahead, up.
 pub type Direction = [f64; 3];
 
-/// What lies less far ahead than this share of its distance is taken to lie that far ahead.
+/// What lies less far ahead than this share of its distance counts as behind.
 const LEAST_AHEAD: f64 = 0.15;
 
 /// A camera's focal length and where it points.
@@ -84,10 +84,23 @@ impl View {
             (self.pan, self.tilt);
         let right = east * cos_pan - north * sin_pan;
         let ahead = east * sin_pan + north * cos_pan;
-        let depth = (ahead * cos_tilt + above * sin_tilt).max(LEAST_AHEAD);
+        let depth = ahead * cos_tilt + above * sin_tilt;
         let across = above * cos_tilt - ahead * sin_tilt;
+        if depth < LEAST_AHEAD {
+            return self.behind(depth, right, across);
+        }
         let scale = self.focal_px / depth;
         ImagePoint { x: scale * right, y: scale * across }
+    }
+
+    /// Far out on the side on which it lies; what lies straight behind is put below.
+    fn behind(&self, depth: f64, right: f64, across: f64) -> ImagePoint {
+        let off_squared = right * right + across * across;
+        let off = libm::sqrt(off_squared);
+        let (right, across) = if off > 0.0 { (right / off, across / off) } else { (0.0, -1.0) };
+        let off_at_the_least = libm::sqrt(off_squared + depth * depth - LEAST_AHEAD * LEAST_AHEAD);
+        let radius = self.focal_px / LEAST_AHEAD * (off_at_the_least + LEAST_AHEAD - depth);
+        ImagePoint { x: radius * right, y: radius * across }
     }
 
     /// How the axes move a point that is seen there.
@@ -129,6 +142,22 @@ mod tests {
                 "{point:?} {again:?}"
             );
         });
+    }
+
+    #[test]
+    fn what_lies_behind_is_far_outside_and_moves_on_steadily() {
+        let view = View::new(FOCAL_PX, 0.0, 0.0);
+        let mut last = 0.0;
+        for degrees in 60..=180 {
+            let (sin, cos) = libm::sincos(f64::from(degrees).to_radians());
+            let x = view.point([sin, cos, 0.0]).x;
+            if degrees < 180 {
+                assert!(x > last && x > 500.0, "{degrees} degrees: {x} px, before {last}");
+                last = x;
+            }
+        }
+        let astern = view.point([0.0, -1.0, 0.0]);
+        assert!(libm::hypot(astern.x, astern.y) > 2000.0, "{astern:?}");
     }
 
     #[test]

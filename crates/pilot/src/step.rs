@@ -144,8 +144,14 @@ impl Pilot {
         let looked = self.track.localisation().map(|seen| {
             let region = Region::in_picture(profile.region, seen.picture);
             let percept = Percept::new(seen.centre.in_image(seen.picture), region);
-            let (picture, captured) = (seen.picture, seen.captured);
-            let sight = Sight { percept: &percept, region, picture, captured, now };
+            let sight = Sight {
+                percept: &percept,
+                region,
+                picture: seen.picture,
+                captured: seen.captured,
+                seen: matches!(self.track, Track::Tracking(_)),
+                now,
+            };
             let command = self.law.command(&sight);
             let sector = MotorSchema::released(&percept).then(|| Sector::of(percept.position));
             (percept, Advice { command, sector })

@@ -35,7 +35,14 @@ pub fn law_over(
         let percept = at.position.map(|position| Percept::new(position, region));
         let now = Timestamp::from_secs_f64(at.time_s);
         let command = percept.map_or(CameraCommand::REST, |percept| {
-            law.command(&Sight { percept: &percept, region, picture: log.frame, captured: now, now })
+            law.command(&Sight {
+                percept: &percept,
+                region,
+                picture: log.frame,
+                captured: now,
+                seen: true,
+                now,
+            })
         });
         law.in_force(command, now);
         let rates = profile.outgoing(command);

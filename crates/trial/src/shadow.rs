@@ -18,7 +18,10 @@ pub fn schema_over(log: &TrialLog, region: Region, profile: &VehicleProfile) -> 
         let step = row.position.map(|position| {
             let percept = Percept::new(position, region);
             let captured = now.minus(profile.video_latency);
-            shadow.see(&Sight { percept: &percept, region, picture: log.frame, captured, now }, &camera)
+            shadow.see(
+                &Sight { percept: &percept, region, picture: log.frame, captured, seen: true, now },
+                &camera,
+            )
         });
         camera.command(profile.incoming(row.rates.unwrap_or_default()), now);
         step

@@ -51,7 +51,9 @@ impl Outlook {
         let dynamics = camera.dynamics();
         let focal_px = camera.focal_px(sight.captured, sight.picture);
         let (pan, tilt) = camera.pointing(sight.captured);
-        self.0.look(View::new(focal_px, pan, tilt).direction(sight.percept.position), sight.captured);
+        if sight.seen {
+            self.0.look(View::new(focal_px, pan, tilt).direction(sight.percept.position), sight.captured);
+        }
         let (looked, bearing) = self.0.known()?;
         let dead_time = dynamics.pan.start_dead_time.max(dynamics.tilt.start_dead_time);
         let counts = sight.now.plus(dead_time);

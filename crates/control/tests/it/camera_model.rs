@@ -172,6 +172,52 @@ fn a_zoom_counts_from_when_it_was_reported() {
 }
 
 #[test]
+fn a_zoom_under_way_is_remembered_as_it_went() {
+    let (dynamics, limits) = profile();
+    let picture = PictureSize::new(1000, 600);
+    let mut model = CameraModel::new(dynamics, limits);
+    // From 1 to 3 times the picture's width within two seconds, reported twenty times a second.
+    for k in 0..=40 {
+        let share = 1.0 + 0.05 * f64::from(k);
+        let angle = Angle::from_radians(2.0 * libm::atan(0.5 / share));
+        model.field_of_view_reported(angle, seconds(1.0 + 0.05 * f64::from(k)));
+    }
+    for k in 12..=40 {
+        let at = seconds(1.001 + 0.05 * f64::from(k));
+        assert!((model.focal_px(at, picture) - (1000.0 + 50.0 * f64::from(k))).abs() < 1e-6, "{k}");
+    }
+    let across = model.shift(seconds(2.51), seconds(2.61), picture);
+    assert_eq!(across.deviation_px.to_bits(), 1000.0_f64.to_bits(), "nothing is known of that step");
+}
+
+#[test]
+fn a_zero_on_its_way_ends_the_turn_though_nothing_more_is_said() {
+    let (dynamics, limits) = profile();
+    let mut silent = CameraModel::new(dynamics, limits);
+    silent.command(pan_at(0.3), seconds(1.0));
+    silent.command(CameraCommand::REST, seconds(2.0));
+    let mut told = silent.clone();
+    for k in 1..=120 {
+        told.advance_to(seconds(2.0 + f64::from(k) / 30.0));
+    }
+    for at_s in [2.1, 2.3, 2.6, 3.0, 6.0] {
+        let (silent, told) = (silent.pointing(seconds(at_s)).0, told.pointing(seconds(at_s)).0);
+        assert!((silent - told).abs() < 1e-4, "{at_s} s: {silent} {told}");
+    }
+    assert!(silent.pointing(seconds(6.0)).0 < 0.5, "it does not turn for ever");
+}
+
+#[test]
+fn an_end_stop_holds_though_nothing_more_is_said() {
+    let (dynamics, limits) = profile();
+    let mut model = CameraModel::new(dynamics, limits);
+    let up = CameraCommand { pan: AngularRate::ZERO, tilt: AngularRate::from_radians_per_second(0.3) };
+    model.command(up, seconds(1.0));
+    let (_, tilt) = model.pointing(seconds(60.0));
+    assert_eq!(tilt.to_bits(), dynamics.tilt_stops.1.radians().to_bits());
+}
+
+#[test]
 fn no_lag_is_no_trouble() {
     let (mut dynamics, limits) = profile();
     dynamics.pan.lag = Duration::ZERO;
@@ -205,7 +251,7 @@ proptest! {
 
     #[test]
     fn nothing_makes_it_point_nowhere(
-        commands in prop::collection::vec((any::<u32>(), any::<f64>(), any::<f64>()), 1..200),
+        commands in prop::collection::vec((any::<u32>(), prop::num::f64::ANY, prop::num::f64::ANY), 1..200),
     ) {
         let (dynamics, limits) = profile();
         let mut model = CameraModel::new(dynamics, limits);

@@ -19,7 +19,7 @@ fn rates(command: CameraCommand) -> [f64; 2] {
     [command.pan.radians_per_second(), command.tilt.radians_per_second()]
 }
 
-/// One look at a target, `latency` ago, and what the law makes of it.
+/// One look at a target, a tenth of a second ago, and what the law makes of it.
 fn look(
     law: &mut CameraLaw,
     profile: &VehicleProfile,
@@ -29,7 +29,8 @@ fn look(
     let region = Region::in_picture(profile.region, PICTURE);
     let percept = Percept::new(position, region);
     let captured = now.minus(Duration::from_millis(100));
-    let command = law.command(&Sight { percept: &percept, region, picture: PICTURE, captured, now });
+    let command =
+        law.command(&Sight { percept: &percept, region, picture: PICTURE, captured, seen: true, now });
     law.in_force(command, now);
     command
 }
@@ -211,6 +212,111 @@ fn a_zoom_under_way_is_no_motion_of_the_target() {
 }
 
 #[test]
+fn what_the_tracker_expects_is_no_look() {
+    // A target that goes out to the right, and a tracker that then expects it here or there.
+    let profile = VehicleProfile::fotokite_pro();
+    let commands = [300.0, -300.0].map(|expected| {
+        let mut law = law(Mode::MinimumEnergy, &profile);
+        let mut commands = Vec::new();
+        for k in 0..30 {
+            let t = f64::from(k) * STEP_S;
+            let (x, seen) = if k < 24 { (100.0 + 120.0 * t, true) } else { (expected, false) };
+            let now = Timestamp::from_secs_f64(1.0 + t);
+            let percept = Percept::new(ImagePoint { x, y: 0.0 }, Region::in_picture(profile.region, PICTURE));
+            let captured = now.minus(Duration::from_millis(100));
+            let region = Region::in_picture(profile.region, PICTURE);
+            let sight = Sight { percept: &percept, region, picture: PICTURE, captured, seen, now };
+            let command = law.command(&sight);
+            law.in_force(command, now);
+            commands.push(command);
+        }
+        commands
+    });
+    assert_eq!(commands[0], commands[1]);
+    assert!(rates(commands[0][29])[0] > 0.0, "it is still followed");
+}
+
+#[test]
+fn whether_it_moves_is_judged_by_what_is_in_force() {
+    // Disengaged: what it asks for is never in force. The target goes out, comes back, and stands well inside.
+    for mode in MODES {
+        let profile = VehicleProfile::fotokite_pro();
+        let mut law = law(mode, &profile);
+        let mut last = CameraCommand::REST;
+        let mut asked_to_move = false;
+        for k in 0..300 {
+            let t = f64::from(k) * STEP_S;
+            let x = 115.0 + 115.0 * libm::sin((1.2 * t).min(core::f64::consts::PI));
+            let now = Timestamp::from_secs_f64(1.0 + t);
+            last = look(&mut law, &profile, ImagePoint { x, y: 0.0 }, now);
+            law.in_force(CameraCommand::REST, now);
+            asked_to_move |= !last.is_rest();
+        }
+        assert!(asked_to_move, "{mode:?}");
+        assert!(last.is_rest(), "{mode:?}: {last:?}");
+    }
+}
+
+#[test]
+fn an_end_stop_ends_the_motion() {
+    for mode in MODES {
+        let profile = VehicleProfile::fotokite_pro();
+        let camera = profile.camera;
+        let mut law = law(mode, &profile);
+        let mut tilt = camera.first_tilt.radians();
+        let (mut moved, mut last) = (false, CameraCommand::REST);
+        // A target that stands above what the camera can tilt up to, and a camera that obeys at once.
+        for k in 0..900 {
+            let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
+            let focal_px = camera.focal_share * f64::from(PICTURE.width);
+            let y = focal_px * libm::tan(0.6 - tilt);
+            last = look(&mut law, &profile, ImagePoint { x: 0.0, y }, now);
+            tilt = (tilt + STEP_S * rates(last)[1]).min(camera.tilt_stops.1.radians());
+            moved |= !last.is_rest();
+        }
+        assert!(moved && last.is_rest(), "{mode:?}: {last:?} at {tilt}");
+        assert!(camera.tilt_stops.1.radians() - tilt < 0.05, "{mode:?}: it goes as far as it can, {tilt}");
+    }
+}
+
+#[test]
+fn a_pause_between_pictures_is_counted() {
+    // A camera that turns while no picture comes for half a second: what is known of it then is the same as if the law
+    // had been told of every moment.
+    let profile = VehicleProfile::fotokite_pro();
+    let commands = [1, 15].map(|parts| {
+        let mut law = law(Mode::MinimumEnergy, &profile);
+        let mut command = CameraCommand::REST;
+        let mut now = Timestamp::from_secs_f64(1.0);
+        for k in 0..30 {
+            now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
+            command = look(&mut law, &profile, ImagePoint { x: 150.0 + 4.0 * f64::from(k), y: 0.0 }, now);
+        }
+        assert!(!command.is_rest());
+        for _ in 1..parts {
+            now = now.plus(Duration::from_millis(500 / parts));
+            law.in_force(command, now);
+        }
+        let now = Timestamp::from_secs_f64(1.0 + 29.0 * STEP_S + 0.5);
+        rates(look(&mut law, &profile, ImagePoint { x: 200.0, y: 0.0 }, now))
+    });
+    // What is remembered in between is told apart by a cubic.
+    assert!((commands[0][0] - commands[1][0]).abs() < 1e-4, "{commands:?}");
+}
+
+#[test]
+fn a_least_rate_above_the_mode_s_largest_is_turned_at() {
+    let mut profile = VehicleProfile::fotokite_pro();
+    for axis in [&mut profile.camera.pan, &mut profile.camera.tilt] {
+        axis.least_rate = AngularRate::from_radians_per_second(0.38);
+    }
+    let mut law = law(Mode::MinimumEnergy, &profile);
+    let [pan, _] =
+        rates(look(&mut law, &profile, ImagePoint { x: 300.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)));
+    assert!(pan >= 0.38, "{pan} rad/s");
+}
+
+#[test]
 fn a_longer_horizon_is_lazier() {
     let profile = VehicleProfile::fotokite_pro();
     let effort = |horizon_s: f64| {
@@ -240,7 +346,7 @@ fn after_a_gap_it_begins_anew() {
 
 /// A look of any kind.
 fn any_looks() -> impl Strategy<Value = Vec<(f64, f64, u16)>> {
-    let coordinate = prop_oneof![4 => -400.0_f64..400.0, 1 => any::<f64>()];
+    let coordinate = prop_oneof![4 => -400.0_f64..400.0, 1 => prop::num::f64::ANY];
     prop::collection::vec(
         (coordinate.clone(), coordinate, prop_oneof![8 => 20_u16..50, 1 => any::<u16>()]),
         1..120,

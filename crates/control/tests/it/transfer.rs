@@ -183,7 +183,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_is_put_in_no_rate_is_beyond_its_limits(numbers in prop::array::uniform11(any::<f64>())) {
+    fn whatever_is_put_in_no_rate_is_beyond_its_limits(numbers in prop::array::uniform11(prop::num::f64::ANY)) {
         let [ox, oy, px, py, tx, ty, aim, least_pan, least_tilt, most_pan, most_tilt] = numbers;
         let problem = Transfer {
             offset: [ox, oy],

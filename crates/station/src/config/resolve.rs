@@ -54,6 +54,16 @@ impl Configuration {
         let profile_name = vehicle.profile.as_deref().unwrap_or(PROFILES[0]);
         let mut profile = overridden(profile_named(profile_name).context("vehicle.profile")?, vehicle)?;
         profile.camera = file.camera.over(&profile.camera)?;
+        for (axis, dynamics, limit) in [
+            ("pan", &profile.camera.pan, profile.limits.pan),
+            ("tilt", &profile.camera.tilt, profile.limits.tilt),
+        ] {
+            if dynamics.least_rate > limit {
+                bail!(
+                    "camera.{axis}.least_rad_per_s is above vehicle.limit_{axis}_rad_per_s: lower it, or raise the limit"
+                );
+            }
+        }
         Ok(Self {
             video: file.video.url.clone(),
             link: file.link.url.clone(),

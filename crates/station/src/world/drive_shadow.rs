@@ -36,7 +36,7 @@ impl DriveShadow {
                 self.looked = Some(seen.captured);
                 let region = Region::in_picture(self.shares, seen.picture);
                 let (picture, captured) = (seen.picture, seen.captured);
-                let sight = Sight { percept: &percept, region, picture, captured, now };
+                let sight = Sight { percept: &percept, region, picture, captured, seen: true, now };
                 self.p = Some(self.shadow.see(&sight, &self.camera).p);
             }
             (Some(_), Some(_)) => {}

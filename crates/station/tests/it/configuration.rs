@@ -70,6 +70,10 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[camera]\nlowest_tilt_rad = 0.4\n", "camera.lowest_tilt_rad is not below");
     refused("[camera.pan]\nlag_s = nan\n", "camera.pan.lag_s = NaN: use seconds from 0 to 2");
     refused("[camera.tilt]\nstop_dead_time_s = 0.05\n", "camera.tilt.stop_dead_time_s is less than");
+    refused(
+        "[camera.tilt]\nleast_rad_per_s = 0.35\n",
+        "camera.tilt.least_rad_per_s is above vehicle.limit_tilt_rad_per_s",
+    );
     refused("[law]\nname = \"schema\"\nmode = \"eco\"\n", "law.mode is for the law \"optimal\" alone");
     refused("[law]\nname = \"optimal\"\nhorizon = 9\n", "law.horizon 9: use seconds from 0.5 to 5");
     refused("[link]\nline_ending = \"crlf\"\n", "cr-around");
