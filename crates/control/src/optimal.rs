@@ -113,22 +113,22 @@ impl Tuning {
     pub const MINIMUM_ENERGY: Self = Self {
         start: 0.85,
         doubt: 0.1,
-        stop: 0.05,
+        stop: 0.04,
         aim: 0.704,
-        horizon_s: 1.25,
+        horizon_s: 1.22,
         lazy: 0.009,
-        thrift: 1.35,
+        thrift: 1.5,
         ease: 0.098,
         start_ahead_s: 1.7,
         fast: 0.0236,
         stop_ahead_s: 0.165,
-        drift_s: 7.5,
+        drift_s: 6.5,
         least_rate: 0.01,
         most_rate: 0.34,
-        least_share: 0.58,
+        least_share: 0.62,
         hold: 0.0,
         least_rest_s: 0.11,
-        noise: BearingNoise { rate: 0.085, memory_s: 2.4, look: 0.002, sway: 0.031, sway_memory_s: 4.76 },
+        noise: BearingNoise { rate: 0.088, memory_s: 2.4, look: 0.002, sway: 0.031, sway_memory_s: 4.76 },
     };
     /// [`Mode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {
