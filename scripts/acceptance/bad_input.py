@@ -87,7 +87,7 @@ def video(bench):
     bench.refuse("video: an empty file", ["track", bench.file("empty.mp4"), *track[1:]], "empty.mp4", "empty|ends|no ")
     (bench.folder / "no-pictures").mkdir()
     bench.refuse("video: a folder without pictures", ["track", "no-pictures", *track[1:]], "no-pictures", "PNG|JPEG")
-    bench.refuse("video: no source at all", ["run"], "--video")
+    bench.refuse("video: no source at all", ["run"], "--video", code=2)
     bench.refuse("video: an unknown scheme", ["run", "--video", "http://example.org/live"], "http", "rtsp")
     for name, what in (("clip.mkv", "mkv|MKV|Matroska"), ("motion_jpeg.avi", "avi|AVI"), ("hevc.mp4", "H.265|HEVC"), ("interlaced.mp4", "interlaced"), ("ten_bit.mp4", "10"), ("chroma_422.mp4", "4:2:2")):
         bench.refuse(f"video: {name}", ["track", FIXTURES / name, "--select", "10,10,40,40"], name, what, "ffmpeg|record|H.264")
@@ -199,7 +199,6 @@ def outputs(bench):
         bench.refuse(f"output: {name} that exists", words, "there", remedy)
         bench.table.require("  it is left as it was", there.read_text() == "precious\n")
     bench.refuse("output: in a folder that is not there", ["track", orange, "--select", "10,10,40,40", "--output", "nowhere/track.csv"], "nowhere/track.csv", "folder|check|make")
-    bench.refuse("output: JSON and rows on one output", ["track", orange, "--select", "10,10,40,40", "--json"], "--output", code=2)
     if ROOT_USER:
         locked = bench.folder / "locked"
         locked.mkdir(mode=0o755)
