@@ -10,6 +10,10 @@
 
 use barrelman_vocab::Timestamp;
 
+use crate::camera_model::CameraModel;
+use crate::law::Sight;
+use crate::view::View;
+
 pub use crate::view::Direction;
 
 /// How a target's bearing turns and how well it is seen; deviations are those in each of two directions across the line
@@ -49,6 +53,8 @@ const FASTEST: f64 = 1.0;
 const FARTHEST: f64 = 4.0;
 /// A look shows at most so many times the most variance of the sway.
 const MOST_SHOWN: f64 = 4.0;
+/// Without a look for so long it begins anew, seconds.
+const LONGEST_GAP_S: f64 = 0.6;
 /// How long what looks show of the sway counts, seconds.
 const SWAY_LEARNT_OVER_S: f64 = 2.0;
 
@@ -239,6 +245,20 @@ impl BearingFilter {
         let shown = ((0.5 * off_squared - without) / renewed).clamp(-MOST_SHOWN * most, MOST_SHOWN * most);
         let share = span_s / (SWAY_LEARNT_OVER_S + span_s);
         self.sway_variance = (self.sway_variance + share * (shown - self.sway_variance)).clamp(0.0, most);
+    }
+
+    /// Takes what a law sees, unless that is only expected; the camera as of the picture. After a long gap it begins anew.
+    pub fn see(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> View {
+        let (captured, last) = (sight.captured, self.known.map_or(sight.captured, |(last, _)| last));
+        if captured.since(last).max(last.since(captured)).as_secs_f64() > LONGEST_GAP_S {
+            self.forget();
+        }
+        let (pan, tilt) = camera.pointing(captured);
+        let view = View::new(camera.focal_px(captured, sight.picture), pan, tilt);
+        if sight.seen {
+            self.look(view.direction(sight.percept.position), captured);
+        }
+        view
     }
 
     /// A look at `captured` showed the target in this direction. One that is not later than the last tells nothing, nor

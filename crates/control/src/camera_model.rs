@@ -17,6 +17,7 @@ use core::time::Duration;
 use barrelman_vocab::profile::{AxisDynamics, AxisRates, CameraDynamics};
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, MotionPrior, PictureSize, Timestamp};
 
+use crate::ring::Ring;
 use crate::view::View;
 
 /// States that are remembered of each axis; at [`CLOSEST_S`] they reach back by 2 s, less the start's dead time.
@@ -317,86 +318,62 @@ impl AxisModel {
     }
 }
 
-/// Focal lengths as shares of the picture's width, each with the time from which on it is so: in a ring.
+/// Focal lengths as shares of the picture's width, each with the time from which on it is so.
 #[derive(Debug, Clone)]
-struct Zooms {
-    shares: [(f64, Timestamp); ZOOMS_KEPT],
-    newest: usize,
-    len: usize,
-}
+struct Zooms(Ring<(f64, Timestamp), ZOOMS_KEPT>);
 
 impl Zooms {
-    const fn new(share: f64) -> Self {
-        Self { shares: [(share, Timestamp::ZERO); ZOOMS_KEPT], newest: 0, len: 1 }
+    fn new(share: f64) -> Self {
+        Self(Ring::new((share, Timestamp::ZERO)))
     }
 
-    /// A report; one that is not newer than the last changes nothing.
+    /// A report; one that is older than the last changes nothing.
     fn remember(&mut self, share: f64, at: Timestamp) {
-        let (_, last) = self.shares[self.newest];
-        if at < last {
-            return;
+        let (_, last) = *self.0.newest();
+        if at >= last {
+            self.0.remember((share, at), |(_, before), (_, last)| last.since(*before) >= CLOSEST_ZOOM);
         }
-        let (_, before) = self.shares[(self.newest + ZOOMS_KEPT - 1) % ZOOMS_KEPT];
-        if self.len < 2 || last.since(before) >= CLOSEST_ZOOM {
-            self.newest = (self.newest + 1) % ZOOMS_KEPT;
-            self.len = (self.len + 1).min(ZOOMS_KEPT);
-        }
-        self.shares[self.newest] = (share, at);
     }
 
     /// The share at a time; before everything that is remembered, the oldest.
     fn at(&self, at: Timestamp) -> f64 {
-        let mut found = self.newest;
-        for _ in 1..self.len {
-            if self.shares[found].1 <= at {
+        let (mut share, mut since) = *self.0.newest();
+        for (earlier_share, earlier) in self.0.before() {
+            if since <= at {
                 break;
             }
-            found = (found + ZOOMS_KEPT - 1) % ZOOMS_KEPT;
+            (share, since) = (*earlier_share, *earlier);
         }
-        self.shares[found].0
+        share
     }
 }
 
-/// The states of the past, in a ring.
+/// The states of the past.
 #[derive(Debug, Clone)]
-struct History {
-    states: Box<[State; KEPT]>,
-    newest: usize,
-    len: usize,
-}
+struct History(Ring<State, KEPT>);
 
 impl History {
     fn new(angle: f64) -> Self {
-        let oldest = State { at_s: f64::NEG_INFINITY, angle, rate: 0.0 };
-        Self { states: Box::new([oldest; KEPT]), newest: 0, len: 1 }
+        Self(Ring::new(State { at_s: f64::NEG_INFINITY, angle, rate: 0.0 }))
     }
 
     fn remember(&mut self, state: State) {
-        // The newest moves on until it is far enough from the one before.
-        let before = self.states[(self.newest + KEPT - 1) % KEPT];
-        if self.len < 2 || self.states[self.newest].at_s - before.at_s >= CLOSEST_S {
-            self.newest = (self.newest + 1) % KEPT;
-            self.len = (self.len + 1).min(KEPT);
-        }
-        self.states[self.newest] = state;
+        self.0.remember(state, |before, newest| newest.at_s - before.at_s >= CLOSEST_S);
     }
 
     fn at(&self, at_s: f64) -> State {
-        let mut later = self.newest;
-        for _ in 1..self.len {
-            let earlier = (later + KEPT - 1) % KEPT;
-            if self.states[earlier].at_s <= at_s {
-                return between(self.states[earlier], self.states[later], at_s);
+        let mut later = self.0.newest();
+        for earlier in self.0.before() {
+            if earlier.at_s <= at_s {
+                return between(*earlier, *later, at_s);
             }
             later = earlier;
         }
-        self.states[later]
+        *later
     }
 
     fn shift(&mut self, by: f64) {
-        for state in self.states.iter_mut() {
-            state.angle += by;
-        }
+        self.0.each(|state| state.angle += by);
     }
 }
 

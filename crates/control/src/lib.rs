@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 pub mod region;
+mod ring;
 
 pub mod percept;
 

@@ -176,8 +176,6 @@ impl Tuning {
 
 /// Inside of the aim it is moved to this share of the stop.
 const DRIFT_SHARE: f64 = 0.8;
-/// Without a look for so long it begins anew, seconds.
-const LONGEST_GAP_S: f64 = 0.6;
 /// Where an end stop leaves an axis less than this, rad/s, it rests.
 const LEAST_LEFT: f64 = 0.01;
 
@@ -257,18 +255,7 @@ impl OptimalLaw {
 
     /// What to ask of the camera.
     pub fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
-        let gap = self.bearings.known().map(|(last, _)| {
-            if sight.captured >= *last { sight.captured.since(*last) } else { last.since(sight.captured) }
-        });
-        if gap.is_some_and(|gap| gap.as_secs_f64() > LONGEST_GAP_S) {
-            self.forget();
-        }
-        let focal_px = camera.focal_px(sight.captured, sight.picture);
-        let (pan, tilt) = camera.pointing(sight.captured);
-        let view = View::new(focal_px, pan, tilt);
-        if sight.seen {
-            self.bearings.look(view.direction(sight.percept.position), sight.captured);
-        }
+        let view = self.bearings.see(sight, camera);
         let Some((looked, bearing)) = self.bearings.known() else { return CameraCommand::REST };
         let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
         let noise = self.tuning.noise;

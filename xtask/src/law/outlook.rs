@@ -8,9 +8,6 @@ use barrelman_control::view::View;
 use barrelman_control::{Bearing, BearingFilter, CameraModel, Sight};
 use barrelman_vocab::ImagePoint;
 
-/// Without a look for so long it begins anew, seconds.
-const LONGEST_GAP_S: f64 = 0.6;
-
 /// How the target is taken to move.
 const NOISE: barrelman_control::BearingNoise = Tuning::MINIMUM_ENERGY.noise;
 
@@ -42,18 +39,9 @@ impl Outlook {
 
     /// Takes the look, and predicts.
     pub(super) fn look(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> Option<Ahead> {
-        if let Some((last, _)) = self.0.known()
-            && sight.captured >= *last
-            && sight.captured.since(*last).as_secs_f64() > LONGEST_GAP_S
-        {
-            self.forget();
-        }
+        self.0.see(sight, camera);
         let dynamics = camera.dynamics();
         let focal_px = camera.focal_px(sight.captured, sight.picture);
-        let (pan, tilt) = camera.pointing(sight.captured);
-        if sight.seen {
-            self.0.look(View::new(focal_px, pan, tilt).direction(sight.percept.position), sight.captured);
-        }
         let (looked, bearing) = self.0.known()?;
         let dead_time = dynamics.pan.start_dead_time.max(dynamics.tilt.start_dead_time);
         let counts = sight.now.plus(dead_time);
