@@ -3,11 +3,11 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
+use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
-use barrelman_station::tracker::{TrackerName, TrackerSettings};
-use barrelman_station::video::decoder::{DecodeMode, UnitDecoder};
-use barrelman_station::video::encoder::{EncoderSettings, H264Encoder};
+use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::encoder::{EncoderSettings, H264Encoder};
 use barrelman_vision::Tracker;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};

@@ -3,6 +3,8 @@
 //! Values are checked while they are parsed; what is wrong with one is said in clap's words and ends with exit
 //! code 2. What a command does lives in `commands`.
 
+mod law_options;
+
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
@@ -12,8 +14,9 @@ use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 
-pub use crate::law_choice::LawOptions;
-pub use crate::tracker::TrackerName;
+use barrelman_experiments::campaign::PlantName;
+use barrelman_experiments::tracker_choice::TrackerName;
+pub use law_options::LawOptions;
 
 /// Keeps an unmanned surface vehicle in a small tethered UAV's view, moving the camera as little as possible.
 #[derive(Debug, Parser)]
@@ -499,26 +502,6 @@ pub enum PerceptionName {
     Pixels,
     /// The truth, with noise.
     Truth,
-}
-
-/// Which plant simulated trials have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum PlantName {
-    /// The scenario's.
-    #[default]
-    Nominal,
-    /// Drawn for each trial.
-    Drawn,
-}
-
-impl PlantName {
-    /// As it is written on the command line.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Nominal => "nominal",
-            Self::Drawn => "drawn",
-        }
-    }
 }
 
 /// One of several parts of a campaign.

@@ -1,32 +1,23 @@
-//! The program: command line, configuration, threads, clocks, sockets and files.
+//! The program: command line, configuration, threads, links and live runs.
 //!
-//! Everything that touches the world is here and nowhere else; everything that decides something is not. A live
-//! run is in [`live`], the video in [`video`], the vehicle's port in [`link`].
+//! A live run is in [`live`], the vehicle's port in [`link`], the demo in [`demo`], the emulated ground station in
+//! [`emulator`]. The decisions are made in other crates; this crate connects them with the machine.
 
 pub mod cli;
 pub mod commands;
 
 pub mod config;
-pub mod tracker;
 
-pub mod campaign;
-pub mod scenario;
+pub mod source_url;
 
 pub mod live;
 
 pub mod link;
-pub mod video;
 
+pub mod simulated_source;
+
+pub mod demo;
 pub mod emulator;
-pub mod world;
 
-pub mod film;
-pub mod overlay;
-
-pub mod clock;
-pub mod fault;
-pub mod input;
-pub mod law_choice;
 pub mod logging;
-pub mod output;
 pub mod progress;

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use barrelman_host::clock::Clock;
 use barrelman_station::cli::{Cli, Command, WrongUse};
-use barrelman_station::clock::Clock;
 use barrelman_station::{commands, logging};
 use clap::Parser as _;
 

@@ -13,12 +13,14 @@ use barrelman_vocab::{EncodedUnit, VideoFrame};
 use serde::Serialize;
 
 use crate::cli::CheckArgs;
-use crate::clock::Clock;
 use crate::config::{self, ConfigFile, Configuration};
 use crate::link::LinkUrl;
 use crate::link::port::Port;
 use crate::link::url::Endpoint;
-use crate::video::{FileFrames, VideoSink, VideoState, VideoUrl, spawn};
+use crate::simulated_source;
+use crate::source_url::SourceUrl;
+use barrelman_host::clock::Clock;
+use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 
 /// How long a live source may take to show its first picture.
 const FIRST_PICTURE: Duration = Duration::from_secs(5);
@@ -102,13 +104,15 @@ fn configuration(args: &CheckArgs, findings: &mut Vec<Finding>) -> Option<Config
 }
 
 fn check_video(url: &str, clock: Clock) -> Finding {
-    let parsed = match VideoUrl::parse(url) {
+    let parsed = match SourceUrl::parse(url) {
         Ok(parsed) => parsed,
         Err(error) => return finding("video", Verdict::Failed, error.to_string()),
     };
     let shown = format!("video {parsed}");
-    let first =
-        if parsed.is_live() { first_live_picture(parsed, clock) } else { first_stored_picture(&parsed) };
+    let first = match &parsed {
+        SourceUrl::Video(url) if !url.is_live() => first_stored_picture(url),
+        SourceUrl::Video(_) | SourceUrl::Simulated(_) => first_live_picture(parsed, clock),
+    };
     match first {
         Ok(frame) => {
             let picture = &frame.picture;
@@ -143,9 +147,13 @@ impl VideoSink for FirstPicture {
     }
 }
 
-fn first_live_picture(url: VideoUrl, clock: Clock) -> Result<VideoFrame, String> {
+fn first_live_picture(url: SourceUrl, clock: Clock) -> Result<VideoFrame, String> {
     let (seen, queue) = sync_channel(16);
-    let source = spawn(url, clock, FirstPicture(seen)).map_err(|error| error.to_string())?;
+    let started = match url {
+        SourceUrl::Video(url) => barrelman_video::spawn(url, clock, FirstPicture(seen)),
+        SourceUrl::Simulated(url) => simulated_source::spawn(&url, clock, FirstPicture(seen)),
+    };
+    let source = started.map_err(|error| error.to_string())?;
     let result = wait_for_picture(&queue);
     if let Err(error) = source.stop() {
         tracing::warn!("{error}");

@@ -10,8 +10,8 @@ use barrelman_trial::campaign::Comparison;
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
 use barrelman_trial::metrics::TrialEntry;
 
-use crate::campaign::file;
 use crate::cli::CompareArgs;
+use barrelman_experiments::campaign::file;
 
 /// Runs the command.
 ///

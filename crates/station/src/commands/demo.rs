@@ -19,24 +19,28 @@ use barrelman_trial::campaign::Witness;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
 
 use super::practice;
-use crate::campaign::recording::TrialRecorder;
 use crate::cli::DemoArgs;
-use crate::clock::Clock;
-use crate::law_choice::{LawChoice, LawName};
+use crate::config::{ConfigFile, Configuration};
+use crate::demo::pacing::Pacing;
+use crate::demo::page::{DriveStatus, PageState};
+use crate::demo::page_pictures::{self, AnnotatedFrame};
+use crate::demo::server::PageServer;
 use crate::live::event::{Event, QuitCause};
 use crate::live::terminal::Terminal;
 use crate::live::threads::{self, Saboteur};
-use crate::output;
 use crate::progress::Progress;
-use crate::scenario::{self, Changes};
-use crate::world::drive::{DriveHash, DriveWitness};
-use crate::world::drive_shadow::DriveShadow;
-use crate::world::pacing::Pacing;
-use crate::world::page::{DriveStatus, Stage};
-use crate::world::painter::{self, Easel, Seen};
-use crate::world::render_threads::RenderThreads;
-use crate::world::server::PageServer;
-use crate::world::{Cast, Drive, DriveInput, DriveReader, DriveWriter, WorldUrl};
+use barrelman_experiments::campaign::recording::TrialRecorder;
+use barrelman_experiments::drive::schema_shadow::DriveShadow;
+use barrelman_experiments::drive::{Cast, Drive, DriveInput, DriveReader, DriveWriter};
+use barrelman_experiments::drive::{DriveHash, DriveWitness};
+use barrelman_experiments::law_choice::{LawChoice, LawName};
+use barrelman_experiments::render_threads::RenderThreads;
+use barrelman_experiments::scenario::{self, Changes};
+use barrelman_experiments::tracker_choice::TrackerSettings;
+use barrelman_experiments::world_url::WorldUrl;
+use barrelman_host::clock::Clock;
+use barrelman_host::latest::Latest;
+use barrelman_host::output;
 
 /// Where the page is served unless something else is asked for: the first of these ports that is free.
 const PORTS: std::ops::Range<u16> = 8480..8490;
@@ -88,13 +92,14 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 
     let (events, queue) = sync_channel(EVENTS);
     let terminal = Terminal::watch(events.clone(), clock, Saboteur::default())?;
-    let (stage, inputs) = Stage::new();
-    let (stage, easel) = (Arc::new(stage), Arc::new(Easel::default()));
-    let painter = {
-        let (easel, stage, shares) = (Arc::clone(&easel), Arc::clone(&stage), cast.profile.region);
-        threads::spawn("painter", events.clone(), move || painter::paint(&easel, &stage, shares))?
+    let (page, inputs) = PageState::new();
+    let (page, frames) = (Arc::new(page), Arc::new(Latest::default()));
+    let renderer = {
+        let (frames, page, shares) = (Arc::clone(&frames), Arc::clone(&page), cast.profile.region);
+        let render = move || page_pictures::render_page_pictures(&frames, &page, shares);
+        threads::spawn("page-pictures", events.clone(), render)?
     };
-    let server = PageServer::start(listener, Arc::clone(&stage), events.clone())?;
+    let server = PageServer::start(listener, Arc::clone(&page), events.clone())?;
     drop(events);
     let mut out = stdout();
     let address = server.address();
@@ -112,7 +117,7 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             drive: Drive::new(&cast, &threads)?,
             crew: Crew {
                 recorder: recorder(args, &cast)?,
-                easel: Some(&easel),
+                frames: Some(&frames),
                 shadow: (cast.law.name != LawName::Schema).then(|| DriveShadow::new(&cast.profile)),
                 ..Crew::default()
             },
@@ -121,7 +126,7 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
                 .as_deref()
                 .map(|path| DriveWriter::begin(path, args.force, &cast))
                 .transpose()?,
-            stage: &stage,
+            page: &page,
             cast: &cast,
             clock,
             helm: None,
@@ -135,8 +140,8 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         cast.url.seed = cast.url.seed.wrapping_add(1);
         tracing::info!("the drive is over: the next one begins, with seed {}", cast.url.seed);
     };
-    easel.close();
-    let _ = painter.join();
+    frames.close();
+    let _ = renderer.join();
     drop(server);
     drop(terminal);
     for path in args.record.iter() {
@@ -196,9 +201,20 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
 
 fn recorder(args: &DemoArgs, cast: &Cast) -> Result<Option<TrialRecorder>> {
     let begin = |path: &std::path::PathBuf| {
-        TrialRecorder::bare(path, args.force, cast.configuration()?, cast.url.to_string())
+        TrialRecorder::bare(path, args.force, configuration_of(cast)?, cast.url.to_string())
     };
     args.record.as_ref().map(begin).transpose()
+}
+
+/// The effective configuration (TOML) of a drive.
+fn configuration_of(cast: &Cast) -> Result<String> {
+    Configuration {
+        profile: cast.profile.clone(),
+        law: cast.law,
+        tracker: TrackerSettings::of(cast.tracker),
+        ..Configuration::resolve(&ConfigFile::default())?
+    }
+    .to_toml()
 }
 
 /// A stored drive again, as fast as it goes.
@@ -258,7 +274,8 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
 struct Crew<'a> {
     hash: DriveHash,
     recorder: Option<TrialRecorder>,
-    easel: Option<&'a Arc<Easel>>,
+    /// The slot of the page's pictures.
+    frames: Option<&'a Latest<AnnotatedFrame>>,
     /// What the schema would have done, where another law servoes.
     shadow: Option<DriveShadow>,
     last: Option<(Outcome, VehicleRates)>,
@@ -271,8 +288,8 @@ impl Witness for Crew<'_> {
         if let Some(recorder) = &mut self.recorder {
             recorder.step(now, input, outcome, rates);
         }
-        if let (Some(easel), Input::Frame(frame)) = (self.easel, input) {
-            easel.put(Seen { frame: (*frame).clone(), outcome: outcome.clone(), rates });
+        if let (Some(frames), Input::Frame(frame)) = (self.frames, input) {
+            frames.put(AnnotatedFrame { frame: (*frame).clone(), outcome: outcome.clone(), rates });
         }
         if let Some(shadow) = &mut self.shadow {
             shadow.step(now, outcome);
@@ -299,7 +316,7 @@ struct LiveDrive<'a> {
     drive: Drive<'a>,
     crew: Crew<'a>,
     store: Option<DriveWriter>,
-    stage: &'a Stage,
+    page: &'a PageState,
     cast: &'a Cast,
     clock: Clock,
     /// What the page steers, and since when.
@@ -428,7 +445,7 @@ impl LiveDrive<'_> {
         };
         let helm = self.drive.helm();
         let command = outcome.map(|outcome| outcome.command).unwrap_or_default();
-        self.stage.tell(&DriveStatus {
+        self.page.set_status(&DriveStatus {
             scenario: self.cast.url.scenario.clone(),
             seed: self.cast.url.seed,
             tick: world.tick(),

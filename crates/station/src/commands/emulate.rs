@@ -11,16 +11,17 @@ use anyhow::{Result, bail};
 use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 
 use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, StationName};
-use crate::clock::Clock;
 use crate::emulator::fotokite_pro::FotokitePro;
 use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
-use crate::fault::FaultPlan;
-use crate::output;
-use crate::video::url::VideoSource;
-use crate::video::{VideoHandle, VideoUrl, spawn_world};
-use crate::world::rtsp_server::RtspServer;
-use crate::world::{CameraLink, LiveWorld};
+use crate::emulator::rtsp_server::RtspServer;
+use crate::link::CameraLink;
+use crate::simulated_source::{LiveWorld, spawn_world};
+use crate::source_url::{SimulatedUrl, SourceUrl};
+use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultPlan;
+use barrelman_host::output;
+use barrelman_video::VideoHandle;
 
 /// Runs the command.
 ///
@@ -78,7 +79,7 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
 struct Served {
     server: RtspServer,
     link: CameraLink,
-    url: VideoUrl,
+    url: SimulatedUrl,
     /// Until somebody looks.
     waiting: Option<LiveWorld>,
     running: Option<VideoHandle>,
@@ -86,11 +87,13 @@ struct Served {
 
 impl Served {
     fn begin(url: &str, listen: SocketAddr) -> Result<Self> {
-        let url = VideoUrl::parse(url)?;
-        let VideoSource::World(world) = &url.source else {
-            bail!("--world takes a simulated world, as in sim:arena1; {url} is none");
+        let url = match SourceUrl::parse(url)? {
+            SourceUrl::Simulated(url) => url,
+            SourceUrl::Video(url) => {
+                bail!("--world takes a simulated world, as in sim:arena1; {url} is none")
+            }
         };
-        let world = LiveWorld::load(world)?.coded(true);
+        let world = LiveWorld::load(&url.world)?.with_encoding(true);
         let link = world.link();
         Ok(Self { server: RtspServer::start(listen)?, link, url, waiting: Some(world), running: None })
     }

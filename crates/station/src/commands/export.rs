@@ -15,11 +15,11 @@ use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
 use crate::cli::ExportArgs;
-use crate::input;
-use crate::output;
-use crate::video::decoder::{DecodeMode, UnitDecoder};
-use crate::video::encoder::EncoderSettings;
-use crate::video::writer::Mp4Writer;
+use barrelman_host::input;
+use barrelman_host::output;
+use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::encoder::EncoderSettings;
+use barrelman_video::writer::Mp4Writer;
 
 /// Runs the command.
 ///

@@ -10,8 +10,8 @@ use barrelman_vocab::AngularRate;
 use super::trial_input;
 use crate::cli::LawArgs;
 use crate::config::resolve::profile_named;
-use crate::law_choice::{LawChoice, LawName};
-use crate::output;
+use barrelman_experiments::law_choice::{LawChoice, LawName};
+use barrelman_host::output;
 
 /// The header of what is written.
 pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";

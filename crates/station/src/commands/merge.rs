@@ -7,9 +7,9 @@ use anyhow::{Context, Result, bail};
 use barrelman_trial::metrics::summarise;
 
 use super::summary_table;
-use crate::campaign::file;
 use crate::cli::MergeArgs;
-use crate::output;
+use barrelman_experiments::campaign::file;
+use barrelman_host::output;
 
 /// Runs the command.
 ///

@@ -18,15 +18,15 @@ use indicatif::ProgressBar;
 
 use super::run;
 use crate::cli::{DemoArgs, RunArgs};
-use crate::clock::Clock;
 use crate::emulator::fotokite_pro::FotokitePro;
 use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
-use crate::fault::FaultPlan;
-use crate::law_choice::LawChoice;
-use crate::output;
-use crate::video::encoder::EncoderSettings;
-use crate::video::writer::Mp4Writer;
+use barrelman_experiments::law_choice::LawChoice;
+use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultPlan;
+use barrelman_host::output;
+use barrelman_video::encoder::EncoderSettings;
+use barrelman_video::writer::Mp4Writer;
 
 /// The practice clip's pictures: what the UAV sends.
 const SIZE: PictureSize = PictureSize::new(1280, 720);

@@ -18,15 +18,16 @@ use barrelman_simd::Simd;
 use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
-use crate::campaign::plan::Request;
-use crate::campaign::{Perception, Plan};
-use crate::cli::{PlantName, RenderArgs};
-use crate::law_choice::LawChoice;
-use crate::output;
+use crate::cli::RenderArgs;
 use crate::progress::Progress;
-use crate::scenario::Changes;
-use crate::video::encoder::EncoderSettings;
-use crate::video::writer::Mp4Writer;
+use barrelman_experiments::campaign::PlantName;
+use barrelman_experiments::campaign::plan::Request;
+use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::law_choice::LawChoice;
+use barrelman_experiments::scenario::Changes;
+use barrelman_host::output;
+use barrelman_video::encoder::EncoderSettings;
+use barrelman_video::writer::Mp4Writer;
 
 /// The header of a truth file.
 pub const TRUTH_HEADER: &str = "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m";

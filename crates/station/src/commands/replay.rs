@@ -16,8 +16,8 @@ use barrelman_vocab::VideoFrame;
 use super::run::pilot_for;
 use crate::cli::ReplayArgs;
 use crate::config::{self, Configuration};
-use crate::input;
-use crate::video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_host::input;
+use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 
 /// Runs the command.
 ///

@@ -13,11 +13,11 @@ use barrelman_trial::shadow::schema_over;
 use barrelman_vocab::VehicleProfile;
 
 use super::trial_input::{self, Input, LogKind, TrialInput};
-use crate::campaign::plan::arena_of;
 use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
-use crate::law_choice::LawName;
-use crate::output;
+use barrelman_experiments::campaign::plan::arena_of;
+use barrelman_experiments::law_choice::LawName;
+use barrelman_host::output;
 
 /// Runs the command.
 ///

@@ -13,22 +13,22 @@ use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PixelBox, Telemetry, VideoFrame};
 
 use crate::cli::{RunArgs, WrongUse};
-use crate::clock::Clock;
 use crate::config::{self, ConfigFile, Configuration};
 use crate::link::url::Endpoint;
 use crate::link::{Link, LinkHandle, LinkReport, LinkUrl};
 use crate::live::event::Event;
-use crate::live::latest::LatestFrame;
 use crate::live::overlay_video::OverlayVideo;
 use crate::live::recorder::{Recorder, RecorderInput};
 use crate::live::run_loop::{RunEnd, RunLoop, Watcher};
 use crate::live::status::Status;
 use crate::live::terminal::Terminal;
 use crate::live::threads::Saboteur;
-use crate::output;
-use crate::video::url::VideoSource;
-use crate::video::{DecodeError, VideoSink, VideoState, VideoUrl, spawn, spawn_world};
-use crate::world::LiveWorld;
+use crate::simulated_source::{self, LiveWorld};
+use crate::source_url::{SimulatedUrl, SourceUrl};
+use barrelman_host::clock::Clock;
+use barrelman_host::latest::Latest;
+use barrelman_host::output;
+use barrelman_video::{DecodeError, VideoSink, VideoState, VideoUrl};
 
 /// Events that may wait for the loop. It takes thousands a second; hundreds come.
 const EVENTS: usize = 1024;
@@ -43,22 +43,19 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
         return Err(WrongUse(format!("no video source: {remedy}")).into());
     };
-    let video = VideoUrl::parse(video)?;
+    let source = SourceUrl::parse(video)?;
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
-    let world = match &video.source {
-        VideoSource::World(url) => Some(LiveWorld::load(url)?),
-        VideoSource::File(_) | VideoSource::Rtsp { .. } => None,
-    };
-    if world.is_none() && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::World) {
+    let source = Source::load(source)?;
+    if source.world().is_none() && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::World) {
         bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
     }
-    if let Some(world) = world.as_ref().filter(|_| !latency_is_known) {
+    if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
     for path in [&args.record, &args.overlay].into_iter().flatten() {
         output::check_free(path, args.force)?;
     }
-    let end = live(args, &configuration, Source { video, world }, link, clock)?;
+    let end = live(args, &configuration, source, link, clock)?;
     Ok(match end {
         RunEnd::VideoEnded => {
             tracing::info!("the video has ended");
@@ -75,11 +72,37 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
     })
 }
 
-/// What the video comes from.
-struct Source {
-    video: VideoUrl,
-    /// The world, where it is simulated.
-    world: Option<LiveWorld>,
+/// The video source, and the simulated world where the source is one.
+enum Source {
+    Video(VideoUrl),
+    Simulated(SimulatedUrl, Box<LiveWorld>),
+}
+
+impl Source {
+    fn load(url: SourceUrl) -> Result<Self> {
+        Ok(match url {
+            SourceUrl::Video(url) => Self::Video(url),
+            SourceUrl::Simulated(url) => {
+                let world = Box::new(LiveWorld::load(&url.world)?);
+                Self::Simulated(url, world)
+            }
+        })
+    }
+
+    fn world(&self) -> Option<&LiveWorld> {
+        match self {
+            Self::Video(_) => None,
+            Self::Simulated(_, world) => Some(world),
+        }
+    }
+
+    /// The address without a password, and whether the source is live.
+    fn described(&self) -> (String, bool) {
+        match self {
+            Self::Video(url) => (url.to_string(), url.is_live()),
+            Self::Simulated(url, _) => (url.to_string(), true),
+        }
+    }
 }
 
 /// The configuration of a run: the file, and over it what the command line says; and whether it says how late the
@@ -121,7 +144,7 @@ pub fn pilot_for(configuration: &Configuration) -> Result<Pilot> {
 fn live(
     args: &RunArgs,
     configuration: &Configuration,
-    Source { video, world }: Source,
+    source: Source,
     link_url: Option<LinkUrl>,
     clock: Clock,
 ) -> Result<RunEnd> {
@@ -130,7 +153,7 @@ fn live(
     let pilot = pilot_for(configuration)?;
     // Signals are caught before the port is opened: from here on nothing ends the program without zeros.
     let terminal = Terminal::watch(events.clone(), clock, saboteur.clone())?;
-    let link = match (&link_url, &world) {
+    let link = match (&link_url, source.world()) {
         (Some(url), Some(world)) if url.endpoint == Endpoint::World => {
             let link = world.link();
             link.break_by(url.faults.clone());
@@ -163,14 +186,14 @@ fn live(
             None
         }
     };
-    if args.select.is_none() && world.is_none() {
+    if args.select.is_none() && source.world().is_none() {
         tracing::warn!(
             "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"
         );
     }
     let recorder = match &args.record {
         Some(path) => {
-            let start = recording_start(configuration, &video, link_url.as_ref(), clock)?;
+            let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
             Some(Recorder::begin(path, args.force, &start, clock, saboteur.clone(), events.clone())?)
         }
         None => None,
@@ -182,7 +205,7 @@ fn live(
         }
         None => None,
     };
-    let latest = Arc::new(LatestFrame::default());
+    let latest = Arc::new(Latest::default());
     let recording = recorder.as_ref().map(Recorder::input);
     let sink = Sink {
         latest: Arc::clone(&latest),
@@ -191,13 +214,13 @@ fn live(
         damaged: 0,
         selects: args.select.is_none(),
     };
-    let source = match world {
+    let source = match source {
         // What is recorded is what the pilot saw: a replay can only decode it again.
-        Some(world) => {
-            let world = world.on(&configuration.profile).coded(args.record.is_some());
-            spawn_world(world, &video, clock, sink)?
+        Source::Simulated(url, world) => {
+            let world = (*world).with_profile(&configuration.profile).with_encoding(args.record.is_some());
+            simulated_source::spawn_world(world, &url, clock, sink)?
         }
-        None => spawn(video, clock, sink)?,
+        Source::Video(url) => barrelman_video::spawn(url, clock, sink)?,
     };
     let link_state = link.as_ref().map(|_| LinkState::Opening);
     let status = Status::start(link_state, clock, saboteur.clone(), events.clone())?;
@@ -244,7 +267,7 @@ fn live(
 
 fn recording_start(
     configuration: &Configuration,
-    video: &VideoUrl,
+    source: &Source,
     link: Option<&LinkUrl>,
     clock: Clock,
 ) -> Result<RecordingStart> {
@@ -252,21 +275,22 @@ fn recording_start(
     let unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().saturating_sub(since_start);
     // The configuration is stored without passwords: a recording is handed on.
     let mut stored = configuration.clone();
-    stored.video = Some(video.to_string());
+    let (video, live_video) = source.described();
+    stored.video = Some(video.clone());
     Ok(RecordingStart {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         monotonic_ns: clock.start_on_monotonic_ns(),
         unix_ns: u64::try_from(unix.as_nanos()).unwrap_or(u64::MAX),
         configuration: stored.to_toml()?,
-        video: video.to_string(),
+        video,
         link: link.map(ToString::to_string).unwrap_or_default(),
-        live_video: video.is_live(),
+        live_video,
     })
 }
 
 /// Takes what the video thread delivers.
 struct Sink {
-    latest: Arc<LatestFrame>,
+    latest: Arc<Latest<VideoFrame>>,
     recording: Option<RecorderInput>,
     events: SyncSender<Event>,
     damaged: u64,

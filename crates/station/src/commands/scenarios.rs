@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 
 use crate::cli::ScenariosArgs;
-use crate::scenario::{self, BUILT_IN, Changes, file::ScenarioFile};
+use barrelman_experiments::scenario::{self, BUILT_IN, Changes, file::ScenarioFile};
 
 /// Runs the command.
 ///

@@ -12,10 +12,10 @@ use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
 
 use crate::cli::TrackArgs;
-use crate::film::Film;
-use crate::output;
-use crate::tracker::TrackerSettings;
-use crate::video::{DecodeError, FileFrames, VideoError, VideoUrl};
+use barrelman_experiments::tracker_choice::TrackerSettings;
+use barrelman_host::output;
+use barrelman_overlay::film::Film;
+use barrelman_video::{DecodeError, FileFrames, VideoError, VideoUrl};
 
 /// The header of `track.csv`.
 pub const HEADER: &str =

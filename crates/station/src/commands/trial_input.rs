@@ -9,8 +9,8 @@ use barrelman_trial::logs::recorded::Collector;
 use barrelman_trial::logs::{self, TrialLog};
 use barrelman_trial::records::{Entry, ReadError, RecordingReader, RecordingStart};
 
-use crate::campaign::file::{self as campaign_file, CampaignFile};
-use crate::input;
+use barrelman_experiments::campaign::file::{self as campaign_file, CampaignFile};
+use barrelman_host::input;
 
 /// How an MCAP file begins.
 const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];

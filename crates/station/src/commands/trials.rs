@@ -10,16 +10,19 @@ use barrelman_trial::campaign::CampaignEntry;
 use barrelman_trial::metrics::summarise;
 
 use super::summary_table;
-use crate::campaign::driven::Driven;
-use crate::campaign::file::CampaignWriter;
-use crate::campaign::plan::Request;
-use crate::campaign::runner::run_in_order;
-use crate::campaign::{Perception, Plan};
 use crate::cli::{PerceptionName, TrialsArgs};
-use crate::law_choice::LawChoice;
+use crate::config::{ConfigFile, Configuration};
 use crate::progress::Progress;
-use crate::scenario::Changes;
-use crate::world::DriveReader;
+use barrelman_experiments::campaign::driven::Driven;
+use barrelman_experiments::campaign::file::CampaignWriter;
+use barrelman_experiments::campaign::plan::Request;
+use barrelman_experiments::campaign::recording::TrialRecording;
+use barrelman_experiments::campaign::runner::run_in_order;
+use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::drive::DriveReader;
+use barrelman_experiments::law_choice::LawChoice;
+use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::tracker_choice::TrackerSettings;
 
 /// Runs the command.
 ///
@@ -32,7 +35,12 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         plan = plan.driven_by(Driven::of(drive));
     }
     if let Some(folder) = &args.record {
-        plan = plan.recorded_in(folder, args.force || args.resume)?;
+        let configuration = configuration_of(&plan)?;
+        plan = plan.recorded(TrialRecording {
+            folder: folder.clone(),
+            force: args.force || args.resume,
+            configuration,
+        })?;
     }
     let seeds = match &drive {
         Some(drive) => vec![drive.cast.url.seed],
@@ -80,6 +88,17 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         if args.json { serde_json::to_string_pretty(&summary)? + "\n" } else { summary_table::of(&summary)? };
     stdout().write_all(text.as_bytes())?;
     Ok(if interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// The effective configuration (TOML) with which each recording begins.
+fn configuration_of(plan: &Plan) -> Result<String> {
+    Configuration {
+        profile: plan.profile().clone(),
+        law: plan.law(),
+        tracker: TrackerSettings::of(plan.tracker()),
+        ..Configuration::resolve(&ConfigFile::default())?
+    }
+    .to_toml()
 }
 
 /// What is asked for; what is not said of a drive is as it was driven.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::camera::CameraSection;
 use super::tracker::TrackerSection;
-use crate::law_choice::{LawName, ModeName};
+use barrelman_experiments::law_choice::{LawName, ModeName};
 
 /// A configuration file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]

@@ -13,9 +13,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use crate::input;
-use crate::law_choice::LawName;
-use crate::tracker::TrackerName;
+use barrelman_experiments::law_choice::LawName;
+use barrelman_experiments::tracker_choice::TrackerName;
+use barrelman_host::input;
 
 pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;

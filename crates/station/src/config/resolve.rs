@@ -10,8 +10,8 @@ use barrelman_wire::fotokite_pro::Framing;
 use super::camera::CameraSection;
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::tracker::TrackerSection;
-use crate::law_choice::LawChoice;
-use crate::tracker::TrackerSettings;
+use barrelman_experiments::law_choice::LawChoice;
+use barrelman_experiments::tracker_choice::TrackerSettings;
 
 /// The effective configuration.
 #[derive(Debug, Clone, PartialEq)]

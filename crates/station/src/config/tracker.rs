@@ -4,7 +4,7 @@ use barrelman_vision::{CamShiftConfig, FusedConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::tracker::{TrackerName, TrackerSettings};
+use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
 /// The tracker.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]

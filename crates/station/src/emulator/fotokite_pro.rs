@@ -13,9 +13,9 @@ use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, Statio
 
 use super::host_port::HostPort;
 use super::log::{Direction, LoggedState, StationLog};
-use crate::clock::Clock;
-use crate::fault::{FaultKind, FaultPlan};
-use crate::world::camera_link::{CameraLink, Pointing};
+use crate::link::camera_link::{CameraLink, Pointing};
+use barrelman_host::clock::Clock;
+use barrelman_host::fault::{FaultKind, FaultPlan};
 
 /// How far down the camera looks at the start.
 const START_DEPRESSION: Angle = Angle::from_degrees(24.0);

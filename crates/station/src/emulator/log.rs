@@ -9,7 +9,7 @@ use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::StationState;
 use serde::Serialize;
 
-use crate::clock::Clock;
+use barrelman_host::clock::Clock;
 
 /// Which way a line went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -4,7 +4,7 @@
 //! pilot's rates -> Mailbox -> link thread: Session (wire) <-> Port (serial or TCP)
 //!                                   \-> telemetry, link state -> events
 //! ```
-//! `sim:` has no port and no thread: a [`crate::world::CameraLink`] takes the rates to the world itself.
+//! `sim:` has no port and no thread: a [`crate::link::CameraLink`] takes the rates to the world itself.
 //!
 //! The thread decides nothing: what goes out and when is the session's. Whatever happens (the program ends, this
 //! thread or any other panics), zeros and the vehicle's own stop are the last things sent.
@@ -15,8 +15,10 @@ pub mod worker;
 
 pub mod port;
 
-mod towards;
+pub mod camera_link;
+mod vehicle_link;
 
-pub use towards::Link;
+pub use camera_link::CameraLink;
 pub use url::{LinkUrl, LinkUrlError};
+pub use vehicle_link::Link;
 pub use worker::{LinkHandle, LinkReport};

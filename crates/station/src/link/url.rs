@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use crate::fault::{FaultPlan, FaultPlanError};
+use barrelman_host::fault::{FaultPlan, FaultPlanError};
 
 /// Baud rate where the URL does not say: what all public clients use.
 pub const DEFAULT_BAUD: u32 = 115_200;

@@ -15,8 +15,8 @@ use rustix::event::{EventfdFlags, PollFd, PollFlags, poll};
 
 use super::port::{Port, PortError};
 use super::url::LinkUrl;
-use crate::clock::Clock;
-use crate::fault::FaultKind;
+use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultKind;
 
 /// From one attempt to open a lost port to the next.
 const REOPEN_AFTER: Duration = Duration::from_millis(250);

@@ -3,12 +3,12 @@
 use barrelman_vocab::OperatorRequest;
 
 use crate::link::LinkReport;
-use crate::video::VideoState;
+use barrelman_video::VideoState;
 
 /// An event.
 #[derive(Debug)]
 pub enum Event {
-    /// A video frame lies in [`super::latest::LatestFrame`].
+    /// A video frame lies in the slot of the newest frame.
     Frame,
     /// The video came, went, or ended.
     Video(VideoState),

@@ -1,7 +1,7 @@
 //! A live run: threads, one queue of events, and the loop that steps the pilot.
 //!
 //! ```text
-//! video thread ---frames--> LatestFrame --+
+//! video thread ---frames--> Latest -------+
 //!    \--units--> recorder                 |
 //! link thread ---telemetry--------------> events -> run_loop: Pilot::step -> link, recorder, overlay, status
 //! terminal thread -keys, signals--------> +
@@ -11,7 +11,6 @@
 pub mod event;
 pub mod run_loop;
 
-pub mod latest;
 pub mod overlay_video;
 pub mod recorder;
 pub mod status;

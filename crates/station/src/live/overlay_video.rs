@@ -15,8 +15,8 @@ use barrelman_vocab::{VehicleRates, VideoFrame};
 use super::event::Event;
 use super::run_loop::Watcher;
 use super::threads::{self, Saboteur};
-use crate::clock::Clock;
-use crate::film::Film;
+use barrelman_host::clock::Clock;
+use barrelman_overlay::film::Film;
 
 /// Frames that may wait to be drawn.
 const QUEUE: usize = 8;

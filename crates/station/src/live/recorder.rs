@@ -20,8 +20,8 @@ use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
 use super::event::Event;
 use super::threads::{self, Saboteur};
-use crate::clock::Clock;
-use crate::output;
+use barrelman_host::clock::Clock;
+use barrelman_host::output;
 
 /// Entries that may wait to be written: some ten seconds of a run.
 const QUEUE: usize = 2048;

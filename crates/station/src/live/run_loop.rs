@@ -14,13 +14,13 @@ use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates, VideoFrame};
 
 use super::event::Event;
-use super::latest::LatestFrame;
 use super::recorder::RecorderInput;
 use super::status::{self, Status};
 use super::threads::Saboteur;
-use crate::clock::Clock;
 use crate::link::{Link, LinkReport};
-use crate::video::VideoState;
+use barrelman_host::clock::Clock;
+use barrelman_host::latest::Latest;
+use barrelman_video::VideoState;
 
 /// Longest wait without an event: bounds how late the status line is.
 const LONGEST_WAIT: Duration = Duration::from_millis(200);
@@ -51,7 +51,7 @@ pub struct RunLoop<'a> {
     /// The clock.
     pub clock: Clock,
     /// Where frames come from.
-    pub latest: Arc<LatestFrame>,
+    pub latest: Arc<Latest<VideoFrame>>,
     /// The link; `None`: a dry run.
     pub link: Option<&'a Link>,
     /// The recording, if there is one.
@@ -105,8 +105,8 @@ impl RunLoop<'_> {
     fn take(&mut self, state: &mut Stepping, event: Event) -> Option<(StopCause, RunEnd)> {
         match event {
             Event::Frame => {
-                let (frame, dropped) = self.latest.take();
-                if let Some(frame) = frame {
+                if let Some(frame) = self.latest.take() {
+                    let dropped = self.latest.replaced();
                     self.step_with(state, Input::Frame(&frame), Some(&frame));
                     let age = state.outcome.as_ref().and_then(|outcome| outcome.age);
                     self.status.frame(self.clock.now(), age, dropped);

@@ -16,7 +16,7 @@ use barrelman_vocab::{Timestamp, Track, VehicleRates};
 
 use super::event::Event;
 use super::threads::{self, Saboteur};
-use crate::clock::Clock;
+use barrelman_host::clock::Clock;
 
 const ON_TERMINAL: Duration = Duration::from_millis(200);
 const ELSEWHERE: Duration = Duration::from_secs(5);

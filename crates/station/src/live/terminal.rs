@@ -20,7 +20,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
 use super::threads::{self, Saboteur};
-use crate::clock::Clock;
+use barrelman_host::clock::Clock;
 
 const SIGNALS: [(i32, &str); 5] = [
     (SIGINT, "SIGINT"),

@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use barrelman_vocab::Timestamp;
 
 use super::event::Event;
-use crate::fault::{FaultKind, FaultPlan};
+use barrelman_host::fault::{FaultKind, FaultPlan};
 
 /// Starts a named thread; if it panics, [`Event::ThreadPanicked`] says so.
 ///

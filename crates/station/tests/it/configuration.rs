@@ -1,8 +1,9 @@
 //! The configuration: the example, the schema, and what is refused.
 
+use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
+use barrelman_experiments::tracker_choice::TrackerName;
+use barrelman_station::cli::LawOptions;
 use barrelman_station::config::{self, ConfigFile, Configuration};
-use barrelman_station::law_choice::{LawChoice, LawName, LawOptions, ModeName};
-use barrelman_station::tracker::TrackerName;
 
 fn resolved(text: &str) -> Result<Configuration, String> {
     let resolve = || -> anyhow::Result<Configuration> { Configuration::resolve(&config::parse(text)?) };

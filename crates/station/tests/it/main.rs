@@ -10,9 +10,5 @@
 mod campaigns;
 mod command_line;
 mod configuration;
-mod overlay;
 mod reports;
-mod scenarios;
-mod video;
-mod video_live;
-mod world;
+mod simulated_source;

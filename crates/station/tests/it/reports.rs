@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use barrelman_experiments::campaign::PlantName;
+use barrelman_experiments::campaign::plan::Request;
+use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::law_choice::LawChoice;
+use barrelman_experiments::scenario::Changes;
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::render::{DrawnTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_station::campaign::plan::Request;
-use barrelman_station::campaign::{Perception, Plan};
-use barrelman_station::cli::PlantName;
-use barrelman_station::law_choice::LawChoice;
-use barrelman_station::scenario::Changes;
-use barrelman_station::video::{FileFrames, VideoUrl};
 use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
+use barrelman_video::{FileFrames, VideoUrl};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 /// An empty folder of this test's own.

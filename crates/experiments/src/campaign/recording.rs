@@ -1,0 +1,144 @@
+//! A simulated trial on disk: its recording, and in pixels its annotated video.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use barrelman_pilot::{Input, Outcome};
+use barrelman_sim::Truth;
+use barrelman_trial::campaign::Witness;
+use barrelman_trial::records::{
+    Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
+};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
+
+use barrelman_host::output;
+use barrelman_overlay::film::Film;
+
+/// How the trials of a campaign are recorded.
+#[derive(Debug, Clone)]
+pub struct TrialRecording {
+    /// The folder of the recordings.
+    pub folder: PathBuf,
+    /// Whether files in the folder may be overwritten.
+    pub force: bool,
+    /// The effective configuration (TOML), with which each recording begins.
+    pub configuration: String,
+}
+
+/// Records a trial.
+pub struct TrialRecorder {
+    path: PathBuf,
+    writer: RecordingWriter<BufWriter<File>>,
+    /// The annotated video, where there is one.
+    film: Option<Film>,
+    step: u64,
+    /// The first thing that went wrong; nothing is written after it.
+    failed: Option<anyhow::Error>,
+}
+
+impl TrialRecorder {
+    /// Begins `NAME.mcap` in a folder, and with the first picture `NAME.mp4` beside it.
+    ///
+    /// # Errors
+    /// If a file exists and may not be overwritten, or cannot be written.
+    pub fn begin(
+        recording: &TrialRecording,
+        name: &str,
+        video: String,
+        profile: &VehicleProfile,
+    ) -> Result<Self> {
+        let TrialRecording { folder, force, configuration } = recording;
+        let path = folder.join(format!("{name}.mcap"));
+        let film = folder.join(format!("{name}.mp4"));
+        output::check_free(&film, *force)?;
+        let film = Film::new(&film, profile.region);
+        Ok(Self { film: Some(film), ..Self::bare(&path, *force, configuration.clone(), video)? })
+    }
+
+    /// Begins a recording without an annotated video.
+    ///
+    /// # Errors
+    /// If the file exists and may not be overwritten, or cannot be written.
+    pub fn bare(path: &Path, force: bool, configuration: String, video: String) -> Result<Self> {
+        let file = BufWriter::new(output::create(path, force)?);
+        // A simulated trial has no clock of its own: the same seed gives the same file.
+        let start = RecordingStart {
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            monotonic_ns: 0,
+            unix_ns: 0,
+            configuration,
+            video,
+            link: "sim:".to_owned(),
+            live_video: false,
+        };
+        let writer = RecordingWriter::begin(file, &start).with_context(|| cannot_be_written(path))?;
+        Ok(Self { path: path.to_owned(), writer, film: None, step: 0, failed: None })
+    }
+
+    /// Ends both files.
+    ///
+    /// # Errors
+    /// If anything could not be written.
+    pub fn finish(self) -> Result<()> {
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        self.writer.finish().with_context(|| cannot_be_written(&self.path))?;
+        self.film.map_or(Ok(()), Film::finish)
+    }
+
+    /// A unit of video, ahead of the frame that it gives.
+    pub fn unit(&mut self, unit: EncodedUnit) {
+        if self.failed.is_none() {
+            self.failed = self.write(&Entry::Unit(unit)).err();
+        }
+    }
+
+    fn write(&mut self, entry: &Entry) -> Result<()> {
+        self.writer.write(entry).with_context(|| cannot_be_written(&self.path))
+    }
+
+    fn put(
+        &mut self,
+        now: Timestamp,
+        input: &Input<'_>,
+        outcome: &Outcome,
+        rates: VehicleRates,
+    ) -> Result<()> {
+        let step = self.step;
+        self.step += 1;
+        let recorded = match input {
+            Input::Frame(frame) => RecordedInput::Frame(FrameStamp::of(frame)),
+            Input::Localisation(track) => RecordedInput::Localisation(*track),
+            Input::Telemetry(telemetry) => RecordedInput::Telemetry(*telemetry),
+            Input::Request(request) => RecordedInput::Request(*request),
+            Input::Tick => RecordedInput::Tick,
+        };
+        self.write(&Entry::Input { step, now, input: recorded })?;
+        self.write(&Entry::Outcome(RecordedOutcome::new(step, outcome, rates)))?;
+        if let (Input::Frame(frame), Some(film)) = (input, &mut self.film) {
+            film.add_outcome(frame, outcome, rates)?;
+        }
+        Ok(())
+    }
+}
+
+fn cannot_be_written(path: &Path) -> String {
+    format!("{} cannot be written", path.display())
+}
+
+impl Witness for TrialRecorder {
+    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+        if self.failed.is_none() {
+            self.failed = self.put(now, input, outcome, rates).err();
+        }
+    }
+
+    fn truth(&mut self, truth: &Truth) {
+        if self.failed.is_none() {
+            self.failed = self.write(&Entry::Truth(truth.into())).err();
+        }
+    }
+}

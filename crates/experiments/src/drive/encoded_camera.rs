@@ -1,0 +1,67 @@
+//! An eye whose pictures travel as H.264: the pilot sees what a decoder makes of them.
+//!
+//! A recording holds the encoded units, and a replay decodes them to the same pictures. Encoder and decoder work on
+//! one thread each call, so that the same pictures give the same bits.
+
+use std::sync::mpsc::Sender;
+
+use barrelman_sim::World;
+use barrelman_trial::campaign::{DrawnEye, Eye, View};
+use barrelman_vocab::unit::{Rotation, UnitCodec};
+use barrelman_vocab::{EncodedUnit, VideoFrame};
+use bytes::Bytes;
+
+use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::encoder::{EncoderSettings, H264Encoder};
+
+/// Draws, encodes and decodes.
+pub(super) struct CodedEye<'a> {
+    drawn: DrawnEye<'a>,
+    encoder: H264Encoder,
+    decoder: UnitDecoder,
+    units: Sender<EncodedUnit>,
+    index: u64,
+}
+
+impl<'a> CodedEye<'a> {
+    /// An eye on top of another; the units go to `units`, each before its picture is received.
+    pub(super) fn new(drawn: DrawnEye<'a>, settings: EncoderSettings, units: Sender<EncodedUnit>) -> Self {
+        let decoder = UnitDecoder::new(DecodeMode::Live);
+        Self { drawn, encoder: H264Encoder::new(settings), decoder, units, index: 0 }
+    }
+}
+
+impl Eye for CodedEye<'_> {
+    fn look(&mut self, world: &World) -> View {
+        self.drawn.look(world)
+    }
+
+    fn receive(&mut self, view: &View) -> VideoFrame {
+        let frame = &view.frame;
+        let encoded = match self.encoder.encode(&frame.picture, frame.capture.at) {
+            Ok(encoded) => encoded,
+            Err(error) => {
+                tracing::error!("{error}");
+                return frame.clone();
+            }
+        };
+        let unit = EncodedUnit {
+            epoch: 0,
+            index: self.index,
+            capture: frame.capture,
+            key: encoded.key,
+            shown: true,
+            rotation: Rotation::None,
+            codec: UnitCodec::H264AnnexB,
+            payload: Bytes::from(encoded.bytes),
+        };
+        self.index += 1;
+        let mut decoded = None;
+        if let Err(error) = self.decoder.decode(&unit, &mut |frame| decoded = Some(frame)) {
+            tracing::error!("{error}");
+        }
+        // Where nobody records, nobody takes the units.
+        let _ = self.units.send(unit);
+        decoded.unwrap_or_else(|| frame.clone())
+    }
+}

@@ -1,0 +1,55 @@
+//! The hash of a drive, which shows that two drives are the same to the bit.
+
+use barrelman_pilot::{Input, Outcome};
+use barrelman_sim::Truth;
+use barrelman_trial::campaign::Witness;
+use barrelman_vocab::{Timestamp, VehicleRates};
+use xxhash_rust::xxh3::Xxh3;
+
+use super::lockstep::DriveWitness;
+
+/// A hash of everything that happens in a drive: every step with its time, the picture that it saw, what it came to
+/// and what was sent; and of every picture's truth.
+#[derive(Default)]
+pub struct DriveHash(Xxh3);
+
+impl DriveHash {
+    /// The hash so far, as it is written.
+    pub fn hex(&self) -> String {
+        format!("{:016x}", self.0.digest())
+    }
+}
+
+impl DriveWitness for DriveHash {}
+
+impl Witness for DriveHash {
+    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+        self.0.update(&now.as_nanos().to_le_bytes());
+        match input {
+            Input::Frame(frame) => {
+                self.0.update(b"frame");
+                self.0.update(&frame.capture.at.as_nanos().to_le_bytes());
+                self.0.update(frame.picture.samples());
+            }
+            Input::Localisation(_) => self.0.update(b"localisation"),
+            Input::Telemetry(_) => self.0.update(b"telemetry"),
+            Input::Request(_) => self.0.update(b"request"),
+            Input::Tick => self.0.update(b"tick"),
+        }
+        if let Some(percept) = outcome.percept {
+            for value in [percept.position.x, percept.position.y, percept.p] {
+                self.0.update(&value.to_bits().to_le_bytes());
+            }
+        }
+        for rate in [rates.yaw, rates.pitch] {
+            self.0.update(&rate.radians_per_second().to_bits().to_le_bytes());
+        }
+    }
+
+    fn truth(&mut self, truth: &Truth) {
+        let place = truth.target.place;
+        for value in [truth.image.x, truth.image.y, place.x, place.y, place.z, truth.rates.0, truth.rates.1] {
+            self.0.update(&value.to_bits().to_le_bytes());
+        }
+    }
+}

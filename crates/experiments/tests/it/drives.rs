@@ -1,0 +1,157 @@
+//! Drives: the same inputs give the same drive, and a stored drive is read as it was written.
+
+use barrelman_experiments::campaign::PlantName;
+use barrelman_experiments::campaign::driven::Driven;
+use barrelman_experiments::campaign::plan::Request;
+use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::drive::schema_shadow::DriveShadow;
+use barrelman_experiments::drive::{Cast, Drive, DriveInput, DriveReader, DriveWriter};
+use barrelman_experiments::drive::{DriveHash, DriveWitness};
+use barrelman_experiments::law_choice::{LawChoice, ModeName};
+use barrelman_experiments::render_threads::RenderThreads;
+use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::tracker_choice::TrackerName;
+use barrelman_experiments::world_url::WorldUrl;
+use barrelman_pilot::{Input, Outcome};
+use barrelman_sim::Truth;
+use barrelman_simd::SimdLevel;
+use barrelman_trial::campaign::Witness;
+use barrelman_trial::logs::TrialLog;
+use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
+
+const SMALL: PictureSize = PictureSize::new(192, 108);
+
+fn cast(law: LawChoice, coded: bool) -> Cast {
+    let url = WorldUrl { size: Some(SMALL), ..WorldUrl::of("open") };
+    Cast::new(url, TrackerName::Camshift, law, coded).unwrap()
+}
+
+/// The hash of a drive of one second with these inputs.
+fn driven(cast: &Cast, inputs: &[(u64, DriveInput)]) -> String {
+    let threads = RenderThreads::two().unwrap();
+    let mut drive = Drive::new(cast, &threads).unwrap();
+    let mut hash = DriveHash::default();
+    for tick in 0..120 {
+        for (_, input) in inputs.iter().filter(|(at, _)| *at == tick) {
+            drive.put(*input, &mut hash);
+        }
+        drive.tick(&mut hash);
+    }
+    hash.hex()
+}
+
+const AHEAD: DriveInput = DriveInput::Helm { thrust: 100, rudder: 20 };
+
+#[test]
+fn the_same_inputs_at_the_same_ticks_give_the_same_drive() {
+    for (law, coded) in [(LawChoice::OPTIMAL, false), (LawChoice::SCHEMA, true)] {
+        let cast = cast(law, coded);
+        let first = driven(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]);
+        assert_eq!(driven(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
+        let paused =
+            [(0, DriveInput::Engage), (10, DriveInput::Pause), (10, DriveInput::Resume), (30, AHEAD)];
+        assert_eq!(driven(&cast, &paused), first, "a pause changes nothing in the world");
+        assert_ne!(driven(&cast, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
+    }
+}
+
+/// Follows a drive, and the schema's shadow beside it.
+struct Beside {
+    shadow: DriveShadow,
+    /// P, and P as the schema would have kept it.
+    seen: Vec<(f64, f64)>,
+}
+
+impl Witness for Beside {
+    fn step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
+        self.shadow.step(now, outcome);
+        self.seen.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
+    }
+
+    fn truth(&mut self, _truth: &Truth) {}
+}
+
+impl DriveWitness for Beside {}
+
+#[test]
+fn the_schemas_shadow_is_the_schema_and_another_law_differs_from_it() {
+    let seen = |law| {
+        let (cast, threads) = (cast(law, false), RenderThreads::two().unwrap());
+        let mut drive = Drive::new(&cast, &threads).unwrap();
+        let mut beside = Beside { shadow: DriveShadow::new(&cast.profile), seen: Vec::new() };
+        drive.put(DriveInput::Engage, &mut beside);
+        drive.put(DriveInput::Helm { thrust: 100, rudder: 0 }, &mut beside);
+        (0..1200).for_each(|_| drive.tick(&mut beside));
+        beside.seen
+    };
+    let apart = |(p, schema): &(f64, f64)| (p - schema).abs();
+    let of_schema = seen(LawChoice::SCHEMA);
+    assert!(of_schema.iter().any(|(p, _)| *p > 1.0), "the schema moves the camera");
+    // Where a camera pointed is looked up between moments that are remembered, and the two remember others.
+    let most = of_schema.iter().map(apart).fold(0.0, f64::max);
+    assert!(most < 1.0e-3, "{most}");
+    assert!(seen(LawChoice::OPTIMAL).iter().map(apart).fold(0.0, f64::max) > 0.2);
+}
+
+#[test]
+fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
+    let path = std::env::temp_dir().join(format!("barrelman-driven-{}.jsonl", std::process::id()));
+    let cast = cast(LawChoice::SCHEMA, false);
+    let inputs = [(0, DriveInput::Engage), (30, AHEAD)];
+    let hash = driven(&cast, &inputs);
+    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    inputs.iter().for_each(|(tick, input)| writer.add(*tick, *input).unwrap());
+    writer.end(120, hash.clone()).unwrap();
+    let stored = DriveReader::read(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let request = Request {
+        scenario: "open".to_owned(),
+        changes: Changes { size: Some(SMALL), ..Changes::default() },
+        law: LawChoice::SCHEMA,
+        rate: None,
+        perception: Perception::Pixels(TrackerName::Camshift),
+        plant: PlantName::Nominal,
+        simd: SimdLevel::Avx512,
+    };
+    let plan = Plan::new(&request).unwrap().driven_by(Driven::of(&stored));
+    let mut again = DriveHash::default();
+    let log = plan.log(cast.url.seed, &mut again).unwrap();
+    assert_eq!(again.hex(), hash);
+    assert_eq!(plan.run(cast.url.seed).unwrap().campaign.drive.map(|drive| drive.len()), Some(16));
+    // The boat goes the same way whatever the camera does.
+    let law = LawChoice::OPTIMAL;
+    let other = Plan::new(&Request { law, perception: Perception::Truth, ..request }).unwrap();
+    let other = other.driven_by(Driven::of(&stored)).log(cast.url.seed, &mut ()).unwrap();
+    let end = |log: &TrialLog| log.truth.as_ref().unwrap().last().unwrap().target_m;
+    assert_eq!(end(&other), end(&log));
+}
+
+#[test]
+fn a_stored_drive_is_read_as_it_was_written() {
+    let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
+    let law = LawChoice { mode: Some(ModeName::Eco), horizon_s: Some(1.5), ..LawChoice::OPTIMAL };
+    let cast = cast(law, true);
+    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    writer.add(0, DriveInput::Engage).unwrap();
+    writer.add(30, AHEAD).unwrap();
+    let cut = DriveReader::read(&path).unwrap();
+    writer.end(120, "0123456789abcdef".to_owned()).unwrap();
+    let whole = DriveReader::read(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let key = r#""law":{"name":"optimal","mode":"eco","horizon_s":1.5},"#;
+    std::fs::write(&path, text.replace(key, "")).unwrap();
+    let of_before = DriveReader::read(&path).unwrap();
+    std::fs::write(&path, text.replace("optimal", "schema")).unwrap();
+    let contradicts = format!("{:#}", DriveReader::read(&path).unwrap_err());
+    std::fs::remove_file(&path).unwrap();
+    assert!(text.contains(key), "{text}");
+    assert_eq!(of_before.cast.law, LawChoice::SCHEMA, "a drive that does not say its law");
+    assert!(contradicts.contains("law.mode is for the law"), "{contradicts}");
+    assert_eq!((cut.end, cut.inputs.len()), (None, 2));
+    assert_eq!(whole.inputs, [(0, DriveInput::Engage), (30, AHEAD)]);
+    assert_eq!(whole.end, Some((120, "0123456789abcdef".to_owned())));
+    assert_eq!(
+        (whole.cast.url, whole.cast.coded, whole.cast.tracker, whole.cast.law),
+        (cast.url, true, TrackerName::Camshift, law)
+    );
+}

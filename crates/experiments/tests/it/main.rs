@@ -1,0 +1,11 @@
+//! Experiments, tried from outside.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and says why it was skipped"
+)]
+
+mod drives;
+mod scenarios;

@@ -1,0 +1,109 @@
+//! Scenarios: the built-in ones, and what is said of mistakes.
+
+use barrelman_experiments::scenario::{BUILT_IN, Changes, load, resolve};
+use barrelman_sim::scenario::{BeyondBorder, Platform};
+use barrelman_vocab::PictureSize;
+
+/// The text of a built-in scenario.
+fn text(name: &str) -> String {
+    BUILT_IN.iter().find(|built_in| built_in.name == name).map(|built_in| built_in.text.to_owned()).unwrap()
+}
+
+/// What is said of a scenario's text.
+fn said_of(text: &str) -> String {
+    let mistake = resolve::read(text, &Changes::default()).unwrap_err();
+    mistake.shown_in("mine.toml", text).to_string()
+}
+
+#[test]
+fn every_built_in_scenario_can_be_loaded_in_all_its_settings() {
+    for built_in in BUILT_IN {
+        let loaded = load(built_in.name, &Changes::default()).unwrap();
+        assert_eq!(loaded.scenario.name, built_in.name);
+    }
+    for (name, setting) in
+        [("lab1", "still"), ("lab2", "windy"), ("field1", "still"), ("arena1", "calm"), ("open", "tether")]
+    {
+        let changes = Changes { setting: Some(setting.to_owned()), ..Changes::default() };
+        assert_eq!(load(name, &changes).unwrap().setting, setting);
+    }
+}
+
+#[test]
+fn the_laboratory_has_the_plant_and_the_optics_as_identified() {
+    // The intervals that were identified from the recorded trials; dead times are less the camera's 0.1 s.
+    for name in ["lab1", "lab2", "field1", "field2", "steep1", "steep2"] {
+        let scenario = load(name, &Changes::default()).unwrap().scenario;
+        let within = |what: &str, value: f64, low: f64, high: f64| {
+            assert!((low..=high).contains(&value), "{name}: {what} {value}, {low} to {high}");
+        };
+        let (pan, tilt) = (scenario.mount.pan, scenario.mount.tilt);
+        within("focal length", scenario.camera.optics.focal_px, 305.0, 350.0);
+        within("pan start", pan.start_dead_time_s + 0.1, 0.25, 0.35);
+        within("pan stop", pan.stop_dead_time_s + 0.1, 0.44, 0.61);
+        within("pan lag", pan.lag_s, 0.35, 0.45);
+        within("tilt start", tilt.start_dead_time_s + 0.1, 0.10, 0.25);
+        within("tilt stop", tilt.stop_dead_time_s + 0.1, 0.40, 0.60);
+        within("tilt lag", tilt.lag_s, 0.0, 0.2);
+        assert_eq!(scenario.camera.frame, PictureSize::new(640, 480), "{name}");
+        assert_eq!(scenario.camera.optics.picture, PictureSize::new(640, 360), "{name}");
+        assert_eq!(scenario.camera.pictures_per_second, 30, "{name}");
+        assert_eq!(pan.flaws, Default::default(), "{name}: no flaws were identified");
+        let clamped = BeyondBorder::Clamped { x_px: 316.0, y_px: 177.0 };
+        let expected = if name.starts_with("lab") { clamped } else { BeyondBorder::Absent };
+        assert_eq!(scenario.sensing.beyond_border, expected, "{name}");
+    }
+    let indoor = load("lab1", &Changes::default()).unwrap().scenario;
+    let Platform::Swaying(sway) = indoor.platform else { panic!("it sways") };
+    assert!((sway.yaw.deviation.to_degrees() - 0.3).abs() < 1e-9 && sway.yaw.time_s == 1.5, "{sway:?}");
+    assert_eq!(
+        (indoor.camera.height_m, indoor.sensing.noise.deviation, indoor.sensing.rounded),
+        (1.83, 0.6, true)
+    );
+}
+
+#[test]
+fn another_size_shows_the_same_view() {
+    let changes = Changes { size: Some(PictureSize::new(320, 180)), ..Changes::default() };
+    let small = load("lab1", &changes).unwrap().scenario.camera;
+    assert_eq!((small.optics.focal_px, small.frame), (165.0, PictureSize::new(320, 240)));
+    let small = load("arena1", &changes).unwrap().scenario.camera;
+    assert_eq!((small.optics.focal_px, small.frame), (190.0, PictureSize::new(320, 180)));
+}
+
+#[test]
+fn a_mistake_is_shown_with_its_line() {
+    let check = |name: &str, old: &str, new: &str, line_holds: &str, words: &str| {
+        let original = text(name);
+        assert!(original.contains(old), "{name} has no {old}");
+        let changed = original.replacen(old, new, 1);
+        let number = changed.lines().position(|line| line.contains(line_holds)).unwrap() + 1;
+        let said = said_of(&changed);
+        assert!(said.contains(&format!("line {number}")), "{said}\nexpected line {number}");
+        assert!(said.contains(words), "{said}\nexpected {words}");
+    };
+    check("arena1", "sea_state = 1", "sea_state = 7", "sea_state = 7", "0 (glassy) to 4 (moderate)");
+    check("lab1", "height_m = 1.83", "height_m = -3", "height_m = -3", "metres from 0.2 to 500");
+    check("lab1", "scale = 0.616", "scale = 900", "path = \"arena1\"", "leaves the world");
+    check("lab1", "pictures_per_second = 30", "pictures_per_second = 7", "= 7", "120 can be divided by");
+    check("lab1", "path = \"arena1\"", "path = \"arena9\"", "arena9", "arena1, arena2");
+    check("lab1", "start_dead_time_s = 0.30", "start_dead_time_s = 0.05", "= 0.05", "camera.latency_s");
+    check(
+        "distractors",
+        "kind = \"buoy\"",
+        "kind = \"buoy\"\njitter_m = -4",
+        "jitter_m = -4",
+        "thing.4.jitter_m",
+    );
+    check("lab1", "noise_px = 0.6", "noise = 0.6", "noise = 0.6", "unknown field `noise`");
+    check("open", "[kite.tether]", "[kite.other]", "setting = \"tether\"", "use one of calm, other");
+}
+
+#[test]
+fn what_a_scenario_does_not_have_cannot_be_changed() {
+    let changes = Changes { sea_state: Some(2), ..Changes::default() };
+    let error = format!("{:#}", load("lab1", &changes).unwrap_err());
+    assert!(error.contains("there is no water"), "{error}");
+    let error = format!("{:#}", load("lab3", &Changes::default()).unwrap_err());
+    assert!(error.contains("lab1, lab2, arena1") && error.contains(".toml"), "{error}");
+}

@@ -1,0 +1,134 @@
+//! Pictures to JPEG, for pages.
+//!
+//! JPEG files hold BT.601 in the full range (JFIF). Samples of another encoding are turned into that by one matrix,
+//! worked out once for each encoding.
+
+use barrelman_vocab::Picture;
+use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
+use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};
+
+/// A picture stays sharp, and takes about a tenth of a byte per pixel.
+const QUALITY: u8 = 78;
+
+/// A picture as a JPEG file.
+///
+/// # Errors
+/// If the picture is larger than JPEG can hold: 65535 pixels on a side.
+pub(super) fn encoded(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
+    let mut bytes = Vec::with_capacity(picture.size().area() / 6);
+    let mut encoder = Encoder::new(&mut bytes, QUALITY);
+    encoder.set_sampling_factor(SamplingFactor::F_2_2);
+    encoder.encode_image(Source { picture, turn: turn(picture.colour()) })?;
+    Ok(bytes)
+}
+
+struct Source<'a> {
+    picture: &'a Picture,
+    /// `None` where the samples are JPEG's already.
+    turn: Option<Turn>,
+}
+
+/// Rows for Y, Cb and Cr: weights of Y, U and V in 1/65536, and what is added.
+type Turn = [[i32; 4]; 3];
+
+impl ImageBuffer for Source<'_> {
+    fn get_jpeg_color_type(&self) -> JpegColorType {
+        JpegColorType::Ycbcr
+    }
+
+    fn width(&self) -> u16 {
+        u16::try_from(self.picture.size().width).unwrap_or(u16::MAX)
+    }
+
+    fn height(&self) -> u16 {
+        u16::try_from(self.picture.size().height).unwrap_or(u16::MAX)
+    }
+
+    fn fill_buffers(&self, y: u16, buffers: &mut [Vec<u8>; 4]) {
+        let row = usize::from(y);
+        let luma = self.picture.y().row(row);
+        let (u, v) = (self.picture.u().row(row / 2), self.picture.v().row(row / 2));
+        let [to_y, to_cb, to_cr, _] = buffers;
+        for (column, y) in luma.iter().enumerate() {
+            let (u, v) = (u[column / 2], v[column / 2]);
+            match &self.turn {
+                None => {
+                    to_y.push(*y);
+                    to_cb.push(u);
+                    to_cr.push(v);
+                }
+                Some(turn) => {
+                    let (y, u, v) = (i32::from(*y), i32::from(u), i32::from(v));
+                    let turned = turn.map(|[of_y, of_u, of_v, add]| {
+                        ((of_y * y + of_u * u + of_v * v + add) >> 16).clamp(0, 255) as u8
+                    });
+                    to_y.push(turned[0]);
+                    to_cb.push(turned[1]);
+                    to_cr.push(turned[2]);
+                }
+            }
+        }
+    }
+}
+
+fn turn(from: ColourEncoding) -> Option<Turn> {
+    if from == ColourEncoding::JPEG {
+        return None;
+    }
+    let (luma_scale, chroma_scale, black) = match from.range {
+        SampleRange::Limited => (255.0 / 219.0, 255.0 / 224.0, 16.0),
+        SampleRange::Full => (1.0, 1.0, 0.0),
+    };
+    // Shares of red and blue in the luma (ITU-R BT.601 and BT.709).
+    let (red, blue) = match from.matrix {
+        ColourMatrix::Bt601 => (0.299, 0.114),
+        ColourMatrix::Bt709 => (0.2126, 0.0722),
+    };
+    let turned = |y: f64, cb: f64, cr: f64| {
+        let r = y + 2.0 * (1.0 - red) * cr;
+        let b = y + 2.0 * (1.0 - blue) * cb;
+        let g = (y - red * r - blue * b) / (1.0 - red - blue);
+        let luma = 0.299 * r + 0.587 * g + 0.114 * b;
+        [luma, (b - luma) / 1.772, (r - luma) / 1.402]
+    };
+    let (of_y, of_u, of_v) =
+        (turned(luma_scale, 0.0, 0.0), turned(0.0, chroma_scale, 0.0), turned(0.0, 0.0, chroma_scale));
+    let rows = [0, 1, 2].map(|row| {
+        let middle = if row == 0 { 0.0 } else { 128.0 };
+        let add = middle + 0.5 - black * of_y[row] - 128.0 * (of_u[row] + of_v[row]);
+        [of_y[row], of_u[row], of_v[row], add].map(|share| (share * 65536.0).round() as i32)
+    });
+    Some(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::PictureSize;
+    use zune_core::bytestream::ZCursor;
+
+    use super::*;
+
+    /// A plain picture of these samples comes back from a decoder in this colour, give or take 3 for quantisation.
+    fn check(colour: ColourEncoding, [y, u, v]: [u8; 3], rgb: [u8; 3]) {
+        let mut picture = Picture::black(PictureSize::new(34, 18), colour);
+        for (plane, sample) in picture.planes_mut().into_iter().zip([y, u, v]) {
+            plane.fill(sample);
+        }
+        let file = encoded(&picture).unwrap();
+        let mut decoder = zune_jpeg::JpegDecoder::new(ZCursor::new(&file));
+        let pixels = decoder.decode().unwrap();
+        for (got, wanted) in pixels[..3].iter().zip(rgb) {
+            assert!(got.abs_diff(wanted) <= 3, "{colour:?}: {:?} for {rgb:?}", &pixels[..3]);
+        }
+    }
+
+    #[test]
+    fn colours_stay_what_they_were() {
+        let limited = |matrix| ColourEncoding { matrix, range: SampleRange::Limited };
+        check(ColourEncoding::JPEG, [76, 85, 255], [254, 0, 0]);
+        check(limited(ColourMatrix::Bt709), [63, 102, 240], [255, 0, 0]);
+        check(limited(ColourMatrix::Bt601), [81, 90, 240], [255, 0, 0]);
+        check(limited(ColourMatrix::Bt709), [235, 128, 128], [255, 255, 255]);
+        check(limited(ColourMatrix::Bt709), [173, 42, 26], [0, 255, 0]);
+    }
+}

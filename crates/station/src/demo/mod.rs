@@ -1,0 +1,15 @@
+//! The demo: a simulated boat to drive in the browser.
+//!
+//! ```text
+//! page -> inputs, each at a tick -> Drive: trial's Simulation, one tick after the other -> pictures -> page
+//! ```
+//! The world of a demo waits for the pilot, so that the same inputs at the same ticks give the same drive, bit for bit.
+//! (In `run --video sim:` the world goes by the clock instead, see [`crate::simulated_source`].)
+
+pub mod pacing;
+
+pub mod page;
+pub mod page_pictures;
+pub mod server;
+
+mod jpeg;

@@ -1,0 +1,412 @@
+//! A small RTSP server for the video of a simulated world (RFC 2326; H.264 in RTP by RFC 6184).
+//!
+//! | thread | does |
+//! |---|---|
+//! | `rtsp` | takes connections, at most [`VIEWERS`] at a time |
+//! | `rtsp-viewer` | answers one viewer's requests, and sends it the video between them |
+//!
+//! The video goes over the RTSP connection itself (interleaved), from the next key frame on. A viewer that is too slow
+//! misses pictures up to a key frame. Not handled: UDP, authentication, seeking, RTCP. It is meant for loopback.
+
+use std::io::{self, Read as _, Write as _};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use barrelman_vocab::unit::UnitCodec;
+use barrelman_vocab::{EncodedUnit, VideoFrame};
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+
+use barrelman_video::annexb::{self, NalKind};
+use barrelman_video::{VideoSink, VideoState};
+
+/// How many can look at a time.
+const VIEWERS: usize = 4;
+/// Longest request, bytes.
+const LONGEST_REQUEST: usize = 4096;
+/// Pictures that may wait for a viewer.
+const QUEUE: usize = 32;
+/// How long a viewer waits for the first picture, and may take to accept bytes.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// From one look at a viewer's requests to the next.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+/// Longest payload of an RTP packet, bytes.
+const LONGEST_PAYLOAD: usize = 1400;
+/// The video's clock in RTP, Hz, and its payload type.
+const RTP_HZ: u64 = 90_000;
+const RTP_TYPE: u8 = 96;
+
+/// A running server; it ends when dropped.
+pub struct RtspServer {
+    address: SocketAddr,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    viewers: Mutex<Vec<SyncSender<EncodedUnit>>>,
+    /// The parameter sets of the newest key frame: sequence, picture.
+    sets: Mutex<Option<(Vec<u8>, Vec<u8>)>>,
+    connected: Mutex<usize>,
+    wanted: AtomicBool,
+    ended: AtomicBool,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Plain data, whole at any time.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl RtspServer {
+    /// Begins to serve.
+    ///
+    /// # Errors
+    /// If the address cannot be listened on, or the system has no more threads.
+    pub fn start(address: SocketAddr) -> Result<Self> {
+        let listener =
+            TcpListener::bind(address).with_context(|| format!("cannot serve video at {address}"))?;
+        let address = listener.local_addr()?;
+        listener.set_nonblocking(true)?;
+        let shared = Arc::new(Shared::default());
+        let seen_by_thread = Arc::clone(&shared);
+        let thread =
+            Builder::new().name("rtsp".to_owned()).spawn(move || accept(&listener, &seen_by_thread))?;
+        Ok(Self { address, shared, thread: Some(thread) })
+    }
+
+    /// Where its video is.
+    pub fn url(&self) -> String {
+        format!("rtsp://{}/world", self.address)
+    }
+
+    /// Whether anybody has asked for the video yet.
+    pub fn is_wanted(&self) -> bool {
+        self.shared.wanted.load(Ordering::Relaxed)
+    }
+
+    /// Takes the video that is to be served.
+    pub fn sink(&self) -> impl VideoSink + 'static {
+        Broadcast(Arc::clone(&self.shared))
+    }
+}
+
+impl Drop for RtspServer {
+    fn drop(&mut self) {
+        self.shared.ended.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+struct Broadcast(Arc<Shared>);
+
+impl VideoSink for Broadcast {
+    fn unit(&mut self, unit: &EncodedUnit) {
+        if unit.codec != UnitCodec::H264AnnexB {
+            return;
+        }
+        if unit.key {
+            let set =
+                |kind| annexb::nals(&unit.payload).find(|nal| annexb::kind(nal) == kind).map(<[u8]>::to_vec);
+            if let (Some(sps), Some(pps)) = (set(NalKind::Sps), set(NalKind::Pps)) {
+                *locked(&self.0.sets) = Some((sps, pps));
+            }
+        }
+        locked(&self.0.viewers)
+            .retain(|viewer| !matches!(viewer.try_send(unit.clone()), Err(TrySendError::Disconnected(_))));
+    }
+
+    fn frame(&mut self, _frame: VideoFrame) {}
+
+    fn state(&mut self, state: VideoState) {
+        match state {
+            VideoState::Ended => self.0.ended.store(true, Ordering::Relaxed),
+            VideoState::Failed(error) => {
+                tracing::error!("{error}");
+                self.0.ended.store(true, Ordering::Relaxed);
+            }
+            VideoState::Connecting | VideoState::Up | VideoState::Lost { .. } => {}
+        }
+    }
+}
+
+fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
+    while !shared.ended.load(Ordering::Relaxed) {
+        let Ok((stream, _)) = listener.accept() else {
+            std::thread::sleep(LOOK_EVERY);
+            continue;
+        };
+        let is_full = {
+            let mut connected = locked(&shared.connected);
+            let is_full = *connected >= VIEWERS;
+            *connected += usize::from(!is_full);
+            is_full
+        };
+        if is_full {
+            continue;
+        }
+        let of_viewer = Arc::clone(shared);
+        let begun = Builder::new().name("rtsp-viewer".to_owned()).spawn(move || {
+            // One that hangs up is no failure.
+            let _ = Viewer::new(stream, Arc::clone(&of_viewer)).and_then(Viewer::serve);
+            *locked(&of_viewer.connected) -= 1;
+        });
+        if begun.is_err() {
+            *locked(&shared.connected) -= 1;
+        }
+    }
+}
+
+struct Viewer {
+    stream: TcpStream,
+    shared: Arc<Shared>,
+    heard: Vec<u8>,
+    units: Option<Receiver<EncodedUnit>>,
+    channel: u8,
+    packets: Packets,
+    /// Pictures are left out until the next key frame.
+    waits_for_key: bool,
+    last_index: Option<u64>,
+}
+
+impl Viewer {
+    fn new(stream: TcpStream, shared: Arc<Shared>) -> io::Result<Self> {
+        stream.set_nonblocking(false)?;
+        stream.set_nodelay(true)?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.set_read_timeout(Some(LOOK_EVERY))?;
+        Ok(Self {
+            stream,
+            shared,
+            heard: Vec::new(),
+            units: None,
+            channel: 0,
+            packets: Packets::default(),
+            waits_for_key: true,
+            last_index: None,
+        })
+    }
+
+    fn serve(mut self) -> io::Result<()> {
+        let mut buffer = [0; 1024];
+        while !self.shared.ended.load(Ordering::Relaxed) {
+            match self.stream.read(&mut buffer) {
+                Ok(0) => return Ok(()),
+                Ok(read) => self.heard.extend_from_slice(&buffer[..read]),
+                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
+                }
+                Err(error) => return Err(error),
+            }
+            while let Some(request) = next_request(&mut self.heard)? {
+                if !self.answer(&request)? {
+                    return Ok(());
+                }
+            }
+            if self.units.is_some() {
+                self.play()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends what has come for a viewer that plays. From here on reading does not wait: the video does.
+    fn play(&mut self) -> io::Result<()> {
+        self.stream.set_read_timeout(Some(Duration::from_millis(1)))?;
+        let Some(units) = &self.units else { return Ok(()) };
+        let Ok(unit) = units.recv_timeout(LOOK_EVERY) else { return Ok(()) };
+        let is_next = self.last_index.is_some_and(|last| unit.index == last + 1);
+        self.last_index = Some(unit.index);
+        self.waits_for_key = !unit.key && (self.waits_for_key || !is_next);
+        if self.waits_for_key {
+            return Ok(());
+        }
+        let bytes = self.packets.of(&unit, self.channel);
+        self.stream.write_all(&bytes)
+    }
+
+    /// Answers a request; `false` after the last.
+    fn answer(&mut self, request: &str) -> io::Result<bool> {
+        let mut lines = request.lines();
+        let mut words = lines.next().unwrap_or_default().split(' ');
+        let (method, url) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+        let field = |name: &str| {
+            lines.clone().find_map(|line| {
+                let (key, value) = line.split_once(':')?;
+                key.eq_ignore_ascii_case(name).then(|| value.trim())
+            })
+        };
+        let sequence: u32 = field("CSeq").and_then(|text| text.parse().ok()).unwrap_or(0);
+        let answer = |status: &str, fields: &str, body: &str| {
+            let length =
+                if body.is_empty() { String::new() } else { format!("Content-Length: {}\r\n", body.len()) };
+            format!("RTSP/1.0 {status}\r\nCSeq: {sequence}\r\n{fields}{length}\r\n{body}")
+        };
+        const SESSION: &str = "Session: 1\r\n";
+        let text = match method {
+            "OPTIONS" => {
+                answer("200 OK", "Public: OPTIONS, DESCRIBE, SETUP, PLAY, GET_PARAMETER, TEARDOWN\r\n", "")
+            }
+            "DESCRIBE" => {
+                self.shared.wanted.store(true, Ordering::Relaxed);
+                match self.description() {
+                    Some(body) => {
+                        let base = format!("{}/", url.trim_end_matches('/'));
+                        let fields = format!("Content-Base: {base}\r\nContent-Type: application/sdp\r\n");
+                        answer("200 OK", &fields, &body)
+                    }
+                    None => answer("503 Service Unavailable", "", ""),
+                }
+            }
+            "SETUP" => match field("Transport").and_then(interleaved_channel) {
+                Some(channel) => {
+                    self.channel = channel;
+                    let transport = format!(
+                        "Transport: RTP/AVP/TCP;unicast;interleaved={channel}-{}\r\n{SESSION}",
+                        channel.wrapping_add(1)
+                    );
+                    answer("200 OK", &transport, "")
+                }
+                None => answer("461 Unsupported Transport", "", ""),
+            },
+            "PLAY" => {
+                let (viewer, units) = sync_channel(QUEUE);
+                locked(&self.shared.viewers).push(viewer);
+                self.units = Some(units);
+                answer("200 OK", SESSION, "")
+            }
+            "GET_PARAMETER" => answer("200 OK", SESSION, ""),
+            "TEARDOWN" => answer("200 OK", SESSION, ""),
+            _ => answer("501 Not Implemented", "", ""),
+        };
+        self.stream.write_all(text.as_bytes())?;
+        Ok(method != "TEARDOWN")
+    }
+
+    /// The session's description, once the first key frame is there.
+    fn description(&self) -> Option<String> {
+        let deadline = Instant::now() + PATIENCE;
+        let (sps, pps) = loop {
+            if let Some(sets) = locked(&self.shared.sets).clone() {
+                break sets;
+            }
+            if Instant::now() >= deadline || self.shared.ended.load(Ordering::Relaxed) {
+                return None;
+            }
+            std::thread::sleep(LOOK_EVERY);
+        };
+        let profile = sps.get(1..4)?.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+        Some(format!(
+            "v=0\r\no=- 1 1 IN IP4 127.0.0.1\r\ns=Barrelman\r\nc=IN IP4 0.0.0.0\r\nt=0 0\r\na=control:*\r\n\
+             m=video 0 RTP/AVP {RTP_TYPE}\r\na=rtpmap:{RTP_TYPE} H264/{RTP_HZ}\r\n\
+             a=fmtp:{RTP_TYPE} packetization-mode=1;profile-level-id={profile};sprop-parameter-sets={},{}\r\n\
+             a=control:video\r\n",
+            BASE64_STANDARD.encode(&sps),
+            BASE64_STANDARD.encode(&pps),
+        ))
+    }
+}
+
+/// Takes a whole request off the front of what was heard; RTCP between requests is passed over.
+fn next_request(heard: &mut Vec<u8>) -> io::Result<Option<String>> {
+    loop {
+        if heard.first() == Some(&b'$') {
+            let Some(length) =
+                heard.get(2..4).map(|length| 4 + usize::from(length[0]) * 256 + usize::from(length[1]))
+            else {
+                return Ok(None);
+            };
+            if heard.len() < length {
+                return Ok(None);
+            }
+            heard.drain(..length);
+            continue;
+        }
+        let Some(end) = heard.windows(4).position(|four| four == b"\r\n\r\n") else {
+            if heard.len() > LONGEST_REQUEST {
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "a request without an end"));
+            }
+            return Ok(None);
+        };
+        let request: Vec<u8> = heard.drain(..end + 4).collect();
+        return Ok(Some(String::from_utf8_lossy(&request).into_owned()));
+    }
+}
+
+/// The channel for RTP of a transport over the connection itself.
+fn interleaved_channel(transport: &str) -> Option<u8> {
+    let one = transport.split(',').find(|one| one.contains("RTP/AVP/TCP"))?;
+    let channels = one.split(';').find_map(|part| part.trim().strip_prefix("interleaved="));
+    channels.map_or(Some(0), |channels| channels.split('-').next()?.parse().ok())
+}
+
+/// Makes RTP packets of pictures.
+#[derive(Default)]
+struct Packets {
+    sequence: u16,
+}
+
+impl Packets {
+    /// The packets of a picture, each in the frame that RTSP lays around it.
+    fn of(&mut self, unit: &EncodedUnit, channel: u8) -> Vec<u8> {
+        let time = (u128::from(unit.capture.at.as_nanos()) * u128::from(RTP_HZ) / 1_000_000_000) as u32;
+        let mut bytes = Vec::with_capacity(unit.payload.len() + unit.payload.len() / 32 + 64);
+        let mut nals = annexb::nals(&unit.payload).peekable();
+        while let Some(nal) = nals.next() {
+            let ends_picture = nals.peek().is_none();
+            if nal.len() <= LONGEST_PAYLOAD {
+                self.put(&mut bytes, channel, time, ends_picture, &[nal]);
+                continue;
+            }
+            // Fragments (FU-A): the unit's own header is told in two bytes in front of each.
+            let (header, content) = (nal[0], &nal[1..]);
+            let mut pieces = content.chunks(LONGEST_PAYLOAD - 2).enumerate().peekable();
+            while let Some((index, piece)) = pieces.next() {
+                let ends = pieces.peek().is_none();
+                let place = u8::from(index == 0) << 7 | u8::from(ends) << 6;
+                let front = [header & 0xe0 | 28, place | header & 0x1f];
+                self.put(&mut bytes, channel, time, ends && ends_picture, &[&front, piece]);
+            }
+        }
+        bytes
+    }
+
+    fn put(&mut self, bytes: &mut Vec<u8>, channel: u8, time: u32, marker: bool, payload: &[&[u8]]) {
+        let length = 12 + payload.iter().map(|part| part.len()).sum::<usize>();
+        bytes.extend([b'$', channel]);
+        bytes.extend((length as u16).to_be_bytes());
+        bytes.extend([0x80, u8::from(marker) << 7 | RTP_TYPE]);
+        bytes.extend(self.sequence.to_be_bytes());
+        bytes.extend(time.to_be_bytes());
+        bytes.extend(*b"boat");
+        payload.iter().for_each(|part| bytes.extend(*part));
+        self.sequence = self.sequence.wrapping_add(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_come_one_by_one_and_rtcp_is_passed_over() {
+        let mut heard = b"$\x01\x00\x02abOPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\nPLAY".to_vec();
+        assert_eq!(next_request(&mut heard).unwrap().unwrap(), "OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n");
+        assert_eq!(next_request(&mut heard).unwrap(), None);
+        heard.resize(LONGEST_REQUEST + 1, b'x');
+        assert!(next_request(&mut heard).is_err());
+    }
+
+    #[test]
+    fn only_the_connection_itself_carries_video() {
+        assert_eq!(interleaved_channel("RTP/AVP/TCP;unicast;interleaved=2-3"), Some(2));
+        assert_eq!(interleaved_channel("RTP/AVP/TCP;unicast"), Some(0));
+        assert_eq!(interleaved_channel("RTP/AVP;unicast;client_port=5000-5001"), None);
+    }
+}

@@ -1,0 +1,68 @@
+//! A simulated world before its start.
+
+use anyhow::{Result, anyhow};
+use barrelman_experiments::render_threads::RenderThreads;
+use barrelman_experiments::scenario::{self, Changes};
+use barrelman_experiments::world_url::WorldUrl;
+use barrelman_sim::{Scenario, World};
+use barrelman_vocab::VehicleProfile;
+
+use crate::link::CameraLink;
+
+/// A simulated world that has not started.
+#[derive(Debug)]
+pub struct LiveWorld {
+    pub(super) scenario: Scenario,
+    pub(super) world: World,
+    pub(super) seed: u64,
+    pub(super) link: CameraLink,
+    pub(super) profile: VehicleProfile,
+    /// Whether pictures travel as H.264.
+    pub(super) encoded: bool,
+    pub(super) threads: RenderThreads,
+}
+
+impl LiveWorld {
+    /// Loads a world.
+    ///
+    /// # Errors
+    /// There is no such scenario, or the scenario has a mistake.
+    pub fn load(url: &WorldUrl) -> Result<Self> {
+        let changes = Changes { size: url.size, ..Changes::default() };
+        let scenario = scenario::load(&url.scenario, &changes)?.scenario;
+        let world = World::new(&scenario, url.seed).map_err(|_| {
+            anyhow!("the way-points of {} make no path with seed {}", scenario.name, url.seed)
+        })?;
+        Ok(Self {
+            scenario,
+            world,
+            seed: url.seed,
+            link: CameraLink::default(),
+            profile: VehicleProfile::fotokite_pro(),
+            encoded: false,
+            threads: RenderThreads::two()?,
+        })
+    }
+
+    /// The scenario.
+    pub const fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The link to the camera of the world.
+    pub fn link(&self) -> CameraLink {
+        self.link.clone()
+    }
+
+    /// Sets the vehicle, whose signs the rates on the link have.
+    #[must_use]
+    pub fn with_profile(self, profile: &VehicleProfile) -> Self {
+        Self { profile: profile.clone(), ..self }
+    }
+
+    /// Sets whether pictures travel as H.264.
+    #[must_use]
+    pub fn with_encoding(self, encoded: bool) -> Self {
+        Self { encoded, ..self }
+    }
+}

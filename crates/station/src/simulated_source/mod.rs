@@ -1,0 +1,65 @@
+//! A simulated world as a live video source and a camera to move.
+//!
+//! | thread | does |
+//! |---|---|
+//! | `world` | runs one tick every 1/120 s by the clock, without leaving any out; reads the camera's rates from the link at each tick |
+//! | `render` | renders (with the render threads) and encodes the newest picture that was taken |
+//! | `video` | delivers each picture when it arrives: the scenario's latency after the picture was taken |
+//!
+//! Where rendering is slower than the scenario's picture rate, the newest moment wins and the others are counted; the
+//! world never waits. Pictures are stamped with the program's time of the tick at which they were taken. Pictures travel
+//! as encoded units like any other video: as H.264 where they are recorded or served, so that a replay sees what the
+//! pilot saw, and otherwise as plain samples.
+
+mod live_world;
+
+mod playback;
+
+mod delivery;
+mod rendering;
+
+use barrelman_host::clock::Clock;
+use barrelman_video::decoder::DecodeMode;
+use barrelman_video::feed::{Feed, FeedSettings};
+use barrelman_video::{VideoError, VideoHandle, VideoSink};
+
+pub use live_world::LiveWorld;
+
+use crate::source_url::SimulatedUrl;
+
+/// Starts a world whose camera nobody moves. A scenario that cannot be used reaches the sink as a failure.
+///
+/// # Errors
+/// The system has no thread left.
+pub fn spawn(
+    url: &SimulatedUrl,
+    clock: Clock,
+    sink: impl VideoSink + 'static,
+) -> Result<VideoHandle, VideoError> {
+    let (url, settings) = (url.clone(), feed_settings(url));
+    VideoHandle::start(move |stop| {
+        let mut feed = Feed::new(settings, clock, sink);
+        match LiveWorld::load(&url.world) {
+            Ok(world) => playback::play(world, feed, stop),
+            Err(error) => feed.fail(VideoError::Provided { reason: format!("{error:#}") }),
+        }
+    })
+}
+
+/// Starts a world that was loaded before, so that a link can move its camera.
+///
+/// # Errors
+/// The system has no thread left.
+pub fn spawn_world(
+    world: LiveWorld,
+    url: &SimulatedUrl,
+    clock: Clock,
+    sink: impl VideoSink + 'static,
+) -> Result<VideoHandle, VideoError> {
+    let settings = feed_settings(url);
+    VideoHandle::start(move |stop| playback::play(world, Feed::new(settings, clock, sink), stop))
+}
+
+fn feed_settings(url: &SimulatedUrl) -> FeedSettings {
+    FeedSettings { place: url.to_string(), faults: url.faults.clone(), mode: DecodeMode::Live }
+}

@@ -1,0 +1,133 @@
+//! The threads of a simulated source: ticks, rendering, delivery.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::thread;
+
+use barrelman_host::clock::Clock;
+use barrelman_host::latest::Latest;
+use barrelman_sim::World;
+use barrelman_sim::scenario::CameraSetup;
+use barrelman_sim::video_link::{Passage, VideoLink};
+use barrelman_video::feed::{Feed, StopSignal};
+use barrelman_video::{VideoError, VideoSink, VideoState};
+use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
+
+use super::LiveWorld;
+use super::delivery::deliver;
+use super::rendering::{Moment, Rendering, RenderingSettings};
+use crate::link::CameraLink;
+use crate::link::camera_link::Pointing;
+
+/// Pictures that may be between rendering and arrival.
+const MAX_IN_TRANSIT: usize = 128;
+
+/// Plays a world to its end. Returns when the world is over or when the signal is raised.
+pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopSignal) {
+    let LiveWorld { scenario, world, seed, link, profile, encoded, threads } = live;
+    feed.sink.state(VideoState::Up);
+    let clock = feed.clock;
+    let start = clock.now();
+    let moments = Moments::default();
+    let rendering = RenderingSettings {
+        first: world.clone(),
+        camera: scenario.camera.clone(),
+        seed,
+        start,
+        encoded,
+        threads: &threads,
+    };
+    let ticking =
+        Ticking { world, camera: &scenario.camera, seed, link: &link, profile: &profile, clock, start };
+    let (units, arriving) = sync_channel(MAX_IN_TRANSIT);
+    // The feed is outside: where a thread of the scope panics, its sink is dropped with the panic and reports it.
+    thread::scope(|scope| {
+        let named = |name: &str| thread::Builder::new().name(name.to_owned());
+        let moments = &moments;
+        let started = named("world").spawn_scoped(scope, || ticking.run(moments, stop)).and_then(|_| {
+            named("render").spawn_scoped(scope, move || Rendering::new(rendering).run(moments, &units))
+        });
+        if let Err(error) = started {
+            moments.close(true);
+            feed.fail(VideoError::Thread(error));
+        } else {
+            deliver(&arriving, &mut feed, stop);
+        }
+        // A thread that still waits for a picture, or to hand one on, is released.
+        moments.close(false);
+        drop(arriving);
+    });
+}
+
+/// The newest moment at which a picture was taken, and whether a thread failed.
+#[derive(Default)]
+pub(super) struct Moments {
+    pub(super) newest: Latest<Moment>,
+    failed: AtomicBool,
+}
+
+impl Moments {
+    /// No further picture will be taken.
+    fn close(&self, failed: bool) {
+        self.failed.fetch_or(failed, Ordering::SeqCst);
+        self.newest.close();
+    }
+
+    /// Whether a thread panicked or could not be started.
+    pub(super) fn has_failed(&self) -> bool {
+        self.failed.load(Ordering::SeqCst)
+    }
+}
+
+/// Reports the end of the world when the thread `world` ends, also by a panic.
+struct EndGuard<'a> {
+    moments: &'a Moments,
+    link: &'a CameraLink,
+}
+
+impl Drop for EndGuard<'_> {
+    fn drop(&mut self) {
+        self.moments.close(thread::panicking());
+        self.link.world_ended();
+    }
+}
+
+/// The work of the thread `world`.
+struct Ticking<'a> {
+    world: World,
+    camera: &'a CameraSetup,
+    seed: u64,
+    link: &'a CameraLink,
+    /// The vehicle, whose signs the rates on the link have.
+    profile: &'a VehicleProfile,
+    clock: Clock,
+    start: Timestamp,
+}
+
+impl Ticking<'_> {
+    fn run(self, moments: &Moments, stop: &StopSignal) {
+        let Self { mut world, camera, seed, link, profile, clock, start } = self;
+        let _end = EndGuard { moments, link };
+        let mut video = VideoLink::new(camera.video, seed);
+        let mut commanded = VehicleRates::REST;
+        loop {
+            let due = start.plus(World::time_of(world.tick()).since(Timestamp::ZERO));
+            if stop.wait_until(clock.instant(due)) || world.is_over() || moments.newest.is_closed() {
+                return;
+            }
+            let rates = link.take(clock.now());
+            if std::mem::replace(&mut commanded, rates) != rates {
+                world.command(profile.incoming(rates));
+            }
+            let pose = world.camera_pose();
+            link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });
+            if world.takes_picture() {
+                match video.send(world.tick()) {
+                    Passage::Lost => {}
+                    passage => drop(moments.newest.put(Moment { world: world.clone(), passage })),
+                }
+            }
+            world.advance();
+        }
+    }
+}

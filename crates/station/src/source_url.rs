@@ -1,0 +1,80 @@
+//! The address of a video source as the user writes it: a video (`rtsp://...`, `file:...`, a path) or a simulated world
+//! (`sim:arena1?seed=7&fault=stall@12`).
+
+use std::fmt;
+
+use barrelman_experiments::world_url::{WorldUrl, WorldUrlError};
+use barrelman_host::fault::{FaultPlan, FaultPlanError};
+use barrelman_video::{VideoUrl, VideoUrlError};
+
+/// A video source.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SourceUrl {
+    /// A recording or a stream.
+    Video(VideoUrl),
+    /// The camera of a simulated world.
+    Simulated(SimulatedUrl),
+}
+
+/// The address of a simulated world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedUrl {
+    /// The world.
+    pub world: WorldUrl,
+    /// The deliberate faults of its video.
+    pub faults: FaultPlan,
+}
+
+/// A video source that cannot be used, and what to do instead.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SourceUrlError {
+    /// The address of a video cannot be read.
+    #[error(transparent)]
+    Video(#[from] VideoUrlError),
+    /// The address of a simulated world cannot be read.
+    #[error(transparent)]
+    World(#[from] WorldUrlError),
+    /// The faults cannot be read.
+    #[error(transparent)]
+    Fault(#[from] FaultPlanError),
+}
+
+impl SourceUrl {
+    /// Parses an address. Looks whether a file of that name exists; opens nothing.
+    ///
+    /// # Errors
+    /// [`SourceUrlError`] names the scheme or option that is not known, and what to write instead.
+    pub fn parse(text: &str) -> Result<Self, SourceUrlError> {
+        let Some(address) = text.strip_prefix("sim:") else {
+            return Ok(Self::Video(VideoUrl::parse(text)?));
+        };
+        let (world, faults) = WorldUrl::parse(address)?;
+        let faults = faults.unwrap_or_default();
+        let decoded = percent_encoding::percent_decode_str(&faults).decode_utf8_lossy();
+        Ok(Self::Simulated(SimulatedUrl { world, faults: FaultPlan::parse(&decoded)? }))
+    }
+
+    /// Whether the source delivers in its own time and may come back after a loss.
+    pub const fn is_live(&self) -> bool {
+        match self {
+            Self::Video(url) => url.is_live(),
+            Self::Simulated(_) => true,
+        }
+    }
+}
+
+impl fmt::Display for SourceUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Video(url) => write!(f, "{url}"),
+            Self::Simulated(url) => write!(f, "{url}"),
+        }
+    }
+}
+
+impl fmt::Display for SimulatedUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.world)?;
+        if self.faults.is_empty() { Ok(()) } else { write!(f, "&fault={}", self.faults) }
+    }
+}

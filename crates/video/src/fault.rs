@@ -1,0 +1,177 @@
+//! Faults on purpose in a video source: what a [`FaultPlan`] does to units on their way to the decoder.
+//!
+//! | kind | effect |
+//! |---|---|
+//! | stall, drop, disconnect | units are lost |
+//! | delay | units come [`DELAY`] late, in order |
+//! | duplicate | each unit comes twice |
+//! | corrupt | some bytes of each unit are changed, by a seeded generator |
+//! | panic | the thread panics, once |
+//!
+//! That nothing can be connected during a disconnect, and that a stall is noticed only by the silence, is the
+//! business of the source. `reboot` means nothing for a video.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use barrelman_vocab::time::Timestamp;
+use bytes::Bytes;
+
+use barrelman_host::fault::{FaultKind, FaultPlan};
+use barrelman_vocab::unit::EncodedUnit;
+
+/// How late a delayed unit comes.
+pub(super) const DELAY: Duration = Duration::from_millis(500);
+
+/// Bytes at the front of a unit that are never corrupted, so that it stays a unit.
+const UNTOUCHED: usize = 24;
+
+/// Breaks the units of one source by plan. Times count from the start of the source.
+#[derive(Debug)]
+pub(super) struct FaultFilter {
+    plan: FaultPlan,
+    delayed: VecDeque<(Timestamp, EncodedUnit)>,
+    random: u64,
+    last: Option<Timestamp>,
+}
+
+impl FaultFilter {
+    /// A filter that breaks things in the same way each time.
+    pub(super) const fn new(plan: FaultPlan) -> Self {
+        Self { plan, delayed: VecDeque::new(), random: 0x5eed, last: None }
+    }
+
+    /// Whether the source cannot be reached.
+    pub(super) fn is_disconnected(&self, at: Timestamp) -> bool {
+        self.plan.active(FaultKind::Disconnect, at)
+    }
+
+    /// Panics if the plan says so.
+    pub(super) fn panic_if_planned(&mut self, at: Timestamp) {
+        if !self.plan.is_empty() {
+            let now = self.plan.begun(FaultKind::Panic, self.last, at) > 0;
+            self.last = Some(at);
+            assert!(!now, "the video thread panics because ?fault=panic asked for it");
+        }
+    }
+
+    /// Puts in a unit that came at `at`; what comes out goes to `out`.
+    pub(super) fn pass(&mut self, unit: EncodedUnit, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
+        if self.plan.is_empty() {
+            return out(unit);
+        }
+        self.release(at, out);
+        let active = |kind| self.plan.active(kind, at);
+        if [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect].into_iter().any(active) {
+            return;
+        }
+        let (corrupt, twice) = (active(FaultKind::Corrupt), active(FaultKind::Duplicate));
+        // A unit after a delay still waits behind those that are held back.
+        let due = match self.delayed.back() {
+            _ if active(FaultKind::Delay) => Some(at.plus(DELAY)),
+            Some((last, _)) => Some(*last),
+            None => None,
+        };
+        let unit = if corrupt { self.corrupted(unit) } else { unit };
+        for unit in twice.then(|| unit.clone()).into_iter().chain([unit]) {
+            match due {
+                Some(due) => self.delayed.push_back((due, unit)),
+                None => out(unit),
+            }
+        }
+    }
+
+    /// Hands over the delayed units whose time has come.
+    pub(super) fn release(&mut self, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
+        while self.delayed.front().is_some_and(|(due, _)| *due <= at) {
+            if let Some((_, unit)) = self.delayed.pop_front() {
+                out(unit);
+            }
+        }
+    }
+
+    fn corrupted(&mut self, mut unit: EncodedUnit) -> EncodedUnit {
+        let mut bytes = unit.payload.to_vec();
+        let length = bytes.len().saturating_sub(UNTOUCHED);
+        for _ in 0..length.div_ceil(64).min(32) {
+            let at = UNTOUCHED + (self.next_random() % length as u64) as usize;
+            bytes[at] ^= (self.next_random() % 255) as u8 + 1;
+        }
+        unit.payload = Bytes::from(bytes);
+        unit
+    }
+
+    /// SplitMix64 (Steele, Lea and Flood, 2014).
+    fn next_random(&mut self) -> u64 {
+        self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.random;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::video::{Capture, CaptureQuality};
+
+    use super::*;
+    use barrelman_vocab::unit::{Rotation, UnitCodec};
+
+    fn unit(index: u64) -> EncodedUnit {
+        EncodedUnit {
+            epoch: 0,
+            index,
+            capture: Capture { at: Timestamp::ZERO, quality: CaptureQuality::Sender },
+            key: true,
+            shown: true,
+            rotation: Rotation::None,
+            codec: UnitCodec::H264AnnexB,
+            payload: Bytes::from(vec![7; 200]),
+        }
+    }
+
+    /// Ten units, one each 0.1 s from 0 on; the plan leaves these.
+    fn check(plan: &str, expected: &[u64]) {
+        let mut filter = FaultFilter::new(FaultPlan::parse(plan).unwrap());
+        let mut passed = Vec::new();
+        for index in 0..10 {
+            let at = Timestamp::from_nanos(index * 100_000_000);
+            filter.pass(unit(index), at, &mut |unit| passed.push(unit.index));
+        }
+        assert_eq!(passed, expected, "{plan}");
+    }
+
+    #[test]
+    fn units_are_lost_doubled_and_held_back_by_plan() {
+        check("", &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+        check("stall@0.3", &[0, 1, 2]);
+        check("drop@0.3+0.2", &[0, 1, 2, 5, 6, 7, 8, 9]);
+        check("disconnect@0.2+0.7", &[0, 1, 9]);
+        check("duplicate@0.3+0.1,drop@0.5", &[0, 1, 2, 3, 3, 4]);
+        check("delay@0.2+0.2", &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+        check("delay@0.2", &[0, 1, 2, 3, 4]);
+        check("reboot@0", &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    }
+
+    #[test]
+    fn corruption_is_the_same_each_time_and_spares_the_front() {
+        let corrupted = || {
+            let mut filter = FaultFilter::new(FaultPlan::parse("corrupt@0").unwrap());
+            let mut passed = Vec::new();
+            filter.pass(unit(0), Timestamp::ZERO, &mut |unit| passed.push(unit.payload));
+            passed
+        };
+        assert_eq!(corrupted(), corrupted());
+        assert_ne!(corrupted()[0], unit(0).payload);
+        assert_eq!(corrupted()[0][..UNTOUCHED], unit(0).payload[..UNTOUCHED]);
+    }
+
+    #[test]
+    #[should_panic(expected = "?fault=panic")]
+    fn a_planned_panic_happens() {
+        let mut filter = FaultFilter::new(FaultPlan::parse("panic@1").unwrap());
+        filter.panic_if_planned(Timestamp::ZERO);
+        filter.panic_if_planned(Timestamp::from_nanos(2_000_000_000));
+    }
+}

@@ -1,0 +1,124 @@
+//! Units on their way through faults and decoder to the sink, and the signal that ends it all.
+
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Instant;
+
+use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::unit::EncodedUnit;
+use barrelman_vocab::video::VideoFrame;
+
+use super::decoder::{DecodeMode, UnitDecoder};
+use super::error::{DecodeError, VideoError};
+use super::fault::FaultFilter;
+use super::sink::{VideoSink, VideoState};
+use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultPlan;
+
+/// Tells the thread of a source to end, also while the thread waits.
+#[derive(Debug, Default)]
+pub struct StopSignal {
+    raised: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl StopSignal {
+    /// Tells the thread to end.
+    pub fn raise(&self) {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.changed.notify_all();
+    }
+
+    /// Whether the thread must end.
+    pub fn is_raised(&self) -> bool {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until `moment`. Returns true if the thread must end.
+    pub fn wait_until(&self, moment: Instant) -> bool {
+        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = moment.saturating_duration_since(Instant::now());
+        let waited = self.changed.wait_timeout_while(raised, left, |raised| !*raised);
+        *waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+}
+
+/// What a [`Feed`] is made from.
+#[derive(Debug, Clone)]
+pub struct FeedSettings {
+    /// The address of the source, without a password, for error messages.
+    pub place: String,
+    /// The deliberate faults of the source.
+    pub faults: FaultPlan,
+    /// Whether the decoder waits for pictures that come out of order.
+    pub mode: DecodeMode,
+}
+
+/// Passes units through the deliberate faults and the decoder to the sink.
+pub struct Feed<S> {
+    /// Receives units, frames and the state of the source.
+    pub sink: S,
+    /// The program's clock.
+    pub clock: Clock,
+    pub(crate) place: String,
+    pub(crate) faults: FaultFilter,
+    /// When the source was started, from which the times of faults count.
+    start: Timestamp,
+    pub(crate) decoder: UnitDecoder,
+}
+
+/// The result of one call of [`Feed::decode`].
+#[derive(Debug, Default)]
+pub struct DecodedUnits {
+    /// The units that passed the faults, in the order of decoding.
+    pub units: Vec<EncodedUnit>,
+    /// Frames that are ready, in the order of display.
+    pub frames: VecDeque<VideoFrame>,
+    /// The first error.
+    pub error: Option<DecodeError>,
+}
+
+impl<S: VideoSink> Feed<S> {
+    /// A feed that starts now.
+    pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
+        let FeedSettings { place, faults, mode } = settings;
+        let faults = FaultFilter::new(faults);
+        Self { sink, clock, place, faults, start: clock.now(), decoder: UnitDecoder::new(mode) }
+    }
+
+    /// The time since the source was started, by which faults go.
+    pub(crate) fn since_start(&self) -> Timestamp {
+        Timestamp::ZERO.plus(self.clock.now().since(self.start))
+    }
+
+    /// Passes a unit through the faults and decodes what is left. Without a unit: decodes the delayed units that are
+    /// due.
+    pub fn decode(&mut self, unit: Option<EncodedUnit>) -> DecodedUnits {
+        let at = self.since_start();
+        self.faults.panic_if_planned(at);
+        let mut decoded = DecodedUnits::default();
+        match unit {
+            Some(unit) => self.faults.pass(unit, at, &mut |unit| decoded.units.push(unit)),
+            None => self.faults.release(at, &mut |unit| decoded.units.push(unit)),
+        }
+        for unit in &decoded.units {
+            let result = self.decoder.decode(unit, &mut |frame| decoded.frames.push_back(frame));
+            if let Err(error) = result {
+                self.sink.damaged(&error);
+                decoded.error.get_or_insert(error);
+            }
+        }
+        decoded
+    }
+
+    /// Tells the sink that the source failed for good.
+    pub fn fail(&mut self, error: VideoError) {
+        self.sink.state(VideoState::Failed(error));
+    }
+
+    /// The decoder found that the stream can never be shown.
+    pub(crate) fn fail_to_decode(&mut self, cause: DecodeError) {
+        let place = self.place.clone();
+        self.fail(VideoError::Decode { place, cause });
+    }
+}

@@ -1,0 +1,177 @@
+//! A video source in real time, on a thread of its own.
+//!
+//! The thread is named `video`. It reads or receives units, decodes every one of them, and hands units and
+//! frames to a [`VideoSink`] at once; what is done with a frame that nobody has time for is the sink's business,
+//! which must not block. A file is paced by its times (time of capture = start + PTS) and ends; an RTSP source
+//! reconnects indefinitely (see [`super::supervision`]).
+
+use std::fmt;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use barrelman_vocab::time::Timestamp;
+
+use super::demux::FileReader;
+use super::error::{DecodeError, VideoError};
+use super::feed::{Feed, StopSignal};
+use super::rtsp;
+use super::sink::{VideoSink, VideoState};
+use super::url::{VideoSource, VideoUrl};
+use barrelman_host::clock::Clock;
+
+/// A running source.
+#[derive(Debug)]
+pub struct VideoHandle {
+    stop: Arc<StopSignal>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Longest wait for the thread to end after it was told to.
+const END_WITHIN: Duration = Duration::from_secs(2);
+
+/// The thread did not end well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopError {
+    /// It had panicked.
+    Panicked,
+    /// It did not end in time, and was left alone: a sink blocks.
+    StillRunning,
+}
+
+impl fmt::Display for StopError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Panicked => "the video thread panicked",
+            Self::StillRunning => "the video thread does not end",
+        })
+    }
+}
+
+impl std::error::Error for StopError {}
+
+/// Starts a source.
+///
+/// # Errors
+/// The system has no thread left. Whatever is wrong with the source itself reaches the sink as
+/// [`VideoState::Failed`].
+pub fn spawn(url: VideoUrl, clock: Clock, sink: impl VideoSink + 'static) -> Result<VideoHandle, VideoError> {
+    VideoHandle::start(move |stop| {
+        let feed = Feed::new(url.feed_settings(), clock, sink);
+        match &url.source {
+            VideoSource::File(_) => run_file(&url, feed, stop),
+            VideoSource::Rtsp { address, login } => rtsp::run(address, login.as_ref(), feed, stop),
+        }
+    })
+}
+
+impl VideoHandle {
+    /// Starts a source on the thread `video`. `run` plays the source and returns when the source has ended or when
+    /// the signal is raised.
+    ///
+    /// # Errors
+    /// [`VideoError::Thread`]: the system has no thread left.
+    pub fn start(run: impl FnOnce(&StopSignal) + Send + 'static) -> Result<Self, VideoError> {
+        let stop = Arc::new(StopSignal::default());
+        let seen_by_thread = Arc::clone(&stop);
+        let thread = thread::Builder::new()
+            .name("video".to_owned())
+            .spawn(move || run(&seen_by_thread))
+            .map_err(VideoError::Thread)?;
+        Ok(Self { stop, thread: Some(thread) })
+    }
+
+    /// Tells the thread to end and waits for it, at most 2 s.
+    ///
+    /// # Errors
+    /// The thread had panicked, or does not end.
+    pub fn stop(mut self) -> Result<(), StopError> {
+        self.stop_and_join()
+    }
+
+    /// Whether the thread has ended by itself: the file is over, the source failed, or the thread panicked.
+    pub fn is_finished(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    fn stop_and_join(&mut self) -> Result<(), StopError> {
+        self.stop.raise();
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        let deadline = Instant::now() + END_WITHIN;
+        while !thread.is_finished() {
+            if Instant::now() >= deadline {
+                return Err(StopError::StillRunning);
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        thread.join().map_err(|_| StopError::Panicked)
+    }
+}
+
+impl Drop for VideoHandle {
+    fn drop(&mut self) {
+        // Whoever wants to know how the thread ended calls `stop`.
+        let _ = self.stop_and_join();
+    }
+}
+
+/// Plays a file in its own time.
+fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) {
+    feed.sink.state(VideoState::Connecting);
+    let mut reader = match FileReader::open(url) {
+        Ok(reader) => reader,
+        Err(error) => return feed.fail(error),
+    };
+    let start = feed.clock.now();
+    let mut is_up = false;
+    let mut last = None;
+    loop {
+        let unit = match reader.next_unit() {
+            Ok(unit) => unit,
+            Err(error) => {
+                last = Some(error);
+                None
+            }
+        };
+        let at_end = unit.is_none();
+        let unit = unit.map(|mut unit| {
+            unit.capture.at = start.plus(unit.capture.at.since(Timestamp::ZERO));
+            unit
+        });
+        let unit_at = unit.as_ref().map_or(start, |unit| unit.capture.at);
+        let mut decoded = feed.decode(unit);
+        if at_end {
+            feed.decoder.finish(&mut |frame| decoded.frames.push_back(frame));
+        }
+        if let Some(error) = decoded.error.filter(DecodeError::is_final) {
+            return feed.fail_to_decode(error);
+        }
+        // A unit goes out with the frame that it gives, and not before its time. Where it gives none because it is
+        // lost, its time passes all the same; where its picture is still to come, the file is read on.
+        let is_lost = decoded.units.is_empty() || feed.decoder.waits_for_key();
+        let due = match decoded.frames.front() {
+            Some(frame) => frame.capture.at,
+            None if is_lost => unit_at,
+            None => start,
+        };
+        if stop.wait_until(feed.clock.instant(due)) {
+            return;
+        }
+        decoded.units.iter().for_each(|unit| feed.sink.unit(unit));
+        for frame in decoded.frames {
+            if stop.wait_until(feed.clock.instant(frame.capture.at)) {
+                return;
+            }
+            if !std::mem::replace(&mut is_up, true) {
+                feed.sink.state(VideoState::Up);
+            }
+            feed.sink.frame(frame);
+        }
+        if at_end {
+            return match last {
+                Some(error) => feed.fail(error),
+                None => feed.sink.state(VideoState::Ended),
+            };
+        }
+    }
+}

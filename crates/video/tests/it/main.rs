@@ -1,0 +1,11 @@
+//! Video in and out, tried from outside.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and says why it was skipped"
+)]
+
+mod files;
+mod live;
