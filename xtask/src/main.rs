@@ -2,6 +2,7 @@
 //!
 //! `xtask` depends on no crate of ours, so that it runs in seconds and also while the code does not compile.
 
+mod circles;
 mod documents;
 mod edges;
 
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
 fn tidy() -> Result<bool> {
     let root = root()?;
     let mut findings = edges::check(&root)?;
+    findings.extend(circles::check(&root)?);
     findings.extend(documents::check(&root)?);
     for finding in &findings {
         say(finding);
