@@ -21,7 +21,9 @@ use super::file::{
     CameraSection, LightSection, ScenarioFile, SensingSection, SwaySection, ThingName, ThingSection,
     WaterSection,
 };
-use super::{Changes, Loaded, Mistake};
+use super::loaded::{Changes, Loaded};
+use super::mistake::Mistake;
+use super::range::within;
 
 /// Reads a scenario from its text.
 ///
@@ -326,12 +328,4 @@ fn sensing(section: &SensingSection) -> Result<Sensing, Mistake> {
 
 fn angle(key: &str, degrees: f64, least: f64, most: f64) -> Result<Angle, Mistake> {
     within(key, degrees, least, most, "degrees").map(Angle::from_degrees)
-}
-
-fn within(key: &str, value: f64, least: f64, most: f64, unit: &str) -> Result<f64, Mistake> {
-    if (least..=most).contains(&value) {
-        Ok(value)
-    } else {
-        Err(Mistake::value(key, format!("{value}: use {unit} from {least} to {most}")))
-    }
 }

@@ -8,7 +8,7 @@ use barrelman_vocab::{Angle, AngularRate};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::resolve::within;
+use super::range::within;
 
 /// How the camera answers a command and what it sees. A law that predicts goes by it,
 /// and under every law the tracker is told by it how far the camera's turning shifted the picture.

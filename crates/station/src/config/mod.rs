@@ -6,6 +6,7 @@
 
 pub mod camera;
 pub mod file;
+mod range;
 pub mod resolve;
 pub mod tracker;
 

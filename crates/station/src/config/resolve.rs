@@ -9,6 +9,7 @@ use barrelman_wire::fotokite_pro::Framing;
 
 use super::camera::CameraSection;
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
+use super::range::within;
 use super::tracker::TrackerSection;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::TrackerSettings;
@@ -178,21 +179,4 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleP
 
 fn ranged(key: &str, value: Option<f64>, base: f64, least: f64, most: f64, unit: &str) -> Result<f64> {
     within(&format!("vehicle.{key}"), value, base, least, most, unit)
-}
-
-/// What a file says, or the base, if that lies within a range.
-pub(super) fn within(
-    key: &str,
-    value: Option<f64>,
-    base: f64,
-    least: f64,
-    most: f64,
-    unit: &str,
-) -> Result<f64> {
-    let value = value.unwrap_or(base);
-    if (least..=most).contains(&value) {
-        Ok(value)
-    } else {
-        bail!("{key} = {value}: use {unit} from {least} to {most}")
-    }
 }

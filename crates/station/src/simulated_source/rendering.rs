@@ -16,15 +16,7 @@ use barrelman_vocab::{EncodedUnit, Timestamp};
 use bytes::Bytes;
 
 use super::delivery::Delivery;
-use super::playback::Moments;
-
-/// A moment at which a picture was taken.
-pub(super) struct Moment {
-    /// The world at that moment.
-    pub(super) world: World,
-    /// What the video link does with the picture.
-    pub(super) passage: Passage,
-}
+use super::moments::Moments;
 
 /// What pictures are rendered with.
 pub(super) struct RenderingSettings<'a> {

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 use bytes::Bytes;
 
-use super::super::error::VideoError;
 use super::kind::{FileKind, HEAD_BYTES};
-use super::{cannot_read, capture_of};
+use super::stamp::capture_of;
+use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Pictures per second where the address does not say.

@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 
 use bytes::Bytes;
 
-use super::super::error::VideoError;
 use super::mp4_boxes::{TopBox, top_level};
 use super::mp4_index::{Index, IndexError};
-use super::{cannot_read, capture_at};
+use super::stamp::capture_at;
+use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, UnitCodec};
 
 /// Largest index read: 20 hours take about 40 MB.

@@ -11,8 +11,8 @@ use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::{ColourEncoding, SampleRange};
 use bytes::Bytes;
 
-use super::super::error::VideoError;
-use super::{cannot_read, capture_at};
+use super::stamp::capture_at;
+use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Longest header line read.

@@ -5,9 +5,9 @@ use barrelman_sim::camera_axis::{AxisFlaws, AxisPlant};
 use barrelman_sim::scenario::{AxisRanges, PlantRanges};
 use barrelman_vocab::{Angle, AngularRate};
 
-use super::within;
 use crate::scenario::Mistake;
 use crate::scenario::file::{AxisSection, DrawnAxisSection, DrawnSection, ScenarioFile};
+use crate::scenario::range::within;
 
 /// The axes as they are nominally.
 pub(super) fn mount(file: &ScenarioFile, latency_s: f64) -> Result<MountPlant, Mistake> {

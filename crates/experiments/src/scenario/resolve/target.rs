@@ -6,8 +6,8 @@ use barrelman_sim::path::Path;
 use barrelman_sim::pursuit::PursuitScript;
 use barrelman_sim::scenario::TargetScript;
 
-use super::within;
 use crate::scenario::file::{BoatSection, PathFile, ScenarioFile, TargetSection};
+use crate::scenario::range::within;
 use crate::scenario::{Changes, Mistake, PATHS};
 
 /// A path's way-points lie within so many metres of the camera's place.
