@@ -116,8 +116,8 @@ impl CameraModel {
         let seen = angle.radians();
         let share = 0.5 / libm::tan(0.5 * seen);
         let known = self.zooms.at(at);
-        let is_one = seen > 0.0 && seen < core::f64::consts::PI && FOCAL_SHARES.contains(&share);
-        if is_one && (share - known).abs() > SAME_ZOOM * known {
+        let is_campaign_file = seen > 0.0 && seen < core::f64::consts::PI && FOCAL_SHARES.contains(&share);
+        if is_campaign_file && (share - known).abs() > SAME_ZOOM * known {
             self.zooms.remember(share, at);
         }
     }

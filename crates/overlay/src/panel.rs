@@ -9,7 +9,7 @@ use barrelman_vision::{Explanation, GreyMap, Stage};
 use barrelman_vocab::PixelBox;
 
 use super::pen::Pen;
-use super::placing::Places;
+use super::placement::LabelPlacement;
 use super::shapes::{Line, upright};
 use super::strip::strip_height;
 use super::style::{Detail, Ink};
@@ -32,7 +32,7 @@ struct Inset<'e> {
 }
 
 /// A map is at least this many times as high as a line of text: less shows nothing.
-const LEAST_SIDE_TEXTS: f64 = 4.5;
+const MIN_SIDE_TEXTS: f64 = 4.5;
 
 /// Where the parts of a panel go, pixels.
 struct Layout {
@@ -63,7 +63,7 @@ impl Panel {
     pub(super) fn draw(
         &mut self,
         pen: &mut Pen,
-        places: &mut Places,
+        placement: &mut LabelPlacement,
         explanation: &Explanation,
         target: Option<PixelBox>,
     ) {
@@ -73,7 +73,7 @@ impl Panel {
             self.corner = None;
             return;
         }
-        let layout = Layout::of(pen, places.page(), insets.len(), bins.is_empty());
+        let layout = Layout::of(pen, placement.page(), insets.len(), bins.is_empty());
         let Layout { pad, width, line, bar, cell, hues } = layout;
         let head = if explanation.stage.is_some() { line + bar + pad } else { 0.0 };
         let maps = if insets.is_empty() { 0.0 } else { line + cell.1 + pad };
@@ -81,13 +81,13 @@ impl Panel {
         let (w, h) = (width + 2.0 * pad, pad / 2.0 + head + maps + strip);
 
         // The strip's height is left free at both edges, so that the panel need not move when the strip does.
-        let page = places.page();
+        let page = placement.page();
         let (left, right) = (pen.style.margin, page.w - w - pen.style.margin);
         let edge = strip_height(pen) + pen.style.margin;
         let (top, bottom) = (edge, page.h - h - edge);
         let corners = [(right, top), (left, top), (right, bottom), (left, bottom)];
         let corners = corners.map(|(u, v)| PixelBox { u: u.round(), v: v.round(), w, h });
-        let Some(place) = places.take_steadily(&mut self.corner, &corners) else { return };
+        let Some(place) = placement.place_steadily(&mut self.corner, &corners) else { return };
 
         pen.plate(place);
         let (u, mut v) = (place.u + pad, place.v + pad / 2.0);
@@ -134,7 +134,7 @@ impl Layout {
         let text = f64::from(pen.style.text_px);
         let pad = (text * 0.5).round();
         let share = if pen.style.detail == Detail::Full { 0.16 } else { 0.28 };
-        let side = (page.h.min(page.w * 9.0 / 16.0) * share).max(LEAST_SIDE_TEXTS * text).round();
+        let side = (page.h.min(page.w * 9.0 / 16.0) * share).max(MIN_SIDE_TEXTS * text).round();
         let (cell, width) = if insets > 1 {
             ((side, side), 2.0 * side + pad)
         } else {

@@ -150,7 +150,7 @@ impl VideoUrl {
         if let Some((before, options)) = path.rsplit_once('?')
             && !Path::new(path).exists()
             && !before.is_empty()
-            && options.split('&').all(|option| OURS.iter().any(|name| option.starts_with(name)))
+            && options.split('&').all(|option| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name)))
         {
             url = Self::file(before);
             for option in options.split('&') {
@@ -169,7 +169,7 @@ impl VideoUrl {
         let mut url = Self::file("");
         // Cameras have options of their own: only ours are taken away, the others stay as they were.
         if let Some(query) = address.query().map(str::to_owned) {
-            let is_ours = |option: &&str| OURS.iter().any(|name| option.starts_with(name));
+            let is_ours = |option: &&str| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name));
             for option in query.split('&').filter(is_ours) {
                 url.set(option)?;
             }
@@ -202,7 +202,7 @@ impl VideoUrl {
     }
 }
 
-const OURS: [&str; 2] = ["fps=", "fault="];
+const KNOWN_OPTIONS: [&str; 2] = ["fps=", "fault="];
 
 /// The scheme of an address: letters, digits, `+-.` before the first colon; one letter is a Windows drive.
 fn scheme_of(text: &str) -> Option<&str> {

@@ -4,9 +4,9 @@ use anyhow::Result;
 use barrelman_control::optimal::{OptimalLaw, Tuning};
 use barrelman_control::{CentringGains, Law, MotorSchema};
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::{Perception, Plan, Request};
+use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_simd::SimdLevel;
 use barrelman_trial::metrics::TrialEntry;
 use barrelman_vocab::VehicleProfile;
@@ -46,18 +46,19 @@ impl Condition {
     }
 
     /// Trials of it with a plant that is drawn for each.
-    pub(super) fn plan(&self) -> Result<Plan> {
+    pub(super) fn plan(&self) -> Result<CampaignPlan> {
         self.plan_with(PlantName::Drawn)
     }
 
     /// The same with the scenario's plant.
-    pub(super) fn nominal_plan(&self) -> Result<Plan> {
+    pub(super) fn nominal_plan(&self) -> Result<CampaignPlan> {
         self.plan_with(PlantName::Nominal)
     }
 
-    fn plan_with(&self, plant: PlantName) -> Result<Plan> {
-        let changes = Changes { setting: Some(self.setting.to_owned()), ..Changes::default() };
-        Plan::new(&Request {
+    fn plan_with(&self, plant: PlantName) -> Result<CampaignPlan> {
+        let changes =
+            ScenarioOverrides { setting: Some(self.setting.to_owned()), ..ScenarioOverrides::default() };
+        CampaignPlan::new(&CampaignRequest {
             scenario: self.scenario.to_owned(),
             changes,
             law: LawChoice::SCHEMA,
@@ -101,10 +102,15 @@ impl Subject {
 }
 
 /// Trials of a law, with these seeds.
-pub(super) fn trials(plan: &Plan, subject: &Subject, first_seed: u64, seeds: u64) -> Result<Vec<TrialEntry>> {
+pub(super) fn trials(
+    plan: &CampaignPlan,
+    subject: &Subject,
+    first_seed: u64,
+    seeds: u64,
+) -> Result<Vec<TrialEntry>> {
     let jobs: Vec<u64> = (first_seed..first_seed + seeds).collect();
     parallel::map(&jobs, |seed| {
-        let log = plan.log_by(Some(subject.law(plan.profile())), *seed, &mut ())?;
+        let log = plan.simulate_with_law(Some(subject.law(plan.profile())), *seed, &mut ())?;
         Ok(plan.entry(*seed, &log))
     })
     .into_iter()

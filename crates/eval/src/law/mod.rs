@@ -29,7 +29,7 @@ pub(crate) struct Options {
     /// Only laws whose name begins so, such as `minimum-energy` or `LQG` (repeatable).
     #[arg(long, value_name = "NAME")]
     pub(crate) law: Vec<String>,
-    /// Changes a value of `minimum-energy` (repeatable); the names are those that tune-law prints.
+    /// ScenarioOverrides a value of `minimum-energy` (repeatable); the names are those that tune-law prints.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
 }
@@ -49,7 +49,7 @@ pub(crate) struct TuneOptions {
     /// Seed of the search.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) search: u64,
-    /// Changes a value that the search begins with (repeatable); the names are those that it prints.
+    /// ScenarioOverrides a value that the search begins with (repeatable); the names are those that it prints.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
 }

@@ -186,9 +186,9 @@ fn table(title: &str, cases: &[Case], first_seed: u64, seeds: u64, tuning: &Tuni
         for case in cases {
             let plan = Condition { scenario, setting: "indoor" }
                 .nominal_plan()?
-                .in_changed_world(case.world)
-                .with_profile(case.belief)
-                .reporting_tilt(case.reports);
+                .with_changed_scenario(case.world)
+                .with_changed_profile(case.belief)
+                .with_tilt_reports(case.reports);
             let base = trials(&plan, &Subject::Schema, first_seed, seeds)?;
             let other = trials(&plan, &Subject::Optimal(*tuning), first_seed, seeds)?;
             let comparison = Comparison::of(&base, &other, &Bootstrap::USUAL);

@@ -52,7 +52,7 @@ const AMBITION: f64 = 0.01;
 /// A condition with the schema's figures in it.
 struct Judge {
     condition: &'static Condition,
-    plan: barrelman_experiments::campaign::plan::Plan,
+    plan: barrelman_experiments::campaign::plan::CampaignPlan,
     base: Vec<Option<f64>>,
 }
 

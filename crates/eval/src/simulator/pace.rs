@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::{Perception, Plan, Request};
+use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_simd::SimdLevel;
 
 use super::Options;
@@ -22,16 +22,16 @@ pub(super) fn run(options: &Options) -> Result<()> {
         "", "trials", "simulated, s", "took, s", "times real time"
     ));
     for (name, share) in [("lab1", 1), ("sea3", 10)] {
-        let plan = Plan::new(&Request {
+        let plan = CampaignPlan::new(&CampaignRequest {
             scenario: name.to_owned(),
-            changes: Changes::default(),
+            changes: ScenarioOverrides::default(),
             law: LawChoice::SCHEMA,
             rate: None,
             perception: Perception::Truth,
             plant: PlantName::Nominal,
             simd: SimdLevel::Avx512,
         })?;
-        let plan = if name == "lab1" { plan } else { plan.lasting(LASTING_S) };
+        let plan = if name == "lab1" { plan } else { plan.with_max_duration(LASTING_S) };
         let trials = (options.seeds / share).max(1);
         let mut simulated_s = 0.0;
         let began = Instant::now();

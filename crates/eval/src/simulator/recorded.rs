@@ -5,9 +5,9 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use barrelman_control::Region;
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::{Perception, Plan, Request};
+use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::{self, Changes};
+use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 use barrelman_pilot::{LawSettings, Pilot, PilotSettings};
 use barrelman_sim::{Scenario, World};
@@ -47,7 +47,7 @@ pub(super) fn read(folder: &Path, arena: u8, with_lost: bool) -> Result<Vec<Reco
 
 /// The laboratory's scenario for an arena: the program's own, or the one in a folder.
 pub(super) fn scenario(arena: u8, folder: Option<&Path>) -> Result<Scenario> {
-    Ok(scenario::load(&scenario_name(arena, folder), &Changes::default())?.scenario)
+    Ok(scenario::load(&scenario_name(arena, folder), &ScenarioOverrides::default())?.scenario)
 }
 
 fn scenario_name(arena: u8, folder: Option<&Path>) -> String {
@@ -58,10 +58,15 @@ fn scenario_name(arena: u8, folder: Option<&Path>) -> String {
 }
 
 /// The laboratory's trials for an arena, with a law and where given another rate of the schema.
-pub(super) fn plan(arena: u8, folder: Option<&Path>, law: LawChoice, rate: Option<f64>) -> Result<Plan> {
-    Plan::new(&Request {
+pub(super) fn plan(
+    arena: u8,
+    folder: Option<&Path>,
+    law: LawChoice,
+    rate: Option<f64>,
+) -> Result<CampaignPlan> {
+    CampaignPlan::new(&CampaignRequest {
         scenario: scenario_name(arena, folder),
-        changes: Changes::default(),
+        changes: ScenarioOverrides::default(),
         law,
         rate,
         perception: Perception::Truth,

@@ -42,7 +42,7 @@ impl CampaignFile {
 }
 
 /// Whether a file's beginning is that of a campaign's.
-pub fn is_one(bytes: &[u8]) -> bool {
+pub fn is_campaign_file(bytes: &[u8]) -> bool {
     bytes.first() == Some(&b'{')
 }
 
@@ -154,7 +154,7 @@ impl CampaignWriter {
 ///
 /// # Errors
 /// If they are not of one campaign, a trial is in two of them with different results, or one is cut.
-pub fn merged(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, String)>> {
+pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, String)>> {
     let mut by_seed: BTreeMap<u64, (&PathBuf, &CampaignEntry, &String)> = BTreeMap::new();
     let mut first: Option<(&PathBuf, &CampaignSettings)> = None;
     for (path, file) in files {

@@ -12,11 +12,11 @@ use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use clap::ValueEnum;
 
-use super::driven::Driven;
+use super::drive_inputs::DriveInputs;
 use super::recording::{TrialRecorder, TrialRecording};
 use crate::drive;
 use crate::law_choice::LawChoice;
-use crate::scenario::{self, Changes, Loaded};
+use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
 use crate::tracker_choice::{TrackerName, TrackerSettings};
 
 /// How the pilot comes to know where the target is.
@@ -50,11 +50,11 @@ impl PlantName {
 
 /// What is asked of a campaign.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Request {
+pub struct CampaignRequest {
     /// Name or file of the scenario.
     pub scenario: String,
     /// What differs from it.
-    pub changes: Changes,
+    pub changes: ScenarioOverrides,
     /// The law.
     pub law: LawChoice,
     /// Rate of the schema, rad/s.
@@ -69,8 +69,8 @@ pub struct Request {
 
 /// A campaign that can be run.
 #[derive(Debug, Clone)]
-pub struct Plan {
-    loaded: Loaded,
+pub struct CampaignPlan {
+    loaded: LoadedScenario,
     settings: CampaignSettings,
     profile: VehicleProfile,
     law: LawChoice,
@@ -78,19 +78,19 @@ pub struct Plan {
     plant: PlantName,
     simd: Simd,
     /// How the boat is steered, where that is not the scenario's helmsman's affair.
-    driven: Option<Driven>,
+    drive_inputs: Option<DriveInputs>,
     /// Whether the gimbal reports the camera's tilt.
     reports_tilt: bool,
     /// How trials are recorded.
     record: Option<TrialRecording>,
 }
 
-impl Plan {
+impl CampaignPlan {
     /// Makes a plan of what is asked for.
     ///
     /// # Errors
     /// If the scenario cannot be used.
-    pub fn new(request: &Request) -> Result<Self> {
+    pub fn new(request: &CampaignRequest) -> Result<Self> {
         let mut loaded = scenario::load(&request.scenario, &request.changes)?;
         let mut profile = loaded.profile()?;
         if let Some(rate) = request.rate {
@@ -129,7 +129,7 @@ impl Plan {
             tracker: tracker.unwrap_or(TrackerName::Camshift),
             plant: request.plant,
             simd: Simd::at_most(request.simd),
-            driven: None,
+            drive_inputs: None,
             reports_tilt: false,
             record: None,
         })
@@ -158,36 +158,36 @@ impl Plan {
 
     /// The same plan with a gimbal that reports the camera's tilt.
     #[must_use]
-    pub fn reporting_tilt(mut self, reports_tilt: bool) -> Self {
+    pub fn with_tilt_reports(mut self, reports_tilt: bool) -> Self {
         self.reports_tilt = reports_tilt;
         self
     }
 
     /// The same plan with the boat steered as in a drive, for as long as that was.
     #[must_use]
-    pub fn driven_by(mut self, driven: Driven) -> Self {
-        self.settings.drive = Some(driven.hash());
-        self.driven = Some(driven);
-        self.lasting(drive::MAX_S)
+    pub fn with_drive(mut self, drive_inputs: DriveInputs) -> Self {
+        self.settings.drive = Some(drive_inputs.hash());
+        self.drive_inputs = Some(drive_inputs);
+        self.with_max_duration(drive::MAX_S)
     }
 
     /// The same plan with trials that last so long, unless the target is at the end of its path before.
     #[must_use]
-    pub fn lasting(mut self, seconds: f64) -> Self {
+    pub fn with_max_duration(mut self, seconds: f64) -> Self {
         self.loaded.scenario.most_s = seconds;
         self
     }
 
     /// The same plan in a world that differs from the scenario, of which law and pilot know nothing.
     #[must_use]
-    pub fn in_changed_world(mut self, change: impl FnOnce(&mut Scenario)) -> Self {
+    pub fn with_changed_scenario(mut self, change: impl FnOnce(&mut Scenario)) -> Self {
         change(&mut self.loaded.scenario);
         self
     }
 
     /// The same plan with a vehicle that is said to be otherwise than it is.
     #[must_use]
-    pub fn with_profile(mut self, change: impl FnOnce(&mut VehicleProfile)) -> Self {
+    pub fn with_changed_profile(mut self, change: impl FnOnce(&mut VehicleProfile)) -> Self {
         change(&mut self.profile);
         self
     }
@@ -212,14 +212,14 @@ impl Plan {
     /// # Errors
     /// If it cannot be set up.
     pub fn log(&self, seed: u64, witness: &mut dyn Witness) -> Result<TrialLog> {
-        self.log_by(None, seed, witness)
+        self.simulate_with_law(None, seed, witness)
     }
 
     /// The same with a law of one's own in place of the one that was asked for.
     ///
     /// # Errors
     /// If it cannot be set up.
-    pub fn log_by(
+    pub fn simulate_with_law(
         &self,
         law: Option<Box<dyn Law>>,
         seed: u64,
@@ -245,8 +245,8 @@ impl Plan {
         let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
         let simulation =
             Simulation::new(&scenario, world, seed, pilot, &self.profile).reporting_tilt(self.reports_tilt);
-        Ok(match &self.driven {
-            Some(driven) => driven.run(simulation, eye, witness),
+        Ok(match &self.drive_inputs {
+            Some(drive_inputs) => drive_inputs.run(simulation, eye, witness),
             None => simulation.run(eye, witness),
         })
     }
@@ -255,7 +255,7 @@ impl Plan {
     ///
     /// # Errors
     /// If it cannot be set up, or its recording not be written.
-    fn watched(&self, seed: u64) -> Result<TrialLog> {
+    fn simulate_recorded(&self, seed: u64) -> Result<TrialLog> {
         let Some(recording) = &self.record else {
             return self.log(seed, &mut ());
         };
@@ -272,7 +272,7 @@ impl Plan {
     /// # Errors
     /// If it cannot be set up.
     pub fn run(&self, seed: u64) -> Result<CampaignEntry> {
-        let log = self.watched(seed).with_context(|| format!("trial {seed}"))?;
+        let log = self.simulate_recorded(seed).with_context(|| format!("trial {seed}"))?;
         Ok(CampaignEntry { seed, trial: self.entry(seed, &log), campaign: self.settings.clone() })
     }
 

@@ -54,14 +54,14 @@ impl TrialRecorder {
         let film = folder.join(format!("{name}.mp4"));
         output::check_free(&film, *force)?;
         let film = Film::new(&film, profile.region);
-        Ok(Self { film: Some(film), ..Self::bare(&path, *force, configuration.clone(), video)? })
+        Ok(Self { film: Some(film), ..Self::without_film(&path, *force, configuration.clone(), video)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
     /// If the file exists and may not be overwritten, or cannot be written.
-    pub fn bare(path: &Path, force: bool, configuration: String, video: String) -> Result<Self> {
+    pub fn without_film(path: &Path, force: bool, configuration: String, video: String) -> Result<Self> {
         let file = BufWriter::new(output::create(path, force)?);
         // A simulated trial has no clock of its own: the same seed gives the same file.
         let start = RecordingStart {

@@ -15,7 +15,7 @@ use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
 
 /// Draws, encodes and decodes.
-pub(super) struct CodedEye<'a> {
+pub(super) struct EncodedCamera<'a> {
     drawn: DrawnEye<'a>,
     encoder: H264Encoder,
     decoder: UnitDecoder,
@@ -23,7 +23,7 @@ pub(super) struct CodedEye<'a> {
     index: u64,
 }
 
-impl<'a> CodedEye<'a> {
+impl<'a> EncodedCamera<'a> {
     /// An eye on top of another; the units go to `units`, each before its picture is received.
     pub(super) fn new(drawn: DrawnEye<'a>, settings: EncoderSettings, units: Sender<EncodedUnit>) -> Self {
         let decoder = UnitDecoder::new(DecodeMode::Live);
@@ -31,7 +31,7 @@ impl<'a> CodedEye<'a> {
     }
 }
 
-impl Eye for CodedEye<'_> {
+impl Eye for EncodedCamera<'_> {
     fn look(&mut self, world: &World) -> View {
         self.drawn.look(world)
     }

@@ -6,7 +6,7 @@ use barrelman_trial::campaign::Witness;
 use barrelman_vocab::{Timestamp, VehicleRates};
 use xxhash_rust::xxh3::Xxh3;
 
-use super::lockstep::DriveWitness;
+use super::lockstep::DriveObserver;
 
 /// A hash of everything that happens in a drive: every step with its time, the picture that it saw, what it came to
 /// and what was sent; and of every picture's truth.
@@ -20,7 +20,7 @@ impl DriveHash {
     }
 }
 
-impl DriveWitness for DriveHash {}
+impl DriveObserver for DriveHash {}
 
 impl Witness for DriveHash {
     fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {

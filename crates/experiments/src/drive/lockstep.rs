@@ -11,9 +11,9 @@ use barrelman_trial::campaign::{DrawnEye, Eye, Simulation, Witness};
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates};
 
-use super::encoded_camera::CodedEye;
+use super::encoded_camera::EncodedCamera;
 use super::input::DriveInput;
-use super::setup::Cast;
+use super::setup::DriveSetup;
 use crate::render_threads::RenderThreads;
 use crate::tracker_choice::TrackerSettings;
 
@@ -30,7 +30,7 @@ impl<'a> Drive<'a> {
     ///
     /// # Errors
     /// If the scenario's way-points make no path with this seed.
-    pub fn new(cast: &'a Cast, threads: &'a RenderThreads) -> Result<Self> {
+    pub fn new(cast: &'a DriveSetup, threads: &'a RenderThreads) -> Result<Self> {
         let (scenario, seed) = (&cast.loaded.scenario, cast.url.seed);
         let world = World::new(scenario, seed)
             .map_err(|_| anyhow!("the way-points of {} make no path with seed {seed}", scenario.name))?;
@@ -42,7 +42,7 @@ impl<'a> Drive<'a> {
         let eye: Box<dyn Eye + 'a> = if cast.coded {
             let fps = f64::from(scenario.camera.pictures_per_second);
             let settings = EncoderSettings::for_pictures(scenario.camera.frame, fps);
-            Box::new(CodedEye::new(drawn, settings, to_recorder))
+            Box::new(EncodedCamera::new(drawn, settings, to_recorder))
         } else {
             Box::new(drawn)
         };
@@ -72,25 +72,25 @@ impl<'a> Drive<'a> {
     }
 
     /// One tick.
-    pub fn tick(&mut self, witness: &mut dyn DriveWitness) {
-        let mut witness = Unpacking { units: &self.units, witness };
+    pub fn tick(&mut self, witness: &mut dyn DriveObserver) {
+        let mut witness = UnitForwarder { units: &self.units, witness };
         self.simulation.tick(&mut Some(&mut *self.eye), &mut witness);
     }
 }
 
 /// Who is told what happens in a drive.
-pub trait DriveWitness: Witness {
+pub trait DriveObserver: Witness {
     /// A unit of video, ahead of the frame that it gives, where video is coded.
     fn unit(&mut self, _unit: EncodedUnit) {}
 }
 
 /// Hands units on before the frames that they give.
-struct Unpacking<'a> {
+struct UnitForwarder<'a> {
     units: &'a Receiver<EncodedUnit>,
-    witness: &'a mut dyn DriveWitness,
+    witness: &'a mut dyn DriveObserver,
 }
 
-impl Witness for Unpacking<'_> {
+impl Witness for UnitForwarder<'_> {
     fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         self.units.try_iter().for_each(|unit| self.witness.unit(unit));
         self.witness.step(now, input, outcome, rates);

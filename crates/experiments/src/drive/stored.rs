@@ -17,7 +17,7 @@ use barrelman_vocab::PictureSize;
 use serde::{Deserialize, Serialize};
 
 use super::input::DriveInput;
-use super::setup::Cast;
+use super::setup::DriveSetup;
 use crate::law_choice::LawChoice;
 use crate::tracker_choice::TrackerName;
 use crate::world_url::WorldUrl;
@@ -68,7 +68,7 @@ impl DriveWriter {
     ///
     /// # Errors
     /// If it exists and may not be overwritten, or cannot be written.
-    pub fn begin(path: &Path, force: bool, cast: &Cast) -> Result<Self> {
+    pub fn begin(path: &Path, force: bool, cast: &DriveSetup) -> Result<Self> {
         let mut writer = Self { path: path.to_owned(), file: BufWriter::new(output::create(path, force)?) };
         writer.line(&Header {
             drive: cast.url.scenario.clone(),
@@ -112,7 +112,7 @@ impl DriveWriter {
 #[derive(Debug)]
 pub struct DriveReader {
     /// What it is made of.
-    pub cast: Cast,
+    pub cast: DriveSetup,
     /// Its inputs, each with its tick.
     pub inputs: Vec<(u64, DriveInput)>,
     /// Its last tick, and the hash of all that happened; absent where the file is cut.
@@ -142,7 +142,7 @@ impl DriveReader {
         let header: Header = serde_json::from_str(first).context("its first line is no drive's")?;
         let size = header.size.map(|(width, height)| PictureSize::new(width, height));
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
-        let cast = Cast::new(url, header.tracker, header.law.validated("law.")?, header.coded)?;
+        let cast = DriveSetup::new(url, header.tracker, header.law.validated("law.")?, header.coded)?;
         if format!("{:016x}", cast.loaded.hash) != header.scenario_hash {
             bail!("the scenario {} is another than it was then", cast.url.scenario);
         }

@@ -6,17 +6,17 @@ use anyhow::{Result, bail};
 use barrelman_host::input;
 
 use super::built_in::BUILT_IN;
-use super::loaded::{Changes, Loaded};
+use super::loaded::{LoadedScenario, ScenarioOverrides};
 use super::resolve;
 
 /// The scenario of that name, or in the file at that path.
 ///
 /// # Errors
 /// If there is none, or it has a mistake; the message shows where.
-pub fn load(name: &str, changes: &Changes) -> Result<Loaded> {
+pub fn load(name: &str, changes: &ScenarioOverrides) -> Result<LoadedScenario> {
     if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name) {
         return Ok(resolve::read(built_in.text, changes)
-            .map_err(|mistake| mistake.shown_in(&format!("the scenario {name}"), built_in.text))?);
+            .map_err(|error| error.located_in(&format!("the scenario {name}"), built_in.text))?);
     }
     if !name.ends_with(".toml") {
         let names: Vec<&str> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
@@ -28,5 +28,5 @@ pub fn load(name: &str, changes: &Changes) -> Result<Loaded> {
     }
     let bytes = input::read(Path::new(name))?;
     let Ok(text) = String::from_utf8(bytes) else { bail!("{name} is no scenario: it is not text") };
-    Ok(resolve::read(&text, changes).map_err(|mistake| mistake.shown_in(name, &text))?)
+    Ok(resolve::read(&text, changes).map_err(|error| error.located_in(name, &text))?)
 }

@@ -10,7 +10,7 @@ use barrelman_vocab::{AngularRate, PictureSize, VehicleProfile};
 
 /// What differs from a scenario's file, by the command line.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Changes {
+pub struct ScenarioOverrides {
     /// Which of its settings; without it the file's own.
     pub setting: Option<String>,
     /// Speed of the target, m/s.
@@ -25,7 +25,7 @@ pub struct Changes {
 
 /// A scenario that was read.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Loaded {
+pub struct LoadedScenario {
     /// The scenario.
     pub scenario: Scenario,
     /// The setting that it has.
@@ -34,7 +34,7 @@ pub struct Loaded {
     pub hash: u64,
 }
 
-impl Loaded {
+impl LoadedScenario {
     /// The vehicle that flies in it: the laboratory's, with the scenario's video latency, and its camera as the scenario
     /// has it before anything is drawn by chance.
     ///

@@ -10,10 +10,10 @@ mod loaded;
 pub mod file;
 pub mod resolve;
 
-pub mod mistake;
+pub mod error;
 mod range;
 
 pub use built_in::{BUILT_IN, BuiltIn, PATHS};
+pub use error::ScenarioError;
 pub use load::load;
-pub use loaded::{Changes, Loaded};
-pub use mistake::Mistake;
+pub use loaded::{LoadedScenario, ScenarioOverrides};

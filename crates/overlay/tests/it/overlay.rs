@@ -114,9 +114,9 @@ fn drawn(frame: &VideoFrame, scene: &Scene<'_>) -> Picture {
 }
 
 fn tracks(size: PictureSize) -> Vec<Track> {
-    let places = [(0.0, 0.0), (0.1, 0.05), (0.9, 0.1), (0.0, 0.95), (-0.95, 0.0), (0.1, -0.9), (1.0, 1.0)];
+    let placement = [(0.0, 0.0), (0.1, 0.05), (0.9, 0.1), (0.0, 0.95), (-0.95, 0.0), (0.1, -0.9), (1.0, 1.0)];
     let mut tracks: Vec<Track> =
-        places.iter().map(|place| Track::Tracking(target_at(size, place.0, place.1))).collect();
+        placement.iter().map(|place| Track::Tracking(target_at(size, place.0, place.1))).collect();
     tracks.push(Track::Coasting(target_at(size, -0.7, -0.6)));
     tracks.push(Track::Lost { since: Timestamp::from_secs_f64(1.9), confidence: 0.1 });
     tracks.push(Track::Unseeded);

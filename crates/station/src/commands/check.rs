@@ -23,7 +23,7 @@ use barrelman_host::clock::Clock;
 use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 
 /// How long a live source may take to show its first picture.
-const FIRST_PICTURE: Duration = Duration::from_secs(5);
+const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Where the udev rule of this project is installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 
@@ -162,7 +162,7 @@ fn first_live_picture(url: SourceUrl, clock: Clock) -> Result<VideoFrame, String
 }
 
 fn wait_for_picture(queue: &Receiver<Seen>) -> Result<VideoFrame, String> {
-    let deadline = Instant::now() + FIRST_PICTURE;
+    let deadline = Instant::now() + FIRST_PICTURE_TIMEOUT;
     let mut last = "nothing answered".to_owned();
     while let Ok(seen) = queue.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
         match seen {
@@ -172,7 +172,7 @@ fn wait_for_picture(queue: &Receiver<Seen>) -> Result<VideoFrame, String> {
             Seen::State(VideoState::Connecting | VideoState::Up | VideoState::Ended) => {}
         }
     }
-    Err(format!("no picture within {} s: {last}", FIRST_PICTURE.as_secs()))
+    Err(format!("no picture within {} s: {last}", FIRST_PICTURE_TIMEOUT.as_secs()))
 }
 
 fn check_link(url: &str, findings: &mut Vec<Finding>) {

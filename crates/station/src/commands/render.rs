@@ -21,10 +21,10 @@ use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 use crate::cli::RenderArgs;
 use crate::progress::Progress;
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::Request;
-use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::campaign::plan::CampaignRequest;
+use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_host::output;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::writer::Mp4Writer;
@@ -37,16 +37,16 @@ pub const TRUTH_HEADER: &str = "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,r
 /// # Errors
 /// If the scenario cannot be used or an output not be written.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
-    let plan = Plan::new(&Request {
+    let plan = CampaignPlan::new(&CampaignRequest {
         scenario: args.scenario.clone(),
-        changes: Changes { size: args.size, ..Changes::default() },
+        changes: ScenarioOverrides { size: args.size, ..ScenarioOverrides::default() },
         law: LawChoice::SCHEMA,
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
         simd: args.simd,
     })?
-    .lasting(args.seconds);
+    .with_max_duration(args.seconds);
     let mut film = TruthFilm::create(args, &plan.scenario().camera)?;
     plan.log(args.seed, &mut film)?;
     let (frames, asked) = film.finish()?;

@@ -13,7 +13,7 @@ use barrelman_trial::records::{
 use barrelman_trial::replay::{Comparison, Replay};
 use barrelman_vocab::VideoFrame;
 
-use super::run::pilot_for;
+use super::run::build_pilot;
 use crate::cli::ReplayArgs;
 use crate::config::{self, Configuration};
 use barrelman_host::input;
@@ -82,7 +82,7 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
             .context("the recorded configuration")?,
     };
     let mut film = StoredVideo::new(&start);
-    let mut replay = Replay::new(pilot_for(&configuration)?, configuration.profile.clone());
+    let mut replay = Replay::new(build_pilot(&configuration)?, configuration.profile.clone());
     let mut replayed = Replayed { steps: 0, frames: 0, comparison: Comparison::default(), cut: false };
     // Outcomes are held against those of the same step; a queue bounds how many wait.
     let mut waiting: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();

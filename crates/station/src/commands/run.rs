@@ -19,10 +19,10 @@ use crate::link::{Link, LinkHandle, LinkReport, LinkUrl};
 use crate::live::event::Event;
 use crate::live::overlay_video::OverlayVideo;
 use crate::live::recorder::{Recorder, RecorderInput};
-use crate::live::run_loop::{RunEnd, RunLoop, Watcher};
+use crate::live::run_loop::{FrameObserver, RunEnd, RunLoop};
 use crate::live::status::Status;
 use crate::live::terminal::Terminal;
-use crate::live::threads::Saboteur;
+use crate::live::threads::FaultInjector;
 use crate::simulated_source::{self, LiveWorld};
 use crate::source_url::{SimulatedUrl, SourceUrl};
 use barrelman_host::clock::Clock;
@@ -135,7 +135,7 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
 ///
 /// # Errors
 /// If the tracker's settings lie outside their ranges.
-pub fn pilot_for(configuration: &Configuration) -> Result<Pilot> {
+pub fn build_pilot(configuration: &Configuration) -> Result<Pilot> {
     let settings =
         PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
     Ok(Pilot::new(settings, configuration.tracker.tracker()?))
@@ -148,19 +148,19 @@ fn live(
     link_url: Option<LinkUrl>,
     clock: Clock,
 ) -> Result<RunEnd> {
-    let saboteur = Saboteur::parse(&args.fault)?;
+    let fault_injector = FaultInjector::parse(&args.fault)?;
     let (events, queue) = sync_channel(EVENTS);
-    let pilot = pilot_for(configuration)?;
+    let pilot = build_pilot(configuration)?;
     // Signals are caught before the port is opened: from here on nothing ends the program without zeros.
-    let terminal = Terminal::watch(events.clone(), clock, saboteur.clone())?;
+    let terminal = Terminal::watch(events.clone(), clock, fault_injector.clone())?;
     let link = match (&link_url, source.world()) {
         (Some(url), Some(world)) if url.endpoint == Endpoint::World => {
             let link = world.link();
-            link.break_by(url.faults.clone());
+            link.set_faults(url.faults.clone());
             let up = Telemetry { at: clock.now(), report: Report::Link(LinkState::Up) };
             events.send(Event::Link(LinkReport::Telemetry(up)))?;
             let to_loop = events.clone();
-            link.report_to(move |tilt| {
+            link.on_tilt_report(move |tilt| {
                 let report = Telemetry { at: clock.now(), report: Report::CameraTilt(tilt) };
                 // The world never waits for a loop that is held up.
                 let _ = to_loop.try_send(Event::Link(LinkReport::Telemetry(report)));
@@ -194,14 +194,14 @@ fn live(
     let recorder = match &args.record {
         Some(path) => {
             let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
-            Some(Recorder::begin(path, args.force, &start, clock, saboteur.clone(), events.clone())?)
+            Some(Recorder::begin(path, args.force, &start, clock, fault_injector.clone(), events.clone())?)
         }
         None => None,
     };
     let overlay = match &args.overlay {
         Some(path) => {
             let shares = configuration.profile.region;
-            Some(OverlayVideo::begin(path, shares, clock, saboteur.clone(), events.clone())?)
+            Some(OverlayVideo::begin(path, shares, clock, fault_injector.clone(), events.clone())?)
         }
         None => None,
     };
@@ -223,7 +223,7 @@ fn live(
         Source::Video(url) => barrelman_video::spawn(url, clock, sink)?,
     };
     let link_state = link.as_ref().map(|_| LinkState::Opening);
-    let status = Status::start(link_state, clock, saboteur.clone(), events.clone())?;
+    let status = Status::start(link_state, clock, fault_injector.clone(), events.clone())?;
     drop(events);
 
     let mut requests = Vec::new();
@@ -238,8 +238,8 @@ fn live(
         recorder: recording,
         status,
         selects_once: true,
-        watcher: overlay.as_ref().map(|overlay| Box::new(overlay.input()) as Box<dyn Watcher>),
-        saboteur,
+        observer: overlay.as_ref().map(|overlay| Box::new(overlay.input()) as Box<dyn FrameObserver>),
+        fault_injector,
     };
     // A panic in the pilot must not take the road of unwinding, where the link would wait for its turn.
     let mut end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&queue, &requests)))

@@ -55,7 +55,7 @@ pub(super) struct TrialInput {
 pub(super) fn read_any(path: &Path) -> Result<Input> {
     let mut first = Vec::new();
     input::open(path)?.take(1).read_to_end(&mut first)?;
-    if campaign_file::is_one(&first) {
+    if campaign_file::is_campaign_file(&first) {
         return campaign_file::read(path).map(Input::Campaign);
     }
     read(path).map(|trial| Input::Trial(Box::new(trial)))

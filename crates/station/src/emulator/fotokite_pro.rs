@@ -20,7 +20,7 @@ use barrelman_host::fault::{FaultKind, FaultPlan};
 /// How far down the camera looks at the start.
 const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
 /// Longest wait for bytes: bounds how late a tick is.
-const LONGEST_WAIT: Duration = Duration::from_millis(10);
+const MAX_WAIT: Duration = Duration::from_millis(10);
 /// How late bytes are heard while the fault `delay` is in force.
 const DELAY: Duration = Duration::from_millis(400);
 
@@ -41,8 +41,8 @@ pub struct FotokitePro {
     /// The rates that the mount was told last.
     followed: StationRates,
     unplugged: bool,
-    looked_at: Option<Timestamp>,
-    to_hear: VecDeque<(Timestamp, Vec<u8>)>,
+    faults_applied_at: Option<Timestamp>,
+    pending: VecDeque<(Timestamp, Vec<u8>)>,
 }
 
 impl FotokitePro {
@@ -68,8 +68,8 @@ impl FotokitePro {
             started: now,
             followed: StationRates::default(),
             unplugged: false,
-            looked_at: None,
-            to_hear: VecDeque::new(),
+            faults_applied_at: None,
+            pending: VecDeque::new(),
         }
     }
 
@@ -91,10 +91,10 @@ impl FotokitePro {
     pub fn run(&mut self, mut ended: impl FnMut() -> bool) -> Result<()> {
         let mut buffer = [0; 1024];
         while !ended() {
-            let read = self.port.read(&mut buffer, LONGEST_WAIT);
+            let read = self.port.read(&mut buffer, MAX_WAIT);
             let now = self.clock.now();
             self.advance(now);
-            self.go_wrong(now)?;
+            self.apply_faults(now)?;
             self.receive(&buffer[..read], now)?;
             self.station.tick(now);
             self.follow(now, None)?;
@@ -115,12 +115,12 @@ impl FotokitePro {
         self.faults.active(kind, self.uptime(now))
     }
 
-    fn go_wrong(&mut self, now: Timestamp) -> Result<()> {
+    fn apply_faults(&mut self, now: Timestamp) -> Result<()> {
         let uptime = self.uptime(now);
-        if self.faults.begun(FaultKind::Reboot, self.looked_at, uptime) > 0 {
+        if self.faults.begun(FaultKind::Reboot, self.faults_applied_at, uptime) > 0 {
             self.station = GroundStation::boot(self.settings, now);
         }
-        self.looked_at = Some(uptime);
+        self.faults_applied_at = Some(uptime);
         let unplugged = self.active(FaultKind::Disconnect, now);
         match (self.unplugged, unplugged) {
             (false, true) => self.port.unplug(),
@@ -135,27 +135,27 @@ impl FotokitePro {
         let deaf = [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.active(*kind, now));
         if !bytes.is_empty() && !deaf && !self.unplugged {
             let due = if self.active(FaultKind::Delay, now) { now.plus(DELAY) } else { now };
-            let mut heard = bytes.to_vec();
+            let mut received = bytes.to_vec();
             if self.active(FaultKind::Corrupt, now) {
-                heard[0] ^= 0x55;
+                received[0] ^= 0x55;
             }
             if self.active(FaultKind::Duplicate, now) {
-                self.to_hear.push_back((due, heard.clone()));
+                self.pending.push_back((due, received.clone()));
             }
-            self.to_hear.push_back((due, heard));
+            self.pending.push_back((due, received));
         }
-        while let Some((_, heard)) = self.to_hear.pop_front_if(|(due, _)| *due <= now) {
-            self.hear(&heard, now)?;
+        while let Some((_, received)) = self.pending.pop_front_if(|(due, _)| *due <= now) {
+            self.receive_bytes(&received, now)?;
         }
         Ok(())
     }
 
     /// Takes bytes one by one, so that every line is logged with the state that it led to.
-    fn hear(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
+    fn receive_bytes(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
         let mut answer = Vec::new();
         for byte in bytes {
             let mut line = None;
-            self.station.received(&[*byte], now, &mut answer, |heard| line = Some(heard.to_owned()));
+            self.station.received(&[*byte], now, &mut answer, |received| line = Some(received.to_owned()));
             if let Some(line) = line {
                 self.follow(now, Some(&line))?;
             }

@@ -19,7 +19,7 @@ use barrelman_trial::records::{
 use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
 use super::event::Event;
-use super::threads::{self, Saboteur};
+use super::threads::{self, FaultInjector};
 use barrelman_host::clock::Clock;
 use barrelman_host::output;
 
@@ -27,7 +27,7 @@ use barrelman_host::output;
 const QUEUE: usize = 2048;
 /// How often what was written is handed to the system: twice a second, so that what a killed process loses stays
 /// below one.
-const FLUSH_EVERY: Duration = Duration::from_millis(500);
+const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 enum Item {
     Unit(EncodedUnit),
@@ -107,7 +107,7 @@ impl Recorder {
         force: bool,
         start: &RecordingStart,
         clock: Clock,
-        saboteur: Saboteur,
+        fault_injector: FaultInjector,
         events: SyncSender<Event>,
     ) -> Result<Self> {
         let file = BufWriter::new(output::create(path, force)?);
@@ -119,7 +119,7 @@ impl Recorder {
         let input = RecorderInput { items, events: events.clone(), failed: Arc::clone(&failed) };
         let alarm = events.clone();
         let thread = threads::spawn("recorder", events, move || {
-            if let Err(error) = write(&queue, writer, clock, &saboteur) {
+            if let Err(error) = write(&queue, writer, clock, &fault_injector) {
                 failed.store(true, Ordering::Relaxed);
                 let reason = format!("{:#}", anyhow::Error::from(error));
                 let _ = alarm.send(Event::RecordingFailed { reason });
@@ -145,11 +145,11 @@ fn write(
     queue: &Receiver<Item>,
     mut writer: RecordingWriter<BufWriter<File>>,
     clock: Clock,
-    saboteur: &Saboteur,
+    fault_injector: &FaultInjector,
 ) -> Result<(), WriteError> {
-    let mut flush_at = Instant::now() + FLUSH_EVERY;
+    let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
-        saboteur.strike("recorder", clock.now());
+        fault_injector.apply_faults("recorder", clock.now());
         match queue.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
             Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return writer.finish(),
             Ok(Item::Unit(unit)) => writer.write(&Entry::Unit(unit))?,
@@ -163,7 +163,7 @@ fn write(
         }
         if Instant::now() >= flush_at {
             writer.flush()?;
-            flush_at = Instant::now() + FLUSH_EVERY;
+            flush_at = Instant::now() + FLUSH_INTERVAL;
         }
     }
 }

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::Request;
-use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::campaign::plan::CampaignRequest;
+use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::render::{DrawnTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
@@ -163,9 +163,9 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
         assert_eq!(frame.picture.size(), size);
         count += 1;
     }
-    let plan = Plan::new(&Request {
+    let plan = CampaignPlan::new(&CampaignRequest {
         scenario: "open".to_owned(),
-        changes: Changes { size: Some(size), ..Changes::default() },
+        changes: ScenarioOverrides { size: Some(size), ..ScenarioOverrides::default() },
         law: LawChoice::SCHEMA,
         rate: None,
         perception: Perception::Truth,
@@ -173,7 +173,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
         simd: SimdLevel::Baseline,
     })
     .unwrap()
-    .lasting(0.7);
+    .with_max_duration(0.7);
     let camera = plan.scenario().camera.clone();
     let simd = Simd::at_most(SimdLevel::Baseline);
     let mut own = OwnTruth { camera, simd, eye: None, truth: Vec::new() };

@@ -13,7 +13,7 @@ pub const HEADER: &str = "time_s,x,y,p,pitch_rate,yaw_rate,mode,picture_width,pi
 const NEEDED: [&str; 5] = ["time_s", "x", "y", "pitch_rate", "yaw_rate"];
 
 /// Whether a text begins with a header that has the needed columns.
-pub fn is_one(text: &str) -> bool {
+pub fn is_campaign_file(text: &str) -> bool {
     let names: Vec<&str> = text.lines().next().unwrap_or_default().split(',').map(str::trim).collect();
     NEEDED.iter().all(|needed| names.contains(needed))
 }

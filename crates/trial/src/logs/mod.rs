@@ -147,7 +147,7 @@ pub struct ReadLog {
 pub fn read_text(text: &str) -> Result<ReadLog, LogError> {
     if text.starts_with(laboratory::HEADER) {
         laboratory::read(text)
-    } else if exported::is_one(text) {
+    } else if exported::is_campaign_file(text) {
         exported::read(text)
     } else if text.trim().is_empty() {
         Err(LogError::Empty)

@@ -18,7 +18,7 @@ use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 pub const DEFAULT_FPS: f64 = 30.0;
 
 /// Largest picture file read, so that a stray file cannot take all memory.
-const LARGEST_FILE: u64 = 256 << 20;
+const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Reads the pictures of a folder one by one.
 pub struct FolderReader {
@@ -73,7 +73,7 @@ impl FolderReader {
         let size = fs::metadata(path).map_err(|error| cannot_read(path, error))?.len();
         let damaged =
             |what: &str| VideoError::Damaged { path: path.clone(), units: index, what: what.to_owned() };
-        if size > LARGEST_FILE {
+        if size > MAX_FILE_BYTES {
             return Err(damaged("the picture file is larger than 256 MiB"));
         }
         let file = fs::read(path).map_err(|error| cannot_read(path, error))?;

@@ -8,20 +8,23 @@ use barrelman_sim::scenario::TargetScript;
 
 use crate::scenario::file::{BoatSection, PathFile, ScenarioFile, TargetSection};
 use crate::scenario::range::within;
-use crate::scenario::{Changes, Mistake, PATHS};
+use crate::scenario::{PATHS, ScenarioError, ScenarioOverrides};
 
 /// A path's way-points lie within so many metres of the camera's place.
 pub(super) const WORLD_M: f64 = 5000.0;
 
 /// The target.
-pub(super) fn target(file: &ScenarioFile, changes: &Changes) -> Result<TargetScript, Mistake> {
+pub(super) fn target(
+    file: &ScenarioFile,
+    changes: &ScenarioOverrides,
+) -> Result<TargetScript, ScenarioError> {
     match (&file.target, &file.boat) {
         (Some(section), None) => pursuit(section, changes),
         (None, Some(section)) if file.water.is_some() => boat(section, changes),
-        (None, Some(_)) => Err(Mistake::value("boat", "a boat needs [water]")),
-        (None, None) => Err(Mistake::value("target", "give the scenario a [target] or a [boat]")),
+        (None, Some(_)) => Err(ScenarioError::value("boat", "a boat needs [water]")),
+        (None, None) => Err(ScenarioError::value("target", "give the scenario a [target] or a [boat]")),
         (Some(_), Some(_)) => {
-            Err(Mistake::value("boat", "the scenario has a [target] too: leave one of them out"))
+            Err(ScenarioError::value("boat", "the scenario has a [target] too: leave one of them out"))
         }
     }
 }
@@ -34,35 +37,35 @@ fn way_points(
     start: Option<[f64; 2]>,
     scale: f64,
     breadth: f64,
-) -> Result<Vec<(f64, f64)>, Mistake> {
+) -> Result<Vec<(f64, f64)>, ScenarioError> {
     let scale = within(&format!("{table}.scale"), scale, 0.01, 1000.0, "a factor")?;
     let breadth = within(&format!("{table}.breadth"), breadth, 0.01, 100.0, "a factor")?;
     let path_key = format!("{table}.path");
     let (key, way_points) = match (path, own) {
         (Some(name), None) => (path_key.clone(), built_in_path(&path_key, name)?),
         (None, Some(way_points)) => (format!("{table}.way_points"), way_points.clone()),
-        (None, None) => return Err(Mistake::value(table, "give it a path or way_points")),
+        (None, None) => return Err(ScenarioError::value(table, "give it a path or way_points")),
         (Some(_), Some(_)) => {
-            return Err(Mistake::value(path_key, "it has way_points too: leave one of them out"));
+            return Err(ScenarioError::value(path_key, "it has way_points too: leave one of them out"));
         }
     };
     let way_points: Vec<(f64, f64)> =
         start.iter().chain(&way_points).map(|[x, y]| (scale * breadth * x, scale * y)).collect();
     for (x, y) in &way_points {
         if !(x.abs() <= WORLD_M && y.abs() <= WORLD_M) {
-            return Err(Mistake::value(
+            return Err(ScenarioError::value(
                 key,
                 format!("the way-point {x}, {y} leaves the world, which ends {WORLD_M} m from the camera"),
             ));
         }
     }
     if Path::through(way_points.iter().copied()).is_err() {
-        return Err(Mistake::value(key, "a path needs two way-points in different places"));
+        return Err(ScenarioError::value(key, "a path needs two way-points in different places"));
     }
     Ok(way_points)
 }
 
-fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, Mistake> {
+fn pursuit(section: &TargetSection, changes: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
     let way_points = way_points(
         "target",
         section.path.as_ref(),
@@ -105,7 +108,7 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
     }))
 }
 
-fn boat(section: &BoatSection, changes: &Changes) -> Result<TargetScript, Mistake> {
+fn boat(section: &BoatSection, changes: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
     let number = |key: &str, value: f64, least: f64, most: f64, unit: &str| {
         within(&format!("boat.{key}"), value, least, most, unit)
     };
@@ -127,14 +130,14 @@ fn boat(section: &BoatSection, changes: &Changes) -> Result<TargetScript, Mistak
     }))
 }
 
-fn built_in_path(key: &str, name: &str) -> Result<Vec<[f64; 2]>, Mistake> {
+fn built_in_path(key: &str, name: &str) -> Result<Vec<[f64; 2]>, ScenarioError> {
     let Some((_, text)) = PATHS.iter().find(|(known, _)| *known == name) else {
         let names: Vec<&str> = PATHS.iter().map(|(known, _)| *known).collect();
-        return Err(Mistake::value(
+        return Err(ScenarioError::value(
             key,
             format!("there is no path {name:?}: use one of {}, or way_points", names.join(", ")),
         ));
     };
-    let file: PathFile = toml::from_str(text).map_err(|error| Mistake::Form(error.to_string()))?;
+    let file: PathFile = toml::from_str(text).map_err(|error| ScenarioError::Form(error.to_string()))?;
     Ok(file.way_points)
 }

@@ -4,13 +4,13 @@ use barrelman_vocab::{PixelBox, PixelPoint};
 
 /// What is taken of one picture.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct LabelPlacement {
     page: PixelBox,
     gap: f64,
     taken: Vec<PixelBox>,
 }
 
-impl Places {
+impl LabelPlacement {
     /// Frees everything. `gap` is kept between things that are placed.
     pub(super) fn begin(&mut self, page: PixelBox, gap: f64) {
         self.page = page;
@@ -24,7 +24,7 @@ impl Places {
     }
 
     /// Takes a box, whether or not it was free.
-    pub(super) fn keep_clear(&mut self, taken: PixelBox) {
+    pub(super) fn reserve(&mut self, taken: PixelBox) {
         self.taken.push(taken);
     }
 
@@ -42,20 +42,20 @@ impl Places {
     }
 
     /// Takes the first free one of some places, given by their middles, for a box of that size.
-    pub(super) fn take_first(
+    pub(super) fn place_first(
         &mut self,
         (w, h): (f64, f64),
         middles: impl IntoIterator<Item = PixelPoint>,
     ) -> Option<PixelBox> {
         let around = |middle: PixelPoint| PixelBox { u: middle.u - w / 2.0, v: middle.v - h / 2.0, w, h };
         let free = middles.into_iter().map(around).find(|wanted| self.is_free(*wanted))?;
-        self.keep_clear(free);
+        self.reserve(free);
         Some(free)
     }
 
     /// Takes one of some boxes: the one of last time while it is free, so that things do not jump; else the first
     /// that is.
-    pub(super) fn take_steadily(
+    pub(super) fn place_steadily(
         &mut self,
         last: &mut Option<usize>,
         choices: &[PixelBox],
@@ -63,7 +63,7 @@ impl Places {
         let kept = last.filter(|index| choices.get(*index).is_some_and(|wanted| self.is_free(*wanted)));
         *last = kept.or_else(|| choices.iter().position(|wanted| self.is_free(*wanted)));
         let chosen = last.map(|index| choices[index])?;
-        self.keep_clear(chosen);
+        self.reserve(chosen);
         Some(chosen)
     }
 }

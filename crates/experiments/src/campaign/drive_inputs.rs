@@ -8,12 +8,12 @@ use crate::drive::{DriveInput, DriveReader};
 
 /// What was done in a drive, each before a tick, and the tick at which it ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Driven {
+pub struct DriveInputs {
     inputs: Vec<(u64, DriveInput)>,
     last: u64,
 }
 
-impl Driven {
+impl DriveInputs {
     /// What was done in a stored drive.
     pub fn of(stored: &DriveReader) -> Self {
         Self { inputs: stored.inputs.clone(), last: stored.last_tick() }

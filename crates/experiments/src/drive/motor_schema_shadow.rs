@@ -9,7 +9,7 @@ use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Timestamp, VehicleProfile};
 
 /// The schema, with the camera that it would have had.
-pub struct DriveShadow {
+pub struct MotorSchemaShadow {
     shares: RegionShares,
     camera: CameraModel,
     shadow: Shadow,
@@ -17,7 +17,7 @@ pub struct DriveShadow {
     p: Option<f64>,
 }
 
-impl DriveShadow {
+impl MotorSchemaShadow {
     /// A shadow at a drive's start.
     pub fn new(profile: &VehicleProfile) -> Self {
         Self {

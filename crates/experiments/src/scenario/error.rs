@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 /// What is wrong, and at which key.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Mistake {
+pub enum ScenarioError {
     /// It is not TOML, or has a key or a value that no scenario has. The words point at it.
     Form(String),
     /// A value cannot be.
@@ -22,29 +22,29 @@ pub enum Mistake {
 /// A mistake, with the place where it stands.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{place}: {words}")]
-pub struct ShownMistake {
+pub struct LocatedScenarioError {
     place: String,
     words: String,
 }
 
-impl Mistake {
+impl ScenarioError {
     /// A value that cannot be.
     pub fn value(key: impl Into<String>, wrong: impl Into<String>) -> Self {
         Self::Value { key: key.into(), wrong: wrong.into() }
     }
 
     /// The mistake with its line, for the text that it was found in.
-    pub fn shown_in(self, name: &str, text: &str) -> ShownMistake {
+    pub fn located_in(self, name: &str, text: &str) -> LocatedScenarioError {
         match self {
-            Self::Form(words) => ShownMistake { place: format!("{name} cannot be read"), words },
+            Self::Form(words) => LocatedScenarioError { place: format!("{name} cannot be read"), words },
             Self::Value { key, wrong } => match line_of(text, &key) {
                 Some((number, line)) => {
                     let mut words = format!("{key}: {wrong}\n");
                     // Nothing can go wrong when writing into a string.
                     let _ = write!(words, "{number:>5} | {}", line.trim_end());
-                    ShownMistake { place: format!("{name}, line {number}"), words }
+                    LocatedScenarioError { place: format!("{name}, line {number}"), words }
                 }
-                None => ShownMistake { place: name.to_owned(), words: format!("{key}: {wrong}") },
+                None => LocatedScenarioError { place: name.to_owned(), words: format!("{key}: {wrong}") },
             },
         }
     }
