@@ -90,6 +90,7 @@ impl Plan {
             scenario: loaded.scenario.name.clone(),
             scenario_hash: format!("{:016x}", loaded.hash),
             law: request.law.word().to_owned(),
+            law_behaviour: request.law.behaviour_version(),
             mode: request.law.mode_word().map(str::to_owned),
             horizon_s: request.law.horizon_s,
             rate_rad_per_s: request.rate,
@@ -101,6 +102,7 @@ impl Plan {
             boat_speed_m_per_s: request.changes.boat_speed_m_per_s,
             size: request.changes.size.map(|size| format!("{}x{}", size.width, size.height)),
             tracker: tracker.map(|tracker| tracker.word().to_owned()),
+            tracker_behaviour: tracker.map(TrackerName::behaviour_version),
             drive: None,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         };
@@ -241,7 +243,9 @@ impl Plan {
         let name = format!("{}-{seed}", self.settings.scenario);
         let video = format!("sim:{}?seed={seed}", self.settings.scenario);
         let configuration = configuration.to_toml()?;
-        let mut recorder = TrialRecorder::begin(folder, &name, *force, configuration, video, &self.profile)?;
+        let behaviour = self.law.behaviour_with(self.tracker);
+        let mut recorder =
+            TrialRecorder::begin(folder, &name, *force, configuration, video, behaviour, &self.profile)?;
         let log = self.log(seed, &mut recorder)?;
         recorder.finish()?;
         Ok(log)

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
+use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::campaign::Witness;
 use barrelman_trial::records::{
     Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
@@ -38,20 +39,27 @@ impl TrialRecorder {
         force: bool,
         configuration: String,
         video: String,
+        behaviour: BehaviourVersions,
         profile: &VehicleProfile,
     ) -> Result<Self> {
         let path = folder.join(format!("{name}.mcap"));
         let film = folder.join(format!("{name}.mp4"));
         output::check_free(&film, force)?;
         let film = Film::new(&film, profile.region);
-        Ok(Self { film: Some(film), ..Self::bare(&path, force, configuration, video)? })
+        Ok(Self { film: Some(film), ..Self::bare(&path, force, configuration, video, behaviour)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
     /// If the file exists and may not be overwritten, or cannot be written.
-    pub fn bare(path: &Path, force: bool, configuration: String, video: String) -> Result<Self> {
+    pub fn bare(
+        path: &Path,
+        force: bool,
+        configuration: String,
+        video: String,
+        behaviour: BehaviourVersions,
+    ) -> Result<Self> {
         let file = BufWriter::new(output::create(path, force)?);
         // A simulated trial has no clock of its own: the same seed gives the same file.
         let start = RecordingStart {
@@ -62,6 +70,7 @@ impl TrialRecorder {
             video,
             link: "sim:".to_owned(),
             live_video: false,
+            behaviour,
         };
         let writer = RecordingWriter::begin(file, &start).with_context(|| cannot_be_written(path))?;
         Ok(Self { path: path.to_owned(), writer, film: None, step: 0, failed: None })

@@ -15,6 +15,7 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Input, Mode, Outcome};
 use barrelman_sim::Truth;
 use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::campaign::Witness;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
 
@@ -196,7 +197,8 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
 
 fn recorder(args: &DemoArgs, cast: &Cast) -> Result<Option<TrialRecorder>> {
     let begin = |path: &std::path::PathBuf| {
-        TrialRecorder::bare(path, args.force, cast.configuration()?, cast.url.to_string())
+        let behaviour = cast.law.behaviour_with(cast.tracker);
+        TrialRecorder::bare(path, args.force, cast.configuration()?, cast.url.to_string(), behaviour)
     };
     args.record.as_ref().map(begin).transpose()
 }
@@ -205,7 +207,9 @@ fn recorder(args: &DemoArgs, cast: &Cast) -> Result<Option<TrialRecorder>> {
 fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
     let stored = DriveReader::read(path)?;
     let last = stored.last_tick();
-    let DriveReader { cast, inputs, end } = stored;
+    let DriveReader { cast, behaviour, inputs, end } = stored;
+    let current = cast.law.behaviour_with(cast.tracker);
+    let difference = behaviour.difference(current, cast.tracker.word(), cast.law.word());
     if args.record.is_some() && !cast.coded {
         bail!(
             "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
@@ -247,7 +251,12 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
             Ok(ExitCode::SUCCESS)
         }
         Some((_, then)) => {
-            tracing::error!("the drive differs: it was {then}");
+            match difference {
+                Some(VersionDifference { first, second }) => tracing::error!(
+                    "the drive was driven with {first}, this program has {second}: that it differs ({then} then) is no fault"
+                ),
+                None => tracing::error!("the drive differs: it was {then}"),
+            }
             Ok(ExitCode::FAILURE)
         }
     }

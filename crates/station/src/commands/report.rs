@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
+use barrelman_trial::behaviour::FIRST;
 use barrelman_trial::campaign::CampaignSettings;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
@@ -151,6 +152,9 @@ fn in_words(settings: &CampaignSettings) -> String {
     words.extend(settings.boat_speed_m_per_s.map(|speed| format!("boat {speed} m/s")));
     words.extend(settings.size.clone());
     words.extend(settings.tracker.clone());
+    let versions = settings.behaviour();
+    words.extend((versions.tracker != FIRST).then(|| format!("tracker's behaviour {}", versions.tracker)));
+    words.extend((versions.law != FIRST).then(|| format!("law's behaviour {}", versions.law)));
     words.push(settings.setting.clone());
     words.join(", ")
 }

@@ -261,6 +261,7 @@ fn recording_start(
         video: video.to_string(),
         link: link.map(ToString::to_string).unwrap_or_default(),
         live_video: video.is_live(),
+        behaviour: configuration.law.behaviour_with(configuration.tracker.name),
     })
 }
 
