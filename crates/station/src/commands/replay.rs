@@ -84,7 +84,7 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let configuration = match changed {
         Some(configuration) => configuration,
-        None => Configuration::resolve(&config::parse_recorded(&start.configuration)?)
+        None => Configuration::resolve_recorded(&config::parse_recorded(&start.configuration)?)
             .context("the recorded configuration")?,
     };
     let mut film = StoredVideo::new(&start);

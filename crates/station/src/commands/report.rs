@@ -110,7 +110,7 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
 /// The vehicle of a recording that another law than the schema servoed.
 fn vehicle_of_another_law(start: &RecordingStart) -> Option<VehicleProfile> {
     let file = config::parse_recorded(&start.configuration).ok()?;
-    let all = Configuration::resolve(&file).ok()?;
+    let all = Configuration::resolve_recorded(&file).ok()?;
     (all.law.name != LawName::Schema).then_some(all.profile)
 }
 
@@ -128,7 +128,9 @@ impl SimulatedRun {
         let world = start.video.strip_prefix("sim:")?;
         let (scenario, seed) = world.split_once("?seed=")?;
         let configuration = config::parse_recorded(&start.configuration).ok();
-        let law = configuration.and_then(|file| Configuration::resolve(&file).ok()).map(|all| all.law.word());
+        let law = configuration
+            .and_then(|file| Configuration::resolve_recorded(&file).ok())
+            .map(|all| all.law.word());
         Some(Self {
             scenario: scenario.to_owned(),
             trial: format!("{scenario}/{seed}"),

@@ -94,16 +94,16 @@ pub struct VehicleSection {
     /// Vertical semi-axis of the region, share of half the picture's height.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region_half_height: Option<f64>,
-    /// The motor schema's pan rate, rad/s.
+    /// The motor schema's pan rate, rad/s, 0 to the pan limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_pan_rad_per_s: Option<f64>,
-    /// The motor schema's tilt rate, rad/s.
+    /// The motor schema's tilt rate, rad/s, 0 to the tilt limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_tilt_rad_per_s: Option<f64>,
-    /// The largest pan rate that may be sent, rad/s.
+    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_pan_rad_per_s: Option<f64>,
-    /// The largest tilt rate that may be sent, rad/s.
+    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_tilt_rad_per_s: Option<f64>,
     /// The vehicle's yaw rate against our pan.
