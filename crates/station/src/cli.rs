@@ -233,7 +233,7 @@ pub struct RunArgs {
     pub force: bool,
     /// Break a thread on purpose, to test that everything stops: THREAD:panic@SECONDS or
     /// THREAD:stall@SECONDS+DURATION, with THREAD one of
-    /// pilot, recorder, overlay, terminal, status.
+    /// pilot, recorder, overlay, terminal, status. The times count from the program's start.
     #[arg(long, hide = true, value_name = "THREAD:FAULT")]
     pub fault: Vec<String>,
 }
@@ -646,7 +646,7 @@ pub struct EmulateFotokiteProArgs {
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
     /// Go wrong on purpose: KIND@SECONDS[+DURATION], several with commas, KIND being stall, drop, delay, duplicate,
-    /// corrupt, disconnect or reboot.
+    /// corrupt, disconnect or reboot. The times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// A rate ends by itself this long after the last command for its axis, in seconds.

@@ -106,21 +106,15 @@ impl FotokitePro {
         Ok(())
     }
 
-    /// Time since the emulator was switched on, which faults count from.
-    fn uptime(&self, now: Timestamp) -> Timestamp {
-        Timestamp::ZERO.plus(now.since(self.started))
-    }
-
     fn active(&self, kind: FaultKind, now: Timestamp) -> bool {
-        self.faults.active(kind, self.uptime(now))
+        self.faults.active(kind, now)
     }
 
     fn go_wrong(&mut self, now: Timestamp) -> Result<()> {
-        let uptime = self.uptime(now);
-        if self.faults.begun(FaultKind::Reboot, self.looked_at, uptime) > 0 {
+        if self.faults.begun(FaultKind::Reboot, self.looked_at, now) > 0 {
             self.station = GroundStation::boot(self.settings, now);
         }
-        self.looked_at = Some(uptime);
+        self.looked_at = Some(now);
         let unplugged = self.active(FaultKind::Disconnect, now);
         match (self.unplugged, unplugged) {
             (false, true) => self.port.unplug(),

@@ -4,7 +4,6 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
-use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
@@ -47,8 +46,6 @@ pub(crate) struct Feed<S> {
     pub(crate) clock: Clock,
     pub(crate) place: String,
     pub(super) faults: FaultFilter,
-    /// When the source was started, from which the times of faults count.
-    start: Timestamp,
     pub(crate) decoder: UnitDecoder,
 }
 
@@ -69,19 +66,13 @@ impl<S: VideoSink> Feed<S> {
             clock,
             place: url.to_string(),
             faults: FaultFilter::new(url.faults.clone()),
-            start: clock.now(),
             decoder: UnitDecoder::new(mode),
         }
     }
 
-    /// The time since the source was started, by which faults go.
-    pub(crate) fn since_start(&self) -> Timestamp {
-        Timestamp::ZERO.plus(self.clock.now().since(self.start))
-    }
-
-    /// A unit through the faults; what is left of it is decoded.
+    /// A unit through the faults; what is left of it is decoded. The times of faults count from the program's start.
     pub(crate) fn put(&mut self, unit: Option<EncodedUnit>) -> (Vec<EncodedUnit>, Fed) {
-        let at = self.since_start();
+        let at = self.clock.now();
         self.faults.panic_if_planned(at);
         let mut units = Vec::new();
         match unit {
@@ -107,5 +98,39 @@ impl<S: VideoSink> Feed<S> {
     pub(crate) fn fail_to_decode(&mut self, cause: DecodeError) {
         let place = self.place.clone();
         self.fail(VideoError::Decode { place, cause });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::video::demux::FileReader;
+
+    struct NoSink;
+
+    impl VideoSink for NoSink {
+        fn unit(&mut self, _unit: &EncodedUnit) {}
+        fn frame(&mut self, _frame: VideoFrame) {}
+        fn state(&mut self, _state: VideoState) {}
+    }
+
+    /// Units that pass a source that is started this long after the program.
+    fn passed(faults: &str, started_after_s: u64) -> usize {
+        let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+        let url = VideoUrl::parse(&format!("{clip}?fault={faults}")).unwrap();
+        let clock = Clock::start().earlier_by(Duration::from_secs(started_after_s));
+        let mut feed = Feed::new(&url, clock, NoSink);
+        let mut reader = FileReader::open(&url).unwrap();
+        let unit = reader.next_unit().unwrap();
+        feed.put(unit).0.len()
+    }
+
+    #[test]
+    fn fault_times_count_from_the_start_of_the_program() {
+        assert_eq!(passed("drop@100", 0), 1, "the fault is still to come");
+        assert_eq!(passed("drop@100", 200), 0, "the fault began before the source was started");
+        assert_eq!(passed("drop@0+100", 200), 1, "the fault was over before the source was started");
     }
 }

@@ -125,7 +125,7 @@ impl<S: VideoSink> Receiver<'_, S> {
             if self.stop.is_raised() {
                 return End::Stopped;
             }
-            let cut = self.feed.faults.is_disconnected(self.feed.since_start());
+            let cut = self.feed.faults.is_disconnected(self.feed.clock.now());
             let action = match news {
                 _ if cut => {
                     self.tell(Event::Broken);
