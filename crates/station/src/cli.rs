@@ -199,6 +199,9 @@ pub struct RunArgs {
     /// (sim:SCENARIO?seed=1&size=WxH).
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
+    /// File whose first line is user:password of the camera at rtsp://..., so that neither stands on the command line.
+    #[arg(long, value_name = "FILE")]
+    pub video_login_file: Option<PathBuf>,
     /// Where the commands go: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: to the simulated world's
     /// camera. Without it: a dry run.
     #[arg(long, value_name = "URL")]
@@ -669,6 +672,9 @@ pub struct CheckArgs {
     /// Look at this video source.
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
+    /// File whose first line is user:password of the camera at rtsp://...
+    #[arg(long, value_name = "FILE")]
+    pub video_login_file: Option<PathBuf>,
     /// Look at this link.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,

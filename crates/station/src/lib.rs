@@ -30,3 +30,4 @@ pub mod law_choice;
 pub mod logging;
 pub mod output;
 pub mod progress;
+pub mod secrets;

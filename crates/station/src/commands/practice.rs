@@ -78,6 +78,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         &RunArgs {
             config: None,
             video: Some(format!("file:{}", clip.display())),
+            video_login_file: None,
             link: Some(format!("serial:{}", port.display())),
             profile: None,
             select: Some(selection),

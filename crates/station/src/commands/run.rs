@@ -26,6 +26,7 @@ use crate::live::status::Status;
 use crate::live::terminal::Terminal;
 use crate::live::threads::Saboteur;
 use crate::output;
+use crate::secrets::video_url;
 use crate::video::url::VideoSource;
 use crate::video::{DecodeError, VideoSink, VideoState, VideoUrl, spawn, spawn_world};
 use crate::world::LiveWorld;
@@ -43,7 +44,12 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
         return Err(WrongUse(format!("no video source: {remedy}")).into());
     };
-    let video = VideoUrl::parse(video)?;
+    let video = video_url(video, configuration.video_login.as_ref())?;
+    if args.video_login_file.is_some() && !matches!(video.source, VideoSource::Rtsp { .. }) {
+        return Err(
+            WrongUse(format!("--video-login-file is for rtsp:// alone: {video} takes no login")).into()
+        );
+    }
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
     let world = match &video.source {
         VideoSource::World(url) => Some(LiveWorld::load(url)?),
@@ -97,6 +103,9 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
     over(&mut file.video.url, &args.video);
     over(&mut file.link.url, &args.link);
     over(&mut file.vehicle.profile, &args.profile);
+    if let Some(path) = &args.video_login_file {
+        (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
+    }
     file.tracker.name = args.tracker.or(file.tracker.name);
     let context = || match &args.config {
         Some(path) => format!("the configuration {} is not usable", path.display()),

@@ -1,5 +1,7 @@
 //! The configuration file as written: every key may be left out.
 
+use std::path::PathBuf;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +49,12 @@ pub struct VideoSection {
     /// `rtsp://...` or `file:...`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
+    /// File whose first line is the camera's `user:password`, for `rtsp://` alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub login_file: Option<PathBuf>,
+    /// Name of the environment variable that holds the camera's `user:password`, for `rtsp://` alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub login_env: Option<String>,
 }
 
 /// Where the commands go.

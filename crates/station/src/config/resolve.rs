@@ -11,6 +11,7 @@ use super::camera::CameraSection;
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::tracker::TrackerSection;
 use crate::law_choice::LawChoice;
+use crate::secrets::LoginSource;
 use crate::tracker::TrackerSettings;
 
 /// The effective configuration.
@@ -18,6 +19,8 @@ use crate::tracker::TrackerSettings;
 pub struct Configuration {
     /// Where the video comes from, if it is known yet.
     pub video: Option<String>,
+    /// Where the video's login is kept, if it is not in the address.
+    pub video_login: Option<LoginSource>,
     /// Where the commands go; `None`: a dry run.
     pub link: Option<String>,
     /// What stands around a line to a Fotokite Pro.
@@ -88,6 +91,7 @@ impl Configuration {
         }
         Ok(Self {
             video: file.video.url.clone(),
+            video_login: login_source(&file.video)?,
             link: file.link.url.clone(),
             framing: match file.link.line_ending {
                 None | Some(LineEnding::CrAround) => Framing::CarriageReturns,
@@ -116,7 +120,17 @@ impl Configuration {
         let rate = |rate: AngularRate| Some(rate.radians_per_second());
         let seconds = |span: Duration| Some(span.as_secs_f64());
         ConfigFile {
-            video: VideoSection { url: self.video.clone() },
+            video: VideoSection {
+                url: self.video.clone(),
+                login_file: match &self.video_login {
+                    Some(LoginSource::File(path)) => Some(path.clone()),
+                    Some(LoginSource::Environment(_)) | None => None,
+                },
+                login_env: match &self.video_login {
+                    Some(LoginSource::Environment(name)) => Some(name.clone()),
+                    Some(LoginSource::File(_)) | None => None,
+                },
+            },
             link: LinkSection {
                 url: self.link.clone(),
                 line_ending: Some(match self.framing {
@@ -150,6 +164,15 @@ impl Configuration {
     /// Never in practice: plain data can be written.
     pub fn to_toml(&self) -> Result<String> {
         Ok(toml::to_string_pretty(&self.to_file())?)
+    }
+}
+
+fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
+    match (&video.login_file, &video.login_env) {
+        (Some(_), Some(_)) => bail!("video.login_file and video.login_env are both given: leave one out"),
+        (Some(path), None) => Ok(Some(LoginSource::File(path.clone()))),
+        (None, Some(name)) => Ok(Some(LoginSource::Environment(name.clone()))),
+        (None, None) => Ok(None),
     }
 }
 

@@ -246,7 +246,8 @@ async fn connect(address: &Url, login: Option<&Login>, place: &str) -> Result<De
         Some(401 | 403) => for_good(
             place,
             "does not let us in",
-            "Write user and password into the address: rtsp://USER:PASSWORD@HOST/PATH",
+            "Write USER:PASSWORD on the first line of a file and give --video-login-file FILE, or name the file as \
+             video.login_file in the configuration",
         ),
         _ => Refusal::ForNow(error.to_string()),
     };

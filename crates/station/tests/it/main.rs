@@ -14,6 +14,7 @@ mod configuration;
 mod overlay;
 mod reports;
 mod scenarios;
+mod secrets;
 mod sent_rates;
 mod video;
 mod video_live;
