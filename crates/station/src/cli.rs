@@ -115,7 +115,7 @@ pub enum Command {
   barrelman demo --clip --output demo-output
 
 The page takes keys: arrows steer the boat, p pauses, space stops the camera, e engages it, h leaves the boat to
-the scenario's helmsman again. --clip is the loop on a practice clip that the program draws, against an emulated
+the scenario's helmsman again. A terminal takes keys, too: e engages, space and d stop the camera, q quits. --clip is the loop on a practice clip that the program draws, against an emulated
 ground station.")]
 pub struct DemoArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file; without it: open.
@@ -191,7 +191,7 @@ impl Default for DemoArgs {
   barrelman run --video sim:arena1 --link sim: --engage
   barrelman run barrelman.toml --select 600,300,80,60
 
-It starts disengaged. On a terminal: e engages, space stops, q quits.")]
+It starts disengaged. On a terminal: e engages, d disengages, space stops, q quits.")]
 pub struct RunArgs {
     /// Configuration file (TOML). Options on the command line override it.
     pub config: Option<PathBuf>,

@@ -126,6 +126,7 @@ fn watch(
     }
 }
 
+/// The keys; the help of `run` lists them.
 fn meaning(key: u8) -> Option<Event> {
     match key {
         b'e' => Some(Event::Request(OperatorRequest::Engage)),
