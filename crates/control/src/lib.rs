@@ -33,6 +33,8 @@ pub mod shadow;
 
 pub mod law;
 
+pub mod behaviour;
+
 pub use bearing::{Bearing, BearingFilter, BearingNoise};
 pub use camera_model::CameraModel;
 pub use centring::CentringGains;

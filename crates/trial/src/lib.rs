@@ -8,6 +8,8 @@ pub mod logs;
 
 pub mod metrics;
 
+pub mod behaviour;
+
 pub mod campaign;
 pub mod law;
 pub mod records;

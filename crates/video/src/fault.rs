@@ -26,7 +26,7 @@ pub(super) const DELAY: Duration = Duration::from_millis(500);
 /// Bytes at the front of a unit that are never corrupted, so that it stays a unit.
 const PROTECTED_BYTES: usize = 24;
 
-/// Breaks the units of one source by plan. Times count from the start of the source.
+/// Breaks the units of one source by plan. Times count from the program's start.
 #[derive(Debug)]
 pub(super) struct FaultFilter {
     plan: FaultPlan,

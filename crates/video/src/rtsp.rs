@@ -125,7 +125,7 @@ impl<S: VideoSink> Receiver<'_, S> {
             if self.stop.is_raised() {
                 return End::Stopped;
             }
-            let cut = self.feed.faults.is_disconnected(self.feed.since_start());
+            let cut = self.feed.faults.is_disconnected(self.feed.clock.now());
             let action = match event {
                 _ if cut => {
                     self.tell(Event::Broken);
@@ -246,7 +246,8 @@ async fn connect(address: &Url, login: Option<&Login>, place: &str) -> Result<De
         Some(401 | 403) => for_good(
             place,
             "does not let us in",
-            "Write user and password into the address: rtsp://USER:PASSWORD@HOST/PATH",
+            "Write USER:PASSWORD on the first line of a file and give --video-login-file FILE, or name the file as \
+             video.login_file in the configuration",
         ),
         _ => Refusal::ForNow(error.to_string()),
     };

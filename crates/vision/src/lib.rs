@@ -16,6 +16,8 @@
 
 mod tracker;
 
+pub mod behaviour;
+
 mod camshift;
 mod config;
 

@@ -41,6 +41,20 @@ pub enum Protocol {
     FotokitePro,
 }
 
+impl Protocol {
+    /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
+    ///
+    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep.
+    pub const fn rate_limits(self) -> AxisRates {
+        match self {
+            Self::FotokitePro => AxisRates {
+                pan: AngularRate::from_radians_per_second(0.4),
+                tilt: AngularRate::from_radians_per_second(0.3),
+            },
+        }
+    }
+}
+
 /// The elliptical region as shares of the picture: its semi-axes are `half_width` x W/2 and `half_height` x H/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegionShares {
@@ -164,7 +178,7 @@ impl VehicleProfile {
             protocol: Protocol::FotokitePro,
             region: RegionShares { half_width: 0.6, half_height: 0.5 },
             schema: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
-            limits: AxisRates { pan: rad_per_s(0.4), tilt: rad_per_s(0.3) },
+            limits: Protocol::FotokitePro.rate_limits(),
             signs: AxisSigns { yaw: Sign::Opposite, pitch: Sign::Opposite },
             camera: CameraDynamics::laboratory(),
             video_latency: Duration::from_millis(200),

@@ -6,6 +6,7 @@ use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::campaign::{CampaignEntry, CampaignSettings};
 use barrelman_trial::metrics::TrialEntry;
 
@@ -64,7 +65,9 @@ pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
     let text = std::str::from_utf8(&bytes[..whole]).context("it is not text")?;
     let mut entries = Vec::new();
     for (index, line) in text.lines().enumerate() {
-        let entry = serde_json::from_str(line).with_context(|| format!("line {}", index + 1))?;
+        let entry: CampaignEntry =
+            serde_json::from_str(line).with_context(|| format!("line {}", index + 1))?;
+        let entry = CampaignEntry { campaign: entry.campaign.completed(), ..entry };
         entries.push((entry, line.to_owned()));
     }
     Ok(CampaignFile { entries, whole_bytes: whole as u64, cut: whole < bytes.len() })
@@ -101,6 +104,14 @@ impl CampaignWriter {
         }
         let read = read(path)?;
         for (index, (entry, _)) in read.entries.iter().enumerate() {
+            if let Some(VersionDifference { first, second }) = entry.campaign.version_difference(settings) {
+                bail!(
+                    "{} is of another campaign: its line {} was run with {first}, this program has {second}; run all its \
+                     trials again into another --output",
+                    path.display(),
+                    index + 1,
+                );
+            }
             if entry.campaign != *settings {
                 bail!(
                     "{} is of another campaign: its line {} has the settings {}, asked for are {}; give the same \
@@ -166,6 +177,14 @@ pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, St
         }
         for (entry, line) in &file.entries {
             let (first_path, settings) = *first.get_or_insert((path, &entry.campaign));
+            if let Some(VersionDifference { first, second }) = settings.version_difference(&entry.campaign) {
+                bail!(
+                    "{} and {} are of different campaigns: the first was run with {first}, the second with {second}; run \
+                     the trials of both with one program",
+                    first_path.display(),
+                    path.display(),
+                );
+            }
             if entry.campaign != *settings {
                 bail!(
                     "{} and {} are of different campaigns: {} and {}",
@@ -175,8 +194,8 @@ pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, St
                     in_words(&entry.campaign)
                 );
             }
-            if let Some((other, _, known)) = by_seed.insert(entry.seed, (path, entry, line))
-                && known != line
+            if let Some((other, known, _)) = by_seed.insert(entry.seed, (path, entry, line))
+                && known.trial != entry.trial
             {
                 bail!(
                     "{} and {} have different results for seed {}: the same seed gives the same trial, so one of \

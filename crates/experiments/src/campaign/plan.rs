@@ -107,6 +107,7 @@ impl CampaignPlan {
             scenario: loaded.scenario.name.clone(),
             scenario_hash: format!("{:016x}", loaded.hash),
             law: request.law.word().to_owned(),
+            law_behaviour: request.law.behaviour_version(),
             mode: request.law.mode_word().map(str::to_owned),
             horizon_s: request.law.horizon_s,
             rate_rad_per_s: request.rate,
@@ -118,6 +119,7 @@ impl CampaignPlan {
             boat_speed_m_per_s: request.changes.boat_speed_m_per_s,
             size: request.changes.size.map(|size| format!("{}x{}", size.width, size.height)),
             tracker: tracker.map(|tracker| tracker.word().to_owned()),
+            tracker_behaviour: tracker.map(TrackerName::behaviour_version),
             drive: None,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         };
@@ -243,8 +245,8 @@ impl CampaignPlan {
         let mut eye =
             in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
         let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
-        let simulation =
-            Simulation::new(&scenario, world, seed, pilot, &self.profile).reporting_tilt(self.reports_tilt);
+        let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
+            .reporting_tilt(self.reports_tilt);
         Ok(match &self.drive_inputs {
             Some(drive_inputs) => drive_inputs.run(simulation, eye, witness),
             None => simulation.run(eye, witness),
@@ -261,7 +263,8 @@ impl CampaignPlan {
         };
         let name = format!("{}-{seed}", self.settings.scenario);
         let video = format!("sim:{}?seed={seed}", self.settings.scenario);
-        let mut recorder = TrialRecorder::begin(recording, &name, video, &self.profile)?;
+        let behaviour = self.law.behaviour_with(self.tracker);
+        let mut recorder = TrialRecorder::begin(recording, &name, video, behaviour, &self.profile)?;
         let log = self.log(seed, &mut recorder)?;
         recorder.finish()?;
         Ok(log)

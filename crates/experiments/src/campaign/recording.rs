@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
+use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::campaign::Witness;
 use barrelman_trial::records::{
     Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
@@ -47,6 +48,7 @@ impl TrialRecorder {
         recording: &TrialRecording,
         name: &str,
         video: String,
+        behaviour: BehaviourVersions,
         profile: &VehicleProfile,
     ) -> Result<Self> {
         let TrialRecording { folder, force, configuration } = recording;
@@ -54,14 +56,21 @@ impl TrialRecorder {
         let film = folder.join(format!("{name}.mp4"));
         output::check_free(&film, *force)?;
         let film = Film::new(&film, profile.region);
-        Ok(Self { film: Some(film), ..Self::without_film(&path, *force, configuration.clone(), video)? })
+        let configuration = configuration.clone();
+        Ok(Self { film: Some(film), ..Self::without_film(&path, *force, configuration, video, behaviour)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
     /// If the file exists and may not be overwritten, or cannot be written.
-    pub fn without_film(path: &Path, force: bool, configuration: String, video: String) -> Result<Self> {
+    pub fn without_film(
+        path: &Path,
+        force: bool,
+        configuration: String,
+        video: String,
+        behaviour: BehaviourVersions,
+    ) -> Result<Self> {
         let file = BufWriter::new(output::create(path, force)?);
         // A simulated trial has no clock of its own: the same seed gives the same file.
         let start = RecordingStart {
@@ -72,6 +81,7 @@ impl TrialRecorder {
             video,
             link: "sim:".to_owned(),
             live_video: false,
+            behaviour,
         };
         let writer = RecordingWriter::begin(file, &start).with_context(|| cannot_be_written(path))?;
         Ok(Self { path: path.to_owned(), writer, film: None, step: 0, failed: None })

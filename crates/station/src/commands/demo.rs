@@ -15,6 +15,7 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Input, Mode, Outcome};
 use barrelman_sim::Truth;
 use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::campaign::Witness;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
 
@@ -202,7 +203,9 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
 
 fn recorder(args: &DemoArgs, cast: &DriveSetup) -> Result<Option<TrialRecorder>> {
     let begin = |path: &std::path::PathBuf| {
-        TrialRecorder::without_film(path, args.force, configuration_of(cast)?, cast.url.to_string())
+        let behaviour = cast.law.behaviour_with(cast.tracker);
+        let configuration = configuration_of(cast)?;
+        TrialRecorder::without_film(path, args.force, configuration, cast.url.to_string(), behaviour)
     };
     args.record.as_ref().map(begin).transpose()
 }
@@ -222,7 +225,9 @@ fn configuration_of(cast: &DriveSetup) -> Result<String> {
 fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
     let stored = DriveReader::read(path)?;
     let last = stored.last_tick();
-    let DriveReader { cast, inputs, end } = stored;
+    let DriveReader { cast, behaviour, inputs, end } = stored;
+    let current = cast.law.behaviour_with(cast.tracker);
+    let difference = behaviour.difference(current, cast.tracker.word(), cast.law.word());
     if args.record.is_some() && !cast.coded {
         bail!(
             "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
@@ -264,7 +269,12 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
             Ok(ExitCode::SUCCESS)
         }
         Some((_, then)) => {
-            tracing::error!("the drive differs: it was {then}");
+            match difference {
+                Some(VersionDifference { first, second }) => tracing::error!(
+                    "the drive was driven with {first}, this program has {second}: that it differs ({then} then) is no fault"
+                ),
+                None => tracing::error!("the drive differs: it was {then}"),
+            }
             Ok(ExitCode::FAILURE)
         }
     }

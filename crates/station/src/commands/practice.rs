@@ -69,7 +69,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 
     writeln!(
         out,
-        "running for {} s: space stops the camera, e engages it again, q quits",
+        "running for {} s: space stops the camera, d disengages it, e engages it again, q quits",
         practice.frames() / FRAMES_PER_SECOND
     )?;
     out.flush()?;
@@ -78,6 +78,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         &RunArgs {
             config: None,
             video: Some(format!("file:{}", clip.display())),
+            video_login_file: None,
             link: Some(format!("serial:{}", port.display())),
             profile: None,
             select: Some(selection),

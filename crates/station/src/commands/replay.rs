@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow, bail};
 use barrelman_pilot::Input;
+use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::records::{
     Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
 };
@@ -15,7 +16,7 @@ use barrelman_vocab::VideoFrame;
 
 use super::run::build_pilot;
 use crate::cli::ReplayArgs;
-use crate::config::{self, Configuration};
+use crate::config::{self, ConfigFile, Configuration};
 use barrelman_host::input;
 use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 
@@ -38,6 +39,9 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
         replayed.comparison.outcomes,
         if replayed.cut { "; the recording is cut off, everything before the cut was replayed" } else { "" }
     )?;
+    if let Some(VersionDifference { first, second }) = &replayed.difference {
+        writeln!(out, "recorded with {first}, this program has {second}: outcomes may differ")?;
+    }
     if !args.compare {
         return Ok(ExitCode::SUCCESS);
     }
@@ -68,6 +72,8 @@ struct Replayed {
     frames: u64,
     comparison: Comparison,
     cut: bool,
+    /// How the behaviour versions of the recording differ from this program's.
+    difference: Option<VersionDifference>,
 }
 
 fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
@@ -78,12 +84,14 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let configuration = match changed {
         Some(configuration) => configuration,
-        None => Configuration::resolve(&config::parse_recorded(&start.configuration)?)
+        None => Configuration::resolve_recorded(&config::parse_recorded(&start.configuration)?)
             .context("the recorded configuration")?,
     };
     let mut film = StoredVideo::new(&start);
     let mut replay = Replay::new(build_pilot(&configuration)?, configuration.profile.clone());
-    let mut replayed = Replayed { steps: 0, frames: 0, comparison: Comparison::default(), cut: false };
+    let difference = version_difference(&start, &configuration);
+    let mut replayed =
+        Replayed { steps: 0, frames: 0, comparison: Comparison::default(), cut: false, difference };
     // Outcomes are held against those of the same step; a queue bounds how many wait.
     let mut waiting: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
     for entry in entries {
@@ -118,6 +126,25 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
         }
     }
     Ok(replayed)
+}
+
+/// How the versions of the recorded tracker and law differ from those that replay it. A tracker or law that another one
+/// replaces has no version to compare.
+fn version_difference(start: &RecordingStart, configuration: &Configuration) -> Option<VersionDifference> {
+    let (tracker, law) = (configuration.tracker.name, configuration.law);
+    let current = law.behaviour_with(tracker);
+    let recorded = config::parse_recorded(&start.configuration).ok();
+    let is_replaced = |is_same: fn(&ConfigFile, &Configuration) -> bool| {
+        recorded.as_ref().is_some_and(|file| !is_same(file, configuration))
+    };
+    let mut behaviour = start.behaviour;
+    if is_replaced(|file, used| file.tracker.name == Some(used.tracker.name)) {
+        behaviour.tracker = current.tracker;
+    }
+    if is_replaced(|file, used| file.law.name == Some(used.law.name)) {
+        behaviour.law = current.law;
+    }
+    behaviour.difference(current, tracker.word(), law.word())
 }
 
 /// The video of a recording, decoded again.

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
+use barrelman_trial::behaviour::FIRST;
 use barrelman_trial::campaign::CampaignSettings;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
@@ -109,7 +110,7 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
 /// The vehicle of a recording that another law than the schema servoed.
 fn vehicle_of_another_law(start: &RecordingStart) -> Option<VehicleProfile> {
     let file = config::parse_recorded(&start.configuration).ok()?;
-    let all = Configuration::resolve(&file).ok()?;
+    let all = Configuration::resolve_recorded(&file).ok()?;
     (all.law.name != LawName::Schema).then_some(all.profile)
 }
 
@@ -127,7 +128,9 @@ impl SimulatedRun {
         let world = start.video.strip_prefix("sim:")?;
         let (scenario, seed) = world.split_once("?seed=")?;
         let configuration = config::parse_recorded(&start.configuration).ok();
-        let law = configuration.and_then(|file| Configuration::resolve(&file).ok()).map(|all| all.law.word());
+        let law = configuration
+            .and_then(|file| Configuration::resolve_recorded(&file).ok())
+            .map(|all| all.law.word());
         Some(Self {
             scenario: scenario.to_owned(),
             trial: format!("{scenario}/{seed}"),
@@ -151,6 +154,9 @@ fn in_words(settings: &CampaignSettings) -> String {
     words.extend(settings.boat_speed_m_per_s.map(|speed| format!("boat {speed} m/s")));
     words.extend(settings.size.clone());
     words.extend(settings.tracker.clone());
+    let versions = settings.behaviour();
+    words.extend((versions.tracker != FIRST).then(|| format!("tracker's behaviour {}", versions.tracker)));
+    words.extend((versions.law != FIRST).then(|| format!("law's behaviour {}", versions.law)));
     words.push(settings.setting.clone());
     words.join(", ")
 }

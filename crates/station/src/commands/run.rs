@@ -23,11 +23,13 @@ use crate::live::run_loop::{FrameObserver, RunEnd, RunLoop};
 use crate::live::status::Status;
 use crate::live::terminal::Terminal;
 use crate::live::threads::FaultInjector;
+use crate::secrets;
 use crate::simulated_source::{self, LiveWorld};
 use crate::source_url::{SimulatedUrl, SourceUrl};
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
 use barrelman_host::output;
+use barrelman_video::url::VideoSource;
 use barrelman_video::{DecodeError, VideoSink, VideoState, VideoUrl};
 
 /// Events that may wait for the loop. It takes thousands a second; hundreds come.
@@ -43,7 +45,14 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
         return Err(WrongUse(format!("no video source: {remedy}")).into());
     };
-    let source = SourceUrl::parse(video)?;
+    let source = secrets::source_url(video, configuration.video_login.as_ref())?;
+    let takes_login =
+        matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
+    if args.video_login_file.is_some() && !takes_login {
+        return Err(
+            WrongUse(format!("--video-login-file is for rtsp:// alone: {source} takes no login")).into()
+        );
+    }
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
     let source = Source::load(source)?;
     if source.world().is_none() && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::World) {
@@ -120,6 +129,9 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
     over(&mut file.video.url, &args.video);
     over(&mut file.link.url, &args.link);
     over(&mut file.vehicle.profile, &args.profile);
+    if let Some(path) = &args.video_login_file {
+        (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
+    }
     file.tracker.name = args.tracker.or(file.tracker.name);
     let context = || match &args.config {
         Some(path) => format!("the configuration {} is not usable", path.display()),
@@ -285,6 +297,7 @@ fn recording_start(
         video,
         link: link.map(ToString::to_string).unwrap_or_default(),
         live_video,
+        behaviour: configuration.law.behaviour_with(configuration.tracker.name),
     })
 }
 

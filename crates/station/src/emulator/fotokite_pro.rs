@@ -106,21 +106,15 @@ impl FotokitePro {
         Ok(())
     }
 
-    /// Time since the emulator was switched on, which faults count from.
-    fn uptime(&self, now: Timestamp) -> Timestamp {
-        Timestamp::ZERO.plus(now.since(self.started))
-    }
-
     fn active(&self, kind: FaultKind, now: Timestamp) -> bool {
-        self.faults.active(kind, self.uptime(now))
+        self.faults.active(kind, now)
     }
 
     fn apply_faults(&mut self, now: Timestamp) -> Result<()> {
-        let uptime = self.uptime(now);
-        if self.faults.begun(FaultKind::Reboot, self.faults_applied_at, uptime) > 0 {
+        if self.faults.begun(FaultKind::Reboot, self.faults_applied_at, now) > 0 {
             self.station = GroundStation::boot(self.settings, now);
         }
-        self.faults_applied_at = Some(uptime);
+        self.faults_applied_at = Some(now);
         let unplugged = self.active(FaultKind::Disconnect, now);
         match (self.unplugged, unplugged) {
             (false, true) => self.port.unplug(),

@@ -128,6 +128,7 @@ fn watch(
     }
 }
 
+/// The keys; the help of `run` lists them.
 fn meaning(key: u8) -> Option<Event> {
     match key {
         b'e' => Some(Event::Request(OperatorRequest::Engage)),

@@ -7,8 +7,11 @@
     reason = "a test fails by panicking, and says why it was skipped"
 )]
 
+mod behaviour_versions;
 mod campaigns;
 mod command_line;
 mod configuration;
 mod reports;
+mod secrets;
+mod sent_rates;
 mod simulated_source;

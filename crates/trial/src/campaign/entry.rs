@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::behaviour::{BehaviourVersions, FIRST, VersionDifference};
 use crate::metrics::TrialEntry;
 
 /// The settings of a campaign: two trials with the same ones and the same seed are the same trial.
@@ -14,6 +15,9 @@ pub struct CampaignSettings {
     pub scenario_hash: String,
     /// The law.
     pub law: String,
+    /// Behaviour version of the law.
+    #[serde(default = "first_version")]
+    pub law_behaviour: u32,
     /// What the optimal law spares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<String>,
@@ -44,11 +48,47 @@ pub struct CampaignSettings {
     /// The tracker, in pixels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracker: Option<String>,
+    /// Behaviour version of the tracker, in pixels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tracker_behaviour: Option<u32>,
     /// XXH3-64 of the inputs of the stored drive that the boat was steered by, in hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<String>,
     /// Version of the program.
     pub program: String,
+}
+
+const fn first_version() -> u32 {
+    FIRST
+}
+
+impl CampaignSettings {
+    /// The settings with what files of earlier programs leave out: the mode of the optimal law and the behaviour
+    /// version of the tracker.
+    #[must_use]
+    pub fn completed(mut self) -> Self {
+        if self.law == "optimal" {
+            self.mode.get_or_insert_with(|| "minimum-energy".to_owned());
+        }
+        if self.tracker.is_some() {
+            self.tracker_behaviour.get_or_insert(FIRST);
+        }
+        self
+    }
+
+    /// The behaviour versions of tracker and law.
+    pub fn behaviour(&self) -> BehaviourVersions {
+        BehaviourVersions { tracker: self.tracker_behaviour.unwrap_or(FIRST), law: self.law_behaviour }
+    }
+
+    /// How the behaviour versions differ from those of `other`, where both have the same tracker and the same law.
+    pub fn version_difference(&self, other: &Self) -> Option<VersionDifference> {
+        if (&self.tracker, &self.law) != (&other.tracker, &other.law) {
+            return None;
+        }
+        let tracker = self.tracker.as_deref().unwrap_or_default();
+        self.behaviour().difference(other.behaviour(), tracker, &self.law)
+    }
 }
 
 /// One trial of a campaign.

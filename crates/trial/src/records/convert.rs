@@ -18,6 +18,7 @@ use bytes::Bytes;
 
 use super::entry::{Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart};
 use super::stored;
+use crate::behaviour::{BehaviourVersions, FIRST};
 
 /// What is wrong with a stored message.
 #[derive(Debug)]
@@ -116,12 +117,16 @@ impl From<&RecordingStart> for stored::RecordingStart {
             video: start.video.clone(),
             link: start.link.clone(),
             live_video: start.live_video,
+            tracker_behaviour: start.behaviour.tracker,
+            law_behaviour: start.behaviour.law,
         }
     }
 }
 
 impl From<stored::RecordingStart> for RecordingStart {
     fn from(start: stored::RecordingStart) -> Self {
+        // A recording of before the versions holds zeros.
+        let version = |stored: u32| if stored == 0 { FIRST } else { stored };
         Self {
             program_version: start.program_version,
             monotonic_ns: start.monotonic_ns,
@@ -130,6 +135,10 @@ impl From<stored::RecordingStart> for RecordingStart {
             video: start.video,
             link: start.link,
             live_video: start.live_video,
+            behaviour: BehaviourVersions {
+                tracker: version(start.tracker_behaviour),
+                law: version(start.law_behaviour),
+            },
         }
     }
 }

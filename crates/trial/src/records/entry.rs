@@ -11,6 +11,8 @@ use barrelman_vocab::{
     VehicleRates, VideoFrame,
 };
 
+use crate::behaviour::BehaviourVersions;
+
 /// One entry.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
@@ -50,6 +52,8 @@ pub struct RecordingStart {
     pub link: String,
     /// Whether the video was live, which tells a decoder in which order to show it.
     pub live_video: bool,
+    /// Behaviour versions of the tracker and the law that the configuration names.
+    pub behaviour: BehaviourVersions,
 }
 
 /// An input of the pilot, as stored: a video frame by what tells it from others.

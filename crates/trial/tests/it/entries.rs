@@ -5,6 +5,7 @@ use core::time::Duration;
 use barrelman_control::{Percept, Sector};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
+use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{
     Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
     RecordingStart, RecordingWriter,
@@ -30,6 +31,7 @@ pub(crate) fn start() -> RecordingStart {
         video: "file:clip.mp4".to_owned(),
         link: String::new(),
         live_video: true,
+        behaviour: BehaviourVersions { tracker: 3, law: 2 },
     }
 }
 

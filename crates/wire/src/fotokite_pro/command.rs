@@ -7,11 +7,12 @@
 use core::fmt::{self, Write as _};
 
 use barrelman_vocab::AngularRate;
+use barrelman_vocab::profile::Protocol;
 
 /// Limit of the yaw rate, rad/s.
-pub const YAW_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.4);
+pub const YAW_LIMIT: AngularRate = Protocol::FotokitePro.rate_limits().pan;
 /// Limit of both gimbal rates, rad/s.
-pub const GIMBAL_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.3);
+pub const GIMBAL_LIMIT: AngularRate = Protocol::FotokitePro.rate_limits().tilt;
 
 /// One line to the ground station.
 #[derive(Debug, Clone, Copy, PartialEq)]
