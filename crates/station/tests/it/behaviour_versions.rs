@@ -6,7 +6,8 @@ use std::process::{Command, Output};
 
 use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
 use barrelman_experiments::tracker_choice::TrackerName;
-use barrelman_experiments::drive::{DriveInput, DriveReader, DriveSetup, DriveWriter, WorldUrl};
+use barrelman_experiments::drive::{DriveInput, DriveReader, DriveSetup, DriveWriter};
+use barrelman_experiments::world_url::WorldUrl;
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{Entry, RecordingReader, RecordingStart, RecordingWriter};
 use barrelman_vocab::PictureSize;
