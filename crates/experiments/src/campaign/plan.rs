@@ -245,8 +245,8 @@ impl CampaignPlan {
         let mut eye =
             in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
         let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
-        let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
-            .reporting_tilt(self.reports_tilt);
+        let simulation =
+            Simulation::new(&scenario, world, seed, pilot, &self.profile).reporting_tilt(self.reports_tilt);
         Ok(match &self.drive_inputs {
             Some(drive_inputs) => drive_inputs.run(simulation, eye, witness),
             None => simulation.run(eye, witness),

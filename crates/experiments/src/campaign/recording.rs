@@ -1,6 +1,5 @@
 //! A simulated trial on disk: its recording, and in pixels its annotated video.
 
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +13,7 @@ use barrelman_trial::records::{
 };
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
 
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
 
 /// How the trials of a campaign are recorded.
@@ -31,7 +30,7 @@ pub struct TrialRecording {
 /// Records a trial.
 pub struct TrialRecorder {
     path: PathBuf,
-    writer: RecordingWriter<BufWriter<File>>,
+    writer: RecordingWriter<BufWriter<OutputFile>>,
     /// The annotated video, where there is one.
     film: Option<Film>,
     step: u64,
@@ -54,24 +53,23 @@ impl TrialRecorder {
         let TrialRecording { folder, force, configuration } = recording;
         let path = folder.join(format!("{name}.mcap"));
         let film = folder.join(format!("{name}.mp4"));
-        output::check_free(&film, *force)?;
-        let film = Film::new(&film, profile.region);
+        let film = Film::new(OutputFile::open(&film, *force)?, profile.region);
+        let file = OutputFile::open(&path, *force)?;
         let configuration = configuration.clone();
-        Ok(Self { film: Some(film), ..Self::without_film(&path, *force, configuration, video, behaviour)? })
+        Ok(Self { film: Some(film), ..Self::without_film(file, configuration, video, behaviour)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
-    /// If the file exists and may not be overwritten, or cannot be written.
+    /// If the file cannot be written.
     pub fn without_film(
-        path: &Path,
-        force: bool,
+        file: OutputFile,
         configuration: String,
         video: String,
         behaviour: BehaviourVersions,
     ) -> Result<Self> {
-        let file = BufWriter::new(output::create(path, force)?);
+        let path = file.path().to_owned();
         // A simulated trial has no clock of its own: the same seed gives the same file.
         let start = RecordingStart {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -83,8 +81,9 @@ impl TrialRecorder {
             live_video: false,
             behaviour,
         };
-        let writer = RecordingWriter::begin(file, &start).with_context(|| cannot_be_written(path))?;
-        Ok(Self { path: path.to_owned(), writer, film: None, step: 0, failed: None })
+        let writer =
+            RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;
+        Ok(Self { path, writer, film: None, step: 0, failed: None })
     }
 
     /// Ends both files.

@@ -12,6 +12,7 @@ use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_experiments::world_url::WorldUrl;
+use barrelman_host::output::OutputFile;
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_simd::SimdLevel;
@@ -99,7 +100,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
     let cast = cast(LawChoice::SCHEMA, false);
     let inputs = [(0, DriveInput::Engage), (30, AHEAD)];
     let hash = drive_inputs(&cast, &inputs);
-    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
     inputs.iter().for_each(|(tick, input)| writer.add(*tick, *input).unwrap());
     writer.end(120, hash.clone()).unwrap();
     let stored = DriveReader::read(&path).unwrap();
@@ -132,7 +133,7 @@ fn a_stored_drive_is_read_as_it_was_written() {
     let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
     let law = LawChoice { mode: Some(ModeName::Eco), horizon_s: Some(1.5), ..LawChoice::OPTIMAL };
     let cast = cast(law, true);
-    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
     writer.add(0, DriveInput::Engage).unwrap();
     writer.add(30, AHEAD).unwrap();
     let cut = DriveReader::read(&path).unwrap();

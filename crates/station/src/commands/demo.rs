@@ -5,7 +5,7 @@
 
 use std::io::{Write as _, stdout};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -41,7 +41,7 @@ use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_experiments::world_url::WorldUrl;
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 
 /// Where the page is served unless something else is asked for: the first of these ports that is free.
 const PORTS: std::ops::Range<u16> = 8480..8490;
@@ -62,12 +62,12 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     if args.clip || args.draw_only {
         return practice::run(args, clock);
     }
-    for path in [&args.record, &args.store].into_iter().flatten() {
-        output::check_free(path, args.force)?;
-    }
+    let open =
+        |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
+    let (record, store) = (open(&args.record)?, open(&args.store)?);
     match &args.replay {
-        Some(path) => replay(args, path),
-        None => drive(args, clock),
+        Some(path) => replay(record, path),
+        None => drive(args, record, store, clock),
     }
 }
 
@@ -80,7 +80,12 @@ enum End {
 }
 
 /// Drives on in a world, and in further ones, until it is asked to end.
-fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
+fn drive(
+    args: &DemoArgs,
+    mut record: Option<OutputFile>,
+    mut store: Option<OutputFile>,
+    clock: Clock,
+) -> Result<ExitCode> {
     let mut url = WorldUrl {
         scenario: args.scenario.clone().unwrap_or_else(|| "open".to_owned()),
         seed: args.seed,
@@ -118,16 +123,12 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         let mut live = LiveDrive {
             drive: Drive::new(&cast, &threads)?,
             observers: DriveObservers {
-                recorder: recorder(args, &cast)?,
+                recorder: recorder(record.take(), &cast)?,
                 frames: Some(&frames),
                 shadow: (cast.law.name != LawName::Schema).then(|| MotorSchemaShadow::new(&cast.profile)),
                 ..DriveObservers::default()
             },
-            store: args
-                .store
-                .as_deref()
-                .map(|path| DriveWriter::begin(path, args.force, &cast))
-                .transpose()?,
+            store: store.take().map(|file| DriveWriter::begin(file, &cast)).transpose()?,
             page: &page,
             cast: &cast,
             clock,
@@ -201,13 +202,12 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
     }
 }
 
-fn recorder(args: &DemoArgs, cast: &DriveSetup) -> Result<Option<TrialRecorder>> {
-    let begin = |path: &std::path::PathBuf| {
+fn recorder(file: Option<OutputFile>, cast: &DriveSetup) -> Result<Option<TrialRecorder>> {
+    let begin = |file| {
         let behaviour = cast.law.behaviour_with(cast.tracker);
-        let configuration = configuration_of(cast)?;
-        TrialRecorder::without_film(path, args.force, configuration, cast.url.to_string(), behaviour)
+        TrialRecorder::without_film(file, configuration_of(cast)?, cast.url.to_string(), behaviour)
     };
-    args.record.as_ref().map(begin).transpose()
+    file.map(begin).transpose()
 }
 
 /// The effective configuration (TOML) of a drive.
@@ -222,13 +222,13 @@ fn configuration_of(cast: &DriveSetup) -> Result<String> {
 }
 
 /// A stored drive again, as fast as it goes.
-fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
+fn replay(record: Option<OutputFile>, path: &Path) -> Result<ExitCode> {
     let stored = DriveReader::read(path)?;
     let last = stored.last_tick();
     let DriveReader { cast, behaviour, inputs, end } = stored;
     let current = cast.law.behaviour_with(cast.tracker);
     let difference = behaviour.difference(current, cast.tracker.word(), cast.law.word());
-    if args.record.is_some() && !cast.coded {
+    if record.is_some() && !cast.coded {
         bail!(
             "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
             path.display()
@@ -236,7 +236,7 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
     }
     let threads = RenderThreads::two()?;
     let mut drive = Drive::new(&cast, &threads)?;
-    let mut observers = DriveObservers { recorder: recorder(args, &cast)?, ..DriveObservers::default() };
+    let mut observers = DriveObservers { recorder: recorder(record, &cast)?, ..DriveObservers::default() };
     let progress = Progress::new("ticks", last);
     let mut inputs = inputs.into_iter().peekable();
     loop {

@@ -3,7 +3,6 @@
 //! The loop never waits for it: where drawing is slower than the video, frames are left out of the annotated
 //! one, and counted.
 
-use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -16,6 +15,7 @@ use super::event::Event;
 use super::run_loop::FrameObserver;
 use super::threads::{self, FaultInjector};
 use barrelman_host::clock::Clock;
+use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
 
 /// Frames that may wait to be drawn.
@@ -46,7 +46,7 @@ impl OverlayVideo {
     /// # Errors
     /// If the thread cannot be started.
     pub fn begin(
-        path: &Path,
+        file: OutputFile,
         shares: RegionShares,
         clock: Clock,
         fault_injector: FaultInjector,
@@ -54,9 +54,8 @@ impl OverlayVideo {
     ) -> Result<Self> {
         let (items, queue) = sync_channel::<Option<Box<Seen>>>(QUEUE);
         let (send_result, result) = sync_channel(1);
-        let path = path.to_owned();
         let thread = threads::spawn("overlay", events, move || {
-            let _ = send_result.send(write(Film::new(&path, shares), &queue, || {
+            let _ = send_result.send(write(Film::new(file, shares), &queue, || {
                 fault_injector.apply_faults("overlay", clock.now())
             }));
         })?;

@@ -4,10 +4,11 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use barrelman_experiments::drive::{DriveInput, DriveReader, DriveSetup, DriveWriter};
 use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
 use barrelman_experiments::tracker_choice::TrackerName;
-use barrelman_experiments::drive::{DriveInput, DriveReader, DriveSetup, DriveWriter};
 use barrelman_experiments::world_url::WorldUrl;
+use barrelman_host::output::OutputFile;
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{Entry, RecordingReader, RecordingStart, RecordingWriter};
 use barrelman_vocab::PictureSize;
@@ -114,7 +115,7 @@ fn a_drive_states_mode_and_versions_and_its_replay_names_a_difference() {
     let path = folder.join("drive.jsonl");
     let url = WorldUrl { size: Some(PictureSize::new(192, 108)), ..WorldUrl::of("open") };
     let cast = DriveSetup::new(url, TrackerName::Camshift, LawChoice::OPTIMAL, false).unwrap();
-    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
     writer.add(0, DriveInput::Engage).unwrap();
     writer.end(60, "0123456789abcdef".to_owned()).unwrap();
     let written = std::fs::read_to_string(&path).unwrap();
