@@ -1,15 +1,15 @@
 //! A campaign's file: read, gone on with, merged.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{Seek as _, SeekFrom, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use barrelman_trial::campaign::{CampaignEntry, CampaignSettings};
 use barrelman_trial::metrics::TrialEntry;
 
-use crate::{input, output};
+use crate::input;
+use crate::output::{self, OutputFile};
 
 /// A campaign's file that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,8 +73,7 @@ pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
 /// A campaign's file that is being written, trial by trial.
 #[derive(Debug)]
 pub struct CampaignWriter {
-    file: File,
-    path: PathBuf,
+    file: OutputFile,
 }
 
 impl CampaignWriter {
@@ -83,23 +82,22 @@ impl CampaignWriter {
     /// # Errors
     /// If it exists or cannot be written.
     pub fn create(path: &Path, force: bool) -> Result<Self> {
-        Ok(Self { file: output::create(path, force)?, path: path.to_owned() })
+        Ok(Self { file: output::create(path, force)? })
     }
 
     /// Goes on with a file that was begun, for these settings and seeds, and says which trials it has already. A
     /// file that is not there is begun.
     ///
     /// # Errors
-    /// If it is no campaign's file, or another campaign's.
+    /// If it is no campaign's file, another campaign's, or a symbolic link.
     pub fn resume(
         path: &Path,
         settings: &CampaignSettings,
         seeds: &[u64],
     ) -> Result<(Self, Vec<CampaignEntry>)> {
-        if !path.exists() {
-            return Ok((Self::create(path, false)?, Vec::new()));
-        }
-        let read = read(path)?;
+        // The file is read through the handle that goes on with it: it is the same file.
+        let (mut file, bytes) = OutputFile::resume(path)?;
+        let read = parse(&bytes).with_context(|| format!("{} is no campaign's file", path.display()))?;
         for (index, (entry, _)) in read.entries.iter().enumerate() {
             if entry.campaign != *settings {
                 bail!(
@@ -122,15 +120,10 @@ impl CampaignWriter {
                 );
             }
         }
-        let mut file = OpenOptions::new()
-            .write(true)
-            .open(path)
-            .with_context(|| format!("{} cannot be written", path.display()))?;
         // A line without its end was being written when the program ended: that trial is run again.
-        file.set_len(read.whole_bytes)?;
-        file.seek(SeekFrom::End(0))?;
+        file.cut_after(read.whole_bytes)?;
         let entries = read.entries.into_iter().map(|(entry, _)| entry).collect();
-        Ok((Self { file, path: path.to_owned() }, entries))
+        Ok((Self { file }, entries))
     }
 
     /// Adds a trial.
@@ -145,7 +138,7 @@ impl CampaignWriter {
     fn add_line(&mut self, line: &str) -> Result<()> {
         // One write for each line: what ends the program in between leaves a cut line, which is known as such.
         self.file.write_all(line.as_bytes()).with_context(|| {
-            format!("{} cannot be written: the trials before this one are in it", self.path.display())
+            format!("{} cannot be written: the trials before this one are in it", self.file.path().display())
         })
     }
 }

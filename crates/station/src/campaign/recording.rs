@@ -1,6 +1,5 @@
 //! A simulated trial on disk: its recording, and in pixels its annotated video.
 
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -14,12 +13,12 @@ use barrelman_trial::records::{
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
 
 use crate::film::Film;
-use crate::output;
+use crate::output::OutputFile;
 
 /// Records a trial.
 pub struct TrialRecorder {
     path: PathBuf,
-    writer: RecordingWriter<BufWriter<File>>,
+    writer: RecordingWriter<BufWriter<OutputFile>>,
     /// The annotated video, where there is one.
     film: Option<Film>,
     step: u64,
@@ -42,17 +41,17 @@ impl TrialRecorder {
     ) -> Result<Self> {
         let path = folder.join(format!("{name}.mcap"));
         let film = folder.join(format!("{name}.mp4"));
-        output::check_free(&film, force)?;
-        let film = Film::new(&film, profile.region);
-        Ok(Self { film: Some(film), ..Self::bare(&path, force, configuration, video)? })
+        let film = Film::new(OutputFile::open(&film, force)?, profile.region);
+        let recording = OutputFile::open(&path, force)?;
+        Ok(Self { film: Some(film), ..Self::bare(recording, configuration, video)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
-    /// If the file exists and may not be overwritten, or cannot be written.
-    pub fn bare(path: &Path, force: bool, configuration: String, video: String) -> Result<Self> {
-        let file = BufWriter::new(output::create(path, force)?);
+    /// If the file cannot be written.
+    pub fn bare(file: OutputFile, configuration: String, video: String) -> Result<Self> {
+        let path = file.path().to_owned();
         // A simulated trial has no clock of its own: the same seed gives the same file.
         let start = RecordingStart {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -63,8 +62,9 @@ impl TrialRecorder {
             link: "sim:".to_owned(),
             live_video: false,
         };
-        let writer = RecordingWriter::begin(file, &start).with_context(|| cannot_be_written(path))?;
-        Ok(Self { path: path.to_owned(), writer, film: None, step: 0, failed: None })
+        let writer =
+            RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;
+        Ok(Self { path, writer, film: None, step: 0, failed: None })
     }
 
     /// Ends both files.

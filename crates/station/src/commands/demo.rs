@@ -5,7 +5,7 @@
 
 use std::io::{Write as _, stdout};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -26,7 +26,7 @@ use crate::law_choice::{LawChoice, LawName};
 use crate::live::event::{Event, QuitCause};
 use crate::live::terminal::Terminal;
 use crate::live::threads::{self, Saboteur};
-use crate::output;
+use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::scenario::{self, Changes};
 use crate::world::drive::{DriveHash, DriveWitness};
@@ -57,12 +57,12 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     if args.clip || args.draw_only {
         return practice::run(args, clock);
     }
-    for path in [&args.record, &args.store].into_iter().flatten() {
-        output::check_free(path, args.force)?;
-    }
+    let open =
+        |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
+    let (record, store) = (open(&args.record)?, open(&args.store)?);
     match &args.replay {
-        Some(path) => replay(args, path),
-        None => drive(args, clock),
+        Some(path) => replay(record, path),
+        None => drive(args, record, store, clock),
     }
 }
 
@@ -75,7 +75,12 @@ enum End {
 }
 
 /// Drives on in a world, and in further ones, until it is asked to end.
-fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
+fn drive(
+    args: &DemoArgs,
+    mut record: Option<OutputFile>,
+    mut store: Option<OutputFile>,
+    clock: Clock,
+) -> Result<ExitCode> {
     let mut url = WorldUrl {
         scenario: args.scenario.clone().unwrap_or_else(|| "open".to_owned()),
         seed: args.seed,
@@ -111,16 +116,12 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         let mut live = LiveDrive {
             drive: Drive::new(&cast, &threads)?,
             crew: Crew {
-                recorder: recorder(args, &cast)?,
+                recorder: recorder(record.take(), &cast)?,
                 easel: Some(&easel),
                 shadow: (cast.law.name != LawName::Schema).then(|| DriveShadow::new(&cast.profile)),
                 ..Crew::default()
             },
-            store: args
-                .store
-                .as_deref()
-                .map(|path| DriveWriter::begin(path, args.force, &cast))
-                .transpose()?,
+            store: store.take().map(|file| DriveWriter::begin(file, &cast)).transpose()?,
             stage: &stage,
             cast: &cast,
             clock,
@@ -194,19 +195,16 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
     }
 }
 
-fn recorder(args: &DemoArgs, cast: &Cast) -> Result<Option<TrialRecorder>> {
-    let begin = |path: &std::path::PathBuf| {
-        TrialRecorder::bare(path, args.force, cast.configuration()?, cast.url.to_string())
-    };
-    args.record.as_ref().map(begin).transpose()
+fn recorder(file: Option<OutputFile>, cast: &Cast) -> Result<Option<TrialRecorder>> {
+    file.map(|file| TrialRecorder::bare(file, cast.configuration()?, cast.url.to_string())).transpose()
 }
 
 /// A stored drive again, as fast as it goes.
-fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
+fn replay(record: Option<OutputFile>, path: &Path) -> Result<ExitCode> {
     let stored = DriveReader::read(path)?;
     let last = stored.last_tick();
     let DriveReader { cast, inputs, end } = stored;
-    if args.record.is_some() && !cast.coded {
+    if record.is_some() && !cast.coded {
         bail!(
             "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
             path.display()
@@ -214,7 +212,7 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
     }
     let threads = RenderThreads::two()?;
     let mut drive = Drive::new(&cast, &threads)?;
-    let mut crew = Crew { recorder: recorder(args, &cast)?, ..Crew::default() };
+    let mut crew = Crew { recorder: recorder(record, &cast)?, ..Crew::default() };
     let progress = Progress::new("ticks", last);
     let mut inputs = inputs.into_iter().peekable();
     loop {

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write as _, stdout};
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
@@ -16,7 +15,7 @@ use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
 use crate::cli::ExportArgs;
 use crate::input;
-use crate::output;
+use crate::output::{self, OutputFile};
 use crate::video::decoder::{DecodeMode, UnitDecoder};
 use crate::video::encoder::EncoderSettings;
 use crate::video::writer::Mp4Writer;
@@ -31,8 +30,11 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     input::open(&args.recording)?;
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("the folder {} cannot be made", args.output.display()))?;
+    // Opened first: an export that finds the files of another one leaves no half of its own beside them.
+    let trial = OutputFile::open(&args.output.join("trial.csv"), args.force)?;
+    let video = OutputFile::open(&args.output.join("video.mp4"), args.force)?;
     let cut_channels = export_channels(args).with_context(context)?;
-    let (cut_trial, video) = export_trial(args).with_context(context)?;
+    let (cut_trial, video) = export_trial(args, trial, video).with_context(context)?;
     writeln!(
         stdout(),
         "{} holds trial.csv, one CSV per channel{}",
@@ -48,7 +50,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
 
 /// Writes a CSV for every channel. Returns whether the recording is cut off.
 fn export_channels(args: &ExportArgs) -> Result<bool> {
-    let mut files: BTreeMap<String, BufWriter<File>> = BTreeMap::new();
+    let mut files: BTreeMap<String, BufWriter<OutputFile>> = BTreeMap::new();
     let result = read_rows(BufReader::new(File::open(&args.recording)?), |row| -> Result<()> {
         let file = match files.get_mut(&row.topic) {
             Some(file) => file,
@@ -76,9 +78,9 @@ fn was_cut(result: Result<()>) -> Result<bool> {
 }
 
 /// Writes the trial's CSV and the video. Returns whether the recording is cut off, and whether it has a video.
-fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
-    let mut trial = TrialFile::create(&args.output.join("trial.csv"), args.force)?;
-    let mut video = VideoFile { path: args.output.join("video.mp4"), force: args.force, state: None };
+fn export_trial(args: &ExportArgs, trial: OutputFile, video: OutputFile) -> Result<(bool, bool)> {
+    let mut trial = TrialFile::begin(trial)?;
+    let mut video = VideoFile { file: Some(video), state: None };
     let mut cut = false;
     for entry in RecordingReader::new(BufReader::new(File::open(&args.recording)?)) {
         match entry {
@@ -95,15 +97,15 @@ fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
 
 /// The CSV that `metrics` and `law` read.
 struct TrialFile {
-    file: BufWriter<File>,
+    file: BufWriter<OutputFile>,
     rows: Rows,
     start: Option<Timestamp>,
     size: Option<PictureSize>,
 }
 
 impl TrialFile {
-    fn create(path: &Path, force: bool) -> Result<Self> {
-        let mut file = BufWriter::new(output::create(path, force)?);
+    fn begin(file: OutputFile) -> Result<Self> {
+        let mut file = BufWriter::new(file);
         writeln!(file, "{}", exported::HEADER)?;
         Ok(Self { file, rows: Rows::default(), start: None, size: None })
     }
@@ -138,23 +140,22 @@ impl TrialFile {
 
 /// The video: H.264 as received, everything else encoded.
 struct VideoFile {
-    path: PathBuf,
-    force: bool,
-    state: Option<(Mp4Writer, UnitDecoder, Timestamp)>,
+    /// The file, until the first key frame; without one nothing is written.
+    file: Option<OutputFile>,
+    state: Option<(Mp4Writer<OutputFile>, UnitDecoder, Timestamp)>,
 }
 
 impl VideoFile {
     fn add(&mut self, unit: &EncodedUnit) -> Result<()> {
-        if self.state.is_none() {
-            if !unit.key {
-                return Ok(());
-            }
-            output::check_free(&self.path, self.force)?;
+        if unit.key
+            && let Some(file) = self.file.take()
+        {
+            let path = file.path().to_owned();
             let size = match unit.codec {
                 UnitCodec::RawYuv420 { size, .. } => size,
                 UnitCodec::H264AnnexB | UnitCodec::Jpeg | UnitCodec::Png => PictureSize::new(1280, 720),
             };
-            let writer = Mp4Writer::create(&self.path, EncoderSettings::for_pictures(size, 30.0))?;
+            let writer = Mp4Writer::new(file, &path, EncoderSettings::for_pictures(size, 30.0));
             self.state = Some((writer, UnitDecoder::new(DecodeMode::File), unit.capture.at));
         }
         let Some((writer, decoder, start)) = &mut self.state else { return Ok(()) };

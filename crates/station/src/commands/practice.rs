@@ -16,7 +16,7 @@ use barrelman_vocab::{Picture, PictureSize, Timestamp};
 use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 use indicatif::ProgressBar;
 
-use super::run;
+use super::run::{self, Outputs};
 use crate::cli::{DemoArgs, RunArgs};
 use crate::clock::Clock;
 use crate::emulator::fotokite_pro::FotokitePro;
@@ -24,7 +24,7 @@ use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
 use crate::fault::FaultPlan;
 use crate::law_choice::LawChoice;
-use crate::output;
+use crate::output::OutputFile;
 use crate::video::encoder::EncoderSettings;
 use crate::video::writer::Mp4Writer;
 
@@ -42,22 +42,24 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let files = ["practice.mp4", "truth.csv", "seen.mp4", "recording.mcap", "station.jsonl"]
         .map(|name| folder.join(name));
     let [clip, truth, seen, recording, station_log] = &files;
-    for path in &files {
-        output::check_free(path, args.force)?;
-    }
     std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
+    let open = |path: &Path| OutputFile::open(path, args.force);
+    let (clip_file, truth_file) = (open(clip)?, open(truth)?);
+    let outputs = Outputs { overlay: Some(open(seen)?), record: Some(open(recording)?) };
+    let mut log_file = open(station_log)?;
     let practice = PracticeClip::new(SIZE, SEED);
     let mut out = stdout();
     writeln!(out, "drawing a practice clip: a red boat that crosses all four sectors of the picture ...")?;
-    draw_clip(&practice, clip)?;
-    write_truth(&practice, output::create(truth, args.force)?)?;
+    draw_clip(&practice, clip_file)?;
+    write_truth(&practice, truth_file)?;
     if args.draw_only {
         writeln!(out, "{}: the clip\n{}: its truth", clip.display(), truth.display())?;
         return Ok(ExitCode::SUCCESS);
     }
 
     let port = folder.join("fotokite");
-    let log = StationLog::new(Some(output::create(station_log, args.force)?), clock);
+    log_file.begin()?;
+    let log = StationLog::new(Some(log_file), clock);
     let settings = GroundStationSettings::default();
     let mut emulator = FotokitePro::new(HostPort::pty(&port)?, settings, log, FaultPlan::default(), clock);
     writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.place())?;
@@ -74,7 +76,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     )?;
     out.flush()?;
     let selection = practice.truth(0).selection;
-    let code = run::run(
+    let code = run::run_into(
         &RunArgs {
             config: None,
             video: Some(format!("file:{}", clip.display())),
@@ -90,6 +92,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             force: args.force,
             fault: Vec::new(),
         },
+        || Ok(outputs),
         clock,
     );
     ended.store(true, Ordering::Relaxed);
@@ -111,9 +114,10 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 /// Encodes the practice clip.
-fn draw_clip(practice: &PracticeClip, path: &Path) -> Result<()> {
+fn draw_clip(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let fps = f64::from(FRAMES_PER_SECOND);
-    let mut writer = Mp4Writer::create(path, EncoderSettings::for_pictures(practice.size(), fps))?;
+    let path = file.path().to_owned();
+    let mut writer = Mp4Writer::new(file, &path, EncoderSettings::for_pictures(practice.size(), fps));
     let mut picture = Picture::black(practice.size(), practice.colour());
     let progress = ProgressBar::new(u64::from(practice.frames()));
     for frame in 0..practice.frames() {
@@ -126,7 +130,7 @@ fn draw_clip(practice: &PracticeClip, path: &Path) -> Result<()> {
 }
 
 /// Writes where the boat is in every frame, as `truth.csv` has it. The clip has no scale, so no range is known.
-fn write_truth(practice: &PracticeClip, file: std::fs::File) -> Result<()> {
+fn write_truth(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let mut file = BufWriter::new(file);
     writeln!(file, "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m")?;
     for frame in 0..practice.frames() {

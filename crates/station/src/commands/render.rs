@@ -4,7 +4,6 @@
 //! What is drawn is the picture; the frame that a letter-boxed one lies in is left away, so that the truth is in pixels
 //! of what is seen.
 
-use std::fs::File;
 use std::io::{BufWriter, Write as _, stdout};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,7 +21,7 @@ use crate::campaign::plan::Request;
 use crate::campaign::{Perception, Plan};
 use crate::cli::{PlantName, RenderArgs};
 use crate::law_choice::LawChoice;
-use crate::output;
+use crate::output::{self, OutputFile};
 use crate::progress::Progress;
 use crate::scenario::Changes;
 use crate::video::encoder::EncoderSettings;
@@ -65,8 +64,8 @@ struct TruthFilm {
     simd: Simd,
     /// Made with the first picture: it needs the world.
     eye: Option<DrawnEye<'static>>,
-    video: Mp4Writer,
-    truth: BufWriter<File>,
+    video: Mp4Writer<OutputFile>,
+    truth: BufWriter<OutputFile>,
     truth_path: PathBuf,
     masks: Option<(PathBuf, bool)>,
     frames: u64,
@@ -78,7 +77,7 @@ struct TruthFilm {
 
 impl TruthFilm {
     fn create(args: &RenderArgs, camera: &CameraSetup) -> Result<Self> {
-        output::check_free(&args.output, args.force)?;
+        let video = OutputFile::open(&args.output, args.force)?;
         let truth = output::create(&args.truth, args.force)?;
         if let Some(folder) = &args.masks {
             std::fs::create_dir_all(folder)
@@ -91,7 +90,7 @@ impl TruthFilm {
             seed: args.seed,
             simd: Simd::at_most(args.simd),
             eye: None,
-            video: Mp4Writer::create(&args.output, EncoderSettings::for_pictures(picture, fps))?,
+            video: Mp4Writer::new(video, &args.output, EncoderSettings::for_pictures(picture, fps)),
             truth: BufWriter::new(truth),
             truth_path: args.truth.clone(),
             masks: args.masks.clone().map(|folder| (folder, args.force)),
@@ -173,7 +172,7 @@ pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
 }
 
 /// The pixels that show the target white, the others black.
-fn write_mask(file: File, truth: &DrawnTruth, size: PictureSize) -> Result<()> {
+fn write_mask(file: OutputFile, truth: &DrawnTruth, size: PictureSize) -> Result<()> {
     let (width, height) = (size.width as usize, size.height as usize);
     let mut encoder = png::Encoder::new(BufWriter::new(file), size.width, size.height);
     encoder.set_color(png::ColorType::Grayscale);

@@ -1,7 +1,6 @@
 //! `barrelman report`: trials as a page to look at.
 
 use std::io::{Write as _, stdout};
-use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
@@ -17,14 +16,14 @@ use crate::campaign::plan::arena_of;
 use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
 use crate::law_choice::LawName;
-use crate::output;
+use crate::output::{self, OutputFile};
 
 /// Runs the command.
 ///
 /// # Errors
 /// If a log cannot be read or an output not be written.
 pub fn run(args: &ReportArgs) -> Result<ExitCode> {
-    output::check_free(&args.output, args.force)?;
+    let page = OutputFile::open(&args.output, args.force)?;
     let mut trials = Vec::with_capacity(args.logs.len());
     let mut cut = false;
     for path in &args.logs {
@@ -52,17 +51,17 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
         for figure in report.figures() {
-            write(&folder.join(format!("{}.svg", figure.name)), &figure.svg(), args.force)?;
+            let path = folder.join(format!("{}.svg", figure.name));
+            write(output::create(&path, args.force)?, &figure.svg())?;
         }
     }
-    write(&args.output, &report.page(), args.force)?;
+    write(page, &report.page())?;
     writeln!(stdout(), "{}: {} trials", args.output.display(), report.trials.len())?;
     Ok(if cut { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn write(path: &Path, text: &str, force: bool) -> Result<()> {
-    let mut file = output::create(path, force)?;
-    file.write_all(text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
+fn write(mut file: OutputFile, text: &str) -> Result<()> {
+    file.write_all(text.as_bytes()).with_context(|| format!("{} cannot be written", file.path().display()))
 }
 
 fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {

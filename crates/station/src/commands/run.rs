@@ -1,6 +1,7 @@
 //! `barrelman run`: the real thing.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -25,7 +26,7 @@ use crate::live::run_loop::{RunEnd, RunLoop, Watcher};
 use crate::live::status::Status;
 use crate::live::terminal::Terminal;
 use crate::live::threads::Saboteur;
-use crate::output;
+use crate::output::OutputFile;
 use crate::video::url::VideoSource;
 use crate::video::{DecodeError, VideoSink, VideoState, VideoUrl, spawn, spawn_world};
 use crate::world::LiveWorld;
@@ -38,6 +39,32 @@ const EVENTS: usize = 1024;
 /// # Errors
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
+    run_into(args, || Outputs::open(args), clock)
+}
+
+/// The files of a run, open.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    /// The recording.
+    pub record: Option<OutputFile>,
+    /// The annotated video.
+    pub overlay: Option<OutputFile>,
+}
+
+impl Outputs {
+    fn open(args: &RunArgs) -> Result<Self> {
+        let open = |path: &Option<PathBuf>| {
+            path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose()
+        };
+        Ok(Self { record: open(&args.record)?, overlay: open(&args.overlay)? })
+    }
+}
+
+/// Runs the command with outputs that `open` gives, in place of those that the arguments name.
+///
+/// # Errors
+/// If the configuration, the video, the link or an output cannot be used.
+pub fn run_into(args: &RunArgs, open: impl FnOnce() -> Result<Outputs>, clock: Clock) -> Result<ExitCode> {
     let (mut configuration, latency_is_known) = effective(args)?;
     let Some(video) = &configuration.video else {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
@@ -55,10 +82,8 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
     if let Some(world) = world.as_ref().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
-    for path in [&args.record, &args.overlay].into_iter().flatten() {
-        output::check_free(path, args.force)?;
-    }
-    let end = live(args, &configuration, Source { video, world }, link, clock)?;
+    let outputs = open()?;
+    let end = live(args, &configuration, Source { video, world }, link, outputs, clock)?;
     Ok(match end {
         RunEnd::VideoEnded => {
             tracing::info!("the video has ended");
@@ -123,6 +148,7 @@ fn live(
     configuration: &Configuration,
     Source { video, world }: Source,
     link_url: Option<LinkUrl>,
+    outputs: Outputs,
     clock: Clock,
 ) -> Result<RunEnd> {
     let saboteur = Saboteur::parse(&args.fault)?;
@@ -168,17 +194,18 @@ fn live(
             "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"
         );
     }
-    let recorder = match &args.record {
-        Some(path) => {
+    let is_recorded = outputs.record.is_some();
+    let recorder = match outputs.record {
+        Some(file) => {
             let start = recording_start(configuration, &video, link_url.as_ref(), clock)?;
-            Some(Recorder::begin(path, args.force, &start, clock, saboteur.clone(), events.clone())?)
+            Some(Recorder::begin(file, &start, clock, saboteur.clone(), events.clone())?)
         }
         None => None,
     };
-    let overlay = match &args.overlay {
-        Some(path) => {
+    let overlay = match outputs.overlay {
+        Some(file) => {
             let shares = configuration.profile.region;
-            Some(OverlayVideo::begin(path, shares, clock, saboteur.clone(), events.clone())?)
+            Some(OverlayVideo::begin(file, shares, clock, saboteur.clone(), events.clone())?)
         }
         None => None,
     };
@@ -194,7 +221,7 @@ fn live(
     let source = match world {
         // What is recorded is what the pilot saw: a replay can only decode it again.
         Some(world) => {
-            let world = world.on(&configuration.profile).coded(args.record.is_some());
+            let world = world.on(&configuration.profile).coded(is_recorded);
             spawn_world(world, &video, clock, sink)?
         }
         None => spawn(video, clock, sink)?,

@@ -3,7 +3,6 @@
 //! The loop never waits for it: where drawing is slower than the video, frames are left out of the annotated
 //! one, and counted.
 
-use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -17,6 +16,7 @@ use super::run_loop::Watcher;
 use super::threads::{self, Saboteur};
 use crate::clock::Clock;
 use crate::film::Film;
+use crate::output::OutputFile;
 
 /// Frames that may wait to be drawn.
 const QUEUE: usize = 8;
@@ -46,7 +46,7 @@ impl OverlayVideo {
     /// # Errors
     /// If the thread cannot be started.
     pub fn begin(
-        path: &Path,
+        file: OutputFile,
         shares: RegionShares,
         clock: Clock,
         saboteur: Saboteur,
@@ -54,10 +54,9 @@ impl OverlayVideo {
     ) -> Result<Self> {
         let (items, queue) = sync_channel::<Option<Box<Seen>>>(QUEUE);
         let (send_result, result) = sync_channel(1);
-        let path = path.to_owned();
         let thread = threads::spawn("overlay", events, move || {
             let _ = send_result
-                .send(write(Film::new(&path, shares), &queue, || saboteur.strike("overlay", clock.now())));
+                .send(write(Film::new(file, shares), &queue, || saboteur.strike("overlay", clock.now())));
         })?;
         Ok(Self { items, thread, result })
     }

@@ -3,9 +3,7 @@
 //! It flushes twice a second, so a process that is killed loses less than one second. Where the disk is full, or slower
 //! than what comes, the recording stops with an alarm; the pilot goes on.
 
-use std::fs::File;
 use std::io::BufWriter;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
@@ -21,7 +19,7 @@ use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 use super::event::Event;
 use super::threads::{self, Saboteur};
 use crate::clock::Clock;
-use crate::output;
+use crate::output::OutputFile;
 
 /// Entries that may wait to be written: some ten seconds of a run.
 const QUEUE: usize = 2048;
@@ -101,19 +99,18 @@ impl Recorder {
     /// Begins a recording.
     ///
     /// # Errors
-    /// If the file exists and may not be overwritten, or cannot be written.
+    /// If the file cannot be written.
     pub fn begin(
-        path: &Path,
-        force: bool,
+        file: OutputFile,
         start: &RecordingStart,
         clock: Clock,
         saboteur: Saboteur,
         events: SyncSender<Event>,
     ) -> Result<Self> {
-        let file = BufWriter::new(output::create(path, force)?);
-        let mut writer = RecordingWriter::begin(file, start)
-            .with_context(|| format!("the recording {} cannot be written", path.display()))?;
-        writer.flush().with_context(|| format!("the recording {} cannot be written", path.display()))?;
+        let cannot_be_written = format!("the recording {} cannot be written", file.path().display());
+        let writer = RecordingWriter::begin(BufWriter::new(file), start)
+            .and_then(|mut writer| writer.flush().map(|()| writer))
+            .context(cannot_be_written)?;
         let (items, queue) = sync_channel(QUEUE);
         let failed = Arc::new(AtomicBool::new(false));
         let input = RecorderInput { items, events: events.clone(), failed: Arc::clone(&failed) };
@@ -143,7 +140,7 @@ impl Recorder {
 
 fn write(
     queue: &Receiver<Item>,
-    mut writer: RecordingWriter<BufWriter<File>>,
+    mut writer: RecordingWriter<BufWriter<OutputFile>>,
     clock: Clock,
     saboteur: &Saboteur,
 ) -> Result<(), WriteError> {

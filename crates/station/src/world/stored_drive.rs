@@ -8,7 +8,6 @@
 //! ```
 //! A file without its last line belongs to a program that was killed: it is run again as far as it goes.
 
-use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -18,9 +17,10 @@ use serde::{Deserialize, Serialize};
 
 use super::drive::{Cast, DriveInput};
 use super::url::WorldUrl;
+use crate::input;
 use crate::law_choice::LawChoice;
+use crate::output::OutputFile;
 use crate::tracker::TrackerName;
-use crate::{input, output};
 
 /// The first line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,16 +59,16 @@ enum Line {
 /// Writes a drive down as it happens.
 pub struct DriveWriter {
     path: PathBuf,
-    file: BufWriter<File>,
+    file: BufWriter<OutputFile>,
 }
 
 impl DriveWriter {
     /// Begins a file.
     ///
     /// # Errors
-    /// If it exists and may not be overwritten, or cannot be written.
-    pub fn begin(path: &Path, force: bool, cast: &Cast) -> Result<Self> {
-        let mut writer = Self { path: path.to_owned(), file: BufWriter::new(output::create(path, force)?) };
+    /// If it cannot be written.
+    pub fn begin(file: OutputFile, cast: &Cast) -> Result<Self> {
+        let mut writer = Self { path: file.path().to_owned(), file: BufWriter::new(file) };
         writer.line(&Header {
             drive: cast.url.scenario.clone(),
             scenario_hash: format!("{:016x}", cast.loaded.hash),

@@ -12,6 +12,7 @@ use barrelman_station::campaign::{Perception, Plan};
 use barrelman_station::cli::PlantName;
 use barrelman_station::clock::Clock;
 use barrelman_station::law_choice::{LawChoice, ModeName};
+use barrelman_station::output::OutputFile;
 use barrelman_station::scenario::Changes;
 use barrelman_station::tracker::TrackerName;
 use barrelman_station::video::{VideoSink, VideoState, VideoUrl, spawn};
@@ -103,7 +104,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
     let cast = cast(LawChoice::SCHEMA, false);
     let inputs = [(0, DriveInput::Engage), (30, AHEAD)];
     let hash = driven(&cast, &inputs);
-    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
     inputs.iter().for_each(|(tick, input)| writer.add(*tick, *input).unwrap());
     writer.end(120, hash.clone()).unwrap();
     let stored = DriveReader::read(&path).unwrap();
@@ -135,7 +136,7 @@ fn a_stored_drive_is_read_as_it_was_written() {
     let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
     let law = LawChoice { mode: Some(ModeName::Eco), horizon_s: Some(1.5), ..LawChoice::OPTIMAL };
     let cast = cast(law, true);
-    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
     writer.add(0, DriveInput::Engage).unwrap();
     writer.add(30, AHEAD).unwrap();
     let cut = DriveReader::read(&path).unwrap();
