@@ -629,7 +629,7 @@ With --world sim:arena1 it moves that world's camera and serves its video:
 #[group(skip)]
 #[command(group = ArgGroup::new("port").required(true).args(["pty", "listen"]))]
 pub struct EmulateFotokiteProArgs {
-    /// Make a pseudo-terminal and link it here.
+    /// Make a pseudo-terminal and link it here. A link that a killed emulator left is replaced.
     #[arg(long, value_name = "PATH")]
     pub pty: Option<PathBuf>,
     /// Listen for the pass-through server's TCP connections here.
@@ -655,7 +655,7 @@ pub struct EmulateFotokiteProArgs {
     /// Do not echo what the shell is sent.
     #[arg(long)]
     pub no_echo: bool,
-    /// Overwrite a log that exists.
+    /// Overwrite a log that exists, and replace a symbolic link at the path of --pty.
     #[arg(long)]
     pub force: bool,
 }

@@ -61,7 +61,8 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     log_file.begin()?;
     let log = StationLog::new(Some(log_file), clock);
     let settings = GroundStationSettings::default();
-    let mut emulator = FotokitePro::new(HostPort::pty(&port)?, settings, log, FaultPlan::default(), clock);
+    let mut emulator =
+        FotokitePro::new(HostPort::pty(&port, args.force)?, settings, log, FaultPlan::default(), clock);
     writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.place())?;
     let ended = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&ended);

@@ -9,3 +9,4 @@ pub mod fotokite_pro;
 pub mod log;
 
 pub mod host_port;
+mod port_link;

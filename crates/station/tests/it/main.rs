@@ -10,6 +10,7 @@
 mod campaigns;
 mod command_line;
 mod configuration;
+mod emulated_port;
 mod output_files;
 mod overlay;
 mod reports;
