@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, bail};
 use barrelman_trial::logs::exported;
 use barrelman_trial::logs::recorded::Rows;
-use barrelman_trial::records::table::read_rows;
+use barrelman_trial::records::table::{TableRow, read_rows};
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
@@ -19,6 +19,9 @@ use crate::output::{self, OutputFile};
 use crate::video::decoder::{DecodeMode, UnitDecoder};
 use crate::video::encoder::EncoderSettings;
 use crate::video::writer::Mp4Writer;
+
+/// Columns of JSON that a warning names; of more it tells the number.
+const NAMED_COLUMNS: usize = 5;
 
 /// Runs the command.
 ///
@@ -55,6 +58,7 @@ fn export_channels(args: &ExportArgs) -> Result<bool> {
         let file = match files.get_mut(&row.topic) {
             Some(file) => file,
             None => {
+                warn_of_json(&row);
                 let name = row.topic.trim_matches('/').replace('/', "_") + ".csv";
                 let mut file = BufWriter::new(output::create(&args.output.join(name), args.force)?);
                 writeln!(file, "{}", row.columns.join(","))?;
@@ -67,6 +71,20 @@ fn export_channels(args: &ExportArgs) -> Result<bool> {
         file.flush()?;
     }
     was_cut(result)
+}
+
+/// Names the columns that hold JSON.
+fn warn_of_json(row: &TableRow) {
+    if !row.json_columns.is_empty() {
+        let named = &row.json_columns[..row.json_columns.len().min(NAMED_COLUMNS)];
+        let others = row.json_columns.len() - named.len();
+        tracing::warn!(
+            "{}: messages that nest too deep, too widely or in their own kind are given as JSON, in the column {}{}",
+            row.topic,
+            named.join(", "),
+            if others > 0 { format!(" and {others} others") } else { String::new() }
+        );
+    }
 }
 
 fn was_cut(result: Result<()>) -> Result<bool> {

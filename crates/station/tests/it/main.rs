@@ -11,6 +11,7 @@ mod campaigns;
 mod command_line;
 mod configuration;
 mod emulated_port;
+mod exports;
 mod output_files;
 mod overlay;
 mod reports;

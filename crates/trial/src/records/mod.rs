@@ -14,6 +14,9 @@ pub mod writer;
 
 mod convert;
 pub mod table;
+
+mod cell;
+pub mod columns;
 mod topics;
 
 /// The messages as stored, generated from `proto/barrelman.proto`.

@@ -20,6 +20,7 @@ mod trial_logs;
 mod any_bytes;
 mod cut_recordings;
 mod foreign_recordings;
+mod nested_schemas;
 mod recorded_logs;
 mod round_trips;
 mod tables;
