@@ -1,6 +1,5 @@
 //! `barrelman export`: every channel of a recording as CSV, its trial as CSV, its video as MP4.
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write as _, stdout};
 use std::process::ExitCode;
@@ -8,20 +7,21 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, bail};
 use barrelman_trial::logs::exported;
 use barrelman_trial::logs::recorded::Rows;
-use barrelman_trial::records::table::{TableRow, read_rows};
+use barrelman_trial::records::table::read_rows;
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
+use super::channel_tables::ChannelTables;
 use crate::cli::ExportArgs;
 use crate::input;
-use crate::output::{self, OutputFile};
+use crate::output::OutputFile;
 use crate::video::decoder::{DecodeMode, UnitDecoder};
 use crate::video::encoder::EncoderSettings;
 use crate::video::writer::Mp4Writer;
 
-/// Columns of JSON that a warning names; of more it tells the number.
-const NAMED_COLUMNS: usize = 5;
+/// The name of the trial's table, without its extension.
+const TRIAL: &str = "trial";
 
 /// Runs the command.
 ///
@@ -34,7 +34,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("the folder {} cannot be made", args.output.display()))?;
     // Opened first: an export that finds the files of another one leaves no half of its own beside them.
-    let trial = OutputFile::open(&args.output.join("trial.csv"), args.force)?;
+    let trial = OutputFile::open(&args.output.join(format!("{TRIAL}.csv")), args.force)?;
     let video = OutputFile::open(&args.output.join("video.mp4"), args.force)?;
     let cut_channels = export_channels(args).with_context(context)?;
     let (cut_trial, video) = export_trial(args, trial, video).with_context(context)?;
@@ -53,38 +53,11 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
 
 /// Writes a CSV for every channel. Returns whether the recording is cut off.
 fn export_channels(args: &ExportArgs) -> Result<bool> {
-    let mut files: BTreeMap<String, BufWriter<OutputFile>> = BTreeMap::new();
-    let result = read_rows(BufReader::new(File::open(&args.recording)?), |row| -> Result<()> {
-        let file = match files.get_mut(&row.topic) {
-            Some(file) => file,
-            None => {
-                warn_of_json(&row);
-                let name = row.topic.trim_matches('/').replace('/', "_") + ".csv";
-                let mut file = BufWriter::new(output::create(&args.output.join(name), args.force)?);
-                writeln!(file, "{}", row.columns.join(","))?;
-                files.entry(row.topic.clone()).or_insert(file)
-            }
-        };
-        Ok(writeln!(file, "{}", row.cells.join(","))?)
-    });
-    for file in files.values_mut() {
-        file.flush()?;
-    }
+    let mut tables = ChannelTables::new(&args.output, args.force, &[TRIAL]);
+    let result =
+        read_rows(BufReader::new(File::open(&args.recording)?), |row| -> Result<()> { tables.add(&row) });
+    tables.finish()?;
     was_cut(result)
-}
-
-/// Names the columns that hold JSON.
-fn warn_of_json(row: &TableRow) {
-    if !row.json_columns.is_empty() {
-        let named = &row.json_columns[..row.json_columns.len().min(NAMED_COLUMNS)];
-        let others = row.json_columns.len() - named.len();
-        tracing::warn!(
-            "{}: messages that nest too deep, too widely or in their own kind are given as JSON, in the column {}{}",
-            row.topic,
-            named.join(", "),
-            if others > 0 { format!(" and {others} others") } else { String::new() }
-        );
-    }
 }
 
 fn was_cut(result: Result<()>) -> Result<bool> {

@@ -18,5 +18,6 @@ pub mod scenarios;
 pub mod track;
 pub mod trials;
 
+mod channel_tables;
 mod summary_table;
 mod trial_input;

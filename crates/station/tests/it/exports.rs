@@ -1,4 +1,4 @@
-//! Exports of recordings that are not ours: schemas that nest.
+//! Exports of recordings that are not ours: thousands of channels, names that collide, schemas that nest.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -65,6 +65,38 @@ fn export(folder: &Path, descriptors: usize) -> String {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{said}");
     said
+}
+
+#[test]
+fn two_thousand_channels_are_exported_with_few_open_files() {
+    let folder = scratch("many");
+    let topics: Vec<String> = (0..2000).map(|number| format!("/sensor/{number}")).collect();
+    record(&folder.join("r.mcap"), &topics, 3);
+    export(&folder, 100);
+    for number in [0, 1, 1000, 1999] {
+        let table = fs::read_to_string(folder.join(format!("out/sensor_{number}.csv"))).unwrap();
+        let nested = "\"{\"\"weight\"\":9}\"";
+        let expected = format!("log_time_ns,next,weight\n1,{nested},1\n2,{nested},2\n3,{nested},3\n");
+        assert_eq!(table, expected, "{number}");
+    }
+    // The trial's table is there, the video not.
+    assert_eq!(fs::read_dir(folder.join("out")).unwrap().count(), 2001);
+}
+
+#[test]
+fn channels_whose_names_collide_have_files_of_their_own() {
+    let folder = scratch("collide");
+    let topics = ["/a/b", "/a_b", "a/b/", "/a_b_2", "/trial"].map(str::to_owned);
+    record(&folder.join("r.mcap"), &topics, 1);
+    export(&folder, 100);
+    let mut names: Vec<String> = fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|file| file.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["a_b.csv", "a_b_2.csv", "a_b_2_2.csv", "a_b_3.csv", "trial.csv", "trial_2.csv"]);
+    let trial = fs::read_to_string(folder.join("out/trial.csv")).unwrap();
+    assert!(trial.starts_with("time_s,"), "{trial}");
 }
 
 #[test]
