@@ -14,6 +14,7 @@ mod emulated_port;
 mod exports;
 mod output_files;
 mod overlay;
+mod replays;
 mod reports;
 mod scenarios;
 mod video;
