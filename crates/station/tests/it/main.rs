@@ -7,6 +7,7 @@
     reason = "a test fails by panicking, and says why it was skipped"
 )]
 
+mod build_profiles;
 mod campaigns;
 mod command_line;
 mod configuration;
