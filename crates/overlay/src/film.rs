@@ -65,13 +65,13 @@ impl Film {
         Ok(())
     }
 
-    /// Adds a frame with the outcome of a live step.
+    /// Adds a frame with the outcome of its step.
     ///
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
-        let region = Region::in_picture(self.shares, frame.picture.size());
-        self.add(frame, &Scene { rates: Some(rates), ..Scene::of_outcome(outcome, region) })
+        let Some(scene) = Scene::of_outcome(outcome) else { return Ok(()) };
+        self.add(frame, &Scene { rates: Some(rates), ..scene })
     }
 
     /// Adds a frame with what a tracker alone made of it.
@@ -79,7 +79,7 @@ impl Film {
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_track(&mut self, frame: &VideoFrame, track: &Track, why: Option<&Explanation>) -> Result<()> {
-        let region = Region::in_picture(self.shares, frame.picture.size());
+        let region = Region::from_shares(self.shares, frame.picture.size());
         self.add(frame, &Scene { explanation: why, ..Scene::of_track(track, region) })
     }
 

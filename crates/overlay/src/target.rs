@@ -181,7 +181,7 @@ pub(super) fn label(pen: &mut Pen, placement: &mut LabelPlacement, view: &Target
         at(left - gap - w / 2.0, middle.v),
     ];
     if let Some(place) = placement.place_first((w, h), beside) {
-        let released = MotorSchema::released(&view.percept);
+        let released = MotorSchema::is_released(&view.percept);
         pen.plate(place);
         pen.centred_text(&words, place, if released { Ink::ACCENT } else { Ink::LIGHT });
     }

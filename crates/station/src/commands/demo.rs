@@ -102,8 +102,8 @@ fn drive(
     let (page, inputs) = PageState::new();
     let (page, frames) = (Arc::new(page), Arc::new(Latest::default()));
     let renderer = {
-        let (frames, page, shares) = (Arc::clone(&frames), Arc::clone(&page), cast.profile.region);
-        let render = move || page_pictures::render_page_pictures(&frames, &page, shares);
+        let (frames, page) = (Arc::clone(&frames), Arc::clone(&page));
+        let render = move || page_pictures::render_page_pictures(&frames, &page);
         threads::spawn("page-pictures", events.clone(), render)?
     };
     let server = PageServer::start(listener, Arc::clone(&page), events.clone())?;

@@ -81,11 +81,11 @@ impl Configuration {
             ("pan", &profile.camera.pan, profile.limits.pan),
             ("tilt", &profile.camera.tilt, profile.limits.tilt),
         ] {
-            let least = dynamics.least_rate;
-            if least > limit {
+            let min_rate = dynamics.min_rate;
+            if min_rate > limit {
                 bail!(
                     "camera.{axis}.least_rad_per_s = {} is above vehicle.limit_{axis}_rad_per_s = {}: lower it, or raise the limit",
-                    least.radians_per_second(),
+                    min_rate.radians_per_second(),
                     limit.radians_per_second()
                 );
             }
@@ -143,8 +143,8 @@ impl Configuration {
                 profile: Some(profile.name.clone()),
                 region_half_width: Some(profile.region.half_width),
                 region_half_height: Some(profile.region.half_height),
-                schema_pan_rad_per_s: rate(profile.schema.pan),
-                schema_tilt_rad_per_s: rate(profile.schema.tilt),
+                schema_pan_rad_per_s: rate(profile.motor_schema_rates.pan),
+                schema_tilt_rad_per_s: rate(profile.motor_schema_rates.tilt),
                 limit_pan_rad_per_s: rate(profile.limits.pan),
                 limit_tilt_rad_per_s: rate(profile.limits.tilt),
                 yaw_sign: sign(profile.signs.yaw),
@@ -187,9 +187,9 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, most: AxisRates) -
     };
     let (pan_limit, tilt_limit) = ("vehicle.limit_pan_rad_per_s", "vehicle.limit_tilt_rad_per_s");
     let (pan, tilt) = (vehicle.schema_pan_rad_per_s, vehicle.schema_tilt_rad_per_s);
-    let schema = AxisRates {
-        pan: rate("schema_pan_rad_per_s", pan, base.schema.pan, limits.pan, pan_limit)?,
-        tilt: rate("schema_tilt_rad_per_s", tilt, base.schema.tilt, limits.tilt, tilt_limit)?,
+    let motor_schema_rates = AxisRates {
+        pan: rate("schema_pan_rad_per_s", pan, base.motor_schema_rates.pan, limits.pan, pan_limit)?,
+        tilt: rate("schema_tilt_rad_per_s", tilt, base.motor_schema_rates.tilt, limits.tilt, tilt_limit)?,
     };
     let span = |key: &str, value: Option<f64>, base: Duration, most: f64| {
         ranged(key, value, base.as_secs_f64(), 0.0, most, "seconds").map(Duration::from_secs_f64)
@@ -204,7 +204,7 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, most: AxisRates) -
             half_width: share("region_half_width", vehicle.region_half_width, base.region.half_width)?,
             half_height: share("region_half_height", vehicle.region_half_height, base.region.half_height)?,
         },
-        schema,
+        motor_schema_rates,
         limits,
         signs: AxisSigns {
             yaw: sign(vehicle.yaw_sign, base.signs.yaw),

@@ -96,7 +96,7 @@ impl Ticking<'_> {
             }
             let rates = link.take(clock.now());
             if std::mem::replace(&mut commanded, rates) != rates {
-                world.command(profile.incoming(rates));
+                world.command(profile.from_vehicle(rates));
             }
             let pose = world.camera_pose();
             link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });

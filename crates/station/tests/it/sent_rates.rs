@@ -20,10 +20,10 @@ fn written(rates: VehicleRates) -> [String; 2] {
     for ms in 0..10_000 {
         session.poll(at(ms), &mut text);
         if ms == 1_000 {
-            session.received(PROMPT.as_bytes(), at(ms), |_| {});
+            session.receive(PROMPT.as_bytes(), at(ms), |_| {});
         }
         if session.link_state() == LinkState::Up {
-            session.request(rates);
+            session.set_rates(rates);
         }
     }
     assert_eq!(session.link_state(), LinkState::Up);
@@ -51,7 +51,7 @@ fn excessive_rates_are_recorded_as_they_are_written() {
         taken += 1;
         for rate in [-9.0, -0.7, -0.35, -0.2, 0.0, 0.301, 0.45, 3.0, f64::INFINITY, f64::NAN] {
             let rate = AngularRate::from_radians_per_second(rate);
-            let recorded = profile.outgoing(CameraCommand { pan: rate, tilt: rate });
+            let recorded = profile.to_vehicle(CameraCommand { pan: rate, tilt: rate });
             let expected = [
                 format!("Yaw {:.6}", recorded.yaw.radians_per_second()),
                 format!("GimbalPitch {:.6}", recorded.pitch.radians_per_second()),
