@@ -29,11 +29,11 @@ pub struct CentringGains {
 impl CentringGains {
     /// Set by hand so that the integral of the squared rate is about the schema's on the laboratory's two scenarios:
     /// what is compared is then what else that much energy buys.
-    pub const USUAL: Self = Self { gain: 0.42, integral: 0.0, derivative: 0.12, filter_s: 0.1 };
+    pub const HAND_TUNED: Self = Self { gain: 0.42, integral: 0.0, derivative: 0.12, filter_s: 0.1 };
 }
 
 /// A gap of more than this makes it begin anew, seconds.
-const LONGEST_GAP_S: f64 = 0.5;
+const MAX_GAP_S: f64 = 0.5;
 
 /// The law with its memory.
 #[derive(Debug, Clone)]
@@ -60,17 +60,17 @@ impl Centring {
     }
 
     /// Forgets what it has seen: another target, or a long time.
-    pub fn forget(&mut self) {
+    pub fn reset_target(&mut self) {
         (self.pan, self.tilt, self.last) = (Axis::default(), Axis::default(), None);
     }
 
     /// What to ask of the camera for a percept of a picture taken at `captured`.
     pub fn command(&mut self, percept: &Percept, picture: PictureSize, captured: Timestamp) -> CameraCommand {
         let gap_s = self.last.map_or(f64::INFINITY, |last| captured.since(last).as_secs_f64());
-        if gap_s > LONGEST_GAP_S {
-            self.forget();
+        if gap_s > MAX_GAP_S {
+            self.reset_target();
         }
-        let step_s = if gap_s > LONGEST_GAP_S { 0.0 } else { gap_s };
+        let step_s = if gap_s > MAX_GAP_S { 0.0 } else { gap_s };
         self.last = Some(captured);
         let half_width = 0.5 * f64::from(picture.width);
         let gains = self.gains;

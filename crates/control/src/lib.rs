@@ -15,6 +15,8 @@ mod ring;
 
 pub mod percept;
 
+pub mod law_input;
+
 pub mod schema;
 
 pub mod centring;
@@ -36,10 +38,11 @@ pub mod law;
 pub use bearing::{Bearing, BearingFilter, BearingNoise};
 pub use camera_model::CameraModel;
 pub use centring::CentringGains;
-pub use law::{CameraLaw, Law, LawSettings, Sight};
-pub use optimal::{Mode, OptimalLaw, OptimalSettings, Tuning};
+pub use law::{CameraLaw, Law, LawSettings};
+pub use law_input::LawInput;
+pub use optimal::{OptimalLaw, OptimalMode, OptimalSettings, Tuning};
 pub use percept::Percept;
 pub use region::Region;
 pub use schema::{MotorSchema, Sector};
-pub use shadow::{Shadow, ShadowStep};
+pub use shadow::{ShadowController, ShadowStep};
 pub use transfer::Transfer;

@@ -13,16 +13,16 @@
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, Timestamp};
 
-use crate::bearing::{Bearing, BearingFilter, BearingNoise, Span};
+use crate::bearing::{Bearing, BearingFilter, BearingNoise, Propagation};
 use crate::camera_model::CameraModel;
-use crate::law::Sight;
+use crate::law_input::LawInput;
 use crate::region::Region;
 use crate::transfer::{Pair, Transfer};
 use crate::view::View;
 
 /// What is to be spared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Mode {
+pub enum OptimalMode {
     /// The integral of the squared rate: the camera moves gently, and for longer.
     #[default]
     MinimumEnergy,
@@ -36,14 +36,14 @@ pub enum Mode {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OptimalSettings {
     /// What is to be spared.
-    pub mode: Mode,
+    pub mode: OptimalMode,
     /// Within what time the target is to be back, seconds: short is tight, long is lazy. `None`: the mode's own.
     pub horizon_s: Option<f64>,
 }
 
 impl OptimalSettings {
     /// A mode with its own horizon.
-    pub const fn of(mode: Mode) -> Self {
+    pub const fn new(mode: OptimalMode) -> Self {
         Self { mode, horizon_s: None }
     }
 
@@ -53,9 +53,9 @@ impl OptimalSettings {
     /// What these settings stand for.
     pub fn tuning(&self) -> Tuning {
         let tuning = match self.mode {
-            Mode::MinimumEnergy => Tuning::MINIMUM_ENERGY,
-            Mode::TimeFuel => Tuning::TIME_FUEL,
-            Mode::Eco => Tuning::ECO,
+            OptimalMode::MinimumEnergy => Tuning::MINIMUM_ENERGY,
+            OptimalMode::TimeFuel => Tuning::TIME_FUEL,
+            OptimalMode::Eco => Tuning::ECO,
         };
         Tuning { horizon_s: self.horizon_s.unwrap_or(tuning.horizon_s), ..tuning }
     }
@@ -67,7 +67,7 @@ pub struct Tuning {
     /// The camera starts where the prediction leaves this ellipse.
     pub start: f64,
     /// By how many deviations of the prediction it must do so, where that lies ahead: what is not certain can wait.
-    pub doubt: f64,
+    pub start_sigma: f64,
     /// It stops where the prediction with the camera at rest lies in this ellipse.
     pub stop: f64,
     /// It moves the target into this ellipse.
@@ -75,101 +75,112 @@ pub struct Tuning {
     /// Within what time, seconds, where the target is fast.
     pub horizon_s: f64,
     /// By what share that time is longer where it stands: there is time, and gentle movements take less energy.
-    pub lazy: f64,
+    pub slow_target_gain: f64,
     /// How much longer that time is for each share of turning that it takes beyond a level camera's: looking down
     /// steeply, where pan hardly moves what is seen, there is little to be had for much energy.
-    pub thrift: f64,
+    pub steep_view_gain: f64,
     /// By how much wider stop and aim are where it stands: what moves slowly need not be fetched far in.
-    pub ease: f64,
+    pub slow_target_widening: f64,
     /// How far ahead it looks for the start, seconds, where the target is fast.
-    pub start_ahead_s: f64,
+    pub start_look_ahead_s: f64,
     /// From what turn of the bearing on a target is fast, rad/s: for slower ones it looks less far ahead.
-    pub fast: f64,
+    pub fast_target_rate: f64,
     /// And for the stop.
-    pub stop_ahead_s: f64,
+    pub stop_look_ahead_s: f64,
     /// Over what time it spreads the turning that takes a target that is inside of the aim already on to the stop,
     /// seconds; thrift makes it longer, too.
-    pub drift_s: f64,
+    pub recentring_time_s: f64,
     /// The faster axis turns at least so fast, rad/s.
-    pub least_rate: f64,
+    pub min_rate: f64,
     /// It turns at most so fast, rad/s.
-    pub most_rate: f64,
+    pub max_rate: f64,
     /// An axis slower than this share of the other rests.
-    pub least_share: f64,
+    pub min_axis_share: f64,
     /// A command that differs by less from the one in force is not given, rad/s.
-    pub hold: f64,
+    pub command_deadband: f64,
     /// How long the camera rests at least, seconds.
-    pub least_rest_s: f64,
+    pub min_rest_s: f64,
     /// How the target is taken to move.
     pub noise: BearingNoise,
 }
 
 /// How the target is taken to move by the modes that move in bursts.
-const IN_BURSTS: BearingNoise =
-    BearingNoise { rate: 0.0855, memory_s: 2.253, look: 0.0013, sway: 0.0149, sway_memory_s: 5.02 };
+const IN_BURSTS: BearingNoise = BearingNoise {
+    rate_std_dev: 0.0855,
+    rate_time_constant_s: 2.253,
+    measurement_std_dev: 0.0013,
+    max_sway_std_dev: 0.0149,
+    sway_time_constant_s: 5.02,
+};
 
 impl Tuning {
-    /// [`Mode::MinimumEnergy`].
+    /// [`OptimalMode::MinimumEnergy`].
     pub const MINIMUM_ENERGY: Self = Self {
         start: 0.85,
-        doubt: 0.1,
+        start_sigma: 0.1,
         stop: 0.04,
         aim: 0.704,
         horizon_s: 1.22,
-        lazy: 0.009,
-        thrift: 1.5,
-        ease: 0.098,
-        start_ahead_s: 1.7,
-        fast: 0.0236,
-        stop_ahead_s: 0.165,
-        drift_s: 6.5,
-        least_rate: 0.01,
-        most_rate: 0.34,
-        least_share: 0.62,
-        hold: 0.0,
-        least_rest_s: 0.11,
-        noise: BearingNoise { rate: 0.088, memory_s: 2.4, look: 0.002, sway: 0.031, sway_memory_s: 4.76 },
+        slow_target_gain: 0.009,
+        steep_view_gain: 1.5,
+        slow_target_widening: 0.098,
+        start_look_ahead_s: 1.7,
+        fast_target_rate: 0.0236,
+        stop_look_ahead_s: 0.165,
+        recentring_time_s: 6.5,
+        min_rate: 0.01,
+        max_rate: 0.34,
+        min_axis_share: 0.62,
+        command_deadband: 0.0,
+        min_rest_s: 0.11,
+        noise: BearingNoise {
+            rate_std_dev: 0.088,
+            rate_time_constant_s: 2.4,
+            measurement_std_dev: 0.002,
+            max_sway_std_dev: 0.031,
+            sway_time_constant_s: 4.76,
+        },
     };
-    /// [`Mode::TimeFuel`].
+    /// [`OptimalMode::TimeFuel`].
     pub const TIME_FUEL: Self = Self {
         start: 0.98,
-        doubt: 0.0,
+        start_sigma: 0.0,
         stop: 0.7,
         aim: 0.7,
         horizon_s: 2.0,
-        lazy: 0.0,
-        thrift: 0.0,
-        ease: 0.0,
-        start_ahead_s: 0.3,
-        fast: 0.1,
-        stop_ahead_s: 0.6,
-        drift_s: 6.0,
-        least_rate: 0.28,
-        most_rate: 0.3,
-        least_share: 0.12,
-        hold: 0.06,
-        least_rest_s: 0.3,
+        slow_target_gain: 0.0,
+        steep_view_gain: 0.0,
+        slow_target_widening: 0.0,
+        start_look_ahead_s: 0.3,
+        fast_target_rate: 0.1,
+        stop_look_ahead_s: 0.6,
+        recentring_time_s: 6.0,
+        min_rate: 0.28,
+        max_rate: 0.3,
+        min_axis_share: 0.12,
+        command_deadband: 0.06,
+        min_rest_s: 0.3,
         noise: IN_BURSTS,
     };
-    /// [`Mode::Eco`].
+    /// [`OptimalMode::Eco`].
     pub const ECO: Self = Self {
         start: 1.033,
-        doubt: 0.2,
+        start_sigma: 0.2,
         stop: 0.735,
         aim: 0.518,
         horizon_s: 1.806,
-        lazy: 0.145,
-        thrift: 0.426,
-        ease: 0.043,
-        start_ahead_s: 0.111,
-        fast: 0.185,
-        stop_ahead_s: 0.986,
-        drift_s: 6.0,
-        least_rate: 0.288,
-        most_rate: 0.333,
-        least_share: 0.59,
-        hold: 0.0196,
-        least_rest_s: 0.335,
+        slow_target_gain: 0.145,
+        steep_view_gain: 0.426,
+        slow_target_widening: 0.043,
+        start_look_ahead_s: 0.111,
+        fast_target_rate: 0.185,
+        stop_look_ahead_s: 0.986,
+        recentring_time_s: 6.0,
+        min_rate: 0.288,
+        max_rate: 0.333,
+        min_axis_share: 0.59,
+        command_deadband: 0.0196,
+        min_rest_s: 0.335,
         noise: IN_BURSTS,
     };
 }
@@ -177,29 +188,29 @@ impl Tuning {
 /// Inside of the aim it is moved to this share of the stop.
 const DRIFT_SHARE: f64 = 0.8;
 /// Where an end stop leaves an axis less than this, rad/s, it rests.
-const LEAST_LEFT: f64 = 0.01;
+const MIN_RATE_TO_STOP: f64 = 0.01;
 
 /// The law with what it remembers.
 #[derive(Debug, Clone)]
 pub struct OptimalLaw {
     tuning: Tuning,
     limits: Pair,
-    least: Pair,
+    min_rates: Pair,
     bearings: BearingFilter,
     /// How far it looks ahead for the stop.
-    stop_ahead: Span,
+    stop_ahead: Propagation,
     in_force: CameraCommand,
     rested_since: Option<Timestamp>,
 }
 
 /// What is predicted for one moment.
 #[derive(Debug, Clone, Copy)]
-struct Outlook {
+struct PredictedView {
     view: View,
     point: ImagePoint,
     /// For how long the bearing's rate counts until then, as it fades, and what is left of the sway.
-    reach_s: f64,
-    sway_left: f64,
+    rate_gain_s: f64,
+    sway_decay: f64,
 }
 
 /// The prediction of one step: everything at `span` after the time from which a command given now counts.
@@ -212,7 +223,7 @@ struct Prediction<'a> {
     bearing: Bearing,
     noise: BearingNoise,
     /// From the bearing to the time from which a command counts.
-    until_effect: Span,
+    until_effect: Propagation,
     /// The slower axis' dead time, seconds.
     start_s: f64,
 }
@@ -220,20 +231,20 @@ struct Prediction<'a> {
 impl OptimalLaw {
     /// A law that has seen nothing.
     pub fn new(settings: &OptimalSettings, profile: &VehicleProfile) -> Self {
-        Self::tuned(settings.tuning(), profile)
+        Self::with_tuning(settings.tuning(), profile)
     }
 
     /// A law with a tuning of one's own.
-    pub fn tuned(tuning: Tuning, profile: &VehicleProfile) -> Self {
+    pub fn with_tuning(tuning: Tuning, profile: &VehicleProfile) -> Self {
         let AxisRates { pan, tilt } = profile.limits;
         let limits = [pan, tilt].map(AngularRate::radians_per_second);
-        let least =
-            [&profile.camera.pan, &profile.camera.tilt].map(|axis| axis.least_rate.radians_per_second());
+        let min_rates =
+            [&profile.camera.pan, &profile.camera.tilt].map(|axis| axis.min_rate.radians_per_second());
         Self {
-            limits: [0, 1].map(|axis| limits[axis].min(tuning.most_rate.max(least[axis]))),
-            least,
+            limits: [0, 1].map(|axis| limits[axis].min(tuning.max_rate.max(min_rates[axis]))),
+            min_rates,
             bearings: BearingFilter::new(tuning.noise),
-            stop_ahead: Span::new(tuning.stop_ahead_s, &tuning.noise),
+            stop_ahead: Propagation::new(tuning.stop_look_ahead_s, &tuning.noise),
             tuning,
             in_force: CameraCommand::REST,
             rested_since: None,
@@ -241,12 +252,12 @@ impl OptimalLaw {
     }
 
     /// Forgets what it has seen of a target.
-    pub fn forget(&mut self) {
-        self.bearings.forget();
+    pub fn reset_target(&mut self) {
+        self.bearings.reset_target();
     }
 
     /// This command is in force from `now` on.
-    pub fn in_force(&mut self, command: CameraCommand, now: Timestamp) {
+    pub fn on_command_applied(&mut self, command: CameraCommand, now: Timestamp) {
         if command.is_rest() && !self.in_force.is_rest() {
             self.rested_since = Some(now);
         }
@@ -254,99 +265,105 @@ impl OptimalLaw {
     }
 
     /// What to ask of the camera.
-    pub fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
-        let view = self.bearings.see(sight, camera);
-        let Some((looked, bearing)) = self.bearings.known() else { return CameraCommand::REST };
+    pub fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
+        let view = self.bearings.observe(input, camera);
+        let Some((looked, bearing)) = self.bearings.estimate() else { return CameraCommand::REST };
         let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
         let noise = self.tuning.noise;
-        let age_s = sight.now.since(*looked).as_secs_f64() + start_s;
+        let age_s = input.now.since(*looked).as_secs_f64() + start_s;
         let prediction = Prediction {
             camera,
             view,
-            focal_px: camera.focal_px(sight.now, sight.picture),
-            region: sight.region,
+            focal_px: camera.focal_px(input.now, input.picture),
+            region: input.region,
             bearing: *bearing,
             noise,
-            until_effect: Span::new(age_s, &noise),
+            until_effect: Propagation::new(age_s, &noise),
             start_s,
         };
         let left = if self.in_force.is_rest() {
-            self.leaves(&prediction, sight.now)
+            self.predicted_exit(&prediction, input.now)
         } else {
-            self.not_yet_back(&prediction)
+            self.outside_stop(&prediction)
         };
-        left.map_or(CameraCommand::REST, |outlook| self.rates(&prediction, &outlook))
+        left.map_or(CameraCommand::REST, |predicted| self.rates(&prediction, &predicted))
     }
 
-    /// The stop ellipse for a target that leaves so much leisure: from 0 where it is fast to 1 where it stands.
-    fn stop(&self, leisure: f64) -> f64 {
-        self.tuning.stop + self.tuning.ease * leisure
+    /// The stop ellipse for a target that leaves so much slowness: from 0 where it is fast to 1 where it stands.
+    fn stop(&self, slowness: f64) -> f64 {
+        self.tuning.stop + self.tuning.slow_target_widening * slowness
     }
 
     /// How fast the target is: from 0 where it stands to 1.
-    fn pace(&self, prediction: &Prediction<'_>) -> f64 {
-        (prediction.bearing.speed() / self.tuning.fast).min(1.0)
+    fn speed_share(&self, prediction: &Prediction<'_>) -> f64 {
+        (prediction.bearing.angular_speed() / self.tuning.fast_target_rate).min(1.0)
     }
 
     /// Where a resting camera would see the target leave the start ellipse.
-    fn leaves(&self, prediction: &Prediction<'_>, now: Timestamp) -> Option<Outlook> {
+    fn predicted_exit(&self, prediction: &Prediction<'_>, now: Timestamp) -> Option<PredictedView> {
         let rested =
-            self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.least_rest_s);
+            self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.min_rest_s);
         if !rested {
             return None;
         }
-        let ahead_s = self.pace(prediction) * self.tuning.start_ahead_s;
-        let half = Span::new(0.5 * ahead_s, &self.tuning.noise);
-        [Span::NONE, half, half.and(&half)].iter().map(|span| prediction.resting(span)).find(|resting| {
-            let start = self.tuning.start + self.tuning.doubt * prediction.doubt(resting);
-            prediction.region.p(resting.point) > start * start
-        })
+        let ahead_s = self.speed_share(prediction) * self.tuning.start_look_ahead_s;
+        let half = Propagation::new(0.5 * ahead_s, &self.tuning.noise);
+        [Propagation::ZERO, half, half.then(&half)].iter().map(|span| prediction.view_at_rest(span)).find(
+            |resting| {
+                let start = self.tuning.start + self.tuning.start_sigma * prediction.start_std_dev(resting);
+                prediction.region.p(resting.point) > start * start
+            },
+        )
     }
 
     /// Where a camera that is told now to rest would leave the target, if that is not in the stop ellipse yet.
-    fn not_yet_back(&self, prediction: &Prediction<'_>) -> Option<Outlook> {
-        let resting = prediction.resting(&self.stop_ahead);
-        let stop = self.stop(1.0 - self.pace(prediction));
+    fn outside_stop(&self, prediction: &Prediction<'_>) -> Option<PredictedView> {
+        let resting = prediction.view_at_rest(&self.stop_ahead);
+        let stop = self.stop(1.0 - self.speed_share(prediction));
         (prediction.region.p(resting.point) > stop * stop).then_some(resting)
     }
 
     /// The rates of a camera that moves, because the target would be seen there if it did not.
-    fn rates(&self, prediction: &Prediction<'_>, resting: &Outlook) -> CameraCommand {
-        let leisure = 1.0 - self.pace(prediction);
-        let thrift = 1.0 + self.tuning.thrift * (prediction.effort(resting) - 1.0);
-        let horizon_s = (1.0 + self.tuning.lazy * leisure) * thrift * self.tuning.horizon_s;
-        let transfer =
-            prediction.transfer(horizon_s, self.tuning.aim + self.tuning.ease * leisure, self.limits);
+    fn rates(&self, prediction: &Prediction<'_>, resting: &PredictedView) -> CameraCommand {
+        let slowness = 1.0 - self.speed_share(prediction);
+        let thrift = 1.0 + self.tuning.steep_view_gain * (prediction.turning_effort(resting) - 1.0);
+        let horizon_s = (1.0 + self.tuning.slow_target_gain * slowness) * thrift * self.tuning.horizon_s;
+        let transfer = prediction.transfer(
+            horizon_s,
+            self.tuning.aim + self.tuning.slow_target_widening * slowness,
+            self.limits,
+        );
         let mut wanted = transfer.solve().rates;
         let mut fastest = wanted[0].abs().max(wanted[1].abs());
         if fastest == 0.0 {
             // It drifts in by itself, but not far enough to rest: there is time.
-            let aim = DRIFT_SHARE * self.stop(leisure);
-            let slower = horizon_s / (thrift * thrift * self.tuning.drift_s);
+            let aim = DRIFT_SHARE * self.stop(slowness);
+            let slower = horizon_s / (thrift * thrift * self.tuning.recentring_time_s);
             let drift = Transfer { aim, ..transfer }.solve();
             wanted = drift.rates.map(|rate| slower * rate);
             fastest = wanted[0].abs().max(wanted[1].abs());
             if fastest == 0.0 {
                 // It comes on by itself; or nothing that the axes may do brings it nearer.
-                return if drift.arrives { self.in_force } else { CameraCommand::REST };
+                return if drift.reaches_aim { self.in_force } else { CameraCommand::REST };
             }
         }
         let faster = usize::from(wanted[1].abs() > wanted[0].abs());
-        let raised = (self.tuning.least_rate.max(self.least[faster]) / fastest).max(1.0);
+        let raised = (self.tuning.min_rate.max(self.min_rates[faster]) / fastest).max(1.0);
         let before = [self.in_force.pan, self.in_force.tilt].map(AngularRate::radians_per_second);
         let mut rates = [0.0; 2];
         for axis in [0, 1] {
             let rate = wanted[axis] * raised;
             let share = wanted[axis].abs() / fastest;
-            let (least, most) = (transfer.least[axis], transfer.most[axis]);
+            let (least, most) = (transfer.min_rates[axis], transfer.max_rates[axis]);
             let left = if rate < 0.0 { -least } else { most };
-            rates[axis] = if share < self.tuning.least_share || left < LEAST_LEFT.max(self.least[axis]) {
-                0.0
-            } else {
-                at_least(rate, self.least[axis]).clamp(least, most)
-            };
+            rates[axis] =
+                if share < self.tuning.min_axis_share || left < MIN_RATE_TO_STOP.max(self.min_rates[axis]) {
+                    0.0
+                } else {
+                    snap_to_min_rate(rate, self.min_rates[axis]).clamp(least, most)
+                };
         }
-        let changed = (0..2).any(|axis| (rates[axis] - before[axis]).abs() >= self.tuning.hold);
+        let changed = (0..2).any(|axis| (rates[axis] - before[axis]).abs() >= self.tuning.command_deadband);
         if !changed && !self.in_force.is_rest() {
             return self.in_force;
         }
@@ -357,67 +374,69 @@ impl OptimalLaw {
 
 impl Prediction<'_> {
     /// Where the target will be seen if the camera is told now to rest.
-    fn resting(&self, span: &Span) -> Outlook {
-        let angles =
-            self.camera.axes().map(|axis| axis.angle_resting(span.span_s + self.start_s - axis.start_s()));
-        self.outlook(span, angles)
+    fn view_at_rest(&self, span: &Propagation) -> PredictedView {
+        let angles = self
+            .camera
+            .axes()
+            .map(|axis| axis.angle_if_rested(span.duration_s + self.start_s - axis.start_s()));
+        self.predicted_view(span, angles)
     }
 
     /// How much more turning it takes to move the target from there to the middle than it takes a camera that looks level;
     /// at least 1, and at most 4 where pan moves nothing.
-    fn effort(&self, Outlook { view, point, .. }: &Outlook) -> f64 {
-        const LEAST_GAIN: f64 = 0.25;
-        let gains = view.sensitivity(*point);
-        let across = point.x * self.focal_px / gains.pan[0].abs().max(LEAST_GAIN * self.focal_px);
-        let along = point.y * self.focal_px / gains.tilt[1].abs().max(LEAST_GAIN * self.focal_px);
+    fn turning_effort(&self, PredictedView { view, point, .. }: &PredictedView) -> f64 {
+        const MIN_GAIN: f64 = 0.25;
+        let gains = view.jacobian(*point);
+        let across = point.x * self.focal_px / gains.pan[0].abs().max(MIN_GAIN * self.focal_px);
+        let along = point.y * self.focal_px / gains.tilt[1].abs().max(MIN_GAIN * self.focal_px);
         let level = (point.x * point.x + point.y * point.y).max(1.0);
         libm::sqrt(((across * across + along * along) / level).max(1.0))
     }
 
     /// The deviation of what is known of the target's motion by then, in the region's smaller semi-axis.
-    fn doubt(&self, then: &Outlook) -> f64 {
-        let deviation = self.bearing.doubt_after(then.reach_s, then.sway_left);
+    fn start_std_dev(&self, then: &PredictedView) -> f64 {
+        let deviation = self.bearing.predicted_std_dev(then.rate_gain_s, then.sway_decay);
         self.focal_px * deviation / self.region.a_px.min(self.region.b_px)
     }
 
-    fn outlook(&self, span: &Span, [pan, tilt]: Pair) -> Outlook {
-        let Span { rate_left, sway_left, .. } = self.until_effect.and(span);
-        let reach_s = self.noise.memory_s * (1.0 - rate_left);
-        let view = self.view.turned(self.focal_px, pan, tilt);
-        let point = view.point(self.bearing.seen_after(reach_s, sway_left));
-        Outlook { view, point, reach_s, sway_left }
+    fn predicted_view(&self, span: &Propagation, [pan, tilt]: Pair) -> PredictedView {
+        let Propagation { rate_decay, sway_decay, .. } = self.until_effect.then(span);
+        let rate_gain_s = self.noise.rate_time_constant_s * (1.0 - rate_decay);
+        let view = self.view.with_pointing(self.focal_px, pan, tilt);
+        let point = view.project(self.bearing.apparent_direction_after(rate_gain_s, sway_decay));
+        PredictedView { view, point, rate_gain_s, sway_decay }
     }
 
     /// The problem of bringing the target into the aim within the horizon.
     fn transfer(&self, horizon_s: f64, aim: f64, limits: Pair) -> Transfer {
         let (mut reach, mut angles) = ([0.0; 2], [0.0; 2]);
-        let (mut least, mut most) = (limits.map(|limit| -limit), limits);
+        let (mut min_rates, mut max_rates) = (limits.map(|limit| -limit), limits);
         for (index, axis) in self.camera.axes().into_iter().enumerate() {
-            let span_s = horizon_s + self.start_s - axis.start_s();
-            let left = axis.fading(span_s);
-            reach[index] = span_s - axis.lag_s() * (1.0 - left);
+            let duration_s = horizon_s + self.start_s - axis.start_s();
+            let left = axis.rate_decay(duration_s);
+            reach[index] = duration_s - axis.lag_s() * (1.0 - left);
             angles[index] = axis.angle_coasting(left);
-            if let Some((below, above)) = axis.left_to_stops(angles[index]) {
-                least[index] = least[index].max(-below / reach[index]);
-                most[index] = most[index].min(above / reach[index]);
+            if let Some((below, above)) = axis.range_to_stops(angles[index]) {
+                min_rates[index] = min_rates[index].max(-below / reach[index]);
+                max_rates[index] = max_rates[index].min(above / reach[index]);
             }
         }
-        let coasting = self.outlook(&Span::new(horizon_s, &self.noise), angles);
-        let gains = coasting.view.sensitivity(coasting.point);
+        let coasting = self.predicted_view(&Propagation::new(horizon_s, &self.noise), angles);
+        let gains = coasting.view.jacobian(coasting.point);
         let (a, b) = (self.region.a_px, self.region.b_px);
         Transfer {
             offset: [coasting.point.x / a, coasting.point.y / b],
             pan: [gains.pan[0] * reach[0] / a, gains.pan[1] * reach[0] / b],
             tilt: [gains.tilt[0] * reach[1] / a, gains.tilt[1] * reach[1] / b],
             aim,
-            least,
-            most,
+            min_rates,
+            max_rates,
         }
     }
 }
 
 /// A rate that the vehicle can turn at: below half its least it rests.
-fn at_least(rate: f64, least: f64) -> f64 {
+fn snap_to_min_rate(rate: f64, least: f64) -> f64 {
     if rate.abs() >= least {
         rate
     } else if rate.abs() >= 0.5 * least {

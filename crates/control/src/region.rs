@@ -17,7 +17,7 @@ pub struct Region {
 
 impl Region {
     /// The region that takes up these shares of half the width and half the height of a picture.
-    pub fn in_picture(shares: RegionShares, picture: PictureSize) -> Self {
+    pub fn from_shares(shares: RegionShares, picture: PictureSize) -> Self {
         Self {
             a_px: shares.half_width * f64::from(picture.width) / 2.0,
             b_px: shares.half_height * f64::from(picture.height) / 2.0,

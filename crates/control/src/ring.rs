@@ -4,24 +4,24 @@
 
 /// The newest values, as many as are kept.
 #[derive(Debug, Clone)]
-pub(crate) struct Ring<T, const KEPT: usize> {
-    values: Box<[T; KEPT]>,
+pub(crate) struct Ring<T, const CAPACITY: usize> {
+    values: Box<[T; CAPACITY]>,
     newest: usize,
     len: usize,
 }
 
-impl<T: Copy, const KEPT: usize> Ring<T, KEPT> {
+impl<T: Copy, const CAPACITY: usize> Ring<T, CAPACITY> {
     /// A ring with one value.
     pub(crate) fn new(first: T) -> Self {
-        Self { values: Box::new([first; KEPT]), newest: 0, len: 1 }
+        Self { values: Box::new([first; CAPACITY]), newest: 0, len: 1 }
     }
 
     /// Takes a value. It takes the newest one's place unless that is `apart` enough from the one before it.
-    pub(crate) fn remember(&mut self, value: T, apart: impl FnOnce(&T, &T) -> bool) {
-        let before = &self.values[(self.newest + KEPT - 1) % KEPT];
+    pub(crate) fn push(&mut self, value: T, apart: impl FnOnce(&T, &T) -> bool) {
+        let before = &self.values[(self.newest + CAPACITY - 1) % CAPACITY];
         if self.len < 2 || apart(before, &self.values[self.newest]) {
-            self.newest = (self.newest + 1) % KEPT;
-            self.len = (self.len + 1).min(KEPT);
+            self.newest = (self.newest + 1) % CAPACITY;
+            self.len = (self.len + 1).min(CAPACITY);
         }
         self.values[self.newest] = value;
     }
@@ -31,12 +31,12 @@ impl<T: Copy, const KEPT: usize> Ring<T, KEPT> {
     }
 
     /// Those before the newest, back to the oldest.
-    pub(crate) fn before(&self) -> impl Iterator<Item = &T> {
-        (1..self.len).map(|back| &self.values[(self.newest + KEPT - back) % KEPT])
+    pub(crate) fn earlier(&self) -> impl Iterator<Item = &T> {
+        (1..self.len).map(|back| &self.values[(self.newest + CAPACITY - back) % CAPACITY])
     }
 
     /// Changes all of them.
-    pub(crate) fn each(&mut self, change: impl FnMut(&mut T)) {
+    pub(crate) fn for_each_mut(&mut self, change: impl FnMut(&mut T)) {
         self.values.iter_mut().for_each(change);
     }
 }

@@ -31,7 +31,7 @@ pub enum Sector {
 
 impl Sector {
     /// The sector that a point lies in. The centre itself, which no releaser ever fires on, counts as the top.
-    pub fn of(point: ImagePoint) -> Self {
+    pub fn from_point(point: ImagePoint) -> Self {
         let (across, along) = (point.x.abs(), point.y.abs());
         if point.x > 0.0 && across > along {
             Self::Right
@@ -58,18 +58,18 @@ impl MotorSchema {
     }
 
     /// Whether the target is outside of the region. A P that is not a number releases nothing.
-    pub fn released(percept: &Percept) -> bool {
+    pub fn is_released(percept: &Percept) -> bool {
         percept.p > 1.0
     }
 
     /// What to ask of the camera for this percept.
     pub fn command(&self, percept: &Percept) -> CameraCommand {
-        if !Self::released(percept) {
+        if !Self::is_released(percept) {
             return CameraCommand::REST;
         }
         let pan = |rate| CameraCommand { pan: rate, tilt: AngularRate::ZERO };
         let tilt = |rate| CameraCommand { pan: AngularRate::ZERO, tilt: rate };
-        match Sector::of(percept.position) {
+        match Sector::from_point(percept.position) {
             Sector::Right => pan(self.rates.pan),
             Sector::Left => pan(-self.rates.pan),
             Sector::Top => tilt(self.rates.tilt),

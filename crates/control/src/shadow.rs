@@ -9,14 +9,14 @@ use core::time::Duration;
 use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile};
 
 use crate::camera_model::CameraModel;
-use crate::law::Sight;
+use crate::law_input::LawInput;
 use crate::percept::Percept;
 use crate::schema::MotorSchema;
 use crate::view::View;
 
 /// The schema with the camera that it would have had.
 #[derive(Debug, Clone)]
-pub struct Shadow {
+pub struct ShadowController {
     schema: MotorSchema,
     camera: CameraModel,
     coast_motion: Duration,
@@ -36,11 +36,11 @@ pub struct ShadowStep {
     pub command: CameraCommand,
 }
 
-impl Shadow {
+impl ShadowController {
     /// A shadow whose camera points where the vehicle's does at the start.
     pub fn new(profile: &VehicleProfile) -> Self {
         Self {
-            schema: MotorSchema::new(profile.schema),
+            schema: MotorSchema::new(profile.motor_schema_rates),
             camera: CameraModel::new(profile.camera, profile.limits),
             coast_motion: profile.coast_motion,
             last: None,
@@ -48,24 +48,24 @@ impl Shadow {
     }
 
     /// The target was seen with `camera`; what the schema would have seen and done.
-    pub fn see(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> ShadowStep {
-        if let Some(last) = self.last.filter(|last| sight.now > last.plus(self.coast_motion)) {
+    pub fn step(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> ShadowStep {
+        if let Some(last) = self.last.filter(|last| input.now > last.plus(self.coast_motion)) {
             // Nothing was seen for so long: the schema's camera, too, would have come to rest.
-            self.camera.command(CameraCommand::REST, last.plus(self.coast_motion));
+            self.camera.apply_command(CameraCommand::REST, last.plus(self.coast_motion));
         }
-        let focal_px = camera.focal_px(sight.captured, sight.picture);
+        let focal_px = camera.focal_px(input.captured, input.picture);
         let view = |model: &CameraModel| {
-            let (pan, tilt) = model.pointing(sight.captured);
+            let (pan, tilt) = model.angles_at(input.captured);
             View::new(focal_px, pan, tilt)
         };
-        let position = view(&self.camera).point(view(camera).direction(sight.percept.position));
-        let percept = Percept::new(position, sight.region);
+        let position = view(&self.camera).project(view(camera).unproject(input.percept.position));
+        let percept = Percept::new(position, input.region);
         let (half_width, half_height) =
-            (0.5 * f64::from(sight.picture.width), 0.5 * f64::from(sight.picture.height));
+            (0.5 * f64::from(input.picture.width), 0.5 * f64::from(input.picture.height));
         let in_picture = position.x.abs() <= half_width && position.y.abs() <= half_height;
         let command = if in_picture { self.schema.command(&percept) } else { CameraCommand::REST };
-        self.camera.command(command, sight.now);
-        self.last = Some(sight.now);
+        self.camera.apply_command(command, input.now);
+        self.last = Some(input.now);
         ShadowStep { position, p: percept.p, in_picture, command }
     }
 }

@@ -34,58 +34,60 @@ pub struct Transfer {
     /// How near to the centre it is to come, in semi-axes, above 0.
     pub aim: f64,
     /// Least rates, rad/s, at most 0: how fast each axis may turn left, or down.
-    pub least: Pair,
+    pub min_rates: Pair,
     /// Largest rates, rad/s, at least 0: how fast each may turn right, or up.
-    pub most: Pair,
+    pub max_rates: Pair,
 }
 
 /// The answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rates {
+pub struct TransferSolution {
     /// rad/s: pan, tilt.
     pub rates: Pair,
     /// Whether the point comes as near as was asked.
-    pub arrives: bool,
+    pub reaches_aim: bool,
 }
 
 /// Newton steps at most; a handful is usual, and the gains must differ by many powers of ten for more than a dozen.
-const STEPS: usize = 60;
+const MAX_NEWTON_STEPS: usize = 60;
 /// Relative error of the distance from which on one more step is the last: it leaves about the square of that.
-const CLOSE_ENOUGH: f64 = 1e-7;
+const LAST_STEP_TOLERANCE: f64 = 1e-7;
 /// By how much the constraint may be missed for rounding's sake.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_TOLERANCE: f64 = 1e-12;
 
 impl Transfer {
     /// Solves it. Numbers that are none give rest.
-    pub fn solve(&self) -> Rates {
+    pub fn solve(&self) -> TransferSolution {
         // An empty range, or one without zero, is no range of rates.
-        let ordered = (0..2).all(|axis| self.least[axis] <= 0.0 && self.most[axis] >= 0.0);
+        let ordered = (0..2).all(|axis| self.min_rates[axis] <= 0.0 && self.max_rates[axis] >= 0.0);
         // A sum with one that is not finite is not finite.
-        let [sum, other] =
-            [0, 1].map(|i| self.offset[i] + self.pan[i] + self.tilt[i] + self.least[i] + self.most[i]);
+        let [sum, other] = [0, 1]
+            .map(|i| self.offset[i] + self.pan[i] + self.tilt[i] + self.min_rates[i] + self.max_rates[i]);
         let usable = (sum + other).is_finite();
         if !usable || !ordered || self.aim.is_nan() {
-            return Rates { rates: [0.0; 2], arrives: false };
+            return TransferSolution { rates: [0.0; 2], reaches_aim: false };
         }
         if square(self.offset) <= self.aim * self.aim {
-            return Rates { rates: [0.0; 2], arrives: true };
+            return TransferSolution { rates: [0.0; 2], reaches_aim: true };
         }
-        match self.unlimited() {
-            Some(rates) if self.within(rates) => Rates { rates, arrives: true },
-            beyond => beyond.and_then(|rates| self.at_a_limit(rates)).unwrap_or_else(|| self.closest()),
+        match self.solve_unlimited() {
+            Some(rates) if self.is_within_limits(rates) => TransferSolution { rates, reaches_aim: true },
+            beyond => {
+                beyond.and_then(|rates| self.solve_at_limit(rates)).unwrap_or_else(|| self.closest_approach())
+            }
         }
     }
 
-    fn within(&self, rates: Pair) -> bool {
-        (0..2).all(|axis| (self.least[axis]..=self.most[axis]).contains(&rates[axis]))
+    fn is_within_limits(&self, rates: Pair) -> bool {
+        (0..2).all(|axis| (self.min_rates[axis]..=self.max_rates[axis]).contains(&rates[axis]))
     }
 
-    fn moved(&self, rates: Pair) -> Pair {
+    fn offset_with(&self, rates: Pair) -> Pair {
         [0, 1].map(|i| self.offset[i] + self.pan[i] * rates[0] + self.tilt[i] * rates[1])
     }
 
     /// Case 1; `None` where no rates reach the ellipse.
-    fn unlimited(&self) -> Option<Pair> {
+    fn solve_unlimited(&self) -> Option<Pair> {
         let (pan, tilt, c) = (self.pan, self.tilt, self.offset);
         let trace = square(pan) + square(tilt);
         if trace <= 0.0 {
@@ -104,7 +106,7 @@ impl Transfer {
         let pull = square([dot(pan, c), dot(tilt, c)]) / trace;
         let per_aim = 1.0 / self.aim;
         let (mut factor, mut shrink) = (0.0, 1.0);
-        for _ in 0..STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let distance_squared = cc + factor * (2.0 * cd + factor * dd);
             let slope = pull + factor * determinant * (3.0 * cc + factor * (3.0 * cd + factor * dd));
             let miss = per_aim * libm::sqrt(distance_squared) - shrink;
@@ -112,7 +114,7 @@ impl Transfer {
             if miss <= 0.0 || !step.is_finite() || factor + step == factor {
                 break;
             }
-            let is_last = miss <= CLOSE_ENOUGH * shrink;
+            let is_last = miss <= LAST_STEP_TOLERANCE * shrink;
             factor += step;
             shrink = 1.0 + factor * (1.0 + factor * determinant);
             if is_last {
@@ -126,40 +128,40 @@ impl Transfer {
     }
 
     /// Case 2: the least on those sides of the rectangle that `beyond` lies beyond, if any reaches the ellipse.
-    fn at_a_limit(&self, beyond: Pair) -> Option<Rates> {
+    fn solve_at_limit(&self, beyond: Pair) -> Option<TransferSolution> {
         let mut best: Option<(f64, Pair)> = None;
         for held in [0, 1] {
-            if (self.least[held]..=self.most[held]).contains(&beyond[held]) {
+            if (self.min_rates[held]..=self.max_rates[held]).contains(&beyond[held]) {
                 continue;
             }
-            let rate = beyond[held].clamp(self.least[held], self.most[held]);
+            let rate = beyond[held].clamp(self.min_rates[held], self.max_rates[held]);
             let (fixed, free) = if held == 0 { (self.pan, self.tilt) } else { (self.tilt, self.pan) };
             let start = [0, 1].map(|i| self.offset[i] + rate * fixed[i]);
-            let range = (self.least[1 - held], self.most[1 - held]);
-            let Some(other) = least_into(start, free, self.aim, range) else { continue };
+            let range = (self.min_rates[1 - held], self.max_rates[1 - held]);
+            let Some(other) = min_rate_into_circle(start, free, self.aim, range) else { continue };
             let rates = if held == 0 { [rate, other] } else { [other, rate] };
             let energy = square(rates);
             if best.is_none_or(|(least, _)| energy < least) {
                 best = Some((energy, rates));
             }
         }
-        best.map(|(_, rates)| Rates { rates, arrives: true })
+        best.map(|(_, rates)| TransferSolution { rates, reaches_aim: true })
     }
 
     /// Case 3: the rates within the limits that come closest; of several, the least.
-    fn closest(&self) -> Rates {
+    fn closest_approach(&self) -> TransferSolution {
         let (pan, tilt) = (self.pan, self.tilt);
         let (pp, tt, pt) = (square(pan), square(tilt), dot(pan, tilt));
         let (pc, tc) = (dot(pan, self.offset), dot(tilt, self.offset));
         let area = pan[0] * tilt[1] - pan[1] * tilt[0];
         let mut best: Option<(f64, f64, Pair)> = None;
         let mut offer = |rates: Pair| {
-            if !self.within(rates) {
+            if !self.is_within_limits(rates) {
                 return;
             }
-            let (distance, energy) = (square(self.moved(rates)), square(rates));
+            let (distance, energy) = (square(self.offset_with(rates)), square(rates));
             let better = best.is_none_or(|(nearest, least, _)| {
-                let same = ROUNDING * (nearest + square(self.offset));
+                let same = ROUNDING_TOLERANCE * (nearest + square(self.offset));
                 distance < nearest - same || (distance <= nearest + same && energy < least)
             });
             if better {
@@ -168,7 +170,7 @@ impl Transfer {
         };
         offer([0.0; 2]);
         let determinant = area * area;
-        if determinant > ROUNDING * pp * tt {
+        if determinant > ROUNDING_TOLERANCE * pp * tt {
             offer([(pt * tc - tt * pc) / determinant, (pt * pc - pp * tc) / determinant]);
         } else if pp + tt > 0.0 {
             // Both axes push the same way: the shortest rates that cancel what lies along it.
@@ -178,19 +180,19 @@ impl Transfer {
             offer([-c * p / (p * p + t * t), -c * t / (p * p + t * t)]);
         }
         let nearest = |start: f64, gain: f64, axis: usize| {
-            if gain > 0.0 { (-start / gain).clamp(self.least[axis], self.most[axis]) } else { 0.0 }
+            if gain > 0.0 { (-start / gain).clamp(self.min_rates[axis], self.max_rates[axis]) } else { 0.0 }
         };
-        for limits in [self.least, self.most] {
+        for limits in [self.min_rates, self.max_rates] {
             let [p, t] = limits;
             offer([p, nearest(tc + p * pt, tt, 1)]);
             offer([nearest(pc + t * pt, pp, 0), t]);
         }
-        Rates { rates: best.map_or([0.0; 2], |(_, _, rates)| rates), arrives: false }
+        TransferSolution { rates: best.map_or([0.0; 2], |(_, _, rates)| rates), reaches_aim: false }
     }
 }
 
 /// The rate nearest to zero within a range that brings a point into the circle of the radius `aim` around the origin.
-fn least_into(start: Pair, gain: Pair, aim: f64, (least, most): (f64, f64)) -> Option<f64> {
+fn min_rate_into_circle(start: Pair, gain: Pair, aim: f64, (least, most): (f64, f64)) -> Option<f64> {
     let outside = square(start) - aim * aim;
     if outside <= 0.0 {
         return Some(0.0);

@@ -14,15 +14,15 @@ use crate::outcome::{HoldCause, Mode};
 
 /// What a step brings to judge by.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Evidence {
+pub enum ObservationResult {
     /// A fresh localisation, and what the law asks for.
     Fresh(CameraCommand),
     /// A localisation that coasts, and what the law would ask for.
     Coasting(CameraCommand),
     /// A look that showed no target, or came too late.
-    Nothing(HoldCause),
+    Unusable(HoldCause),
     /// No look at all: a tick, a request, telemetry.
-    NoLook,
+    NoObservation,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,15 +37,15 @@ enum Engagement {
 pub struct Safety {
     coast_motion: Duration,
     engagement: Engagement,
-    last_fresh: Option<Timestamp>,
+    last_fresh_at: Option<Timestamp>,
     /// Why the camera will rest if nothing fresh comes from here on.
-    missing: HoldCause,
-    in_force: CameraCommand,
+    hold_cause: HoldCause,
+    command_in_force: CameraCommand,
 }
 
 /// What a judge rules.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ruling {
+pub struct Decision {
     /// The mode from here on.
     pub mode: Mode,
     /// The command in force from here on.
@@ -60,14 +60,14 @@ impl Safety {
         Self {
             coast_motion,
             engagement: Engagement::Disengaged,
-            last_fresh: None,
-            missing: HoldCause::NoSelection,
-            in_force: CameraCommand::REST,
+            last_fresh_at: None,
+            hold_cause: HoldCause::NoSelection,
+            command_in_force: CameraCommand::REST,
         }
     }
 
     /// Takes a request. A stop keeps its first cause until the camera is engaged again.
-    pub fn request(&mut self, request: &OperatorRequest) {
+    pub fn on_request(&mut self, request: &OperatorRequest) {
         self.engagement = match (self.engagement, request) {
             (stopped @ Engagement::Stopped(_), OperatorRequest::Stop(_)) => stopped,
             (_, OperatorRequest::Stop(cause)) => Engagement::Stopped(*cause),
@@ -75,59 +75,59 @@ impl Safety {
             (_, OperatorRequest::Disengage) => Engagement::Disengaged,
             (unchanged, OperatorRequest::Select(_)) => {
                 // What was running rested on another target.
-                self.in_force = CameraCommand::REST;
-                self.last_fresh = None;
+                self.command_in_force = CameraCommand::REST;
+                self.last_fresh_at = None;
                 unchanged
             }
         };
     }
 
     /// Rules on one step.
-    pub fn rule(&mut self, evidence: Evidence, now: Timestamp) -> Ruling {
-        match evidence {
-            Evidence::Fresh(_) => {
-                self.last_fresh = Some(now);
-                self.missing = HoldCause::VideoSilent;
+    pub fn decide(&mut self, observation: ObservationResult, now: Timestamp) -> Decision {
+        match observation {
+            ObservationResult::Fresh(_) => {
+                self.last_fresh_at = Some(now);
+                self.hold_cause = HoldCause::VideoSilent;
             }
-            Evidence::Coasting(_) => self.missing = HoldCause::Coasting,
-            Evidence::Nothing(why) => self.missing = why,
-            Evidence::NoLook => {}
+            ObservationResult::Coasting(_) => self.hold_cause = HoldCause::Coasting,
+            ObservationResult::Unusable(why) => self.hold_cause = why,
+            ObservationResult::NoObservation => {}
         }
         let mode = self.mode(now);
-        self.in_force = match (mode, evidence) {
-            (Mode::Servoing, Evidence::Fresh(wanted)) => wanted,
-            (Mode::Servoing, Evidence::Coasting(wanted)) => lowered(self.in_force, wanted),
-            (Mode::Servoing, _) => self.in_force,
+        self.command_in_force = match (mode, observation) {
+            (Mode::Servoing, ObservationResult::Fresh(wanted)) => wanted,
+            (Mode::Servoing, ObservationResult::Coasting(wanted)) => reduced(self.command_in_force, wanted),
+            (Mode::Servoing, _) => self.command_in_force,
             (Mode::Idle | Mode::Holding(_) | Mode::Stopped(_), _) => CameraCommand::REST,
         };
         let wake_at = match mode {
             Mode::Servoing => self.expires_at(),
             Mode::Idle | Mode::Holding(_) | Mode::Stopped(_) => None,
         };
-        Ruling { mode, command: self.in_force, wake_at }
+        Decision { mode, command: self.command_in_force, wake_at }
     }
 
     fn expires_at(&self) -> Option<Timestamp> {
-        self.last_fresh.map(|at| at.plus(self.coast_motion))
+        self.last_fresh_at.map(|at| at.plus(self.coast_motion))
     }
 
     fn mode(&self, now: Timestamp) -> Mode {
         match self.engagement {
             Engagement::Disengaged => Mode::Idle,
             Engagement::Stopped(cause) => Mode::Stopped(cause),
-            Engagement::Engaged if self.looked_lately(now) => Mode::Servoing,
-            Engagement::Engaged => Mode::Holding(self.missing),
+            Engagement::Engaged if self.has_fresh_observation(now) => Mode::Servoing,
+            Engagement::Engaged => Mode::Holding(self.hold_cause),
         }
     }
 
-    fn looked_lately(&self, now: Timestamp) -> bool {
-        self.last_fresh.is_some_and(|at| at <= now && now < at.plus(self.coast_motion))
+    fn has_fresh_observation(&self, now: Timestamp) -> bool {
+        self.last_fresh_at.is_some_and(|at| at <= now && now < at.plus(self.coast_motion))
     }
 }
 
 /// The command in force, with each axis no faster than `wanted` asks for; an axis that would turn the other way
 /// rests.
-fn lowered(in_force: CameraCommand, wanted: CameraCommand) -> CameraCommand {
+fn reduced(command_in_force: CameraCommand, wanted: CameraCommand) -> CameraCommand {
     let axis = |running: AngularRate, wanted: AngularRate| {
         let (running, wanted) = (running.radians_per_second(), wanted.radians_per_second());
         let rate = if running * wanted <= 0.0 {
@@ -139,5 +139,8 @@ fn lowered(in_force: CameraCommand, wanted: CameraCommand) -> CameraCommand {
         };
         AngularRate::from_radians_per_second(rate)
     };
-    CameraCommand { pan: axis(in_force.pan, wanted.pan), tilt: axis(in_force.tilt, wanted.tilt) }
+    CameraCommand {
+        pan: axis(command_in_force.pan, wanted.pan),
+        tilt: axis(command_in_force.tilt, wanted.tilt),
+    }
 }

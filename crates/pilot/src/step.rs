@@ -2,14 +2,14 @@
 
 use core::time::Duration;
 
-use barrelman_control::{CameraLaw, LawSettings, MotorSchema, Percept, Region, Sector, Sight};
+use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{OperatorRequest, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame};
 
 use crate::input::Input;
 use crate::outcome::{Advice, HoldCause, Notice, Outcome};
-use crate::safety::{Evidence, Safety};
+use crate::safety::{ObservationResult, Safety};
 
 /// What a pilot works by.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +35,7 @@ pub struct Pilot {
 }
 
 /// What one look at the scene showed.
-struct Look {
+struct Observation {
     track: Track,
     /// When what was seen was captured; a track without a place, measured elsewhere, does not say.
     captured: Option<Timestamp>,
@@ -67,23 +67,23 @@ impl Pilot {
     /// Takes one input and says what comes of it.
     pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
         let look = match input {
-            Input::Frame(frame) => Some(self.look_at(frame)),
+            Input::Frame(frame) => Some(self.observe_frame(frame)),
             Input::Localisation(track) => {
                 let captured = track.localisation().map(|seen| seen.captured);
-                Some(Look { track, captured, notice: None })
+                Some(Observation { track, captured, notice: None })
             }
             Input::Request(request) => {
-                self.take(&request);
+                self.on_request(&request);
                 None
             }
             Input::Telemetry(telemetry) => {
-                self.hear(&telemetry);
+                self.on_telemetry(&telemetry);
                 None
             }
             Input::Tick => None,
         };
         let Some(mut look) = look else {
-            return self.conclude(Evidence::NoLook, None, None, now);
+            return self.finish_step(ObservationResult::NoObservation, None, None, now);
         };
         if let Some(captured) = look.captured {
             let went_back = self.last_capture.is_some_and(|last| captured < last);
@@ -94,43 +94,43 @@ impl Pilot {
         }
         self.track = look.track;
         let age = look.captured.map(|captured| now.since(captured));
-        let evidence = self.weigh(age, now);
-        self.conclude(evidence, age, look.notice, now)
+        let result = self.evaluate(age, now);
+        self.finish_step(result, age, look.notice, now)
     }
 
-    fn take(&mut self, request: &OperatorRequest) {
-        self.safety.request(request);
+    fn on_request(&mut self, request: &OperatorRequest) {
+        self.safety.on_request(request);
         if let OperatorRequest::Select(selection) = request {
             self.pending_selection = Some(*selection);
-            self.law.forget();
+            self.law.reset_target();
         }
     }
 
     /// What the vehicle says of its camera is the law's affair.
-    fn hear(&mut self, telemetry: &Telemetry) {
+    fn on_telemetry(&mut self, telemetry: &Telemetry) {
         match telemetry.report {
-            Report::CameraTilt(tilt) => self.law.tilt_reported(tilt, telemetry.at),
-            Report::FieldOfView(angle) => self.law.field_of_view_reported(angle, telemetry.at),
+            Report::CameraTilt(tilt) => self.law.on_tilt_report(tilt, telemetry.at),
+            Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
             _ => {}
         }
     }
 
-    fn look_at(&mut self, frame: &VideoFrame) -> Look {
+    fn observe_frame(&mut self, frame: &VideoFrame) -> Observation {
         let captured = Some(frame.capture.at);
         let shift = self
             .last_capture
             .filter(|last| *last <= frame.capture.at)
-            .map(|last| self.law.shift(last, frame.capture.at, frame.picture.size()));
+            .map(|last| self.law.motion_prior(last, frame.capture.at, frame.picture.size()));
         let Some(selection) = self.pending_selection.take() else {
-            return Look { track: self.tracker.track(frame, shift.as_ref()), captured, notice: None };
+            return Observation { track: self.tracker.track(frame, shift.as_ref()), captured, notice: None };
         };
         match self.tracker.select(frame, selection) {
-            Ok(report) => Look {
+            Ok(report) => Observation {
                 track: Track::Tracking(report.localisation),
                 captured,
                 notice: Some(Notice::Selected(report)),
             },
-            Err(refusal) => Look {
+            Err(refusal) => Observation {
                 track: self.tracker.track(frame, shift.as_ref()),
                 captured,
                 notice: Some(Notice::SelectionRefused(refusal)),
@@ -138,22 +138,22 @@ impl Pilot {
         }
     }
 
-    /// What the newest look is worth as evidence for motion.
-    fn weigh(&mut self, age: Option<Duration>, now: Timestamp) -> Evidence {
+    /// What the newest look is worth as result for motion.
+    fn evaluate(&mut self, age: Option<Duration>, now: Timestamp) -> ObservationResult {
         let profile = &self.settings.profile;
         let looked = self.track.localisation().map(|seen| {
-            let region = Region::in_picture(profile.region, seen.picture);
+            let region = Region::from_shares(profile.region, seen.picture);
             let percept = Percept::new(seen.centre.in_image(seen.picture), region);
-            let sight = Sight {
+            let input = LawInput {
                 percept: &percept,
                 region,
                 picture: seen.picture,
                 captured: seen.captured,
-                seen: matches!(self.track, Track::Tracking(_)),
+                is_measured: matches!(self.track, Track::Tracking(_)),
                 now,
             };
-            let command = self.law.command(&sight);
-            let sector = MotorSchema::released(&percept).then(|| Sector::of(percept.position));
+            let command = self.law.command(&input);
+            let sector = MotorSchema::is_released(&percept).then(|| Sector::from_point(percept.position));
             (percept, Advice { command, sector })
         });
         self.percept = looked.map(|(percept, _)| percept);
@@ -161,32 +161,32 @@ impl Pilot {
         let stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
         let advice = self.advice.map(|advice| advice.command);
         match (self.track, advice) {
-            (Track::Unseeded, _) => Evidence::Nothing(HoldCause::NoSelection),
-            (Track::Lost { .. }, _) | (_, None) => Evidence::Nothing(HoldCause::TrackLost),
-            _ if stale => Evidence::Nothing(HoldCause::VideoStale),
-            (Track::Tracking(_), Some(wanted)) => Evidence::Fresh(wanted),
-            (Track::Coasting(_), Some(wanted)) => Evidence::Coasting(wanted),
+            (Track::Unseeded, _) => ObservationResult::Unusable(HoldCause::NoSelection),
+            (Track::Lost { .. }, _) | (_, None) => ObservationResult::Unusable(HoldCause::TrackLost),
+            _ if stale => ObservationResult::Unusable(HoldCause::VideoStale),
+            (Track::Tracking(_), Some(wanted)) => ObservationResult::Fresh(wanted),
+            (Track::Coasting(_), Some(wanted)) => ObservationResult::Coasting(wanted),
         }
     }
 
-    fn conclude(
+    fn finish_step(
         &mut self,
-        evidence: Evidence,
+        result: ObservationResult,
         age: Option<Duration>,
         notice: Option<Notice>,
         now: Timestamp,
     ) -> Outcome {
-        let ruling = self.safety.rule(evidence, now);
-        self.law.in_force(ruling.command, now);
+        let decision = self.safety.decide(result, now);
+        self.law.on_command_applied(decision.command, now);
         Outcome {
             at: now,
-            mode: ruling.mode,
+            mode: decision.mode,
             track: self.track,
             age,
             percept: self.percept,
             advice: self.advice,
-            command: ruling.command,
-            wake_at: ruling.wake_at,
+            command: decision.command,
+            wake_at: decision.wake_at,
             notice,
         }
     }

@@ -42,14 +42,14 @@ fn draw(bencher: Bencher<'_, '_>, size: PictureSize, number: u32) {
     tracker.explain(&mut explanation);
 
     let track = Track::Tracking(report.localisation);
-    let region = Region::in_picture(profile.region, size);
+    let region = Region::from_shares(profile.region, size);
     let percept = Percept::new(report.localisation.centre.in_image(size), region);
-    let command = MotorSchema::new(profile.schema).command(&percept);
+    let command = MotorSchema::new(profile.motor_schema_rates).command(&percept);
     let scene = Scene {
         percept: Some(percept),
         advice: Some(Advice { command, sector: None }),
         command,
-        rates: Some(profile.outgoing(command)),
+        rates: Some(profile.to_vehicle(command)),
         mode: Some(Mode::Servoing),
         link: Some("up"),
         explanation: Some(&explanation),

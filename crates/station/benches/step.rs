@@ -86,7 +86,7 @@ fn localisation(bencher: Bencher<'_, '_>, name: TrackerName) {
 fn whole_step(bencher: Bencher<'_, '_>, name: TrackerName) {
     let clip = PracticeClip::new(SIZE, 1);
     let frames = frames(&clip);
-    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::Schema };
+    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema };
     let mut pilot = Pilot::new(settings, tracker(name));
     let selection = OperatorRequest::Select(clip.truth(0).selection);
     pilot.step(Input::Request(selection), Timestamp::ZERO);

@@ -60,7 +60,7 @@ impl Film {
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
-        let region = Region::in_picture(self.shares, frame.picture.size());
+        let region = Region::from_shares(self.shares, frame.picture.size());
         self.add(frame, &Scene { rates: Some(rates), ..Scene::of_outcome(outcome, region) })
     }
 
@@ -69,7 +69,7 @@ impl Film {
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_track(&mut self, frame: &VideoFrame, track: &Track, why: Option<&Explanation>) -> Result<()> {
-        let region = Region::in_picture(self.shares, frame.picture.size());
+        let region = Region::from_shares(self.shares, frame.picture.size());
         self.add(frame, &Scene { explanation: why, ..Scene::of_track(track, region) })
     }
 

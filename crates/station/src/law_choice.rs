@@ -1,7 +1,7 @@
 //! The camera law that was asked for: on the command line, in a configuration, in a campaign's settings.
 
 use anyhow::{Result, bail};
-use barrelman_control::optimal::{Mode, OptimalSettings};
+use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_control::{CentringGains, LawSettings};
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
@@ -137,14 +137,14 @@ impl LawChoice {
     /// The law's settings.
     pub fn settings(&self) -> LawSettings {
         let mode = match self.mode.unwrap_or_default() {
-            ModeName::MinimumEnergy => Mode::MinimumEnergy,
-            ModeName::TimeFuel => Mode::TimeFuel,
-            ModeName::Eco => Mode::Eco,
+            ModeName::MinimumEnergy => OptimalMode::MinimumEnergy,
+            ModeName::TimeFuel => OptimalMode::TimeFuel,
+            ModeName::Eco => OptimalMode::Eco,
         };
         match self.name {
-            LawName::Schema => LawSettings::Schema,
+            LawName::Schema => LawSettings::MotorSchema,
             LawName::Optimal => LawSettings::Optimal(OptimalSettings { mode, horizon_s: self.horizon_s }),
-            LawName::Centre => LawSettings::Centre(CentringGains::USUAL),
+            LawName::Centre => LawSettings::Centring(CentringGains::HAND_TUNED),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! not move the recorded picture: it is a check of the law against the recorded commands, no proof of how well
 //! it would have held the target. A law that imagines the camera imagines that it did what it was asked.
 
-use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
+use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
 use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile, VehicleRates};
 
 use crate::logs::TrialLog;
@@ -35,17 +35,17 @@ pub fn law_over(
         let percept = at.position.map(|position| Percept::new(position, region));
         let now = Timestamp::from_secs_f64(at.time_s);
         let command = percept.map_or(CameraCommand::REST, |percept| {
-            law.command(&Sight {
+            law.command(&LawInput {
                 percept: &percept,
                 region,
                 picture: log.frame,
                 captured: now,
-                seen: true,
+                is_measured: true,
                 now,
             })
         });
-        law.in_force(command, now);
-        let rates = profile.outgoing(command);
+        law.on_command_applied(command, now);
+        let rates = profile.to_vehicle(command);
         let target = percept.map(|percept| (percept.position, percept.p));
         LawRow { row, time_s: at.time_s, target, rates }
     })

@@ -20,7 +20,7 @@ impl Replay {
     /// Takes an input as the pilot took it then.
     pub fn step(&mut self, step: u64, now: Timestamp, input: Input<'_>) -> RecordedOutcome {
         let outcome = self.pilot.step(input, now);
-        RecordedOutcome::new(step, &outcome, self.profile.outgoing(outcome.command))
+        RecordedOutcome::new(step, &outcome, self.profile.to_vehicle(outcome.command))
     }
 }
 

@@ -214,7 +214,7 @@ fn rescaled(window: Window, from: PictureSize, to: PictureSize) -> Window {
 /// The window moved with the picture, by whole pixels, and kept in it. A prior that is not finite, or does not know the
 /// shift to within the window's size, is passed over.
 fn shifted(window: Window, prior: &MotionPrior, picture: PictureSize) -> Window {
-    let known = prior.deviation_px <= window.w.max(window.h) as f64;
+    let known = prior.std_dev_px <= window.w.max(window.h) as f64;
     if !(known && prior.shift_u_px.is_finite() && prior.shift_v_px.is_finite()) {
         return window;
     }

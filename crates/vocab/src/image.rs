@@ -129,7 +129,7 @@ impl PixelBox {
     }
 
     /// Intersection over union, 0 to 1: the usual measure of how well two boxes agree.
-    pub fn overlap(self, other: Self) -> f64 {
+    pub fn iou(self, other: Self) -> f64 {
         let both = self.intersection(other).area();
         let either = self.area() + other.area() - both;
         // The corners of the intersection are rounded: equal boxes may come out a little over 1.

@@ -1,7 +1,7 @@
 //! Vehicle profiles: everything in which one vehicle's camera differs from another's.
 //!
 //! No sign, gain, rate limit or latency of a vehicle is written anywhere else. Inside the program pan > 0 turns
-//! the view right and tilt > 0 raises it; [`VehicleProfile::outgoing`] turns that into the vehicle's own signs,
+//! the view right and tilt > 0 raises it; [`VehicleProfile::to_vehicle`] turns that into the vehicle's own signs,
 //! once, where a command leaves.
 
 use core::time::Duration;
@@ -19,7 +19,7 @@ pub struct VehicleProfile {
     /// The region the target may roam in.
     pub region: RegionShares,
     /// The fixed rates of the motor schemas.
-    pub schema: AxisRates,
+    pub motor_schema_rates: AxisRates,
     /// What the vehicle can do at most.
     pub limits: AxisRates,
     /// The vehicle's own signs.
@@ -65,7 +65,7 @@ pub struct CameraDynamics {
     /// Focal length as a share of the picture's width.
     pub focal_share: f64,
     /// The camera's elevation at the start where no telemetry tells; negative looks down.
-    pub first_tilt: Angle,
+    pub initial_tilt: Angle,
     /// The end stops of that elevation, lower and upper.
     pub tilt_stops: (Angle, Angle),
     /// The axis that pans.
@@ -84,7 +84,7 @@ pub struct AxisDynamics {
     /// Time constant of the rate after that.
     pub lag: Duration,
     /// The least rate other than zero that it turns at.
-    pub least_rate: AngularRate,
+    pub min_rate: AngularRate,
 }
 
 /// How the vehicle's own rates are signed against ours.
@@ -106,7 +106,7 @@ pub enum Sign {
 }
 
 impl Sign {
-    fn applied_to(self, rate: AngularRate) -> AngularRate {
+    fn apply(self, rate: AngularRate) -> AngularRate {
         match self {
             // Twice the opposite: a zero loses its sign on either way.
             Self::Same => -(-rate),
@@ -142,11 +142,11 @@ impl CameraDynamics {
             start_dead_time: Duration::from_millis(start_ms),
             stop_dead_time: Duration::from_millis(stop_ms),
             lag: Duration::from_millis(lag_ms),
-            least_rate: AngularRate::ZERO,
+            min_rate: AngularRate::ZERO,
         };
         Self {
             focal_share: 330.0 / 640.0,
-            first_tilt: Angle::from_degrees(-24.0),
+            initial_tilt: Angle::from_degrees(-24.0),
             tilt_stops: (Angle::from_degrees(-90.0), Angle::from_degrees(10.0)),
             pan: axis(200, 400, 420),
             tilt: axis(100, 400, 100),
@@ -163,7 +163,7 @@ impl VehicleProfile {
             name: "fotokite-pro".to_owned(),
             protocol: Protocol::FotokitePro,
             region: RegionShares { half_width: 0.6, half_height: 0.5 },
-            schema: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
+            motor_schema_rates: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
             limits: AxisRates { pan: rad_per_s(0.4), tilt: rad_per_s(0.3) },
             signs: AxisSigns { yaw: Sign::Opposite, pitch: Sign::Opposite },
             camera: CameraDynamics::laboratory(),
@@ -176,26 +176,23 @@ impl VehicleProfile {
     /// The same vehicle with another rate of the schema on both axes. A limit below it is raised: who asks what
     /// another rate would do asks about a vehicle that can turn so fast.
     #[must_use]
-    pub fn with_schema_rate(mut self, rate: AngularRate) -> Self {
+    pub fn with_motor_schema_rate(mut self, rate: AngularRate) -> Self {
         let raised = |limit: AngularRate| if limit < rate { rate } else { limit };
-        self.schema = AxisRates { pan: rate, tilt: rate };
+        self.motor_schema_rates = AxisRates { pan: rate, tilt: rate };
         self.limits = AxisRates { pan: raised(self.limits.pan), tilt: raised(self.limits.tilt) };
         self
     }
 
     /// The door from the other side, for whoever plays the vehicle: rates in its own signs as our command.
-    pub fn incoming(&self, rates: VehicleRates) -> CameraCommand {
-        CameraCommand {
-            pan: self.signs.yaw.applied_to(rates.yaw),
-            tilt: self.signs.pitch.applied_to(rates.pitch),
-        }
+    pub fn from_vehicle(&self, rates: VehicleRates) -> CameraCommand {
+        CameraCommand { pan: self.signs.yaw.apply(rates.yaw), tilt: self.signs.pitch.apply(rates.pitch) }
     }
 
     /// The door: a command inside becomes rates in the vehicle's own signs, within its limits.
-    pub fn outgoing(&self, command: CameraCommand) -> VehicleRates {
+    pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
         VehicleRates {
-            yaw: self.signs.yaw.applied_to(command.pan.clamped(self.limits.pan)),
-            pitch: self.signs.pitch.applied_to(command.tilt.clamped(self.limits.tilt)),
+            yaw: self.signs.yaw.apply(command.pan.clamped(self.limits.pan)),
+            pitch: self.signs.pitch.apply(command.tilt.clamped(self.limits.tilt)),
         }
     }
 }

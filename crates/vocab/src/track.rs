@@ -73,7 +73,7 @@ pub struct MotionPrior {
     /// The same, v downwards.
     pub shift_v_px: f64,
     /// Standard deviation of both shifts, pixels.
-    pub deviation_px: f64,
+    pub std_dev_px: f64,
     /// Time between the two frames that it speaks of.
-    pub over: Duration,
+    pub interval: Duration,
 }

@@ -24,7 +24,7 @@ pub enum Rotation {
 
 impl Rotation {
     /// The size of a picture of that stored size once it is displayed.
-    pub const fn displayed(self, stored: PictureSize) -> PictureSize {
+    pub const fn displayed_size(self, stored: PictureSize) -> PictureSize {
         match self {
             Self::None | Self::Half => stored,
             Self::Clockwise90 | Self::Clockwise270 => PictureSize::new(stored.height, stored.width),

@@ -69,8 +69,8 @@ pub(crate) fn watch_together(
         let prior = MotionPrior {
             shift_u_px: truth.camera_shift.0 + PRIOR_DEVIATION_PX * bell(&mut chance),
             shift_v_px: truth.camera_shift.1 + PRIOR_DEVIATION_PX * bell(&mut chance),
-            deviation_px: PRIOR_DEVIATION_PX,
-            over,
+            std_dev_px: PRIOR_DEVIATION_PX,
+            interval: over,
         };
         for ((watcher, selected), said) in watchers.iter_mut().zip(&mut selected).zip(&mut said) {
             if index == 0 {

@@ -73,7 +73,7 @@ impl Measured {
             }
             let Some(seen) = seen else { continue };
             measured.reported += 1;
-            measured.overlaps.push(seen.bounds.overlap(truth.bounds));
+            measured.overlaps.push(seen.bounds.iou(truth.bounds));
             measured.centre_px.push((seen.centre.u - truth.centre.u).hypot(seen.centre.v - truth.centre.v));
             if let Some(shape) = seen.shape
                 && truth.major_px >= AXIS_FROM_PX

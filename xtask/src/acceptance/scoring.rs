@@ -86,7 +86,7 @@ pub(crate) fn score(labels: &[Option<Label>], boxes: &[Option<PixelBox>], pictur
 
 /// Intersection over union of what of both boxes lies in the picture; 0 where nothing was reported.
 pub(crate) fn overlap(truth: PixelBox, reported: Option<PixelBox>, picture: PictureSize) -> f64 {
-    reported.map_or(0.0, |reported| truth.clipped(picture).overlap(reported.clipped(picture)))
+    reported.map_or(0.0, |reported| truth.clipped(picture).iou(reported.clipped(picture)))
 }
 
 /// Distance of the centres of both boxes' parts in the picture; none where there is no such part.

@@ -89,11 +89,12 @@ impl Subject {
 
     fn law(&self, profile: &VehicleProfile) -> Box<dyn Law> {
         match self {
-            Self::Schema => Box::new(MotorSchema::new(profile.schema)),
-            Self::Centre => {
-                Box::new(barrelman_control::centring::Centring::new(CentringGains::USUAL, profile.limits))
-            }
-            Self::Optimal(tuning) => Box::new(OptimalLaw::tuned(*tuning, profile)),
+            Self::Schema => Box::new(MotorSchema::new(profile.motor_schema_rates)),
+            Self::Centre => Box::new(barrelman_control::centring::Centring::new(
+                CentringGains::HAND_TUNED,
+                profile.limits,
+            )),
+            Self::Optimal(tuning) => Box::new(OptimalLaw::with_tuning(*tuning, profile)),
             Self::Lqg(weight) => Box::new(Lqg::new(*weight, profile)),
             Self::Mpc => Box::new(Mpc::new(profile)),
         }

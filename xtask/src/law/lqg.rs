@@ -5,7 +5,7 @@
 //! how fast the camera does. `e' = v - w`, `v' = -v / memory`, `w' = (u - w) / lag`. The gains minimise
 //! `∫ (e² + weight u²) dt`; they come from the Riccati equation, integrated until it rests.
 
-use barrelman_control::{CameraModel, Law, Sight};
+use barrelman_control::{CameraModel, Law, LawInput};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile};
 
 use super::outlook::{Ahead, Outlook};
@@ -33,14 +33,14 @@ impl Lqg {
 }
 
 impl Law for Lqg {
-    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
+    fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
         const SHORTLY_S: f64 = 0.02;
-        let Some(ahead) = self.outlook.look(sight, camera) else { return CameraCommand::REST };
+        let Some(ahead) = self.outlook.look(input, camera) else { return CameraCommand::REST };
         let (view, point) = ahead.seen(0.0, [0.0; 2]);
         let (_, shortly) = ahead.seen(SHORTLY_S, [0.0; 2]);
-        let sensitivity = view.sensitivity(point);
+        let jacobian = view.jacobian(point);
         // A camera that looks straight down cannot pan a point in its middle: no gain beyond a tenth of the usual.
-        let per_rad = [sensitivity.pan[0], sensitivity.tilt[1]];
+        let per_rad = [jacobian.pan[0], jacobian.tilt[1]];
         let least = 0.1 * per_rad[1].abs();
         let per_rad = per_rad.map(|gain| -gain.abs().max(least));
         let (at, then) = ([point.x, point.y], [shortly.x, shortly.y]);
@@ -58,8 +58,8 @@ impl Law for Lqg {
         CameraCommand { pan, tilt }
     }
 
-    fn forget(&mut self) {
-        self.outlook.forget();
+    fn reset_target(&mut self) {
+        self.outlook.reset_target();
     }
 }
 

@@ -5,7 +5,7 @@
 //! `Σ |u|² + penalty Σ slack²` for which the target lies within [`AIM`] plus the slack of each step, within the limits.
 //! Only the first step's rates are asked for, and at the next picture all of it is asked anew.
 
-use barrelman_control::{CameraModel, Law, Sight};
+use barrelman_control::{CameraModel, Law, LawInput};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -60,7 +60,7 @@ impl Mpc {
                     ahead.rates[axis] * self.lags_s[axis] * (1.0 - (-after_s / self.lags_s[axis]).exp())
                 });
                 let (view, point) = ahead.seen(after_s, coasting);
-                let moves = view.sensitivity(point);
+                let moves = view.jacobian(point);
                 ([point.x / a, point.y / b], [moves.pan, moves.tilt].map(|[x, y]| [x / a, y / b]))
             })
             .collect();
@@ -124,16 +124,16 @@ impl Mpc {
 }
 
 impl Law for Mpc {
-    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
-        let Some(ahead) = self.outlook.look(sight, camera) else { return CameraCommand::REST };
-        let rates = self.solve(&ahead, (sight.region.a_px, sight.region.b_px));
+    fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
+        let Some(ahead) = self.outlook.look(input, camera) else { return CameraCommand::REST };
+        let rates = self.solve(&ahead, (input.region.a_px, input.region.b_px));
         let [pan, tilt] = rates.map(|rate| {
             AngularRate::from_radians_per_second(if rate.abs() < LEAST_RATE { 0.0 } else { rate })
         });
         CameraCommand { pan, tilt }
     }
 
-    fn forget(&mut self) {
-        self.outlook.forget();
+    fn reset_target(&mut self) {
+        self.outlook.reset_target();
     }
 }

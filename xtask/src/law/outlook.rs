@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use barrelman_control::optimal::Tuning;
 use barrelman_control::view::View;
-use barrelman_control::{Bearing, BearingFilter, CameraModel, Sight};
+use barrelman_control::{Bearing, BearingFilter, CameraModel, LawInput};
 use barrelman_vocab::ImagePoint;
 
 /// How the target is taken to move.
@@ -33,20 +33,20 @@ impl Outlook {
         Self(BearingFilter::new(NOISE))
     }
 
-    pub(super) fn forget(&mut self) {
-        self.0.forget();
+    pub(super) fn reset_target(&mut self) {
+        self.0.reset_target();
     }
 
     /// Takes the look, and predicts.
-    pub(super) fn look(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> Option<Ahead> {
-        self.0.see(sight, camera);
+    pub(super) fn look(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> Option<Ahead> {
+        self.0.observe(input, camera);
         let dynamics = camera.dynamics();
-        let focal_px = camera.focal_px(sight.captured, sight.picture);
-        let (looked, bearing) = self.0.known()?;
+        let focal_px = camera.focal_px(input.captured, input.picture);
+        let (looked, bearing) = self.0.estimate()?;
         let dead_time = dynamics.pan.start_dead_time.max(dynamics.tilt.start_dead_time);
-        let counts = sight.now.plus(dead_time);
-        let (pan, tilt) = camera.pointing(counts);
-        let (pan_rate, tilt_rate) = camera.turning(counts);
+        let counts = input.now.plus(dead_time);
+        let (pan, tilt) = camera.angles_at(counts);
+        let (pan_rate, tilt_rate) = camera.rates_at(counts);
         let age: Duration = counts.since(*looked);
         Some(Ahead {
             focal_px,
@@ -61,11 +61,11 @@ impl Outlook {
 
 impl Ahead {
     /// The target's rate keeps its value for about so long, seconds.
-    pub(super) const MEMORY_S: f64 = NOISE.memory_s;
+    pub(super) const MEMORY_S: f64 = NOISE.rate_time_constant_s;
 
     /// The view and where the target is in it after so long, with the camera turned by these angles until then.
     pub(super) fn seen(&self, after_s: f64, turned: [f64; 2]) -> (View, ImagePoint) {
         let view = View::new(self.focal_px, self.angles[0] + turned[0], self.angles[1] + turned[1]);
-        (view, view.point(self.filter.later(&self.bearing, self.age_s + after_s).seen()))
+        (view, view.project(self.filter.predict(&self.bearing, self.age_s + after_s).apparent_direction()))
     }
 }

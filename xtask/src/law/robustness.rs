@@ -114,7 +114,7 @@ impl Vehicle {
             axis.start_dead_time = Duration::from_secs_f64(self.dead_time_s[index]);
             axis.stop_dead_time = axis.start_dead_time;
             axis.lag = Duration::from_secs_f64(self.lag_s[index]);
-            axis.least_rate = AngularRate::from_radians_per_second(self.least_deg_per_s.to_radians());
+            axis.min_rate = AngularRate::from_radians_per_second(self.least_deg_per_s.to_radians());
         }
         let limit = AngularRate::from_radians_per_second(self.limit_deg_per_s.to_radians());
         profile.limits = AxisRates { pan: limit, tilt: limit };
@@ -127,7 +127,7 @@ fn focal(profile: &mut VehicleProfile, share: f64) {
 }
 
 fn tilted(profile: &mut VehicleProfile) {
-    profile.camera.first_tilt = Angle::from_degrees(-45.0);
+    profile.camera.initial_tilt = Angle::from_degrees(-45.0);
 }
 
 fn both(profile: &mut VehicleProfile, share: f64) {

@@ -283,7 +283,7 @@ fn bearings(log: &TrialLog, scenario: &Scenario) -> Vec<Sample> {
         }
         let (pan, tilt) = past.front().copied().unwrap_or((0.0, -DEPRESSION_DEG.to_radians()));
         if let Some(rates) = row.rates {
-            mount.command(profile.incoming(rates));
+            mount.command(profile.from_vehicle(rates));
         }
         let Some(at) = row.position else { continue };
         let (right, up) = (at.x / f, at.y / f);

@@ -75,7 +75,7 @@ pub(super) fn simulated(scenario: &Scenario, seed: u64) -> Result<TrialLog> {
     let mut profile = VehicleProfile::fotokite_pro();
     profile.video_latency = scenario.camera.latency();
     let world = World::new(scenario, seed).ok().context("the way-points make no path")?;
-    let settings = PilotSettings { profile: profile.clone(), law: LawSettings::Schema };
+    let settings = PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema };
     let pilot = Pilot::new(settings, TrackerSettings::of(TrackerName::Camshift).tracker()?);
     Ok(Simulation::new(scenario, world, seed, pilot, &profile).run(None, &mut ()))
 }

@@ -3,8 +3,13 @@
 use barrelman_control::{BearingFilter, BearingNoise};
 use barrelman_vocab::Timestamp;
 
-const NOISE: BearingNoise =
-    BearingNoise { rate: 0.14, memory_s: 1.1, look: 0.004, sway: 0.0, sway_memory_s: 2.0 };
+const NOISE: BearingNoise = BearingNoise {
+    rate_std_dev: 0.14,
+    rate_time_constant_s: 1.1,
+    measurement_std_dev: 0.004,
+    max_sway_std_dev: 0.0,
+    sway_time_constant_s: 2.0,
+};
 
 fn gauss(state: &mut u64) -> f64 {
     let mut unit = || {
@@ -32,18 +37,18 @@ fn surprise(noise: BearingNoise, sway: f64, step_s: f64, seen_share: f64) -> f64
     for k in 1..40_000_u64 {
         for _ in 0..FINE {
             let dt = step_s / FINE as f64;
-            let kept = libm::exp(-dt / NOISE.memory_s);
+            let kept = libm::exp(-dt / NOISE.rate_time_constant_s);
             angle += dt * rate;
-            rate = kept * rate + NOISE.rate * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
-            let kept = libm::exp(-dt / noise.sway_memory_s);
+            rate = kept * rate + NOISE.rate_std_dev * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
+            let kept = libm::exp(-dt / noise.sway_time_constant_s);
             for swung in &mut swung {
                 *swung = kept * *swung + sway * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
             }
         }
         let now = Timestamp::from_secs_f64(k as f64 * step_s);
-        if let Some((last, bearing)) = filter.known().copied().filter(|_| k > 300) {
-            let expected = filter.later(&bearing, now.since(last).as_secs_f64());
-            let [across, along, _] = expected.seen();
+        if let Some((last, bearing)) = filter.estimate().copied().filter(|_| k > 300) {
+            let expected = filter.predict(&bearing, now.since(last).as_secs_f64());
+            let [across, along, _] = expected.apparent_direction();
             let azimuth = libm::atan2(across, along);
             let off = libm::remainder(azimuth - angle - swung[0], core::f64::consts::TAU);
             sum += off * off / expected.variance();
@@ -51,9 +56,9 @@ fn surprise(noise: BearingNoise, sway: f64, step_s: f64, seen_share: f64) -> f64
         }
         let shown = (gauss(&mut state) > 0.0) || seen_share >= 1.0;
         if shown {
-            let off = [0, 1].map(|k| swung[k] + noise.look * gauss(&mut state));
+            let off = [0, 1].map(|k| swung[k] + noise.measurement_std_dev * gauss(&mut state));
             let look = toward(angle + off[0], off[1]);
-            filter.look(look, now);
+            filter.update(look, now);
         }
     }
     sum / count
@@ -71,12 +76,12 @@ fn its_variance_is_honest_at_any_rate_of_pictures_and_through_gaps() {
 fn the_same_picture_again_tells_nothing() {
     let mut filter = BearingFilter::new(NOISE);
     let at = Timestamp::from_secs_f64(1.0);
-    filter.look(toward(0.1, -0.4), at);
-    let before = filter.known().copied();
-    filter.look(toward(0.3, -0.4), at);
-    filter.look(toward(0.3, -0.4), Timestamp::from_secs_f64(0.9));
-    filter.look([f64::NAN; 3], Timestamp::from_secs_f64(1.1));
-    assert_eq!(filter.known().copied(), before);
+    filter.update(toward(0.1, -0.4), at);
+    let before = filter.estimate().copied();
+    filter.update(toward(0.3, -0.4), at);
+    filter.update(toward(0.3, -0.4), Timestamp::from_secs_f64(0.9));
+    filter.update([f64::NAN; 3], Timestamp::from_secs_f64(1.1));
+    assert_eq!(filter.estimate().copied(), before);
 }
 
 #[test]
@@ -86,17 +91,17 @@ fn a_target_may_pass_right_below() {
     for k in 0..300 {
         let t = f64::from(k) / 30.0;
         let down = 1.05 + 0.15 * t;
-        filter.look(toward(0.0, -down), Timestamp::from_secs_f64(t));
+        filter.update(toward(0.0, -down), Timestamp::from_secs_f64(t));
         if k > 60 {
-            let (_, bearing) = filter.known().unwrap();
-            assert!((bearing.speed() - 0.15).abs() < 0.01, "at {t} s: {}", bearing.speed());
+            let (_, bearing) = filter.estimate().unwrap();
+            assert!((bearing.angular_speed() - 0.15).abs() < 0.01, "at {t} s: {}", bearing.angular_speed());
         }
     }
 }
 
 #[test]
 fn it_learns_how_much_the_kite_sways() {
-    let noise = BearingNoise { sway: 0.12, ..NOISE };
+    let noise = BearingNoise { max_sway_std_dev: 0.12, ..NOISE };
     for sway in [0.0, 0.02, 0.06] {
         let surprise = surprise(noise, sway, 1.0 / 30.0, 1.0);
         assert!((0.85..1.25).contains(&surprise), "a sway of {sway} rad: {surprise}");
@@ -105,18 +110,18 @@ fn it_learns_how_much_the_kite_sways() {
 
 #[test]
 fn sway_is_hardly_taken_for_the_targets_own_motion() {
-    let noise = BearingNoise { sway: 0.12, ..NOISE };
+    let noise = BearingNoise { max_sway_std_dev: 0.12, ..NOISE };
     let speed = |noise: BearingNoise| {
         let mut filter = BearingFilter::new(noise);
         let (mut state, mut swung, mut sum) = (3, [0.0; 2], 0.0);
         for k in 0..3000_u64 {
-            let kept = libm::exp(-1.0 / 30.0 / noise.sway_memory_s);
+            let kept = libm::exp(-1.0 / 30.0 / noise.sway_time_constant_s);
             for swung in &mut swung {
                 *swung = kept * *swung + 0.06 * libm::sqrt(1.0 - kept * kept) * gauss(&mut state);
             }
-            filter.look(toward(swung[0], swung[1] - 0.4), Timestamp::from_secs_f64(k as f64 / 30.0));
+            filter.update(toward(swung[0], swung[1] - 0.4), Timestamp::from_secs_f64(k as f64 / 30.0));
             if k > 300 {
-                sum += filter.known().unwrap().1.speed();
+                sum += filter.estimate().unwrap().1.angular_speed();
             }
         }
         sum / 2700.0

@@ -2,17 +2,17 @@
 
 use core::time::Duration;
 
-use barrelman_control::optimal::{Mode, OptimalLaw, OptimalSettings, Tuning};
-use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
+use barrelman_control::optimal::{OptimalLaw, OptimalMode, OptimalSettings, Tuning};
+use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, Timestamp, VehicleProfile};
 use proptest::prelude::*;
 
 const PICTURE: PictureSize = PictureSize::new(640, 480);
 const STEP_S: f64 = 1.0 / 30.0;
-const MODES: [Mode; 3] = [Mode::MinimumEnergy, Mode::TimeFuel, Mode::Eco];
+const MODES: [OptimalMode; 3] = [OptimalMode::MinimumEnergy, OptimalMode::TimeFuel, OptimalMode::Eco];
 
-fn law(mode: Mode, profile: &VehicleProfile) -> CameraLaw {
-    CameraLaw::new(LawSettings::Optimal(OptimalSettings::of(mode)), profile)
+fn law(mode: OptimalMode, profile: &VehicleProfile) -> CameraLaw {
+    CameraLaw::new(LawSettings::Optimal(OptimalSettings::new(mode)), profile)
 }
 
 fn rates(command: CameraCommand) -> [f64; 2] {
@@ -26,19 +26,25 @@ fn look(
     position: ImagePoint,
     now: Timestamp,
 ) -> CameraCommand {
-    let region = Region::in_picture(profile.region, PICTURE);
+    let region = Region::from_shares(profile.region, PICTURE);
     let percept = Percept::new(position, region);
     let captured = now.minus(Duration::from_millis(100));
-    let command =
-        law.command(&Sight { percept: &percept, region, picture: PICTURE, captured, seen: true, now });
-    law.in_force(command, now);
+    let command = law.command(&LawInput {
+        percept: &percept,
+        region,
+        picture: PICTURE,
+        captured,
+        is_measured: true,
+        now,
+    });
+    law.on_command_applied(command, now);
     command
 }
 
 /// A camera that obeys at once, and a target whose bearing turns steadily: where it is in the picture, and the
 /// commands, for `seconds`.
 fn follow(
-    mode: Mode,
+    mode: OptimalMode,
     profile: &VehicleProfile,
     start_px: f64,
     speed: f64,
@@ -70,7 +76,7 @@ fn prompt_vehicle() -> VehicleProfile {
         (axis.start_dead_time, axis.stop_dead_time, axis.lag) =
             (Duration::ZERO, Duration::ZERO, Duration::ZERO);
     }
-    profile.camera.first_tilt = barrelman_vocab::Angle::ZERO;
+    profile.camera.initial_tilt = barrelman_vocab::Angle::ZERO;
     profile
 }
 
@@ -117,9 +123,9 @@ fn a_target_found_outside_is_fetched_within_a_few_horizons_and_then_the_camera_r
 fn looking_down_steeply_pan_is_spared() {
     let first = |down: f64, thrift: f64| {
         let mut profile = VehicleProfile::fotokite_pro();
-        profile.camera.first_tilt = barrelman_vocab::Angle::from_degrees(-down);
-        let tuning = Tuning { thrift, horizon_s: 3.0, ..Tuning::MINIMUM_ENERGY };
-        let mut law = CameraLaw::of(Box::new(OptimalLaw::tuned(tuning, &profile)), &profile);
+        profile.camera.initial_tilt = barrelman_vocab::Angle::from_degrees(-down);
+        let tuning = Tuning { steep_view_gain: thrift, horizon_s: 3.0, ..Tuning::MINIMUM_ENERGY };
+        let mut law = CameraLaw::from_law(Box::new(OptimalLaw::with_tuning(tuning, &profile)), &profile);
         rates(look(&mut law, &profile, ImagePoint { x: 190.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)))[0]
     };
     assert!((first(0.0, 1.0) - first(0.0, 0.0)).abs() < 1e-3, "looking level nothing is to be spared");
@@ -130,7 +136,7 @@ fn looking_down_steeply_pan_is_spared() {
 #[test]
 fn both_axes_move_at_once() {
     let profile = VehicleProfile::fotokite_pro();
-    let mut law = law(Mode::MinimumEnergy, &profile);
+    let mut law = law(OptimalMode::MinimumEnergy, &profile);
     let mut both = false;
     for k in 0..30 {
         let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
@@ -146,9 +152,9 @@ fn a_vehicle_s_least_rate_is_respected() {
     let mut profile = VehicleProfile::fotokite_pro();
     let least = 0.2;
     for axis in [&mut profile.camera.pan, &mut profile.camera.tilt] {
-        axis.least_rate = AngularRate::from_radians_per_second(least);
+        axis.min_rate = AngularRate::from_radians_per_second(least);
     }
-    let mut law = law(Mode::MinimumEnergy, &profile);
+    let mut law = law(OptimalMode::MinimumEnergy, &profile);
     let mut moved = false;
     for k in 0..600 {
         let t = f64::from(k) * STEP_S;
@@ -165,10 +171,10 @@ fn a_vehicle_s_least_rate_is_respected() {
 fn a_vehicle_that_cannot_creep_fetches_a_slow_target_to_the_middle_all_the_same() {
     let mut profile = prompt_vehicle();
     for axis in [&mut profile.camera.pan, &mut profile.camera.tilt] {
-        axis.least_rate = AngularRate::from_radians_per_second(0.035);
+        axis.min_rate = AngularRate::from_radians_per_second(0.035);
     }
     // 1.2 rad in all, where the region is 0.5 rad wide to each side.
-    let course = follow(Mode::MinimumEnergy, &profile, 0.0, 0.01, 120.0);
+    let course = follow(OptimalMode::MinimumEnergy, &profile, 0.0, 0.01, 120.0);
     let moving: Vec<bool> = course.iter().map(|(_, command)| !command.is_rest()).collect();
     let starts = moving.windows(2).filter(|pair| !pair[0] && pair[1]).count();
     let rests = course.windows(2).filter(|pair| !pair[0].1.is_rest() && pair[1].1.is_rest());
@@ -183,9 +189,10 @@ fn a_camera_that_zoomed_is_moved_as_one_that_was_built_so() {
     let zoomed = prompt_vehicle();
     let mut built = zoomed.clone();
     built.camera.focal_share = 2.0;
-    let (mut told, mut born) = (law(Mode::MinimumEnergy, &zoomed), law(Mode::MinimumEnergy, &built));
+    let (mut told, mut born) =
+        (law(OptimalMode::MinimumEnergy, &zoomed), law(OptimalMode::MinimumEnergy, &built));
     let field_of_view = barrelman_vocab::Angle::from_radians(2.0 * libm::atan(0.25));
-    told.field_of_view_reported(field_of_view, Timestamp::from_secs_f64(0.5));
+    told.on_field_of_view_report(field_of_view, Timestamp::from_secs_f64(0.5));
     for k in 0..60 {
         let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
         let position = ImagePoint { x: 4.0 * f64::from(k), y: -f64::from(k) };
@@ -200,12 +207,12 @@ fn a_camera_that_zoomed_is_moved_as_one_that_was_built_so() {
 fn a_zoom_under_way_is_no_motion_of_the_target() {
     // A target that stands beside the middle, well inside of the region however near the camera shows it.
     let vehicle = prompt_vehicle();
-    let mut law = law(Mode::MinimumEnergy, &vehicle);
+    let mut law = law(OptimalMode::MinimumEnergy, &vehicle);
     for k in 0..90 {
         let now = Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S);
         let share = if k < 30 { vehicle.camera.focal_share } else { 2.0 * vehicle.camera.focal_share };
         let field_of_view = barrelman_vocab::Angle::from_radians(2.0 * libm::atan(0.5 / share));
-        law.field_of_view_reported(field_of_view, now.minus(Duration::from_millis(100)));
+        law.on_field_of_view_report(field_of_view, now.minus(Duration::from_millis(100)));
         let position = ImagePoint { x: 640.0 * share * libm::tan(0.12), y: 0.0 };
         assert_eq!(rates(look(&mut law, &vehicle, position, now)), [0.0, 0.0], "{k}");
     }
@@ -216,18 +223,20 @@ fn what_the_tracker_expects_is_no_look() {
     // A target that goes out to the right, and a tracker that then expects it here or there.
     let profile = VehicleProfile::fotokite_pro();
     let commands = [300.0, -300.0].map(|expected| {
-        let mut law = law(Mode::MinimumEnergy, &profile);
+        let mut law = law(OptimalMode::MinimumEnergy, &profile);
         let mut commands = Vec::new();
         for k in 0..30 {
             let t = f64::from(k) * STEP_S;
             let (x, seen) = if k < 24 { (100.0 + 120.0 * t, true) } else { (expected, false) };
             let now = Timestamp::from_secs_f64(1.0 + t);
-            let percept = Percept::new(ImagePoint { x, y: 0.0 }, Region::in_picture(profile.region, PICTURE));
+            let percept =
+                Percept::new(ImagePoint { x, y: 0.0 }, Region::from_shares(profile.region, PICTURE));
             let captured = now.minus(Duration::from_millis(100));
-            let region = Region::in_picture(profile.region, PICTURE);
-            let sight = Sight { percept: &percept, region, picture: PICTURE, captured, seen, now };
-            let command = law.command(&sight);
-            law.in_force(command, now);
+            let region = Region::from_shares(profile.region, PICTURE);
+            let input =
+                LawInput { percept: &percept, region, picture: PICTURE, captured, is_measured: seen, now };
+            let command = law.command(&input);
+            law.on_command_applied(command, now);
             commands.push(command);
         }
         commands
@@ -249,7 +258,7 @@ fn whether_it_moves_is_judged_by_what_is_in_force() {
             let x = 115.0 + 115.0 * libm::sin((1.2 * t).min(core::f64::consts::PI));
             let now = Timestamp::from_secs_f64(1.0 + t);
             last = look(&mut law, &profile, ImagePoint { x, y: 0.0 }, now);
-            law.in_force(CameraCommand::REST, now);
+            law.on_command_applied(CameraCommand::REST, now);
             asked_to_move |= !last.is_rest();
         }
         assert!(asked_to_move, "{mode:?}");
@@ -263,7 +272,7 @@ fn an_end_stop_ends_the_motion() {
         let profile = VehicleProfile::fotokite_pro();
         let camera = profile.camera;
         let mut law = law(mode, &profile);
-        let mut tilt = camera.first_tilt.radians();
+        let mut tilt = camera.initial_tilt.radians();
         let (mut moved, mut last) = (false, CameraCommand::REST);
         // A target that stands above what the camera can tilt up to, and a camera that obeys at once.
         for k in 0..900 {
@@ -285,7 +294,7 @@ fn a_pause_between_pictures_is_counted() {
     // had been told of every moment.
     let profile = VehicleProfile::fotokite_pro();
     let commands = [1, 15].map(|parts| {
-        let mut law = law(Mode::MinimumEnergy, &profile);
+        let mut law = law(OptimalMode::MinimumEnergy, &profile);
         let mut command = CameraCommand::REST;
         let mut now = Timestamp::from_secs_f64(1.0);
         for k in 0..30 {
@@ -295,7 +304,7 @@ fn a_pause_between_pictures_is_counted() {
         assert!(!command.is_rest());
         for _ in 1..parts {
             now = now.plus(Duration::from_millis(500 / parts));
-            law.in_force(command, now);
+            law.on_command_applied(command, now);
         }
         let now = Timestamp::from_secs_f64(1.0 + 29.0 * STEP_S + 0.5);
         rates(look(&mut law, &profile, ImagePoint { x: 200.0, y: 0.0 }, now))
@@ -308,9 +317,9 @@ fn a_pause_between_pictures_is_counted() {
 fn a_least_rate_above_the_mode_s_largest_is_turned_at() {
     let mut profile = VehicleProfile::fotokite_pro();
     for axis in [&mut profile.camera.pan, &mut profile.camera.tilt] {
-        axis.least_rate = AngularRate::from_radians_per_second(0.38);
+        axis.min_rate = AngularRate::from_radians_per_second(0.38);
     }
-    let mut law = law(Mode::MinimumEnergy, &profile);
+    let mut law = law(OptimalMode::MinimumEnergy, &profile);
     let [pan, _] =
         rates(look(&mut law, &profile, ImagePoint { x: 300.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)));
     assert!(pan >= 0.38, "{pan} rad/s");
@@ -320,7 +329,7 @@ fn a_least_rate_above_the_mode_s_largest_is_turned_at() {
 fn a_longer_horizon_is_lazier() {
     let profile = VehicleProfile::fotokite_pro();
     let effort = |horizon_s: f64| {
-        let settings = OptimalSettings { mode: Mode::MinimumEnergy, horizon_s: Some(horizon_s) };
+        let settings = OptimalSettings { mode: OptimalMode::MinimumEnergy, horizon_s: Some(horizon_s) };
         let mut law = CameraLaw::new(LawSettings::Optimal(settings), &profile);
         let [pan, _] =
             rates(look(&mut law, &profile, ImagePoint { x: 190.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)));
@@ -333,13 +342,13 @@ fn a_longer_horizon_is_lazier() {
 #[test]
 fn after_a_gap_it_begins_anew() {
     let profile = VehicleProfile::fotokite_pro();
-    let mut law = law(Mode::MinimumEnergy, &profile);
+    let mut law = law(OptimalMode::MinimumEnergy, &profile);
     // Running out of the picture to the right, unseen for a second, and then at rest in the middle.
     for k in 0..20 {
         let position = ImagePoint { x: 10.0 * f64::from(k), y: 0.0 };
         look(&mut law, &profile, position, Timestamp::from_secs_f64(1.0 + f64::from(k) * STEP_S));
     }
-    law.in_force(CameraCommand::REST, Timestamp::from_secs_f64(1.9));
+    law.on_command_applied(CameraCommand::REST, Timestamp::from_secs_f64(1.9));
     let command = look(&mut law, &profile, ImagePoint { x: 0.0, y: 0.0 }, Timestamp::from_secs_f64(3.0));
     assert_eq!(command, CameraCommand::REST);
 }

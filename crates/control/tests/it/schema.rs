@@ -65,8 +65,8 @@ fn on_a_diagonal_the_right_half_tilts_and_the_left_half_pans() {
 #[test]
 fn the_region_is_a_share_of_the_picture() {
     let shares = RegionShares { half_width: 0.6, half_height: 0.5 };
-    assert_eq!(Region::in_picture(shares, PictureSize::new(640, 480)), LABORATORY);
-    let odd = Region::in_picture(shares, PictureSize::new(1920, 720));
+    assert_eq!(Region::from_shares(shares, PictureSize::new(640, 480)), LABORATORY);
+    let odd = Region::from_shares(shares, PictureSize::new(1920, 720));
     assert_eq!((odd.a_px, odd.b_px), (576.0, 180.0));
 }
 
@@ -102,10 +102,10 @@ proptest! {
     #[test]
     fn mirrored_targets_lie_in_mirrored_sectors_off_the_diagonals(x in 0.1..400.0f64, y in -300.0..300.0f64) {
         prop_assume!((x - y.abs()).abs() > 1e-9);
-        let mirrored = match Sector::of(ImagePoint { x, y }) {
+        let mirrored = match Sector::from_point(ImagePoint { x, y }) {
             Sector::Right => Sector::Left,
             other => other,
         };
-        prop_assert_eq!(Sector::of(ImagePoint { x: -x, y }), mirrored);
+        prop_assert_eq!(Sector::from_point(ImagePoint { x: -x, y }), mirrored);
     }
 }

@@ -46,8 +46,8 @@ fn problem(draws: &mut Draws) -> Transfer {
         pan: [-pan, pan * across(draws)],
         tilt: [tilt * across(draws), -tilt],
         aim: draws.between(0.1, 1.0),
-        least: [-limit(draws), -limit(draws)],
-        most: [limit(draws), limit(draws)],
+        min_rates: [-limit(draws), -limit(draws)],
+        max_rates: [limit(draws), limit(draws)],
     }
 }
 
@@ -85,10 +85,10 @@ fn conic(problem: &Transfer, nearest: bool) -> Option<[f64; 2]> {
     ];
     let radius = if nearest { 0.0 } else { problem.aim };
     let b = [
-        problem.most[0],
-        problem.most[1],
-        -problem.least[0],
-        -problem.least[1],
+        problem.max_rates[0],
+        problem.max_rates[1],
+        -problem.min_rates[0],
+        -problem.min_rates[1],
         radius,
         problem.offset[0],
         problem.offset[1],
@@ -123,12 +123,12 @@ fn it_agrees_with_a_conic_solver() {
         let found = problem.solve();
         for axis in 0..2 {
             assert!(
-                (problem.least[axis]..=problem.most[axis]).contains(&found.rates[axis]),
+                (problem.min_rates[axis]..=problem.max_rates[axis]).contains(&found.rates[axis]),
                 "{case}: {problem:?}"
             );
         }
         let left = length(moved(&problem, found.rates));
-        if found.arrives {
+        if found.reaches_aim {
             assert!(left <= problem.aim + 1e-9, "{case}: misses by {}: {problem:?}", left - problem.aim);
             let energy = length(found.rates) * length(found.rates);
             if energy == 0.0 {
@@ -165,12 +165,12 @@ proptest! {
             offset: [-problem.offset[0], problem.offset[1]],
             pan: [problem.pan[0], -problem.pan[1]],
             tilt: [-problem.tilt[0], problem.tilt[1]],
-            least: [-problem.most[0], problem.least[1]],
-            most: [-problem.least[0], problem.most[1]],
+            min_rates: [-problem.max_rates[0], problem.min_rates[1]],
+            max_rates: [-problem.min_rates[0], problem.max_rates[1]],
             ..problem
         };
         let (found, other) = (problem.solve(), mirrored.solve());
-        prop_assert_eq!(found.arrives, other.arrives);
+        prop_assert_eq!(found.reaches_aim, other.reaches_aim);
         for (rate, mirrored) in [(-found.rates[0], other.rates[0]), (found.rates[1], other.rates[1])] {
             prop_assert!((rate - mirrored).abs() <= 1e-9 * (1.0 + rate.abs()), "{:?} {:?}", found, other);
         }
@@ -190,12 +190,12 @@ proptest! {
             pan: [px, py],
             tilt: [tx, ty],
             aim,
-            least: [-least_pan.abs(), -least_tilt.abs()],
-            most: [most_pan.abs(), most_tilt.abs()],
+            min_rates: [-least_pan.abs(), -least_tilt.abs()],
+            max_rates: [most_pan.abs(), most_tilt.abs()],
         };
         let found = problem.solve();
         for axis in 0..2 {
-            let within = problem.least[axis] <= found.rates[axis] && found.rates[axis] <= problem.most[axis];
+            let within = problem.min_rates[axis] <= found.rates[axis] && found.rates[axis] <= problem.max_rates[axis];
             prop_assert!(found.rates[axis] == 0.0 || within, "{:?} for {:?}", found, problem);
         }
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use barrelman_control::optimal::{Mode as OptimalMode, OptimalSettings};
+use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
@@ -29,20 +29,20 @@ fn drawn(clip: &PracticeClip, index: u32, sequence: u64, captured: Timestamp) ->
 #[test]
 fn steps_with_camshift_allocate_nothing_after_the_first_round() {
     let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
-    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::Schema);
+    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::MotorSchema);
 }
 
 #[test]
 fn steps_with_the_optimal_law_allocate_nothing_after_the_first_round() {
     let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
-    let law = LawSettings::Optimal(OptimalSettings::of(OptimalMode::MinimumEnergy));
+    let law = LawSettings::Optimal(OptimalSettings::new(OptimalMode::MinimumEnergy));
     steps_allocate_nothing_after_the_first_round(Box::new(tracker), law);
 }
 
 #[test]
 fn steps_with_the_fused_tracker_allocate_nothing_after_the_first_round() {
     let tracker = FusedTracker::new(FusedConfig::default()).unwrap();
-    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::Schema);
+    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::MotorSchema);
 }
 
 #[track_caller]

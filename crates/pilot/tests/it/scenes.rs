@@ -90,7 +90,7 @@ impl Told {
 }
 
 pub(crate) fn settings() -> PilotSettings {
-    PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::Schema }
+    PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema }
 }
 
 /// A pilot that is told where the target is, and never sees a frame.
@@ -133,7 +133,7 @@ pub(crate) enum Answer {
 }
 
 impl Answer {
-    pub(crate) fn of(self, captured: Timestamp) -> Track {
+    pub(crate) fn track(self, captured: Timestamp) -> Track {
         match self {
             Self::Tracking(point) => Track::Tracking(seen(point, captured)),
             Self::Coasting(point) => Track::Coasting(seen(point, captured)),
@@ -165,7 +165,7 @@ impl Tracker for Scripted {
 
     fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
         self.priors.lock().unwrap().push(prior.copied());
-        self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.of(frame.capture.at))
+        self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.track(frame.capture.at))
     }
 
     fn explain(&self, _: &mut Explanation) {}

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use barrelman_control::{CameraLaw, CameraModel, Law, Sight};
+use barrelman_control::{CameraLaw, CameraModel, Law, LawInput};
 use barrelman_pilot::{Input, Pilot};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{Angle, CameraCommand, Telemetry};
@@ -14,8 +14,8 @@ use crate::scenes::{INSIDE, Scripted, at, settings};
 struct Noting(Arc<Mutex<f64>>);
 
 impl Law for Noting {
-    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
-        *self.0.lock().unwrap() = camera.pointing(sight.captured).1;
+    fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
+        *self.0.lock().unwrap() = camera.angles_at(input.captured).1;
         CameraCommand::REST
     }
 }
@@ -24,8 +24,8 @@ impl Law for Noting {
 fn a_law_believes_the_tilt_that_the_gimbal_reports() {
     let believed = Arc::new(Mutex::new(f64::NAN));
     let settings = settings();
-    let first = settings.profile.camera.first_tilt.degrees();
-    let law = CameraLaw::of(Box::new(Noting(Arc::clone(&believed))), &settings.profile);
+    let first = settings.profile.camera.initial_tilt.degrees();
+    let law = CameraLaw::from_law(Box::new(Noting(Arc::clone(&believed))), &settings.profile);
     let mut pilot = Pilot::with_law(settings, law, Box::new(Scripted::default()));
     let look = |pilot: &mut Pilot, ms| {
         pilot.step(Seen(INSIDE).input(at(ms)), at(ms));

@@ -23,7 +23,7 @@ fn truths(scene: &WaterScene) -> Vec<SceneTruth> {
 
 /// Whether a box is empty or lies in a picture, but for rounding.
 fn lies_in(bounds: PixelBox, size: PictureSize) -> bool {
-    bounds == PixelBox::default() || bounds.clipped(size).overlap(bounds) > 1.0 - 1e-9
+    bounds == PixelBox::default() || bounds.clipped(size).iou(bounds) > 1.0 - 1e-9
 }
 
 /// Runs of frames in which the boat shows, or does not: (shows, first frame, frames).
@@ -99,7 +99,7 @@ fn the_first_frame_offers_a_boat_to_select() {
     for (name, scene) in KINDS.into_iter().flat_map(scenes) {
         let selection = scene.selection();
         assert_eq!(selection, scene.truth(0).bounds, "{name}");
-        assert!(selection.area() > 0.0 && selection.intersection(inner).overlap(selection) > 0.999, "{name}");
+        assert!(selection.area() > 0.0 && selection.intersection(inner).iou(selection) > 0.999, "{name}");
     }
 }
 
@@ -174,7 +174,7 @@ fn distractors_are_in_view_while_the_boat_is_not() {
             for distractor in truth.distractors {
                 assert!(lies_in(distractor, HD), "{name}: {distractor}");
                 // Boxes of slanted things may meet where the things do not.
-                assert!(distractor.overlap(truth.bounds) < 0.2, "{name} at {} s", truth.time_s);
+                assert!(distractor.iou(truth.bounds) < 0.2, "{name} at {} s", truth.time_s);
             }
         }
     }
@@ -238,7 +238,7 @@ fn the_truth_is_what_changes_when_the_boat_is_left_out() {
             seen.u + seen.w - told.u - told.w,
             seen.v + seen.h - told.v - told.h,
         ];
-        let overlap = seen.overlap(told);
+        let overlap = seen.iou(told);
         let name = format!("seed {at}, {boat_px} px: {seen} for {told}, overlap {overlap}");
         assert!(off.iter().all(|px| px.abs() < 3.0), "{name}");
         assert!(overlap >= if told.w.min(told.h) < 60.0 { 0.9 } else { 0.95 }, "{name}");

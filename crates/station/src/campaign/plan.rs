@@ -78,7 +78,7 @@ impl Plan {
         let mut profile = loaded.profile()?;
         if let Some(rate) = request.rate {
             // The sweep over rates is about the rate: the simulated vehicle, too, is made able to turn so fast.
-            profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));
+            profile = profile.with_motor_schema_rate(AngularRate::from_radians_per_second(rate));
             let mount = &mut loaded.scenario.mount;
             (mount.pan.limit, mount.tilt.limit) = (profile.limits.pan, profile.limits.tilt);
         }
@@ -208,7 +208,7 @@ impl Plan {
         let settings = PilotSettings { profile: self.profile.clone(), law: self.law.settings() };
         let tracker = TrackerSettings::of(self.tracker).tracker()?;
         let pilot = match law {
-            Some(law) => Pilot::with_law(settings, CameraLaw::of(law, &self.profile), tracker),
+            Some(law) => Pilot::with_law(settings, CameraLaw::from_law(law, &self.profile), tracker),
             None => Pilot::new(settings, tracker),
         };
         // Trials run beside each other, each on one thread.

@@ -24,7 +24,7 @@ pub fn run(args: &LawArgs) -> Result<ExitCode> {
     let law = args.law.over(LawChoice::SCHEMA)?;
     let mut profile = profile_named(&args.profile)?;
     if let Some(rate) = args.rate {
-        profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));
+        profile = profile.with_motor_schema_rate(AngularRate::from_radians_per_second(rate));
     }
     let mut input = trial_input::read(&args.log)?;
     if let Some(frame) = args.region.frame_size {

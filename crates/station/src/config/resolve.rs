@@ -58,7 +58,7 @@ impl Configuration {
             ("pan", &profile.camera.pan, profile.limits.pan),
             ("tilt", &profile.camera.tilt, profile.limits.tilt),
         ] {
-            if dynamics.least_rate > limit {
+            if dynamics.min_rate > limit {
                 bail!(
                     "camera.{axis}.least_rad_per_s is above vehicle.limit_{axis}_rad_per_s: lower it, or raise the limit"
                 );
@@ -106,8 +106,8 @@ impl Configuration {
                 profile: Some(profile.name.clone()),
                 region_half_width: Some(profile.region.half_width),
                 region_half_height: Some(profile.region.half_height),
-                schema_pan_rad_per_s: rate(profile.schema.pan),
-                schema_tilt_rad_per_s: rate(profile.schema.tilt),
+                schema_pan_rad_per_s: rate(profile.motor_schema_rates.pan),
+                schema_tilt_rad_per_s: rate(profile.motor_schema_rates.tilt),
                 limit_pan_rad_per_s: rate(profile.limits.pan),
                 limit_tilt_rad_per_s: rate(profile.limits.tilt),
                 yaw_sign: sign(profile.signs.yaw),
@@ -151,9 +151,9 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleP
             half_width: share("region_half_width", vehicle.region_half_width, base.region.half_width)?,
             half_height: share("region_half_height", vehicle.region_half_height, base.region.half_height)?,
         },
-        schema: AxisRates {
-            pan: rate("schema_pan_rad_per_s", vehicle.schema_pan_rad_per_s, base.schema.pan)?,
-            tilt: rate("schema_tilt_rad_per_s", vehicle.schema_tilt_rad_per_s, base.schema.tilt)?,
+        motor_schema_rates: AxisRates {
+            pan: rate("schema_pan_rad_per_s", vehicle.schema_pan_rad_per_s, base.motor_schema_rates.pan)?,
+            tilt: rate("schema_tilt_rad_per_s", vehicle.schema_tilt_rad_per_s, base.motor_schema_rates.tilt)?,
         },
         limits: AxisRates {
             pan: rate("limit_pan_rad_per_s", vehicle.limit_pan_rad_per_s, base.limits.pan)?,
@@ -169,7 +169,8 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleP
         ..base
     };
     let too_fast = |schema: AngularRate, limit: AngularRate| schema > limit;
-    if too_fast(profile.schema.pan, profile.limits.pan) || too_fast(profile.schema.tilt, profile.limits.tilt)
+    if too_fast(profile.motor_schema_rates.pan, profile.limits.pan)
+        || too_fast(profile.motor_schema_rates.tilt, profile.limits.tilt)
     {
         bail!("vehicle: a schema rate is above the limit of its axis: lower it, or raise the limit");
     }

@@ -9,7 +9,7 @@ use barrelman_sim::{CameraMount, MountPlant};
 use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
-use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, StationRates, VehicleReading};
+use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings, StationRates};
 
 use super::host_port::HostPort;
 use super::log::{Direction, LoggedState, StationLog};
@@ -100,7 +100,7 @@ impl FotokitePro {
             self.follow(now, None)?;
             let mut lines = Vec::new();
             let reading = self.reading();
-            self.station.report(&reading, now, &mut lines);
+            self.station.write_telemetry(&reading, now, &mut lines);
             self.send(&lines, now)?;
         }
         Ok(())
@@ -155,7 +155,7 @@ impl FotokitePro {
         let mut answer = Vec::new();
         for byte in bytes {
             let mut line = None;
-            self.station.received(&[*byte], now, &mut answer, |heard| line = Some(heard.to_owned()));
+            self.station.receive(&[*byte], now, &mut answer, |heard| line = Some(heard.to_owned()));
             if let Some(line) = line {
                 self.follow(now, Some(&line))?;
             }
@@ -171,7 +171,7 @@ impl FotokitePro {
         if changed {
             self.followed = rates;
             let rates = VehicleRates { yaw: rates.yaw, pitch: rates.pitch };
-            self.mount.command(self.profile.incoming(rates));
+            self.mount.command(self.profile.from_vehicle(rates));
             if let Some(world) = &self.world {
                 world.keep(rates);
             }
@@ -213,12 +213,12 @@ impl FotokitePro {
         self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 
-    fn reading(&self) -> VehicleReading {
+    fn reading(&self) -> SensorReadings {
         // The vehicle counts yaw to the left about the vertical, and pitch downwards.
         let half = |angle: Angle| -angle.radians() / 2.0;
         let Pointing { pan, tilt } = self.pointing();
         let (yaw, pitch) = (half(pan), half(tilt));
-        VehicleReading {
+        SensorReadings {
             attitude: Quaternion { w: yaw.cos(), x: 0.0, y: 0.0, z: yaw.sin() },
             gimbal: Quaternion { w: pitch.cos(), x: 0.0, y: pitch.sin(), z: 0.0 },
             elevation_rad: 0.2,

@@ -49,7 +49,7 @@ impl LoggedState {
             roll_rate: rates.roll.radians_per_second(),
             pan_rad,
             tilt_rad,
-            lost_lines: station.flooded_lines(),
+            lost_lines: station.dropped_lines(),
         }
     }
 }

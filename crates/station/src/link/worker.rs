@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::fotokite_pro::session::{Next, STOP_DELAY};
+use barrelman_wire::fotokite_pro::session::{NextAction, STOP_DELAY};
 use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, poll};
 
@@ -207,7 +207,7 @@ impl<R: Fn(LinkReport)> Worker<R> {
                 tracing::error!("the pilot is held up: the link rests the camera");
             }
             overdue &= expired;
-            session.request(if expired { VehicleRates::REST } else { rates });
+            session.set_rates(if expired { VehicleRates::REST } else { rates });
             if close && closing_since.is_none() {
                 closing_since = Some(now);
                 session.close(now);
@@ -222,16 +222,16 @@ impl<R: Fn(LinkReport)> Worker<R> {
             }
             self.show(session.link_state(), shown);
             match next {
-                Next::Closed => return Ok(Ended::Closed),
-                Next::Reopen => return Ok(Ended::Unanswered),
-                Next::WaitUntil(wake_at) => {
+                NextAction::Closed => return Ok(Ended::Closed),
+                NextAction::Reopen => return Ok(Ended::Unanswered),
+                NextAction::WaitUntil(wake_at) => {
                     // At least ten looks a second, so that a fault on purpose begins in time.
                     let moves_until = if rates.is_rest() || expired { wake_at } else { expires };
                     let wake_at = wake_at.min(moves_until);
                     let wait = wake_at.since(self.clock.now()).min(Duration::from_millis(100));
                     if self.wait_for(port, wait) {
                         let read = port.read(&mut buffer)?;
-                        session.received(&buffer[..read], self.clock.now(), |telemetry| {
+                        session.receive(&buffer[..read], self.clock.now(), |telemetry| {
                             (self.report)(LinkReport::Telemetry(telemetry));
                         });
                     }
@@ -296,7 +296,7 @@ enum Ended {
 
 /// The last words of a link whose thread panicked.
 fn speak_last_will(port: &mut Port, framing: Framing) -> io::Result<()> {
-    let (zeros, stop) = Session::last_will(framing);
+    let (zeros, stop) = Session::emergency_stop(framing);
     for _ in 0..3 {
         port.write_all(&zeros)?;
         std::thread::sleep(Duration::from_millis(50));

@@ -174,7 +174,7 @@ impl RunLoop<'_> {
         let now = self.clock.now();
         let outcome = self.pilot.step(input, now);
         // The door: the only place of a live run where the vehicle's own signs are applied.
-        let rates = self.profile.outgoing(outcome.command);
+        let rates = self.profile.to_vehicle(outcome.command);
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
         }

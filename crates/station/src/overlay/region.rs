@@ -45,8 +45,8 @@ impl Ground {
         region: Region,
         percept: Option<&Percept>,
     ) -> bool {
-        let active = percept.filter(|percept| MotorSchema::released(percept));
-        let wanted = (picture, region, active.map(|percept| Sector::of(percept.position)));
+        let active = percept.filter(|percept| MotorSchema::is_released(percept));
+        let wanted = (picture, region, active.map(|percept| Sector::from_point(percept.position)));
         if self.shows != Some(wanted) {
             self.shows = Some(wanted);
             core::mem::swap(&mut pen.layer, &mut self.layer);

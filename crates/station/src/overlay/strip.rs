@@ -116,7 +116,7 @@ impl Strip {
             });
         }
         if let Some(percept) = sight.map(|sight| sight.percept) {
-            let ink = if MotorSchema::released(&percept) { Ink::ACCENT } else { Ink::LIGHT };
+            let ink = if MotorSchema::is_released(&percept) { Ink::ACCENT } else { Ink::LIGHT };
             self.field(Field { look: Look::Plain(ink), ..plain("P", "0.00", 2) }, |words| {
                 let _ = write!(words, "{:.2}", percept.p);
             });

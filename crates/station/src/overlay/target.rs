@@ -181,7 +181,7 @@ pub(super) fn label(pen: &mut Pen, places: &mut Places, sight: &Sight) {
         at(left - gap - w / 2.0, middle.v),
     ];
     if let Some(place) = places.take_first((w, h), beside) {
-        let released = MotorSchema::released(&sight.percept);
+        let released = MotorSchema::is_released(&sight.percept);
         pen.plate(place);
         pen.centred_text(&words, place, if released { Ink::ACCENT } else { Ink::LIGHT });
     }

@@ -3,7 +3,7 @@
 //! From what the tracker says and what the camera is told, and from nothing else: it stands beside the drive and changes
 //! nothing in it.
 
-use barrelman_control::{CameraModel, Region, Shadow, Sight};
+use barrelman_control::{CameraModel, LawInput, Region, ShadowController};
 use barrelman_pilot::Outcome;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Timestamp, VehicleProfile};
@@ -12,7 +12,7 @@ use barrelman_vocab::{Timestamp, VehicleProfile};
 pub struct DriveShadow {
     shares: RegionShares,
     camera: CameraModel,
-    shadow: Shadow,
+    shadow: ShadowController,
     looked: Option<Timestamp>,
     p: Option<f64>,
 }
@@ -23,7 +23,7 @@ impl DriveShadow {
         Self {
             shares: profile.region,
             camera: CameraModel::new(profile.camera, profile.limits),
-            shadow: Shadow::new(profile),
+            shadow: ShadowController::new(profile),
             looked: None,
             p: None,
         }
@@ -34,15 +34,15 @@ impl DriveShadow {
         match (outcome.track.localisation(), outcome.percept) {
             (Some(seen), Some(percept)) if self.looked != Some(seen.captured) => {
                 self.looked = Some(seen.captured);
-                let region = Region::in_picture(self.shares, seen.picture);
+                let region = Region::from_shares(self.shares, seen.picture);
                 let (picture, captured) = (seen.picture, seen.captured);
-                let sight = Sight { percept: &percept, region, picture, captured, seen: true, now };
-                self.p = Some(self.shadow.see(&sight, &self.camera).p);
+                let input = LawInput { percept: &percept, region, picture, captured, is_measured: true, now };
+                self.p = Some(self.shadow.step(&input, &self.camera).p);
             }
             (Some(_), Some(_)) => {}
             _ => self.p = None,
         }
-        self.camera.command(outcome.command, now);
+        self.camera.apply_command(outcome.command, now);
     }
 
     /// P as the schema would have kept it; `None` while the target is not seen.

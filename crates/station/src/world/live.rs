@@ -125,7 +125,7 @@ pub(crate) fn run<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopS
                 }
                 let rates = link.take(clock.now());
                 if std::mem::replace(&mut told, rates) != rates {
-                    world.command(profile.incoming(rates));
+                    world.command(profile.from_vehicle(rates));
                 }
                 let pose = world.camera_pose();
                 link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });

@@ -76,7 +76,7 @@ pub fn paint(easel: &Arc<Easel>, stage: &Stage, shares: RegionShares) {
     let mut overlay = Overlay::new();
     let mut picture: Option<Picture> = None;
     while let Some(Seen { frame, outcome, rates }) = easel.take(stage) {
-        let region = Region::in_picture(shares, frame.picture.size());
+        let region = Region::from_shares(shares, frame.picture.size());
         let scene = Scene { rates: Some(rates), ..Scene::of_outcome(&outcome, region) };
         let picture =
             picture.get_or_insert_with(|| Picture::black(frame.picture.size(), frame.picture.colour()));

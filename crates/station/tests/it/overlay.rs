@@ -31,7 +31,7 @@ fn grey(size: PictureSize, colour: ColourEncoding) -> VideoFrame {
 }
 
 fn region_of(size: PictureSize) -> Region {
-    Region::in_picture(VehicleProfile::fotokite_pro().region, size)
+    Region::from_shares(VehicleProfile::fotokite_pro().region, size)
 }
 
 /// A target at a place given in shares of half the picture, image coordinates, a tenth of the picture large.
@@ -90,8 +90,8 @@ fn scene_of<'a>(
     let region = region_of(size);
     let percept = track.localisation().map(|seen| Percept::new(seen.centre.in_image(size), region));
     let advice = percept.map(|percept| Advice {
-        command: MotorSchema::new(profile.schema).command(&percept),
-        sector: MotorSchema::released(&percept).then(|| Sector::of(percept.position)),
+        command: MotorSchema::new(profile.motor_schema_rates).command(&percept),
+        sector: MotorSchema::is_released(&percept).then(|| Sector::from_point(percept.position)),
     });
     let servoing = mode == Some(Mode::Servoing);
     let command = advice.filter(|_| servoing).map_or(CameraCommand::REST, |advice| advice.command);
@@ -99,7 +99,7 @@ fn scene_of<'a>(
         percept,
         advice,
         command,
-        rates: mode.map(|_| profile.outgoing(command)),
+        rates: mode.map(|_| profile.to_vehicle(command)),
         mode,
         link: Some("up"),
         explanation,

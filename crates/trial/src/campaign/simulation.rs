@@ -267,8 +267,8 @@ impl<'a> Simulation<'a> {
     fn step(&mut self, input: Input<'_>, witness: &mut dyn Witness) {
         let now = self.world.now();
         let outcome = self.pilot.step(input, now);
-        let rates = self.profile.outgoing(outcome.command);
-        self.world.command(self.profile.incoming(rates));
+        let rates = self.profile.to_vehicle(outcome.command);
+        self.world.command(self.profile.from_vehicle(rates));
         witness.step(now, &input, &outcome, rates);
         self.rates = rates;
         self.outcome = Some(outcome);

@@ -56,7 +56,7 @@ pub struct RowTruth {
 impl TrialLog {
     /// The region of this trial for these shares.
     pub fn region(&self, shares: RegionShares) -> Region {
-        Region::in_picture(shares, self.frame)
+        Region::from_shares(shares, self.frame)
     }
 
     /// Seconds from a row to the next.

@@ -20,7 +20,7 @@ const SIZE: PictureSize = PictureSize::new(640, 480);
 
 fn pilot(profile: &VehicleProfile) -> Pilot {
     let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
-    Pilot::new(PilotSettings { profile: profile.clone(), law: LawSettings::Schema }, Box::new(tracker))
+    Pilot::new(PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema }, Box::new(tracker))
 }
 
 fn input(recorded: &RecordedInput) -> Input<'static> {
@@ -79,7 +79,7 @@ fn trial(profile: &VehicleProfile) -> Vec<u8> {
     let mut take = |now: Timestamp, recorded: RecordedInput| {
         let outcome = pilot.step(input(&recorded), now);
         writer.write(&Entry::Input { step, now, input: recorded }).unwrap();
-        let rates = profile.outgoing(outcome.command);
+        let rates = profile.to_vehicle(outcome.command);
         writer.write(&Entry::Outcome(RecordedOutcome::new(step, &outcome, rates))).unwrap();
         step += 1;
         outcome.wake_at
@@ -135,7 +135,8 @@ fn a_changed_profile_shows_in_the_commands() {
     let profile = VehicleProfile::fotokite_pro();
     let recording = trial(&profile);
     let slow = AngularRate::from_radians_per_second(0.2);
-    let slower = VehicleProfile { schema: AxisRates { pan: slow, tilt: slow }, ..profile.clone() };
+    let slower =
+        VehicleProfile { motor_schema_rates: AxisRates { pan: slow, tilt: slow }, ..profile.clone() };
     let comparison = replayed(&recording, &slower);
     assert!(comparison.commands_differ > 100, "{}", comparison.commands_differ);
     let (recorded, replayed_outcome) = *comparison.first.unwrap();

@@ -100,18 +100,18 @@ fn run(scenario: &Scenario, seed: u64, law: LawSettings, witness: &mut dyn Witne
 fn the_same_seed_gives_the_same_log_and_another_does_not() {
     let scenario = scenario(1.2);
     assert_eq!(
-        run(&scenario, 3, LawSettings::Schema, &mut ()),
-        run(&scenario, 3, LawSettings::Schema, &mut ())
+        run(&scenario, 3, LawSettings::MotorSchema, &mut ()),
+        run(&scenario, 3, LawSettings::MotorSchema, &mut ())
     );
     assert_ne!(
-        run(&scenario, 3, LawSettings::Schema, &mut ()),
-        run(&scenario, 4, LawSettings::Schema, &mut ())
+        run(&scenario, 3, LawSettings::MotorSchema, &mut ()),
+        run(&scenario, 4, LawSettings::MotorSchema, &mut ())
     );
 }
 
 #[test]
 fn the_schema_brings_the_target_back() {
-    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut ());
+    let log = run(&scenario(1.2), 3, LawSettings::MotorSchema, &mut ());
     let region = log.region(VehicleProfile::fotokite_pro().region);
     let metrics = measure(&log, region, log.picture);
     assert!(metrics.complete_excursions >= 2, "{metrics:?}");
@@ -129,7 +129,8 @@ fn a_camera_that_centres_works_more_and_the_target_leaves_less() {
         let log = run(&scenario(1.2), 3, law, &mut ());
         measure(&log, log.region(VehicleProfile::fotokite_pro().region), log.picture)
     };
-    let (schema, centre) = (figures(LawSettings::Schema), figures(LawSettings::Centre(CentringGains::USUAL)));
+    let (schema, centre) =
+        (figures(LawSettings::MotorSchema), figures(LawSettings::Centring(CentringGains::HAND_TUNED)));
     assert!(centre.time_outside_s < schema.time_outside_s, "{centre:?} and {schema:?}");
     assert!(centre.travel_rad > schema.travel_rad, "{centre:?} and {schema:?}");
     assert!(centre.duty > schema.duty, "{centre:?} and {schema:?}");
@@ -137,7 +138,7 @@ fn a_camera_that_centres_works_more_and_the_target_leaves_less() {
 
 #[test]
 fn a_target_that_outruns_the_camera_is_lost_by_its_truth() {
-    let log = run(&scenario(9.0), 3, LawSettings::Schema, &mut ());
+    let log = run(&scenario(9.0), 3, LawSettings::MotorSchema, &mut ());
     let metrics = measure(&log, log.region(VehicleProfile::fotokite_pro().region), log.picture);
     assert!(metrics.out_of_picture_s.is_some_and(|s| s > 1.0), "{metrics:?}");
 }
@@ -164,7 +165,7 @@ impl Witness for Counting {
 #[test]
 fn a_witness_is_told_of_every_picture_and_every_step() {
     let mut witness = Counting::default();
-    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut witness);
+    let log = run(&scenario(1.2), 3, LawSettings::MotorSchema, &mut witness);
     assert!(witness.truths >= log.rows.len(), "{} pictures, {} rows", witness.truths, log.rows.len());
     assert!(witness.steps > log.rows.len(), "the request to engage comes on top");
     assert!(witness.rates.iter().any(|rates| !rates.is_rest()));
@@ -184,12 +185,12 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
             Simd::at_most(level),
             &barrelman_sim::render::Serial,
         );
-        let pilot = pilot(&profile, LawSettings::Schema);
+        let pilot = pilot(&profile, LawSettings::MotorSchema);
         Simulation::new(&scenario, world, 5, pilot, &profile).run(Some(&mut eye), &mut ())
     };
     let log = pixels(SimdLevel::Baseline);
     assert_eq!(log, pixels(SimdLevel::Avx512));
-    let by_truth = run(&scenario, 5, LawSettings::Schema, &mut ());
+    let by_truth = run(&scenario, 5, LawSettings::MotorSchema, &mut ());
     // Where the tracker sees it is where it is, within the size of the target.
     let pairs = log.rows.iter().zip(&by_truth.rows).skip(20).filter_map(|(a, b)| a.position.zip(b.position));
     let errors: Vec<f64> = pairs.map(|(a, b)| (a.x - b.x).hypot(a.y - b.y)).collect();
@@ -202,7 +203,7 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
 /// what it did.
 #[test]
 fn the_shadow_of_the_schema_is_the_schema() {
-    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut ());
+    let log = run(&scenario(1.2), 3, LawSettings::MotorSchema, &mut ());
     let mut profile = VehicleProfile::fotokite_pro();
     profile.video_latency = scenario(1.2).camera.latency();
     let region = log.region(profile.region);
@@ -210,7 +211,7 @@ fn the_shadow_of_the_schema_is_the_schema() {
     let mut compared = 0;
     for (row, step) in log.rows.iter().zip(&shadow) {
         let (Some(rates), Some(step)) = (row.rates, step) else { continue };
-        assert_eq!(profile.outgoing(step.command), rates, "at {} s", row.time_s);
+        assert_eq!(profile.to_vehicle(step.command), rates, "at {} s", row.time_s);
         compared += 1;
     }
     assert!(compared > 300, "{compared} rows");

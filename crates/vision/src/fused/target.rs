@@ -241,18 +241,17 @@ impl Target {
         self.last_at = now;
         // What is not a number is not within these either.
         let meant = |p: &&MotionPrior| {
-            [p.shift_u_px, p.shift_v_px, p.deviation_px].iter().all(|pixels| pixels.abs() <= MOST_SHIFT_PX)
+            [p.shift_u_px, p.shift_v_px, p.std_dev_px].iter().all(|pixels| pixels.abs() <= MOST_SHIFT_PX)
         };
         let prior = prior.filter(meant);
-        let trusted = |p: &&MotionPrior| p.deviation_px <= TRUSTED_DEVIATION_PX;
+        let trusted = |p: &&MotionPrior| p.std_dev_px <= TRUSTED_DEVIATION_PX;
         // What is known less well than it can be measured is for where nothing can be, and what is not known to within
         // the target's size says nothing.
         let size = f64::from(self.size_px());
-        self.rough_prior = prior.filter(|p| !trusted(p) && p.deviation_px <= size).copied();
+        self.rough_prior = prior.filter(|p| !trusted(p) && p.std_dev_px <= size).copied();
         let prior = prior.filter(trusted);
         self.prior_known = prior.is_some();
-        let (u, v, deviation) =
-            prior.map_or((0.0, 0.0, 0.0), |p| (p.shift_u_px, p.shift_v_px, p.deviation_px));
+        let (u, v, deviation) = prior.map_or((0.0, 0.0, 0.0), |p| (p.shift_u_px, p.shift_v_px, p.std_dev_px));
         self.camera_shift = (u as f32, v as f32);
         self.camera_known = self.prior_known;
         let density = config.agility * f64::from(self.size_px());
@@ -268,7 +267,7 @@ impl Target {
         let believed = |(u, v): &(f32, f32)| {
             rough.is_none_or(|prior| {
                 let off = libm::hypot(f64::from(*u) - prior.shift_u_px, f64::from(*v) - prior.shift_v_px);
-                off <= BELIEVED_DEVIATIONS * prior.deviation_px
+                off <= BELIEVED_DEVIATIONS * prior.std_dev_px
             })
         };
         if let Some((u, v)) = shift.filter(believed) {
@@ -277,8 +276,8 @@ impl Target {
             self.camera_shift = (u, v);
             self.camera_known = true;
         } else if let Some(prior) = rough {
-            self.motion.0.shift(prior.shift_u_px, prior.deviation_px);
-            self.motion.1.shift(prior.shift_v_px, prior.deviation_px);
+            self.motion.0.shift(prior.shift_u_px, prior.std_dev_px);
+            self.motion.1.shift(prior.shift_v_px, prior.std_dev_px);
             self.camera_shift = (prior.shift_u_px as f32, prior.shift_v_px as f32);
         }
         let bounds = self.bounds();

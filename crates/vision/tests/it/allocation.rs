@@ -57,8 +57,12 @@ fn voyage() -> Vec<VideoFrame> {
 #[test]
 fn following_losing_and_finding_again_allocate_nothing_after_the_first_frames() {
     let voyage = voyage();
-    let prior =
-        MotionPrior { shift_u_px: 0.0, shift_v_px: 0.0, deviation_px: 1.0, over: Duration::from_millis(33) };
+    let prior = MotionPrior {
+        shift_u_px: 0.0,
+        shift_v_px: 0.0,
+        std_dev_px: 1.0,
+        interval: Duration::from_millis(33),
+    };
     let mut tracker = FusedTracker::new(FusedConfig::default()).unwrap();
     let mut explanation = Explanation::default();
     let mut lost = 0;

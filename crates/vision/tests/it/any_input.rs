@@ -80,8 +80,8 @@ proptest! {
         let prior = MotionPrior {
             shift_u_px: shift.0,
             shift_v_px: shift.1,
-            deviation_px: 1.0,
-            over: core::time::Duration::ZERO,
+            std_dev_px: 1.0,
+            interval: core::time::Duration::ZERO,
         };
         for (i, frame) in frames.iter().enumerate() {
             let track = tracker.track(frame, (i % 2 == 1).then_some(&prior));

@@ -293,8 +293,8 @@ fn a_prior_of_no_number_counts_as_none_and_the_target_is_tracked_all_the_same() 
     }
 }
 
-fn prior([shift_u_px, shift_v_px, deviation_px]: [f64; 3]) -> MotionPrior {
-    MotionPrior { shift_u_px, shift_v_px, deviation_px, over: Duration::ZERO }
+fn prior([shift_u_px, shift_v_px, std_dev_px]: [f64; 3]) -> MotionPrior {
+    MotionPrior { shift_u_px, shift_v_px, std_dev_px, interval: Duration::ZERO }
 }
 
 #[test]

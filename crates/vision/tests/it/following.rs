@@ -89,8 +89,8 @@ fn a_jump_with_the_camera_is_followed_by_the_prior_alone() {
     let prior = |shift_u_px| MotionPrior {
         shift_u_px,
         shift_v_px: 0.0,
-        deviation_px: 2.0,
-        over: Duration::from_millis(33),
+        std_dev_px: 2.0,
+        interval: Duration::from_millis(33),
     };
     let selection = pixels(20.0, 60.0, 40.0, 20.0);
     let (before, after) = (boat(RED, 20, 60), boat(RED, 220, 60));
@@ -123,7 +123,7 @@ fn the_box_of_a_slanting_boat_holds_all_of_it_and_little_more() {
     let here = seen(tracker.track(&scene, None));
     // A slab's axes come out 4 / sqrt(12) = 1.155 of its length; measured overlap 0.79.
     assert_eq!(here.bounds.intersection(whole), whole);
-    assert!(here.bounds.overlap(whole) > 0.75, "{} of {whole}", here.bounds);
+    assert!(here.bounds.iou(whole) > 0.75, "{} of {whole}", here.bounds);
     let axis = here.shape.unwrap().axis.degrees();
     // Downwards to the right: 180 degrees less a little under atan(2/4).
     assert!((152.0..157.0).contains(&axis), "{axis}");
@@ -159,7 +159,7 @@ fn an_explanation_shows_the_window_the_back_projection_and_the_histogram() {
     let mut out = Explanation::default();
     tracker.explain(&mut out);
     let window = out.search_window.unwrap();
-    assert!(window.overlap(here.bounds) > 0.9, "{window} and {}", here.bounds);
+    assert!(window.iou(here.bounds) > 0.9, "{window} and {}", here.bounds);
     assert_eq!(out.histogram.len(), 16);
     let grey = &out.back_projection;
     assert_eq!(grey.samples.len(), grey.width * grey.height);

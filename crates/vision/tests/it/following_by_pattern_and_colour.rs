@@ -64,7 +64,7 @@ impl Trial {
             panic!("at {} ms: {track:?}", self.now_ms);
         };
         let truth = self.scene.hulls[0].bounds();
-        let reached = here.bounds.overlap(truth);
+        let reached = here.bounds.iou(truth);
         assert!(reached >= overlap, "at {} ms: {} for {truth}, {reached:.2}", self.now_ms, here.bounds);
         here
     }
@@ -128,8 +128,8 @@ fn a_jump_with_the_camera_is_followed_by_the_prior() {
     let prior = |shift_u_px| MotionPrior {
         shift_u_px,
         shift_v_px: 0.0,
-        deviation_px: 2.0,
-        over: Duration::from_millis(FRAME_MS),
+        std_dev_px: 2.0,
+        interval: Duration::from_millis(FRAME_MS),
     };
     for step in 0..20 {
         // To and fro by twice the boat's length a frame.
@@ -265,8 +265,8 @@ fn a_moving_camera_gives_a_boat_that_lies_still_no_heading() {
     let prior = MotionPrior {
         shift_u_px: 1.5,
         shift_v_px: 0.5,
-        deviation_px: 0.5,
-        over: Duration::from_millis(FRAME_MS),
+        std_dev_px: 0.5,
+        interval: Duration::from_millis(FRAME_MS),
     };
     let mut trial = Trial::of(scene(BLUE, RED));
     for _ in 0..60 {

@@ -92,8 +92,8 @@ fn a_second_selection_forgets_the_first() {
             let Track::Tracking(here) = tracker.track(&scene.at_ms(33 * step), None) else {
                 panic!("the second selection is tracked");
             };
-            assert!(here.bounds.overlap(bounds) > 0.7, "{}", here.bounds);
-            assert_eq!(here.bounds.overlap(scene.hulls[other].bounds()), 0.0);
+            assert!(here.bounds.iou(bounds) > 0.7, "{}", here.bounds);
+            assert_eq!(here.bounds.iou(scene.hulls[other].bounds()), 0.0);
         }
     }
     // One that has forgotten another is as if it had never known it.

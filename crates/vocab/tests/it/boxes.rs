@@ -34,9 +34,9 @@ fn a_box_without_a_width_a_height_or_a_number_is_empty() {
 fn an_empty_box_covers_nothing() {
     for empty in [of(0.0, 0.0, -2.0, -2.0), of(0.0, 0.0, f64::NAN, 2.0), of(0.0, f64::NAN, 2.0, 2.0)] {
         assert_eq!(empty.area(), 0.0);
-        assert_eq!(empty.overlap(PICTURE.bounds()), 0.0);
-        assert_eq!(PICTURE.bounds().overlap(empty), 0.0);
-        assert_eq!(empty.overlap(empty), 0.0);
+        assert_eq!(empty.iou(PICTURE.bounds()), 0.0);
+        assert_eq!(PICTURE.bounds().iou(empty), 0.0);
+        assert_eq!(empty.iou(empty), 0.0);
     }
 }
 
@@ -68,8 +68,8 @@ fn what_lies_outside_the_picture_or_nowhere_is_clipped_to_nothing() {
 #[test]
 fn overlap_is_intersection_over_union() {
     let check = |a: PixelBox, b: PixelBox, expected: f64| {
-        assert_eq!(a.overlap(b), expected, "{a} with {b}");
-        assert_eq!(b.overlap(a), expected, "{b} with {a}");
+        assert_eq!(a.iou(b), expected, "{a} with {b}");
+        assert_eq!(b.iou(a), expected, "{b} with {a}");
     };
     check(of(0.0, 0.0, 2.0, 2.0), of(0.0, 0.0, 2.0, 2.0), 1.0);
     check(of(0.0, 0.0, 2.0, 2.0), of(1.0, 0.0, 2.0, 2.0), 1.0 / 3.0);
@@ -89,9 +89,9 @@ fn any_box() -> impl Strategy<Value = PixelBox> {
 proptest! {
     #[test]
     fn overlap_lies_between_nothing_and_all(a in any_box(), b in any_box()) {
-        let overlap = a.overlap(b);
+        let overlap = a.iou(b);
         prop_assert!((0.0..=1.0).contains(&overlap), "{overlap}");
-        prop_assert!((0.0..=1.0).contains(&a.overlap(a)), "{}", a.overlap(a));
+        prop_assert!((0.0..=1.0).contains(&a.iou(a)), "{}", a.iou(a));
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub const GIMBAL_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.3);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
     /// A carriage return, in either framing: asks the shell for its prompt.
-    Nudge,
+    PromptRequest,
     /// Leaves remote control; valid in any state.
     Stop,
     /// Enters remote control.
@@ -90,7 +90,7 @@ impl Command {
 impl fmt::Display for Command {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nudge => Ok(()),
+            Self::PromptRequest => Ok(()),
             Self::Stop => f.write_str("stop"),
             Self::RemoteControlStart => f.write_str("RemoteControl start"),
             Self::ChecksumsOff => f.write_str("Checksum 0"),
@@ -102,9 +102,9 @@ impl fmt::Display for Command {
             Self::Stream(Stream::Position) => f.write_str("Get_Pos 0"),
             Self::Stream(Stream::FlightStatus) => f.write_str("Get_FlightStatus 0"),
             Self::Stream(Stream::Gimbal) => f.write_str("Get_Gimbal 0"),
-            Self::Yaw(rate) => write!(f, "Yaw {:.6}", sayable(*rate, YAW_LIMIT).radians_per_second()),
+            Self::Yaw(rate) => write!(f, "Yaw {:.6}", encodable(*rate, YAW_LIMIT).radians_per_second()),
             Self::GimbalPitch(rate) => {
-                write!(f, "GimbalPitch {:.6}", sayable(*rate, GIMBAL_LIMIT).radians_per_second())
+                write!(f, "GimbalPitch {:.6}", encodable(*rate, GIMBAL_LIMIT).radians_per_second())
             }
             Self::GimbalRest => f.write_str("Gimbal 0.000000,0.000000"),
         }
@@ -113,7 +113,7 @@ impl fmt::Display for Command {
 
 /// A rate as the line can say it: within its limit, and everything that six decimals would print as zero made
 /// a plain zero. `-0.000000` must never stand on the line.
-pub(super) fn sayable(rate: AngularRate, limit: AngularRate) -> AngularRate {
+pub(super) fn encodable(rate: AngularRate, limit: AngularRate) -> AngularRate {
     let clamped = rate.clamped(limit);
     if clamped.radians_per_second().abs() <= 0.5e-6 { AngularRate::ZERO } else { clamped }
 }

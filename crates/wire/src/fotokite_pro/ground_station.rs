@@ -17,12 +17,12 @@ use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{AngularRate, Timestamp};
 
 use super::command::{GIMBAL_LIMIT, Stream, YAW_LIMIT};
-use super::lines::LineCutter;
+use super::lines::LineSplitter;
 use super::session::PROMPT;
 use super::telemetry::{MODE_REMOTE_CONTROLLED, TETHER_METRES_PER_COUNT};
 
 /// More lines than this in one second, and the rest of that second is lost.
-pub const FLOOD_LINES_PER_SECOND: u32 = 100;
+pub const MAX_LINES_PER_SECOND: u32 = 100;
 /// Telemetry, messages per second, before a client sets another rate.
 pub const DEFAULT_TELEMETRY_PER_SECOND: f64 = 1.0;
 
@@ -54,7 +54,7 @@ pub struct StationRates {
 
 /// What the vehicle's sensors say, for the telemetry lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VehicleReading {
+pub struct SensorReadings {
     /// Attitude of the flight unit.
     pub attitude: Quaternion,
     /// Attitude of the gimbal.
@@ -94,7 +94,7 @@ pub struct GroundStation {
     checksums: bool,
     rates: StationRates,
     last_motion: LastMotion,
-    lines: LineCutter,
+    lines: LineSplitter,
     last_byte: u8,
     streams: Vec<Stream>,
     telemetry_per_second: f64,
@@ -102,7 +102,7 @@ pub struct GroundStation {
     next_telemetry: Option<Timestamp>,
     booted: Timestamp,
     param_lines: u64,
-    flood: Flood,
+    line_rate: LineRateLimit,
 }
 
 /// When a line for each axis came last, while its rate is in force.
@@ -114,22 +114,22 @@ struct LastMotion {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Flood {
+struct LineRateLimit {
     second: u64,
     lines: u32,
     lost: u64,
 }
 
-impl Flood {
-    /// Whether a line that came now is lost in a flood.
-    fn drowns(&mut self, now: Timestamp) -> bool {
+impl LineRateLimit {
+    /// Whether a line that came now is lost in a line_rate.
+    fn exceeds(&mut self, now: Timestamp) -> bool {
         let second = now.as_nanos() / 1_000_000_000;
         if second != self.second {
             self.second = second;
             self.lines = 0;
         }
         self.lines += 1;
-        let lost = self.lines > FLOOD_LINES_PER_SECOND;
+        let lost = self.lines > MAX_LINES_PER_SECOND;
         self.lost += u64::from(lost);
         lost
     }
@@ -144,7 +144,7 @@ impl GroundStation {
             checksums: true,
             rates: StationRates::default(),
             last_motion: LastMotion::default(),
-            lines: LineCutter::default(),
+            lines: LineSplitter::default(),
             last_byte: 0,
             streams: Vec::new(),
             telemetry_per_second: DEFAULT_TELEMETRY_PER_SECOND,
@@ -152,12 +152,12 @@ impl GroundStation {
             next_telemetry: None,
             booted: now,
             param_lines: 0,
-            flood: Flood::default(),
+            line_rate: LineRateLimit::default(),
         }
     }
 
     /// Takes bytes from the client, appends the answer, and hands out each line as it was understood.
-    pub fn received(&mut self, bytes: &[u8], now: Timestamp, out: &mut Vec<u8>, mut heard: impl FnMut(&str)) {
+    pub fn receive(&mut self, bytes: &[u8], now: Timestamp, out: &mut Vec<u8>, mut heard: impl FnMut(&str)) {
         for &byte in bytes {
             // The second half of `\r\n` is no line of its own.
             let second_half = byte == b'\n' && self.last_byte == b'\r';
@@ -175,8 +175,8 @@ impl GroundStation {
             let was = self.state;
             if let Some(line) = &complete {
                 heard(line);
-                if !self.flood.drowns(now) {
-                    self.obey(line, now, out);
+                if !self.line_rate.exceeds(now) {
+                    self.execute(line, now, out);
                 }
             }
             let in_shell = self.state == StationState::Shell;
@@ -192,7 +192,7 @@ impl GroundStation {
         out.push(b' ');
     }
 
-    fn obey(&mut self, line: &str, now: Timestamp, out: &mut Vec<u8>) {
+    fn execute(&mut self, line: &str, now: Timestamp, out: &mut Vec<u8>) {
         let (word, rest) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
         let arguments = rest.trim();
         match (word, arguments) {
@@ -208,7 +208,7 @@ impl GroundStation {
             }
             ("Checksum", "0") => self.checksums = false,
             ("Checksum", "1") => self.checksums = true,
-            ("Pset", _) => self.stage(arguments),
+            ("Pset", _) => self.stage_parameter(arguments),
             ("Pcommit", "") => {
                 if let Some(per_second) = self.staged_per_second.take() {
                     self.telemetry_per_second = per_second;
@@ -232,7 +232,7 @@ impl GroundStation {
                 "Yaw" | "GimbalPitch" | "GimbalRoll" | "Gimbal" | "Pos" | "Pos2" | "PosV" | "PosH" | "PosL",
                 _,
             ) => {
-                self.move_by(word, arguments, now);
+                self.execute_motion(word, arguments, now);
             }
             _ if self.state == StationState::Shell => {
                 // Writing to memory cannot fail.
@@ -245,7 +245,7 @@ impl GroundStation {
     }
 
     /// Parameter 117 is the telemetry rate; others are taken and have no effect here.
-    fn stage(&mut self, arguments: &str) {
+    fn stage_parameter(&mut self, arguments: &str) {
         if let Some(("117", value)) = arguments.split_once(',')
             && let Ok(per_second) = value.trim().parse::<f64>()
             && per_second > 0.0
@@ -257,7 +257,7 @@ impl GroundStation {
 
     /// Motion counts only under remote control and without checksums; the kite's own motion (`Pos...`) is taken
     /// and ignored, since the emulator's kite stands still.
-    fn move_by(&mut self, word: &str, arguments: &str, now: Timestamp) {
+    fn execute_motion(&mut self, word: &str, arguments: &str, now: Timestamp) {
         if self.state != StationState::RemoteControlled || self.checksums {
             return;
         }
@@ -309,7 +309,7 @@ impl GroundStation {
     }
 
     /// Appends the telemetry lines that are due.
-    pub fn report(&mut self, vehicle: &VehicleReading, now: Timestamp, out: &mut Vec<u8>) {
+    pub fn write_telemetry(&mut self, vehicle: &SensorReadings, now: Timestamp, out: &mut Vec<u8>) {
         let Some(due) = self.next_telemetry.filter(|due| *due <= now) else { return };
         let period = Duration::from_secs_f64(1.0 / self.telemetry_per_second);
         let next = due.plus(period);
@@ -317,7 +317,7 @@ impl GroundStation {
         let mut text = String::new();
         for stream in &self.streams {
             // Writing to memory cannot fail.
-            let _ = self.report_line(*stream, vehicle, now, &mut text);
+            let _ = self.write_stream(*stream, vehicle, now, &mut text);
         }
         // The real station mixes in an undocumented line that clients must tolerate.
         if self.param_lines.is_multiple_of(10) {
@@ -327,10 +327,10 @@ impl GroundStation {
         out.extend_from_slice(text.as_bytes());
     }
 
-    fn report_line(
+    fn write_stream(
         &self,
         stream: Stream,
-        vehicle: &VehicleReading,
+        vehicle: &SensorReadings,
         now: Timestamp,
         text: &mut String,
     ) -> core::fmt::Result {
@@ -385,8 +385,8 @@ impl GroundStation {
     }
 
     /// Lines that were lost because the client sent more than the station can take.
-    pub const fn flooded_lines(&self) -> u64 {
-        self.flood.lost
+    pub const fn dropped_lines(&self) -> u64 {
+        self.line_rate.lost
     }
 }
 

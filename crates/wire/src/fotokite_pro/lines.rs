@@ -9,12 +9,12 @@ pub const MAX_LINE_BYTES: usize = 512;
 
 /// The line that is being received.
 #[derive(Debug, Clone, Default)]
-pub struct LineCutter {
+pub struct LineSplitter {
     partial: String,
     overlong: bool,
 }
 
-impl LineCutter {
+impl LineSplitter {
     /// Takes bytes as they were read and hands out each line that they complete, without its end.
     pub fn feed(&mut self, bytes: &[u8], mut line: impl FnMut(&str)) {
         for &byte in bytes {
@@ -33,7 +33,7 @@ impl LineCutter {
     }
 
     /// Forgets what was received of the line so far, as after a prompt: what follows begins a line.
-    pub fn begin_line(&mut self) {
+    pub fn discard_partial(&mut self) {
         self.partial.clear();
     }
 

@@ -8,7 +8,7 @@ use core::time::Duration;
 
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 
-use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT, sayable};
+use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT, encodable};
 
 /// From a zero to its repetition.
 pub const ZERO_SPACING: Duration = Duration::from_millis(50);
@@ -28,48 +28,48 @@ enum AxisName {
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     name: AxisName,
-    wanted: AngularRate,
-    /// What the vehicle was told last, and when; `None` before the first line.
-    told: Option<(AngularRate, Timestamp)>,
+    target: AngularRate,
+    /// What the vehicle was last_sent last, and when; `None` before the first line.
+    last_sent: Option<(AngularRate, Timestamp)>,
     /// Zeros that are still to be repeated.
-    zeros_left: u8,
+    repeats_left: u8,
 }
 
 impl Axis {
     const fn new(name: AxisName) -> Self {
-        Self { name, wanted: AngularRate::ZERO, told: None, zeros_left: 0 }
+        Self { name, target: AngularRate::ZERO, last_sent: None, repeats_left: 0 }
     }
 
     fn line(&self) -> Command {
         match self.name {
-            AxisName::Yaw => Command::Yaw(self.wanted),
-            AxisName::Pitch => Command::GimbalPitch(self.wanted),
+            AxisName::Yaw => Command::Yaw(self.target),
+            AxisName::Pitch => Command::GimbalPitch(self.target),
         }
     }
 
     /// When this axis next wants a line, apart from the spacing of lines that are not zeros.
     fn due(&self) -> Timestamp {
-        match self.told {
-            Some((rate, at)) if rate == self.wanted => {
-                at.plus(if self.zeros_left > 0 { ZERO_SPACING } else { REFRESH })
+        match self.last_sent {
+            Some((rate, at)) if rate == self.target => {
+                at.plus(if self.repeats_left > 0 { ZERO_SPACING } else { REFRESH })
             }
             _ => Timestamp::ZERO,
         }
     }
 
-    fn tell(&mut self, now: Timestamp, send: &mut impl FnMut(Command)) {
+    fn send_line(&mut self, now: Timestamp, send: &mut impl FnMut(Command)) {
         send(self.line());
-        let again = self.told.is_some_and(|(rate, _)| rate == self.wanted);
-        self.zeros_left = match (self.wanted.is_zero(), again) {
+        let again = self.last_sent.is_some_and(|(rate, _)| rate == self.target);
+        self.repeats_left = match (self.target.is_zero(), again) {
             (false, _) => 0,
             (true, false) => ZERO_REPEATS,
-            (true, true) => self.zeros_left.saturating_sub(1),
+            (true, true) => self.repeats_left.saturating_sub(1),
         };
-        self.told = Some((self.wanted, now));
+        self.last_sent = Some((self.target, now));
     }
 }
 
-/// The newest rates wanted, and what was said of them.
+/// The newest rates target, and what was said of them.
 #[derive(Debug, Clone)]
 pub struct Pacing {
     axes: [Axis; 2],
@@ -84,47 +84,47 @@ impl Default for Pacing {
 
 impl Pacing {
     /// Takes the newest rates; what was waiting is forgotten.
-    pub fn want(&mut self, rates: VehicleRates) {
+    pub fn set_rates(&mut self, rates: VehicleRates) {
         for axis in &mut self.axes {
-            axis.wanted = match axis.name {
-                AxisName::Yaw => sayable(rates.yaw, YAW_LIMIT),
-                AxisName::Pitch => sayable(rates.pitch, GIMBAL_LIMIT),
+            axis.target = match axis.name {
+                AxisName::Yaw => encodable(rates.yaw, YAW_LIMIT),
+                AxisName::Pitch => encodable(rates.pitch, GIMBAL_LIMIT),
             };
         }
     }
 
-    /// Forgets what the vehicle was told, as after its restart: zeros or rates are said anew.
-    pub fn forget_told(&mut self) {
+    /// Forgets what the vehicle was last_sent, as after its restart: zeros or rates are said anew.
+    pub fn forget_sent(&mut self) {
         for axis in &mut self.axes {
-            axis.told = None;
+            axis.last_sent = None;
         }
     }
 
-    /// Says zeros on both axes before anything that moves, whatever is wanted by now: how a session begins.
-    pub fn rest_first(&mut self, now: Timestamp, send: impl FnMut(Command)) {
-        let wanted = self.axes.map(|axis| axis.wanted);
-        self.want(VehicleRates::REST);
-        self.forget_told();
+    /// Says zeros on both axes before anything that moves, whatever is target by now: how a session begins.
+    pub fn send_zeros_first(&mut self, now: Timestamp, send: impl FnMut(Command)) {
+        let target = self.axes.map(|axis| axis.target);
+        self.set_rates(VehicleRates::REST);
+        self.forget_sent();
         self.poll(now, send);
-        for (axis, wanted) in self.axes.iter_mut().zip(wanted) {
-            axis.wanted = wanted;
+        for (axis, target) in self.axes.iter_mut().zip(target) {
+            axis.target = target;
         }
     }
 
     /// Hands out the lines that are due: zeros first.
     pub fn poll(&mut self, now: Timestamp, mut send: impl FnMut(Command)) {
-        for axis in self.axes.iter_mut().filter(|axis| axis.wanted.is_zero()) {
+        for axis in self.axes.iter_mut().filter(|axis| axis.target.is_zero()) {
             if axis.due() <= now {
-                axis.tell(now, &mut send);
+                axis.send_line(now, &mut send);
             }
         }
         if self.moving_line_allowed_at() > now {
             return;
         }
         // Whoever has waited longest goes first, so that one axis cannot keep the other off the line.
-        let waiting = self.axes.iter_mut().filter(|axis| !axis.wanted.is_zero() && axis.due() <= now);
-        if let Some(axis) = waiting.min_by_key(|axis| axis.told.map(|(_, at)| at)) {
-            axis.tell(now, &mut send);
+        let waiting = self.axes.iter_mut().filter(|axis| !axis.target.is_zero() && axis.due() <= now);
+        if let Some(axis) = waiting.min_by_key(|axis| axis.last_sent.map(|(_, at)| at)) {
+            axis.send_line(now, &mut send);
             self.last_moving_line = Some(now);
         }
     }
@@ -133,7 +133,7 @@ impl Pacing {
     pub fn wake_at(&self) -> Timestamp {
         let [pitch, yaw] = self.axes.map(|axis| {
             let due = axis.due();
-            if axis.wanted.is_zero() { due } else { due.max(self.moving_line_allowed_at()) }
+            if axis.target.is_zero() { due } else { due.max(self.moving_line_allowed_at()) }
         });
         pitch.min(yaw)
     }

@@ -5,7 +5,7 @@ use core::time::Duration;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::pacing::Pacing;
-use barrelman_wire::fotokite_pro::session::Next;
+use barrelman_wire::fotokite_pro::session::NextAction;
 use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
 
 use crate::transcript::{Case, Event, cases, words};
@@ -39,7 +39,7 @@ fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
         let now = at(start + ms);
         let mut poll = |session: &mut Session| {
             let mut out = Vec::new();
-            if session.poll(now, &mut out) == Next::Reopen {
+            if session.poll(now, &mut out) == NextAction::Reopen {
                 sent.reopened_at.get_or_insert(ms);
             }
             if !out.is_empty() {
@@ -48,8 +48,8 @@ fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
         };
         while let Some((_, event)) = events.next_if(|(time, _)| *time == ms) {
             match event {
-                Event::StationSends(bytes) => session.received(bytes, now, |_| {}),
-                Event::Asked(rates) => session.request(*rates),
+                Event::StationSends(bytes) => session.receive(bytes, now, |_| {}),
+                Event::Asked(rates) => session.set_rates(*rates),
                 Event::AskedToEnd => session.close(now),
                 Event::ClientSends(_) | Event::Reopens | Event::Holds(_) | Event::Ends => continue,
             }
@@ -150,7 +150,7 @@ fn rates_asked_for_leave_as_the_transcript_says() {
         for ms in 0..=end {
             while let Some((_, event)) = events.next_if(|(time, _)| *time == ms) {
                 if let Event::Asked(rates) = event {
-                    pacing.want(*rates);
+                    pacing.set_rates(*rates);
                 }
             }
             let before = sent.len();
@@ -178,7 +178,7 @@ fn settled(settings: SessionSettings) -> (Session, u64) {
     let mut out = Vec::new();
     for ms in 0..10_000 {
         if ms == 510 {
-            session.received(b"\r\nnsh> ", at(ms), |_| {});
+            session.receive(b"\r\nnsh> ", at(ms), |_| {});
         }
         session.poll(at(ms), &mut out);
     }
@@ -207,8 +207,8 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
     let mut lines = Vec::new();
     for ms in 0..4_000 {
         match ms {
-            510 => session.received(b"nsh> ", at(ms), |_| {}),
-            700 => session.request(VehicleRates {
+            510 => session.receive(b"nsh> ", at(ms), |_| {}),
+            700 => session.set_rates(VehicleRates {
                 yaw: AngularRate::from_radians_per_second(0.3),
                 pitch: AngularRate::ZERO,
             }),
@@ -226,7 +226,7 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
 #[test]
 fn a_ground_station_that_left_remote_control_is_started_again() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), |_| {});
+    session.receive(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), |_| {});
     let mut out = Vec::new();
     session.poll(at(start), &mut out);
     assert_eq!((words(&out), session.restarts()), (vec!["stop".to_owned()], 1));
@@ -235,10 +235,10 @@ fn a_ground_station_that_left_remote_control_is_started_again() {
 #[test]
 fn telemetry_that_falls_silent_asks_for_the_port_to_be_opened_anew() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    session.received(b"!GSStatus 10,1.0,11.8,0\r\n", at(start), |_| {});
+    session.receive(b"!GSStatus 10,1.0,11.8,0\r\n", at(start), |_| {});
     let mut out = Vec::new();
-    assert!(matches!(session.poll(at(start + 2_900), &mut out), Next::WaitUntil(_)));
-    assert_eq!(session.poll(at(start + 3_001), &mut out), Next::Reopen);
+    assert!(matches!(session.poll(at(start + 2_900), &mut out), NextAction::WaitUntil(_)));
+    assert_eq!(session.poll(at(start + 3_001), &mut out), NextAction::Reopen);
 }
 
 /// How full a line of `baud` gets: it carries a tenth of that in bytes per second (8 data bits, start, stop).
@@ -257,7 +257,7 @@ fn worst_case(framing: Framing, baud: u32) -> (f64, f64) {
         if ms % 33 == 0 {
             let wobble = if moving { 0.1 + (ms % 7) as f64 * 0.01 } else { 0.0 };
             let rate = AngularRate::from_radians_per_second(-wobble);
-            session.request(VehicleRates { yaw: rate, pitch: rate });
+            session.set_rates(VehicleRates { yaw: rate, pitch: rate });
         }
         let mut out = Vec::new();
         session.poll(at(start + ms), &mut out);

@@ -99,7 +99,7 @@ fn received_bytes_mean_what_the_transcript_says() {
             Session::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), Timestamp::ZERO);
         let mut heard = Vec::new();
         for read in reads.split(" | ") {
-            session.received(&unescaped(read), Timestamp::ZERO, |telemetry| heard.push(telemetry.report));
+            session.receive(&unescaped(read), Timestamp::ZERO, |telemetry| heard.push(telemetry.report));
         }
         let expected: Vec<Report> = match expected {
             "nothing" => Vec::new(),

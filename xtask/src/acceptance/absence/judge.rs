@@ -141,13 +141,13 @@ fn of_return(frames: &[(Truth, Track)], judged: &mut Judged) {
 /// Whether the target is seen where it is; coasting is not seeing.
 fn right(truth: &Truth, track: &Track) -> bool {
     let Track::Tracking(seen) = track else { return false };
-    seen.bounds.overlap(truth.bounds) >= RIGHT_FROM || holds(truth.bounds, seen.bounds.centre())
+    seen.bounds.iou(truth.bounds) >= RIGHT_FROM || holds(truth.bounds, seen.bounds.centre())
 }
 
 fn on_distractor(truth: &Truth, track: &Track) -> bool {
     let Some(seen) = track.localisation() else { return false };
     let centre = seen.bounds.centre();
-    seen.bounds.overlap(truth.bounds) < ELSEWHERE_BELOW
+    seen.bounds.iou(truth.bounds) < ELSEWHERE_BELOW
         && truth.distractors.iter().any(|distractor| holds(*distractor, centre))
 }
 
