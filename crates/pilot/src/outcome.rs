@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use barrelman_control::{Percept, Sector};
+use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::{CameraCommand, StopCause, Timestamp, Track};
 
@@ -17,6 +17,8 @@ pub struct Outcome {
     pub track: Track,
     /// Age of what was seen in this step, from its capture to `at`; `None` where nothing new was seen.
     pub age: Option<core::time::Duration>,
+    /// The region in the picture of the newest observation; `None` before the first one.
+    pub region: Option<Region>,
     /// What the newest localisation means to the law, while the target's place is known.
     pub percept: Option<Percept>,
     /// What the law asks for at that percept, whether or not the camera may move.

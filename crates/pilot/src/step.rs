@@ -29,6 +29,7 @@ pub struct Pilot {
     safety: Safety,
     pending_selection: Option<PixelBox>,
     track: Track,
+    region: Option<Region>,
     percept: Option<Percept>,
     advice: Option<Advice>,
     last_capture: Option<Timestamp>,
@@ -58,6 +59,7 @@ impl Pilot {
             tracker,
             pending_selection: None,
             track: Track::Unseeded,
+            region: None,
             percept: None,
             advice: None,
             last_capture: None,
@@ -67,7 +69,10 @@ impl Pilot {
     /// Takes one input and says what comes of it.
     pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
         let look = match input {
-            Input::Frame(frame) => Some(self.observe_frame(frame)),
+            Input::Frame(frame) => {
+                self.region = Some(Region::from_shares(self.settings.profile.region, frame.picture.size()));
+                Some(self.observe_frame(frame))
+            }
             Input::Localisation(track) => {
                 let captured = track.localisation().map(|seen| seen.captured);
                 Some(Observation { track, captured, notice: None })
@@ -143,6 +148,7 @@ impl Pilot {
         let profile = &self.settings.profile;
         let looked = self.track.localisation().map(|seen| {
             let region = Region::from_shares(profile.region, seen.picture);
+            self.region = Some(region);
             let percept = Percept::new(seen.centre.in_image(seen.picture), region);
             let input = LawInput {
                 percept: &percept,
@@ -183,6 +189,7 @@ impl Pilot {
             mode: decision.mode,
             track: self.track,
             age,
+            region: self.region,
             percept: self.percept,
             advice: self.advice,
             command: decision.command,

@@ -55,13 +55,13 @@ impl Film {
         Ok(())
     }
 
-    /// Adds a frame with the outcome of a live step.
+    /// Adds a frame with the outcome of its step.
     ///
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
-        let region = Region::from_shares(self.shares, frame.picture.size());
-        self.add(frame, &Scene { rates: Some(rates), ..Scene::of_outcome(outcome, region) })
+        let Some(scene) = Scene::of_outcome(outcome) else { return Ok(()) };
+        self.add(frame, &Scene { rates: Some(rates), ..scene })
     }
 
     /// Adds a frame with what a tracker alone made of it.

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_control::Sector;
+use barrelman_control::{Region, Sector};
 use barrelman_pilot::Mode::{Holding, Servoing};
 use barrelman_pilot::outcome::HoldCause::{NoSelection, TrackLost, VideoSilent, VideoStale};
 use barrelman_pilot::{Input, Notice};
@@ -168,4 +168,14 @@ fn a_clock_that_runs_back_rests_the_camera() {
     let last = outcomes(&scene).pop().unwrap();
     assert_eq!((last.command, last.wake_at), (REST, None));
     check(&[scene.as_slice(), &[(910, Seen(RIGHT))]].concat(), Servoing, PAN_RIGHT);
+}
+
+#[test]
+fn the_region_is_that_of_the_newest_picture() {
+    let regions: Vec<_> = outcomes(&[(0, Tick), (10, Lost), (20, Seen(RIGHT)), (30, Tick), (40, Lost)])
+        .into_iter()
+        .map(|outcome| outcome.region)
+        .collect();
+    let region = Some(Region { a_px: 192.0, b_px: 120.0 });
+    assert_eq!(regions, [None, None, region, region, region]);
 }

@@ -91,8 +91,8 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let (stage, inputs) = Stage::new();
     let (stage, easel) = (Arc::new(stage), Arc::new(Easel::default()));
     let painter = {
-        let (easel, stage, shares) = (Arc::clone(&easel), Arc::clone(&stage), cast.profile.region);
-        threads::spawn("painter", events.clone(), move || painter::paint(&easel, &stage, shares))?
+        let (easel, stage) = (Arc::clone(&easel), Arc::clone(&stage));
+        threads::spawn("painter", events.clone(), move || painter::paint(&easel, &stage))?
     };
     let server = PageServer::start(listener, Arc::clone(&stage), events.clone())?;
     drop(events);

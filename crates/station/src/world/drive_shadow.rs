@@ -3,14 +3,12 @@
 //! From what the tracker says and what the camera is told, and from nothing else: it stands beside the drive and changes
 //! nothing in it.
 
-use barrelman_control::{CameraModel, LawInput, Region, ShadowController};
+use barrelman_control::{CameraModel, LawInput, ShadowController};
 use barrelman_pilot::Outcome;
-use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Timestamp, VehicleProfile};
 
 /// The schema, with the camera that it would have had.
 pub struct DriveShadow {
-    shares: RegionShares,
     camera: CameraModel,
     shadow: ShadowController,
     looked: Option<Timestamp>,
@@ -21,7 +19,6 @@ impl DriveShadow {
     /// A shadow at a drive's start.
     pub fn new(profile: &VehicleProfile) -> Self {
         Self {
-            shares: profile.region,
             camera: CameraModel::new(profile.camera, profile.limits),
             shadow: ShadowController::new(profile),
             looked: None,
@@ -31,15 +28,14 @@ impl DriveShadow {
 
     /// A step of the drive. A step that brings no new picture only tells what the camera was told.
     pub fn step(&mut self, now: Timestamp, outcome: &Outcome) {
-        match (outcome.track.localisation(), outcome.percept) {
-            (Some(seen), Some(percept)) if self.looked != Some(seen.captured) => {
+        match (outcome.track.localisation(), outcome.percept, outcome.region) {
+            (Some(seen), Some(percept), Some(region)) if self.looked != Some(seen.captured) => {
                 self.looked = Some(seen.captured);
-                let region = Region::from_shares(self.shares, seen.picture);
                 let (picture, captured) = (seen.picture, seen.captured);
                 let input = LawInput { percept: &percept, region, picture, captured, is_measured: true, now };
                 self.p = Some(self.shadow.step(&input, &self.camera).p);
             }
-            (Some(_), Some(_)) => {}
+            (Some(_), Some(_), Some(_)) => {}
             _ => self.p = None,
         }
         self.camera.apply_command(outcome.command, now);

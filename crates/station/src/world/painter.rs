@@ -5,9 +5,7 @@
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-use barrelman_control::Region;
 use barrelman_pilot::Outcome;
-use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Picture, VehicleRates, VideoFrame};
 use bytes::Bytes;
 
@@ -72,12 +70,12 @@ impl Easel {
 }
 
 /// Draws until nothing more comes.
-pub fn paint(easel: &Arc<Easel>, stage: &Stage, shares: RegionShares) {
+pub fn paint(easel: &Arc<Easel>, stage: &Stage) {
     let mut overlay = Overlay::new();
     let mut picture: Option<Picture> = None;
     while let Some(Seen { frame, outcome, rates }) = easel.take(stage) {
-        let region = Region::from_shares(shares, frame.picture.size());
-        let scene = Scene { rates: Some(rates), ..Scene::of_outcome(&outcome, region) };
+        let Some(scene) = Scene::of_outcome(&outcome) else { continue };
+        let scene = Scene { rates: Some(rates), ..scene };
         let picture =
             picture.get_or_insert_with(|| Picture::black(frame.picture.size(), frame.picture.colour()));
         overlay.draw(&frame, &scene, picture);
