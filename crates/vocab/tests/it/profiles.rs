@@ -1,4 +1,4 @@
-//! The door between the rates inside and a vehicle's own.
+//! The vehicle boundary: from camera commands to a vehicle's own rates and back.
 
 use barrelman_vocab::profile::{AxisRates, AxisSigns, Sign};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile, VehicleRates};
