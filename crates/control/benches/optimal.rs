@@ -1,4 +1,4 @@
-//! Nanoseconds of a step of the optimal law: at rest, moving, and with a target far outside.
+//! Time of one step of the optimal law: at rest, moving, and with a target far outside of the region.
 
 use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
@@ -9,10 +9,10 @@ fn main() {
     divan::main();
 }
 
-/// Steps of one swing of the target, to and fro.
+/// Steps of one period of the target's motion.
 const SWING: u32 = 240;
 
-/// A step on a target that goes to and fro so far, the camera model's included: the mean over a swing.
+/// One step, including the camera model, with a target that oscillates with this amplitude: the mean over a period.
 #[divan::bench(args = [60.0, 200.0, 300.0], sample_count = 500, sample_size = SWING)]
 fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
     let profile = VehicleProfile::fotokite_pro();

@@ -1,4 +1,4 @@
-//! The camera law that a pilot works by, with the camera as it imagines it.
+//! The camera law of a pilot, together with its camera model.
 
 use core::fmt;
 
@@ -7,18 +7,18 @@ use barrelman_vocab::{Angle, CameraCommand, MotionPrior, PictureSize, Timestamp,
 use crate::camera_model::CameraModel;
 use crate::centring::{Centring, CentringGains};
 use crate::law_input::LawInput;
+use crate::motor_schema::MotorSchema;
 use crate::optimal::{OptimalLaw, OptimalSettings};
-use crate::schema::MotorSchema;
 
-/// Turns what is seen into what is asked of the camera.
+/// Computes camera commands from percepts.
 pub trait Law: Send {
-    /// What to ask of the camera for what is seen.
+    /// Computes the command of one step.
     fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand;
 
-    /// This command is in force from `now` on: what the law asked for, or what safety made of it.
+    /// Notes that `command` is in force from `now` on: the law's own command, or what the safety rule made of it.
     fn on_command_applied(&mut self, _command: CameraCommand, _now: Timestamp) {}
 
-    /// Forgets what was seen of a target: another one was selected.
+    /// Discards the observations of the target: another target was selected.
     fn reset_target(&mut self) {}
 }
 
@@ -52,26 +52,26 @@ impl Law for OptimalLaw {
     }
 }
 
-/// Which law.
+/// The choice of a law, with its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum LawSettings {
     /// The paper's motor schema.
     #[default]
     MotorSchema,
-    /// A PID on the picture's centre.
+    /// A PID controller that centres the target.
     Centring(CentringGains),
-    /// Both axes at once with the least energy.
+    /// The optimal law: both axes at once with the least energy.
     Optimal(OptimalSettings),
 }
 
-/// A law with the camera that it imagines.
+/// A law with its camera model.
 pub struct CameraLaw {
     camera: CameraModel,
     law: Box<dyn Law>,
 }
 
 impl CameraLaw {
-    /// A law for a vehicle.
+    /// The chosen law for a vehicle.
     pub fn new(settings: LawSettings, profile: &VehicleProfile) -> Self {
         let law: Box<dyn Law> = match settings {
             LawSettings::MotorSchema => Box::new(MotorSchema::new(profile.motor_schema_rates)),
@@ -81,39 +81,39 @@ impl CameraLaw {
         Self::from_law(law, profile)
     }
 
-    /// A law of one's own for a vehicle.
+    /// A custom law for a vehicle.
     pub fn from_law(law: Box<dyn Law>, profile: &VehicleProfile) -> Self {
         Self { camera: CameraModel::new(profile.camera, profile.limits), law }
     }
 
-    /// What to ask of the camera for what is seen.
+    /// Computes the command of one step.
     pub fn command(&mut self, input: &LawInput<'_>) -> CameraCommand {
         self.camera.advance_to(input.now);
         self.law.command(input, &self.camera)
     }
 
-    /// How the picture shifted between two times of capture because the camera turned.
+    /// Predicted shift of the picture between two times of capture due to camera motion.
     pub fn motion_prior(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
         self.camera.motion_prior(from, to, picture)
     }
 
-    /// This command is in force from `now` on, whoever wanted it.
+    /// Notes that `command` is in force from `now` on, whatever its origin.
     pub fn on_command_applied(&mut self, command: CameraCommand, now: Timestamp) {
         self.camera.apply_command(command, now);
         self.law.on_command_applied(command, now);
     }
 
-    /// The gimbal reported the camera's tilt, as it was at `at`.
+    /// Processes a report of the camera's tilt at the time `at`.
     pub fn on_tilt_report(&mut self, tilt: Angle, at: Timestamp) {
         self.camera.correct_tilt(tilt, at);
     }
 
-    /// The camera reported that its picture shows so much from the left edge to the right, from `at` on: it zooms.
+    /// Processes a report of the horizontal field of view from the time `at` on: the camera zooms.
     pub fn on_field_of_view_report(&mut self, angle: Angle, at: Timestamp) {
         self.camera.set_field_of_view(angle, at);
     }
 
-    /// Forgets what was seen of a target: another one was selected.
+    /// Discards the observations of the target: another target was selected.
     pub fn reset_target(&mut self) {
         self.law.reset_target();
     }

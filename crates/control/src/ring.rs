@@ -1,8 +1,9 @@
-//! The last few values, each of a later time than the one before, in a ring.
+//! A ring buffer of values in the order of their times.
 //!
-//! What must not be here: what the values mean, and how close two of them may lie. O(1), no allocation but the first.
+//! What must not be here: the meaning of the values, and the interval at which they are kept. Work: O(1) per value; the
+//! only allocation is that of the buffer.
 
-/// The newest values, as many as are kept.
+/// The newest `CAPACITY` values.
 #[derive(Debug, Clone)]
 pub(crate) struct Ring<T, const CAPACITY: usize> {
     values: Box<[T; CAPACITY]>,
@@ -16,10 +17,10 @@ impl<T: Copy, const CAPACITY: usize> Ring<T, CAPACITY> {
         Self { values: Box::new([first; CAPACITY]), newest: 0, len: 1 }
     }
 
-    /// Takes a value. It takes the newest one's place unless that is `apart` enough from the one before it.
-    pub(crate) fn push(&mut self, value: T, apart: impl FnOnce(&T, &T) -> bool) {
-        let before = &self.values[(self.newest + CAPACITY - 1) % CAPACITY];
-        if self.len < 2 || apart(before, &self.values[self.newest]) {
+    /// Adds a value. The value replaces the newest one unless `is_apart(previous, newest)` holds.
+    pub(crate) fn push(&mut self, value: T, is_apart: impl FnOnce(&T, &T) -> bool) {
+        let previous = &self.values[(self.newest + CAPACITY - 1) % CAPACITY];
+        if self.len < 2 || is_apart(previous, &self.values[self.newest]) {
             self.newest = (self.newest + 1) % CAPACITY;
             self.len = (self.len + 1).min(CAPACITY);
         }
@@ -30,12 +31,12 @@ impl<T: Copy, const CAPACITY: usize> Ring<T, CAPACITY> {
         &self.values[self.newest]
     }
 
-    /// Those before the newest, back to the oldest.
+    /// The values before the newest one, newest first.
     pub(crate) fn earlier(&self) -> impl Iterator<Item = &T> {
         (1..self.len).map(|back| &self.values[(self.newest + CAPACITY - back) % CAPACITY])
     }
 
-    /// Changes all of them.
+    /// Changes all values.
     pub(crate) fn for_each_mut(&mut self, change: impl FnMut(&mut T)) {
         self.values.iter_mut().for_each(change);
     }

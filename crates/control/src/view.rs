@@ -1,19 +1,20 @@
-//! Directions and image points of a pinhole camera, and how both axes move a point.
+//! The pinhole projection of a camera that pans and tilts, its inverse, and its Jacobian.
 //!
-//! Directions are unit vectors in a frame that does not turn with the camera: to the right of where it first pointed,
-//! ahead, up. They have no pole: a target may pass right below. With the point (x, y) of the picture and the focal
-//! length f, the ray has the components x/f to the right, y/f upwards across the optical axis and 1 along it. What
-//! lies behind the camera is put far out, the farther the more it does. A lens's distortion is not in it.
+//! A direction is a unit vector (right, ahead, up) in a frame that does not turn with the camera; *ahead* is the initial
+//! pan direction. Unit vectors have no pole: a target may pass directly below the camera. With an image point (x, y) and
+//! the focal length f, the ray has the components x/f (right), y/f (up) and 1 (along the optical axis). A direction behind
+//! the camera is projected to a point far outside of the picture; the distance grows with the angle. Lens distortion is
+//! not modelled.
 
 use barrelman_vocab::ImagePoint;
 
-/// A unit vector: right, ahead, up.
+/// A unit vector (right, ahead, up).
 pub type Direction = [f64; 3];
 
-/// What lies less far ahead than this share of its distance counts as behind.
+/// Depths below this share of the distance count as behind the camera.
 const MIN_DEPTH_SHARE: f64 = 0.15;
 
-/// A camera's focal length and where it points.
+/// A camera's focal length, pan and tilt.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     focal_px: f64,
@@ -35,31 +36,31 @@ impl TurnAngle {
         Self { angle, sin, cos }
     }
 
-    /// The same to another angle; where that is the same, nothing is worked out anew.
-    fn to(self, angle: f64) -> Self {
+    /// The values of another angle; computed only if the angle differs.
+    fn changed_to(self, angle: f64) -> Self {
         if angle.to_bits() == self.angle.to_bits() { self } else { Self::new(angle) }
     }
 }
 
-/// Pixels by which a point moves for each radian of pan to the right, and of tilt upwards: `[x, y]` each.
+/// The image Jacobian: displacement `[x, y]` of an image point in pixels per radian of pan (right) and tilt (up).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageJacobian {
-    /// For pan.
+    /// Displacement per radian of pan.
     pub pan: [f64; 2],
-    /// For tilt.
+    /// Displacement per radian of tilt.
     pub tilt: [f64; 2],
 }
 
 impl View {
-    /// A camera with that focal length, pixels, that points there, radians.
+    /// A camera with this focal length in pixels, pan and tilt in radians.
     pub fn new(focal_px: f64, pan: f64, tilt: f64) -> Self {
         Self { focal_px, pan: TurnAngle::new(pan), tilt: TurnAngle::new(tilt) }
     }
 
-    /// The same camera when it points there, with that focal length.
+    /// The same camera with another focal length, pan and tilt.
     #[must_use]
     pub fn with_pointing(&self, focal_px: f64, pan: f64, tilt: f64) -> Self {
-        Self { focal_px, pan: self.pan.to(pan), tilt: self.tilt.to(tilt) }
+        Self { focal_px, pan: self.pan.changed_to(pan), tilt: self.tilt.changed_to(tilt) }
     }
 
     /// The direction of an image point.
@@ -78,7 +79,7 @@ impl View {
         ]
     }
 
-    /// Where a direction is seen; its length counts only for what is behind.
+    /// The image point of a direction. The vector's length matters only behind the camera.
     pub fn project(&self, [east, north, above]: Direction) -> ImagePoint {
         let (TurnAngle { sin: sin_pan, cos: cos_pan, .. }, TurnAngle { sin: sin_tilt, cos: cos_tilt, .. }) =
             (self.pan, self.tilt);
@@ -93,17 +94,18 @@ impl View {
         ImagePoint { x: scale * right, y: scale * across }
     }
 
-    /// Far out on the side on which it lies; what lies straight behind is put below.
+    /// The image point of a direction behind the camera: far outside, in the direction of the offset from the optical axis.
+    /// The exact opposite of the optical axis is projected below.
     fn project_behind(&self, depth: f64, right: f64, across: f64) -> ImagePoint {
         let off_squared = right * right + across * across;
         let off = libm::sqrt(off_squared);
         let (right, across) = if off > 0.0 { (right / off, across / off) } else { (0.0, -1.0) };
-        let off_at_the_least = libm::sqrt(off_squared + depth * depth - MIN_DEPTH_SHARE * MIN_DEPTH_SHARE);
-        let radius = self.focal_px / MIN_DEPTH_SHARE * (off_at_the_least + MIN_DEPTH_SHARE - depth);
+        let off_at_min_depth = libm::sqrt(off_squared + depth * depth - MIN_DEPTH_SHARE * MIN_DEPTH_SHARE);
+        let radius = self.focal_px / MIN_DEPTH_SHARE * (off_at_min_depth + MIN_DEPTH_SHARE - depth);
         ImagePoint { x: radius * right, y: radius * across }
     }
 
-    /// How the axes move a point that is seen there.
+    /// The image Jacobian at an image point.
     pub fn jacobian(&self, point: ImagePoint) -> ImageJacobian {
         let ImagePoint { x, y } = point;
         let (f, TurnAngle { sin, cos, .. }) = (self.focal_px, self.tilt);

@@ -1,4 +1,4 @@
-//! The camera model against a plant that is integrated in small steps.
+//! The camera model against a simulated plant that is integrated in small steps.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -8,12 +8,12 @@ use barrelman_vocab::profile::{AxisRates, CameraDynamics};
 use barrelman_vocab::{Angle, AngularRate, CameraCommand, PictureSize, Timestamp, VehicleProfile};
 use proptest::prelude::*;
 
-/// A plant in steps of 0.1 ms: dead times, overruling, lag, as it is described.
+/// The plant, in steps of 0.1 ms: dead times, overriding commands, lag.
 struct Plant {
     start_s: f64,
     stop_s: f64,
     lag_s: f64,
-    on_their_way: VecDeque<(f64, f64)>,
+    pending: VecDeque<(f64, f64)>,
     asked: f64,
     in_effect: f64,
     rate: f64,
@@ -28,7 +28,7 @@ impl Plant {
             start_s,
             stop_s,
             lag_s,
-            on_their_way: VecDeque::new(),
+            pending: VecDeque::new(),
             asked: 0.0,
             in_effect: 0.0,
             rate: 0.0,
@@ -42,15 +42,15 @@ impl Plant {
         }
         self.asked = asked;
         let at_s = now_s + if asked == 0.0 { self.stop_s } else { self.start_s };
-        while self.on_their_way.back().is_some_and(|(later_s, _)| *later_s >= at_s) {
-            self.on_their_way.pop_back();
+        while self.pending.back().is_some_and(|(later_s, _)| *later_s >= at_s) {
+            self.pending.pop_back();
         }
-        self.on_their_way.push_back((at_s, asked));
+        self.pending.push_back((at_s, asked));
     }
 
     fn step(&mut self, now_s: f64) {
-        while self.on_their_way.front().is_some_and(|(at_s, _)| *at_s <= now_s + 0.5 * STEP_S) {
-            self.in_effect = self.on_their_way.pop_front().unwrap().1;
+        while self.pending.front().is_some_and(|(at_s, _)| *at_s <= now_s + 0.5 * STEP_S) {
+            self.in_effect = self.pending.pop_front().unwrap().1;
         }
         self.rate += STEP_S / self.lag_s * (self.in_effect - self.rate);
         self.angle += STEP_S * self.rate;
@@ -70,7 +70,7 @@ fn seconds(s: f64) -> Timestamp {
     Timestamp::from_secs_f64(s)
 }
 
-/// Commands at times, and what model and plant make of them.
+/// Compares model and plant for commands at times.
 fn compare(commands: &[(f64, f64)]) {
     let (dynamics, limits) = profile();
     let pan = dynamics.pan;
@@ -133,7 +133,7 @@ fn at_the_end_stop_it_stays() {
         let up = CameraCommand { tilt: -down.tilt, ..down };
         model.apply_command(up, seconds(f64::from(k) / 30.0));
     }
-    // Two seconds up, less dead time and lag: it turned back at once.
+    // Two seconds up, less dead time and lag: the model left the end stop immediately.
     let risen = model.angles_at(seconds(12.0)).1 - lowest;
     assert!((0.48..0.56).contains(&risen), "{risen}");
 }
@@ -196,13 +196,13 @@ fn a_zero_on_its_way_ends_the_turn_though_nothing_more_is_said() {
     let mut silent = CameraModel::new(dynamics, limits);
     silent.apply_command(pan_at(0.3), seconds(1.0));
     silent.apply_command(CameraCommand::REST, seconds(2.0));
-    let mut told = silent.clone();
+    let mut advanced = silent.clone();
     for k in 1..=120 {
-        told.advance_to(seconds(2.0 + f64::from(k) / 30.0));
+        advanced.advance_to(seconds(2.0 + f64::from(k) / 30.0));
     }
     for at_s in [2.1, 2.3, 2.6, 3.0, 6.0] {
-        let (silent, told) = (silent.angles_at(seconds(at_s)).0, told.angles_at(seconds(at_s)).0);
-        assert!((silent - told).abs() < 1e-4, "{at_s} s: {silent} {told}");
+        let (silent, advanced) = (silent.angles_at(seconds(at_s)).0, advanced.angles_at(seconds(at_s)).0);
+        assert!((silent - advanced).abs() < 1e-4, "{at_s} s: {silent} {advanced}");
     }
     assert!(silent.angles_at(seconds(6.0)).0 < 0.5, "it does not turn for ever");
 }

@@ -47,7 +47,7 @@ fn each_sector_turns_its_own_axis_towards_the_target() {
 
 #[test]
 fn sectors_are_divided_by_the_pixel_diagonals_not_by_the_ellipse() {
-    // Scaled by the ellipse (200/192 against 190/120) this point would lie in the top sector.
+    // If scaled by the ellipse (200/192 against 190/120), this point would lie in the top sector.
     check(200.0, 190.0, PAN, 0.0);
     check(190.0, 200.0, 0.0, TILT);
     check(-200.0, -190.0, -PAN, 0.0);
