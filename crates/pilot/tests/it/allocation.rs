@@ -1,4 +1,4 @@
-//! No allocation per step once the buffers have their size.
+//! Steps do not allocate after the buffers have reached their size.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Trac
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{OperatorRequest, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
 
-use crate::scenes::Told::{Engage, Lost, Reports, Tick};
+use crate::scenes::SceneInput::{Engage, Lost, Reports, Tick};
 use crate::scenes::settings;
 
-/// How often this thread asks for memory while some work is done.
+/// Number of allocations of this thread during some work.
 fn allocations_of(work: impl FnOnce()) -> u64 {
     allocation_counter::measure(work).count_total
 }
@@ -52,7 +52,7 @@ fn steps_allocate_nothing_after_the_first_round(tracker: Box<dyn Tracker>, law: 
     let mut sequence = 0_u64;
     let mut round = || {
         let (mut allocations, mut moved, mut followed) = (0, 0, 0);
-        // Every third frame: the boat passes all four sectors twice in 240 frames, so fast that it is lost now and then.
+        // Every third frame: the boat passes all four sectors twice in 240 frames, fast enough to be lost occasionally.
         for index in (0..clip.frames()).step_by(3) {
             let captured = Timestamp::from_nanos(1_000_000_000 + sequence * 33_000_000);
             let now = captured.plus(core::time::Duration::from_millis(50));
