@@ -1,8 +1,9 @@
-//! When a rate goes out on the line.
+//! Pacing: when a rate is sent.
 //!
-//! The vehicle keeps a rate until the next one, and a line can get lost, so a zero goes out first and at once,
-//! and twice more 50 ms apart. Other rates coalesce to the newest: at most 20 lines a second over both axes. What
-//! stays, rest too, is said again twice a second: a zero that was lost three times is made good.
+//! The vehicle keeps a rate until the next one, and a line can get lost. A zero is therefore sent first, immediately, and
+//! is repeated twice at intervals of 50 ms. Non-zero rates coalesce to the newest one, with at most 20 lines per second
+//! over both axes. A rate that stays in force, including zero, is repeated every 0.5 s, which corrects even a zero that was
+//! lost three times.
 
 use core::time::Duration;
 
@@ -10,13 +11,13 @@ use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 
 use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT, encodable};
 
-/// From a zero to its repetition.
+/// Interval between a zero and its repetition.
 pub const ZERO_SPACING: Duration = Duration::from_millis(50);
-/// How often a zero is said again.
+/// Number of repetitions of a zero.
 pub const ZERO_REPEATS: u8 = 2;
-/// Least time between two lines that are not zeros: 20 a second.
+/// Smallest interval between two lines with non-zero rates: 20 per second.
 pub const LINE_SPACING: Duration = Duration::from_millis(50);
-/// A rate in force is said again after this time.
+/// A rate in force is repeated after this time.
 pub const REFRESH: Duration = Duration::from_millis(500);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,9 +30,9 @@ enum AxisName {
 struct Axis {
     name: AxisName,
     target: AngularRate,
-    /// What the vehicle was last_sent last, and when; `None` before the first line.
+    /// The last rate that was sent, and its time; `None` before the first line.
     last_sent: Option<(AngularRate, Timestamp)>,
-    /// Zeros that are still to be repeated.
+    /// Number of pending repetitions of a zero.
     repeats_left: u8,
 }
 
@@ -47,7 +48,7 @@ impl Axis {
         }
     }
 
-    /// When this axis next wants a line, apart from the spacing of lines that are not zeros.
+    /// When the next line of this axis is due, without the spacing of lines with non-zero rates.
     fn due(&self) -> Timestamp {
         match self.last_sent {
             Some((rate, at)) if rate == self.target => {
@@ -59,8 +60,8 @@ impl Axis {
 
     fn send_line(&mut self, now: Timestamp, send: &mut impl FnMut(Command)) {
         send(self.line());
-        let again = self.last_sent.is_some_and(|(rate, _)| rate == self.target);
-        self.repeats_left = match (self.target.is_zero(), again) {
+        let is_repetition = self.last_sent.is_some_and(|(rate, _)| rate == self.target);
+        self.repeats_left = match (self.target.is_zero(), is_repetition) {
             (false, _) => 0,
             (true, false) => ZERO_REPEATS,
             (true, true) => self.repeats_left.saturating_sub(1),
@@ -69,7 +70,7 @@ impl Axis {
     }
 }
 
-/// The newest rates target, and what was said of them.
+/// The target rates, and what was sent of them.
 #[derive(Debug, Clone)]
 pub struct Pacing {
     axes: [Axis; 2],
@@ -83,7 +84,7 @@ impl Default for Pacing {
 }
 
 impl Pacing {
-    /// Takes the newest rates; what was waiting is forgotten.
+    /// Sets the target rates. Rates that were not sent yet are dropped.
     pub fn set_rates(&mut self, rates: VehicleRates) {
         for axis in &mut self.axes {
             axis.target = match axis.name {
@@ -93,14 +94,14 @@ impl Pacing {
         }
     }
 
-    /// Forgets what the vehicle was last_sent, as after its restart: zeros or rates are said anew.
+    /// Forgets what was sent, for a vehicle that restarted: all rates are sent again.
     pub fn forget_sent(&mut self) {
         for axis in &mut self.axes {
             axis.last_sent = None;
         }
     }
 
-    /// Says zeros on both axes before anything that moves, whatever is target by now: how a session begins.
+    /// Sends zeros on both axes before any non-zero rate, at the start of a session.
     pub fn send_zeros_first(&mut self, now: Timestamp, send: impl FnMut(Command)) {
         let target = self.axes.map(|axis| axis.target);
         self.set_rates(VehicleRates::REST);
@@ -111,7 +112,7 @@ impl Pacing {
         }
     }
 
-    /// Hands out the lines that are due: zeros first.
+    /// Sends the lines that are due, zeros first.
     pub fn poll(&mut self, now: Timestamp, mut send: impl FnMut(Command)) {
         for axis in self.axes.iter_mut().filter(|axis| axis.target.is_zero()) {
             if axis.due() <= now {
@@ -121,7 +122,7 @@ impl Pacing {
         if self.moving_line_allowed_at() > now {
             return;
         }
-        // Whoever has waited longest goes first, so that one axis cannot keep the other off the line.
+        // The axis that has waited longer goes first, so that neither axis can block the other.
         let waiting = self.axes.iter_mut().filter(|axis| !axis.target.is_zero() && axis.due() <= now);
         if let Some(axis) = waiting.min_by_key(|axis| axis.last_sent.map(|(_, at)| at)) {
             axis.send_line(now, &mut send);
@@ -129,7 +130,7 @@ impl Pacing {
         }
     }
 
-    /// When `poll` next has something to say.
+    /// When the next line is due.
     pub fn wake_at(&self) -> Timestamp {
         let [pitch, yaw] = self.axes.map(|axis| {
             let due = axis.due();

@@ -1,20 +1,20 @@
-//! The client's end: start-up, rates, telemetry, shut-down.
+//! The client's end of the protocol: start-up, rates, telemetry, shut-down.
 //!
 //! ```text
-//!              0.5 s             nsh> came back           last line sent
-//!   Stopping --------> AwaitingPrompt ------------------> Starting ------------> Up
-//!      ^                  |                                               |  |
-//!      +------------------+-- says that it is not remote controlled ------+  |
-//!                         |                                                  |
-//!                         | no prompt for 3 s       telemetry silent for 3 s |
-//!                         +---------------> Dead <---------------------------+
-//!                                  (the port is to be opened anew)
+//!              0.5 s                  prompt received         last line sent
+//!   Stopping --------> AwaitingPrompt ---------------> Starting ------------> Up
+//!      ^                  |                                                  |  |
+//!      +------------------+-- report: not under remote control --------------+  |
+//!                         |                                                     |
+//!                         | no prompt for 3 s          telemetry silent for 3 s |
+//!                         +---------------> Unresponsive <----------------------+
+//!                                       (reopen the port)
 //!
-//!   any state but Closed and Dead -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
+//!   any state but Closed and Unresponsive -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
 //! ```
 //!
-//! A plain struct: bytes and the time come in, bytes and the time to call again go out. It writes rates only
-//! while `Up`, and begins `Up` with zeros, whatever the vehicle did before.
+//! A session is a plain struct without I/O: bytes and the time in, bytes and the time of the next call out. It sends rates
+//! only in the state `Up`, which always begins with zeros.
 
 use core::time::Duration;
 
@@ -28,40 +28,40 @@ use super::telemetry::parse;
 
 /// The shell's prompt.
 pub const PROMPT: &str = "nsh>";
-/// From the first `stop` to the call for the prompt.
+/// Time from the first `stop` to the prompt requests.
 pub const PROMPT_DELAY: Duration = Duration::from_millis(500);
-/// How long the prompt is waited for after it was called for.
+/// Longest time from the prompt requests to the prompt.
 pub const PROMPT_TIMEOUT: Duration = Duration::from_secs(3);
-/// Carriage returns in the call for the prompt.
+/// Number of carriage returns that request the prompt.
 pub const PROMPT_REQUESTS: usize = 5;
-/// Between the lines of the start-up that enter remote control.
+/// Interval between the start-up lines that enter remote control.
 pub const START_SPACING: Duration = Duration::from_millis(500);
-/// Between the lines of the start-up that ask for telemetry: the shell loses lines that come too fast.
+/// Interval between the start-up lines that request telemetry: the shell loses lines that arrive faster.
 pub const REQUEST_SPACING: Duration = Duration::from_millis(50);
-/// From the last zeros of the shut-down to `stop`.
+/// Time from the last zeros of the shut-down to `stop`.
 pub const STOP_DELAY: Duration = Duration::from_millis(500);
-/// Telemetry that was streaming and is silent for so long means that the link is dead.
+/// The link counts as lost if a telemetry stream is silent for this time.
 pub const TELEMETRY_TIMEOUT: Duration = Duration::from_secs(3);
-/// How long after the start-up the ground station may still report that it is not under remote control.
+/// Time after the start-up in which the ground station may still report that it is not under remote control.
 pub const CONTROL_GRACE: Duration = Duration::from_secs(2);
 
-/// How a session talks.
+/// Settings of a session.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SessionSettings {
-    /// What stands around a line.
+    /// Line framing.
     pub framing: Framing,
-    /// Telemetry asked for, messages per second: 10, or 2 where the line carries 9600 baud only.
+    /// Requested telemetry rate, messages per second: 10, or 2 on a line with 9600 baud.
     pub telemetry_per_second: f64,
 }
 
 impl SessionSettings {
-    /// The settings for a line of that many baud.
+    /// The settings for a line with this baud rate.
     pub fn for_baud(framing: Framing, baud: u32) -> Self {
         Self { framing, telemetry_per_second: if baud < 38_400 { 2.0 } else { 10.0 } }
     }
 }
 
-/// Where a session is.
+/// State of a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     Stopping { prompt_at: Timestamp, stop_sent: bool },
@@ -70,7 +70,7 @@ enum State {
     Up { since: Timestamp },
     Closing { zeros_sent: u32, next_at: Timestamp },
     Closed,
-    Dead,
+    Unresponsive,
 }
 
 impl State {
@@ -79,14 +79,14 @@ impl State {
     }
 }
 
-/// What a caller has to do after `poll`.
+/// The caller's next action after `poll`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NextAction {
-    /// Poll again at that time at the latest, or when bytes or a request came in.
+    /// Poll again at this time at the latest, or earlier after received bytes or new rates.
     WaitUntil(Timestamp),
-    /// The ground station does not answer: open the port anew and begin a new session.
+    /// The ground station does not answer: reopen the port and begin a new session.
     Reopen,
-    /// All has been stop_sent; the port can be closed.
+    /// The shut-down is complete: close the port.
     Closed,
 }
 
@@ -102,7 +102,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session on a port that was just opened.
+    /// A session on a newly opened port.
     pub fn open(settings: SessionSettings, now: Timestamp) -> Self {
         Self {
             settings,
@@ -114,21 +114,21 @@ impl Session {
         }
     }
 
-    /// The newest rates wanted, in the vehicle's own signs. They go out once the session is up.
+    /// Sets the target rates, in the vehicle's own signs. They are sent once the session is up.
     pub fn set_rates(&mut self, rates: VehicleRates) {
-        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Dead) {
+        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
             self.pacing.set_rates(rates);
         }
     }
 
-    /// Begins the shut-down: zeros at once, three times; half a second after the last the vehicle's own stop.
+    /// Begins the shut-down: three times zeros, the first immediately; 0.5 s after the last, the vehicle's own stop.
     pub fn close(&mut self, now: Timestamp) {
-        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Dead) {
+        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
             self.state = State::Closing { zeros_sent: 0, next_at: now };
         }
     }
 
-    /// Takes bytes as they were read, and hands out what they report.
+    /// Processes received bytes and passes each telemetry report to `report`.
     pub fn receive(&mut self, bytes: &[u8], now: Timestamp, mut report: impl FnMut(Telemetry)) {
         for &byte in bytes {
             let mut meaning = None;
@@ -145,7 +145,7 @@ impl Session {
         }
     }
 
-    /// A prompt that came before it was called for may be an old one: it does not count.
+    /// Handles a prompt. A prompt before the prompt requests may be an old one and is ignored.
     fn on_prompt(&mut self, now: Timestamp) {
         if let State::AwaitingPrompt { .. } = self.state {
             self.state = State::Starting { next: 0, at: now };
@@ -163,7 +163,7 @@ impl Session {
         }
     }
 
-    /// Appends the bytes that are due now, and says when to call again.
+    /// Appends the bytes that are due now to `out`, and returns the caller's next action.
     pub fn poll(&mut self, now: Timestamp, out: &mut Vec<u8>) -> NextAction {
         match self.state {
             State::Stopping { prompt_at, stop_sent } => {
@@ -183,7 +183,7 @@ impl Session {
             }
             State::AwaitingPrompt { until } if now < until => NextAction::WaitUntil(until),
             State::AwaitingPrompt { .. } => {
-                self.state = State::Dead;
+                self.state = State::Unresponsive;
                 NextAction::Reopen
             }
             State::Starting { next, at } => {
@@ -218,7 +218,7 @@ impl Session {
                 NextAction::Closed
             }
             State::Closed => NextAction::Closed,
-            State::Dead => NextAction::Reopen,
+            State::Unresponsive => NextAction::Reopen,
         }
     }
 
@@ -226,7 +226,7 @@ impl Session {
         self.pacing.poll(now, encoder(self.settings.framing, out));
         let silent_at = self.last_telemetry.map(|at| at.max(since).plus(TELEMETRY_TIMEOUT));
         if silent_at.is_some_and(|at| at <= now) {
-            self.state = State::Dead;
+            self.state = State::Unresponsive;
             return NextAction::Reopen;
         }
         let wake_at = self.pacing.wake_at();
@@ -256,7 +256,7 @@ impl Session {
         command.encode(self.settings.framing, out);
     }
 
-    /// The link's state for those who watch it.
+    /// The state of the link.
     pub fn link_state(&self) -> LinkState {
         match self.state {
             State::Stopping { .. } | State::AwaitingPrompt { .. } | State::Starting { .. } => {
@@ -265,17 +265,17 @@ impl Session {
             State::Up { .. } => LinkState::Up,
             State::Closing { .. } => LinkState::Closing,
             State::Closed => LinkState::Closed,
-            State::Dead => LinkState::Opening,
+            State::Unresponsive => LinkState::Opening,
         }
     }
 
-    /// How often the ground station was found to have left remote control by itself.
+    /// How often the session restarted because the ground station had left remote control.
     pub const fn restarts(&self) -> u64 {
         self.restarts
     }
 
-    /// The bytes that stop the vehicle from any state, for whoever finds that the session itself has failed:
-    /// zeros first, and half a second later the second part.
+    /// The bytes that stop the vehicle from any state, for a session that has failed: the first part contains zeros, the
+    /// second part is to be sent 0.5 s later.
     pub fn emergency_stop(framing: Framing) -> (Vec<u8>, Vec<u8>) {
         let (mut zeros, mut stop) = (Vec::new(), Vec::new());
         for command in [Command::GimbalRest, Command::Yaw(AngularRate::ZERO)] {

@@ -60,7 +60,7 @@ fn no_command_begins_with_a_word_that_moves_the_kite() {
     let never: Vec<&str> = meaningful(&text).filter_map(|line| line.strip_prefix("never ")).collect();
     assert!(never.contains(&"StartTakeoff") && never.contains(&"MotorStop") && never.contains(&"Pos"));
     let rate = AngularRate::from_radians_per_second(0.1);
-    // A match without a wildcard: a command that is added must be looked at here.
+    // A match without a wildcard: a new command must be added here.
     let every = |command: Command| match command {
         Command::PromptRequest
         | Command::Stop

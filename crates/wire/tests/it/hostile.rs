@@ -1,4 +1,4 @@
-//! Bytes from anywhere: nothing panics, nothing moves.
+//! Arbitrary bytes: no panic and no motion.
 
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::telemetry::LinkState;

@@ -1,4 +1,4 @@
-//! The ground station's end.
+//! The ground station's end of the protocol.
 
 use core::time::Duration;
 
