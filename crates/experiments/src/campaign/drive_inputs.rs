@@ -1,6 +1,6 @@
 //! Trials in which the boat is steered as somebody steered it in a drive that was stored.
 
-use barrelman_trial::campaign::{Eye, Simulation, Witness};
+use barrelman_trial::campaign::{FrameSource, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -23,19 +23,19 @@ impl DriveInputs {
     pub(super) fn run(
         &self,
         mut simulation: Simulation<'_>,
-        mut eye: Option<&mut dyn Eye>,
-        witness: &mut dyn Witness,
+        mut camera: Option<&mut dyn FrameSource>,
+        observer: &mut dyn StepObserver,
     ) -> TrialLog {
         let mut inputs = self.inputs.iter().peekable();
         loop {
             let tick = simulation.world().tick();
             while let Some((_, input)) = inputs.next_if(|(at, _)| *at <= tick) {
-                input.act(&mut simulation, witness);
+                input.act(&mut simulation, observer);
             }
             if tick >= self.last || simulation.is_over() {
                 return simulation.into_log();
             }
-            simulation.tick(&mut eye, witness);
+            simulation.tick(&mut camera, observer);
         }
     }
 

@@ -6,7 +6,9 @@ use barrelman_pilot::{Pilot, PilotSettings};
 use barrelman_sim::render::Serial;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{CampaignEntry, CampaignSettings, DrawnEye, Eye, Simulation, Witness};
+use barrelman_trial::campaign::{
+    CampaignEntry, CampaignSettings, FrameSource, RenderedCamera, Simulation, StepObserver,
+};
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_vocab::{AngularRate, VehicleProfile};
@@ -213,8 +215,8 @@ impl CampaignPlan {
     ///
     /// # Errors
     /// If it cannot be set up.
-    pub fn log(&self, seed: u64, witness: &mut dyn Witness) -> Result<TrialLog> {
-        self.simulate_with_law(None, seed, witness)
+    pub fn log(&self, seed: u64, observer: &mut dyn StepObserver) -> Result<TrialLog> {
+        self.simulate_with_law(None, seed, observer)
     }
 
     /// The same with a law of one's own in place of the one that was asked for.
@@ -225,7 +227,7 @@ impl CampaignPlan {
         &self,
         law: Option<Box<dyn Law>>,
         seed: u64,
-        witness: &mut dyn Witness,
+        observer: &mut dyn StepObserver,
     ) -> Result<TrialLog> {
         let scenario = match self.plant {
             PlantName::Nominal => self.loaded.scenario.clone(),
@@ -242,14 +244,14 @@ impl CampaignPlan {
         };
         // Trials run beside each other, each on one thread.
         let in_pixels = self.settings.tracker.is_some();
-        let mut eye =
-            in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
-        let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
-        let simulation =
-            Simulation::new(&scenario, world, seed, pilot, &self.profile).reporting_tilt(self.reports_tilt);
+        let mut camera =
+            in_pixels.then(|| RenderedCamera::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
+        let camera = camera.as_mut().map(|camera| camera as &mut dyn FrameSource);
+        let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
+            .with_tilt_reports(self.reports_tilt);
         Ok(match &self.drive_inputs {
-            Some(drive_inputs) => drive_inputs.run(simulation, eye, witness),
-            None => simulation.run(eye, witness),
+            Some(drive_inputs) => drive_inputs.run(simulation, camera, observer),
+            None => simulation.run(camera, observer),
         })
     }
 
@@ -290,8 +292,8 @@ impl CampaignPlan {
 /// The paper's arena that a built-in scenario is about; `None` for the others.
 pub fn arena_of(scenario: &str) -> Option<Arena> {
     match scenario {
-        "lab1" | "arena1" => Arena::numbered(1),
-        "lab2" | "arena2" => Arena::numbered(2),
+        "lab1" | "arena1" => Arena::from_number(1),
+        "lab2" | "arena2" => Arena::from_number(2),
         _ => None,
     }
 }

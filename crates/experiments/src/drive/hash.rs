@@ -2,7 +2,7 @@
 
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
-use barrelman_trial::campaign::Witness;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_vocab::{Timestamp, VehicleRates};
 use xxhash_rust::xxh3::Xxh3;
 
@@ -22,8 +22,8 @@ impl DriveHash {
 
 impl DriveObserver for DriveHash {}
 
-impl Witness for DriveHash {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for DriveHash {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         self.0.update(&now.as_nanos().to_le_bytes());
         match input {
             Input::Frame(frame) => {
@@ -46,7 +46,7 @@ impl Witness for DriveHash {
         }
     }
 
-    fn truth(&mut self, truth: &Truth) {
+    fn on_truth(&mut self, truth: &Truth) {
         let place = truth.target.place;
         for value in [truth.image.x, truth.image.y, place.x, place.y, place.z, truth.rates.0, truth.rates.1] {
             self.0.update(&value.to_bits().to_le_bytes());

@@ -16,7 +16,7 @@ use barrelman_host::output::OutputFile;
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_simd::SimdLevel;
-use barrelman_trial::campaign::Witness;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
@@ -63,13 +63,13 @@ struct Beside {
     seen: Vec<(f64, f64)>,
 }
 
-impl Witness for Beside {
-    fn step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
+impl StepObserver for Beside {
+    fn on_step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
         self.shadow.step(now, outcome);
         self.seen.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
     }
 
-    fn truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth) {}
 }
 
 impl DriveObserver for Beside {}

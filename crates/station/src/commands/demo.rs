@@ -16,7 +16,7 @@ use barrelman_pilot::{Input, Mode, Outcome};
 use barrelman_sim::Truth;
 use barrelman_sim::camera_axis::TICKS_PER_SECOND;
 use barrelman_trial::behaviour::VersionDifference;
-use barrelman_trial::campaign::Witness;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
 
 use super::practice;
@@ -293,11 +293,11 @@ struct DriveObservers<'a> {
     in_picture: Option<bool>,
 }
 
-impl Witness for DriveObservers<'_> {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
-        self.hash.step(now, input, outcome, rates);
+impl StepObserver for DriveObservers<'_> {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+        self.hash.on_step(now, input, outcome, rates);
         if let Some(recorder) = &mut self.recorder {
-            recorder.step(now, input, outcome, rates);
+            recorder.on_step(now, input, outcome, rates);
         }
         if let (Some(frames), Input::Frame(frame)) = (self.frames, input) {
             frames.put(AnnotatedFrame { frame: (*frame).clone(), outcome: outcome.clone(), rates });
@@ -308,8 +308,8 @@ impl Witness for DriveObservers<'_> {
         self.last = Some((outcome.clone(), rates));
     }
 
-    fn truth(&mut self, truth: &Truth) {
-        self.hash.truth(truth);
+    fn on_truth(&mut self, truth: &Truth) {
+        self.hash.on_truth(truth);
         self.in_picture = Some(truth.in_picture);
     }
 }

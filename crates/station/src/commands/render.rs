@@ -14,7 +14,7 @@ use barrelman_sim::render::{DrawnTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::Simd;
-use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
+use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 use crate::cli::RenderArgs;
@@ -64,7 +64,7 @@ struct TruthFilm {
     seed: u64,
     simd: Simd,
     /// Made with the first picture: it needs the world.
-    eye: Option<DrawnEye<'static>>,
+    rendered: Option<RenderedCamera<'static>>,
     video: Mp4Writer<OutputFile>,
     truth: BufWriter<OutputFile>,
     truth_path: PathBuf,
@@ -90,7 +90,7 @@ impl TruthFilm {
             camera: CameraSetup { frame: picture, ..camera.clone() },
             seed: args.seed,
             simd: Simd::at_most(args.simd),
-            eye: None,
+            rendered: None,
             video: Mp4Writer::new(video, &args.output, EncoderSettings::for_pictures(picture, fps)),
             truth: BufWriter::new(truth),
             truth_path: args.truth.clone(),
@@ -111,11 +111,11 @@ impl TruthFilm {
 
     /// Draws the world as it is now.
     fn add(&mut self, world: &World) -> Result<()> {
-        let eye = self
-            .eye
-            .get_or_insert_with(|| DrawnEye::new(world, self.camera.clone(), self.seed, self.simd, &Serial));
-        let view = eye.look(world);
-        let truth = eye.truth().clone();
+        let rendered = self.rendered.get_or_insert_with(|| {
+            RenderedCamera::new(world, self.camera.clone(), self.seed, self.simd, &Serial)
+        });
+        let view = rendered.capture(world);
+        let truth = rendered.truth().clone();
         self.video.write_picture(&view.frame.picture, view.frame.capture.at)?;
         if let Some((folder, force)) = &self.masks {
             let path = folder.join(format!("{:06}.png", self.frames));
@@ -141,12 +141,12 @@ impl TruthFilm {
     }
 }
 
-impl Witness for TruthFilm {
-    fn step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
+impl StepObserver for TruthFilm {
+    fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
 
-    fn truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth) {}
 
-    fn world(&mut self, world: &World) {
+    fn on_world(&mut self, world: &World) {
         if self.failed.is_none() {
             self.failed = self.add(world).err();
         }

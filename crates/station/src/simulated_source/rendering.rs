@@ -7,7 +7,7 @@ use barrelman_sim::World;
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::video_link::Passage;
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{DrawnEye, Eye as _, View};
+use barrelman_trial::campaign::{CapturedFrame, FrameSource as _, RenderedCamera};
 use barrelman_video::VideoError;
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
 use barrelman_vocab::unit::{Rotation, UnitCodec};
@@ -33,11 +33,11 @@ pub(super) struct RenderingSettings<'a> {
 
 /// Renders and encodes pictures.
 pub(super) struct Rendering<'a> {
-    camera: DrawnEye<'a>,
+    camera: RenderedCamera<'a>,
     start: Timestamp,
     encoder: Option<H264Encoder>,
     /// The last picture, for a moment at which the video is frozen.
-    last: Option<View>,
+    last: Option<CapturedFrame>,
     index: u64,
 }
 
@@ -48,7 +48,7 @@ impl<'a> Rendering<'a> {
         let encoder_settings = EncoderSettings::for_pictures(camera.frame, fps);
         let simd = Simd::at_most(SimdLevel::Avx512);
         Self {
-            camera: DrawnEye::new(&first, camera, seed, simd, threads),
+            camera: RenderedCamera::new(&first, camera, seed, simd, threads),
             start,
             encoder: encoded.then(|| H264Encoder::new(encoder_settings)),
             last: None,
@@ -63,10 +63,10 @@ impl<'a> Rendering<'a> {
             let is_frozen = matches!(moment.passage, Passage::Frozen { .. });
             let view = match self.last.take() {
                 Some(last) if is_frozen => last,
-                _ => self.camera.look(&moment.world),
+                _ => self.camera.capture(&moment.world),
             };
             let unit = self.unit(&view, self.on_the_clock(moment.world.tick()));
-            let target = view.target;
+            let target = view.target_bounds;
             self.last = Some(view);
             let delivery = match unit {
                 Ok(unit) => Delivery::Picture { at: self.on_the_clock(at), unit, target },
@@ -90,7 +90,7 @@ impl<'a> Rendering<'a> {
         self.start.plus(World::time_of(tick).since(Timestamp::ZERO))
     }
 
-    fn unit(&mut self, view: &View, taken_at: Timestamp) -> Result<EncodedUnit, VideoError> {
+    fn unit(&mut self, view: &CapturedFrame, taken_at: Timestamp) -> Result<EncodedUnit, VideoError> {
         let picture = &view.frame.picture;
         let (key, codec, payload) = match &mut self.encoder {
             Some(encoder) => {

@@ -1,9 +1,9 @@
 //! Any channel of a recording as a table: one row per message, one column per field.
 //!
-//! Nested messages become columns like `percept.p`, as far as the bounds in [`columns`](super::columns) go, and one column
-//! of JSON beyond them; absent fields are empty; bytes are shown by their length, since the video is exported as video. It
-//! goes by the schemas in the file, so that it also knows channels of later versions; channels that are not protobuf are
-//! passed over.
+//! Fields of nested messages become columns such as `percept.p`, within the bounds of [`columns`](super::columns); a
+//! message beyond the bounds becomes one column of JSON. Absent fields are empty; bytes are represented by their length.
+//! The schemas come from the file, so that channels of later versions can be read too; channels that are not protobuf
+//! are ignored.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -14,27 +14,26 @@ use prost_reflect::prost_types::FileDescriptorSet;
 use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor};
 
 use super::columns::Columns;
-use super::reader::{ReadError, is_cut, messages};
+use super::reader::{ReadError, is_truncation, messages};
 
 /// A row of a channel's table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableRow {
-    /// The topic that the row belongs to.
+    /// Topic of the row.
     pub topic: String,
-    /// The columns' names; the same for every row of a topic.
+    /// Names of the columns, equal for all rows of a topic.
     pub columns: Vec<String>,
-    /// The cells, as text that is safe in a CSV.
+    /// The cells, quoted where CSV needs it (RFC 4180).
     pub cells: Vec<String>,
     /// The columns that hold JSON, because the messages in them nest too deep, too widely or in their own kind; the same
     /// for every row of a topic.
     pub json_columns: Vec<String>,
 }
 
-/// Reads a recording row by row.
+/// Reads a recording row by row; passes each row to `row`.
 ///
 /// # Errors
-/// Whatever `row` returns, and [`ReadError`] where the recording cannot be read on; the rows before were handed
-/// out.
+/// The error of `row`, or [`ReadError`] where the recording cannot be read further, after the rows before.
 pub fn read_rows<R: Read, E: From<ReadError>>(
     input: R,
     mut row: impl FnMut(TableRow) -> Result<(), E>,
@@ -42,8 +41,9 @@ pub fn read_rows<R: Read, E: From<ReadError>>(
     // By the schema's number: many channels may share one.
     let mut kinds: BTreeMap<u16, Rc<MessageKind>> = BTreeMap::new();
     for message in messages(input) {
-        let message = message
-            .map_err(|error| if is_cut(&error) { ReadError::CutOff } else { ReadError::Container(error) })?;
+        let message = message.map_err(|error| {
+            if is_truncation(&error) { ReadError::Truncated } else { ReadError::Container(error) }
+        })?;
         let topic = message.channel.topic.clone();
         let malformed = |reason: String| ReadError::Message { topic: topic.clone(), reason };
         let Some(schema) = &message.channel.schema else { continue };
@@ -77,7 +77,7 @@ struct MessageKind {
 
 impl MessageKind {
     fn new(name: &str, schema: &[u8]) -> Result<Self, String> {
-        let descriptor = described(name, schema)?;
+        let descriptor = message_descriptor(name, schema)?;
         let columns = Columns::new(descriptor.clone());
         let mut names = vec!["log_time_ns".to_owned()];
         names.extend(columns.names());
@@ -85,16 +85,13 @@ impl MessageKind {
     }
 }
 
-/// The message of that name in a schema.
-fn described(name: &str, schema: &[u8]) -> Result<MessageDescriptor, String> {
+/// The descriptor of a message in a schema.
+fn message_descriptor(name: &str, schema: &[u8]) -> Result<MessageDescriptor, String> {
     let files = FileDescriptorSet::decode(schema).map_err(|error| error.to_string())?;
     for file in &files.file {
-        // The pool panics at a syntax that it does not know.
+        // The pool panics at an unknown syntax.
         if !matches!(file.syntax(), "" | "proto2" | "proto3") {
-            return Err(format!(
-                "its schema is written in the syntax {:?}, which is not known here",
-                file.syntax()
-            ));
+            return Err(format!("its schema is written in the unknown syntax {:?}", file.syntax()));
         }
     }
     let pool = DescriptorPool::from_file_descriptor_set(files).map_err(|error| error.to_string())?;
