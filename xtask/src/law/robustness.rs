@@ -8,7 +8,7 @@ use barrelman_control::optimal::Tuning;
 use barrelman_sim::Scenario;
 use barrelman_sim::camera_axis::AxisPlant;
 use barrelman_sim::video_link::VideoLinkScript;
-use barrelman_trial::campaign::compare::Comparison;
+use barrelman_trial::campaign::compare::CampaignComparison;
 use barrelman_trial::campaign::statistics::Bootstrap;
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{Angle, AngularRate, VehicleProfile};
@@ -188,15 +188,15 @@ fn table(title: &str, cases: &[Case], first_seed: u64, seeds: u64, tuning: &Tuni
                 .nominal_plan()?
                 .in_changed_world(case.world)
                 .with_profile(case.belief)
-                .reporting_tilt(case.reports);
+                .with_tilt_reports(case.reports);
             let base = trials(&plan, &Subject::Schema, first_seed, seeds)?;
             let other = trials(&plan, &Subject::Optimal(*tuning), first_seed, seeds)?;
-            let comparison = Comparison::of(&base, &other, &Bootstrap::USUAL);
-            let of = |figure| comparison.figures.iter().find(|paired| paired.figure == figure);
+            let comparison = CampaignComparison::new(&base, &other, &Bootstrap::DEFAULT);
+            let of = |figure| comparison.metrics.iter().find(|paired| paired.metric == figure);
             let (outside, energy, moves) = (of("time outside"), of("integral of rate squared"), of("moves"));
             let better = [outside, energy].iter().all(|paired| paired.is_some_and(|p| p.second < p.first));
             holds &= better;
-            let cell = |paired: Option<&barrelman_trial::campaign::compare::Paired>| {
+            let cell = |paired: Option<&barrelman_trial::campaign::compare::PairedMetric>| {
                 paired.map_or_else(String::new, |p| format!("{:7.3} {}", p.first, ratio(p.ratio)))
             };
             say(&format!(

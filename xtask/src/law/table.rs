@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use barrelman_control::optimal::Tuning;
-use barrelman_trial::campaign::compare::{Comparison, Paired};
+use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
 
 use super::Options;
@@ -54,9 +54,9 @@ pub(super) fn print(conditions: &[&Condition], options: &Options, minimum_energy
             // A solver at each picture takes its time.
             let count = if subject.is_slow() { seeds.min(SEEDS_OF_SLOW) } else { seeds };
             let other = trials(&plan, &subject, first_seed, count)?;
-            let comparison = Comparison::of(&base, &other, &Bootstrap::USUAL);
+            let comparison = CampaignComparison::new(&base, &other, &Bootstrap::DEFAULT);
             for (short, figure) in COLUMNS {
-                let Some(paired) = comparison.figures.iter().find(|paired| paired.figure == figure) else {
+                let Some(paired) = comparison.metrics.iter().find(|paired| paired.metric == figure) else {
                     continue;
                 };
                 let limit = limit(condition, name, figure);
@@ -84,7 +84,7 @@ pub(super) fn ratio(ratio: Option<Interval>) -> String {
 }
 
 /// Whether the upper end of a ratio's interval meets a limit; where the schema has nothing of it, the law has none.
-fn meets(paired: &Paired, limit: f64) -> bool {
+fn meets(paired: &PairedMetric, limit: f64) -> bool {
     match paired.ratio {
         Some(ratio) => ratio.high <= limit,
         None => paired.second <= 0.0,

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 use barrelman_control::optimal::Tuning;
 use barrelman_sim::noise;
 use barrelman_station::law_choice::ModeName;
-use barrelman_trial::campaign::compare::{FIGURES, Figure};
+use barrelman_trial::campaign::compare::{METRICS, Metric};
 use barrelman_trial::metrics::{TrialEntry, TrialMetrics};
 
 use super::TuneOptions;
@@ -67,8 +67,8 @@ pub(super) fn run(options: &TuneOptions) -> Result<bool> {
         .iter()
         // What sways nowhere is nearly as it is indoors; what nothing is required in, only costs time.
         .filter(|condition| {
-            let judged = |(figure, _, _): &Figure| limit(condition, name, figure).is_some();
-            condition.setting != "still" && FIGURES.iter().any(judged)
+            let judged = |(figure, _, _): &Metric| limit(condition, name, figure).is_some();
+            condition.setting != "still" && METRICS.iter().any(judged)
         })
         .map(|condition| {
             let plan = condition.plan()?;
@@ -136,14 +136,14 @@ fn means(trials: &[TrialEntry]) -> Vec<Option<f64>> {
         let values: Vec<f64> = trials.iter().filter_map(|trial| of(&trial.metrics)).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     };
-    FIGURES.iter().map(|(_, _, of)| mean(of)).collect()
+    METRICS.iter().map(|(_, _, of)| mean(of)).collect()
 }
 
 fn cost(judges: &[Judge], mode: &str, tuning: &Tuning, seeds: u64) -> Result<f64> {
     let mut cost = 0.0;
     for judge in judges {
         let found = means(&trials(&judge.plan, &Subject::Optimal(*tuning), 1, seeds)?);
-        for (((figure, _, _), base), found) in FIGURES.iter().zip(&judge.base).zip(found) {
+        for (((figure, _, _), base), found) in METRICS.iter().zip(&judge.base).zip(found) {
             let (Some(base), Some(found)) = (base, found) else { continue };
             let asked = limit(judge.condition, mode, figure);
             let Some(limit) = asked.or_else(|| wish(judge.condition, mode, figure)) else { continue };

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use barrelman_trial::campaign::statistics::mean_interval;
 use barrelman_trial::logs::TrialLog;
-use barrelman_trial::metrics::excursions;
+use barrelman_trial::metrics::find_excursions;
 
 use super::recorded::{FIGURES, Recorded, figures, read, region, scenario, simulated_from};
 use super::{Options, motion};
@@ -60,7 +60,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<bool> {
 fn axes(name: &str, logs: &[TrialLog]) {
     let mut by_axis = [(0_usize, 0.0); 2];
     for log in logs {
-        for excursion in excursions(log, region(log)) {
+        for excursion in find_excursions(log, region(log)) {
             let rates = log.rows[excursion.first].rates;
             let axis = usize::from(rates.is_some_and(|rates| rates.yaw.is_zero()));
             by_axis[axis].0 += 1;

@@ -46,7 +46,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
             let pairs: Vec<(f64, f64)> =
                 schema.iter().zip(&centre).filter_map(|(a, b)| of(a).zip(of(b))).collect();
             let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
-            let difference = Bootstrap::USUAL
+            let difference = Bootstrap::DEFAULT
                 .interval(pairs.len(), |taken| {
                     taken.iter().map(|pair| pairs[*pair].0 - pairs[*pair].1).sum::<f64>() / taken.len() as f64
                 })

@@ -14,7 +14,7 @@ use anyhow::{Context, Result};
 use barrelman_sim::noise;
 use barrelman_trial::campaign::statistics::mean_interval;
 use barrelman_trial::logs::TrialLog;
-use barrelman_trial::metrics::{Arena, excursions, measure};
+use barrelman_trial::metrics::{Arena, find_excursions, measure};
 use barrelman_vocab::ImagePoint;
 
 use super::Options;
@@ -114,7 +114,7 @@ fn interval(values: &[f64]) -> Result<String> {
 
 /// Excursions, and those in which the place jumped.
 fn jumped(logs: &[TrialLog]) -> String {
-    let all: usize = logs.iter().map(|log| excursions(log, region(log)).len()).sum();
+    let all: usize = logs.iter().map(|log| find_excursions(log, region(log)).len()).sum();
     let jumped: usize = logs.iter().map(|log| figures(log).excursions_with_jumps).sum();
     format!("{jumped} of {all} ({:.1} %)", 100.0 * jumped as f64 / all.max(1) as f64)
 }
@@ -123,7 +123,7 @@ fn jumped(logs: &[TrialLog]) -> String {
 pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
     for number in [1, 2] {
         let scenario = scenario(number, options.scenarios.as_deref())?;
-        let arena = Arena::numbered(number).context("an arena of the paper")?;
+        let arena = Arena::from_number(number).context("an arena of the paper")?;
         let logs = |with_lost| -> Result<Vec<TrialLog>> {
             Ok(read(folder, number, with_lost)?.into_iter().map(|trial| trial.log).collect())
         };

@@ -14,7 +14,7 @@ use barrelman_station::scenario::{self, Changes};
 use barrelman_station::tracker::{TrackerName, TrackerSettings};
 use barrelman_trial::campaign::Simulation;
 use barrelman_trial::logs::{self, TrialLog};
-use barrelman_trial::metrics::excursions;
+use barrelman_trial::metrics::find_excursions;
 use barrelman_vocab::VehicleProfile;
 
 /// A recorded trial.
@@ -114,12 +114,12 @@ pub(super) struct Figures {
 
 /// Measures a trial.
 pub(super) fn figures(log: &TrialLog) -> Figures {
-    let all = excursions(log, region(log));
+    let all = find_excursions(log, region(log));
     let jumped = |first: usize, end: usize| {
         (first..=end.min(log.rows.len() - 1)).any(|row| row > 0 && step_px(log, row) > JUMP_PX)
     };
     let clean: Vec<_> = all.iter().filter(|excursion| !jumped(excursion.first, excursion.end)).collect();
-    let whole: Vec<_> = clean.iter().filter(|excursion| excursion.complete).collect();
+    let whole: Vec<_> = clean.iter().filter(|excursion| excursion.is_complete).collect();
     let mean =
         |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
     let outside_s: f64 = clean.iter().map(|excursion| excursion.b_s).sum();
@@ -128,10 +128,10 @@ pub(super) fn figures(log: &TrialLog) -> Figures {
         .filter_map(|row| {
             let rates = log.rows[row].rates?;
             let rate = rates.yaw.radians_per_second().abs() + rates.pitch.radians_per_second().abs();
-            Some(rate * log.step_s(row))
+            Some(rate * log.row_duration_s(row))
         })
         .sum();
-    let complete: Vec<_> = all.iter().filter(|excursion| excursion.complete).collect();
+    let complete: Vec<_> = all.iter().filter(|excursion| excursion.is_complete).collect();
     Figures {
         values: [
             Some(log.duration_s()),

@@ -1,6 +1,6 @@
 //! Trials in which the boat is steered as somebody steered it in a drive that was stored.
 
-use barrelman_trial::campaign::{Eye, Simulation, Witness};
+use barrelman_trial::campaign::{FrameSource, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -23,8 +23,8 @@ impl Driven {
     pub(super) fn run(
         &self,
         mut simulation: Simulation<'_>,
-        mut eye: Option<&mut dyn Eye>,
-        witness: &mut dyn Witness,
+        mut eye: Option<&mut dyn FrameSource>,
+        witness: &mut dyn StepObserver,
     ) -> TrialLog {
         let mut inputs = self.inputs.iter().peekable();
         loop {

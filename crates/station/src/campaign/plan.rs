@@ -8,7 +8,9 @@ use barrelman_pilot::{Pilot, PilotSettings};
 use barrelman_sim::render::Serial;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{CampaignEntry, CampaignSettings, DrawnEye, Eye, Simulation, Witness};
+use barrelman_trial::campaign::{
+    CampaignEntry, CampaignSettings, FrameSource, RenderedCamera, Simulation, StepObserver,
+};
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_vocab::{AngularRate, VehicleProfile};
@@ -131,7 +133,7 @@ impl Plan {
 
     /// The same plan with a gimbal that reports the camera's tilt.
     #[must_use]
-    pub fn reporting_tilt(mut self, reports_tilt: bool) -> Self {
+    pub fn with_tilt_reports(mut self, reports_tilt: bool) -> Self {
         self.reports_tilt = reports_tilt;
         self
     }
@@ -184,7 +186,7 @@ impl Plan {
     ///
     /// # Errors
     /// If it cannot be set up.
-    pub fn log(&self, seed: u64, witness: &mut dyn Witness) -> Result<TrialLog> {
+    pub fn log(&self, seed: u64, witness: &mut dyn StepObserver) -> Result<TrialLog> {
         self.log_by(None, seed, witness)
     }
 
@@ -196,7 +198,7 @@ impl Plan {
         &self,
         law: Option<Box<dyn Law>>,
         seed: u64,
-        witness: &mut dyn Witness,
+        witness: &mut dyn StepObserver,
     ) -> Result<TrialLog> {
         let scenario = match self.plant {
             PlantName::Nominal => self.loaded.scenario.clone(),
@@ -214,10 +216,10 @@ impl Plan {
         // Trials run beside each other, each on one thread.
         let in_pixels = self.settings.tracker.is_some();
         let mut eye =
-            in_pixels.then(|| DrawnEye::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
-        let eye = eye.as_mut().map(|eye| eye as &mut dyn Eye);
-        let simulation =
-            Simulation::new(&scenario, world, seed, pilot, &self.profile).reporting_tilt(self.reports_tilt);
+            in_pixels.then(|| RenderedCamera::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
+        let eye = eye.as_mut().map(|eye| eye as &mut dyn FrameSource);
+        let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
+            .with_tilt_reports(self.reports_tilt);
         Ok(match &self.driven {
             Some(driven) => driven.run(simulation, eye, witness),
             None => simulation.run(eye, witness),
@@ -267,8 +269,8 @@ impl Plan {
 /// The paper's arena that a built-in scenario is about; `None` for the others.
 pub fn arena_of(scenario: &str) -> Option<Arena> {
     match scenario {
-        "lab1" | "arena1" => Arena::numbered(1),
-        "lab2" | "arena2" => Arena::numbered(2),
+        "lab1" | "arena1" => Arena::from_number(1),
+        "lab2" | "arena2" => Arena::from_number(2),
         _ => None,
     }
 }

@@ -7,10 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
-use barrelman_trial::campaign::Witness;
-use barrelman_trial::records::{
-    Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
-};
+use barrelman_trial::campaign::StepObserver;
+use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter};
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
 
 use crate::film::Film;
@@ -99,14 +97,7 @@ impl TrialRecorder {
     ) -> Result<()> {
         let step = self.step;
         self.step += 1;
-        let recorded = match input {
-            Input::Frame(frame) => RecordedInput::Frame(FrameStamp::of(frame)),
-            Input::Localisation(track) => RecordedInput::Localisation(*track),
-            Input::Telemetry(telemetry) => RecordedInput::Telemetry(*telemetry),
-            Input::Request(request) => RecordedInput::Request(*request),
-            Input::Tick => RecordedInput::Tick,
-        };
-        self.write(&Entry::Input { step, now, input: recorded })?;
+        self.write(&Entry::Input { step, now, input: RecordedInput::from_input(input) })?;
         self.write(&Entry::Outcome(RecordedOutcome::new(step, outcome, rates)))?;
         if let (Input::Frame(frame), Some(film)) = (input, &mut self.film) {
             film.add_outcome(frame, outcome, rates)?;
@@ -119,14 +110,14 @@ fn cannot_be_written(path: &Path) -> String {
     format!("{} cannot be written", path.display())
 }
 
-impl Witness for TrialRecorder {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for TrialRecorder {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         if self.failed.is_none() {
             self.failed = self.put(now, input, outcome, rates).err();
         }
     }
 
-    fn truth(&mut self, truth: &Truth) {
+    fn on_truth(&mut self, truth: &Truth) {
         if self.failed.is_none() {
             self.failed = self.write(&Entry::Truth(truth.into())).err();
         }

@@ -15,7 +15,7 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Input, Mode, Outcome};
 use barrelman_sim::Truth;
 use barrelman_sim::camera_axis::TICKS_PER_SECOND;
-use barrelman_trial::campaign::Witness;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
 
 use super::practice;
@@ -265,11 +265,11 @@ struct Crew<'a> {
     in_picture: Option<bool>,
 }
 
-impl Witness for Crew<'_> {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
-        self.hash.step(now, input, outcome, rates);
+impl StepObserver for Crew<'_> {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+        self.hash.on_step(now, input, outcome, rates);
         if let Some(recorder) = &mut self.recorder {
-            recorder.step(now, input, outcome, rates);
+            recorder.on_step(now, input, outcome, rates);
         }
         if let (Some(easel), Input::Frame(frame)) = (self.easel, input) {
             easel.put(Seen { frame: (*frame).clone(), outcome: outcome.clone(), rates });
@@ -280,8 +280,8 @@ impl Witness for Crew<'_> {
         self.last = Some((outcome.clone(), rates));
     }
 
-    fn truth(&mut self, truth: &Truth) {
-        self.hash.truth(truth);
+    fn on_truth(&mut self, truth: &Truth) {
+        self.hash.on_truth(truth);
         self.in_picture = Some(truth.in_picture);
     }
 }

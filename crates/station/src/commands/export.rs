@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use barrelman_trial::logs::exported;
-use barrelman_trial::logs::recorded::Rows;
+use barrelman_trial::logs::recorded::RowSelector;
 use barrelman_trial::records::table::read_rows;
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
 use barrelman_vocab::unit::UnitCodec;
@@ -70,7 +70,7 @@ fn export_channels(args: &ExportArgs) -> Result<bool> {
 fn was_cut(result: Result<()>) -> Result<bool> {
     match result {
         Ok(()) => Ok(false),
-        Err(error) if matches!(error.downcast_ref(), Some(ReadError::CutOff)) => Ok(true),
+        Err(error) if matches!(error.downcast_ref(), Some(ReadError::Truncated)) => Ok(true),
         Err(error) => Err(error),
     }
 }
@@ -85,7 +85,7 @@ fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
             Ok(Entry::Outcome(outcome)) => trial.add(&outcome)?,
             Ok(Entry::Unit(unit)) => video.add(&unit)?,
             Ok(Entry::Start(_) | Entry::Input { .. } | Entry::Truth(_)) => {}
-            Err(ReadError::CutOff) => cut = true,
+            Err(ReadError::Truncated) => cut = true,
             Err(error) => return Err(error.into()),
         }
     }
@@ -96,7 +96,7 @@ fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
 /// The CSV that `metrics` and `law` read.
 struct TrialFile {
     file: BufWriter<File>,
-    rows: Rows,
+    rows: RowSelector,
     start: Option<Timestamp>,
     size: Option<PictureSize>,
 }
@@ -105,7 +105,7 @@ impl TrialFile {
     fn create(path: &Path, force: bool) -> Result<Self> {
         let mut file = BufWriter::new(output::create(path, force)?);
         writeln!(file, "{}", exported::HEADER)?;
-        Ok(Self { file, rows: Rows::default(), start: None, size: None })
+        Ok(Self { file, rows: RowSelector::default(), start: None, size: None })
     }
 
     fn add(&mut self, outcome: &RecordedOutcome) -> Result<()> {
@@ -113,7 +113,7 @@ impl TrialFile {
             self.size = Some(seen.picture);
         }
         // The same rows as of a recording that is read as a log.
-        let taken = self.rows.takes(outcome);
+        let taken = self.rows.accepts(outcome);
         let Some(size) = self.size.filter(|_| taken) else { return Ok(()) };
         let start = *self.start.get_or_insert(outcome.at);
         write!(self.file, "{},", outcome.at.since(start).as_secs_f64())?;

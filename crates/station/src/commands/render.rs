@@ -15,7 +15,7 @@ use barrelman_sim::render::{DrawnTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::Simd;
-use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
+use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 use crate::campaign::plan::Request;
@@ -64,7 +64,7 @@ struct TruthFilm {
     seed: u64,
     simd: Simd,
     /// Made with the first picture: it needs the world.
-    eye: Option<DrawnEye<'static>>,
+    eye: Option<RenderedCamera<'static>>,
     video: Mp4Writer,
     truth: BufWriter<File>,
     truth_path: PathBuf,
@@ -111,10 +111,10 @@ impl TruthFilm {
 
     /// Draws the world as it is now.
     fn add(&mut self, world: &World) -> Result<()> {
-        let eye = self
-            .eye
-            .get_or_insert_with(|| DrawnEye::new(world, self.camera.clone(), self.seed, self.simd, &Serial));
-        let view = eye.look(world);
+        let eye = self.eye.get_or_insert_with(|| {
+            RenderedCamera::new(world, self.camera.clone(), self.seed, self.simd, &Serial)
+        });
+        let view = eye.capture(world);
         let truth = eye.truth().clone();
         self.video.write_picture(&view.frame.picture, view.frame.capture.at)?;
         if let Some((folder, force)) = &self.masks {
@@ -141,12 +141,12 @@ impl TruthFilm {
     }
 }
 
-impl Witness for TruthFilm {
-    fn step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
+impl StepObserver for TruthFilm {
+    fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
 
-    fn truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth) {}
 
-    fn world(&mut self, world: &World) {
+    fn on_world(&mut self, world: &World) {
         if self.failed.is_none() {
             self.failed = self.add(world).err();
         }

@@ -6,11 +6,10 @@ use std::io::{BufReader, Write as _, stdout};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow, bail};
-use barrelman_pilot::Input;
 use barrelman_trial::records::{
-    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
+    Entry, FrameFingerprint, ReadError, RecordedOutcome, RecordingReader, RecordingStart,
 };
-use barrelman_trial::replay::{Comparison, Replay};
+use barrelman_trial::replay::{Replay, ReplayComparison};
 use barrelman_vocab::VideoFrame;
 
 use super::run::pilot_for;
@@ -53,7 +52,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
     if comparison.outcomes_differ > 0 {
         writeln!(out, "{} outcomes differ in something", comparison.outcomes_differ)?;
     }
-    if let Some(first) = &comparison.first {
+    if let Some(first) = &comparison.first_difference {
         writeln!(
             out,
             "first difference, step {}:\n  recorded {:?}\n  replayed {:?}",
@@ -66,7 +65,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
 struct Replayed {
     steps: u64,
     frames: u64,
-    comparison: Comparison,
+    comparison: ReplayComparison,
     cut: bool,
 }
 
@@ -83,26 +82,19 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let mut film = StoredVideo::new(&start);
     let mut replay = Replay::new(pilot_for(&configuration)?, configuration.profile.clone());
-    let mut replayed = Replayed { steps: 0, frames: 0, comparison: Comparison::default(), cut: false };
+    let mut replayed = Replayed { steps: 0, frames: 0, comparison: ReplayComparison::default(), cut: false };
     // Outcomes are held against those of the same step; a queue bounds how many wait.
     let mut waiting: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
     for entry in entries {
         match entry {
             Ok(Entry::Unit(unit)) => film.take(&unit),
             Ok(Entry::Input { step, now, input }) => {
-                let outcome = match input {
-                    RecordedInput::Frame(stamp) => {
-                        replayed.frames += 1;
-                        let frame = film.frame(&stamp)?;
-                        replay.step(step, now, Input::Frame(&frame))
-                    }
-                    RecordedInput::Localisation(track) => replay.step(step, now, Input::Localisation(track)),
-                    RecordedInput::Telemetry(telemetry) => {
-                        replay.step(step, now, Input::Telemetry(telemetry))
-                    }
-                    RecordedInput::Request(request) => replay.step(step, now, Input::Request(request)),
-                    RecordedInput::Tick => replay.step(step, now, Input::Tick),
-                };
+                let (mut frame, frames) = (None, &mut replayed.frames);
+                let input = input.to_input(|fingerprint| {
+                    *frames += 1;
+                    film.frame(fingerprint).map(|found| &*frame.insert(found))
+                })?;
+                let outcome = replay.step(step, now, input);
                 replayed.steps += 1;
                 waiting.insert(step, outcome);
             }
@@ -113,7 +105,7 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
             }
             Ok(Entry::Truth(_)) => {}
             Ok(Entry::Start(_)) => bail!("it begins twice"),
-            Err(ReadError::CutOff) => replayed.cut = true,
+            Err(ReadError::Truncated) => replayed.cut = true,
             Err(error) => return Err(error.into()),
         }
     }
@@ -139,7 +131,7 @@ impl StoredVideo {
     }
 
     /// The frame of a stamp, with the time of capture that it had then.
-    fn frame(&mut self, stamp: &FrameStamp) -> Result<VideoFrame> {
+    fn frame(&mut self, stamp: &FrameFingerprint) -> Result<VideoFrame> {
         while self.decoded.front().is_some_and(|frame| frame.sequence < stamp.sequence) {
             self.decoded.pop_front();
         }
@@ -153,7 +145,7 @@ impl StoredVideo {
             .pop_front()
             .filter(|frame| frame.sequence == stamp.sequence)
             .ok_or_else(|| anyhow!("video frame {} is not in the recording", stamp.sequence))?;
-        if FrameStamp::of(&frame).luma_hash != stamp.luma_hash {
+        if FrameFingerprint::from_frame(&frame).luma_hash != stamp.luma_hash {
             bail!("video frame {} decodes to another picture than it did then", stamp.sequence);
         }
         frame.capture = stamp.capture;

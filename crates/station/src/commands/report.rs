@@ -8,8 +8,8 @@ use anyhow::{Context, Result};
 use barrelman_trial::campaign::CampaignSettings;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
-use barrelman_trial::report::{Course, Report, ReportedTrial, SetKind, TrialSet};
-use barrelman_trial::shadow::schema_over;
+use barrelman_trial::report::{Report, ReportedTrial, SetKind, TrialSet, TrialTrace};
+use barrelman_trial::shadow::simulate_motor_schema;
 use barrelman_vocab::VehicleProfile;
 
 use super::trial_input::{self, Input, LogKind, TrialInput};
@@ -42,7 +42,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
                 trials.extend(campaign.entries.into_iter().map(|(entry, _)| ReportedTrial {
                     entry: entry.trial,
                     set: TrialSet { kind: SetKind::Simulated, name: in_words(&entry.campaign) },
-                    course: None,
+                    trace: None,
                 }));
             }
         }
@@ -80,7 +80,7 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
         LogKind::Recording(Some(start)) => vehicle_of_another_law(start),
         _ => None,
     };
-    let asked = args.arena.and_then(Arena::numbered);
+    let asked = args.arena.and_then(Arena::from_number);
     let recorded = |name: &str| TrialSet { kind: SetKind::Recorded, name: name.to_owned() };
     let (name, arena, set) = match (simulated, &input.kind) {
         (Some(run), _) => {
@@ -100,10 +100,13 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
         }
     };
     let shadow = vehicle.map(|profile| {
-        schema_over(&input.log, region, &profile).into_iter().map(|step| step.map(|step| step.p)).collect()
+        simulate_motor_schema(&input.log, region, &profile)
+            .into_iter()
+            .map(|step| step.map(|step| step.p))
+            .collect()
     });
     let entry = TrialEntry { name, arena, metrics };
-    ReportedTrial { entry, set, course: Some(Course { log: input.log, region, shadow }) }
+    ReportedTrial { entry, set, trace: Some(TrialTrace { log: input.log, region, shadow }) }
 }
 
 /// The vehicle of a recording that another law than the schema servoed.

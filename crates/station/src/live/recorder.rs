@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use barrelman_trial::records::{
-    Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter, WriteError,
+    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter, WriteError,
 };
 use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
@@ -154,7 +154,7 @@ fn write(
             Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return writer.finish(),
             Ok(Item::Unit(unit)) => writer.write(&Entry::Unit(unit))?,
             Ok(Item::Frame { step, now, frame }) => {
-                let input = RecordedInput::Frame(FrameStamp::of(&frame));
+                let input = RecordedInput::Frame(FrameFingerprint::from_frame(&frame));
                 writer.write(&Entry::Input { step, now, input })?;
             }
             Ok(Item::Input { step, now, input }) => writer.write(&Entry::Input { step, now, input })?,

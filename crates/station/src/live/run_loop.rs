@@ -200,12 +200,9 @@ impl RunLoop<'_> {
 
     fn record(&self, step: u64, now: Timestamp, input: Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         let Some(recorder) = &self.recorder else { return };
-        match input {
-            Input::Frame(frame) => recorder.frame(step, now, frame),
-            Input::Localisation(track) => recorder.input(step, now, RecordedInput::Localisation(track)),
-            Input::Telemetry(telemetry) => recorder.input(step, now, RecordedInput::Telemetry(telemetry)),
-            Input::Request(request) => recorder.input(step, now, RecordedInput::Request(request)),
-            Input::Tick => recorder.input(step, now, RecordedInput::Tick),
+        match RecordedInput::from_frameless(&input) {
+            Ok(recorded) => recorder.input(step, now, recorded),
+            Err(frame) => recorder.frame(step, now, frame),
         }
         recorder.outcome(RecordedOutcome::new(step, outcome, rates));
     }

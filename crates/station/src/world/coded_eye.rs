@@ -6,7 +6,7 @@
 use std::sync::mpsc::Sender;
 
 use barrelman_sim::World;
-use barrelman_trial::campaign::{DrawnEye, Eye, View};
+use barrelman_trial::campaign::{CapturedFrame, FrameSource, RenderedCamera};
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 use bytes::Bytes;
@@ -16,7 +16,7 @@ use crate::video::encoder::{EncoderSettings, H264Encoder};
 
 /// Draws, encodes and decodes.
 pub struct CodedEye<'a> {
-    drawn: DrawnEye<'a>,
+    drawn: RenderedCamera<'a>,
     encoder: H264Encoder,
     decoder: UnitDecoder,
     units: Sender<EncodedUnit>,
@@ -25,18 +25,18 @@ pub struct CodedEye<'a> {
 
 impl<'a> CodedEye<'a> {
     /// An eye on top of another; the units go to `units`, each before its picture is received.
-    pub fn new(drawn: DrawnEye<'a>, settings: EncoderSettings, units: Sender<EncodedUnit>) -> Self {
+    pub fn new(drawn: RenderedCamera<'a>, settings: EncoderSettings, units: Sender<EncodedUnit>) -> Self {
         let decoder = UnitDecoder::new(DecodeMode::Live);
         Self { drawn, encoder: H264Encoder::new(settings), decoder, units, index: 0 }
     }
 }
 
-impl Eye for CodedEye<'_> {
-    fn look(&mut self, world: &World) -> View {
-        self.drawn.look(world)
+impl FrameSource for CodedEye<'_> {
+    fn capture(&mut self, world: &World) -> CapturedFrame {
+        self.drawn.capture(world)
     }
 
-    fn receive(&mut self, view: &View) -> VideoFrame {
+    fn deliver(&mut self, view: &CapturedFrame) -> VideoFrame {
         let frame = &view.frame;
         let encoded = match self.encoder.encode(&frame.picture, frame.capture.at) {
             Ok(encoded) => encoded,

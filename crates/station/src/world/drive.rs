@@ -11,7 +11,7 @@ use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
 use barrelman_sim::boat::Helm;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{DrawnEye, Eye, Simulation, Witness};
+use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
 use barrelman_vocab::{EncodedUnit, OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates};
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::Xxh3;
@@ -82,7 +82,7 @@ impl DriveInput {
     }
 
     /// Does it in a trial, before its next tick.
-    pub fn act(self, simulation: &mut Simulation<'_>, witness: &mut dyn Witness) {
+    pub fn act(self, simulation: &mut Simulation<'_>, witness: &mut dyn StepObserver) {
         if let Some(helm) = self.helm() {
             simulation.steer(helm);
         }
@@ -126,7 +126,7 @@ impl Cast {
 /// A drive that is under way.
 pub struct Drive<'a> {
     simulation: Simulation<'a>,
-    eye: Box<dyn Eye + 'a>,
+    eye: Box<dyn FrameSource + 'a>,
     units: Receiver<EncodedUnit>,
     helm: Option<Helm>,
 }
@@ -143,9 +143,9 @@ impl<'a> Drive<'a> {
         let settings = PilotSettings { profile: cast.profile.clone(), law: cast.law.settings() };
         let pilot = Pilot::new(settings, TrackerSettings::of(cast.tracker).tracker()?);
         let simd = Simd::at_most(SimdLevel::Avx512);
-        let drawn = DrawnEye::new(&world, scenario.camera.clone(), seed, simd, threads);
+        let drawn = RenderedCamera::new(&world, scenario.camera.clone(), seed, simd, threads);
         let (to_recorder, units) = channel();
-        let eye: Box<dyn Eye + 'a> = if cast.coded {
+        let eye: Box<dyn FrameSource + 'a> = if cast.coded {
             let fps = f64::from(scenario.camera.pictures_per_second);
             let settings = EncoderSettings::for_pictures(scenario.camera.frame, fps);
             Box::new(CodedEye::new(drawn, settings, to_recorder))
@@ -172,7 +172,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Something is done, before the next tick.
-    pub fn put(&mut self, input: DriveInput, witness: &mut dyn Witness) {
+    pub fn put(&mut self, input: DriveInput, witness: &mut dyn StepObserver) {
         self.helm = input.helm().unwrap_or(self.helm);
         input.act(&mut self.simulation, witness);
     }
@@ -185,7 +185,7 @@ impl<'a> Drive<'a> {
 }
 
 /// Who is told what happens in a drive.
-pub trait DriveWitness: Witness {
+pub trait DriveWitness: StepObserver {
     /// A unit of video, ahead of the frame that it gives, where video is coded.
     fn unit(&mut self, _unit: EncodedUnit) {}
 }
@@ -196,14 +196,14 @@ struct Unpacking<'a> {
     witness: &'a mut dyn DriveWitness,
 }
 
-impl Witness for Unpacking<'_> {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for Unpacking<'_> {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         self.units.try_iter().for_each(|unit| self.witness.unit(unit));
-        self.witness.step(now, input, outcome, rates);
+        self.witness.on_step(now, input, outcome, rates);
     }
 
-    fn truth(&mut self, truth: &Truth) {
-        self.witness.truth(truth);
+    fn on_truth(&mut self, truth: &Truth) {
+        self.witness.on_truth(truth);
     }
 }
 
@@ -221,8 +221,8 @@ impl DriveHash {
 
 impl DriveWitness for DriveHash {}
 
-impl Witness for DriveHash {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for DriveHash {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         self.0.update(&now.as_nanos().to_le_bytes());
         match input {
             Input::Frame(frame) => {
@@ -245,7 +245,7 @@ impl Witness for DriveHash {
         }
     }
 
-    fn truth(&mut self, truth: &Truth) {
+    fn on_truth(&mut self, truth: &Truth) {
         let place = truth.target.place;
         for value in [truth.image.x, truth.image.y, place.x, place.y, place.z, truth.rates.0, truth.rates.1] {
             self.0.update(&value.to_bits().to_le_bytes());

@@ -20,7 +20,7 @@ use anyhow::{Result, anyhow};
 use barrelman_sim::video_link::{Passage, VideoLink};
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{DrawnEye, Eye as _, View};
+use barrelman_trial::campaign::{CapturedFrame, FrameSource as _, RenderedCamera};
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{EncodedUnit, PixelBox, Timestamp, VehicleProfile, VehicleRates};
@@ -146,7 +146,7 @@ pub(crate) fn run<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopS
                 let settings = EncoderSettings::for_pictures(camera.frame, fps);
                 let simd = Simd::at_most(SimdLevel::Avx512);
                 Drawing {
-                    eye: DrawnEye::new(&first, camera, seed, simd, threads),
+                    eye: RenderedCamera::new(&first, camera, seed, simd, threads),
                     start,
                     encoder: coded.then(|| H264Encoder::new(settings)),
                     shown: None,
@@ -242,11 +242,11 @@ enum Arriving {
 
 /// The thread that draws.
 struct Drawing<'a> {
-    eye: DrawnEye<'a>,
+    eye: RenderedCamera<'a>,
     start: Timestamp,
     encoder: Option<H264Encoder>,
     /// What the last picture showed, for one that comes frozen.
-    shown: Option<View>,
+    shown: Option<CapturedFrame>,
     index: u64,
 }
 
@@ -257,10 +257,10 @@ impl Drawing<'_> {
             let is_frozen = matches!(taken.passage, Passage::Frozen { .. });
             let view = match self.shown.take() {
                 Some(shown) if is_frozen => shown,
-                _ => self.eye.look(&taken.world),
+                _ => self.eye.capture(&taken.world),
             };
             let unit = self.unit(&view, self.on_the_clock(taken.world.tick()));
-            let target = view.target;
+            let target = view.target_bounds;
             self.shown = Some(view);
             let arriving = match unit {
                 Ok(unit) => Arriving::Picture { at: self.on_the_clock(at), unit, target },
@@ -286,7 +286,7 @@ impl Drawing<'_> {
         self.start.plus(World::time_of(tick).since(Timestamp::ZERO))
     }
 
-    fn unit(&mut self, view: &View, taken_at: Timestamp) -> Result<EncodedUnit, VideoError> {
+    fn unit(&mut self, view: &CapturedFrame, taken_at: Timestamp) -> Result<EncodedUnit, VideoError> {
         let picture = &view.frame.picture;
         let (key, codec, payload) = match &mut self.encoder {
             Some(encoder) => {

@@ -14,7 +14,7 @@ use barrelman_station::cli::PlantName;
 use barrelman_station::law_choice::LawChoice;
 use barrelman_station::scenario::Changes;
 use barrelman_station::video::{FileFrames, VideoUrl};
-use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
+use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 /// An empty folder of this test's own.
@@ -120,17 +120,18 @@ fn a_recorded_trial_is_lost_where_the_simulated_one_was() {
 struct OwnTruth {
     camera: CameraSetup,
     simd: Simd,
-    eye: Option<DrawnEye<'static>>,
+    eye: Option<RenderedCamera<'static>>,
     truth: Vec<(Timestamp, DrawnTruth)>,
 }
 
-impl Witness for OwnTruth {
-    fn step(&mut self, _: Timestamp, _: &Input<'_>, _: &Outcome, _: VehicleRates) {}
-    fn truth(&mut self, _: &Truth) {}
-    fn world(&mut self, world: &World) {
-        let eye =
-            self.eye.get_or_insert_with(|| DrawnEye::new(world, self.camera.clone(), 7, self.simd, &Serial));
-        let view = eye.look(world);
+impl StepObserver for OwnTruth {
+    fn on_step(&mut self, _: Timestamp, _: &Input<'_>, _: &Outcome, _: VehicleRates) {}
+    fn on_truth(&mut self, _: &Truth) {}
+    fn on_world(&mut self, world: &World) {
+        let eye = self
+            .eye
+            .get_or_insert_with(|| RenderedCamera::new(world, self.camera.clone(), 7, self.simd, &Serial));
+        let view = eye.capture(world);
         self.truth.push((view.frame.capture.at, eye.truth().clone()));
     }
 }

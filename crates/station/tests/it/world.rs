@@ -19,7 +19,7 @@ use barrelman_station::world::drive::{DriveHash, DriveWitness};
 use barrelman_station::world::drive_shadow::DriveShadow;
 use barrelman_station::world::render_threads::RenderThreads;
 use barrelman_station::world::{Cast, Drive, DriveInput, DriveReader, DriveWriter, WorldUrl};
-use barrelman_trial::campaign::Witness;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::{EncodedUnit, PictureSize, PixelBox, Timestamp, VehicleRates, VideoFrame};
 
@@ -66,13 +66,13 @@ struct Beside {
     seen: Vec<(f64, f64)>,
 }
 
-impl Witness for Beside {
-    fn step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
+impl StepObserver for Beside {
+    fn on_step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
         self.shadow.step(now, outcome);
         self.seen.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
     }
 
-    fn truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth) {}
 }
 
 impl DriveWitness for Beside {}

@@ -16,7 +16,8 @@ use barrelman_vocab::{
 };
 use bytes::Bytes;
 
-use super::entry::{Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart};
+use super::entry::{Entry, RecordedOutcome, RecordedTruth, RecordingStart};
+use super::recorded_input::{FrameFingerprint, RecordedInput};
 use super::stored;
 
 /// What is wrong with a stored message.
@@ -169,8 +170,8 @@ impl From<&EncodedUnit> for stored::VideoUnit {
 }
 
 impl stored::VideoUnit {
-    /// The unit that this message announced, once its payload came.
-    pub(super) fn with(self, payload: Bytes) -> Result<EncodedUnit, Malformed> {
+    /// The unit that this message announced, with its payload.
+    pub(super) fn with_payload(self, payload: Bytes) -> Result<EncodedUnit, Malformed> {
         let unit = self;
         let codec = match unit.codec() {
             stored::UnitCodec::H264 => UnitCodec::H264AnnexB,
@@ -202,8 +203,8 @@ impl stored::VideoUnit {
     }
 }
 
-impl From<&FrameStamp> for stored::FrameInput {
-    fn from(stamp: &FrameStamp) -> Self {
+impl From<&FrameFingerprint> for stored::FrameInput {
+    fn from(stamp: &FrameFingerprint) -> Self {
         let (captured_ns, capture_quality) = stored_capture(stamp.capture);
         Self {
             step: 0,
@@ -228,7 +229,7 @@ impl TryFrom<stored::FrameInput> for Entry {
     type Error = Malformed;
 
     fn try_from(frame: stored::FrameInput) -> Result<Self, Malformed> {
-        let stamp = FrameStamp {
+        let stamp = FrameFingerprint {
             sequence: frame.sequence,
             capture: capture(frame.captured_ns, frame.capture_quality())?,
             size: PictureSize::new(frame.width, frame.height),
@@ -548,14 +549,14 @@ impl From<&RecordedTruth> for stored::WorldTruth {
             at_ns: truth.at.as_nanos(),
             target_x_m: truth.target_m.0,
             target_y_m: truth.target_m.1,
-            target_heading_rad: truth.heading.radians(),
+            target_heading_rad: truth.target_heading.radians(),
             camera_x_m: truth.camera_m.0,
             camera_y_m: truth.camera_m.1,
             camera_z_m: truth.camera_m.2,
-            camera_pan_rad: truth.pan.radians(),
-            camera_tilt_rad: truth.tilt.radians(),
-            image_x: truth.image.x,
-            image_y: truth.image.y,
+            camera_pan_rad: truth.camera_pan.radians(),
+            camera_tilt_rad: truth.camera_tilt.radians(),
+            image_x: truth.target_position.x,
+            image_y: truth.target_position.y,
             in_picture: truth.in_picture,
             range_m: truth.range_m,
         }
@@ -568,11 +569,11 @@ impl From<stored::WorldTruth> for RecordedTruth {
             tick: truth.tick,
             at: Timestamp::from_nanos(truth.at_ns),
             target_m: (truth.target_x_m, truth.target_y_m),
-            heading: Angle::from_radians(truth.target_heading_rad),
+            target_heading: Angle::from_radians(truth.target_heading_rad),
             camera_m: (truth.camera_x_m, truth.camera_y_m, truth.camera_z_m),
-            pan: Angle::from_radians(truth.camera_pan_rad),
-            tilt: Angle::from_radians(truth.camera_tilt_rad),
-            image: ImagePoint { x: truth.image_x, y: truth.image_y },
+            camera_pan: Angle::from_radians(truth.camera_pan_rad),
+            camera_tilt: Angle::from_radians(truth.camera_tilt_rad),
+            target_position: ImagePoint { x: truth.image_x, y: truth.image_y },
             in_picture: truth.in_picture,
             range_m: truth.range_m,
         }

@@ -36,7 +36,7 @@ fn a_recording_cut_at_any_byte_is_read_up_to_the_cut() {
         assert!(found.len() >= most, "cut at {length}: fewer entries than before");
         most = found.len();
         match error {
-            Some(ReadError::CutOff) => assert!(!found.is_empty(), "cut at {length}"),
+            Some(ReadError::Truncated) => assert!(!found.is_empty(), "cut at {length}"),
             Some(ReadError::Container(_)) => assert!(found.is_empty(), "cut at {length}"),
             other => panic!("cut at {length}: {other:?}"),
         }

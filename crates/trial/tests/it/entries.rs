@@ -6,7 +6,7 @@ use barrelman_control::{Percept, Sector};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
 use barrelman_trial::records::{
-    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
+    Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
     RecordingStart, RecordingWriter,
 };
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
@@ -192,7 +192,13 @@ pub(crate) fn every_kind() -> Vec<Entry> {
     entries.extend(qualities.map(|quality| {
         let capture = Capture { at: ns(77), quality };
         let (sequence, luma_hash) = (u64::MAX, u64::MAX);
-        input(RecordedInput::Frame(FrameStamp { sequence, capture, size, colour: COLOURS[1], luma_hash }))
+        input(RecordedInput::Frame(FrameFingerprint {
+            sequence,
+            capture,
+            size,
+            colour: COLOURS[1],
+            luma_hash,
+        }))
     }));
     let bare = Localisation { shape: None, heading: None, ..seen(0.5) };
     entries.extend([
@@ -248,11 +254,11 @@ pub(crate) fn truth(at: Timestamp) -> RecordedTruth {
         tick: 3,
         at,
         target_m: (1.5, -2.0),
-        heading: Angle::from_radians(0.5),
+        target_heading: Angle::from_radians(0.5),
         camera_m: (0.1, 0.2, 1.83),
-        pan: Angle::from_radians(-0.25),
-        tilt: Angle::from_radians(-0.4),
-        image: ImagePoint { x: -300.0, y: 12.5 },
+        camera_pan: Angle::from_radians(-0.25),
+        camera_tilt: Angle::from_radians(-0.4),
+        target_position: ImagePoint { x: -300.0, y: 12.5 },
         in_picture: true,
         range_m: 3.5,
     }

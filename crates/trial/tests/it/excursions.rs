@@ -1,7 +1,7 @@
 //! Excursions and what is counted of them. All figures are worked out by hand.
 
 use barrelman_trial::logs::TrialLog;
-use barrelman_trial::metrics::{Excursion, excursions};
+use barrelman_trial::metrics::{Excursion, find_excursions};
 
 use crate::trial_logs::{PICTURE, REGION, drawn, measured};
 
@@ -10,9 +10,9 @@ fn an_excursion_is_a_maximal_run_outside() {
     let check = |rows: &str, expected: &[(usize, usize, bool, f64, f64)]| {
         let expected: Vec<Excursion> = expected
             .iter()
-            .map(|&(first, end, complete, h, b_s)| Excursion { first, end, complete, h, b_s })
+            .map(|&(first, end, is_complete, h, b_s)| Excursion { first, end, is_complete, h, b_s })
             .collect();
-        assert_eq!(excursions(&drawn(rows), REGION), expected, "{rows}");
+        assert_eq!(find_excursions(&drawn(rows), REGION), expected, "{rows}");
     };
     check("", &[]);
     check("....", &[]);
@@ -28,9 +28,9 @@ fn an_excursion_is_a_maximal_run_outside() {
 #[test]
 fn a_row_without_a_position_goes_on_with_what_was_before_it() {
     let check = |rows: &str, expected: &[(usize, usize, bool, f64)]| {
-        let found: Vec<_> = excursions(&drawn(rows), REGION)
+        let found: Vec<_> = find_excursions(&drawn(rows), REGION)
             .iter()
-            .map(|excursion| (excursion.first, excursion.end, excursion.complete, excursion.b_s))
+            .map(|excursion| (excursion.first, excursion.end, excursion.is_complete, excursion.b_s))
             .collect();
         assert_eq!(found, expected, "{rows}");
     };
@@ -101,7 +101,7 @@ fn rows_need_not_come_at_a_steady_rate() {
     for (row, time_s) in log.rows.iter_mut().zip([0.0, 1.0, 3.0, 7.0]) {
         row.time_s = time_s;
     }
-    let [excursion] = excursions(&log, REGION)[..] else { panic!("one excursion") };
+    let [excursion] = find_excursions(&log, REGION)[..] else { panic!("one excursion") };
     assert_eq!((excursion.h, excursion.b_s), (3.0, 6.0));
     assert_eq!(log.duration_s(), 7.5);
 }

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use barrelman_control::LawSettings;
-use barrelman_trial::law::law_over;
+use barrelman_trial::law::run_open_loop;
 use barrelman_trial::logs::{TrialLog, laboratory, read_text};
 use barrelman_trial::metrics::{Arena, TrialEntry, TrialMetrics, measure, summarise};
 use barrelman_vocab::VehicleProfile;
@@ -32,7 +32,7 @@ pub(crate) fn logs() -> Option<Vec<(String, String)>> {
 
 fn log_of(text: &str) -> TrialLog {
     let read = read_text(text).unwrap();
-    assert_eq!(read.cut_at_line, None);
+    assert_eq!(read.truncated_at_line, None);
     read.log
 }
 
@@ -65,7 +65,7 @@ fn the_law_gives_every_recorded_command_and_p_from_the_positions_alone() {
     for (name, text) in &logs {
         let log = log_of(text);
         let region = log.region(profile.region);
-        let law = law_over(&log, region, &profile, LawSettings::Schema);
+        let law = run_open_loop(&log, region, &profile, LawSettings::Schema);
         for (asked, (recorded, cells)) in law.iter().zip(log.rows.iter().zip(fields(text))) {
             assert_eq!(Some(asked.rates), recorded.rates, "{name}, row {}", asked.row);
             let (p, recorded_p) = (asked.target.unwrap().1, cells[4].parse::<f64>().unwrap());
@@ -73,7 +73,11 @@ fn the_law_gives_every_recorded_command_and_p_from_the_positions_alone() {
             assert!((p - recorded_p).abs() <= 1e-5 * p.max(1.0), "{name}, row {}: {p}", asked.row);
             rows += 1;
         }
-        assert_eq!(law, law_over(&log_of(&blanked(text)), region, &profile, LawSettings::Schema), "{name}");
+        assert_eq!(
+            law,
+            run_open_loop(&log_of(&blanked(text)), region, &profile, LawSettings::Schema),
+            "{name}"
+        );
     }
     assert_eq!(rows, 71_914);
 }

@@ -9,7 +9,7 @@ fn a_trial_is_lost_after_more_than_two_seconds_at_a_stretch_or_at_its_end() {
     let check = |rows: &str, lost: bool, out_s: f64| {
         let metrics = measured(rows);
         assert_eq!((metrics.lost, metrics.out_of_picture_s), (Some(lost), Some(out_s)), "{rows}");
-        assert_eq!(metrics.succeeded(), !lost, "{rows}");
+        assert_eq!(metrics.is_success(), !lost, "{rows}");
     };
     check("....", false, 0.0);
     check(".----.", false, 2.0);
@@ -25,10 +25,10 @@ fn a_trial_is_lost_after_more_than_two_seconds_at_a_stretch_or_at_its_end() {
 #[test]
 fn a_log_that_cannot_tell_succeeds_where_it_ends_inside() {
     let check = |rows: &str, succeeded: bool| {
-        let log = barrelman_trial::logs::TrialLog { knows_lost: false, ..drawn(rows) };
+        let log = barrelman_trial::logs::TrialLog { records_track_loss: false, ..drawn(rows) };
         let metrics = measure(&log, REGION, PICTURE);
         assert_eq!((metrics.lost, metrics.out_of_picture_s), (None, None));
-        assert_eq!(metrics.succeeded(), succeeded, "{rows}");
+        assert_eq!(metrics.is_success(), succeeded, "{rows}");
     };
     check("aa..", true);
     check("..aa", false);

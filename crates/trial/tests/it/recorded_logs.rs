@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use barrelman_control::{Percept, Region};
-use barrelman_trial::logs::recorded::Collector;
+use barrelman_trial::logs::recorded::LogBuilder;
 use barrelman_trial::records::{RecordedOutcome, RecordedTruth};
 use barrelman_vocab::{ImagePoint, Localisation, PictureSize, Timestamp, Track};
 
@@ -25,9 +25,9 @@ fn lost(ms: u64) -> RecordedOutcome {
 }
 
 fn collected(outcomes: &[RecordedOutcome]) -> Option<barrelman_trial::logs::TrialLog> {
-    let mut collector = Collector::default();
-    outcomes.iter().for_each(|outcome| collector.take(outcome));
-    collector.finish()
+    let mut builder = LogBuilder::default();
+    outcomes.iter().for_each(|outcome| builder.add_outcome(outcome));
+    builder.finish()
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn a_log_begins_with_the_first_localisation() {
     let rows: Vec<_> = log.rows.iter().map(|row| (row.time_s, row.position, row.rates)).collect();
     let told = Some(rates(0.25, 0.25));
     assert_eq!(rows, [(0.0, Some(POSITION), told), (0.25, None, told), (0.5, Some(POSITION), told)]);
-    assert_eq!((log.last_row_s, log.knows_lost), (0.25, true));
+    assert_eq!((log.last_row_duration_s, log.records_track_loss), (0.25, true));
     assert_eq!((log.frame, log.picture), (PictureSize::new(320, 240), PictureSize::new(320, 240)));
 }
 
@@ -58,21 +58,21 @@ enum Event {
 
 /// Whether the target was out of the picture, row by row.
 fn out_of_picture(events: &[Event]) -> Option<Vec<bool>> {
-    let mut collector = Collector::default();
+    let mut builder = LogBuilder::default();
     for event in events {
         match *event {
             Event::Picture(ms, in_picture) => {
                 let at = Timestamp::from_nanos(ms * 1_000_000);
-                collector.take_truth(RecordedTruth { in_picture, ..truth(at) });
+                builder.add_truth(RecordedTruth { in_picture, ..truth(at) });
             }
             Event::Found(ms) => {
                 let age = Some(Duration::from_millis(100));
-                collector.take(&RecordedOutcome { age, ..tracked(ms) });
+                builder.add_outcome(&RecordedOutcome { age, ..tracked(ms) });
             }
-            Event::Missed(ms) => collector.take(&RecordedOutcome { age: None, ..lost(ms) }),
+            Event::Missed(ms) => builder.add_outcome(&RecordedOutcome { age: None, ..lost(ms) }),
         }
     }
-    let rows = collector.finish().unwrap().truth?;
+    let rows = builder.finish().unwrap().truth?;
     Some(rows.iter().map(|row| row.out_of_picture).collect())
 }
 

@@ -2,9 +2,10 @@
 
 use barrelman_control::Region;
 use barrelman_trial::logs::{RowTruth, TrialLog, read_text};
-use barrelman_trial::metrics::{Arena, TrialEntry, excursions, measure};
+use barrelman_trial::metrics::{Arena, TrialEntry, find_excursions, measure};
 use barrelman_trial::report::{
-    Course, Figure, Report, ReportedTrial, SetKind, TrialSet, arena_path, commands, p_over_time, picture_path,
+    Figure, Report, ReportedTrial, SetKind, TrialSet, TrialTrace, commands, p_over_time, picture_path,
+    world_path,
 };
 use barrelman_vocab::{ImagePoint, VehicleProfile};
 use roxmltree::{Document, Node, ParsingOptions};
@@ -15,15 +16,15 @@ use crate::trial_logs::{PICTURE, REGION, drawn, of_rows, rates};
 /// A name that would break a page which does not escape it.
 const NASTY: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
 
-fn course(rows: &str) -> Course {
-    Course { log: drawn(rows), region: REGION, shadow: None }
+fn trace(rows: &str) -> TrialTrace {
+    TrialTrace { log: drawn(rows), region: REGION, shadow: None }
 }
 
 fn reported(name: &str, log: TrialLog, region: Region, kind: SetKind) -> ReportedTrial {
     let metrics = measure(&log, region, log.picture);
     let entry = TrialEntry { name: name.to_owned(), arena: Arena::from_name(name), metrics };
     let set = TrialSet { kind, name: format!("set of {name}") };
-    ReportedTrial { entry, set, course: Some(Course { log, region, shadow: None }) }
+    ReportedTrial { entry, set, trace: Some(TrialTrace { log, region, shadow: None }) }
 }
 
 fn report(trials: Vec<ReportedTrial>) -> Report {
@@ -55,8 +56,8 @@ fn place(node: &Node<'_, '_>, name: &str) -> f64 {
 /// Checks how many excursions are drawn, and how many of them are open.
 #[track_caller]
 fn check_excursions(rows: &str, all: usize, open: usize) {
-    let course = course(rows);
-    let p = p_over_time::figure("p", "trial", &course);
+    let trace = trace(rows);
+    let p = p_over_time::figure("p", "trial", &trace);
     with_elements(&p, |document| {
         assert_eq!(of_class(document, "line", "b").len(), all, "{rows}: b");
         assert_eq!(of_class(document, "line", "h").len(), all, "{rows}: h");
@@ -65,7 +66,7 @@ fn check_excursions(rows: &str, all: usize, open: usize) {
             of_class(document, "line", "b").iter().filter(|b| b.attribute("class") == Some("b open")).count();
         assert_eq!(is_open, open, "{rows}: open");
     });
-    let picture = picture_path::figure("picture", "trial", &course);
+    let picture = picture_path::figure("picture", "trial", &trace);
     with_elements(&picture, |document| {
         let ways_out: usize = of_class(document, "path", "out").len();
         assert_eq!(ways_out, all, "{rows}: ways out in the picture");
@@ -87,7 +88,7 @@ fn every_excursion_is_drawn_once() {
 #[test]
 fn the_boundary_lies_at_1_and_peaks_where_p_is() {
     // P is 0, 4, 0 and 9: h is 3 and 8, the boundary a ninth of the way from 0 to the highest peak.
-    let figure = p_over_time::figure("p", "trial", &course(".b.c."));
+    let figure = p_over_time::figure("p", "trial", &trace(".b.c."));
     with_elements(&figure, |document| {
         let [boundary] = of_class(document, "line", "bound")[..] else { panic!("one boundary") };
         let level = place(&boundary, "y1");
@@ -106,7 +107,7 @@ fn the_boundary_lies_at_1_and_peaks_where_p_is() {
 
 #[test]
 fn the_region_and_the_sectors_are_drawn_to_scale() {
-    let figure = picture_path::figure("picture", "trial", &course(".b."));
+    let figure = picture_path::figure("picture", "trial", &trace(".b."));
     with_elements(&figure, |document| {
         let [frame] = of_class(document, "rect", "frame")[..] else { panic!("one frame") };
         let [region] = of_class(document, "ellipse", "region")[..] else { panic!("one region") };
@@ -131,7 +132,7 @@ fn commands_are_steps_in_two_lanes() {
             .map(|(yaw, pitch)| (at, Some(rates(yaw, pitch)))),
     );
     let figure =
-        commands::figure("commands", "trial", &Course { log, region: REGION, shadow: None }).unwrap();
+        commands::figure("commands", "trial", &TrialTrace { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| {
         for word in ["pitch", "yaw"] {
             assert_eq!(of_class(document, "path", word).len(), 1, "{word}");
@@ -140,30 +141,31 @@ fn commands_are_steps_in_two_lanes() {
     assert!(figure.description.contains("1 starts of pitch, 1 of yaw"), "{}", figure.description);
     let silent = of_rows([(at, None)]);
     assert_eq!(
-        commands::figure("commands", "trial", &Course { log: silent, region: REGION, shadow: None }),
+        commands::figure("commands", "trial", &TrialTrace { log: silent, region: REGION, shadow: None }),
         None
     );
 }
 
 #[test]
 fn the_path_in_the_world_needs_the_truth() {
-    assert_eq!(arena_path::figure("world", "trial", &course(".b.")), None);
+    assert_eq!(world_path::figure("world", "trial", &trace(".b.")), None);
     let mut log = drawn(".bb.a");
     let truth = (0..5).map(|row| RowTruth {
         out_of_picture: false,
-        achieved: None,
+        achieved_rates: None,
         target_m: (f64::from(row), 2.0),
         camera_m: (0.0, 0.0),
     });
     log.truth = Some(truth.collect());
-    let figure = arena_path::figure("world", "trial", &Course { log, region: REGION, shadow: None }).unwrap();
+    let figure =
+        world_path::figure("world", "trial", &TrialTrace { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| assert_eq!(of_class(document, "path", "out").len(), 2));
 }
 
 #[test]
 fn names_are_escaped_everywhere() {
     let trial = reported(NASTY, drawn(".a.b."), REGION, SetKind::Recorded);
-    let alone = ReportedTrial { course: None, ..reported(NASTY, drawn("a"), REGION, SetKind::Laboratory) };
+    let alone = ReportedTrial { trace: None, ..reported(NASTY, drawn("a"), REGION, SetKind::Laboratory) };
     let lost = reported(NASTY, drawn(".------"), REGION, SetKind::Simulated);
     let report = report(vec![trial, alone, lost]);
     let page = report.page();
@@ -216,7 +218,7 @@ fn small_and_empty_reports_are_pages_too() {
 #[test]
 fn the_claim_and_the_count_stand_beside_each_other() {
     let trials = ["....", ".aa.", "..aa"].into_iter().enumerate().map(|(index, rows)| {
-        let log = TrialLog { knows_lost: false, ..drawn(rows) };
+        let log = TrialLog { records_track_loss: false, ..drawn(rows) };
         let mut trial = reported(&format!("arena2_{index}"), log, REGION, SetKind::Laboratory);
         trial.set.name = "laboratory logs".to_owned();
         trial
@@ -247,7 +249,7 @@ fn the_laboratorys_logs_are_reported_as_they_are() {
         .collect();
     let counts: Vec<usize> = trials
         .iter()
-        .map(|trial| trial.course.as_ref().map_or(0, |course| excursions(&course.log, course.region).len()))
+        .map(|trial| trial.trace.as_ref().map_or(0, |trace| find_excursions(&trace.log, trace.region).len()))
         .collect();
     let report = report(trials);
     let page = report.page();

@@ -13,7 +13,7 @@ use barrelman_sim::sway::Sway;
 use barrelman_sim::video_link::VideoLinkScript;
 use barrelman_sim::{MountPlant, Optics, Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{DrawnEye, Simulation, Witness};
+use barrelman_trial::campaign::{RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::measure;
 use barrelman_vision::{CamShift, CamShiftConfig};
@@ -90,7 +90,7 @@ fn pilot(profile: &VehicleProfile, law: LawSettings) -> Pilot {
     Pilot::new(PilotSettings { profile: profile.clone(), law }, Box::new(tracker))
 }
 
-fn run(scenario: &Scenario, seed: u64, law: LawSettings, witness: &mut dyn Witness) -> TrialLog {
+fn run(scenario: &Scenario, seed: u64, law: LawSettings, witness: &mut dyn StepObserver) -> TrialLog {
     let profile = VehicleProfile::fotokite_pro();
     let world = World::new(scenario, seed).expect("a path");
     Simulation::new(scenario, world, seed, pilot(&profile, law), &profile).run(None, witness)
@@ -150,13 +150,13 @@ struct Counting {
     rates: Vec<VehicleRates>,
 }
 
-impl Witness for Counting {
-    fn step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for Counting {
+    fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, rates: VehicleRates) {
         self.steps += 1;
         self.rates.push(rates);
     }
 
-    fn truth(&mut self, _truth: &Truth) {
+    fn on_truth(&mut self, _truth: &Truth) {
         self.truths += 1;
     }
 }
@@ -177,7 +177,7 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
     let profile = VehicleProfile::fotokite_pro();
     let pixels = |level| {
         let world = World::new(&scenario, 5).expect("a path");
-        let mut eye = DrawnEye::new(
+        let mut eye = RenderedCamera::new(
             &world,
             scenario.camera.clone(),
             5,
@@ -206,7 +206,7 @@ fn the_shadow_of_the_schema_is_the_schema() {
     let mut profile = VehicleProfile::fotokite_pro();
     profile.video_latency = scenario(1.2).camera.latency();
     let region = log.region(profile.region);
-    let shadow = barrelman_trial::shadow::schema_over(&log, region, &profile);
+    let shadow = barrelman_trial::shadow::simulate_motor_schema(&log, region, &profile);
     let mut compared = 0;
     for (row, step) in log.rows.iter().zip(&shadow) {
         let (Some(rates), Some(step)) = (row.rates, step) else { continue };

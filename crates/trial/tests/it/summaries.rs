@@ -5,7 +5,7 @@ use barrelman_trial::metrics::{Arena, Summary, TrialEntry, TrialMetrics, summari
 use crate::trial_logs::measured;
 
 fn arena(number: u8) -> Option<Arena> {
-    Arena::numbered(number)
+    Arena::from_number(number)
 }
 
 fn entry(name: &str, number: Option<Arena>, sensitivity: Option<f64>, excursions: usize) -> TrialEntry {

@@ -20,10 +20,10 @@ pub(crate) fn of_rows(
     let rows = rows.map(|(row, (position, rates))| LogRow { time_s: row as f64 * 0.5, position, rates });
     TrialLog {
         rows: rows.collect(),
-        last_row_s: 0.5,
+        last_row_duration_s: 0.5,
         frame: PICTURE,
         picture: PICTURE,
-        knows_lost: true,
+        records_track_loss: true,
         truth: None,
     }
 }

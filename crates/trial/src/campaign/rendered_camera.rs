@@ -1,4 +1,4 @@
-//! Pictures of a world for a trial in pixels: the renderer, and the frame that its pictures lie in.
+//! The camera of a trial in pixels: renders the world and letter-boxes the pictures into video frames.
 
 use std::sync::Arc;
 
@@ -8,27 +8,28 @@ use barrelman_sim::{Snapshot, World};
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{Picture, PixelBox, VideoFrame};
 
-use super::simulation::{Eye, View};
+use super::frame_source::{CapturedFrame, FrameSource};
 
-/// Draws what a world's camera sees.
-pub struct DrawnEye<'a> {
+/// Renders what a world's camera sees.
+pub struct RenderedCamera<'a> {
     renderer: Renderer,
     camera: CameraSetup,
     bands: &'a dyn Bands,
     snapshot: Snapshot,
-    /// The picture without its frame; not used where there is none.
-    bare: Picture,
-    /// Pictures that were handed out, to be used again when nobody holds them any more.
+    /// The picture without letter-box margins; unused where frame and picture have the same size.
+    unframed: Picture,
+    /// Pictures handed out, reused once all other references to them are dropped.
     pool: Vec<Arc<Picture>>,
     sequence: u64,
     truth: DrawnTruth,
 }
 
-/// Pictures that are kept to be used again.
-const POOL: usize = 32;
+/// Upper bound of the pool, pictures.
+const MAX_POOLED: usize = 32;
 
-impl<'a> DrawnEye<'a> {
-    /// The eye of a trial; `simd` bounds which vector instructions it uses, the pictures are the same with all.
+impl<'a> RenderedCamera<'a> {
+    /// The camera of a trial. `simd` is the highest level of vector instructions that the renderer may use; the pictures
+    /// are bit-identical at every level.
     pub fn new(
         world: &World,
         camera: CameraSetup,
@@ -44,7 +45,7 @@ impl<'a> DrawnEye<'a> {
         };
         Self {
             renderer: Renderer::new(settings),
-            bare: Picture::black(camera.optics.picture, ENCODING),
+            unframed: Picture::black(camera.optics.picture, ENCODING),
             camera,
             bands,
             snapshot: world.snapshot(),
@@ -54,12 +55,12 @@ impl<'a> DrawnEye<'a> {
         }
     }
 
-    /// What was true of the last picture, in pixels of the bare picture.
+    /// Ground truth of the last picture, in pixels of the picture without margins.
     pub const fn truth(&self) -> &DrawnTruth {
         &self.truth
     }
 
-    /// A picture that nobody holds.
+    /// Takes an unreferenced picture from the pool, or makes a new one.
     fn free_picture(&mut self) -> Picture {
         let free = self.pool.iter().position(|picture| Arc::strong_count(picture) == 1);
         free.map(|index| self.pool.swap_remove(index))
@@ -68,48 +69,50 @@ impl<'a> DrawnEye<'a> {
     }
 }
 
-impl Eye for DrawnEye<'_> {
-    fn look(&mut self, world: &World) -> View {
+impl FrameSource for RenderedCamera<'_> {
+    fn capture(&mut self, world: &World) -> CapturedFrame {
         world.show(&mut self.snapshot);
         let (frame, picture) = (self.camera.frame, self.camera.optics.picture);
         let mut framed = self.free_picture();
-        let off = if frame == picture {
+        let margins = if frame == picture {
             self.truth.clone_from(self.renderer.draw(&self.snapshot, &mut framed, self.bands));
             (0, 0)
         } else {
-            self.truth.clone_from(self.renderer.draw(&self.snapshot, &mut self.bare, self.bands));
-            // Whole chroma samples: the letter-box lies on even pixels.
-            let off = |frame: u32, picture: u32| ((frame - picture) / 4 * 2) as usize;
-            let off = (off(frame.width, picture.width), off(frame.height, picture.height));
-            lay(&self.bare, &mut framed, off);
-            off
+            self.truth.clone_from(self.renderer.draw(&self.snapshot, &mut self.unframed, self.bands));
+            // Even numbers of pixels, so that chroma samples stay whole.
+            let margin = |frame: u32, picture: u32| ((frame - picture) / 4 * 2) as usize;
+            let margins = (margin(frame.width, picture.width), margin(frame.height, picture.height));
+            copy_into(&self.unframed, &mut framed, margins);
+            margins
         };
-        let target = self.truth.bounds.map(|bounds| PixelBox {
-            u: bounds.u + off.0 as f64,
-            v: bounds.v + off.1 as f64,
+        let target_bounds = self.truth.bounds.map(|bounds| PixelBox {
+            u: bounds.u + margins.0 as f64,
+            v: bounds.v + margins.1 as f64,
             ..bounds
         });
         let framed = Arc::new(framed);
-        if self.pool.len() < POOL {
+        if self.pool.len() < MAX_POOLED {
             self.pool.push(Arc::clone(&framed));
         }
         let capture = Capture { at: world.now(), quality: CaptureQuality::Sensor };
         let sequence = self.sequence;
         self.sequence += 1;
-        View { frame: VideoFrame { sequence, capture, picture: framed }, target }
+        CapturedFrame { frame: VideoFrame { sequence, capture, picture: framed }, target_bounds }
     }
 }
 
-/// Lays a picture into a larger one, whose margins are black already.
-fn lay(picture: &Picture, frame: &mut Picture, (left, top): (usize, usize)) {
+/// Copies a picture into a larger one at an offset; leaves the margins, which are black, as they are.
+fn copy_into(picture: &Picture, frame: &mut Picture, (left, top): (usize, usize)) {
     let width = frame.size().width as usize;
     let chroma_width = frame.chroma_size().width as usize;
     let planes = [picture.y(), picture.u(), picture.v()];
     let widths = [width, chroma_width, chroma_width];
-    let shares = [1, 2, 2];
-    for (((plane, out), width), share) in planes.iter().zip(frame.planes_mut()).zip(widths).zip(shares) {
+    let subsamplings = [1, 2, 2];
+    for (((plane, out), width), subsampling) in
+        planes.iter().zip(frame.planes_mut()).zip(widths).zip(subsamplings)
+    {
         for row in 0..plane.height {
-            let start = (top / share + row) * width + left / share;
+            let start = (top / subsampling + row) * width + left / subsampling;
             out[start..start + plane.width].copy_from_slice(plane.row(row));
         }
     }
