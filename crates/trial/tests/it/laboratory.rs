@@ -1,6 +1,7 @@
-//! The authors' 30 laboratory logs: the law gives their commands, the metrics give their figures.
+//! The authors' 30 laboratory logs: the law reproduces their commands, the metrics their published means.
 //!
-//! The logs lie beside the repository. Where they are absent there is nothing to check, except on the build server.
+//! The logs are stored outside the repository. Where they are absent, these tests check nothing; on the build server they
+//! fail.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,7 @@ use barrelman_trial::logs::{TrialLog, laboratory, read_text};
 use barrelman_trial::metrics::{Arena, TrialEntry, TrialMetrics, measure, summarise};
 use barrelman_vocab::VehicleProfile;
 
-/// Every log's name and text; `None` where there are none.
+/// Name and text of every log; `None` where the folder is absent.
 #[allow(clippy::print_stdout, reason = "a test that checks nothing says why")]
 pub(crate) fn logs() -> Option<Vec<(String, String)>> {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/trials");
@@ -36,13 +37,13 @@ fn log_of(text: &str) -> TrialLog {
     read.log
 }
 
-/// The fields of every row as they stand in the file.
+/// The fields of every row, unparsed.
 fn fields(text: &str) -> Vec<Vec<&str>> {
     let rows = text.strip_prefix(laboratory::HEADER).unwrap().lines();
     rows.map(|row| row.split(',').collect()).collect()
 }
 
-/// The same log without its pitch, yaw and P.
+/// The log with blank pitch, yaw and P.
 fn blanked(text: &str) -> String {
     let mut blank = laboratory::HEADER.to_owned();
     for row in fields(text) {
@@ -92,7 +93,7 @@ fn the_metrics_give_the_published_means() {
     };
     let summary = summarise(logs.iter().map(entry).collect());
     assert_eq!(summary.pooled.mean_sensitivity, None);
-    // What the definition of the sensitivity gives on these logs, to half a unit of the last published digit more.
+    // Means by this definition of the sensitivity, and the published divisor n.
     let check = |number: &str, trials: usize, mean: f64, n: f64| {
         let figures = &summary.arenas[number];
         let found = figures.pooled.mean_sensitivity.unwrap();
@@ -113,8 +114,8 @@ fn the_metrics_give_the_published_means() {
     assert_eq!(outside, ["arena2_03", "arena2_04", "arena2_05", "arena2_07"]);
 }
 
-/// Excursions, complete ones, seconds outside, commands begun (from rest or from another one), largest P,
-/// sensitivity: worked out from the same logs by another program. Tolerances are half a unit of the last digit that it printed.
+/// Name, excursions, complete excursions, time outside in s, commands begun (from rest or from another command), largest
+/// P, sensitivity, computed from the same logs by another program. Tolerances: half a unit of its last printed digit.
 const EACH_TRIAL: [(&str, usize, usize, f64, usize, f64, f64); 30] = [
     ("arena1_01", 17, 17, 24.2, 20, 2.65, 0.304),
     ("arena1_02", 16, 16, 16.9, 18, 1.53, 0.314),

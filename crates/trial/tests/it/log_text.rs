@@ -1,4 +1,4 @@
-//! Logs as text: what is read, and what is said of what cannot be.
+//! Reading logs as text, and the errors of logs that cannot be read.
 
 use barrelman_trial::logs::{LogError, ParsedLog, exported, laboratory, read_text};
 use barrelman_vocab::{ImagePoint, PictureSize};
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use crate::trial_logs::rates;
 
-/// A laboratory log: the header runs into the first row.
+/// Reads a laboratory log, whose first row follows the header without a line end.
 fn laboratory_log(rows: &str) -> Result<ParsedLog, LogError> {
     read_text(&format!("{}{rows}", laboratory::HEADER))
 }
@@ -39,8 +39,8 @@ fn laboratory_rows_have_seven_fields_or_six() {
 #[test]
 fn blank_commands_are_commands_that_the_log_does_not_tell() {
     let read = laboratory_log("1,2,,,,0,9\n3,4,0.3,,,0,9\n5,6,,0.3,,0,9\n7,8,0.3,0,,0,9\n").unwrap();
-    let told: Vec<_> = read.log.rows.iter().map(|row| row.rates).collect();
-    assert_eq!(told, [None, None, None, Some(rates(0.0, 0.3))]);
+    let rates_of_rows: Vec<_> = read.log.rows.iter().map(|row| row.rates).collect();
+    assert_eq!(rates_of_rows, [None, None, None, Some(rates(0.0, 0.3))]);
     assert!(read.log.rows.iter().all(|row| row.position.is_some()));
 }
 

@@ -1,4 +1,4 @@
-//! A recording through the pilot again.
+//! Replay of a recording.
 
 use core::time::Duration;
 
@@ -27,7 +27,8 @@ fn input(recorded: &RecordedInput) -> Input<'static> {
     recorded.to_input(|_| Err("this trial has no video")).unwrap()
 }
 
-/// What a pilot is told over the practice clip: truth with gaps, requests, telemetry, and the ticks it asks for.
+/// A recording of the practice clip: true localisations with gaps, requests, telemetry, and the ticks that the pilot asks
+/// for.
 fn trial(profile: &VehicleProfile) -> Vec<u8> {
     let clip = PracticeClip::new(SIZE, 1);
     let latency = Duration::from_millis(180);
@@ -70,7 +71,7 @@ fn trial(profile: &VehicleProfile) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
     let (mut step, mut wake_at) = (0, None::<Timestamp>);
-    let mut take = |now: Timestamp, recorded: RecordedInput| {
+    let mut record_step = |now: Timestamp, recorded: RecordedInput| {
         let outcome = pilot.step(input(&recorded), now);
         writer.write(&Entry::Input { step, now, input: recorded }).unwrap();
         let rates = profile.outgoing(outcome.command);
@@ -80,9 +81,9 @@ fn trial(profile: &VehicleProfile) -> Vec<u8> {
     };
     for (now, recorded) in events {
         while let Some(tick_at) = wake_at.filter(|tick_at| *tick_at <= now) {
-            wake_at = take(tick_at, RecordedInput::Tick);
+            wake_at = record_step(tick_at, RecordedInput::Tick);
         }
-        wake_at = take(now, recorded);
+        wake_at = record_step(now, recorded);
     }
     writer.finish().unwrap();
     bytes
@@ -119,7 +120,7 @@ fn a_recorded_trial_is_repeated_to_the_bit() {
         comparison.first_difference
     );
     assert_eq!(comparison.first_difference, None);
-    // The trial is no idle one, and recording it again gives the same file.
+    // The camera moves in this trial, and a second recording of it gives the same file.
     let commands = read(&recording).0.into_iter().filter_map(|entry| match entry {
         Entry::Outcome(outcome) => Some(outcome.command),
         _ => None,
@@ -145,7 +146,7 @@ fn a_changed_profile_shows_in_the_commands() {
     let limited = VehicleProfile { limits: AxisRates { pan: slow, tilt: slow }, ..profile };
     let comparison = replayed(&recording, &limited);
     let (recorded, replayed_outcome) = *comparison.first_difference.unwrap();
-    // The limit works at the door alone.
+    // The limit applies at the vehicle boundary, after the command.
     assert_eq!(recorded.command, replayed_outcome.command);
     assert_eq!(replayed_outcome.rates.yaw.abs().radians_per_second(), 0.2);
 }

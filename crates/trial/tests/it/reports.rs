@@ -1,4 +1,4 @@
-//! Figures and the page hold what they claim.
+//! Content of the report's figures and page.
 
 use barrelman_control::Region;
 use barrelman_trial::logs::{RowTruth, TrialLog, read_text};
@@ -11,13 +11,13 @@ use barrelman_vocab::{ImagePoint, VehicleProfile};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::laboratory::logs;
-use crate::trial_logs::{PICTURE, REGION, drawn, of_rows, rates};
+use crate::trial_logs::{PICTURE, REGION, log_from, log_from_rows, rates};
 
-/// A name that would break a page which does not escape it.
-const NASTY: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
+/// A name that breaks a page unless it is escaped.
+const HOSTILE_NAME: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
 
 fn trace(rows: &str) -> TrialTrace {
-    TrialTrace { log: drawn(rows), region: REGION, shadow: None }
+    TrialTrace { log: log_from(rows), region: REGION, shadow: None }
 }
 
 fn reported(name: &str, log: TrialLog, region: Region, kind: SetKind) -> ReportedTrial {
@@ -31,12 +31,12 @@ fn report(trials: Vec<ReportedTrial>) -> Report {
     Report { trials, version: "0.1.0".to_owned() }
 }
 
-/// Hands a figure's elements over; it must be XML.
-fn with_elements<R>(figure: &Figure, look: impl Fn(&Document<'_>) -> R) -> R {
+/// Parses a figure, which must be XML, and passes it to `inspect`.
+fn with_elements<R>(figure: &Figure, inspect: impl Fn(&Document<'_>) -> R) -> R {
     let svg = figure.svg();
     let document = Document::parse(&svg).unwrap_or_else(|error| panic!("{}: {error}\n{svg}", figure.name));
     assert_eq!(document.root_element().tag_name().namespace(), Some("http://www.w3.org/2000/svg"));
-    look(&document)
+    inspect(&document)
 }
 
 fn of_class<'a>(document: &'a Document<'_>, element: &str, class: &str) -> Vec<Node<'a, 'a>> {
@@ -53,7 +53,7 @@ fn place(node: &Node<'_, '_>, name: &str) -> f64 {
     node.attribute(name).unwrap().parse().unwrap()
 }
 
-/// Checks how many excursions are drawn, and how many of them are open.
+/// Checks the number of excursions in the figures of P and of the picture, and how many of them are open.
 #[track_caller]
 fn check_excursions(rows: &str, all: usize, open: usize) {
     let trace = trace(rows);
@@ -68,8 +68,8 @@ fn check_excursions(rows: &str, all: usize, open: usize) {
     });
     let picture = picture_path::figure("picture", "trial", &trace);
     with_elements(&picture, |document| {
-        let ways_out: usize = of_class(document, "path", "out").len();
-        assert_eq!(ways_out, all, "{rows}: ways out in the picture");
+        let paths: usize = of_class(document, "path", "out").len();
+        assert_eq!(paths, all, "{rows}: excursions in the picture");
     });
 }
 
@@ -127,7 +127,7 @@ fn the_region_and_the_sectors_are_drawn_to_scale() {
 #[test]
 fn commands_are_steps_in_two_lanes() {
     let at = Some(ImagePoint { x: 0.0, y: 0.0 });
-    let log = of_rows(
+    let log = log_from_rows(
         [(0.0, 0.0), (0.3, 0.0), (0.3, 0.0), (0.0, -0.3), (0.0, 0.0)]
             .map(|(yaw, pitch)| (at, Some(rates(yaw, pitch)))),
     );
@@ -139,7 +139,7 @@ fn commands_are_steps_in_two_lanes() {
         }
     });
     assert!(figure.description.contains("1 starts of pitch, 1 of yaw"), "{}", figure.description);
-    let silent = of_rows([(at, None)]);
+    let silent = log_from_rows([(at, None)]);
     assert_eq!(
         commands::figure("commands", "trial", &TrialTrace { log: silent, region: REGION, shadow: None }),
         None
@@ -149,7 +149,7 @@ fn commands_are_steps_in_two_lanes() {
 #[test]
 fn the_path_in_the_world_needs_the_truth() {
     assert_eq!(world_path::figure("world", "trial", &trace(".b.")), None);
-    let mut log = drawn(".bb.a");
+    let mut log = log_from(".bb.a");
     let truth = (0..5).map(|row| RowTruth {
         out_of_picture: false,
         achieved_rates: None,
@@ -164,9 +164,10 @@ fn the_path_in_the_world_needs_the_truth() {
 
 #[test]
 fn names_are_escaped_everywhere() {
-    let trial = reported(NASTY, drawn(".a.b."), REGION, SetKind::Recorded);
-    let alone = ReportedTrial { trace: None, ..reported(NASTY, drawn("a"), REGION, SetKind::Laboratory) };
-    let lost = reported(NASTY, drawn(".------"), REGION, SetKind::Simulated);
+    let trial = reported(HOSTILE_NAME, log_from(".a.b."), REGION, SetKind::Recorded);
+    let alone =
+        ReportedTrial { trace: None, ..reported(HOSTILE_NAME, log_from("a"), REGION, SetKind::Laboratory) };
+    let lost = reported(HOSTILE_NAME, log_from(".------"), REGION, SetKind::Simulated);
     let report = report(vec![trial, alone, lost]);
     let page = report.page();
     assert!(!page.contains("<script>alert"), "{page}");
@@ -189,7 +190,7 @@ fn well_formed(page: &str) {
         panic!("{error}");
     }
     for outside in ["http-equiv", "src=", "href=\"http", "@import", "url("] {
-        assert!(!page.contains(outside), "the page needs something else: {outside}");
+        assert!(!page.contains(outside), "the page refers to something outside: {outside}");
     }
 }
 
@@ -197,7 +198,7 @@ fn well_formed(page: &str) {
 fn small_and_empty_reports_are_pages_too() {
     well_formed(&report(Vec::new()).page());
     for rows in ["", ".", "a", "-", "..", "a.", ".------"] {
-        let report = report(vec![reported("arena1_01", drawn(rows), REGION, SetKind::Laboratory)]);
+        let report = report(vec![reported("arena1_01", log_from(rows), REGION, SetKind::Laboratory)]);
         well_formed(&report.page());
         for figure in report.figures() {
             with_elements(&figure, |_| ());
@@ -218,7 +219,7 @@ fn small_and_empty_reports_are_pages_too() {
 #[test]
 fn the_claim_and_the_count_stand_beside_each_other() {
     let trials = ["....", ".aa.", "..aa"].into_iter().enumerate().map(|(index, rows)| {
-        let log = TrialLog { records_track_loss: false, ..drawn(rows) };
+        let log = TrialLog { records_track_loss: false, ..log_from(rows) };
         let mut trial = reported(&format!("arena2_{index}"), log, REGION, SetKind::Laboratory);
         trial.set.name = "laboratory logs".to_owned();
         trial
@@ -265,8 +266,8 @@ fn the_laboratorys_logs_are_reported_as_they_are() {
     let figures = report.figures();
     let of_p: Vec<&Figure> = figures.iter().filter(|figure| figure.name.ends_with("-p")).collect();
     for (figure, count) in of_p.iter().zip(&counts) {
-        let drawn = with_elements(figure, |document| of_class(document, "line", "b").len());
-        assert_eq!(drawn, *count, "{}", figure.name);
+        let lines = with_elements(figure, |document| of_class(document, "line", "b").len());
+        assert_eq!(lines, *count, "{}", figure.name);
     }
     for (figure, dots) in figures.iter().filter(|figure| figure.name.starts_with("sensitivity")).zip([13, 17])
     {

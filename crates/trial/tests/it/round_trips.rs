@@ -1,4 +1,4 @@
-//! What is written is read, to the bit.
+//! Entries are read as they were written, to the bit.
 
 use core::time::Duration;
 use std::cell::RefCell;
@@ -104,7 +104,7 @@ fn a_frame_is_told_by_its_luma_alone() {
     };
     let black = stamp(&picture);
     assert_eq!((black.sequence, black.capture, black.size), (4, SENSOR, PictureSize::new(5, 3)));
-    // XXH3-64 of fifteen zero bytes: the stored hash must mean the same in every version.
+    // XXH3-64 of fifteen zero bytes: the hash must be the same in every version.
     assert_eq!(black.luma_hash, xxhash_rust::xxh3::xxh3_64(&[0; 15]));
     let (mut brighter, mut bluer) = (picture.clone(), picture);
     brighter.planes_mut()[0][14] = 1;
@@ -113,7 +113,7 @@ fn a_frame_is_told_by_its_luma_alone() {
     assert_eq!(stamp(&bluer), black);
 }
 
-/// An output that somebody else can look at while it is written.
+/// An output that can be read while it is written.
 #[derive(Clone, Default)]
 struct Shared(Rc<RefCell<Vec<u8>>>);
 

@@ -1,4 +1,4 @@
-//! Simulated trials: world, sensor, pilot and back, in lock step.
+//! Simulated trials: world, sensor and pilot in lock step.
 
 use barrelman_control::{CentringGains, LawSettings};
 use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
@@ -19,7 +19,7 @@ use barrelman_trial::metrics::measure;
 use barrelman_vision::{CamShift, CamShiftConfig};
 use barrelman_vocab::{Angle, PictureSize, Timestamp, VehicleProfile, VehicleRates};
 
-/// A red target that goes to and fro before a camera 2 m high, faster than the camera likes.
+/// A red target that moves to and fro in front of a camera 2 m above ground.
 fn scenario(speed_m_per_s: f64) -> Scenario {
     let none = Wander { deviation: 0.0, time_s: 1.0 };
     let picture = PictureSize::new(320, 180);
@@ -90,10 +90,10 @@ fn pilot(profile: &VehicleProfile, law: LawSettings) -> Pilot {
     Pilot::new(PilotSettings { profile: profile.clone(), law }, Box::new(tracker))
 }
 
-fn run(scenario: &Scenario, seed: u64, law: LawSettings, witness: &mut dyn StepObserver) -> TrialLog {
+fn run(scenario: &Scenario, seed: u64, law: LawSettings, observer: &mut dyn StepObserver) -> TrialLog {
     let profile = VehicleProfile::fotokite_pro();
     let world = World::new(scenario, seed).expect("a path");
-    Simulation::new(scenario, world, seed, pilot(&profile, law), &profile).run(None, witness)
+    Simulation::new(scenario, world, seed, pilot(&profile, law), &profile).run(None, observer)
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn the_schema_brings_the_target_back() {
     assert!(metrics.complete_excursions >= 2, "{metrics:?}");
     assert_eq!(metrics.lost, Some(false), "{metrics:?}");
     assert!(metrics.jerk_rad_per_s3.is_some_and(|jerk| jerk > 0.0), "{metrics:?}");
-    // Wherever the target is outside and fresh, the camera turns at the schema's rate.
+    // Every command is at the rate of the motor schema.
     let effort = metrics.effort_rad2_per_s.expect("rates are known");
     let travel = metrics.travel_rad.expect("rates are known");
     assert!((effort - 0.3 * travel).abs() < 1e-9, "{effort} and {travel}");
@@ -142,15 +142,15 @@ fn a_target_that_outruns_the_camera_is_lost_by_its_truth() {
     assert!(metrics.out_of_picture_s.is_some_and(|s| s > 1.0), "{metrics:?}");
 }
 
-/// Counts what a witness is told.
+/// Counts the calls of an observer.
 #[derive(Default)]
-struct Counting {
+struct CountingObserver {
     steps: usize,
     truths: usize,
     rates: Vec<VehicleRates>,
 }
 
-impl StepObserver for Counting {
+impl StepObserver for CountingObserver {
     fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, rates: VehicleRates) {
         self.steps += 1;
         self.rates.push(rates);
@@ -162,12 +162,12 @@ impl StepObserver for Counting {
 }
 
 #[test]
-fn a_witness_is_told_of_every_picture_and_every_step() {
-    let mut witness = Counting::default();
-    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut witness);
-    assert!(witness.truths >= log.rows.len(), "{} pictures, {} rows", witness.truths, log.rows.len());
-    assert!(witness.steps > log.rows.len(), "the request to engage comes on top");
-    assert!(witness.rates.iter().any(|rates| !rates.is_rest()));
+fn an_observer_is_told_of_every_picture_and_every_step() {
+    let mut observer = CountingObserver::default();
+    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut observer);
+    assert!(observer.truths >= log.rows.len(), "{} pictures, {} rows", observer.truths, log.rows.len());
+    assert!(observer.steps > log.rows.len(), "the request to engage is a step too");
+    assert!(observer.rates.iter().any(|rates| !rates.is_rest()));
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
     let profile = VehicleProfile::fotokite_pro();
     let pixels = |level| {
         let world = World::new(&scenario, 5).expect("a path");
-        let mut eye = RenderedCamera::new(
+        let mut camera = RenderedCamera::new(
             &world,
             scenario.camera.clone(),
             5,
@@ -185,12 +185,12 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
             &barrelman_sim::render::Serial,
         );
         let pilot = pilot(&profile, LawSettings::Schema);
-        Simulation::new(&scenario, world, 5, pilot, &profile).run(Some(&mut eye), &mut ())
+        Simulation::new(&scenario, world, 5, pilot, &profile).run(Some(&mut camera), &mut ())
     };
     let log = pixels(SimdLevel::Baseline);
     assert_eq!(log, pixels(SimdLevel::Avx512));
     let by_truth = run(&scenario, 5, LawSettings::Schema, &mut ());
-    // Where the tracker sees it is where it is, within the size of the target.
+    // The tracker's positions agree with the true ones within the size of the target.
     let pairs = log.rows.iter().zip(&by_truth.rows).skip(20).filter_map(|(a, b)| a.position.zip(b.position));
     let errors: Vec<f64> = pairs.map(|(a, b)| (a.x - b.x).hypot(a.y - b.y)).collect();
     assert!(errors.len() > 60, "{}", errors.len());
@@ -198,8 +198,7 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
     assert!(mean < 8.0, "{mean} px");
 }
 
-/// The schema on the bearings of a trial that the schema itself servoed: what it is said that it would have done is
-/// what it did.
+/// The motor schema, simulated on the bearings of its own trial, gives the commands of that trial.
 #[test]
 fn the_shadow_of_the_schema_is_the_schema() {
     let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut ());

@@ -1,4 +1,4 @@
-//! Several trials together.
+//! Summaries of several trials.
 
 use barrelman_trial::metrics::{Arena, Summary, TrialEntry, TrialMetrics, summarise};
 

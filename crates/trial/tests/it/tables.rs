@@ -1,4 +1,4 @@
-//! Channels as tables.
+//! Channels of a recording as tables.
 
 use std::collections::BTreeMap;
 
