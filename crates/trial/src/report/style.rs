@@ -73,7 +73,7 @@ fn dark() -> String {
     rules_with_colours(|(_, _, dark)| dark)
 }
 
-/// The style of figures in the light scheme. and by night where the reader's screen is dark.
+/// The style of figures: the light scheme, and the dark one where the reader's screen is dark.
 pub(super) fn light_and_dark() -> String {
     format!("{}@media screen and (prefers-color-scheme:dark){{{}}}", light(), dark())
 }
