@@ -15,6 +15,7 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod scenarios;
+pub mod stored_video;
 pub mod track;
 pub mod trials;
 

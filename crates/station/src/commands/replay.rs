@@ -1,23 +1,32 @@
 //! `barrelman replay`: a recording through the pilot again.
+//!
+//! The recording is read once, and never held in memory: at most [`MAX_WAITING_BYTES`] of encoded video wait for the step
+//! that asks for their frame, a few decoded frames (see [`StoredVideo`]), and [`MAX_WAITING_OUTCOMES`] outcomes for the
+//! recorded ones.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Write as _, stdout};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use barrelman_trial::behaviour::VersionDifference;
-use barrelman_trial::records::{
-    Entry, FrameFingerprint, ReadError, RecordedOutcome, RecordingReader, RecordingStart,
-};
+use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader, RecordingStart};
 use barrelman_trial::replay::{Replay, ReplayComparison};
-use barrelman_vocab::VideoFrame;
 
 use super::run::build_pilot;
+use super::stored_video::StoredVideo;
 use crate::cli::ReplayArgs;
 use crate::config::{self, ConfigFile, Configuration};
 use barrelman_host::input;
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::DecodeMode;
+
+/// Encoded video that may wait for its step: in a recording of ours some ten units, as the pilot takes the newest frame. A
+/// gigabyte is three seconds of raw video at 3840 x 2160 and 30 frames per second.
+pub const MAX_WAITING_BYTES: usize = 1 << 30;
+/// Outcomes that may wait for the recorded outcome of the same step, which in a recording of ours comes next. The oldest
+/// gives way.
+pub const MAX_WAITING_OUTCOMES: usize = 2048;
 
 /// Runs the command.
 ///
@@ -86,16 +95,17 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
         None => Configuration::resolve_recorded(&config::parse_recorded(&start.configuration)?)
             .context("the recorded configuration")?,
     };
-    let mut film = StoredVideo::new(&start);
+    let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
+    let mut film = StoredVideo::new(mode, MAX_WAITING_BYTES);
     let mut replay = Replay::new(build_pilot(&configuration)?, configuration.profile.clone());
     let difference = version_difference(&start, &configuration);
     let mut replayed =
         Replayed { steps: 0, frames: 0, comparison: ReplayComparison::default(), cut: false, difference };
-    // Outcomes are held against those of the same step; a queue bounds how many wait.
+    // An outcome is compared with the recorded outcome of the same step.
     let mut waiting: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
     for entry in entries {
         match entry {
-            Ok(Entry::Unit(unit)) => film.take(&unit),
+            Ok(Entry::Unit(unit)) => film.add(unit)?,
             Ok(Entry::Input { step, now, input }) => {
                 let (mut frame, frames) = (None, &mut replayed.frames);
                 let input = input.to_input(|fingerprint| {
@@ -105,6 +115,9 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
                 let outcome = replay.step(step, now, input);
                 replayed.steps += 1;
                 waiting.insert(step, outcome);
+                if waiting.len() > MAX_WAITING_OUTCOMES {
+                    waiting.pop_first();
+                }
             }
             Ok(Entry::Outcome(recorded)) => {
                 if let Some(outcome) = waiting.remove(&recorded.step) {
@@ -137,45 +150,4 @@ fn version_difference(start: &RecordingStart, configuration: &Configuration) -> 
         behaviour.law = current.law;
     }
     behaviour.difference(current, tracker.word(), law.word())
-}
-
-/// The video of a recording, decoded again.
-struct StoredVideo {
-    decoder: UnitDecoder,
-    decoded: VecDeque<VideoFrame>,
-    ended: bool,
-}
-
-impl StoredVideo {
-    fn new(start: &RecordingStart) -> Self {
-        let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
-        Self { decoder: UnitDecoder::new(mode), decoded: VecDeque::new(), ended: false }
-    }
-
-    fn take(&mut self, unit: &barrelman_vocab::EncodedUnit) {
-        // What was damaged then is damaged now: the frames that came of it are the same.
-        let _ = self.decoder.decode(unit, &mut |frame| self.decoded.push_back(frame));
-    }
-
-    /// The frame of a stamp, with the time of capture that it had then.
-    fn frame(&mut self, stamp: &FrameFingerprint) -> Result<VideoFrame> {
-        while self.decoded.front().is_some_and(|frame| frame.sequence < stamp.sequence) {
-            self.decoded.pop_front();
-        }
-        if self.decoded.is_empty() && !std::mem::replace(&mut self.ended, true) {
-            // The last pictures of a file come out when nothing more goes in.
-            self.decoder.finish(&mut |frame| self.decoded.push_back(frame));
-            return self.frame(stamp);
-        }
-        let mut frame = self
-            .decoded
-            .pop_front()
-            .filter(|frame| frame.sequence == stamp.sequence)
-            .ok_or_else(|| anyhow!("video frame {} is not in the recording", stamp.sequence))?;
-        if FrameFingerprint::from_frame(&frame).luma_hash != stamp.luma_hash {
-            bail!("video frame {} decodes to another picture than it did then", stamp.sequence);
-        }
-        frame.capture = stamp.capture;
-        Ok(frame)
-    }
 }

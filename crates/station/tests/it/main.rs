@@ -8,12 +8,14 @@
 )]
 
 mod behaviour_versions;
+mod build_profiles;
 mod campaigns;
 mod command_line;
 mod configuration;
 mod emulated_port;
 mod exports;
 mod output_files;
+mod replays;
 mod reports;
 mod secrets;
 mod sent_rates;
