@@ -1,12 +1,12 @@
-//! A model of the camera: its pointing at the time of capture of a picture, and its predicted pointing under the commands
-//! that are in force.
+//! A model of the camera: its pointing at the time of capture of a picture, and its predicted pointing under the
+//! commands that are in force.
 //!
-//! Each axis responds to a command after a dead time, with a first-order lag: `w' = (u - w)/lag`, `angle' = w`. The dead
-//! time of a zero command may be longer than that of a non-zero command, as it is on the recorded vehicle. A later command
-//! overrides an earlier one that has not taken effect by then. The model therefore keeps the state at *now + start dead
-//! time*: it contains every command so far, except for one zero command that may still be pending (the predictor of
-//! Smith, 1957). The pointing of a picture is looked up in the history by the time of capture, so that neither frame
-//! counts nor the video latency enter.
+//! Each axis responds to a command after a dead time, with a first-order lag: `w' = (u - w)/lag`, `angle' = w`. The
+//! dead time of a zero command may be longer than that of a non-zero command, as it is on the recorded vehicle. A later
+//! command overrides an earlier one that has not taken effect by then. The model therefore keeps the state at *now +
+//! start dead time*: it contains every command so far, except for one zero command that may still be pending (the
+//! predictor of Smith, 1957). The pointing of a picture is looked up in the history by the time of capture, so that
+//! neither frame counts nor the video latency enter.
 //!
 //! The inputs are commands. If the vehicle reports the gimbal's attitude, [`CameraModel::correct_tilt`] corrects the
 //! tilt; if it reports a zoom, [`CameraModel::set_field_of_view`] sets the focal length. The model does not contain the
@@ -23,7 +23,8 @@ use self::axis::AxisModel;
 use self::focal_history::FocalHistory;
 use crate::view::View;
 
-/// Standard deviation of a kite's sway in wind, radians per square root of a second: 3 degrees with a time constant of 2 s.
+/// Standard deviation of a kite's sway in wind, radians per square root of a second: 3 degrees with a time constant of
+/// 2 s.
 const SWAY_RAD_PER_ROOT_S: f64 = 0.05;
 /// Relative error of a predicted shift, because dead times and lags differ from the profile.
 const SHIFT_ERROR: f64 = 0.5;
@@ -102,8 +103,8 @@ impl CameraModel {
         self.focal_lengths.at(at) * f64::from(picture.width)
     }
 
-    /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at least 1.5 s;
-    /// later times are predicted.
+    /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at least 1.5
+    /// s; later times are predicted.
     pub fn angles_at(&self, at: Timestamp) -> (f64, f64) {
         let at_s = at.as_secs_f64();
         (self.pan.at(at_s).angle, self.tilt.at(at_s).angle)
@@ -115,8 +116,8 @@ impl CameraModel {
         (self.pan.at(at_s).rate, self.tilt.at(at_s).rate)
     }
 
-    /// Shift of a stationary object at the picture's centre between two pictures due to camera motion, with its standard
-    /// deviation. The deviation covers the kite's sway and differences between vehicle and profile.
+    /// Shift of a stationary object at the picture's centre between two pictures due to camera motion, with its
+    /// standard deviation. The deviation covers the kite's sway and differences between vehicle and profile.
     pub fn motion_prior(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
         let focal_px = self.focal_px(to, picture);
         let interval = to.since(from);

@@ -3,12 +3,12 @@
 //! The law predicts the target's position at the time at which a command takes effect ([`BearingFilter`],
 //! [`CameraModel`]). While the predicted position stays well inside the region, the camera rests. When it leaves the
 //! *start* ellipse within the look-ahead, the camera starts. From then on, each step computes the constant rates that
-//! move the target into the *aim* ellipse within the horizon with the least `∫|u|² dt` ([`Transfer`]). When a camera told
-//! to rest now would keep the target inside the *stop* ellipse, the camera is told to rest. `docs/optimal-law.md`
+//! move the target into the *aim* ellipse within the horizon with the least `∫|u|² dt` ([`Transfer`]). When a camera
+//! told to rest now would keep the target inside the *stop* ellipse, the camera is told to rest. `docs/optimal-law.md`
 //! derives the law and shows the ellipses.
 //!
-//! What must not be here: the decision whether the camera may move at all (`barrelman-pilot`'s safety), and the vehicle's
-//! signs. Work per step: O(1), no allocation.
+//! What must not be here: the decision whether the camera may move at all (`barrelman-pilot`'s safety), and the
+//! vehicle's signs. Work per step: O(1), no allocation.
 
 mod prediction;
 mod tuning;
@@ -165,7 +165,8 @@ impl OptimalLaw {
         let mut wanted = transfer.solve().rates;
         let mut fastest = wanted[0].abs().max(wanted[1].abs());
         if fastest == 0.0 {
-            // The target reaches the aim ellipse without any motion, but stays outside of the stop ellipse: move slowly.
+            // The target reaches the aim ellipse without any motion, but stays outside of the stop ellipse: move
+            // slowly.
             let aim = RECENTRING_SHARE * self.stop_ellipse(slowness);
             let factor = horizon_s / (steepness * steepness * self.tuning.recentring_time_s);
             let recentring = Transfer { aim, ..transfer }.solve();

@@ -25,8 +25,8 @@ pub struct Outcome {
     pub advice: Option<Advice>,
     /// The command in force from this step on (pan > 0 right, tilt > 0 up).
     pub command: CameraCommand,
-    /// Latest time of the next step. Without any other input, a tick at that time makes the pilot stop the camera. `None`
-    /// if no deadline is pending.
+    /// Latest time of the next step. Without any other input, a tick at that time makes the pilot stop the camera.
+    /// `None` if no deadline is pending.
     pub wake_at: Option<Timestamp>,
     /// A message for the operator.
     pub notice: Option<Notice>,

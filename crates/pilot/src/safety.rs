@@ -1,11 +1,11 @@
 //! The safety rule: the only place that decides whether the camera may move.
 //!
-//! 1. A stop outranks everything. After a stop, only `Engage` allows motion again; `Disengage` ends the stop in the idle
-//!    mode.
+//! 1. A stop outranks everything. After a stop, only `Engage` allows motion again; `Disengage` ends the stop in the
+//!    idle mode.
 //! 2. Motion requires fresh localisations. Only a fresh localisation starts or raises a rate; a coasting one can only
 //!    lower it.
-//! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates become zero.
-//!    They also become zero if the current time lies before that arrival, because its age is then unknown.
+//! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates become
+//!    zero. They also become zero if the current time lies before that arrival, because its age is then unknown.
 
 use core::time::Duration;
 

@@ -204,8 +204,8 @@ impl VehicleProfile {
         }
     }
 
-    /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's own signs to
-    /// a command. Limits are not applied.
+    /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's own signs
+    /// to a command. Limits are not applied.
     pub fn from_vehicle(&self, rates: VehicleRates) -> CameraCommand {
         CameraCommand { pan: self.signs.yaw.apply(rates.yaw), tilt: self.signs.pitch.apply(rates.pitch) }
     }

@@ -71,8 +71,8 @@ impl Track {
     }
 }
 
-/// Predicted shift of the picture since the previous video frame due to camera motion, from the commands in force. It is
-/// an optional input of a tracker.
+/// Predicted shift of the picture since the previous video frame due to camera motion, from the commands in force. It
+/// is an optional input of a tracker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionPrior {
     /// Shift of a stationary object near the picture's centre, pixels, positive to the right (u).

@@ -42,8 +42,8 @@ pub enum UnitCodec {
     Jpeg,
     /// A PNG file.
     Png,
-    /// The samples of the Y, U and V planes in this order, 4:2:0, without padding. The chroma planes have half the width
-    /// and height, rounded up.
+    /// The samples of the Y, U and V planes in this order, 4:2:0, without padding. The chroma planes have half the
+    /// width and height, rounded up.
     RawYuv420 {
         /// Size of the luma plane.
         size: PictureSize,

@@ -66,8 +66,8 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// A planar YUV 4:2:0 picture that owns its samples, without padding between rows. The chroma planes have half the width
-/// and height, rounded up, so that odd sizes work.
+/// A planar YUV 4:2:0 picture that owns its samples, without padding between rows. The chroma planes have half the
+/// width and height, rounded up, so that odd sizes work.
 ///
 /// ```
 /// use barrelman_vocab::video::ColourEncoding;

@@ -44,8 +44,8 @@ impl Prediction<'_> {
         self.predicted_view(after, angles)
     }
 
-    /// Turning that moves the target from this view to the centre, relative to the turning that a level camera needs: at
-    /// least 1, and at most 4 where pan has no effect.
+    /// Turning that moves the target from this view to the centre, relative to the turning that a level camera needs:
+    /// at least 1, and at most 4 where pan has no effect.
     pub(super) fn turning_effort(&self, PredictedView { view, point, .. }: &PredictedView) -> f64 {
         const MIN_GAIN: f64 = 0.25;
         let jacobian = view.jacobian(*point);

@@ -20,8 +20,8 @@ pub enum OptimalMode {
 pub struct OptimalSettings {
     /// What the law minimises.
     pub mode: OptimalMode,
-    /// Time within which the law brings the target back, seconds. A longer horizon gives slower movements. `None` selects
-    /// the horizon of the mode.
+    /// Time within which the law brings the target back, seconds. A longer horizon gives slower movements. `None`
+    /// selects the horizon of the mode.
     pub horizon_s: Option<f64>,
 }
 

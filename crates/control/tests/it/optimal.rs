@@ -41,8 +41,8 @@ fn step(
     command
 }
 
-/// Runs the law with a camera without lag and a target with a constant bearing rate for `seconds`. Returns the target's x
-/// in the picture and the command of each step.
+/// Runs the law with a camera without lag and a target with a constant bearing rate for `seconds`. Returns the target's
+/// x in the picture and the command of each step.
 fn follow(
     mode: OptimalMode,
     profile: &VehicleProfile,
@@ -290,8 +290,8 @@ fn an_end_stop_ends_the_motion() {
 
 #[test]
 fn a_pause_between_pictures_is_counted() {
-    // The camera turns while no picture arrives for 0.5 s. The result must be the same as with intermediate updates of the
-    // camera model.
+    // The camera turns while no picture arrives for 0.5 s. The result must be the same as with intermediate updates of
+    // the camera model.
     let profile = VehicleProfile::fotokite_pro();
     let commands = [1, 15].map(|parts| {
         let mut law = law(OptimalMode::MinimumEnergy, &profile);

@@ -48,8 +48,8 @@ fn length(v: [f64; 2]) -> f64 {
     libm::hypot(v[0], v[1])
 }
 
-/// The rates of the conic solver: those with the least energy, or, if `nearest`, those with the closest approach. `None`
-/// if the solver finds none.
+/// The rates of the conic solver: those with the least energy, or, if `nearest`, those with the closest approach.
+/// `None` if the solver finds none.
 fn conic(problem: &Transfer, nearest: bool) -> Option<[f64; 2]> {
     // Variables: the rates, and for the closest approach its distance.
     let n = if nearest { 3 } else { 2 };

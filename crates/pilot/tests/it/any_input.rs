@@ -169,7 +169,10 @@ proptest! {
 
     #[test]
     fn a_tick_at_wake_at_gives_the_zeros(steps in prop::collection::vec(any_step(), 1..40)) {
-        let scene_input = |step: &Step| match step.what { What::Input(input) => Some((step.after_ms, input)), What::Frame(..) => None };
+        let scene_input = |step: &Step| match step.what {
+            What::Input(input) => Some((step.after_ms, input)),
+            What::Frame(..) => None,
+        };
         let mut pilot = crate::scenes::localisation_pilot();
         let mut now_ms = 0_i64;
         let mut wake_at = None;

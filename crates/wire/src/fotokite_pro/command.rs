@@ -1,8 +1,8 @@
 //! The commands that this program can send to the ground station.
 //!
 //! [`Command`] contains all of them. Take-off, motor stop and tether motion are not in it, so that they cannot be sent.
-//! Rates are in radians per second in the vehicle's own signs, with six decimals, clamped to the limits that the vehicle's
-//! known clients observe.
+//! Rates are in radians per second in the vehicle's own signs, with six decimals, clamped to the limits that the
+//! vehicle's known clients observe.
 
 use core::fmt::{self, Write as _};
 

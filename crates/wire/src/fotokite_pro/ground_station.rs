@@ -6,10 +6,10 @@
 //!   (echo, prompt)    stop          (silent; motion lines count once checksums are off)
 //! ```
 //!
-//! Rates are latched: each rate stays in force until the next line for its axis, or until a time-out (a setting, since the
-//! real behaviour is unknown). The station answers to the commands in `docs/wire/fotokite-pro.md`; the answer to any other
-//! line is `nsh: X: command not found`. The station contains no vehicle: the caller reads the rates and supplies the sensor
-//! readings.
+//! Rates are latched: each rate stays in force until the next line for its axis, or until a time-out (a setting, since
+//! the real behaviour is unknown). The station answers to the commands in `docs/wire/fotokite-pro.md`; the answer to
+//! any other line is `nsh: X: command not found`. The station contains no vehicle: the caller reads the rates and
+//! supplies the sensor readings.
 
 use core::fmt::Write as _;
 use core::time::Duration;
@@ -262,8 +262,8 @@ impl GroundStation {
         }
     }
 
-    /// Executes a motion command: only under remote control and without checksums. Motion of the kite itself (`Pos...`) is
-    /// accepted and ignored, since the emulator's kite does not move.
+    /// Executes a motion command: only under remote control and without checksums. Motion of the kite itself (`Pos...`)
+    /// is accepted and ignored, since the emulator's kite does not move.
     fn execute_motion(&mut self, word: &str, arguments: &str, now: Timestamp) {
         if self.state != StationState::RemoteControlled || self.checksums {
             return;

@@ -1,9 +1,9 @@
 //! Pacing: when a rate is sent.
 //!
-//! The vehicle keeps a rate until the next one, and a line can get lost. A zero is therefore sent first, immediately, and
-//! is repeated twice at intervals of 50 ms. Non-zero rates coalesce to the newest one, with at most 20 lines per second
-//! over both axes. A rate that stays in force, including zero, is repeated every 0.5 s, which corrects even a zero that was
-//! lost three times.
+//! The vehicle keeps a rate until the next one, and a line can get lost. A zero is therefore sent first, immediately,
+//! and is repeated twice at intervals of 50 ms. Non-zero rates coalesce to the newest one, with at most 20 lines per
+//! second over both axes. A rate that stays in force, including zero, is repeated every 0.5 s, which corrects even a
+//! zero that was lost three times.
 
 use core::time::Duration;
 

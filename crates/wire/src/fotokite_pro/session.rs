@@ -13,8 +13,8 @@
 //!   any state but Closed and Unresponsive -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
 //! ```
 //!
-//! A session is a plain struct without I/O: bytes and the time in, bytes and the time of the next call out. It sends rates
-//! only in the state `Up`, which always begins with zeros.
+//! A session is a plain struct without I/O: bytes and the time in, bytes and the time of the next call out. It sends
+//! rates only in the state `Up`, which always begins with zeros.
 
 use core::time::Duration;
 
@@ -274,8 +274,8 @@ impl Session {
         self.restarts
     }
 
-    /// The bytes that stop the vehicle from any state, for a session that has failed: the first part contains zeros, the
-    /// second part is to be sent 0.5 s later.
+    /// The bytes that stop the vehicle from any state, for a session that has failed: the first part contains zeros,
+    /// the second part is to be sent 0.5 s later.
     pub fn emergency_stop(framing: Framing) -> (Vec<u8>, Vec<u8>) {
         let (mut zeros, mut stop) = (Vec::new(), Vec::new());
         for command in [Command::GimbalRest, Command::Yaw(AngularRate::ZERO)] {
