@@ -116,7 +116,7 @@ fn follow(tracker: &mut dyn Tracker, bytes: &[u8]) {
             if let Ok(report) = tracker.select(&frame, selection) {
                 seeded = true;
                 in_order(&report.localisation, &frame);
-                let shares = [report.coloured, report.surroundings];
+                let shares = [report.coloured_share, report.surroundings_probability];
                 assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{report:?}");
             }
             continue;

@@ -92,10 +92,10 @@ impl fmt::Display for Notice {
         match self {
             Self::Selected(report) => {
                 write!(f, "following the selection {}", report.used)?;
-                if report.clipped {
+                if report.is_clipped {
                     f.write_str(" (cut off at the picture's edge)")?;
                 }
-                write!(f, "; {:.0} % of it has a colour to go by", report.coloured * 100.0)
+                write!(f, "; {:.0} % of it has a colour to go by", report.coloured_share * 100.0)
             }
             Self::SelectionRefused(refusal) => refusal.fmt(f),
             Self::VideoClockWentBack => f.write_str("the video's clock ran backwards"),

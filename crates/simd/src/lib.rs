@@ -1,6 +1,6 @@
 //! Loops over many values with the widest vector instructions that the machine has, and the same bits.
 //!
-//! A function within [`at_level!`] is compiled several times from the same scalar source: for the baseline of the
+//! A function within [`multiversion!`] is compiled several times from the same scalar source: for the baseline of the
 //! target, with AVX2, and with AVX-512. None of them fuses a multiplication with an addition, none changes the
 //! order of a sum, so all round alike, as long as the source keeps to `+ - * / sqrt`, comparisons, truncation and
 //! integers: no `mul_add`, no transcendental functions of the standard library.
@@ -43,25 +43,25 @@ impl fmt::Display for SimdLevel {
 
 /// A name that is not one of `scalar`, `sse2`, `avx2` and `avx512`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct UnknownLevel;
+pub struct UnknownSimdLevel;
 
-impl fmt::Display for UnknownLevel {
+impl fmt::Display for UnknownSimdLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("not one of scalar, sse2, avx2 and avx512")
     }
 }
 
-impl core::error::Error for UnknownLevel {}
+impl core::error::Error for UnknownSimdLevel {}
 
 impl FromStr for SimdLevel {
-    type Err = UnknownLevel;
+    type Err = UnknownSimdLevel;
 
-    fn from_str(name: &str) -> Result<Self, UnknownLevel> {
+    fn from_str(name: &str) -> Result<Self, UnknownSimdLevel> {
         match name {
             "scalar" | "sse2" => Ok(Self::Baseline),
             "avx2" => Ok(Self::Avx2),
             "avx512" => Ok(Self::Avx512),
-            _ => Err(UnknownLevel),
+            _ => Err(UnknownSimdLevel),
         }
     }
 }
@@ -104,9 +104,9 @@ impl Simd {
 /// the [`Simd`] to use; it may name the function's own arguments.
 ///
 /// ```
-/// use barrelman_simd::{Simd, at_level};
+/// use barrelman_simd::{Simd, multiversion};
 ///
-/// at_level! { simd;
+/// multiversion! { simd;
 ///     /// Doubles every value.
 ///     fn double(simd: Simd, values: &mut [f32]) {
 ///         values.iter_mut().for_each(|value| *value *= 2.0);
@@ -118,7 +118,7 @@ impl Simd {
 /// assert_eq!(values, [2.0, 5.0]);
 /// ```
 #[macro_export]
-macro_rules! at_level {
+macro_rules! multiversion {
     ($simd:expr; $(#[$meta:meta])* $vis:vis fn $name:ident($($arg:ident: $ty:ty),* $(,)?) $body:block) => {
         $(#[$meta])*
         #[allow(unused_variables)]
@@ -158,7 +158,7 @@ macro_rules! at_level {
 mod tests {
     use super::*;
 
-    at_level! { simd;
+    multiversion! { simd;
         fn mix(simd: Simd, values: &mut [f32]) {
             for value in values {
                 *value = (*value * 1.7 + 0.3) / (*value + 2.0).sqrt();
@@ -192,6 +192,6 @@ mod tests {
             assert_eq!(level.to_string().parse(), Ok(level));
         }
         assert_eq!("sse2".parse(), Ok(SimdLevel::Baseline));
-        assert_eq!("neon".parse::<SimdLevel>(), Err(UnknownLevel));
+        assert_eq!("neon".parse::<SimdLevel>(), Err(UnknownSimdLevel));
     }
 }

@@ -14,7 +14,7 @@
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 
 /// Number of hues: codes 0 to 179, each two degrees wide.
-pub(crate) const HUES: u8 = 180;
+pub(crate) const HUE_CODES: u8 = 180;
 
 /// Code of a pixel whose hue does not count.
 pub const BELOW_FLOORS: u8 = 255;
@@ -33,7 +33,7 @@ const FRACTION: u32 = 16;
 
 /// Converts the samples of one colour encoding into hue codes.
 #[derive(Debug, Clone)]
-pub struct HueOfYuv {
+pub struct YuvToHue {
     colour: ColourEncoding,
     /// Level that Y = 0 stands for, half a level for rounding, in 1/65536 of a level.
     level_of_zero: i32,
@@ -46,7 +46,7 @@ pub struct HueOfYuv {
     blue_per_u: i32,
 }
 
-impl HueOfYuv {
+impl YuvToHue {
     /// For pictures of this encoding.
     pub fn new(colour: ColourEncoding) -> Self {
         // Shares of red and blue in luma, from the recommendations of these numbers.
@@ -79,7 +79,7 @@ impl HueOfYuv {
     }
 
     /// The code of a pixel with these samples.
-    pub fn code(&self, [y, u, v]: [u8; 3], floors: Floors) -> u8 {
+    pub fn hue_code(&self, [y, u, v]: [u8; 3], floors: Floors) -> u8 {
         let (u, v) = (i32::from(u) - 128, i32::from(v) - 128);
         let level = self.level_of_zero + i32::from(y) * self.per_y;
         let channel = |offset: i32| ((level + offset) >> FRACTION).clamp(0, 255);
@@ -107,6 +107,6 @@ impl HueOfYuv {
         // 30 difference / chroma, rounded to the nearest whole number.
         let within = (60 * difference + chroma).div_euclid(2 * chroma);
         // 0 to 179, so the cast keeps it.
-        (sector + within).rem_euclid(i32::from(HUES)) as u8
+        (sector + within).rem_euclid(i32::from(HUE_CODES)) as u8
     }
 }

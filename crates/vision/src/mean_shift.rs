@@ -15,7 +15,7 @@
 //! with OpenCV's `CamShift`, which is what the laboratory ran.
 //!
 //! The box that is *reported* is another: the upright box of the ellipse itself, sqrt((l cos)^2 + (w sin)^2) wide and
-//! sqrt((l sin)^2 + (w cos)^2) high about the unrounded centroid, and [`EDGE_PX`] more on every side. The window is
+//! sqrt((l sin)^2 + (w cos)^2) high about the unrounded centroid, and [`EDGE_MARGIN_PX`] more on every side. The window is
 //! too small for a slanting target, and the upright box of OpenCV's rotated rectangle reaches beyond the ellipse.
 //!
 //! Work: one pass over the first window with a few whole-number operations per pixel, and for each of the at most
@@ -24,22 +24,22 @@
 
 use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
-use crate::moments::{Mass, Moments, RunningMoments};
+use crate::moments::{MomentSource, Moments, RunningMoments};
 use crate::window::Window;
 
 /// Pixels that the window is enlarged by on every side before size and direction are taken, and by which it grows
 /// when it holds nothing. 10 is what OpenCV, and so the laboratory, uses.
-pub const MARGIN: usize = 10;
+pub const MOMENT_MARGIN_PX: usize = 10;
 
 /// Pixels by which a target reaches beyond the ellipse of its mass on every side. Those at its edge are mixed with
 /// what is behind them, and fall out of the hues or below the floors: a chroma sample is two pixels wide, and the one
 /// cut by the edge lacks half of it in the mean, as does the pixel of its half. On recorded boats with labels 1 to 2
 /// fit best.
-pub const EDGE_PX: f64 = 1.5;
+pub const EDGE_MARGIN_PX: f64 = 1.5;
 
 /// When mean shift ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Criteria {
+pub struct TerminationCriteria {
     /// Most steps, at least 1.
     pub max_iterations: u32,
     /// A step shorter than this is the last, pixels.
@@ -48,16 +48,16 @@ pub struct Criteria {
 
 /// What a search came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Search {
+pub enum SearchResult {
     /// There is mass.
-    Found(Target),
-    /// There is none in this window: the one that the search ended with, enlarged by [`MARGIN`].
-    Nothing(Window),
+    Found(CamShiftTarget),
+    /// There is none in this window: the one that the search ended with, enlarged by [`MOMENT_MARGIN_PX`].
+    NotFound(Window),
 }
 
 /// The mass that a search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
+pub struct CamShiftTarget {
     /// The window to start from in the next frame.
     pub window: Window,
     /// Centroid of the mass in pixel coordinates: the middle of the first pixel is (0.5, 0.5).
@@ -70,51 +70,51 @@ pub struct Target {
     pub axis: Angle,
 }
 
-impl Target {
+impl CamShiftTarget {
     /// The upright box around the whole target. It may reach out of the picture.
     pub fn bounds(&self) -> PixelBox {
         let (sin, cos) = (libm::sin(self.axis.radians()), libm::cos(self.axis.radians()));
         let reach = |major: f64, minor: f64| {
             let (major, minor) = (self.major_px * major, self.minor_px * minor);
-            (major * major + minor * minor).sqrt() + 2.0 * EDGE_PX
+            (major * major + minor * minor).sqrt() + 2.0 * EDGE_MARGIN_PX
         };
         let (w, h) = (reach(cos, sin), reach(sin, cos));
         PixelBox { u: self.centroid.u - w / 2.0, v: self.centroid.v - h / 2.0, w, h }
     }
 
     /// The target that has these moments in a map of that size; none where there is no mass.
-    pub(crate) fn of(sums: &Moments, width: usize, height: usize) -> Option<Self> {
-        Ellipse::of(sums).map(|ellipse| ellipse.in_map(width, height))
+    pub(crate) fn from_moments(sums: &Moments, width: usize, height: usize) -> Option<Self> {
+        EquivalentEllipse::from_moments(sums).map(|ellipse| ellipse.to_target(width, height))
     }
 }
 
 /// Searches for the target from the window `start` (what lies outside the map is cut off).
-pub fn cam_shift(map: &mut impl Mass, start: Window, criteria: Criteria) -> Search {
+pub fn cam_shift(map: &mut impl MomentSource, start: Window, criteria: TerminationCriteria) -> SearchResult {
     let (width, height) = (map.width(), map.height());
     let mut sums = RunningMoments::new(map);
     let rest = mean_shift(&mut sums, (width, height), start.clipped(width, height), criteria);
-    let around = rest.inflated(MARGIN, width, height);
-    match Target::of(&sums.over(around), width, height) {
-        Some(target) => Search::Found(target),
-        None => Search::Nothing(around),
+    let around = rest.inflated(MOMENT_MARGIN_PX, width, height);
+    match CamShiftTarget::from_moments(&sums.moments_over(around), width, height) {
+        Some(target) => SearchResult::Found(target),
+        None => SearchResult::NotFound(around),
     }
 }
 
 /// Moves the window onto the mass in it, and returns where it came to rest.
-fn mean_shift<M: Mass>(
+fn mean_shift<M: MomentSource>(
     sums: &mut RunningMoments<'_, M>,
     (width, height): (usize, usize),
     start: Window,
-    criteria: Criteria,
+    criteria: TerminationCriteria,
 ) -> Window {
     let mut window = start;
     for _ in 0..criteria.max_iterations.max(1) {
-        let sums = sums.over(window);
+        let sums = sums.moments_over(window);
         if sums.m00 == 0 {
             break;
         }
-        let x = moved(window.x, window.w, sums.m10, sums.m00, width);
-        let y = moved(window.y, window.h, sums.m01, sums.m00, height);
+        let x = recentred(window.x, window.w, sums.m10, sums.m00, width);
+        let y = recentred(window.y, window.h, sums.m01, sums.m00, height);
         let (step_x, step_y) = (x.abs_diff(window.x) as f64, y.abs_diff(window.y) as f64);
         (window.x, window.y) = (x, y);
         if step_x * step_x + step_y * step_y < criteria.epsilon_px * criteria.epsilon_px {
@@ -125,7 +125,7 @@ fn mean_shift<M: Mass>(
 }
 
 /// Where a span of `length` pixels starts when its middle is moved onto the centroid, within 0..end.
-fn moved(start: usize, length: usize, moment: u64, mass: u64, end: usize) -> usize {
+fn recentred(start: usize, length: usize, moment: u64, mass: u64, end: usize) -> usize {
     let centroid = moment as f64 / mass as f64;
     let step = (centroid - start as f64 - length as f64 / 2.0).round_ties_even();
     // The centroid lies in the window, so the sum is small, and a cast of what is negative gives 0.
@@ -133,7 +133,7 @@ fn moved(start: usize, length: usize, moment: u64, mass: u64, end: usize) -> usi
 }
 
 /// The uniform ellipse with the same centroid and spread as a mass; x, y in whole pixels, y downwards.
-struct Ellipse {
+struct EquivalentEllipse {
     x: f64,
     y: f64,
     major: f64,
@@ -142,8 +142,8 @@ struct Ellipse {
     turn: f64,
 }
 
-impl Ellipse {
-    fn of(sums: &Moments) -> Option<Self> {
+impl EquivalentEllipse {
+    fn from_moments(sums: &Moments) -> Option<Self> {
         if sums.m00 == 0 {
             return None;
         }
@@ -159,15 +159,15 @@ impl Ellipse {
         Some(Self { x, y, major: axis((a + c + spread) / 2.0), minor: axis((a + c - spread) / 2.0), turn })
     }
 
-    fn in_map(&self, width: usize, height: usize) -> Target {
+    fn to_target(&self, width: usize, height: usize) -> CamShiftTarget {
         let (sin, cos) = (libm::sin(self.turn).abs(), libm::cos(self.turn).abs());
-        let (x, w) = span(self.x, (self.major * cos).max(self.minor * sin), width);
-        let (y, h) = span(self.y, (self.major * sin).max(self.minor * cos), height);
+        let (x, w) = next_window_span(self.x, (self.major * cos).max(self.minor * sin), width);
+        let (y, h) = next_window_span(self.y, (self.major * sin).max(self.minor * cos), height);
         // Downwards is positive in the picture, and anticlockwise as seen in what is reported. Where the turn is a
         // hair above zero the remainder rounds to pi itself, which is the same axis as 0.
         let upward = if self.turn > 0.0 { core::f64::consts::PI - self.turn } else { -self.turn };
         let axis = if upward >= core::f64::consts::PI { 0.0 } else { upward };
-        Target {
+        CamShiftTarget {
             window: Window { x, y, w, h },
             centroid: PixelPoint { u: self.x + 0.5, v: self.y + 0.5 },
             major_px: self.major,
@@ -178,7 +178,7 @@ impl Ellipse {
 }
 
 /// Start and length of the window along one axis: `reach` and two pixels more around `centroid`, within 0..end.
-fn span(centroid: f64, reach: f64, end: usize) -> (usize, usize) {
+fn next_window_span(centroid: f64, reach: f64, end: usize) -> (usize, usize) {
     let middle = (centroid.round_ties_even() as usize).min(end.saturating_sub(1));
     let length = (reach.round_ties_even() as usize + 2).min((end - middle) * 2);
     let start = middle.saturating_sub(length / 2);

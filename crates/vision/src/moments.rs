@@ -56,15 +56,15 @@ pub(crate) struct RunningMoments<'a, M> {
     sums: Moments,
 }
 
-impl<'a, M: Mass> RunningMoments<'a, M> {
+impl<'a, M: MomentSource> RunningMoments<'a, M> {
     pub(crate) fn new(map: &'a mut M) -> Self {
         Self { map, window: Window::default(), sums: Moments::default() }
     }
 
     /// The moments over the part of `window` that lies in the map.
-    pub(crate) fn over(&mut self, window: Window) -> Moments {
+    pub(crate) fn moments_over(&mut self, window: Window) -> Moments {
         let window = window.clipped(self.map.width(), self.map.height());
-        let (entering, leaving) = (window.without(self.window), self.window.without(window));
+        let (entering, leaving) = (window.difference(self.window), self.window.difference(window));
         let area = |pieces: [Window; 4]| pieces.into_iter().map(Window::area).sum::<usize>();
         if area(entering) + area(leaving) < window.area() {
             for piece in entering.into_iter().filter(|piece| !piece.is_empty()) {
@@ -82,7 +82,7 @@ impl<'a, M: Mass> RunningMoments<'a, M> {
 }
 
 /// Something that has a mass at every pixel and can be summed over windows.
-pub trait Mass {
+pub trait MomentSource {
     /// Columns of the map.
     fn width(&self) -> usize;
     /// Rows of the map.
@@ -93,13 +93,13 @@ pub trait Mass {
 
 /// A map of weights, one byte per pixel, rows tightly packed, borrowed.
 #[derive(Debug, Clone, Copy)]
-pub struct ByteMap<'a> {
+pub struct WeightMap<'a> {
     weights: &'a [u8],
     width: usize,
     height: usize,
 }
 
-impl<'a> ByteMap<'a> {
+impl<'a> WeightMap<'a> {
     /// A map of `width` columns and as many whole rows as `weights` holds, at most `height`.
     pub fn new(weights: &'a [u8], width: usize, height: usize) -> Self {
         let rows = weights.len().checked_div(width).unwrap_or(0);
@@ -107,7 +107,7 @@ impl<'a> ByteMap<'a> {
     }
 }
 
-impl Mass for ByteMap<'_> {
+impl MomentSource for WeightMap<'_> {
     fn width(&self) -> usize {
         self.width
     }
@@ -124,7 +124,7 @@ impl Mass for ByteMap<'_> {
         }
         let rows = self.weights.chunks_exact(self.width).enumerate().skip(window.y).take(window.h);
         for (y, row) in rows {
-            let row_sums = RowSums::of(&row[window.x..][..window.w]);
+            let row_sums = RowSums::new(&row[window.x..][..window.w]);
             let (x, y) = (window.x as u64, y as u64);
             let along_x = row_sums.s1 + x * row_sums.s0;
             sums.m00 += row_sums.s0;
@@ -146,31 +146,31 @@ struct RowSums {
     s2: u64,
 }
 
-/// Pixels summed at a stretch, so that 32 bits hold the sums and a processor can take several at once.
-const STRETCH: usize = 64;
+/// Pixels summed at a chunk, so that 32 bits hold the sums and a processor can take several at once.
+const CHUNK: usize = 64;
 
 impl RowSums {
-    fn of(row: &[u8]) -> Self {
+    fn new(row: &[u8]) -> Self {
         let mut sums = Self::default();
-        let (stretches, rest) = row.as_chunks::<STRETCH>();
+        let (chunks, rest) = row.as_chunks::<CHUNK>();
         let mut start = 0;
-        for stretch in stretches {
-            sums.add(start, stretch);
-            start += STRETCH as u64;
+        for chunk in chunks {
+            sums.add(start, chunk);
+            start += CHUNK as u64;
         }
-        let mut padded = [0; STRETCH];
+        let mut padded = [0; CHUNK];
         padded[..rest.len()].copy_from_slice(rest);
         sums.add(start, &padded);
         sums
     }
 
-    fn add(&mut self, start: u64, stretch: &[u8; STRETCH]) {
+    fn add(&mut self, start: u64, chunk: &[u8; CHUNK]) {
         // Products of 16-bit numbers added up in 32 bits: processors do several of these at once.
         let (mut c0, mut c1, mut c2) = (0i32, 0i32, 0i32);
-        for ((&weight, &place), &square) in stretch.iter().zip(&PLACES).zip(&SQUARES) {
+        for ((&weight, &offset), &square) in chunk.iter().zip(&OFFSETS).zip(&SQUARES) {
             let weight = i32::from(weight);
             c0 += weight;
-            c1 += weight * i32::from(place);
+            c1 += weight * i32::from(offset);
             c2 += weight * i32::from(square);
         }
         // None of the sums is negative, so the casts keep them.
@@ -181,16 +181,16 @@ impl RowSums {
     }
 }
 
-/// Place of each pixel in a stretch, and its square.
-static PLACES: [i16; STRETCH] = places(1);
-static SQUARES: [i16; STRETCH] = places(2);
+/// PatchPose of each pixel in a chunk, and its square.
+static OFFSETS: [i16; CHUNK] = offset_powers(1);
+static SQUARES: [i16; CHUNK] = offset_powers(2);
 
-const fn places(power: u32) -> [i16; STRETCH] {
-    let mut places = [0; STRETCH];
+const fn offset_powers(power: u32) -> [i16; CHUNK] {
+    let mut offset_powers = [0; CHUNK];
     let mut i = 0;
-    while i < STRETCH {
-        places[i] = (i as i16).pow(power);
+    while i < CHUNK {
+        offset_powers[i] = (i as i16).pow(power);
         i += 1;
     }
-    places
+    offset_powers
 }

@@ -1,14 +1,14 @@
 //! Loops over many values with the widest vector instructions that the machine has, and the same bits: the macro of
 //! `barrelman-simd`, and the tests that hold this crate's kernels to it.
 //!
-//! A function within [`widest!`] is compiled for each level from the same scalar source. None fuses a multiplication
+//! A function within [`simd_kernel!`] is compiled for each level from the same scalar source. None fuses a multiplication
 //! with an addition, none changes the order of a sum, so all round alike.
 
 /// Wraps free functions whose loops are worth it.
-macro_rules! widest {
-    ($($function:tt)*) => { barrelman_simd::at_level! { crate::simd::level(); $($function)* } };
+macro_rules! simd_kernel {
+    ($($function:tt)*) => { barrelman_simd::multiversion! { crate::simd::level(); $($function)* } };
 }
-pub(crate) use widest;
+pub(crate) use simd_kernel;
 
 /// The widest that there is, but in a test that compares two.
 #[cfg(not(test))]
@@ -29,11 +29,13 @@ mod tests {
     use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
     use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
-    use crate::colour_model::{ColourModel, Region, count_colours};
-    use crate::correlation::{CorrelationFilter, wanted_response};
-    use crate::crop::{Crop, Grid, decimate};
+    use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
+    use crate::correlation::{CorrelationFilter, desired_response_spectrum};
+    use crate::crop::Crop;
+    use crate::decimation::decimate;
     use crate::fourier::{AREA, Fourier, Map, Spectrum};
-    use crate::gradients::{CELL, Gradients, MARGIN, directions};
+    use crate::gradients::{CELL, GradientHistograms, MARGIN, unit_directions};
+    use crate::sampling::SamplingGrid;
     use crate::{FusedConfig, FusedTracker, Tracker};
 
     thread_local! {
@@ -122,7 +124,7 @@ mod tests {
         check(|| {
             let mut fourier = Fourier::new();
             let mut filter = CorrelationFilter::default();
-            let wanted = wanted_response(&mut fourier, 1.3);
+            let desired = desired_response_spectrum(&mut fourier, 1.3);
             let mask = {
                 let mut mask: Box<Map> = Box::new([0.0; AREA]);
                 mask.iter_mut().zip(map(9).iter()).for_each(|(m, &v)| *m = (0.5 + v / 36.0).clamp(0.0, 1.0));
@@ -130,11 +132,11 @@ mod tests {
             };
             for seed in 0..3 {
                 let trained = spectra(&mut fourier, [10 + seed, 20 + seed]);
-                filter.learn(&trained, 0.1);
-                filter.improve(&mut fourier, &wanted, &mask);
+                filter.update_model(&trained, 0.1);
+                filter.solve_step(&mut fourier, &desired, &mask);
             }
             let mut response = Spectrum::default();
-            filter.respond(&spectra(&mut fourier, [30, 31]), &mut response);
+            filter.correlate(&spectra(&mut fourier, [30, 31]), &mut response);
             [filter.kernel().to_vec(), values(&response)].concat()
         });
     }
@@ -147,9 +149,9 @@ mod tests {
                 let mut sample = noise(7);
                 let samples = (width * CELL + 2 * MARGIN) * (height * CELL + 2 * MARGIN);
                 let patch: Vec<f32> = (0..samples).map(|_| f32::from(sample())).collect();
-                let (vectors, cos_step) = directions();
-                let mut gradients = Gradients::default();
-                gradients.measure(&patch, width, height, &vectors, cos_step);
+                let (vectors, cos_step) = unit_directions();
+                let mut gradients = GradientHistograms::default();
+                gradients.compute(&patch, width, height, &vectors, cos_step);
                 gradients.cells().to_vec()
             });
         }
@@ -175,23 +177,23 @@ mod tests {
         count_colours(
             &picture,
             (45.0, 35.0),
-            &Region::upright((30.0, 20.0)),
+            &TargetEllipse::inscribed_in((30.0, 20.0)),
             &mut model.target,
             &mut model.surroundings,
         );
-        model.renew();
+        model.update_table();
         for (centre, angle, step) in
             [((45.0, 35.0), 0.0, 1.0), ((3.0, 66.0), 0.7, 1.7), ((80.0, 9.0), 4.0, 2.9)]
         {
             check(|| {
                 let mut crop = Crop::default();
-                crop.take(&picture, &model, centre, 40.0, step);
+                crop.extract(&picture, &model, centre, 40.0, step);
                 let turn = (libm::cosf(angle), libm::sinf(angle));
-                let grid = Grid { centre, step, turn, width: 21, height: 18 };
-                let (mut luma, mut likeness) = (Vec::new(), Vec::new());
-                crop.luma_patch(&grid, &mut luma);
-                crop.likeness_patch(&grid, &mut likeness);
-                [luma, likeness].concat()
+                let grid = SamplingGrid { centre, step, turn, width: 21, height: 18 };
+                let (mut luma, mut probability) = (Vec::new(), Vec::new());
+                crop.sample_luma(&grid, &mut luma);
+                crop.sample_probability(&grid, &mut probability);
+                [luma, probability].concat()
             });
         }
     }
@@ -216,7 +218,7 @@ mod tests {
             let mut tracker = FusedTracker::new(FusedConfig::default()).unwrap();
             let selection = PixelBox { u: 50.0, v: 40.0, w: 40.0, h: 26.0 };
             let report = tracker.select(&frames[0], selection).unwrap();
-            let mut values = vec![report.coloured as f32, report.surroundings as f32];
+            let mut values = vec![report.coloured_share as f32, report.surroundings_probability as f32];
             for frame in &frames {
                 let track = tracker.track(frame, None);
                 values.push(track.localisation().map_or(-1.0, |here| here.confidence as f32));

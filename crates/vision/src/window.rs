@@ -19,19 +19,19 @@ pub struct Window {
 
 impl Window {
     /// The whole of a picture.
-    pub const fn whole(width: usize, height: usize) -> Self {
+    pub const fn full(width: usize, height: usize) -> Self {
         Self { x: 0, y: 0, w: width, h: height }
     }
 
     /// The pixels of `area` in the picture: its edges go to the nearest border between pixels, but at least one
     /// pixel is kept. Nothing where the box is empty or does not meet the picture.
-    pub fn nearest(area: PixelBox, picture: PictureSize) -> Option<Self> {
+    pub fn rounded_from(area: PixelBox, picture: PictureSize) -> Option<Self> {
         let inside = area.clipped(picture);
         if area.is_empty() || inside.is_empty() {
             return None;
         }
-        let (x, w) = nearest_span(inside.u, inside.w, picture.width);
-        let (y, h) = nearest_span(inside.v, inside.h, picture.height);
+        let (x, w) = rounded_span(inside.u, inside.w, picture.width);
+        let (y, h) = rounded_span(inside.v, inside.h, picture.height);
         Some(Self { x, y, w, h })
     }
 
@@ -39,11 +39,11 @@ impl Window {
     ///
     /// # Errors
     /// If it is empty, or lies outside the picture.
-    pub(crate) fn of_selection(selection: PixelBox, picture: PictureSize) -> Result<Self, SelectionError> {
+    pub(crate) fn from_selection(selection: PixelBox, picture: PictureSize) -> Result<Self, SelectionError> {
         if selection.is_empty() {
             return Err(SelectionError::Empty { selection, picture });
         }
-        Self::nearest(selection, picture).ok_or(SelectionError::Outside { selection, picture })
+        Self::rounded_from(selection, picture).ok_or(SelectionError::Outside { selection, picture })
     }
 
     /// Pixels covered.
@@ -83,7 +83,7 @@ impl Window {
     }
 
     /// Whether every pixel of `other` is one of this window.
-    pub const fn covers(self, other: Self) -> bool {
+    pub const fn contains(self, other: Self) -> bool {
         other.is_empty()
             || (self.x <= other.x
                 && self.y <= other.y
@@ -107,7 +107,7 @@ impl Window {
 
     /// The part of this window that `other` does not cover, as the pieces above, below, to the left and to the right
     /// of it; any of them may be empty.
-    pub fn without(self, other: Self) -> [Self; 4] {
+    pub fn difference(self, other: Self) -> [Self; 4] {
         let (left, right) = (other.x.clamp(self.x, self.right()), other.right().clamp(self.x, self.right()));
         let (top, bottom) =
             (other.y.clamp(self.y, self.bottom()), other.bottom().clamp(self.y, self.bottom()));
@@ -127,7 +127,7 @@ impl Window {
     /// The smallest window that covers this one and cuts no block of 2 x 2 pixels that share a chroma sample, in a
     /// picture of that size.
     #[must_use]
-    pub fn on_blocks(self, width: usize, height: usize) -> Self {
+    pub fn aligned_to_chroma_blocks(self, width: usize, height: usize) -> Self {
         let (x, y) = (self.x & !1, self.y & !1);
         let right = self.right().next_multiple_of(2).min(width);
         let bottom = self.bottom().next_multiple_of(2).min(height);
@@ -135,13 +135,13 @@ impl Window {
     }
 
     /// The same box in pixel coordinates.
-    pub fn in_pixels(self) -> PixelBox {
+    pub fn to_pixel_box(self) -> PixelBox {
         PixelBox { u: self.x as f64, v: self.y as f64, w: self.w as f64, h: self.h as f64 }
     }
 }
 
 /// Whether part of the box lies outside the picture.
-pub(crate) fn reaches_out(selection: PixelBox, picture: PictureSize) -> bool {
+pub(crate) fn exceeds_picture(selection: PixelBox, picture: PictureSize) -> bool {
     let (right, bottom) = (selection.u + selection.w, selection.v + selection.h);
     selection.u < 0.0
         || selection.v < 0.0
@@ -150,7 +150,7 @@ pub(crate) fn reaches_out(selection: PixelBox, picture: PictureSize) -> bool {
 }
 
 /// The nearest whole pixels to `start..start + length`, at least one, below `end`.
-fn nearest_span(start: f64, length: f64, end: u32) -> (usize, usize) {
+fn rounded_span(start: f64, length: f64, end: u32) -> (usize, usize) {
     let last = (end as usize).saturating_sub(1);
     let first = ((start + 0.5) as usize).min(last);
     let behind = ((start + length + 0.5) as usize).clamp(first + 1, last + 1);

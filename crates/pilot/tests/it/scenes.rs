@@ -150,9 +150,9 @@ pub(crate) fn refusal(selection: PixelBox) -> SelectionError {
 pub(crate) fn report(localisation: Localisation) -> SelectionReport {
     SelectionReport {
         used: localisation.bounds,
-        clipped: false,
-        coloured: 1.0,
-        surroundings: 0.0,
+        is_clipped: false,
+        coloured_share: 1.0,
+        surroundings_probability: 0.0,
         localisation,
     }
 }

@@ -1,6 +1,6 @@
 //! The laboratory's floor: plain, slightly worn, with the joints of its slabs, and a hall beyond.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::chunk::{CHUNK, Chunk};
 use super::light::Lighting;
@@ -11,7 +11,7 @@ use super::texture::Texture;
 const SLAB_M: f32 = 1.2;
 const JOINT_M: f32 = 0.008;
 
-at_level! { simd;
+multiversion! { simd;
     /// The colour of a chunk of floor seen from over `origin`, metres.
     pub(super) fn light_floor(
         simd: Simd,

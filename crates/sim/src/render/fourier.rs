@@ -6,7 +6,7 @@
 //! Radix-2 Stockham passes over whole rows: each pass reads two rows and writes two, all columns at once, which a
 //! compiler turns into vector instructions without changing any sum. A transposition in the middle makes columns rows.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 /// A complex map of `n` x `n`, its parts apart.
 #[derive(Debug, Clone, Default)]
@@ -51,7 +51,7 @@ impl Fourier {
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Transforms every column; the result is in `map` again.
     fn columns(simd: Simd, n: usize, twiddles: &[(f32, f32)], map: &mut Map, other: &mut Map) {
         let mut stride = 1;
@@ -84,7 +84,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     fn transpose(simd: Simd, n: usize, from: &[f32], to: &mut [f32]) {
         const BLOCK: usize = 16;
         for top in (0..n).step_by(BLOCK) {

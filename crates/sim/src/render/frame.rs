@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError, RwLock};
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 use barrelman_vocab::{Picture, PictureSize};
 
 use super::camera::Camera;
@@ -371,7 +371,7 @@ fn shade_row(view: &View<'_>, row: usize, light: &mut Light) {
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Copies a chunk's colours to the front of each channel's row.
     fn put_down(simd: Simd, chunk: &Chunk, padded: usize, values: &mut [f32]) {
         for (channel, colour) in chunk.colour.iter().enumerate() {

@@ -5,7 +5,7 @@
 //! level 0. The quads of the level with `n` texels along its side lie at `n*n .. 2*n*n`: the place of a level is
 //! its own size squared.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::texture::ROUNDING;
 
@@ -54,7 +54,7 @@ impl QuadMap {
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Rows of `n + 1` texels: the first column stands again behind the last.
     fn quantise(simd: Simd, n: usize, first: &[f32], second: &[f32], texel: Texel, texels: &mut [u16]) {
         for row in 0..n {
@@ -83,7 +83,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     fn pack(simd: Simd, n: usize, texels: &[u16], quads: &mut [u64]) {
         for row in 0..n {
             let upper = &texels[row * (n + 1)..][..n + 1];
@@ -99,7 +99,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Averages 2 x 2 values, to a map of `n` x `n` at the front of the same memory.
     fn halve(simd: Simd, n: usize, map: &mut [f32]) {
         for row in 0..n {

@@ -1,6 +1,6 @@
 //! Lines of sight of a row's pixels, through the lens, and where they meet the plane of the water or the floor.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::camera::RowPose;
 use super::chunk::{CHUNK, Chunk};
@@ -68,7 +68,7 @@ impl Rays {
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Fills in what the nodes of a row know of its rays.
     pub(super) fn survey(simd: Simd, rays: &Rays, nodes: &mut Nodes) {
         let count = nodes.count();
@@ -98,7 +98,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Fills directions, lengths, places and footprints of the pixels from `column` on.
     pub(super) fn cast(simd: Simd, rays: &Rays, nodes: &Nodes, column: usize, chunk: &mut Chunk) {
         for i in 0..CHUNK {

@@ -5,7 +5,7 @@
 //! row; it comes from the camera's turning alone. *Noise* is Gaussian with the standard deviation
 //! `1.2 + 0.012 Y` (8 bit), drawn from a table at a place that a hash of seed, tick and row gives.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::texture::ROUNDING;
 use crate::noise;
@@ -51,7 +51,7 @@ pub(super) struct Development {
 /// Brightness that is lost in the corners.
 const VIGNETTE: f32 = 0.30;
 
-at_level! { simd;
+multiversion! { simd;
     /// Turns linear light into display values, 0 to 1, in place.
     pub(super) fn develop(simd: Simd, how: &Development, row: [&mut [f32]; 3]) {
         for (c, channel) in row.into_iter().enumerate() {
@@ -67,7 +67,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Luma of one row.
     pub(super) fn luma(simd: Simd, how: &Development, rgb: [&[f32]; 3], noise: &[f32], out: &mut [u8]) {
         let [r, g, b] = rgb;
@@ -81,7 +81,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Chroma of two rows: the mean of 2 x 2 pixels. `sums` holds their red, green and blue, summed.
     pub(super) fn chroma(
         simd: Simd,
@@ -108,7 +108,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Adds `weight` times a row to `out`, shifted so that `out[i]` takes `from[i + shift]`, the border repeated.
     pub(super) fn add_shifted(simd: Simd, from: &[f32], shift: i32, weight: f32, out: &mut [f32]) {
         let width = out.len();
@@ -130,7 +130,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// The lens: each pixel takes a little of its neighbours. `out` = `side` (up + down) + `centre` here, then the same
     /// along the row.
     pub(super) fn soften(

@@ -6,7 +6,7 @@
 //! lean towards the viewer; their mean is shifted by `sigma^2 vh / (vz + 0.6 sigma vh)`. The glitter is a Gaussian
 //! lobe in the space of slopes about the slope that would mirror the sun, as an eighth power.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::chunk::{CHUNK, Chunk};
 use super::light::{Colour, Lighting};
@@ -36,7 +36,7 @@ pub(super) struct FoamLook<'a> {
     pub(super) wind: (f32, f32),
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Breaks the cover of foam up into lace at two scales, streaked along the crests.
     pub(super) fn break_up(simd: Simd, look: &FoamLook<'_>, chunk: &mut Chunk) {
         for i in 0..CHUNK {
@@ -58,7 +58,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// What the spread of the facets makes of reflections, at the nodes of a row.
     pub(super) fn polish(simd: Simd, light: &Lighting, nodes: &mut Nodes) {
         let count = nodes.count();
@@ -95,7 +95,7 @@ fn per_root(q: f32) -> f32 {
     first * (1.5 - 0.5 * (1.0 + q) * first * first)
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// The colour of a chunk of water. `place` is the column that it begins with, and whether it is bare: in plain
     /// light, without foam, wake and images.
     pub(super) fn light_water(
@@ -172,7 +172,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// The sky, for the pixels of a chunk that look above the horizon.
     pub(super) fn light_sky(
         simd: Simd,

@@ -5,7 +5,7 @@
 //! *Relief*: the line of sight is followed to the elevation found where it meets the plane, twice, so that crests stand
 //! before troughs. A crest that hides what lies behind it is beyond this.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::chunk::{CHUNK, Chunk, Lane};
 use super::nodes::{GROUP, Nodes};
@@ -198,7 +198,7 @@ const DITHER: [f32; 2 * CHUNK] = {
     factors
 };
 
-at_level! { simd;
+multiversion! { simd;
     /// Gusts, and the variance below the pixels' resolution, at the nodes of a row.
     pub(super) fn settle(simd: Simd, water: &Water<'_>, nodes: &mut Nodes) {
         let [swell, longer, shorter] = &water.tiles;
@@ -224,7 +224,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Slopes, elevation and whitecaps for a chunk whose rays are cast.
     pub(super) fn meet(
         simd: Simd,

@@ -8,7 +8,7 @@
 //! The grid is a torus: a cell of the world has one slot for good, and slots of cells that the window leaves are
 //! cleared for those that it enters.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::chunk::{CHUNK, Chunk};
 use super::nodes::Nodes;
@@ -210,7 +210,7 @@ impl Wake {
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// One step of the wave equation: `before` becomes the height after `height`.
     fn spread(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
         for row in 0..SIDE {
@@ -232,7 +232,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     fn fade(simd: Simd, foam: &[f32], after: &mut [f32]) {
         for row in 0..SIDE {
             let here = &foam[row * SIDE..][..SIDE];
@@ -254,7 +254,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     fn pack(
         simd: Simd,
         height: &[f32],
@@ -321,7 +321,7 @@ fn blocks((low, high): (f32, f32), window: (f32, f32), origin: f32) -> std::ops:
     first..(last + 1).min(first + BLOCKS as i32)
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Adds the wake's slopes, foam and air.
     pub(super) fn add_wake(simd: Simd, look: &WakeLook<'_>, chunk: &mut Chunk) {
         const PER_CELL: f32 = (1.0 / CELL_M) as f32;

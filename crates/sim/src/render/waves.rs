@@ -10,7 +10,7 @@
 //! imaginary part), and tile 0 through two more: elevation with the crests that break now, and crests that broke
 //! earlier, from which whitecaps come. Nothing is remembered from frame to frame: any tick can be drawn.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
 use super::fourier::{Fourier, Map};
 use super::phase::sin_cos;
@@ -318,7 +318,7 @@ fn splat(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&W
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// The spectrum of both slopes: `(i kx - ky) H`, H that of the elevation.
     fn ripple_spectrum(simd: Simd, ripples: &Ripples, tick: u32, map: &mut Map) {
         let count = map.re.len();
@@ -337,7 +337,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     /// Foam from crests now and at two earlier moments (`first`, `second`): its cover, 0 to 127, into `first`, and
     /// into `second` how fresh it is.
     fn whiten(

@@ -174,7 +174,7 @@ impl Tracked {
         let before = cpu_time();
         let track = if index == args.start_frame {
             let report = self.tracker.select(frame, args.select)?;
-            if report.clipped {
+            if report.is_clipped {
                 tracing::warn!(
                     "the selection lies partly outside the picture: {} of it is used",
                     report.used

@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use barrelman_vision::{Explanation, GreyMap, Stage};
+use barrelman_vision::{Explanation, GreyMap, TrackerState};
 use barrelman_vocab::PixelBox;
 
 use super::Pen;
@@ -69,13 +69,13 @@ impl Panel {
     ) {
         let insets = insets_of(explanation);
         let bins = &explanation.histogram;
-        if explanation.stage.is_none() && insets.is_empty() && bins.is_empty() {
+        if explanation.state.is_none() && insets.is_empty() && bins.is_empty() {
             self.corner = None;
             return;
         }
         let layout = Layout::of(pen, places.page(), insets.len(), bins.is_empty());
         let Layout { pad, width, line, bar, cell, hues } = layout;
-        let head = if explanation.stage.is_some() { line + bar + pad } else { 0.0 };
+        let head = if explanation.state.is_some() { line + bar + pad } else { 0.0 };
         let maps = if insets.is_empty() { 0.0 } else { line + cell.1 + pad };
         let strip = if bins.is_empty() { 0.0 } else { hues + pad };
         let (w, h) = (width + 2.0 * pad, pad / 2.0 + head + maps + strip);
@@ -91,7 +91,7 @@ impl Panel {
 
         pen.plate(place);
         let (u, mut v) = (place.u + pad, place.v + pad / 2.0);
-        if let Some(stage) = explanation.stage {
+        if let Some(stage) = explanation.state {
             let body = PixelBox { u, v, w: width, h: line };
             self.draw_head(pen, body, bar, stage, explanation.confidence);
             v += head;
@@ -106,12 +106,12 @@ impl Panel {
     }
 
     /// Draws the tracker's word for its state, and its confidence as a number over a bar.
-    fn draw_head(&mut self, pen: &mut Pen, body: PixelBox, bar: f64, stage: Stage, confidence: f64) {
+    fn draw_head(&mut self, pen: &mut Pen, body: PixelBox, bar: f64, stage: TrackerState, confidence: f64) {
         let (ink, word) = match stage {
-            Stage::Tracking => (Ink::ACCENT, "tracking"),
-            Stage::Coasting => (Ink::CAUTION, "coasting"),
-            Stage::Lost => (Ink::ALARM, "lost"),
-            Stage::Confirming => (Ink::CAUTION, "confirming"),
+            TrackerState::Tracking => (Ink::ACCENT, "tracking"),
+            TrackerState::Coasting => (Ink::CAUTION, "coasting"),
+            TrackerState::Lost => (Ink::ALARM, "lost"),
+            TrackerState::Confirming => (Ink::CAUTION, "confirming"),
         };
         let text = f32::from(pen.style.text_px);
         let middle = body.centre().v as f32;

@@ -8,7 +8,7 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_station::overlay::{Overlay, Scene};
-use barrelman_vision::{Explanation, GreyMap, Stage};
+use barrelman_vision::{Explanation, GreyMap, TrackerState};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
@@ -61,7 +61,7 @@ fn explanation_of(size: PictureSize) -> Explanation {
 }
 
 /// What a tracker by pattern and colour gives: maps coarser than the picture, and a state.
-fn fused_explanation_of(size: PictureSize, stage: Stage, confidence: f64) -> Explanation {
+fn fused_explanation_of(size: PictureSize, stage: TrackerState, confidence: f64) -> Explanation {
     let window = PixelBox { u: -9.0, v: 12.0, w: 64.0, h: 64.0 };
     let map = |side: usize| GreyMap {
         bounds: window,
@@ -73,7 +73,7 @@ fn fused_explanation_of(size: PictureSize, stage: Stage, confidence: f64) -> Exp
         back_projection: map(16),
         response: map(32),
         histogram: Vec::new(),
-        stage: Some(stage),
+        state: Some(stage),
         confidence,
         ..explanation_of(size)
     }
@@ -286,10 +286,10 @@ fn every_size_and_state_is_drawn() {
         let frame = grey(size, ColourEncoding::JPEG);
         let explanations = [
             explanation_of(size),
-            fused_explanation_of(size, Stage::Tracking, 0.8),
-            fused_explanation_of(size, Stage::Coasting, 0.4),
-            fused_explanation_of(size, Stage::Lost, 0.0),
-            fused_explanation_of(size, Stage::Confirming, f64::NAN),
+            fused_explanation_of(size, TrackerState::Tracking, 0.8),
+            fused_explanation_of(size, TrackerState::Coasting, 0.4),
+            fused_explanation_of(size, TrackerState::Lost, 0.0),
+            fused_explanation_of(size, TrackerState::Confirming, f64::NAN),
         ];
         let (mut overlay, mut out) = (Overlay::new(), Picture::black(size, ColourEncoding::JPEG));
         for track in tracks(size) {
@@ -348,7 +348,7 @@ fn small_and_large_pictures_show_the_maps_the_state_and_the_confidence() {
         let track = Track::Tracking(target_at(size, 0.1, 0.1));
         let show =
             |explanation: &Explanation| drawn(&frame, &scene_of(size, &track, None, Some(explanation)));
-        let whole = fused_explanation_of(size, Stage::Tracking, 0.8);
+        let whole = fused_explanation_of(size, TrackerState::Tracking, 0.8);
         let shown = show(&whole);
         let without = |change: fn(&mut Explanation)| {
             let mut changed = whole.clone();
@@ -358,7 +358,7 @@ fn small_and_large_pictures_show_the_maps_the_state_and_the_confidence() {
         let map_area = (f64::from(size.height) * 0.15).powi(2) as usize;
         assert!(without(|changed| changed.response.samples.fill(0)) > map_area / 2, "no response at {size}");
         assert!(without(|changed| changed.back_projection.samples.fill(0)) > map_area / 2, "{size}");
-        assert!(without(|changed| changed.stage = Some(Stage::Confirming)) > 20, "no state at {size}");
+        assert!(without(|changed| changed.state = Some(TrackerState::Confirming)) > 20, "no state at {size}");
         assert!(without(|changed| changed.confidence = 0.3) > 20, "no confidence at {size}");
     }
 }

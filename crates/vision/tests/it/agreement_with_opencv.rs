@@ -4,7 +4,8 @@
 use std::path::PathBuf;
 
 use barrelman_vision::{
-    BELOW_FLOORS, ByteMap, CamShiftConfig, Criteria, Floors, HueOfYuv, Search, Window, cam_shift,
+    BELOW_FLOORS, CamShiftConfig, Floors, SearchResult, TerminationCriteria, WeightMap, Window, YuvToHue,
+    cam_shift,
 };
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 
@@ -33,7 +34,7 @@ fn grey_map(bytes: &[u8]) -> (usize, usize, &[u8]) {
     (width, height, samples)
 }
 
-const PAPER: Criteria = Criteria { max_iterations: 10, epsilon_px: 1.0 };
+const PAPER: TerminationCriteria = TerminationCriteria { max_iterations: 10, epsilon_px: 1.0 };
 
 /// A start window of the fixtures, which may lie partly outside the map.
 fn start_window(numbers: &[f64]) -> Window {
@@ -50,7 +51,7 @@ fn the_same_back_projection_gives_the_same_window_centre_size_and_angle() {
     for (name, numbers) in cases {
         let file = fixture(&format!("{name}.pgm"));
         let (width, height, samples) = grey_map(&file);
-        let found = cam_shift(&mut ByteMap::new(samples, width, height), start_window(&numbers), PAPER);
+        let found = cam_shift(&mut WeightMap::new(samples, width, height), start_window(&numbers), PAPER);
         let window = Window {
             x: numbers[4] as usize,
             y: numbers[5] as usize,
@@ -61,17 +62,17 @@ fn the_same_back_projection_gives_the_same_window_centre_size_and_angle() {
             panic!("{name}: a row of another length");
         };
         if major == 0.0 && centre_x == 0.0 {
-            assert_eq!(found, Search::Nothing(window), "{name}");
+            assert_eq!(found, SearchResult::NotFound(window), "{name}");
             continue;
         }
-        let Search::Found(target) = found else {
+        let SearchResult::Found(target) = found else {
             panic!("{name}: nothing found");
         };
         assert_eq!(target.window, window, "{name}");
         // OpenCV's centre is that of the window. It lies on half pixels, and off the centroid where the window is cut
         // off at the left or the top; the centroid itself is rounded and counted from the middle of pixel 0, which
         // we count as 0.5. So the two may differ by one pixel along each axis.
-        let middle = target.window.in_pixels().centre();
+        let middle = target.window.to_pixel_box().centre();
         assert_eq!((middle.u, middle.v), (centre_x, centre_y), "{name}");
         if window.x > 0 && window.y > 0 {
             let (u, v) = (target.centroid.u, target.centroid.v);
@@ -97,11 +98,11 @@ fn check_colours(name: &str, matrix: ColourMatrix, range: SampleRange) {
     let floors = Floors { saturation: config.saturation_floor, value: config.value_floor };
     let colours = rows(name, 0);
     let (mut above, mut same_bin, mut same_floors) = (0, 0, 0);
-    let hue = HueOfYuv::new(ColourEncoding { matrix, range });
+    let hue = YuvToHue::new(ColourEncoding { matrix, range });
     let bin = |code: u8| usize::from(code) * config.bins / 180;
     for (_, numbers) in &colours {
         let sample = |i: usize| numbers[i] as u8;
-        let code = hue.code([sample(0), sample(1), sample(2)], floors);
+        let code = hue.hue_code([sample(0), sample(1), sample(2)], floors);
         let counts = sample(4) >= floors.saturation && sample(5) >= floors.value;
         same_floors += usize::from(counts == (code != BELOW_FLOORS));
         if counts {

@@ -75,7 +75,7 @@ proptest! {
         let seeded = tracker.select(&frames[0], selection);
         if let Ok(report) = &seeded {
             in_order(&report.localisation);
-            prop_assert!((0.0..=1.0).contains(&report.coloured) && (0.0..=1.0).contains(&report.surroundings));
+            prop_assert!((0.0..=1.0).contains(&report.coloured_share) && (0.0..=1.0).contains(&report.surroundings_probability));
         }
         let prior = MotionPrior {
             shift_u_px: shift.0,

@@ -100,8 +100,11 @@ fn select(tracker: &mut FusedTracker, frame: &VideoFrame, selection: PixelBox) -
     let (right, bottom) = (selection.u + selection.w, selection.v + selection.h);
     let size = frame.picture.size();
     let beyond = right > f64::from(size.width) || bottom > f64::from(size.height);
-    assert_eq!(report.clipped, selection.u < 0.0 || selection.v < 0.0 || beyond);
-    assert!((0.0..=1.0).contains(&report.coloured) && (0.0..=1.0).contains(&report.surroundings));
+    assert_eq!(report.is_clipped, selection.u < 0.0 || selection.v < 0.0 || beyond);
+    assert!(
+        (0.0..=1.0).contains(&report.coloured_share)
+            && (0.0..=1.0).contains(&report.surroundings_probability)
+    );
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::sync::Arc;
 
-use barrelman_vision::{BELOW_FLOORS, CamShift, CamShiftConfig, Explanation, Floors, HueOfYuv, Tracker};
+use barrelman_vision::{BELOW_FLOORS, CamShift, CamShiftConfig, Explanation, Floors, Tracker, YuvToHue};
 use barrelman_vocab::{Localisation, MotionPrior, PixelBox, Timestamp, Track, VideoFrame};
 
 use crate::scenes::{BLACK, BLUE, GREY, ORANGE_RED, RED, Yuv, at_ms, frame, pixels};
@@ -191,12 +191,12 @@ fn every_pixel_weighs_what_its_hue_weighs_in_the_histogram() {
 
     let config = CamShiftConfig::default();
     let floors = Floors { saturation: config.saturation_floor, value: config.value_floor };
-    let hue = HueOfYuv::new(scene.picture.colour());
+    let hue = YuvToHue::new(scene.picture.colour());
     let (y, u, v) = (scene.picture.y(), scene.picture.u(), scene.picture.v());
     for row in 0..45 {
         for column in 0..61 {
             let yuv = [y.row(row)[column], u.row(row / 2)[column / 2], v.row(row / 2)[column / 2]];
-            let weight = match hue.code(yuv, floors) {
+            let weight = match hue.hue_code(yuv, floors) {
                 BELOW_FLOORS => 0,
                 code => out.histogram[usize::from(code) * 16 / 180],
             };

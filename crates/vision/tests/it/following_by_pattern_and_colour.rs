@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_vision::{Explanation, FusedConfig, FusedTracker, Stage, Tracker};
+use barrelman_vision::{Explanation, FusedConfig, FusedTracker, Tracker, TrackerState};
 use barrelman_vocab::{Localisation, MotionPrior, Track};
 
 use crate::scenes::{BLUE, GREY, Hull, ORANGE_RED, Paint, RED, Scene, Yuv};
@@ -199,15 +199,15 @@ fn a_thing_that_goes_under_in_moving_water_is_carried_on_for_a_while_and_then_lo
         trial.tracker.explain(&mut out);
         let expected = match track {
             Track::Unseeded => None,
-            Track::Tracking(_) => Some(Stage::Tracking),
-            Track::Coasting(_) => Some(Stage::Coasting),
-            Track::Lost { .. } => Some(Stage::Lost),
+            Track::Tracking(_) => Some(TrackerState::Tracking),
+            Track::Coasting(_) => Some(TrackerState::Coasting),
+            Track::Lost { .. } => Some(TrackerState::Lost),
         };
-        assert_eq!(out.stage, expected);
-        stages.extend(out.stage);
+        assert_eq!(out.state, expected);
+        stages.extend(out.state);
     }
     stages.dedup();
-    assert_eq!(stages, [Stage::Tracking, Stage::Coasting, Stage::Lost]);
+    assert_eq!(stages, [TrackerState::Tracking, TrackerState::Coasting, TrackerState::Lost]);
 }
 
 #[test]
@@ -316,7 +316,7 @@ fn an_explanation_shows_the_window_the_response_the_likeness_and_the_stage() {
     // A second one is not added to the first.
     for _ in 0..2 {
         trial.tracker.explain(&mut out);
-        assert_eq!(out.stage, Some(Stage::Tracking));
+        assert_eq!(out.state, Some(TrackerState::Tracking));
         assert_eq!(out.confidence, here.confidence);
         let window = out.search_window.unwrap();
         assert_eq!(window.intersection(here.bounds), here.bounds);

@@ -35,10 +35,10 @@ fn report(scene: &Scene) -> SelectionReport {
 #[test]
 fn a_thing_of_a_colour_of_its_own_is_said_to_be_distinct() {
     let report = report(&scene(BLUE, &[hull(RED, 2, (120.0, 90.0), (70.0, 40.0))]));
-    assert!(!report.clipped);
+    assert!(!report.is_clipped);
     // An ellipse fills 0.785 of its box; the corners hold water.
-    assert!((0.72..0.82).contains(&report.coloured), "{report:?}");
-    assert!(report.surroundings < 0.02, "{report:?}");
+    assert!((0.72..0.82).contains(&report.coloured_share), "{report:?}");
+    assert!(report.surroundings_probability < 0.02, "{report:?}");
     assert_eq!(report.localisation.confidence, 1.0);
 }
 
@@ -46,7 +46,7 @@ fn a_thing_of_a_colour_of_its_own_is_said_to_be_distinct() {
 fn a_thing_alike_to_its_surroundings_is_said_to_be_so() {
     let alike = report(&scene(GREY, &[hull(GREY, 2, (120.0, 90.0), (70.0, 40.0))]));
     // A colour as common around the target as in it is likely to one half.
-    assert!((0.4..0.6).contains(&alike.surroundings), "{alike:?}");
+    assert!((0.4..0.6).contains(&alike.surroundings_probability), "{alike:?}");
 }
 
 #[test]
@@ -67,7 +67,7 @@ fn an_elongated_thing_has_an_axis_from_the_start_and_a_round_one_has_none() {
 fn the_part_of_a_box_outside_the_picture_is_cut_off_and_said() {
     let scene = scene(BLUE, &[hull(RED, 2, (230.0, 90.0), (60.0, 40.0))]);
     let report = report(&scene);
-    assert!(report.clipped);
+    assert!(report.is_clipped);
     assert_eq!(report.used, pixels(200.0, 70.0, 40.0, 40.0));
     assert_eq!(report.localisation.bounds, report.used);
 }
@@ -76,7 +76,7 @@ fn the_part_of_a_box_outside_the_picture_is_cut_off_and_said() {
 fn a_box_in_the_picture_is_not_said_to_be_cut_off_because_of_rounding() {
     let frame = frame((320, 180), BLUE, &[(RED, [142, 62, 20, 56])]);
     let report = tracker().select(&frame, pixels(142.2, 63.2, 20.2, 55.2)).unwrap();
-    assert!(!report.clipped, "{report:?}");
+    assert!(!report.is_clipped, "{report:?}");
 }
 
 #[test]

@@ -9,45 +9,45 @@
 //! 65,536 pairs, and a few thousand in a natural picture. Memory: a quarter of a megabyte, and 256 bytes for every
 //! pair met that can be like the target: at most 16 MiB, set aside at the selection and only used as needed.
 
-use crate::hue::{Floors, HueOfYuv};
+use crate::hue::{Floors, YuvToHue};
 
 /// Pairs of U and V.
 const PAIRS: usize = 1 << 16;
 
 /// Weights of all colours of one encoding for one histogram.
 #[derive(Debug)]
-pub(crate) struct Likeness {
-    hue: HueOfYuv,
+pub(crate) struct HueWeightTable {
+    hue: YuvToHue,
     floors: Floors,
     /// Weight of every hue code.
-    of_hue: [u8; 256],
+    weight_by_hue: [u8; 256],
     /// For every pair: 0 before it was met, else the number of its row and one.
-    row_of: Vec<u32>,
+    row_numbers: Vec<u32>,
     /// The first row is all zeros.
     rows: Vec<[u8; 256]>,
 }
 
-impl Likeness {
-    pub(crate) fn new(hue: HueOfYuv, floors: Floors, of_hue: [u8; 256]) -> Self {
+impl HueWeightTable {
+    pub(crate) fn new(hue: YuvToHue, floors: Floors, weight_by_hue: [u8; 256]) -> Self {
         let mut rows = Vec::with_capacity(PAIRS + 1);
         rows.push([0; 256]);
-        Self { hue, floors, of_hue, row_of: vec![0; PAIRS], rows }
+        Self { hue, floors, weight_by_hue, row_numbers: vec![0; PAIRS], rows }
     }
 
     /// Turns to pictures of another encoding: whatever was worked out is forgotten.
-    pub(crate) fn turn_to(&mut self, hue: HueOfYuv) {
+    pub(crate) fn set_encoding(&mut self, hue: YuvToHue) {
         self.hue = hue;
-        self.row_of.fill(0);
+        self.row_numbers.fill(0);
         self.rows.truncate(1);
     }
 
-    pub(crate) const fn hue(&self) -> &HueOfYuv {
+    pub(crate) const fn hue(&self) -> &YuvToHue {
         &self.hue
     }
 
     /// Weighs two rows of pixels that share a row of chroma samples: each comes as its Y and the weights to fill in.
     /// A row may be empty, or end with the first half of the last block.
-    pub(crate) fn weigh(&mut self, us: &[u8], vs: &[u8], [upper, lower]: [(&[u8], &mut [u8]); 2]) {
+    pub(crate) fn fill_weights(&mut self, us: &[u8], vs: &[u8], [upper, lower]: [(&[u8], &mut [u8]); 2]) {
         let (upper_whole, upper_rest) = upper.0.as_chunks::<2>();
         let (upper_weights, upper_rest_weights) = upper.1.as_chunks_mut::<2>();
         let (lower_whole, lower_rest) = lower.0.as_chunks::<2>();
@@ -57,18 +57,18 @@ impl Likeness {
             let upper = upper_whole.iter().zip(upper_weights);
             let lower = lower_whole.iter().zip(lower_weights);
             for ((upper, lower), (&u, &v)) in upper.zip(lower).zip(&mut chroma) {
-                let row = self.row(u, v);
+                let row = self.row_for(u, v);
                 *upper.1 = upper.0.map(|y| row[usize::from(y)]);
                 *lower.1 = lower.0.map(|y| row[usize::from(y)]);
             }
         } else {
             for ((ys, weights), (&u, &v)) in upper_whole.iter().zip(upper_weights).zip(&mut chroma) {
-                let row = self.row(u, v);
+                let row = self.row_for(u, v);
                 *weights = ys.map(|y| row[usize::from(y)]);
             }
         }
         if let (Some(&u), Some(&v)) = (us.get(upper_whole.len()), vs.get(upper_whole.len())) {
-            let row = self.row(u, v);
+            let row = self.row_for(u, v);
             let upper = upper_rest.iter().zip(upper_rest_weights);
             let lower = lower_rest.iter().zip(lower_rest_weights);
             for (&y, weight) in upper.chain(lower) {
@@ -79,25 +79,26 @@ impl Likeness {
 
     /// The weights for every Y of pixels with that U and V.
     #[inline]
-    fn row(&mut self, u: u8, v: u8) -> &[u8; 256] {
+    fn row_for(&mut self, u: u8, v: u8) -> &[u8; 256] {
         let pair = usize::from(u) << 8 | usize::from(v);
-        let number = match self.row_of[pair] {
-            0 => self.work_out(u, v),
+        let number = match self.row_numbers[pair] {
+            0 => self.compute_row(u, v),
             known => known,
         };
         &self.rows[number as usize - 1]
     }
 
     #[cold]
-    fn work_out(&mut self, u: u8, v: u8) -> u32 {
-        let weight = |y: usize| self.of_hue[usize::from(self.hue.code([y as u8, u, v], self.floors))];
+    fn compute_row(&mut self, u: u8, v: u8) -> u32 {
+        let weight =
+            |y: usize| self.weight_by_hue[usize::from(self.hue.hue_code([y as u8, u, v], self.floors))];
         let row = core::array::from_fn(weight);
         if row.iter().any(|&weight| weight > 0) {
             self.rows.push(row);
         }
         // All zeros are the first row. There are at most as many rows as pairs and one, so the cast keeps the number.
         let number = if row == self.rows[0] { 1 } else { self.rows.len() as u32 };
-        self.row_of[usize::from(u) << 8 | usize::from(v)] = number;
+        self.row_numbers[usize::from(u) << 8 | usize::from(v)] = number;
         number
     }
 }
