@@ -60,6 +60,46 @@ use crate::tracker::{SelectionError, SelectionReport, Tracker};
 use crate::window::{Window, exceeds_picture};
 
 /// Tracks a target by its pattern and its colour.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use barrelman_vision::{FusedConfig, FusedTracker, Tracker};
+/// use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
+/// use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
+///
+/// /// A patterned red boat of 40 x 24 pixels, its left edge at `left` (an even number), on patterned blue water.
+/// fn frame(sequence: u64, left: usize) -> VideoFrame {
+///     let size = PictureSize::new(240, 160);
+///     let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
+///     let is_boat = |column, row| (left..left + 40).contains(&column) && (60..84).contains(&row);
+///     // Brightness of blocks of 4 x 4 pixels.
+///     let pattern = |column: usize, row: usize| ((column / 4 * 7 + row / 4 * 13) * 29 % 64) as u8;
+///     let [y, u, v] = picture.planes_mut();
+///     for (index, y) in y.iter_mut().enumerate() {
+///         let (column, row) = (index % 240, index / 240);
+///         *y = if is_boat(column, row) { 50 + 2 * pattern(column - left, row) } else { 80 + pattern(row, column) };
+///     }
+///     for (index, (u, v)) in u.iter_mut().zip(v).enumerate() {
+///         (*u, *v) = if is_boat(2 * (index % 120), 2 * (index / 120)) { (90, 240) } else { (190, 100) };
+///     }
+///     let at = Timestamp::from_nanos(sequence * 33_000_000);
+///     let capture = Capture { at, quality: CaptureQuality::Sensor };
+///     VideoFrame { sequence, capture, picture: Arc::new(picture) }
+/// }
+///
+/// let mut tracker = FusedTracker::new(FusedConfig::default())?;
+/// tracker.select(&frame(0, 60), PixelBox { u: 60.0, v: 60.0, w: 40.0, h: 24.0 })?;
+/// for sequence in 1..=10 {
+///     let left = 60 + 4 * sequence;
+///     let Track::Tracking(boat) = tracker.track(&frame(sequence as u64, left), None) else { panic!("not found") };
+///     assert!(boat.bounds.overlap(PixelBox { u: left as f64, v: 60.0, w: 40.0, h: 24.0 }) > 0.8);
+/// }
+/// // The boat leaves the picture: the track coasts, and is lost.
+/// let last = (11..40).map(|sequence| tracker.track(&frame(sequence, 1000), None)).last();
+/// assert!(matches!(last, Some(Track::Lost { .. })));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct FusedTracker {
     config: FusedConfig,

@@ -1,28 +1,28 @@
-//! Where the bow points: the axis of the hull, told from its opposite by the way that the boat went.
+//! Heading: which end of the hull's axis is the bow, estimated from the boat's path.
 //!
-//! The axis of a silhouette has two ends. Which of them is the bow is taken from the path over water of the last
-//! [`PATH_DURATION_S`] seconds, with the camera's own motion taken out, simplified by Douglas and Peucker's method (1973) to
-//! a few straight legs (by time and not by frames, so that it holds at any frame rate). Where the last leg is leg_length
-//! enough, its direction votes for one of the two ends; the votes add up and are bounded. A boat that stops keeps
-//! its bow; one that was never seen under way has none.
+//! A silhouette's axis has two ends. The path over water of the last [`PATH_DURATION_S`] seconds, without the camera's
+//! motion, is simplified by the method of Douglas and Peucker (1973) to a few straight legs. The path is kept by time,
+//! not by frames, so that the result does not depend on the frame rate. If the last leg is long enough, its direction
+//! votes for one end of the axis; the votes are summed and bounded. A boat that stops keeps its heading; a boat that
+//! was never under way has none.
 
 use std::collections::VecDeque;
 
-/// How far back the path goes, seconds.
+/// Duration of the path, seconds.
 const PATH_DURATION_S: f64 = 2.0;
-/// Least time between two points of the path, seconds: enough for 60 frames per second.
+/// Minimum time between two points of the path, seconds: sufficient for 60 frames per second.
 const MIN_POINT_INTERVAL_S: f64 = 0.03;
-/// Most points kept.
+/// Maximum number of points.
 const MAX_POINTS: usize = 72;
-/// Points of the path nearer to a leg than this share of the boat's length belong to it.
+/// Tolerance of the simplification, in lengths of the boat.
 const TOLERANCE_LENGTHS: f64 = 0.12;
-/// A leg shorter than this share of the boat's length says nothing.
+/// Minimum length of a leg that votes, in lengths of the boat.
 const MIN_LEG_LENGTHS: f64 = 0.25;
-/// Votes per second of a leg right along the axis.
+/// Votes per second of a leg parallel to the axis.
 const VOTES_PER_S: f64 = 6.0;
-/// Votes are bounded by this, so that a boat that turns about is believed within a second or two.
+/// Bound on the votes, so that a boat that reverses its direction is recognised within a second or two.
 const MAX_VOTES: f64 = 6.0;
-/// From this many votes on the bow is known.
+/// Minimum votes for a known bow.
 const MIN_VOTES_FOR_BOW: f64 = 2.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,13 +32,13 @@ struct PathPoint {
     v: f64,
 }
 
-/// The path, and the votes.
+/// Estimates the bow from the path.
 #[derive(Debug, Clone)]
 pub(crate) struct HeadingEstimator {
     path: VecDeque<PathPoint>,
-    /// Where the boat is on the path, in pixels over resting water.
+    /// Present position on the path, pixels over stationary water.
     position: (f64, f64),
-    /// Positive for the end of the axis that it is given, negative for the other.
+    /// Positive for the given end of the axis, negative for the other.
     votes: f64,
 }
 
@@ -49,19 +49,20 @@ impl Default for HeadingEstimator {
 }
 
 impl HeadingEstimator {
-    /// The motion over water is not known for a while: the path begins anew, the bow stays.
+    /// Starts the path anew, because the motion over water is unknown for a while. The votes stay.
     pub(crate) fn clear_path(&mut self) {
         self.path.clear();
     }
 
-    /// Forgets the path and the votes.
+    /// Discards path and votes.
     pub(crate) fn reset(&mut self) {
         self.path.clear();
         self.votes = 0.0;
     }
 
-    /// Takes in that the boat, `length` pixels leg_length, moved by `(du, dv)` pixels over resting water; `axis` is one end
-    /// of its axis (radians clockwise from image right), the same end as in the frame before.
+    /// Adds the motion since the last frame: `(du, dv)` pixels over stationary water in `seconds`, ending at `at_s`.
+    /// `axis` is one end of the axis, radians clockwise from image right, the same end as in the last frame. `length`
+    /// is the boat's length, pixels.
     pub(crate) fn add_motion(
         &mut self,
         at_s: f64,
@@ -89,24 +90,23 @@ impl HeadingEstimator {
         self.votes = (self.votes + VOTES_PER_S * seconds * along).clamp(-MAX_VOTES, MAX_VOTES);
     }
 
-    /// Whether the bow is at the given end of the axis (true) or at the other (false); none while it is not known.
+    /// Whether the bow is at the given end of the axis (`true`) or at the other (`false`); `None` while it is unknown.
     pub(crate) fn is_bow_at_axis_end(&self) -> Option<bool> {
         (self.votes.abs() >= MIN_VOTES_FOR_BOW).then_some(self.votes > 0.0)
     }
 
-    /// How sure it is that the bow is at the given end of the axis: 1 where it is known to be there, -1 where it is known
-    /// to be at the other end, in between on the way.
+    /// Certainty that the bow is at the given end of the axis: 1 if it is known to be there, -1 if at the other end.
     pub(crate) fn signed_certainty(&self) -> f64 {
         (self.votes / MIN_VOTES_FOR_BOW).clamp(-1.0, 1.0)
     }
 
-    /// From the last corner of the simplified path to its end.
+    /// From the last corner of the simplified path to its end, pixels.
     fn last_leg(&self, tolerance: f64) -> Option<(f64, f64)> {
         let end = *self.path.back()?;
         let mut start = 0;
         let last = self.path.len() - 1;
-        // Only the last leg is wanted: as long as a point lies off the line from the start, the path is cut at the
-        // farthest one and the rest behind it looked at.
+        // Only the last leg is needed: while a point lies off the line from the start, the path is cut at the farthest
+        // point and only the part behind it is examined.
         while start + 1 < last {
             let from = self.path[start];
             let (du, dv) = (end.u - from.u, end.v - from.v);
@@ -137,7 +137,7 @@ mod tests {
     const LENGTH_PX: f64 = 60.0;
     const FRAME_S: f64 = 1.0 / 30.0;
 
-    /// A boat and the clock.
+    /// A boat and its time.
     #[derive(Default)]
     struct Boat {
         heading: HeadingEstimator,
@@ -145,8 +145,7 @@ mod tests {
     }
 
     impl Boat {
-        /// Goes on for that long at that many lengths per second in a direction (degrees clockwise from image right),
-        /// its axis at zero.
+        /// Moves the boat at this speed in a direction (degrees clockwise from image right); its axis is at zero.
         fn move_for(&mut self, seconds: f64, lengths_per_s: f64, direction_deg: f64) -> Option<bool> {
             for _ in 0..(seconds / FRAME_S) as usize {
                 self.now_s += FRAME_S;
@@ -169,7 +168,7 @@ mod tests {
             (None, 0.0)
         );
         assert_eq!(Boat::default().move_for(5.0, 0.0, 0.0), None);
-        // Less than a quarter of its length in the two seconds that are remembered.
+        // Less than a quarter of the length within the duration of the path.
         assert_eq!(Boat::default().move_for(5.0, 0.1, 0.0), None);
     }
 
@@ -225,7 +224,7 @@ mod tests {
                 heading.add_motion(now_s, frame_s, (LENGTH_PX * frame_s, 0.0), 0.0, LENGTH_PX);
                 assert!(now_s < 2.0, "{frame_s}");
             }
-            // A quarter of its length and two votes at six a second: 0.25 + 0.33 s, and a frame or two.
+            // A quarter of the length and two votes at six per second: 0.25 + 0.33 s, and a frame or two.
             assert!((now_s - 0.6).abs() < 0.25, "{now_s} s at {frame_s} s a frame");
         }
     }

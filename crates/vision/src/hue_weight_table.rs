@@ -1,27 +1,26 @@
-//! How much a pixel of given Y, U and V is like the target, looked up.
+//! Look-up table from Y, U and V to the weight of the hue in the target's histogram.
 //!
-//! The four pixels of a 2 x 2 block share U and V, and a picture holds few pairs of them: one row of 256 weights, one
-//! for every Y, is worked out when a pair is first met and kept until the next selection. After that a pixel costs
-//! a look into the row. Rows for pairs that are unlike the target whatever Y is, such as those of grey water, are
-//! one and the same.
+//! The four pixels of a 2 x 2 block share U and V, and a picture contains few pairs of them. A row of 256 weights, one
+//! per Y, is computed when a pair first occurs and kept until the next selection. After that a pixel costs one look-up.
+//! Pairs without weight at any Y, such as those of grey water, share one row.
 //!
-//! Work: 256 conversions for each pair met for the first time since the selection, about a microsecond; there are
-//! 65,536 pairs, and a few thousand in a natural picture. Memory: a quarter of a megabyte, and 256 bytes for every
-//! pair met that can be like the target: at most 16 MiB, set aside at the selection and only used as needed.
+//! Work: 256 conversions, about a microsecond, for each pair that occurs for the first time since the selection; there
+//! are 65,536 pairs, and a few thousand in a natural picture. Memory: a quarter of a megabyte plus 256 bytes per pair
+//! with a weight, at most 16 MiB, reserved at the selection and used on demand.
 
 use crate::hue::{Floors, YuvToHue};
 
-/// Pairs of U and V.
+/// Number of pairs of U and V.
 const PAIRS: usize = 1 << 16;
 
-/// Weights of all colours of one encoding for one histogram.
+/// The weights of all colours of one encoding for one histogram.
 #[derive(Debug)]
 pub(crate) struct HueWeightTable {
     hue: YuvToHue,
     floors: Floors,
-    /// Weight of every hue code.
+    /// Weight of each hue code.
     weight_by_hue: [u8; 256],
-    /// For every pair: 0 before it was met, else the number of its row and one.
+    /// For each pair: 0 before it first occurs, else the index of its row plus one.
     row_numbers: Vec<u32>,
     /// The first row is all zeros.
     rows: Vec<[u8; 256]>,
@@ -34,7 +33,7 @@ impl HueWeightTable {
         Self { hue, floors, weight_by_hue, row_numbers: vec![0; PAIRS], rows }
     }
 
-    /// Turns to pictures of another encoding: whatever was worked out is forgotten.
+    /// Sets the encoding of the pictures and discards the rows.
     pub(crate) fn set_encoding(&mut self, hue: YuvToHue) {
         self.hue = hue;
         self.row_numbers.fill(0);
@@ -45,7 +44,7 @@ impl HueWeightTable {
         &self.hue
     }
 
-    /// Weighs two rows of pixels that share a row of chroma samples: each comes as its Y and the weights to fill in.
+    /// Looks up two rows of pixels that share a row of chroma samples: each is given as its Y and the weights to fill.
     /// A row may be empty, or end with the first half of the last block.
     pub(crate) fn fill_weights(&mut self, us: &[u8], vs: &[u8], [upper, lower]: [(&[u8], &mut [u8]); 2]) {
         let (upper_whole, upper_rest) = upper.0.as_chunks::<2>();
@@ -77,7 +76,7 @@ impl HueWeightTable {
         }
     }
 
-    /// The weights for every Y of pixels with that U and V.
+    /// The weights of all Y for a pair of U and V.
     #[inline]
     fn row_for(&mut self, u: u8, v: u8) -> &[u8; 256] {
         let pair = usize::from(u) << 8 | usize::from(v);
@@ -96,7 +95,7 @@ impl HueWeightTable {
         if row.iter().any(|&weight| weight > 0) {
             self.rows.push(row);
         }
-        // All zeros are the first row. There are at most as many rows as pairs and one, so the cast keeps the number.
+        // The row of zeros is the first one. There are at most `PAIRS + 1` rows, so the cast is lossless.
         let number = if row == self.rows[0] { 1 } else { self.rows.len() as u32 };
         self.row_numbers[usize::from(u) << 8 | usize::from(v)] = number;
         number

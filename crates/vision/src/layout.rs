@@ -1,30 +1,31 @@
-//! Where on the target which colours lie: a histogram for each third of its length.
+//! Layout of the target's colours: a histogram for each third of its length.
 //!
-//! Two things may hold the same colours in the same shares and yet look different: a boat with a dark engine at the
+//! Two objects may have the same colours in the same shares and still look different: a boat with a dark engine at the
 //! stern, and a raft of the same paint with a dark patch in the middle. The target's ellipse is cut across its axis
-//! into [`PARTS`] parts, and each is compared with the same part as it was learned, by Bhattacharyya's coefficient.
-//! The histograms are coarse and smoothed, for a third of a small target has few samples. What of a part lies outside of
-//! the picture is like nothing.
+//! into [`PARTS`] parts. Each part is compared with the learned one by the Bhattacharyya coefficient. The histograms
+//! are coarse and smoothed, because a third of a small target has few samples. The share of a part outside the picture
+//! has similarity 0.
 
 use barrelman_vocab::Picture;
 
 use crate::colour_model::smooth;
 
-/// Parts along the axis.
+/// Number of parts along the axis.
 pub(crate) const PARTS: usize = 3;
 /// Levels of each of Y, U and V.
 const LEVELS: usize = 8;
 const BINS: usize = LEVELS * LEVELS * LEVELS;
-/// Most samples that are counted.
+/// Maximum number of samples that are counted.
 const MAX_SAMPLES: f32 = 1024.0;
 
-/// What each part has of an ellipse's area.
+/// Share of the ellipse's area in each part.
 const PART_AREA_SHARES: [f32; PARTS] = [0.292, 0.416, 0.292];
 
-/// From this share of a part's samples on it counts as whole: how many there are depends on where it lies between them.
+/// Share of its expected samples from which on a part counts as complete: the number of samples depends on how the part
+/// lies between them.
 const MIN_WHOLE_SHARE: f32 = 0.9;
 
-/// Colours of each part, each with the sum 1, or the share of the part that is in the picture.
+/// Histogram of each part, with the sum 1 or the share of the part inside the picture.
 #[derive(Debug, Clone)]
 pub(crate) struct ColourLayout {
     parts: [Vec<f32>; PARTS],
@@ -36,15 +37,15 @@ impl Default for ColourLayout {
     }
 }
 
-/// The bin of a colour. Chroma of video is concentrated around 128: of its range only 64 to 192 is resolved.
+/// The bin of a colour. The chroma of video is concentrated around 128; only 64 to 192 is resolved.
 fn bin(y: u8, u: u8, v: u8) -> usize {
     let chroma = |c: u8| usize::from(c.saturating_sub(64).min(127)) * LEVELS / 128;
     (usize::from(y) * LEVELS / 256 * LEVELS + chroma(u)) * LEVELS + chroma(v)
 }
 
 impl ColourLayout {
-    /// Counts the colours within an ellipse of half axes `half` around `centre` (pixels), the first of them turned
-    /// clockwise by `angle`.
+    /// Counts the colours inside an ellipse of half axes `half` around `centre`, pixels. `angle` turns the first half
+    /// axis clockwise, radians.
     pub(crate) fn count(&mut self, picture: &Picture, centre: (f32, f32), half: (f32, f32), angle: f32) {
         self.parts.iter_mut().for_each(|part| part.fill(0.0));
         let (y, u, v) = (picture.y(), picture.u(), picture.v());
@@ -53,7 +54,7 @@ impl ColourLayout {
         }
         let (c, s) = (libm::cosf(angle), libm::sinf(angle));
         let reach = (libm::hypotf(half.0 * c, half.1 * s), libm::hypotf(half.0 * s, half.1 * c));
-        // In samples of the chroma planes; a cast takes what is below 0 to 0.
+        // In samples of the chroma planes; a cast turns negative numbers into 0.
         let sample_range = |middle: f32, half: f32, length: usize| {
             (((middle - half) / 2.0) as usize).min(length)..(((middle + half) / 2.0) as usize + 1).min(length)
         };
@@ -72,7 +73,7 @@ impl ColourLayout {
                 }
             }
         }
-        // A chroma sample stands for 2 x 2 pixels.
+        // A chroma sample covers 2 x 2 pixels.
         let expected_samples =
             MIN_WHOLE_SHARE * core::f32::consts::PI * half.0 * half.1 / (4 * stride * stride) as f32;
         for (part, share) in self.parts.iter_mut().zip(PART_AREA_SHARES) {
@@ -80,13 +81,13 @@ impl ColourLayout {
         }
     }
 
-    /// How alike two are, 0 to 1: the mean over the parts.
+    /// Similarity of two layouts, 0 to 1: the mean Bhattacharyya coefficient of the parts.
     pub(crate) fn similarity(&self, other: &Self) -> f32 {
         let pairs = self.parts.iter().flatten().zip(other.parts.iter().flatten());
         pairs.map(|(a, b)| (a * b).sqrt()).sum::<f32>() / PARTS as f32
     }
 
-    /// Moves towards another one by the share `rate`.
+    /// Moves this layout towards another by the share `rate`.
     pub(crate) fn blend(&mut self, other: &Self, rate: f32) {
         for (bin, &new) in self.parts.iter_mut().flatten().zip(other.parts.iter().flatten()) {
             *bin += rate * (new - *bin);
@@ -94,8 +95,7 @@ impl ColourLayout {
     }
 }
 
-/// Spreads each count a little over its neighbours, and scales the sum to 1, or to less where fewer were counted than
-/// `expected`.
+/// Smooths the counts over neighbouring bins, and scales the sum to 1, or to less if it is below `expected`.
 fn smooth_and_normalise(bins: &mut [f32], expected: f32) {
     smooth(bins, 1, LEVELS);
     smooth(bins, LEVELS, LEVELS);
@@ -118,7 +118,7 @@ mod tests {
     const GREY: [u8; 3] = [120, 128, 128];
     const CENTRE: (f32, f32) = (60.0, 45.0);
 
-    /// A picture that is of one colour left of the middle and of another one to the right.
+    /// A picture of one colour left of the middle and another right of it.
     fn picture(left: [u8; 3], right: [u8; 3]) -> Picture {
         let size = PictureSize::new(120, 90);
         let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));

@@ -1,66 +1,64 @@
-//! Mean shift, and CamShift's size and direction, on any map of weights.
+//! Mean shift and CamShift on any map of weights.
 //!
-//! *Mean shift*: the search window is moved so that its middle comes to lie on the centroid of the mass in it,
-//! (m10, m01) / m00, until it rests. The window moves by whole pixels and stays in the map.
+//! *Mean shift* moves the search window so that its centre lies on the centroid of the weights in it, (m10, m01) / m00,
+//! until it comes to rest. The window moves by whole pixels and stays in the map.
 //!
-//! *CamShift* (continuously adaptive mean shift; Bradski 1998) then takes the moments over the window and a margin
-//! around it, so that a target larger than the window can show. With the central moments per mass
-//! a = m20/m00 - xc^2, b = m11/m00 - xc yc, c = m02/m00 - yc^2 (pixels squared), the variances along the axes of
-//! the mass are ((a + c) +- sqrt(4 b^2 + (a - c)^2)) / 2, and the major axis is turned by atan2(2 b, a - c) / 2 from
-//! the x axis towards the y axis. A uniform ellipse with full axis lengths l and w has variances (l/4)^2 and (w/4)^2,
-//! so the axes reported are four standard deviations long.
+//! *CamShift* (continuously adaptive mean shift; Bradski 1998) then computes the moments over the window and a margin
+//! around it, so that a target larger than the window can be measured. With the normalised central moments a = m20/m00
+//! - xc^2, b = m11/m00 - xc yc, c = m02/m00 - yc^2 (square pixels), the variances along the principal axes are ((a + c)
+//! +- sqrt(4 b^2 + (a - c)^2)) / 2, and the major axis is turned by atan2(2 b, a - c) / 2 from the x axis towards the y
+//! axis. A uniform ellipse with full axes l and w has the variances (l/4)^2 and (w/4)^2; the reported axes are
+//! therefore four standard deviations long.
 //!
-//! The next search window is upright, is centred on the centroid, and is as large as the two axes alone reach:
-//! max(l |cos|, w |sin|) wide and max(l |sin|, w |cos|) high, two pixels more, cut at the border. All this agrees
-//! with OpenCV's `CamShift`, which is what the laboratory ran.
+//! The next search window is upright, centred on the centroid, max(l |cos|, w |sin|) + 2 wide and max(l |sin|, w |cos|)
+//! + 2 high, clipped to the map. All this agrees with OpenCV's `CamShift`, which the laboratory used.
 //!
-//! The box that is *reported* is another: the upright box of the ellipse itself, sqrt((l cos)^2 + (w sin)^2) wide and
-//! sqrt((l sin)^2 + (w cos)^2) high about the unrounded centroid, and [`EDGE_MARGIN_PX`] more on every side. The window is
-//! too small for a slanting target, and the upright box of OpenCV's rotated rectangle reaches beyond the ellipse.
+//! The *reported* box is the upright box of the ellipse, sqrt((l cos)^2 + (w sin)^2) wide and sqrt((l sin)^2 + (w
+//! cos)^2) high about the unrounded centroid, plus [`EDGE_MARGIN_PX`] on every side. The search window is too small for
+//! a target at an angle, and the upright box of OpenCV's rotated rectangle is larger than the ellipse.
 //!
-//! Work: one pass over the first window with a few whole-number operations per pixel, and for each of the at most
-//! `max_iterations` steps the pixels that enter and leave the window, never more than another pass.
-//! Not handled: several targets (the window holds whatever mass is in it) and scale in between the frames.
+//! Work: one pass over the first window with a few integer operations per pixel. Each of the at most `max_iterations`
+//! steps adds the pixels that enter and leave the window, never more than another pass. Not handled: several targets in
+//! one window, and changes of scale between the frames.
 
 use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
 use crate::moments::{MomentSource, Moments, RunningMoments};
 use crate::window::Window;
 
-/// Pixels that the window is enlarged by on every side before size and direction are taken, and by which it grows
-/// when it holds nothing. 10 is what OpenCV, and so the laboratory, uses.
+/// Margin on every side of the window over which size and axis are measured, and by which an empty window grows,
+/// pixels. 10 is OpenCV's value, and so the laboratory's.
 pub const MOMENT_MARGIN_PX: usize = 10;
 
-/// Pixels by which a target reaches beyond the ellipse of its mass on every side. Those at its edge are mixed with
-/// what is behind them, and fall out of the hues or below the floors: a chroma sample is two pixels wide, and the one
-/// cut by the edge lacks half of it in the mean, as does the pixel of its half. On recorded boats with labels 1 to 2
-/// fit best.
+/// Margin of the reported box on every side of the ellipse, pixels. The pixels at the target's edge are mixed with the
+/// background, and their hues do not count: a chroma sample is two pixels wide, and a sample cut by the edge is lost.
+/// On labelled recordings 1 to 2 fit best.
 pub const EDGE_MARGIN_PX: f64 = 1.5;
 
 /// When mean shift ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TerminationCriteria {
-    /// Most steps, at least 1.
+    /// Maximum number of steps, at least 1.
     pub max_iterations: u32,
-    /// A step shorter than this is the last, pixels.
+    /// Mean shift ends after a step shorter than this, pixels.
     pub epsilon_px: f64,
 }
 
-/// What a search came to.
+/// Result of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SearchResult {
-    /// There is mass.
+    /// The search window contains weight.
     Found(CamShiftTarget),
-    /// There is none in this window: the one that the search ended with, enlarged by [`MOMENT_MARGIN_PX`].
+    /// No weight in this window: the last search window enlarged by [`MOMENT_MARGIN_PX`].
     NotFound(Window),
 }
 
-/// The mass that a search found.
+/// What CamShift found: the ellipse of the weights' moments, and the next search window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CamShiftTarget {
-    /// The window to start from in the next frame.
+    /// Start window of the search in the next frame.
     pub window: Window,
-    /// Centroid of the mass in pixel coordinates: the middle of the first pixel is (0.5, 0.5).
+    /// Centroid of the weights in pixel coordinates: the centre of the first pixel is (0.5, 0.5).
     pub centroid: PixelPoint,
     /// Full length of the major axis, pixels.
     pub major_px: f64,
@@ -71,7 +69,7 @@ pub struct CamShiftTarget {
 }
 
 impl CamShiftTarget {
-    /// The upright box around the whole target. It may reach out of the picture.
+    /// The upright box around the whole target. It may exceed the picture.
     pub fn bounds(&self) -> PixelBox {
         let (sin, cos) = (libm::sin(self.axis.radians()), libm::cos(self.axis.radians()));
         let reach = |major: f64, minor: f64| {
@@ -82,13 +80,13 @@ impl CamShiftTarget {
         PixelBox { u: self.centroid.u - w / 2.0, v: self.centroid.v - h / 2.0, w, h }
     }
 
-    /// The target that has these moments in a map of that size; none where there is no mass.
+    /// The target with these moments in a map of this size; `None` if the weights sum to zero.
     pub(crate) fn from_moments(sums: &Moments, width: usize, height: usize) -> Option<Self> {
         EquivalentEllipse::from_moments(sums).map(|ellipse| ellipse.to_target(width, height))
     }
 }
 
-/// Searches for the target from the window `start` (what lies outside the map is cut off).
+/// Searches for the target from the window `start`, which is clipped to the map.
 pub fn cam_shift(map: &mut impl MomentSource, start: Window, criteria: TerminationCriteria) -> SearchResult {
     let (width, height) = (map.width(), map.height());
     let mut sums = RunningMoments::new(map);
@@ -100,7 +98,7 @@ pub fn cam_shift(map: &mut impl MomentSource, start: Window, criteria: Terminati
     }
 }
 
-/// Moves the window onto the mass in it, and returns where it came to rest.
+/// Moves the window until its centre lies on the centroid of its weights; the final window.
 fn mean_shift<M: MomentSource>(
     sums: &mut RunningMoments<'_, M>,
     (width, height): (usize, usize),
@@ -124,15 +122,15 @@ fn mean_shift<M: MomentSource>(
     window
 }
 
-/// Where a span of `length` pixels starts when its middle is moved onto the centroid, within 0..end.
+/// Start of an interval of `length` pixels centred on the centroid, within 0..end.
 fn recentred(start: usize, length: usize, moment: u64, mass: u64, end: usize) -> usize {
     let centroid = moment as f64 / mass as f64;
     let step = (centroid - start as f64 - length as f64 / 2.0).round_ties_even();
-    // The centroid lies in the window, so the sum is small, and a cast of what is negative gives 0.
+    // The centroid lies in the window, so the sum is small. A cast turns negative numbers into 0.
     ((start as f64 + step) as usize).min(end.saturating_sub(length))
 }
 
-/// The uniform ellipse with the same centroid and spread as a mass; x, y in whole pixels, y downwards.
+/// The uniform ellipse with the same centroid and second moments; x, y in whole pixels, y downwards.
 struct EquivalentEllipse {
     x: f64,
     y: f64,
@@ -153,7 +151,7 @@ impl EquivalentEllipse {
         let b = sums.m11 as f64 / mass - x * y;
         let c = sums.m02 as f64 / mass - y * y;
         let spread = (4.0 * b * b + (a - c) * (a - c)).sqrt();
-        // Rounding can leave a hair below zero where the mass has no extent.
+        // Rounding can give a slightly negative variance where the weights have no extent.
         let axis = |variance: f64| 4.0 * variance.max(0.0).sqrt();
         let turn = libm::atan2(2.0 * b, a - c) / 2.0;
         Some(Self { x, y, major: axis((a + c + spread) / 2.0), minor: axis((a + c - spread) / 2.0), turn })
@@ -163,8 +161,8 @@ impl EquivalentEllipse {
         let (sin, cos) = (libm::sin(self.turn).abs(), libm::cos(self.turn).abs());
         let (x, w) = next_window_span(self.x, (self.major * cos).max(self.minor * sin), width);
         let (y, h) = next_window_span(self.y, (self.major * sin).max(self.minor * cos), height);
-        // Downwards is positive in the picture, and anticlockwise as seen in what is reported. Where the turn is a
-        // hair above zero the remainder rounds to pi itself, which is the same axis as 0.
+        // In the picture the positive direction is clockwise, in the report anticlockwise. Where the turn is slightly
+        // above zero, the difference rounds to pi, which is the same axis as 0.
         let upward = if self.turn > 0.0 { core::f64::consts::PI - self.turn } else { -self.turn };
         let axis = if upward >= core::f64::consts::PI { 0.0 } else { upward };
         CamShiftTarget {
@@ -177,7 +175,7 @@ impl EquivalentEllipse {
     }
 }
 
-/// Start and length of the window along one axis: `reach` and two pixels more around `centroid`, within 0..end.
+/// Start and length of the next window along one axis: `reach` plus two pixels around `centroid`, within 0..end.
 fn next_window_span(centroid: f64, reach: f64, end: usize) -> (usize, usize) {
     let middle = (centroid.round_ties_even() as usize).min(end.saturating_sub(1));
     let length = (reach.round_ties_even() as usize + 2).min((end - middle) * 2);

@@ -1,24 +1,24 @@
-//! Where the target must be next: a Kalman filter with constant velocity, for each axis of the picture by itself.
+//! Kalman filter with constant velocity, one for each axis of the picture.
 //!
-//! State per axis: place (pixels) and velocity (pixels per second). Between two frames the velocity drifts as a
-//! white acceleration of density q; a measurement has variance r. How the camera's own motion shifts the picture
-//! is taken in as a known displacement with its own variance. Everything is in pixel coordinates.
+//! State: position (pixels) and velocity (pixels per second). Between frames, a white acceleration of spectral density
+//! q acts on the velocity; a measured position has the variance r. The camera's motion enters as a known displacement
+//! with its own variance.
 
-/// One axis.
+/// Filter of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AxisFilter {
-    /// Pixels.
+    /// Position, pixels.
     pub(crate) position: f64,
-    /// Pixels per second.
+    /// Velocity, pixels per second.
     pub(crate) velocity: f64,
-    /// Variances of both and their covariance.
+    /// Covariance matrix of position and velocity.
     position_variance: f64,
     covariance: f64,
     velocity_variance: f64,
 }
 
 impl AxisFilter {
-    /// A position known to within `std_dev`, a velocity of nothing to within `speed`.
+    /// A filter at a position with this standard deviation, and at velocity zero with the standard deviation `speed`.
     pub(crate) fn new(position: f64, std_dev: f64, speed: f64) -> Self {
         Self {
             position,
@@ -29,7 +29,8 @@ impl AxisFilter {
         }
     }
 
-    /// `seconds` later; `shift` pixels of that came from the camera, known to within `shift_std_dev`.
+    /// Predicts by `seconds`. `acceleration_density` is q, pixels squared per second cubed; `shift` is the displacement
+    /// by the camera, pixels, with its standard deviation.
     pub(crate) fn predict(
         &mut self,
         seconds: f64,
@@ -47,7 +48,7 @@ impl AxisFilter {
         self.velocity_variance += acceleration_density * dt;
     }
 
-    /// Takes in a measured place of that standard std_dev.
+    /// Corrects the state by a measured position with this standard deviation, pixels.
     pub(crate) fn correct(&mut self, measured: f64, std_dev: f64) {
         let innovation = measured - self.position;
         let variance = self.position_variance + std_dev * std_dev;
@@ -59,13 +60,13 @@ impl AxisFilter {
         self.position_variance *= 1.0 - gain;
     }
 
-    /// Moves the place by a shift that was measured to within `std_dev`.
+    /// Adds a measured displacement with this standard deviation, pixels.
     pub(crate) fn add_shift(&mut self, shift: f64, std_dev: f64) {
         self.position += shift;
         self.position_variance += std_dev * std_dev;
     }
 
-    /// Puts everything into pixels of which `factor` go to one of the old ones.
+    /// Converts to pixels of a picture that is larger by `factor`.
     pub(crate) fn rescale(&mut self, factor: f64) {
         self.position *= factor;
         self.velocity *= factor;
@@ -74,13 +75,13 @@ impl AxisFilter {
         self.velocity_variance *= factor * factor;
     }
 
-    /// Lets a velocity that nothing confirms die away, and keeps the place between 0 and `length`.
+    /// Reduces a velocity that no measurement confirms, and keeps the position between 0 and `length`.
     pub(crate) fn decay_velocity(&mut self, length: f32) {
         self.velocity *= 0.8;
         self.position = self.position.clamp(0.0, f64::from(length));
     }
 
-    /// Standard std_dev of the position, pixels.
+    /// Standard deviation of the position, pixels.
     pub(crate) fn std_dev(&self) -> f64 {
         self.position_variance.max(0.0).sqrt()
     }

@@ -1,41 +1,43 @@
-//! Finding the target again anywhere in the picture: a coarse back projection and boxes summed by an integral image.
+//! Re-detection by colour in the whole picture: a coarse map of target probabilities and box sums from an integral
+//! image.
 //!
-//! One sample every few pixels is looked up in the colour model. Candidates are the places where a box of the
-//! target's size holds more likeness than the ring around it. Each then settles where, and at the size at which, a box
-//! of the target's proportions stands out best: the target may have come nearer or gone farther while it was away.
-//! Candidates are told by colour alone and are worth no more than a second look.
+//! Every few pixels one sample is looked up in the colour model. Candidates are places where a box of the target's size
+//! has a higher mean target probability than the ring around it. Each candidate is then refined to the nearby position
+//! and the scale with the highest contrast of a box of the target's proportions, since the target may have come nearer
+//! or gone farther away. Candidates are found by colour alone; the correlation filter has to confirm them.
 
 use barrelman_vocab::Picture;
 
 use crate::colour_model::ColourModel;
 
-/// A place worth a second look.
+/// A place that may show the target.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Candidate {
-    /// Middle, pixels.
+    /// Centre, pixels.
     pub(crate) centre: (f32, f32),
-    /// Mean likeness in the box less that of the ring, -1 to 1.
+    /// Mean target probability in the box less that in the ring, -1 to 1.
     pub(crate) contrast: f32,
-    /// What others make of it; 0 at first.
+    /// Similarity of the layout of its colours to the target's, 0 to 1; set by the caller.
     pub(crate) layout_similarity: f32,
-    /// How many times as large as expected what has the colour there seems to be.
+    /// Scale with the highest contrast, relative to the expected size.
     pub(crate) scale: f32,
 }
 
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Redetector {
-    /// Sums of likeness over everything above and to the left; one row and column of zeros first.
+    /// Integral image of the target probabilities: sums over all samples above and to the left, with a first row and
+    /// column of zeros.
     sums: Vec<u32>,
     width: usize,
     height: usize,
     candidates: Vec<Candidate>,
 }
 
-/// Most candidates kept.
+/// Maximum number of candidates.
 pub(crate) const MAX_CANDIDATES: usize = 12;
 
 impl Redetector {
-    /// The best candidates of a target whose upright box has these sides (pixels), best first.
+    /// Finds the best candidates for a target whose upright box has these sides (pixels), best first.
     pub(crate) fn find_candidates(
         &mut self,
         picture: &Picture,
@@ -43,8 +45,8 @@ impl Redetector {
         (w, h): (f32, f32),
     ) -> &[Candidate] {
         let size = (w * h).sqrt();
-        // Ten samples a side tell a box from its surroundings, and from one of another size; chroma has one sample in
-        // two pixels.
+        // Ten samples a side distinguish a box from its surroundings and from boxes of other sizes. A chroma sample
+        // covers two pixels.
         let step = ((size / 20.0) as usize).clamp(1, 16);
         let (y, u, v) = (picture.y(), picture.u(), picture.v());
         (self.width, self.height) = (u.width / step, u.height / step);
@@ -103,7 +105,7 @@ impl Redetector {
         &self.candidates
     }
 
-    /// Where nearby, and at which size in that of `sides` (samples), a box stands out best against its ring.
+    /// Moves a candidate to the nearby position and scale with the highest contrast. `sides` are in samples.
     fn refined(&self, candidate: Candidate, sides: (f32, f32), unit: f32) -> Candidate {
         let first = ((candidate.centre.0 / unit) as usize, (candidate.centre.1 / unit) as usize);
         let mut best = (first, 1.0_f32, self.contrast_at(first, sides, 1.0));
@@ -133,7 +135,7 @@ impl Redetector {
         Candidate { centre, scale, ..candidate }
     }
 
-    /// By how much more likeness a box there has than the ring around it.
+    /// Mean target probability in a box around a sample less that in the ring around the box.
     fn contrast_at(&self, at: (usize, usize), sides: (f32, f32), scale: f32) -> f32 {
         let half = |side: f32| (0.5 * scale * side).max(0.5) as usize;
         let half = (half(sides.0), half(sides.1));
@@ -143,7 +145,7 @@ impl Redetector {
             - (outer.0 - inner.0) as f32 / (255 * (outer.1 - inner.1).max(1)) as f32
     }
 
-    /// Sum and count of the samples within `half` of one.
+    /// Sum and number of the samples in a square with `half` samples to every side of the centre.
     fn square_sum(&self, column: usize, row: usize, half: usize) -> (u32, u32) {
         self.box_sum((column, row), (half, half))
     }
@@ -156,7 +158,7 @@ impl Redetector {
         (sum, ((right - left) * (bottom - top)) as u32)
     }
 
-    /// Keeps the best few, of those nearer to each other than the target's size the better one.
+    /// Keeps the best candidates; of two nearer to each other than the target's size, the better one.
     fn insert(&mut self, new: Candidate, size: f32) {
         let near = |c: &Candidate| {
             (c.centre.0 - new.centre.0).abs() < size && (c.centre.1 - new.centre.1).abs() < size
@@ -177,11 +179,11 @@ impl Redetector {
     }
 }
 
-/// Rounds in which a candidate moves and changes its size.
+/// Rounds of the refinement.
 const REFINEMENT_ROUNDS: usize = 3;
-/// Sizes that are tried, in the expected one.
+/// Scales of the refinement, relative to the expected size.
 const SCALES: [f32; 7] = [0.5, 0.6, 0.71, 0.84, 1.0, 1.19, 1.41];
-/// A candidate moves by this share of its sides at a time.
+/// Step of the refinement, in sides of the box.
 const REFINEMENT_STEP_SHARE: f32 = 0.2;
 
 #[cfg(test)]
@@ -212,7 +214,7 @@ mod tests {
         picture
     }
 
-    /// What is found of a red target of that size.
+    /// The candidates for a red target of this size.
     fn found(boats: &[[usize; 4]], size: f32) -> Vec<Candidate> {
         let learned = picture(&[[140, 100, 40, 40]]);
         let mut model = ColourModel::default();
@@ -236,7 +238,7 @@ mod tests {
         for [left, top] in [[0, 0], [280, 0], [0, 200], [280, 200], [37, 91], [200, 120]] {
             let found = found(&[[left, top, 40, 40]], 40.0);
             let middle = (left as f32 + 20.0, top as f32 + 20.0);
-            // The box is of whole samples and larger than the target: several places are as good.
+            // The box consists of whole samples and exceeds the target: several positions are equally good.
             assert!(near(&found[0], middle, 20.0), "{left},{top}: {found:?}");
             assert!(found[0].contrast > 0.4, "{left},{top}: {found:?}");
         }
@@ -247,7 +249,7 @@ mod tests {
         for side in [24, 40, 56] {
             let found = found(&[[130, 90, side, side]], 40.0);
             let scale = side as f32 / 40.0;
-            // The sizes that are tried are 1.19 apart, and the samples a twentieth of the size.
+            // Neighbouring scales differ by a factor of 1.19, and a sample is a twentieth of the size.
             assert!((0.8..1.25).contains(&(found[0].scale / scale)), "{side}: {found:?}");
             let middle = (130.0 + side as f32 / 2.0, 90.0 + side as f32 / 2.0);
             assert!(near(&found[0], middle, 5.0), "{side}: {found:?}");

@@ -1,13 +1,13 @@
-//! Size, place and direction of the target from the moments of its colour.
+//! Size, position and orientation of the target from the moments of its colour.
 //!
-//! The likeness p of each sample within a turned ellipse around the target is made a weight between 0 and 1: nothing
-//! up to a quarter of the way from the ring's mean probability to the target's, all from three quarters on. With the
-//! weights' mass m, centroid c and covariance C, the target is taken for an ellipse of that mass: its axis is the
-//! eigenvector of the larger eigenvalue of C, its full axes are 4 times the roots of the eigenvalues.
+//! The target probability of each sample inside an ellipse around the target becomes a weight between 0 and 1: 0 up to
+//! a quarter of the way from the ring's mean probability to the target's, 1 from three quarters on, linear between.
+//! With the weights' sum m, centroid c and covariance C, the axis is the eigenvector of the larger eigenvalue of C, and
+//! the full axes are 4 times the roots of the eigenvalues, as for a uniform ellipse.
 
 use crate::crop::{ColourContrast, Crop};
 
-/// What the colour says of the target.
+/// Shape of the target by its colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Silhouette {
     /// Area, square pixels.
@@ -20,13 +20,13 @@ pub(crate) struct Silhouette {
     pub(crate) major: f32,
     /// Full length of the minor axis, pixels.
     pub(crate) minor: f32,
-    /// Halfway between the ends, along the axis and across it, pixels.
+    /// Midpoint between the ends along and across the axis, pixels.
     pub(crate) midpoint: (f32, f32),
 }
 
 impl Silhouette {
-    /// Of what lies within the ellipse of half axes `half`, turned clockwise by `angle`; `inside` and `ring` are the
-    /// mean likenesses there (0 to 1). None where the colour does not tell the target from its surroundings.
+    /// Measures the silhouette inside the ellipse of half axes `half` (pixels), turned clockwise by `angle`; `contrast`
+    /// gives the mean target probabilities. `None` where the contrast or the area is too small.
     pub(crate) fn measure(
         crop: &Crop,
         centre: (f32, f32),
@@ -56,7 +56,7 @@ impl Silhouette {
             return None;
         }
         let (u, v) = (mu / m, mv / m);
-        // A sample is a square: it has a spread of its own.
+        // A sample is a square with a variance of its own.
         let sample = f64::from(crop.probability_step());
         let own = sample * sample / 12.0;
         let (a, b, c) = (muu / m - u * u + own, muv / m - u * v, mvv / m - v * v + own);
@@ -64,7 +64,7 @@ impl Silhouette {
         let mean_variance = 0.5 * (a + c);
         let axis = (0.5 * libm::atan2(2.0 * b, a - c)) as f32;
         let (cos, sin) = (libm::cosf(axis), libm::sinf(axis));
-        // Where the ends are: a hundredth of the mass lies beyond each.
+        // The ends: a hundredth of the weight lies beyond each.
         let reach = 2.0 * half.0.max(half.1);
         let (mut along, mut across) = ([0.0_f32; BINS], [0.0_f32; BINS]);
         crop.for_each_probability(centre, half, angle, |du, dv, probability| {
@@ -93,13 +93,13 @@ impl Silhouette {
         })
     }
 
-    /// Minor over major axis, 0 to 1.
+    /// Ratio of minor to major axis, 0 to 1.
     pub(crate) fn roundness(&self) -> f32 {
         if self.major > 0.0 { self.minor / self.major } else { 1.0 }
     }
 }
 
-/// Where along some bins, in bins, a hundredth of the mass has been passed.
+/// Position, in bins, up to which the bins contain a hundredth of the weight.
 fn mass_quantile_bin<'a>(bins: impl Iterator<Item = &'a f32> + Clone) -> f32 {
     let wanted = 0.01 * bins.clone().sum::<f32>();
     let mut passed = 0.0;
@@ -114,9 +114,9 @@ fn mass_quantile_bin<'a>(bins: impl Iterator<Item = &'a f32> + Clone) -> f32 {
 
 /// Bins along an axis of twice the target's length: 1.5 % of the length each.
 const BINS: usize = 128;
-/// Below this difference of mean probability, inside less outside, the outline is guesswork.
+/// Minimum contrast, inside less ring; with less the shape is unreliable.
 const MIN_CONTRAST: f32 = 0.2;
-/// Fewer samples than this have no shape.
+/// Minimum sum of the weights, samples.
 const MIN_MASS: f64 = 8.0;
 
 #[cfg(test)]
@@ -130,7 +130,7 @@ mod tests {
     const CENTRE: (f32, f32) = (160.0, 120.0);
     const CLEAR: ColourContrast = ColourContrast { inside: 1.0, ring: 0.0 };
 
-    /// A red ellipse of full axes `axes`, turned clockwise, on blue water.
+    /// A red ellipse with these full axes, turned clockwise, on blue water.
     fn picture(axes: (f32, f32), turned_deg: f32) -> Picture {
         let size = PictureSize::new(320, 240);
         let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
@@ -167,7 +167,7 @@ mod tests {
         crop
     }
 
-    /// The silhouette as looked for in a circle, a little off.
+    /// The silhouette measured in a circle that is slightly off the centre.
     fn seen(axes: (f32, f32), turned_deg: f32, step: f32) -> Silhouette {
         let reach = 0.6 * axes.0;
         let centre = (CENTRE.0 + 2.0, CENTRE.1 - 1.0);
@@ -200,7 +200,7 @@ mod tests {
     fn a_coarser_look_sees_the_same() {
         let seen = seen((120.0, 50.0), 30.0, 3.0);
         assert!((seen.axis.to_degrees() - 30.0).abs() < 2.0, "{seen:?}");
-        // SampleMap that lie half on the target count less than half; measured 3 and 9 %.
+        // Samples that lie half on the target weigh less than half; measured 3 and 9 %.
         assert!((seen.major / 120.0 - 1.0).abs() < 0.05, "{seen:?}");
         assert!((seen.minor / 50.0 - 1.0).abs() < 0.12, "{seen:?}");
     }
