@@ -160,6 +160,7 @@ mod tests {
     use super::*;
 
     multiversion! { simd;
+        #[cfg(target_arch = "x86_64")]
         fn mix(simd: Simd, values: &mut [f32]) {
             for value in values {
                 *value = (*value * 1.7 + 0.3) / (*value + 2.0).sqrt();

@@ -1,9 +1,12 @@
 //! Probability that a colour belongs to the target rather than to its surroundings.
 //!
-//! Two histograms over (Y, U, V), one of the target (F) and one of the ring around it (B), each normalised to a sum of
-//! 1. The target probability of a colour is F / (F + B + e) with a small e, so that a colour seen in neither is not the
-//! target's. U and V are hue and saturation in Cartesian coordinates: there is no wrap-around of the hue, and grey
-//! needs no floors. It is a bin like any other.
+//! Two histograms over (Y, U, V), one of the target (F) and one of the ring around it (B), are each normalised to a sum
+//! of 1. The target probability of a colour is
+//!
+//!     F / (F + B + e)
+//!
+//! with a small e, so that a colour seen in neither is not the target's. U and V are hue and saturation in Cartesian
+//! coordinates: there is no wrap-around of the hue, and grey needs no floors. It is a bin like any other.
 
 use barrelman_vocab::Picture;
 

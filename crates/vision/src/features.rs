@@ -43,7 +43,7 @@ impl PatchPose {
     }
 
     /// Converts a point given in samples right and down of the centre to pixels.
-    pub(crate) fn to_picture(&self, right: f32, down: f32) -> (f32, f32) {
+    pub(crate) fn to_picture(self, right: f32, down: f32) -> (f32, f32) {
         let (c, s) = (libm::cosf(self.angle), libm::sinf(self.angle));
         (
             self.centre.0 + self.step * (right * c - down * s),

@@ -4,11 +4,13 @@
 //! until it comes to rest. The window moves by whole pixels and stays in the map.
 //!
 //! *CamShift* (continuously adaptive mean shift; Bradski 1998) then computes the moments over the window and a margin
-//! around it, so that a target larger than the window can be measured. With the normalised central moments a = m20/m00
-//! - xc^2, b = m11/m00 - xc yc, c = m02/m00 - yc^2 (square pixels), the variances along the principal axes are ((a + c)
-//! +- sqrt(4 b^2 + (a - c)^2)) / 2, and the major axis is turned by atan2(2 b, a - c) / 2 from the x axis towards the y
-//! axis. A uniform ellipse with full axes l and w has the variances (l/4)^2 and (w/4)^2; the reported axes are
-//! therefore four standard deviations long.
+//! around it, so that a target larger than the window can be measured. The normalised central moments, square pixels,
+//! are a = m20/m00 - xc^2, b = m11/m00 - xc yc and c = m02/m00 - yc^2. The variances along the principal axes are
+//!
+//!     ((a + c) ± sqrt(4 b^2 + (a - c)^2)) / 2
+//!
+//! and the major axis is turned by atan2(2 b, a - c) / 2 from the x axis towards the y axis. A uniform ellipse with full
+//! axes l and w has the variances (l/4)^2 and (w/4)^2; the reported axes are therefore four standard deviations long.
 //!
 //! The next search window is upright, centred on the centroid, max(l |cos|, w |sin|) + 2 wide and max(l |sin|, w |cos|)
 //! + 2 high, clipped to the map. All this agrees with OpenCV's `CamShift`, which the laboratory used.

@@ -42,9 +42,14 @@ fn compare(level: SimdLevel, baseline: &[u32], wide: &[u32]) {
     let varies = baseline.iter().any(|&value| value != baseline[0]);
     assert!(varies, "nothing compared: all {} values are equal", baseline.len());
     assert_eq!(baseline.len(), wide.len(), "{level}");
-    if let Some(at) = baseline.iter().zip(wide).position(|(baseline, wide)| baseline != wide) {
-        panic!("{level}: value {at}: {} and {}", f32::from_bits(baseline[at]), f32::from_bits(wide[at]));
-    }
+    let values = |bits: (&u32, &u32)| (f32::from_bits(*bits.0), f32::from_bits(*bits.1));
+    let mut pairs = baseline.iter().zip(wide).enumerate();
+    let difference = pairs.find(|(_, (baseline, wide))| baseline != wide);
+    assert_eq!(
+        difference.map(|(at, bits)| (at, values(bits))),
+        None,
+        "{level}: index and values that differ"
+    );
 }
 
 fn noise(seed: u32) -> impl FnMut() -> u8 {

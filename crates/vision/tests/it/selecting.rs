@@ -1,4 +1,4 @@
-//! What a selection is told.
+//! Reports and errors of CamShift's selections.
 
 use barrelman_vision::{CamShift, CamShiftConfig, Explanation, SelectionError, Tracker};
 use barrelman_vocab::{PixelBox, Track};
