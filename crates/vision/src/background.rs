@@ -172,7 +172,7 @@ mod tests {
     fn a_picture_that_moved_gives_the_shift() {
         for (right, down) in [(0, 0), (8, 0), (0, -8), (-12, 16), (20, 4)] {
             let seen = shift_of(&noise((0, 0), None), &noise((right, down), None));
-            let (u, v) = seen.unwrap_or_else(|| panic!("{right},{down}: not told"));
+            let (u, v) = seen.unwrap_or_else(|| panic!("{right},{down}: no shift"));
             // A sample covers four pixels; the parabola interpolates between samples.
             let off = (u - right as f32).abs().max((v - down as f32).abs());
             assert!(off < 1.5, "{right},{down}: {u},{v}");
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_told_of_what_is_not_the_same() {
+    fn there_is_no_shift_between_different_pictures() {
         let first = noise((0, 0), None);
         let other: Vec<u8> = first.iter().rev().copied().collect();
         let flat = vec![90; WIDTH * HEIGHT];
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_told_before_the_first_frame_nor_after_forgetting_it() {
+    fn there_is_no_shift_without_a_reference() {
         let (mut background, mut fourier) = (BackgroundMotion::new(), Fourier::new());
         let picture = noise((0, 0), None);
         assert_eq!(background.measure_shift(plane(&picture), &mut fourier), None);

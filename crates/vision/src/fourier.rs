@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    fn alike(seen: &Map, expected: &Map) {
+    fn assert_close(seen: &Map, expected: &Map) {
         for (index, (seen, expected)) in seen.iter().zip(expected).enumerate() {
             // Single precision over ten passes of values up to 0.5.
             assert!((seen - expected).abs() < 1e-6, "{index}: {seen} against {expected}");
@@ -280,10 +280,10 @@ mod tests {
         let mut fourier = Fourier::new();
         let (mut a, mut b) = (map(5), map(6));
         fourier.inverse_pair((&first, &second), (&mut a, &mut b));
-        alike(&a, &maps[0]);
-        alike(&b, &maps[1]);
+        assert_close(&a, &maps[0]);
+        assert_close(&b, &maps[1]);
         fourier.inverse(&second, &mut a);
-        alike(&a, &maps[1]);
+        assert_close(&a, &maps[1]);
     }
 
     #[test]

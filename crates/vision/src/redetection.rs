@@ -45,17 +45,28 @@ impl Redetector {
         (w, h): (f32, f32),
     ) -> &[Candidate] {
         let size = (w * h).sqrt();
-        // Ten samples a side distinguish a box from its surroundings and from boxes of other sizes. A chroma sample
-        // covers two pixels.
+        // Ten samples a side distinguish a box from its surroundings and from boxes of other sizes. A chroma sample covers
+        // two pixels.
         let step = ((size / 20.0) as usize).clamp(1, 16);
+        self.candidates.clear();
+        self.build_integral_image(picture, model, step);
+        let unit = 2.0 * step as f32;
+        self.collect(size, unit);
+        for index in 0..self.candidates.len() {
+            self.candidates[index] = self.refined(self.candidates[index], (w / unit, h / unit), unit);
+        }
+        &self.candidates
+    }
+
+    /// Computes the integral image of the target probabilities of every `step`-th chroma sample.
+    fn build_integral_image(&mut self, picture: &Picture, model: &ColourModel, step: usize) {
         let (y, u, v) = (picture.y(), picture.u(), picture.v());
         (self.width, self.height) = (u.width / step, u.height / step);
         let stride = self.width + 1;
         self.sums.clear();
         self.sums.resize(stride * (self.height + 1), 0);
-        self.candidates.clear();
-        if self.width == 0 || self.height == 0 {
-            return &self.candidates;
+        if self.width == 0 {
+            return;
         }
         let table = model.table();
         for row in 0..self.height {
@@ -70,39 +81,28 @@ impl Redetector {
                 *out = sum + above;
             }
         }
-        let unit = 2.0 * step as f32;
+    }
+
+    /// Collects the places where a square of the target's size (pixels) has a higher mean target probability than the
+    /// ring around it. A sample covers `unit` pixels.
+    fn collect(&mut self, size: f32, unit: f32) {
         let half = ((0.5 * size / unit + 0.5) as usize).max(1);
         let outer = 2 * half;
-        let stride_of_search = (half / 2).max(1);
-        let mut row = 0;
-        while row < self.height {
-            let mut column = 0;
-            while column < self.width {
+        let stride = (half / 2).max(1);
+        for row in (0..self.height).step_by(stride) {
+            for column in (0..self.width).step_by(stride) {
                 let inner = self.square_sum(column, row, half);
                 let around = self.square_sum(column, row, outer);
                 let mean = inner.0 as f32 / (255 * inner.1) as f32;
                 let ring = (around.1 - inner.1).max(1);
                 let ring_mean = (around.0 - inner.0) as f32 / (255 * ring) as f32;
                 let contrast = mean - ring_mean;
-                if contrast > 0.1 {
-                    self.insert(
-                        Candidate {
-                            centre: ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit),
-                            contrast,
-                            layout_similarity: 0.0,
-                            scale: 1.0,
-                        },
-                        size,
-                    );
+                if contrast > MIN_CONTRAST {
+                    let centre = ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit);
+                    self.insert(Candidate { centre, contrast, layout_similarity: 0.0, scale: 1.0 }, size);
                 }
-                column += stride_of_search;
             }
-            row += stride_of_search;
         }
-        for index in 0..self.candidates.len() {
-            self.candidates[index] = self.refined(self.candidates[index], (w / unit, h / unit), unit);
-        }
-        &self.candidates
     }
 
     /// Moves a candidate to the nearby position and scale with the highest contrast. `sides` are in samples.
@@ -179,6 +179,8 @@ impl Redetector {
     }
 }
 
+/// Minimum contrast of a candidate.
+const MIN_CONTRAST: f32 = 0.1;
 /// Rounds of the refinement.
 const REFINEMENT_ROUNDS: usize = 3;
 /// Scales of the refinement, relative to the expected size.
@@ -245,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_told_how_large_what_has_the_colour_is() {
+    fn the_scale_of_a_candidate_is_found() {
         for side in [24, 40, 56] {
             let found = found(&[[130, 90, side, side]], 40.0);
             let scale = side as f32 / 40.0;
@@ -257,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn two_that_are_apart_are_told_apart_and_the_better_one_comes_first() {
+    fn two_boats_give_two_candidates_with_the_better_one_first() {
         let found = found(&[[30, 60, 40, 32], [230, 140, 40, 40]], 40.0);
         assert!(near(&found[0], (250.0, 160.0), 20.0), "{found:?}");
         assert!(near(&found[1], (50.0, 76.0), 20.0), "{found:?}");
@@ -281,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_any_size_can_be_looked_at() {
+    fn pictures_of_any_size_can_be_searched() {
         let mut redetection = Redetector::default();
         for (width, height) in [(0, 0), (0, 9), (1, 1), (2, 2), (3, 1), (1, 70), (33, 31)] {
             let size = PictureSize::new(width, height);
