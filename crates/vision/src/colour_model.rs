@@ -3,7 +3,9 @@
 //! Two histograms over (Y, U, V), one of the target (F) and one of the ring around it (B), are each normalised to a sum
 //! of 1. The target probability of a colour is
 //!
-//!     F / (F + B + e)
+//! ```text
+//! F / (F + B + e)
+//! ```
 //!
 //! with a small e, so that a colour seen in neither is not the target's. U and V are hue and saturation in Cartesian
 //! coordinates: there is no wrap-around of the hue, and grey needs no floors. It is a bin like any other.

@@ -7,7 +7,9 @@
 //! around it, so that a target larger than the window can be measured. The normalised central moments, square pixels,
 //! are a = m20/m00 - xc^2, b = m11/m00 - xc yc and c = m02/m00 - yc^2. The variances along the principal axes are
 //!
-//!     ((a + c) ± sqrt(4 b^2 + (a - c)^2)) / 2
+//! ```text
+//! ((a + c) ± sqrt(4 b^2 + (a - c)^2)) / 2
+//! ```
 //!
 //! and the major axis is turned by atan2(2 b, a - c) / 2 from the x axis towards the y axis. A uniform ellipse with full
 //! axes l and w has the variances (l/4)^2 and (w/4)^2; the reported axes are therefore four standard deviations long.
