@@ -68,14 +68,14 @@ const PITCH: (f64, f64) = (15.0, 0.4);
 const ROLL: (f64, f64) = (8.6, 0.2);
 /// The bow rises with speed, up to a limit; the boat heels into its turns.
 const TRIM_RAD_PER_MPS: f64 = 2.0_f64.to_radians();
-const MOST_TRIM_RAD: f64 = 6.0_f64.to_radians();
+const MAX_TRIM_RAD: f64 = 6.0_f64.to_radians();
 const HEEL_S: f64 = 8.0_f64.to_radians();
 /// The hull's averaging of the waves is worked out anew every so many ticks: it depends on the heading alone.
-const AVERAGED_FOR: u64 = 6;
+const AVERAGING_TICKS: u64 = 6;
 
 /// What a boat is told.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Helm {
+pub struct HelmCommand {
     /// -1 (full astern) to 1 (full ahead).
     pub throttle: f64,
     /// -1 (turns right) to 1 (turns left), as a share of the nozzle's travel.
@@ -85,27 +85,27 @@ pub struct Helm {
 /// A boat under way.
 #[derive(Debug, Clone)]
 pub struct JetBoat {
-    place: (f64, f64),
+    position: (f64, f64),
     heading: f64,
     /// Velocity over ground in the body's frame: ahead, left; and turn rate.
     velocity: (f64, f64),
     turn: f64,
     throttle: f64,
     nozzle: f64,
-    heave: Response,
-    pitch: Response,
-    roll: Response,
+    heave: SecondOrderResponse,
+    pitch: SecondOrderResponse,
+    roll: SecondOrderResponse,
     averages: Vec<f64>,
 }
 
 /// A second-order response.
 #[derive(Debug, Clone, Copy, Default)]
-struct Response {
+struct SecondOrderResponse {
     value: f64,
     rate: f64,
 }
 
-impl Response {
+impl SecondOrderResponse {
     fn follow(&mut self, wanted: f64, (frequency, damping): (f64, f64)) {
         let acceleration =
             frequency * frequency * (wanted - self.value) - 2.0 * damping * frequency * self.rate;
@@ -116,26 +116,26 @@ impl Response {
 
 impl JetBoat {
     /// A boat at rest.
-    pub fn at_rest(place: (f64, f64), heading: Angle) -> Self {
+    pub fn at_rest(position: (f64, f64), heading: Angle) -> Self {
         Self {
-            place,
+            position,
             heading: heading.radians(),
             velocity: (0.0, 0.0),
             turn: 0.0,
             throttle: 0.0,
             nozzle: 0.0,
-            heave: Response::default(),
-            pitch: Response::default(),
-            roll: Response::default(),
+            heave: SecondOrderResponse::default(),
+            pitch: SecondOrderResponse::default(),
+            roll: SecondOrderResponse::default(),
             averages: Vec::new(),
         }
     }
 
     /// Advances through a tick: what it is told, the water, and the wind along the world's x and y, m/s.
-    pub fn advance(&mut self, helm: Helm, sea: &Sea, wind: (f64, f64), tick: u64) {
+    pub fn advance(&mut self, helm: HelmCommand, sea: &Sea, wind: (f64, f64), tick: u64) {
         self.throttle += (helm.throttle.clamp(-1.0, 1.0) - self.throttle) * TICK_S / THROTTLE_S;
         self.nozzle += (helm.rudder.clamp(-1.0, 1.0) * NOZZLE_RAD - self.nozzle) * TICK_S / NOZZLE_S;
-        let water = self.ride(sea, tick);
+        let water = self.advance_on_waves(sea, tick);
         let (s, c) = libm::sincos(self.heading);
         let in_body = |(x, y): (f64, f64)| (x * c + y * s, -x * s + y * c);
         let current = in_body(water);
@@ -158,15 +158,15 @@ impl JetBoat {
         self.turn += dr * TICK_S;
         self.heading += self.turn * TICK_S;
         let (vx, vy) = self.velocity_over_ground();
-        self.place.0 += vx * TICK_S;
-        self.place.1 += vy * TICK_S;
+        self.position.0 += vx * TICK_S;
+        self.position.1 += vy * TICK_S;
     }
 
     /// Follows the waves, and says how the water moves where it is, along the world's x and y.
-    fn ride(&mut self, sea: &Sea, tick: u64) -> (f64, f64) {
+    fn advance_on_waves(&mut self, sea: &Sea, tick: u64) -> (f64, f64) {
         let (s, c) = libm::sincos(self.heading);
         let waves = sea.waves();
-        let due = tick.is_multiple_of(AVERAGED_FOR) || self.averages.len() != waves.len();
+        let due = tick.is_multiple_of(AVERAGING_TICKS) || self.averages.len() != waves.len();
         if due {
             self.averages.clear();
             self.averages.extend(waves.iter().map(|wave| {
@@ -179,18 +179,18 @@ impl JetBoat {
         }
         let (mut elevation, mut slope, mut water) = (0.0, (0.0, 0.0), (0.0, 0.0));
         for (wave, average) in waves.iter().zip(&self.averages) {
-            let (sin, cos) = libm::sincos(wave.phase_at(self.place.0, self.place.1, tick));
-            let felt = wave.amplitude * average;
-            elevation += felt * cos;
-            slope.0 -= felt * wave.vector.0 * sin;
-            slope.1 -= felt * wave.vector.1 * sin;
+            let (sin, cos) = libm::sincos(wave.phase_at(self.position.0, self.position.1, tick));
+            let amplitude = wave.amplitude * average;
+            elevation += amplitude * cos;
+            slope.0 -= amplitude * wave.vector.0 * sin;
+            slope.1 -= amplitude * wave.vector.1 * sin;
             let (x, y) = wave.drift();
             water.0 += average * x * cos;
             water.1 += average * y * cos;
         }
         let along = slope.0 * c + slope.1 * s;
         let to_left = -slope.0 * s + slope.1 * c;
-        let trim = (TRIM_RAD_PER_MPS * self.velocity.0).clamp(0.0, MOST_TRIM_RAD);
+        let trim = (TRIM_RAD_PER_MPS * self.velocity.0).clamp(0.0, MAX_TRIM_RAD);
         self.heave.follow(elevation, HEAVE);
         self.pitch.follow(along + trim, PITCH);
         // Positive where the right side sinks: the left side is lifted by water that climbs to the left.
@@ -201,7 +201,7 @@ impl JetBoat {
     /// Where it lies and how.
     pub const fn pose(&self) -> BodyPose {
         BodyPose {
-            place: WorldPoint { x: self.place.0, y: self.place.1, z: self.heave.value },
+            position: WorldPoint { x: self.position.0, y: self.position.1, z: self.heave.value },
             heading: Angle::from_radians(self.heading),
             pitch: Angle::from_radians(self.pitch.value),
             roll: Angle::from_radians(self.roll.value),
@@ -249,7 +249,7 @@ fn resistance(u: f64) -> f64 {
 }
 
 /// The throttle that keeps a speed on calm water, 0 to 1.
-pub fn throttle_for(speed_mps: f64) -> f64 {
+pub fn throttle_for_speed(speed_mps: f64) -> f64 {
     let speed = speed_mps.clamp(0.0, 0.9 * JET_MPS);
     libm::sqrt(resistance(speed) / (THRUST_N * (1.0 - speed / JET_MPS))).min(1.0)
 }

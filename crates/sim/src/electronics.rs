@@ -1,15 +1,15 @@
 //! How the camera's electronics drift: brightness and the gains of red and blue wander while it runs.
 
-use crate::chance::{Draws, Stream, Wander, Wandering};
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::snapshot::SensorState;
 
 /// How much they drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ElectronicsScript {
+pub struct ElectronicsModel {
     /// Of the logarithm of the brightness.
-    pub brightness: Wander,
+    pub brightness: OrnsteinUhlenbeck,
     /// Of the logarithms of the gains of red and of blue.
-    pub white_balance: Wander,
+    pub white_balance: OrnsteinUhlenbeck,
     /// How long each row is exposed, seconds.
     pub exposure_s: f64,
 }
@@ -17,22 +17,25 @@ pub struct ElectronicsScript {
 /// Electronics that drift.
 #[derive(Debug, Clone)]
 pub struct Electronics {
-    brightness: Wandering,
-    red: Wandering,
-    blue: Wandering,
+    brightness: OrnsteinUhlenbeckProcess,
+    red: OrnsteinUhlenbeckProcess,
+    blue: OrnsteinUhlenbeckProcess,
     exposure_s: f64,
 }
 
 impl Electronics {
     /// Those of a trial.
-    pub fn new(script: &ElectronicsScript, seed: u64) -> Self {
-        let wandering = |wander, which: u64| {
-            Wandering::new(wander, Draws::of(seed.wrapping_add(which << 48), Stream::Electronics))
+    pub fn new(script: &ElectronicsModel, seed: u64) -> Self {
+        let process = |model, which: u64| {
+            OrnsteinUhlenbeckProcess::new(
+                model,
+                CounterRng::new(seed.wrapping_add(which << 48), Stream::Electronics),
+            )
         };
         Self {
-            brightness: wandering(script.brightness, 0),
-            red: wandering(script.white_balance, 1),
-            blue: wandering(script.white_balance, 2),
+            brightness: process(script.brightness, 0),
+            red: process(script.white_balance, 1),
+            blue: process(script.white_balance, 2),
             exposure_s: script.exposure_s,
         }
     }

@@ -17,8 +17,8 @@
 use barrelman_vocab::Angle;
 
 use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
-use crate::chance::{Draws, Stream, Wander, Wandering};
 use crate::pose::WorldPoint;
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::wind::TurbulentWind;
 
 /// Mass, kg, and drag area, m².
@@ -37,10 +37,10 @@ const GRAVITY: f64 = 9.81;
 /// Share of the body's lean that the gimbal lets through.
 const LEAK: f64 = 0.05;
 /// Wander of the yaw, and how fast it drifts while it is commanded.
-const YAW: Wander = Wander { deviation: 2.0_f64.to_radians(), time_s: 8.0 };
+const YAW: OrnsteinUhlenbeck = OrnsteinUhlenbeck { std_dev: 2.0_f64.to_radians(), time_constant_s: 8.0 };
 const DRIFT_RAD_PER_S: f64 = 0.2_f64.to_radians();
 /// The shiver of the gimbal: what is left of vibrations, on each axis.
-const SHIVER: Wander = Wander { deviation: 0.05_f64.to_radians(), time_s: 0.03 };
+const JITTER: OrnsteinUhlenbeck = OrnsteinUhlenbeck { std_dev: 0.05_f64.to_radians(), time_constant_s: 0.03 };
 
 /// A kite on its line.
 #[derive(Debug, Clone)]
@@ -52,12 +52,12 @@ pub struct Kite {
     across: WorldPoint,
     wind: TurbulentWind,
     /// Deviation and its rate: upwards, across, length.
-    deviations: [(f64, f64); 3],
+    offsets: [(f64, f64); 3],
     push: (f64, f64),
-    yaw: Wandering,
+    yaw: OrnsteinUhlenbeckProcess,
     drift: f64,
     drift_sign: f64,
-    shiver: [Wandering; 3],
+    jitter: [OrnsteinUhlenbeckProcess; 3],
 }
 
 impl Kite {
@@ -66,21 +66,25 @@ impl Kite {
         let elevation = Angle::from_degrees(ELEVATION_DEG).radians();
         let (se, ce) = libm::sincos(elevation);
         let (sw, cw) = libm::sincos(towards.radians());
-        let draws = Draws::of(seed, Stream::SwayYaw);
-        let shiver =
-            |which: u64| Wandering::new(SHIVER, Draws::of(seed.wrapping_add(which << 48), Stream::Shiver));
+        let rng = CounterRng::new(seed, Stream::SwayYaw);
+        let jitter = |which: u64| {
+            OrnsteinUhlenbeckProcess::new(
+                JITTER,
+                CounterRng::new(seed.wrapping_add(which << 48), Stream::GimbalJitter),
+            )
+        };
         Self {
             length_m: height_m / se,
             line: WorldPoint { x: ce * cw, y: ce * sw, z: se },
             upwards: WorldPoint { x: -se * cw, y: -se * sw, z: ce },
             across: WorldPoint { x: -sw, y: cw, z: 0.0 },
             wind,
-            deviations: [(0.0, 0.0); 3],
+            offsets: [(0.0, 0.0); 3],
             push: (0.0, 0.0),
-            yaw: Wandering::new(YAW, draws),
+            yaw: OrnsteinUhlenbeckProcess::new(YAW, rng),
             drift: 0.0,
-            drift_sign: if draws.unit(u64::MAX) < 0.5 { -1.0 } else { 1.0 },
-            shiver: [shiver(0), shiver(1), shiver(2)],
+            drift_sign: if rng.unit(u64::MAX) < 0.5 { -1.0 } else { 1.0 },
+            jitter: [jitter(0), jitter(1), jitter(2)],
         }
     }
 
@@ -88,7 +92,7 @@ impl Kite {
     pub fn advance(&mut self, tick: u64, yaw_commanded: bool) {
         self.wind.advance(tick);
         self.yaw.advance(tick);
-        for axis in &mut self.shiver {
+        for axis in &mut self.jitter {
             axis.advance(tick);
         }
         if yaw_commanded {
@@ -100,12 +104,12 @@ impl Kite {
         let a = WorldPoint { x: push * vx, y: push * vy, z: push * vz };
         self.push = (a.x, a.y);
         let (w, z) = (HOLD_RAD_PER_S, HOLD_DAMPING);
-        for (deviation, axis) in self.deviations.iter_mut().zip([self.upwards, self.across]) {
-            let acceleration = a.dot(axis) / self.length_m - w * w * deviation.0 - 2.0 * z * w * deviation.1;
-            deviation.1 += acceleration * TICK_S;
-            deviation.0 += deviation.1 * TICK_S;
+        for (state, axis) in self.offsets.iter_mut().zip([self.upwards, self.across]) {
+            let acceleration = a.dot(axis) / self.length_m - w * w * state.0 - 2.0 * z * w * state.1;
+            state.1 += acceleration * TICK_S;
+            state.0 += state.1 * TICK_S;
         }
-        let stretch = &mut self.deviations[2];
+        let stretch = &mut self.offsets[2];
         // Slack, the line does not pull: the kite's own thrust brings it back as gently as it holds its direction.
         let pull = if stretch.0 > 0.0 { LINE_N_PER_M / MASS_KG } else { w * w };
         let acceleration = a.dot(self.line) - pull * stretch.0 - LINE_N_S_PER_M / MASS_KG * stretch.1;
@@ -115,7 +119,7 @@ impl Kite {
 
     /// By what it is displaced from where it should hang.
     pub fn displacement(&self) -> WorldPoint {
-        let [(up, _), (across, _), (stretch, _)] = self.deviations;
+        let [(up, _), (across, _), (stretch, _)] = self.offsets;
         let (up, across) = (up * self.length_m, across * self.length_m);
         let mix = |u: f64, a: f64, l: f64| up * u + across * a + stretch * l;
         WorldPoint {
@@ -127,11 +131,11 @@ impl Kite {
 
     /// By what its camera, that looks along `pan`, is turned: yaw to the right, pitch upwards, roll with its right
     /// side sinking.
-    pub fn turns(&self, pan: Angle) -> (Angle, Angle, Angle) {
+    pub fn attitude_offset(&self, pan: Angle) -> (Angle, Angle, Angle) {
         let (sp, cp) = libm::sincos(pan.radians());
         let lean_ahead = (self.push.0 * sp + self.push.1 * cp) / GRAVITY;
         let lean_right = (self.push.0 * cp - self.push.1 * sp) / GRAVITY;
-        let [yaw, pitch, roll] = &self.shiver;
+        let [yaw, pitch, roll] = &self.jitter;
         (
             Angle::from_radians(self.yaw.value() + self.drift + yaw.value()),
             Angle::from_radians(LEAK * lean_ahead + pitch.value()),
@@ -141,4 +145,4 @@ impl Kite {
 }
 
 /// How many ticks it takes until a kite that was let go at rest sways as the wind makes it.
-pub const SETTLES_TICKS: u64 = 20 * TICKS_PER_SECOND as u64;
+pub const SETTLING_TICKS: u64 = 20 * TICKS_PER_SECOND as u64;

@@ -34,8 +34,8 @@ pub mod electronics;
 pub mod sensor;
 pub mod video_link;
 
-pub mod chance;
 pub mod noise;
+pub mod random;
 
 pub mod practice;
 pub mod water_scene;
@@ -46,7 +46,7 @@ pub use optics::Optics;
 pub use pose::{BodyPose, CameraPose, WorldPoint};
 pub use scenario::Scenario;
 pub use sea::{Sea, SeaState, Wind};
-pub use sensor::Sensor;
+pub use sensor::LocalisationSensor;
 pub use snapshot::Snapshot;
 pub use water_scene::{SceneKind, SceneScript, SceneTruth, TargetPaint, WaterScene};
 pub use world::{Truth, World};

@@ -26,8 +26,8 @@ const CLOSE_ENOUGH: f64 = 1e-10;
 impl Optics {
     /// Where a thing is seen that lies so far right, down and ahead of the optical centre (metres); `None` behind
     /// the camera.
-    pub fn seen_at(&self, (right, down, ahead): (f64, f64, f64)) -> Option<PixelPoint> {
-        if ahead <= NEAREST_M {
+    pub fn project(&self, (right, down, ahead): (f64, f64, f64)) -> Option<PixelPoint> {
+        if ahead <= MIN_DEPTH_M {
             return None;
         }
         let (x, y) = (right / ahead, down / ahead);
@@ -50,7 +50,7 @@ impl Optics {
     }
 
     /// The direction in which a place of the picture looks: right and down for each unit ahead.
-    pub fn direction_of(&self, point: PixelPoint) -> (f64, f64) {
+    pub fn ray_direction(&self, point: PixelPoint) -> (f64, f64) {
         let x = (point.u - 0.5 * f64::from(self.picture.width)) / self.focal_px;
         let y = (point.v - 0.5 * f64::from(self.picture.height)) / self.focal_px;
         let stretch = 1.0 + self.barrel * (x * x + y * y);
@@ -59,4 +59,4 @@ impl Optics {
 }
 
 /// What lies nearer than this is not seen, metres.
-const NEAREST_M: f64 = 0.05;
+const MIN_DEPTH_M: f64 = 0.05;

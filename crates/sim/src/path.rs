@@ -10,7 +10,7 @@ pub struct Path {
 
 /// Way-points make no path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NoPath;
+pub struct InvalidPath;
 
 /// Way-points nearer to each other than this are one, metres.
 const SAME_PLACE_M: f64 = 1.0e-6;
@@ -19,13 +19,13 @@ impl Path {
     /// The path through these way-points, metres.
     ///
     /// # Errors
-    /// [`NoPath`] where there are not two of them in different places, or one is not a number.
-    pub fn through(way_points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, NoPath> {
+    /// [`InvalidPath`] where there are not two of them in different places, or one is not a number.
+    pub fn from_way_points(way_points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, InvalidPath> {
         let mut points: Vec<(f64, f64)> = Vec::new();
         let mut lengths: Vec<f64> = Vec::new();
         for point in way_points {
             if !(point.0.is_finite() && point.1.is_finite()) {
-                return Err(NoPath);
+                return Err(InvalidPath);
             }
             let Some(last) = points.last() else {
                 points.push(point);
@@ -38,7 +38,7 @@ impl Path {
                 points.push(point);
             }
         }
-        if points.len() < 2 { Err(NoPath) } else { Ok(Self { points, lengths }) }
+        if points.len() < 2 { Err(InvalidPath) } else { Ok(Self { points, lengths }) }
     }
 
     /// Its way-points, metres.
@@ -52,7 +52,7 @@ impl Path {
     }
 
     /// The place that lies so far from its start along it; its ends beyond them.
-    pub fn at(&self, along_m: f64) -> (f64, f64) {
+    pub fn point_at(&self, along_m: f64) -> (f64, f64) {
         let leg = self.leg_at(along_m);
         let (from, to) = (self.points[leg], self.points[leg + 1]);
         let share =
@@ -75,9 +75,9 @@ impl Path {
         })
     }
 
-    /// How far along it the place lies that is nearest to `place`, looked for from `from_m` on over the next
+    /// How far along it the place lies that is nearest to `position`, looked for from `from_m` on over the next
     /// `reach_m`: a path may cross itself.
-    pub fn nearest(&self, place: (f64, f64), from_m: f64, reach_m: f64) -> f64 {
+    pub fn nearest_arc_length(&self, position: (f64, f64), from_m: f64, reach_m: f64) -> f64 {
         let mut best = (f64::INFINITY, from_m);
         for leg in self.leg_at(from_m)..self.points.len() - 1 {
             let (start, end) = (self.lengths[leg], self.lengths[leg + 1]);
@@ -86,10 +86,10 @@ impl Path {
             }
             let (a, b) = (self.points[leg], self.points[leg + 1]);
             let (dx, dy) = ((b.0 - a.0) / (end - start), (b.1 - a.1) / (end - start));
-            let along = (start + (place.0 - a.0) * dx + (place.1 - a.1) * dy)
+            let along = (start + (position.0 - a.0) * dx + (position.1 - a.1) * dy)
                 .clamp(start.max(from_m), end.min(from_m + reach_m));
             let (x, y) = (a.0 + (along - start) * dx, a.1 + (along - start) * dy);
-            let distance = libm::hypot(place.0 - x, place.1 - y);
+            let distance = libm::hypot(position.0 - x, position.1 - y);
             if distance < best.0 {
                 best = (distance, along);
             }

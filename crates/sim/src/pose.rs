@@ -20,7 +20,7 @@ pub struct WorldPoint {
 
 impl WorldPoint {
     /// From one place to another.
-    pub fn to(self, other: Self) -> Self {
+    pub fn vector_to(self, other: Self) -> Self {
         Self { x: other.x - self.x, y: other.y - self.y, z: other.z - self.z }
     }
 
@@ -30,7 +30,7 @@ impl WorldPoint {
     }
 
     /// The length of a difference, metres.
-    pub fn length(self) -> f64 {
+    pub fn norm(self) -> f64 {
         libm::sqrt(self.dot(self))
     }
 }
@@ -39,7 +39,7 @@ impl WorldPoint {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPose {
     /// Its optical centre.
-    pub place: WorldPoint,
+    pub position: WorldPoint,
     /// 0 along the world's y, positive to the right.
     pub pan: Angle,
     /// 0 level, positive upwards.
@@ -78,9 +78,9 @@ impl CameraPose {
     }
 
     /// A place as the camera has it: to the right, down, and ahead of the optical centre, metres.
-    pub fn in_camera(&self, place: WorldPoint) -> (f64, f64, f64) {
+    pub fn camera_from_world(&self, position: WorldPoint) -> (f64, f64, f64) {
         let axes = self.axes();
-        let from_camera = self.place.to(place);
+        let from_camera = self.position.vector_to(position);
         (from_camera.dot(axes.right), from_camera.dot(axes.down), from_camera.dot(axes.ahead))
     }
 }
@@ -89,7 +89,7 @@ impl CameraPose {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyPose {
     /// Its origin: for a boat, the middle of its waterline.
-    pub place: WorldPoint,
+    pub position: WorldPoint,
     /// Of its bow: 0 along the world's x, anticlockwise as seen from above.
     pub heading: Angle,
     /// Bow up is positive.

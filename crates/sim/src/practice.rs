@@ -13,7 +13,7 @@ pub const FRAMES_PER_SECOND: u32 = 30;
 
 /// The boat's way as (time in seconds, x, y), in shares of half the picture's width and height: out to the
 /// right, top, left and bottom, and from the bottom into the right sector without coming inside.
-const WAY: [(f64, f64, f64); 14] = [
+const WAY_POINTS: [(f64, f64, f64); 14] = [
     (0.0, 0.05, 0.00),
     (1.5, 0.10, 0.02),
     (4.0, 0.80, 0.05),
@@ -66,7 +66,7 @@ impl PracticeClip {
 
     /// Frames in the clip.
     pub fn frames(&self) -> u32 {
-        (WAY[WAY.len() - 1].0 * f64::from(FRAMES_PER_SECOND)) as u32
+        (WAY_POINTS[WAY_POINTS.len() - 1].0 * f64::from(FRAMES_PER_SECOND)) as u32
     }
 
     /// The pictures' size.
@@ -82,9 +82,9 @@ impl PracticeClip {
     /// Where the boat is in a frame.
     pub fn truth(&self, frame: u32) -> BoatTruth {
         let t = f64::from(frame) / f64::from(FRAMES_PER_SECOND);
-        let centre = self.way(t);
-        let ahead = self.way(t + HEADING_SMOOTHING_S);
-        let behind = self.way(t - HEADING_SMOOTHING_S);
+        let centre = self.position_at(t);
+        let ahead = self.position_at(t + HEADING_SMOOTHING_S);
+        let behind = self.position_at(t - HEADING_SMOOTHING_S);
         let heading = libm::atan2(ahead.y - behind.y, ahead.x - behind.x);
         let (half_length, half_beam) = self.half_hull();
         let (s, c) = (libm::sin(heading), libm::cos(heading));
@@ -110,10 +110,10 @@ impl PracticeClip {
     }
 
     /// Monotone cubic between the way-points' coordinates, so that the boat never overshoots one.
-    fn way(&self, t: f64) -> ImagePoint {
-        let t = t.clamp(0.0, WAY[WAY.len() - 1].0);
-        let next = WAY.iter().position(|point| point.0 > t).unwrap_or(WAY.len() - 1).max(1);
-        let (from, to) = (WAY[next - 1], WAY[next]);
+    fn position_at(&self, t: f64) -> ImagePoint {
+        let t = t.clamp(0.0, WAY_POINTS[WAY_POINTS.len() - 1].0);
+        let next = WAY_POINTS.iter().position(|point| point.0 > t).unwrap_or(WAY_POINTS.len() - 1).max(1);
+        let (from, to) = (WAY_POINTS[next - 1], WAY_POINTS[next]);
         let s = (t - from.0) / (to.0 - from.0);
         let ease = s * s * (3.0 - 2.0 * s);
         // Half linear, half eased: the boat slows at the way-points without stopping there.
@@ -126,7 +126,7 @@ impl PracticeClip {
     }
 
     /// Draws a frame. The picture is made to fit.
-    pub fn draw(&self, frame: u32, picture: &mut Picture) {
+    pub fn render(&self, frame: u32, picture: &mut Picture) {
         picture.reshape(self.size, self.colour());
         let (width, height) = (self.size.width as usize, self.size.height as usize);
         let drift = frame as usize;

@@ -8,8 +8,8 @@
 use barrelman_vocab::Angle;
 
 use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
-use crate::chance::{Draws, Stream, Wander, Wandering};
-use crate::path::{NoPath, Path};
+use crate::path::{InvalidPath, Path};
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 
 /// How it moves.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,14 +19,14 @@ pub struct PursuitScript {
     /// Median of the trials' speeds, m/s.
     pub speed_m_per_s: f64,
     /// Standard deviation of the logarithm of the trials' speeds.
-    pub speed_spread: f64,
-    /// By which power of its distance from the place below the camera its speed grows; as it is at [`RANGE_M`]. 0: the same
+    pub log_speed_std_dev: f64,
+    /// By which power of its distance from the place below the camera its speed grows; as it is at [`REFERENCE_RANGE_M`]. 0: the same
     /// speed everywhere, 1: the same speed in the picture, nearly.
     pub range_exponent: f64,
     /// How the logarithm of the speed wanders during a trial.
-    pub gust: Wander,
+    pub speed_variation: OrnsteinUhlenbeck,
     /// How its heading weaves about where it means to go, radians.
-    pub weave: Wander,
+    pub weave: OrnsteinUhlenbeck,
     /// How far ahead on the path it looks, metres.
     pub look_ahead_m: f64,
     /// Standard deviation by which each way-point is missed, metres.
@@ -34,7 +34,7 @@ pub struct PursuitScript {
     /// Turn rate for each radian that it points off, 1/s.
     pub heading_gain: f64,
     /// Largest turn rate, rad/s.
-    pub most_turn_rad_per_s: f64,
+    pub max_turn_rad_per_s: f64,
     /// Time constant of its speed, seconds.
     pub surge_lag_s: f64,
     /// Time constant of its turn rate, seconds.
@@ -42,7 +42,7 @@ pub struct PursuitScript {
     /// What share of its speed it gives up where it must turn by a right angle or more, 0 to 1.
     pub corner_slow_down: f64,
     /// What share of its speed it gives up at the ends of each leg from corner to corner, beside the leg's middle, 0 to 1.
-    pub leg_rhythm: f64,
+    pub leg_end_slow_down: f64,
     /// It comes to rest over so many of the path's last metres, as with a constant deceleration; 0: it stops at once.
     pub arrival_m: f64,
     /// Mean time that it stands before it starts, seconds.
@@ -59,7 +59,7 @@ pub struct PursuitScript {
 
 /// What it is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doing {
+enum Phase {
     /// Stands at the start until this tick.
     StandingBefore { until: u64 },
     /// Goes along the path.
@@ -77,14 +77,14 @@ enum Doing {
 pub struct Pursuit {
     script: PursuitScript,
     path: Path,
-    pauses: Draws,
-    pace: Draws,
-    gust: Wandering,
-    weave: Wandering,
+    pauses: CounterRng,
+    pace: CounterRng,
+    speed_variation: OrnsteinUhlenbeckProcess,
+    weave: OrnsteinUhlenbeckProcess,
     /// Speed of this trial, m/s.
     speed_of_trial: f64,
-    doing: Doing,
-    place: (f64, f64),
+    phase: Phase,
+    position: (f64, f64),
     heading: f64,
     speed: f64,
     turn: f64,
@@ -92,12 +92,12 @@ pub struct Pursuit {
     /// How far along the path its corners lie, metres, and how many of them are passed.
     corners_m: Vec<f64>,
     passed: usize,
-    corner_pauses: Draws,
+    corner_pauses: CounterRng,
 }
 
 /// Where the target's speed is what the script says, whatever its exponent: so far from the place below the camera,
 /// metres.
-pub const RANGE_M: f64 = 4.0;
+pub const REFERENCE_RANGE_M: f64 = 4.0;
 /// Where the path turns by more than this is a corner, radians.
 const CORNER: f64 = core::f64::consts::FRAC_PI_4;
 /// It has arrived when no more than this is left of the path, metres.
@@ -109,37 +109,40 @@ impl Pursuit {
     /// The target of a trial, at the start of its path.
     ///
     /// # Errors
-    /// [`NoPath`] where the way-points make none.
-    pub fn new(script: PursuitScript, seed: u64) -> Result<Self, NoPath> {
-        let jitter = Draws::of(seed, Stream::WayPoints);
+    /// [`InvalidPath`] where the way-points make none.
+    pub fn new(script: PursuitScript, seed: u64) -> Result<Self, InvalidPath> {
+        let jitter = CounterRng::new(seed, Stream::WayPoints);
         let jittered = script.way_points.iter().enumerate().map(|(index, (x, y))| {
             let off = |which: u64| script.way_point_jitter_m * jitter.normal(2 * index as u64 + which);
             (x + off(0), y + off(1))
         });
-        let path = Path::through(jittered)?;
-        let pace = Draws::of(seed, Stream::Pace);
-        let gust = Wandering::new(script.gust, Draws::of(seed, Stream::Gust));
-        let weave = Wandering::new(script.weave, Draws::of(seed, Stream::Weave));
-        let (haste, patience) = Self::lot(seed);
-        let speed_of_trial = script.speed_m_per_s * libm::exp(script.speed_spread * haste);
-        let place = path.at(0.0);
+        let path = Path::from_way_points(jittered)?;
+        let pace = CounterRng::new(seed, Stream::Pace);
+        let speed_variation = OrnsteinUhlenbeckProcess::new(
+            script.speed_variation,
+            CounterRng::new(seed, Stream::SpeedVariation),
+        );
+        let weave = OrnsteinUhlenbeckProcess::new(script.weave, CounterRng::new(seed, Stream::Weave));
+        let (haste, patience) = Self::sampled_pace(seed);
+        let speed_of_trial = script.speed_m_per_s * libm::exp(script.log_speed_std_dev * haste);
+        let position = path.point_at(0.0);
         let until = ticks(script.stand_before_s * patience);
         let corners_m = path.corners(CORNER).collect();
         Ok(Self {
-            pauses: Draws::of(seed, Stream::Pauses),
+            pauses: CounterRng::new(seed, Stream::Pauses),
             pace,
-            gust,
+            speed_variation,
             weave,
             speed_of_trial,
-            doing: Doing::StandingBefore { until },
-            place,
+            phase: Phase::StandingBefore { until },
+            position,
             heading: path.direction_at(0.0),
             speed: 0.0,
             turn: 0.0,
             along_m: 0.0,
             corners_m,
             passed: 0,
-            corner_pauses: Draws::of(seed, Stream::CornerPauses),
+            corner_pauses: CounterRng::new(seed, Stream::CornerPauses),
             path,
             script,
         })
@@ -147,58 +150,58 @@ impl Pursuit {
 
     /// What a trial's seed decides about all of it: deviations of its speed's logarithm (normal), and how many of the
     /// mean times it stands before it starts (exponential).
-    pub fn lot(seed: u64) -> (f64, f64) {
-        let pace = Draws::of(seed, Stream::Pace);
+    pub fn sampled_pace(seed: u64) -> (f64, f64) {
+        let pace = CounterRng::new(seed, Stream::Pace);
         (pace.normal(0), pace.exponential(100))
     }
 
     /// Advances through a tick.
     pub fn advance(&mut self, tick: u64) {
-        self.gust.advance(tick);
+        self.speed_variation.advance(tick);
         self.weave.advance(tick);
-        let at_corner = self.passes_corner();
-        self.doing = self.next(tick, at_corner);
-        let (speed, turn) = match self.doing {
-            Doing::UnderWay => self.wanted(),
-            Doing::StandingBefore { .. }
-            | Doing::Paused { .. }
-            | Doing::StandingAfter { .. }
-            | Doing::Over => (0.0, 0.0),
+        let is_at_corner = self.advance_corner();
+        self.phase = self.next_phase(tick, is_at_corner);
+        let (speed, turn) = match self.phase {
+            Phase::UnderWay => self.desired_motion(),
+            Phase::StandingBefore { .. }
+            | Phase::Paused { .. }
+            | Phase::StandingAfter { .. }
+            | Phase::Over => (0.0, 0.0),
         };
         self.speed += (speed - self.speed) * lag_share(self.script.surge_lag_s);
         self.turn += (turn - self.turn) * lag_share(self.script.turn_lag_s);
         self.heading += self.turn * TICK_S;
-        self.place.0 += self.speed * libm::cos(self.heading) * TICK_S;
-        self.place.1 += self.speed * libm::sin(self.heading) * TICK_S;
+        self.position.0 += self.speed * libm::cos(self.heading) * TICK_S;
+        self.position.1 += self.speed * libm::sin(self.heading) * TICK_S;
         let reach = REACH_LOOK_AHEADS * self.script.look_ahead_m;
-        self.along_m = self.path.nearest(self.place, self.along_m, reach);
+        self.along_m = self.path.nearest_arc_length(self.position, self.along_m, reach);
     }
 
     /// Whether it comes to a corner now, of those that are passed once each.
-    fn passes_corner(&mut self) -> bool {
+    fn advance_corner(&mut self) -> bool {
         let passes = self.corners_m.get(self.passed).is_some_and(|corner_m| *corner_m <= self.along_m);
         self.passed += usize::from(passes);
         passes
     }
 
-    fn next(&self, tick: u64, at_corner: bool) -> Doing {
-        let draw = 2 * self.passed as u64;
-        let pauses_here = || at_corner && self.corner_pauses.unit(draw) < self.script.corner_pauses;
-        match self.doing {
-            Doing::StandingBefore { until } | Doing::Paused { until } if tick >= until => Doing::UnderWay,
-            Doing::UnderWay if self.path.length() - self.along_m <= ARRIVED_M => {
+    fn next_phase(&self, tick: u64, is_at_corner: bool) -> Phase {
+        let draw_index = 2 * self.passed as u64;
+        let pauses_here = || is_at_corner && self.corner_pauses.unit(draw_index) < self.script.corner_pauses;
+        match self.phase {
+            Phase::StandingBefore { until } | Phase::Paused { until } if tick >= until => Phase::UnderWay,
+            Phase::UnderWay if self.path.length() - self.along_m <= ARRIVED_M => {
                 let stand_s = self.script.stand_after_s * self.pace.exponential(101);
-                Doing::StandingAfter { until: tick + ticks(stand_s) }
+                Phase::StandingAfter { until: tick + ticks(stand_s) }
             }
-            Doing::UnderWay if self.pauses.unit(2 * tick) < self.script.pauses_per_s * TICK_S => {
+            Phase::UnderWay if self.pauses.unit(2 * tick) < self.script.pauses_per_s * TICK_S => {
                 let pause_s = self.script.pause_s * self.pauses.exponential(2 * tick + 1);
-                Doing::Paused { until: tick + ticks(pause_s) }
+                Phase::Paused { until: tick + ticks(pause_s) }
             }
-            Doing::UnderWay if pauses_here() => {
-                let pause_s = self.script.pause_s * self.corner_pauses.exponential(draw + 1);
-                Doing::Paused { until: tick + ticks(pause_s) }
+            Phase::UnderWay if pauses_here() => {
+                let pause_s = self.script.pause_s * self.corner_pauses.exponential(draw_index + 1);
+                Phase::Paused { until: tick + ticks(pause_s) }
             }
-            Doing::StandingAfter { until } if tick >= until => Doing::Over,
+            Phase::StandingAfter { until } if tick >= until => Phase::Over,
             unchanged => unchanged,
         }
     }
@@ -206,36 +209,39 @@ impl Pursuit {
     /// By what its speed is less here than in the middle of the leg from corner to corner. A hand that moves from mark to
     /// mark goes with the least jerk (`flash1985`): its speed rises and falls as (t (1 - t))^2 over the leg's time, which
     /// over the leg's length is nearly (s (1 - s))^(2/3).
-    fn rhythm(&self) -> f64 {
+    fn leg_speed_factor(&self) -> f64 {
         let from = self.passed.checked_sub(1).map_or(0.0, |last| self.corners_m[last]);
         let to = self.corners_m.get(self.passed).copied().unwrap_or_else(|| self.path.length());
         let share = ((self.along_m - from) / (to - from)).clamp(0.0, 1.0);
         let bell = libm::cbrt((4.0 * share * (1.0 - share)).powi(2));
-        1.0 - self.script.leg_rhythm * (1.0 - bell)
+        1.0 - self.script.leg_end_slow_down * (1.0 - bell)
     }
 
     /// The speed and the turn rate that it wants now.
-    fn wanted(&self) -> (f64, f64) {
-        let ahead = self.path.at(self.along_m + self.script.look_ahead_m);
-        let bearing = libm::atan2(ahead.1 - self.place.1, ahead.0 - self.place.0);
-        let off = wrapped(bearing + self.weave.value() - self.heading);
+    fn desired_motion(&self) -> (f64, f64) {
+        let ahead = self.path.point_at(self.along_m + self.script.look_ahead_m);
+        let bearing = libm::atan2(ahead.1 - self.position.1, ahead.0 - self.position.0);
+        let off = wrap_angle(bearing + self.weave.value() - self.heading);
         let sharp = (off.abs() / core::f64::consts::FRAC_PI_2).min(1.0);
         let left = self.path.length() - self.along_m;
         let arriving =
             if left < self.script.arrival_m { libm::sqrt(left / self.script.arrival_m) } else { 1.0 };
         let speed = self.speed_of_trial
-            * libm::exp(self.gust.value())
+            * libm::exp(self.speed_variation.value())
             * (1.0 - self.script.corner_slow_down * sharp)
-            * self.rhythm()
-            * libm::pow(libm::hypot(self.place.0, self.place.1) / RANGE_M, self.script.range_exponent)
+            * self.leg_speed_factor()
+            * libm::pow(
+                libm::hypot(self.position.0, self.position.1) / REFERENCE_RANGE_M,
+                self.script.range_exponent,
+            )
             * arriving;
-        let most = self.script.most_turn_rad_per_s;
+        let most = self.script.max_turn_rad_per_s;
         (speed, (self.script.heading_gain * off).clamp(-most, most))
     }
 
     /// Where it is, metres.
-    pub const fn place(&self) -> (f64, f64) {
-        self.place
+    pub const fn position(&self) -> (f64, f64) {
+        self.position
     }
 
     /// Where it is headed: 0 along x, anticlockwise.
@@ -250,7 +256,7 @@ impl Pursuit {
 
     /// Whether it has stood at the end for as long as it was to.
     pub const fn is_over(&self) -> bool {
-        matches!(self.doing, Doing::Over)
+        matches!(self.phase, Phase::Over)
     }
 }
 
@@ -264,6 +270,6 @@ fn lag_share(lag_s: f64) -> f64 {
 }
 
 /// An angle as one from -pi to pi.
-pub(crate) fn wrapped(radians: f64) -> f64 {
+pub(crate) fn wrap_angle(radians: f64) -> f64 {
     libm::remainder(radians, core::f64::consts::TAU)
 }

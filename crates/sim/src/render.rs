@@ -1,6 +1,6 @@
 //! Draws the world as a camera sees it, on the CPU, into planar YUV, with the truth about the target.
 //!
-//! One frame goes through these [`Stage`]s, each but the wake spread over the caller's [`Bands`]:
+//! One frame goes through these [`RenderStage`]s, each but the wake spread over the caller's [`ParallelFor`]:
 //!
 //! 1. waves: three tiles of slopes by Fourier transforms ([`waves`]);
 //! 2. the wake's grid ([`wake`]);
@@ -14,7 +14,7 @@
 //! told: the target's tile, less what stands before it ([`truth`]).
 //!
 //! The picture depends on the settings and the snapshot, and through the wake on the snapshots before; not on the number
-//! of bands, threads or vector instructions. All arithmetic keeps to operations that round alike everywhere
+//! of parallel, threads or vector instructions. All arithmetic keeps to operations that round alike everywhere
 //! ([`barrelman_simd`]). After the first frames nothing is allocated.
 //!
 //! What is not in here: waves that hide a thing behind them (things are cut by the water at their own place alone),
@@ -26,7 +26,7 @@
     reason = "kernels run over many arrays by one number, and max-min is what becomes two vector instructions"
 )]
 
-mod bands;
+mod parallel;
 mod settings;
 mod truth;
 
@@ -50,15 +50,15 @@ mod floor;
 mod land;
 
 mod mesh;
+mod object;
 mod raster;
-mod thing;
 
 mod frame;
 mod sensor;
 
-pub use bands::{Bands, Serial};
+pub use parallel::{ParallelFor, Serial};
 pub use settings::{Effects, RenderSettings, WaterColour, WaveGrid};
-pub use truth::{DrawnTruth, TargetMask};
+pub use truth::{RenderedTruth, TargetMask};
 
 use std::sync::{Mutex, PoisonError};
 
@@ -68,12 +68,12 @@ use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use self::camera::Camera;
 use self::frame::{Frame, View};
 use self::light::Lighting;
+use self::object::{Instance, Shapes};
 use self::raster::{Image, Scene, Tile, Waterline};
 use self::texture::Texture;
-use self::thing::{Instance, Shapes};
 use self::wake::Wake;
 use crate::sea::{Sea, SeaState, Wind};
-use crate::snapshot::{Ground, Snapshot, ThingKind};
+use crate::snapshot::{Ground, ObjectKind, Snapshot};
 
 /// How a drawn picture's samples stand for colours.
 pub const ENCODING: ColourEncoding =
@@ -81,25 +81,25 @@ pub const ENCODING: ColourEncoding =
 
 /// What is done for a frame, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub enum RenderStage {
     /// The tiles of waves.
     Waves,
     /// The boat's wake.
     Wake,
     /// Where camera, things and light are; mirror images and shadows.
-    Images,
+    ReflectionsAndShadows,
     /// Water, sky and land, or the floor, as linear light.
     Water,
     /// Things, drawn and laid over.
-    Things,
+    FrameObjects,
     /// From light to samples.
     Sensor,
 }
 
-impl Stage {
+impl RenderStage {
     /// All of them.
     pub const ALL: [Self; 6] =
-        [Self::Waves, Self::Wake, Self::Images, Self::Water, Self::Things, Self::Sensor];
+        [Self::Waves, Self::Wake, Self::ReflectionsAndShadows, Self::Water, Self::FrameObjects, Self::Sensor];
 }
 
 /// Draws one camera's pictures.
@@ -111,11 +111,11 @@ pub struct Renderer {
     textures: Textures,
     shapes: Shapes,
     waves: [Mutex<waves::Tile>; 3],
-    rough: f32,
+    unresolved_variance: f32,
     wake: Mutex<Wake>,
-    things: Things,
+    objects: FrameObjects,
     frame: Frame,
-    truth: DrawnTruth,
+    truth: RenderedTruth,
 }
 
 /// Textures for everything.
@@ -129,22 +129,22 @@ struct Textures {
 
 /// The things of a frame and their images.
 #[derive(Debug, Default)]
-struct Things {
+struct FrameObjects {
     list: Vec<Instance>,
     waterlines: Vec<Option<Waterline>>,
     /// Numbers in `list` from far to near.
     order: Vec<usize>,
-    at_work: Vec<Mutex<Drawn>>,
+    at_work: Vec<Mutex<ObjectTiles>>,
     /// In the order of `list`.
-    drawn: Vec<Drawn>,
+    drawn: Vec<ObjectTiles>,
     shores: Vec<land::Shore>,
 }
 
 /// The images of one thing.
 #[derive(Debug, Default)]
-struct Drawn {
+struct ObjectTiles {
     itself: Tile,
-    mirror: Tile,
+    reflection: Tile,
     shadow: Tile,
     /// Pixels by which a slope of 1 moves the mirror image.
     reach: f32,
@@ -155,7 +155,7 @@ impl Renderer {
     pub fn new(settings: RenderSettings) -> Self {
         let calm = Wind { speed_mps: 1.5, towards: barrelman_vocab::Angle::ZERO };
         let sea = settings.sea.clone().unwrap_or_else(|| Sea::new(SeaState::ALL[0], calm, settings.seed));
-        let (tiles, rough) = waves::tiles(&sea, settings.grid.points());
+        let (tiles, unresolved_variance) = waves::tiles(&sea, settings.grid.points());
         let seed = settings.seed;
         Self {
             camera: Camera::new(settings.optics),
@@ -167,11 +167,11 @@ impl Renderer {
             },
             shapes: Shapes::new(),
             waves: tiles.map(Mutex::new),
-            rough,
+            unresolved_variance,
             wake: Mutex::new(Wake::new()),
-            things: Things::default(),
+            objects: FrameObjects::default(),
             frame: Frame::new(settings.optics.picture, seed),
-            truth: DrawnTruth::default(),
+            truth: RenderedTruth::default(),
             sea,
             settings,
         }
@@ -183,177 +183,185 @@ impl Renderer {
     }
 
     /// Takes a snapshot into the wake without drawing it.
-    pub fn observe(&mut self, snapshot: &Snapshot) {
+    pub fn advance_wake(&mut self, snapshot: &Snapshot) {
         if self.settings.effects.wake && snapshot.ground == Ground::Water {
-            held(&mut self.wake).follow(self.settings.simd, snapshot);
+            get_mut(&mut self.wake).advance_to(self.settings.simd, snapshot);
         }
     }
 
     /// Draws a snapshot into `picture`, which takes the renderer's size and [`ENCODING`]. Snapshots come in the
     /// order of their ticks; where they jump back, the wake starts anew.
-    pub fn draw(&mut self, snapshot: &Snapshot, picture: &mut Picture, bands: &dyn Bands) -> &DrawnTruth {
-        for stage in [Stage::Waves, Stage::Wake, Stage::Images] {
-            self.draw_stage(stage, snapshot, picture, bands);
+    pub fn render(
+        &mut self,
+        snapshot: &Snapshot,
+        picture: &mut Picture,
+        parallel: &dyn ParallelFor,
+    ) -> &RenderedTruth {
+        for stage in [RenderStage::Waves, RenderStage::Wake, RenderStage::ReflectionsAndShadows] {
+            self.render_stage(stage, snapshot, picture, parallel);
         }
         let light = Lighting::new(&snapshot.light, snapshot.tick);
-        self.draw_things(&light, bands);
+        self.render_direct_tiles(&light, parallel);
         picture.reshape(self.settings.optics.picture, ENCODING);
         let (frame, view) = self.view(snapshot, &light);
-        frame.draw(&view, picture, bands);
-        self.tell_truth(snapshot);
+        frame.render(&view, picture, parallel);
+        self.measure_truth(snapshot);
         &self.truth
     }
 
-    /// One stage of [`Self::draw`] alone, for measuring: it works on what the stages before it have left, and all of
+    /// One stage of [`Self::render`] alone, for measuring: it works on what the stages before it have left, and all of
     /// them in order give the same picture.
-    pub fn draw_stage(
+    pub fn render_stage(
         &mut self,
-        stage: Stage,
+        stage: RenderStage,
         snapshot: &Snapshot,
         picture: &mut Picture,
-        bands: &dyn Bands,
+        parallel: &dyn ParallelFor,
     ) {
         let (simd, waves) = (self.settings.simd, &self.waves);
         let light = Lighting::new(&snapshot.light, snapshot.tick);
         match stage {
-            Stage::Waves if snapshot.ground == Ground::Water => {
-                bands.run(waves.len(), &|part| locked(&waves[part]).advance(simd, snapshot.tick));
+            RenderStage::Waves if snapshot.ground == Ground::Water => {
+                parallel.run(waves.len(), &|part| lock(&waves[part]).advance(simd, snapshot.tick));
             }
-            Stage::Waves => {}
-            Stage::Wake => self.observe(snapshot),
-            Stage::Images => {
+            RenderStage::Waves => {}
+            RenderStage::Wake => self.advance_wake(snapshot),
+            RenderStage::ReflectionsAndShadows => {
                 self.camera.pose(snapshot);
-                self.list_things(snapshot);
-                self.draw_images(&light, bands);
+                self.list_objects(snapshot);
+                self.render_secondary_tiles(&light, parallel);
             }
-            Stage::Water => {
+            RenderStage::Water => {
                 let (frame, view) = self.view(snapshot, &light);
-                frame.shade(&view, bands);
+                frame.shade(&view, parallel);
             }
-            Stage::Things => {
-                self.draw_things(&light, bands);
+            RenderStage::FrameObjects => {
+                self.render_direct_tiles(&light, parallel);
                 let (frame, view) = self.view(snapshot, &light);
-                frame.lay_over(&view, bands);
+                frame.composite(&view, parallel);
             }
-            Stage::Sensor => {
+            RenderStage::Sensor => {
                 picture.reshape(self.settings.optics.picture, ENCODING);
                 let (frame, view) = self.view(snapshot, &light);
-                frame.develop(&view, picture, bands);
+                frame.develop(&view, picture, parallel);
             }
         }
     }
 
     fn view<'a>(&'a mut self, snapshot: &'a Snapshot, light: &'a Lighting) -> (&'a mut Frame, View<'a>) {
-        let wake = held(&mut self.wake);
+        let wake = get_mut(&mut self.wake);
         let view = View {
             settings: &self.settings,
             sea: &self.sea,
             camera: &self.camera,
             textures: &self.textures,
-            tiles: self.waves.each_mut().map(|tile| &*held(tile)),
-            rough: self.rough,
+            tiles: self.waves.each_mut().map(|tile| &*get_mut(tile)),
+            unresolved_variance: self.unresolved_variance,
             wake: (self.settings.effects.wake && snapshot.ground == Ground::Water).then_some(&*wake),
-            things: &self.things,
+            objects: &self.objects,
             light,
             snapshot,
         };
         (&mut self.frame, view)
     }
 
-    fn list_things(&mut self, snapshot: &Snapshot) {
-        let things = &mut self.things;
-        thing::instances(snapshot, &mut things.list);
-        let count = things.list.len();
-        things.at_work.resize_with(count.max(things.at_work.len()), Mutex::default);
-        things.drawn.resize_with(count.max(things.drawn.len()), Drawn::default);
-        things.waterlines.clear();
-        for thing in &things.list {
-            let place = thing.pose.place;
-            let cut = (snapshot.ground == Ground::Water && thing.is_afloat()).then(|| {
-                let surface = self.sea.at(place.x, place.y, snapshot.tick);
+    fn list_objects(&mut self, snapshot: &Snapshot) {
+        let objects = &mut self.objects;
+        object::instances(snapshot, &mut objects.list);
+        let count = objects.list.len();
+        objects.at_work.resize_with(count.max(objects.at_work.len()), Mutex::default);
+        objects.drawn.resize_with(count.max(objects.drawn.len()), ObjectTiles::default);
+        objects.waterlines.clear();
+        for object in &objects.list {
+            let position = object.pose.position;
+            let cut = (snapshot.ground == Ground::Water && object.is_afloat()).then(|| {
+                let surface = self.sea.surface_at(position.x, position.y, snapshot.tick);
                 let calm = self.settings.sea.is_none();
                 Waterline {
-                    place: crate::pose::WorldPoint { z: if calm { 0.0 } else { surface.elevation }, ..place },
+                    position: crate::pose::WorldPoint {
+                        z: if calm { 0.0 } else { surface.elevation },
+                        ..position
+                    },
                     slope: if calm { (0.0, 0.0) } else { surface.slope },
                 }
             });
-            things.waterlines.push(cut);
+            objects.waterlines.push(cut);
         }
-        let eye = self.camera.middle().place;
-        things.order.clear();
-        things.order.extend(0..count);
-        let list = &things.list;
-        let far = |index: &usize| list[*index].distance_from(eye);
-        things.order.sort_unstable_by(|a, b| far(b).total_cmp(&far(a)).then(a.cmp(b)));
-        things.shores.clear();
-        things.shores.extend(
-            snapshot.things.iter().filter(|thing| thing.kind == ThingKind::Shore).map(land::Shore::new),
+        let viewpoint = self.camera.middle().position;
+        objects.order.clear();
+        objects.order.extend(0..count);
+        let list = &objects.list;
+        let far = |index: &usize| list[*index].distance_from(viewpoint);
+        objects.order.sort_unstable_by(|a, b| far(b).total_cmp(&far(a)).then(a.cmp(b)));
+        objects.shores.clear();
+        objects.shores.extend(
+            snapshot.objects.iter().filter(|object| object.kind == ObjectKind::Shore).map(land::Shore::new),
         );
     }
 
     /// Mirror images and shadows.
-    fn draw_images(&mut self, light: &Lighting, bands: &dyn Bands) {
-        let things = &mut self.things;
+    fn render_secondary_tiles(&mut self, light: &Lighting, parallel: &dyn ParallelFor) {
+        let objects = &mut self.objects;
         let (camera, shapes, effects) = (&self.camera, &self.shapes, self.settings.effects);
-        let (list, at_work, waterlines) = (&things.list, &things.at_work, &things.waterlines);
-        let eye = camera.middle().place;
+        let (list, at_work, waterlines) = (&objects.list, &objects.at_work, &objects.waterlines);
+        let viewpoint = camera.middle().position;
         let sunny = light.sun[0] > 0.05 && light.to_sun[2] > 0.1;
-        bands.run(list.len(), &|index| {
-            let drawn = &mut *locked(&at_work[index]);
-            let (thing, cut) = (&list[index], waterlines[index].as_ref());
-            let mesh = shapes.of(thing.shape);
+        parallel.run(list.len(), &|index| {
+            let drawn = &mut *lock(&at_work[index]);
+            let (object, cut) = (&list[index], waterlines[index].as_ref());
+            let mesh = shapes.mesh(object.shape);
             let scene = Scene { camera, light, margin: (8, 8) };
-            drawn.mirror.skip();
-            if effects.mirror && cut.is_some() {
-                drawn.mirror.draw(&scene, mesh, thing, cut, Image::Mirror);
+            drawn.reflection.skip();
+            if effects.reflection && cut.is_some() {
+                drawn.reflection.draw(&scene, mesh, object, cut, Image::Reflection);
             }
             drawn.shadow.skip();
-            if effects.shadow && sunny && thing.casts_shadow() {
-                drawn.shadow.draw(&scene, mesh, thing, cut, Image::Shadow);
+            if effects.shadow && sunny && object.casts_shadow() {
+                drawn.shadow.draw(&scene, mesh, object, cut, Image::Shadow);
             }
-            let range = thing.distance_from(eye).max(0.5);
-            drawn.reach = (camera.optics.focal_px / range * thing.mirror_height_m()) as f32;
+            let range = object.distance_from(viewpoint).max(0.5);
+            drawn.reach = (camera.optics.focal_px / range * object.reflected_height_m()) as f32;
         });
-        for (work, drawn) in things.at_work.iter_mut().map(held).zip(&mut things.drawn) {
-            core::mem::swap(&mut work.mirror, &mut drawn.mirror);
+        for (work, drawn) in objects.at_work.iter_mut().map(get_mut).zip(&mut objects.drawn) {
+            core::mem::swap(&mut work.reflection, &mut drawn.reflection);
             core::mem::swap(&mut work.shadow, &mut drawn.shadow);
             drawn.reach = work.reach;
         }
     }
 
     /// The things themselves.
-    fn draw_things(&mut self, light: &Lighting, bands: &dyn Bands) {
-        let things = &mut self.things;
+    fn render_direct_tiles(&mut self, light: &Lighting, parallel: &dyn ParallelFor) {
+        let objects = &mut self.objects;
         let (camera, shapes) = (&self.camera, &self.shapes);
-        let (list, at_work, waterlines) = (&things.list, &things.at_work, &things.waterlines);
+        let (list, at_work, waterlines) = (&objects.list, &objects.at_work, &objects.waterlines);
         let size = self.settings.optics.picture;
-        bands.run(list.len(), &|index| {
-            let thing = &list[index];
+        parallel.run(list.len(), &|index| {
+            let object = &list[index];
             let whole =
-                if thing.is_target { (size.width as i32 / 2, size.height as i32 / 2) } else { (0, 0) };
+                if object.is_target { (size.width as i32 / 2, size.height as i32 / 2) } else { (0, 0) };
             let scene = Scene { camera, light, margin: whole };
-            let (mesh, cut) = (shapes.of(thing.shape), waterlines[index].as_ref());
-            locked(&at_work[index]).itself.draw(&scene, mesh, thing, cut, Image::Itself);
+            let (mesh, cut) = (shapes.mesh(object.shape), waterlines[index].as_ref());
+            lock(&at_work[index]).itself.draw(&scene, mesh, object, cut, Image::Direct);
         });
-        for (work, drawn) in things.at_work.iter_mut().map(held).zip(&mut things.drawn) {
+        for (work, drawn) in objects.at_work.iter_mut().map(get_mut).zip(&mut objects.drawn) {
             core::mem::swap(&mut work.itself, &mut drawn.itself);
         }
     }
 
-    fn tell_truth(&mut self, snapshot: &Snapshot) {
+    fn measure_truth(&mut self, snapshot: &Snapshot) {
         self.truth.measure(&self.camera, snapshot);
-        let things = &self.things;
-        let nearer = things.order.iter().skip_while(|&&index| !things.list[index].is_target).skip(1);
-        let before = nearer.map(|&index| &things.drawn[index].itself);
-        self.truth.cover(&self.camera, &things.drawn[0].itself, before);
+        let objects = &self.objects;
+        let nearer = objects.order.iter().skip_while(|&&index| !objects.list[index].is_target).skip(1);
+        let before = nearer.map(|&index| &objects.drawn[index].itself);
+        self.truth.cover(&self.camera, &objects.drawn[0].itself, before);
     }
 }
 
 /// A lock that a panic elsewhere cannot spoil: what it guards is written anew for each frame.
-fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn held<T>(mutex: &mut Mutex<T>) -> &mut T {
+fn get_mut<T>(mutex: &mut Mutex<T>) -> &mut T {
     mutex.get_mut().unwrap_or_else(PoisonError::into_inner)
 }

@@ -9,16 +9,16 @@ use barrelman_vocab::{Angle, PictureSize};
 
 use crate::camera_axis::{AxisPlant, TICKS_PER_SECOND};
 use crate::camera_mount::MountPlant;
-use crate::chance::{Draws, Stream, Wander};
-use crate::electronics::ElectronicsScript;
+use crate::electronics::ElectronicsModel;
 use crate::helmsman::BoatScript;
 use crate::optics::Optics;
 use crate::pursuit::PursuitScript;
-use crate::scenery::ThingScript;
+use crate::random::{CounterRng, OrnsteinUhlenbeck, Stream};
+use crate::scenery::ObjectScript;
 use crate::sea::{SeaState, Wind};
 use crate::snapshot::Light;
 use crate::sway::Sway;
-use crate::video_link::VideoLinkScript;
+use crate::video_link::VideoLinkModel;
 
 /// Everything that a trial is made of, but its seed.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,11 +40,11 @@ pub struct Scenario {
     /// The target.
     pub target: TargetScript,
     /// What else there is.
-    pub things: Vec<ThingScript>,
+    pub objects: Vec<ObjectScript>,
     /// What a localisation without pixels is like.
-    pub sensing: Sensing,
+    pub sensing: SensorModel,
     /// No trial lasts longer than this, seconds.
-    pub most_s: f64,
+    pub max_s: f64,
 }
 
 /// The camera.
@@ -61,11 +61,11 @@ pub struct CameraSetup {
     /// From its first row to its last, seconds.
     pub rolling_shutter_s: f64,
     /// How the pictures come to the pilot.
-    pub video: VideoLinkScript,
+    pub video: VideoLinkModel,
     /// How far the first view points past the target.
     pub first_view: FirstView,
     /// How its electronics drift.
-    pub electronics: ElectronicsScript,
+    pub electronics: ElectronicsModel,
 }
 
 /// How far the first view points past the target, pan and tilt, radians.
@@ -74,7 +74,7 @@ pub struct FirstView {
     /// Mean over the trials.
     pub mean: (f64, f64),
     /// Standard deviation.
-    pub deviation: (f64, f64),
+    pub std_dev: (f64, f64),
 }
 
 /// What the camera hangs on.
@@ -137,11 +137,11 @@ pub enum TargetScript {
 
 /// What a localisation without pixels is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensing {
+pub struct SensorModel {
     /// How far each coordinate is off, pixels.
-    pub noise: Wander,
+    pub noise: OrnsteinUhlenbeck,
     /// Whether coordinates are whole pixels.
-    pub rounded: bool,
+    pub is_rounded: bool,
     /// What is said of a target that is out of the picture.
     pub beyond_border: BeyondBorder,
     /// Length and breadth of the target, metres.
@@ -166,23 +166,23 @@ pub enum BeyondBorder {
 impl Scenario {
     /// The same scenario with a plant drawn for a trial from its ranges, each value evenly over its interval.
     #[must_use]
-    pub fn with_plant_drawn(&self, seed: u64) -> Self {
-        let draws = Draws::of(seed, Stream::Plant);
+    pub fn with_sampled_plant(&self, seed: u64) -> Self {
+        let rng = CounterRng::new(seed, Stream::Plant);
         let mut drawn = self.clone();
-        drawn.camera.optics.focal_px = draws.between(0, self.ranges.focal_px);
+        drawn.camera.optics.focal_px = rng.between(0, self.ranges.focal_px);
         let axis = |nominal: &AxisPlant, ranges: &AxisRanges, first: u64| {
             let mut axis = *nominal;
-            axis.start_dead_time_s = draws.between(first, ranges.start_dead_time_s);
-            axis.stop_dead_time_s = draws.between(first + 1, ranges.stop_dead_time_s);
-            axis.lag_s = draws.between(first + 2, ranges.lag_s);
-            axis.flaws.gain = draws.between(first + 3, ranges.gain);
+            axis.start_dead_time_s = rng.between(first, ranges.start_dead_time_s);
+            axis.stop_dead_time_s = rng.between(first + 1, ranges.stop_dead_time_s);
+            axis.lag_s = rng.between(first + 2, ranges.lag_s);
+            axis.imperfections.gain = rng.between(first + 3, ranges.gain);
             axis
         };
         drawn.mount = MountPlant {
             pan: axis(&self.mount.pan, &self.ranges.pan, 1),
             tilt: axis(&self.mount.tilt, &self.ranges.tilt, 5),
-            cross_talk: draws.between(9, self.ranges.cross_talk),
-            droop_rad_per_s: draws.between(10, self.ranges.droop_rad_per_s),
+            cross_talk: rng.between(9, self.ranges.cross_talk),
+            droop_rad_per_s: rng.between(10, self.ranges.droop_rad_per_s),
         };
         drawn
     }
@@ -202,10 +202,9 @@ impl CameraSetup {
 
 impl FirstView {
     /// By what the first view of a trial is off: pan and tilt.
-    pub(crate) fn off(&self, seed: u64) -> (Angle, Angle) {
-        let draws = Draws::of(seed, Stream::FirstView);
-        let off =
-            |mean: f64, deviation: f64, index| Angle::from_radians(mean + deviation * draws.normal(index));
-        (off(self.mean.0, self.deviation.0, 0), off(self.mean.1, self.deviation.1, 1))
+    pub(crate) fn sampled_offset(&self, seed: u64) -> (Angle, Angle) {
+        let rng = CounterRng::new(seed, Stream::FirstView);
+        let off = |mean: f64, std_dev: f64, index| Angle::from_radians(mean + std_dev * rng.normal(index));
+        (off(self.mean.0, self.std_dev.0, 0), off(self.mean.1, self.std_dev.1, 1))
     }
 }

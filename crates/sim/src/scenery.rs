@@ -3,16 +3,16 @@
 use barrelman_vocab::Angle;
 
 use crate::camera_axis::TICK_S;
-use crate::chance::{Draws, Stream};
 use crate::pose::{BodyPose, WorldPoint};
+use crate::random::{CounterRng, Stream};
 use crate::sea::Sea;
-use crate::snapshot::{Thing, ThingKind};
+use crate::snapshot::{ObjectKind, SceneObject};
 
 /// A thing and how it moves.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ThingScript {
+pub struct ObjectScript {
     /// What it is.
-    pub kind: ThingKind,
+    pub kind: ObjectKind,
     /// Where it is at the start, metres.
     pub at: (f64, f64),
     /// Standard deviation of that place from trial to trial, metres.
@@ -28,25 +28,25 @@ pub struct ThingScript {
 /// All things of a trial.
 #[derive(Debug, Clone)]
 pub struct Scenery {
-    things: Vec<(ThingScript, (f64, f64), u64)>,
+    objects: Vec<(ObjectScript, (f64, f64), u64)>,
 }
 
 impl Scenery {
     /// Those of a trial.
-    pub fn new(scripts: &[ThingScript], seed: u64) -> Self {
-        let draws = Draws::of(seed, Stream::Scenery);
-        let things = scripts.iter().enumerate().map(|(index, script)| {
-            let off = |which: u64| script.jitter_m * draws.normal(4 * index as u64 + which);
+    pub fn new(scripts: &[ObjectScript], seed: u64) -> Self {
+        let rng = CounterRng::new(seed, Stream::Scenery);
+        let objects = scripts.iter().enumerate().map(|(index, script)| {
+            let off = |which: u64| script.jitter_m * rng.normal(4 * index as u64 + which);
             let own_seed = seed.wrapping_mul(0x9E37_79B9).wrapping_add(index as u64);
             (script.clone(), (script.at.0 + off(0), script.at.1 + off(1)), own_seed)
         });
-        Self { things: things.collect() }
+        Self { objects: objects.collect() }
     }
 
     /// Puts them into `out` as they are at a tick; what floats rides the waves.
-    pub fn show(&self, tick: u64, sea: Option<&Sea>, out: &mut Vec<Thing>) {
+    pub fn write_objects(&self, tick: u64, sea: Option<&Sea>, out: &mut Vec<SceneObject>) {
         out.clear();
-        out.extend(self.things.iter().map(|(script, start, seed)| {
+        out.extend(self.objects.iter().map(|(script, start, seed)| {
             let at_s = tick as f64 * TICK_S;
             // There and back again: a triangle of the time.
             let gone_s = script.turns_after_s.map_or(at_s, |turn_s| {
@@ -56,15 +56,15 @@ impl Scenery {
             let (x, y) =
                 (start.0 + gone_s * script.velocity_m_per_s.0, start.1 + gone_s * script.velocity_m_per_s.1);
             let fixed =
-                matches!(script.kind, ThingKind::Pier { .. } | ThingKind::Shore | ThingKind::FloorMark);
-            let surface = sea.filter(|_| !fixed).map(|sea| sea.at(x, y, tick)).unwrap_or_default();
+                matches!(script.kind, ObjectKind::Pier { .. } | ObjectKind::Shore | ObjectKind::FloorMark);
+            let surface = sea.filter(|_| !fixed).map(|sea| sea.surface_at(x, y, tick)).unwrap_or_default();
             let (s, c) = libm::sincos(script.heading.radians());
             let (along, to_left) =
                 (surface.slope.0 * c + surface.slope.1 * s, -surface.slope.0 * s + surface.slope.1 * c);
-            Thing {
+            SceneObject {
                 kind: script.kind,
                 pose: BodyPose {
-                    place: WorldPoint { x, y, z: surface.elevation },
+                    position: WorldPoint { x, y, z: surface.elevation },
                     heading: script.heading,
                     pitch: Angle::from_radians(along),
                     roll: Angle::from_radians(to_left),

@@ -145,8 +145,8 @@ impl Sea {
             for of_step in 0..WAVES_PER_STEP {
                 let index = step * WAVES_PER_STEP + of_step;
                 let found = (0..TRIES).find_map(|attempt| {
-                    let draw = |stream| noise::unit(seed, stream, index * TRIES + attempt);
-                    let relative = lower + width * draw(FREQUENCY);
+                    let sample = |stream| noise::unit(seed, stream, index * TRIES + attempt);
+                    let relative = lower + width * sample(FREQUENCY);
                     let lattice = on_lattice(relative, wind.towards.radians() + spread(seed, index, attempt));
                     let taken = waves.iter().any(|wave| wave.lattice == lattice);
                     (lattice != (0, 0) && !taken).then_some((lattice, relative))
@@ -165,7 +165,7 @@ impl Sea {
     }
 
     /// The surface at this place of the world at this tick.
-    pub fn at(&self, x: f64, y: f64, tick: u64) -> Surface {
+    pub fn surface_at(&self, x: f64, y: f64, tick: u64) -> Surface {
         let mut surface = Surface::default();
         for wave in &self.waves {
             let turns = wave.phase.wrapping_sub(wave.rate.wrapping_mul(tick as u32));
@@ -194,7 +194,7 @@ impl Sea {
     }
 
     /// Side of the square after which the waves repeat themselves, metres.
-    pub fn side_m(&self) -> f64 {
+    pub fn tile_side_m(&self) -> f64 {
         self.side_m
     }
 
@@ -243,12 +243,12 @@ fn jonswap(w: f64) -> f64 {
     libm::exp(-1.25 / w4) / (w4 * w) * libm::pow(GAMMA, libm::exp(-0.5 * d * d))
 }
 
-fn wave(lattice: (i32, i32), side_m: f64, variance: f64, chance: u64) -> Wave {
+fn wave(lattice: (i32, i32), side_m: f64, variance: f64, random: u64) -> Wave {
     let unit = core::f64::consts::TAU / side_m;
     let vector = (unit * f64::from(lattice.0), unit * f64::from(lattice.1));
     let (frequency, rate) = deep_water(libm::hypot(vector.0, vector.1));
     let amplitude = libm::sqrt(2.0 * variance);
-    Wave { lattice, vector, amplitude, frequency, rate, phase: (chance >> 32) as u32 }
+    Wave { lattice, vector, amplitude, frequency, rate, phase: (random >> 32) as u32 }
 }
 
 /// Frequency (rad/s) of a wave in deep water by its wave number (rad/m), and its phase in a tick, turns of 2^32.

@@ -20,7 +20,7 @@ pub struct Snapshot {
     /// The target that the trial is about.
     pub target: Target,
     /// Everything else.
-    pub things: Vec<Thing>,
+    pub objects: Vec<SceneObject>,
     /// How the camera's electronics have it at the moment.
     pub sensor: SensorState,
 }
@@ -69,9 +69,9 @@ pub struct Boat {
 
 /// A thing that is not the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Thing {
+pub struct SceneObject {
     /// What it is.
-    pub kind: ThingKind,
+    pub kind: ObjectKind,
     /// Where it lies and how.
     pub pose: BodyPose,
     /// What tells it from others of its kind: its paint, its shape.
@@ -80,7 +80,7 @@ pub struct Thing {
 
 /// What there may be beside the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ThingKind {
+pub enum ObjectKind {
     /// A mark of the arena, painted on the floor.
     FloorMark,
     /// A buoy.
@@ -120,10 +120,10 @@ pub struct SensorState {
 
 impl Target {
     /// The middle of its waterline, or where it touches the floor.
-    pub fn place(&self) -> WorldPoint {
+    pub fn position(&self) -> WorldPoint {
         match self {
-            Self::Boat(boat) => boat.pose.place,
-            Self::FloorTarget(pose) => pose.place,
+            Self::Boat(boat) => boat.pose.position,
+            Self::FloorTarget(pose) => pose.position,
         }
     }
 }

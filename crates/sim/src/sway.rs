@@ -5,51 +5,51 @@
 
 use barrelman_vocab::Angle;
 
-use crate::chance::{Draws, Stream, Wander, Wandering};
 use crate::pose::WorldPoint;
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 
 /// How much it sways.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sway {
     /// About the vertical, radians.
-    pub yaw: Wander,
+    pub yaw: OrnsteinUhlenbeck,
     /// Up and down, radians.
-    pub pitch: Wander,
+    pub pitch: OrnsteinUhlenbeck,
     /// About the line of sight, radians.
-    pub roll: Wander,
+    pub roll: OrnsteinUhlenbeck,
     /// In each coordinate, metres.
-    pub place: Wander,
+    pub position: OrnsteinUhlenbeck,
 }
 
 impl Sway {
     /// None at all.
     pub const STILL: Self = {
-        let none = Wander { deviation: 0.0, time_s: 1.0 };
-        Self { yaw: none, pitch: none, roll: none, place: none }
+        let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
+        Self { yaw: none, pitch: none, roll: none, position: none }
     };
 }
 
 /// A kite that sways.
 #[derive(Debug, Clone)]
-pub struct Swaying {
-    yaw: Wandering,
-    pitch: Wandering,
-    roll: Wandering,
-    place: [Wandering; 3],
+pub struct SwayingPlatform {
+    yaw: OrnsteinUhlenbeckProcess,
+    pitch: OrnsteinUhlenbeckProcess,
+    roll: OrnsteinUhlenbeckProcess,
+    position: [OrnsteinUhlenbeckProcess; 3],
 }
 
-impl Swaying {
+impl SwayingPlatform {
     /// The sway of a trial.
     pub fn new(sway: &Sway, seed: u64) -> Self {
-        let wandering = |wander, stream| Wandering::new(wander, Draws::of(seed, stream));
+        let process = |model, stream| OrnsteinUhlenbeckProcess::new(model, CounterRng::new(seed, stream));
         Self {
-            yaw: wandering(sway.yaw, Stream::SwayYaw),
-            pitch: wandering(sway.pitch, Stream::SwayPitch),
-            roll: wandering(sway.roll, Stream::SwayRoll),
-            place: [
-                wandering(sway.place, Stream::SwayX),
-                wandering(sway.place, Stream::SwayY),
-                wandering(sway.place, Stream::SwayZ),
+            yaw: process(sway.yaw, Stream::SwayYaw),
+            pitch: process(sway.pitch, Stream::SwayPitch),
+            roll: process(sway.roll, Stream::SwayRoll),
+            position: [
+                process(sway.position, Stream::SwayX),
+                process(sway.position, Stream::SwayY),
+                process(sway.position, Stream::SwayZ),
             ],
         }
     }
@@ -59,13 +59,13 @@ impl Swaying {
         self.yaw.advance(tick);
         self.pitch.advance(tick);
         self.roll.advance(tick);
-        for coordinate in &mut self.place {
+        for coordinate in &mut self.position {
             coordinate.advance(tick);
         }
     }
 
     /// By what the camera is turned: yaw to the right, pitch upwards, roll with its right side sinking.
-    pub const fn turns(&self) -> (Angle, Angle, Angle) {
+    pub const fn attitude_offset(&self) -> (Angle, Angle, Angle) {
         (
             Angle::from_radians(self.yaw.value()),
             Angle::from_radians(self.pitch.value()),
@@ -75,7 +75,7 @@ impl Swaying {
 
     /// By what it is displaced.
     pub const fn displacement(&self) -> WorldPoint {
-        let [x, y, z] = &self.place;
+        let [x, y, z] = &self.position;
         WorldPoint { x: x.value(), y: y.value(), z: z.value() }
     }
 }

@@ -8,7 +8,7 @@
 //! Gusts come by chance, each a whole period of (1 - cos). What is not in here: direction changes, shear.
 
 use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
-use crate::chance::{Draws, Stream, Wander, Wandering};
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::sea::Wind;
 
 /// Feet in a metre.
@@ -20,16 +20,16 @@ const GUST_MPS: (f64, f64) = (2.0, 3.0);
 const GUST_S: (f64, f64) = (2.0, 4.0);
 const GUST_AT_MPS: f64 = 5.0;
 /// The slowest wind that turbulence is carried by, m/s.
-const SLOWEST_MPS: f64 = 1.0;
+const MIN_ADVECTION_MPS: f64 = 1.0;
 
 /// The wind of a trial at one height.
 #[derive(Debug, Clone)]
 pub struct TurbulentWind {
     mean: Wind,
-    along: Wandering,
-    across: Wandering,
-    up: Wandering,
-    gusts: Draws,
+    along: OrnsteinUhlenbeckProcess,
+    across: OrnsteinUhlenbeckProcess,
+    up: OrnsteinUhlenbeckProcess,
+    gusts: CounterRng,
     /// The gust that blows.
     gust: Option<Gust>,
     gustiness: f64,
@@ -58,23 +58,26 @@ impl TurbulentWind {
     pub fn new(mean: Wind, height_m: f64, gustiness: f64, seed: u64) -> Self {
         let h = (height_m * FEET).clamp(10.0, 1000.0);
         let shape = 0.177 + 0.000_823 * h;
-        let carried = mean.speed_mps.max(SLOWEST_MPS);
+        let advection_mps = mean.speed_mps.max(MIN_ADVECTION_MPS);
         let vertical = 0.1 * mean.speed_mps;
-        let horizontal = Wander {
-            deviation: vertical / libm::pow(shape, 0.4),
-            time_s: h / libm::pow(shape, 1.2) / FEET / carried,
+        let horizontal = OrnsteinUhlenbeck {
+            std_dev: vertical / libm::pow(shape, 0.4),
+            time_constant_s: h / libm::pow(shape, 1.2) / FEET / advection_mps,
         };
-        let upright = Wander { deviation: vertical, time_s: h / FEET / carried };
+        let upright = OrnsteinUhlenbeck { std_dev: vertical, time_constant_s: h / FEET / advection_mps };
         // Three processes of one stream, told apart by the seed.
-        let wandering = |wander, which: u64| {
-            Wandering::new(wander, Draws::of(seed.wrapping_add(which << 48), Stream::Wind))
+        let process = |model, which: u64| {
+            OrnsteinUhlenbeckProcess::new(
+                model,
+                CounterRng::new(seed.wrapping_add(which << 48), Stream::Wind),
+            )
         };
         Self {
             mean,
-            along: wandering(horizontal, 0),
-            across: wandering(horizontal, 1),
-            up: wandering(upright, 2),
-            gusts: Draws::of(seed, Stream::WindGusts),
+            along: process(horizontal, 0),
+            across: process(horizontal, 1),
+            up: process(upright, 2),
+            gusts: CounterRng::new(seed, Stream::WindGusts),
             gust: None,
             gustiness,
             now: (0.0, 0.0, 0.0),

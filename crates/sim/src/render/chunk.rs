@@ -31,7 +31,7 @@ pub(super) struct Chunk {
     /// Part of the sun that is left.
     pub(super) lit: Lane,
     /// Mirror image of a thing: its colour times its opacity, and what of the sky is left.
-    pub(super) mirror: [Lane; 3],
+    pub(super) reflection: [Lane; 3],
     pub(super) sky_left: Lane,
     /// The result, linear.
     pub(super) colour: [Lane; 3],
@@ -54,7 +54,7 @@ impl Chunk {
             foam: ZERO,
             air: ZERO,
             lit: ZERO,
-            mirror: [ZERO; 3],
+            reflection: [ZERO; 3],
             sky_left: ZERO,
             colour: [ZERO; 3],
         }

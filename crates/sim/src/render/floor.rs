@@ -13,7 +13,7 @@ const JOINT_M: f32 = 0.008;
 
 at_level! { simd;
     /// The colour of a chunk of floor seen from over `origin`, metres.
-    pub(super) fn light_floor(
+    pub(super) fn shade_floor(
         simd: Simd,
         light: &Lighting,
         grain: &Texture,
@@ -24,9 +24,9 @@ at_level! { simd;
         for i in 0..CHUNK {
             let (x, y) = (origin.0 + chunk.px[i], origin.1 + chunk.py[i]);
             let near = 1.0 / (1.0 + 60.0 * chunk.footprint[i]);
-            let fine = grain.at(x * 210.0, y * 210.0) * (1.0 / 255.0) - 0.5;
-            let rough = grain.at(x * 31.0 + 90.0, y * 37.0) * (1.0 / 255.0) - 0.5;
-            let worn = patches.at(x * 9.0, y * 7.0) * (1.0 / 255.0) - 0.5;
+            let fine = grain.sample(x * 210.0, y * 210.0) * (1.0 / 255.0) - 0.5;
+            let rough = grain.sample(x * 31.0 + 90.0, y * 37.0) * (1.0 / 255.0) - 0.5;
+            let worn = patches.sample(x * 9.0, y * 7.0) * (1.0 / 255.0) - 0.5;
             // How far it is to the next joint, along both axes.
             let to_joint = |v: f32| {
                 let slabs = v * (1.0 / SLAB_M) + 0.013 * rough * 0.1;

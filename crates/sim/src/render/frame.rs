@@ -11,13 +11,13 @@ use super::chunk::{CHUNK, Chunk};
 use super::light::Lighting;
 use super::nodes::Nodes;
 use super::raster::Tile;
-use super::rays::{HORIZON, Rays, cast, survey};
+use super::rays::{HORIZON, Rays, cast_nodes, cast_pixels};
 use super::sensor::{self, Development, NoiseTable, TAPS};
-use super::shading::{Body, FoamLook, break_up, light_sky, light_water, polish};
-use super::surface::{Look, Values, Water, meet, settle};
+use super::shading::{FoamTexture, WaterBody, prepare_reflection, shade_sky, shade_water, texture_foam};
+use super::surface::{ElevationMap, TileLookup, Water, fill_node_variance, sample_surface};
 use super::texture::ROUNDING;
 use super::wake::{Wake, add_wake};
-use super::{Bands, RenderSettings, Textures, Things, WaterColour, floor, locked, waves};
+use super::{FrameObjects, ParallelFor, RenderSettings, Textures, WaterColour, floor, lock, waves};
 use crate::noise;
 use crate::sea::Sea;
 use crate::snapshot::{Ground, Snapshot};
@@ -25,7 +25,7 @@ use crate::snapshot::{Ground, Snapshot};
 /// Rows of a band; even, so that chroma rows stay within one.
 const ROWS: usize = 8;
 /// Sea states from here on are drawn with relief.
-const RELIEF: u8 = 2;
+const MIN_RELIEF_STATE: u8 = 2;
 /// A picture moves by less than this during the exposure: no blur, pixels.
 const STILL_PX: f64 = 0.6;
 /// What the lens gives to each neighbour.
@@ -38,9 +38,9 @@ pub(super) struct View<'a> {
     pub(super) camera: &'a Camera,
     pub(super) textures: &'a Textures,
     pub(super) tiles: [&'a waves::Tile; 3],
-    pub(super) rough: f32,
+    pub(super) unresolved_variance: f32,
     pub(super) wake: Option<&'a Wake>,
-    pub(super) things: &'a Things,
+    pub(super) objects: &'a FrameObjects,
     pub(super) light: &'a Lighting,
     pub(super) snapshot: &'a Snapshot,
 }
@@ -71,7 +71,7 @@ struct Light {
 struct ImageNear {
     /// Number of the thing.
     index: usize,
-    is_mirror: bool,
+    is_reflection: bool,
     /// Pixels by which a slope of 1 moves it.
     reach: f32,
     /// Pixels by which it is moved at most, and some.
@@ -119,7 +119,7 @@ impl Frame {
 
     /// Draws all rows into a picture of this size. Each band is developed by whoever has shaded the last band that it
     /// needs, while their light is still at hand.
-    pub(super) fn draw(&mut self, view: &View<'_>, picture: &mut Picture, bands: &dyn Bands) {
+    pub(super) fn render(&mut self, view: &View<'_>, picture: &mut Picture, bands: &dyn ParallelFor) {
         let blur = blur_px(view);
         let count = self.light.len();
         let reach = (libm::ceil(0.5 * libm::fabs(blur.1)) as usize + 1).div_ceil(ROWS);
@@ -130,36 +130,36 @@ impl Frame {
         let this = &*self;
         bands.run(count, &|band| {
             this.each_row(band, &|row, light| shade_row(view, row, light));
-            this.each_row(band, &|row, light| this.lay_over_row(view, row, light));
+            this.each_row(band, &|row, light| this.composite_row(view, row, light));
             for ready in about(band) {
                 if this.missing[ready].fetch_sub(1, Ordering::AcqRel) == 1 {
                     this.develop_band(view, blur, ready);
                 }
             }
         });
-        self.put_into(picture);
+        self.copy_to_picture(picture);
     }
 
     /// Shades all rows.
-    pub(super) fn shade(&self, view: &View<'_>, bands: &dyn Bands) {
+    pub(super) fn shade(&self, view: &View<'_>, bands: &dyn ParallelFor) {
         bands.run(self.light.len(), &|band| {
             self.each_row(band, &|row, light| shade_row(view, row, light));
         });
     }
 
     /// Lays things over the shaded rows.
-    pub(super) fn lay_over(&self, view: &View<'_>, bands: &dyn Bands) {
+    pub(super) fn composite(&self, view: &View<'_>, bands: &dyn ParallelFor) {
         bands.run(self.light.len(), &|band| {
-            self.each_row(band, &|row, light| self.lay_over_row(view, row, light));
+            self.each_row(band, &|row, light| self.composite_row(view, row, light));
         });
     }
 
     /// Turns the rows of light into a picture of this size.
-    pub(super) fn develop(&mut self, view: &View<'_>, picture: &mut Picture, bands: &dyn Bands) {
+    pub(super) fn develop(&mut self, view: &View<'_>, picture: &mut Picture, bands: &dyn ParallelFor) {
         let blur = blur_px(view);
         let this = &*self;
         bands.run(this.strips.len(), &|band| this.develop_band(view, blur, band));
-        self.put_into(picture);
+        self.copy_to_picture(picture);
     }
 
     fn each_row(&self, band: usize, work: &dyn Fn(usize, &mut Light)) {
@@ -168,24 +168,24 @@ impl Frame {
         (ROWS * band..last).for_each(|row| work(row, &mut light));
     }
 
-    fn lay_over_row(&self, view: &View<'_>, row: usize, light: &mut Light) {
+    fn composite_row(&self, view: &View<'_>, row: usize, light: &mut Light) {
         let width = self.size.width as usize;
         let padded = width.next_multiple_of(CHUNK);
         let values = &mut light.values[(row % ROWS) * 3 * padded..][..3 * padded];
-        for &index in &view.things.order {
-            lay_over(&view.things.drawn[index].itself, row, width, padded, values);
+        for &index in &view.objects.order {
+            composite(&view.objects.drawn[index].itself, row, width, padded, values);
         }
     }
 
     fn develop_band(&self, view: &View<'_>, blur: (f64, f64), band: usize) {
-        let mut strip = locked(&self.strips[band]);
+        let mut strip = lock(&self.strips[band]);
         let last = (ROWS * (band + 1)).min(self.size.height as usize);
         for row in (ROWS * band..last).step_by(2) {
             self.develop_pair(view, blur, row, &mut strip);
         }
     }
 
-    fn put_into(&mut self, picture: &mut Picture) {
+    fn copy_to_picture(&mut self, picture: &mut Picture) {
         let [y, u, v] = picture.planes_mut();
         for (band, strip) in self.strips.iter_mut().enumerate() {
             let strip = strip.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -253,8 +253,8 @@ impl Frame {
             noise: if view.settings.effects.noise { 1.0 } else { 0.0 },
         };
         let grain = |stream: u64, row: usize| {
-            let chance = noise::hash(self.seed ^ view.snapshot.tick, stream, row as u64);
-            self.noise.row(chance, width)
+            let random = noise::hash(self.seed ^ view.snapshot.tick, stream, row as u64);
+            self.noise.row(random, width)
         };
         let [r0, g0, b0, r1, g1, b1] = &mut strip.rows;
         sensor::develop(simd, &how(row), [r0, g0, b0]);
@@ -287,7 +287,7 @@ fn blur_px(view: &View<'_>) -> (f64, f64) {
     let (first, last) = (view.camera.row(0), view.camera.row(height - 1));
     let ahead = view.camera.row(height / 2).axes.ahead;
     let seen = |axes: &crate::pose::CameraAxes| {
-        view.settings.optics.seen_at((ahead.dot(axes.right), ahead.dot(axes.down), ahead.dot(axes.ahead)))
+        view.settings.optics.project((ahead.dot(axes.right), ahead.dot(axes.down), ahead.dot(axes.ahead)))
     };
     match (seen(&first.axes), seen(&last.axes)) {
         (Some(a), Some(b)) if view.settings.readout_s > 0.0 => {
@@ -306,34 +306,37 @@ fn shade_row(view: &View<'_>, row: usize, light: &mut Light) {
     let pose = view.camera.row(row);
     let rays = Rays::new(optics, pose, row);
     let at_sea = view.snapshot.ground == Ground::Water;
-    let eye = pose.place;
+    let viewpoint = pose.position;
     let part = |v: f64, size: f64| (v - libm::floor(v / size) * size) as f32;
-    let water = at_sea.then(|| water_of(view, eye.x, eye.y));
-    let wake = view.wake.and_then(|wake| wake.look(eye.x, eye.y));
+    let water = at_sea.then(|| water_of(view, viewpoint.x, viewpoint.y));
+    let wake = view.wake.and_then(|wake| wake.lookup(viewpoint.x, viewpoint.y));
     let (ws, wc) = libm::sincos(view.sea.wind().towards.radians());
     // Textures of foam repeat after 4 m along the wind and 32/3 m across; 32 m hold whole numbers of both.
-    let foam = FoamLook {
+    let foam = FoamTexture {
         lace: &view.textures.lace,
-        origin: (part(eye.x * wc + eye.y * ws, 32.0), part(eye.y * wc - eye.x * ws, 32.0)),
+        origin: (
+            part(viewpoint.x * wc + viewpoint.y * ws, 32.0),
+            part(viewpoint.y * wc - viewpoint.x * ws, 32.0),
+        ),
         wind: (wc as f32, ws as f32),
     };
-    let body = body_of(view.settings.water);
+    let body = water_body(view.settings.water);
     let step = (1.0 / optics.focal_px) as f32;
     let Light { values, chunk, nodes, images } = light;
-    survey(simd, &rays, nodes);
+    cast_nodes(simd, &rays, nodes);
     if let Some(water) = &water {
-        settle(simd, water, nodes);
-        polish(simd, view.light, nodes);
+        fill_node_variance(simd, water, nodes);
+        prepare_reflection(simd, view.light, nodes);
     }
     images_near(view, row, images);
     let clouds = &view.textures.clouds;
     for column in (0..width).step_by(CHUNK) {
-        cast(simd, &rays, nodes, column, chunk);
+        cast_pixels(simd, &rays, nodes, column, chunk);
         if let Some(water) = &water {
             let (low, high) = nodes.dz.range(column);
             let (sky_is_seen, water_is_seen) = (high > -HORIZON - 2.0 * step, low < 2.0 * step - HORIZON);
             if water_is_seen {
-                meet(simd, water, nodes, (row, column), chunk);
+                sample_surface(simd, water, nodes, (row, column), chunk);
                 let wake = wake.as_ref().filter(|wake| wake.meets(nodes, column, water.relief_m()));
                 if let Some(wake) = wake {
                     add_wake(simd, wake, chunk);
@@ -344,36 +347,36 @@ fn shade_row(view: &View<'_>, row: usize, light: &mut Light) {
                 }
                 let may_foam = wake.is_some() || water.foam.is_some();
                 if may_foam && chunk.foam.iter().fold(0, |bits, foam| bits | foam.to_bits()) != 0 {
-                    break_up(simd, &foam, chunk);
+                    texture_foam(simd, &foam, chunk);
                     is_bare = false;
                 }
                 is_bare &= wake.is_none();
-                light_water(simd, view.light, &body, clouds, nodes, (column, is_bare), chunk);
+                shade_water(simd, view.light, &body, clouds, nodes, (column, is_bare), chunk);
             } else {
                 chunk.colour = [[0.0; CHUNK]; 3];
             }
             if sky_is_seen {
-                light_sky(simd, view.light, clouds, HORIZON, optics.focal_px as f32, chunk);
+                shade_sky(simd, view.light, clouds, HORIZON, optics.focal_px as f32, chunk);
             }
-            for shore in &view.things.shores {
-                shore.paint(eye, view.light, &view.textures.grain, &view.textures.gusts, chunk);
+            for shore in &view.objects.shores {
+                shore.paint(viewpoint, view.light, &view.textures.grain, &view.textures.gusts, chunk);
             }
         } else {
             chunk.lit = [1.0; CHUNK];
             for near in &*images {
                 image(view, near, (row, column), chunk);
             }
-            let origin = (part(eye.x, 307.2), part(eye.y, 307.2));
-            floor::light_floor(simd, view.light, &view.textures.grain, &view.textures.gusts, origin, chunk);
+            let origin = (part(viewpoint.x, 307.2), part(viewpoint.y, 307.2));
+            floor::shade_floor(simd, view.light, &view.textures.grain, &view.textures.gusts, origin, chunk);
         }
         let start = (row % ROWS) * 3 * padded + column;
-        put_down(simd, chunk, padded, &mut values[start..]);
+        store_chunk(simd, chunk, padded, &mut values[start..]);
     }
 }
 
 at_level! { simd;
     /// Copies a chunk's colours to the front of each channel's row.
-    fn put_down(simd: Simd, chunk: &Chunk, padded: usize, values: &mut [f32]) {
+    fn store_chunk(simd: Simd, chunk: &Chunk, padded: usize, values: &mut [f32]) {
         for (channel, colour) in chunk.colour.iter().enumerate() {
             values[channel * padded..][..CHUNK].copy_from_slice(colour);
         }
@@ -382,7 +385,7 @@ at_level! { simd;
 
 fn water_of<'a>(view: &View<'a>, x: f64, y: f64) -> Water<'a> {
     let swell = view.tiles[0].swell();
-    let rough_enough = view.sea.state().number() >= RELIEF;
+    let rough_enough = view.sea.state().number() >= MIN_RELIEF_STATE;
     // Gusts drift with the wind.
     let drift = view.snapshot.tick as f64 / f64::from(crate::camera_axis::TICKS_PER_SECOND);
     let wind = view.sea.wind();
@@ -390,38 +393,38 @@ fn water_of<'a>(view: &View<'a>, x: f64, y: f64) -> Water<'a> {
     let travel = 0.4 * wind.speed_mps * drift;
     let texels = |v: f64| (2.1 * v - libm::floor(2.1 * v / 256.0) * 256.0) as f32;
     Water {
-        tiles: view.tiles.map(|tile| Look::new(tile, x, y)),
+        tiles: view.tiles.map(|tile| TileLookup::new(tile, x, y)),
         elevation: swell
             .filter(|_| rough_enough)
-            .map(|swell| Values { quads: &swell.elevation.quads, step: swell.step_m }),
+            .map(|swell| ElevationMap { quads: &swell.elevation.quads, step: swell.step_m }),
         foam: swell.and_then(|swell| swell.foam.as_ref()),
         gusts: &view.textures.gusts,
         gust_origin: (texels(x - travel * wc), texels(y - travel * ws)),
-        rough: view.rough,
+        unresolved_variance: view.unresolved_variance,
     }
 }
 
-fn body_of(water: WaterColour) -> Body {
+fn water_body(water: WaterColour) -> WaterBody {
     let (deep, crest) = match water {
         WaterColour::Lake => ([0.008, 0.058, 0.078], [0.008, 0.050, 0.052]),
         WaterColour::Sea => ([0.005, 0.042, 0.100], [0.006, 0.055, 0.075]),
         WaterColour::Green => ([0.030, 0.068, 0.052], [0.016, 0.036, 0.024]),
     };
-    Body { deep, crest, aerated: [0.16, 0.40, 0.38] }
+    WaterBody { deep, crest, aerated: [0.16, 0.40, 0.38] }
 }
 
 /// Writes down the mirror images and shadows that a row may see, from far to near.
 fn images_near(view: &View<'_>, row: usize, images: &mut Vec<ImageNear>) {
     images.clear();
-    images.reserve(2 * view.things.order.len());
-    for &index in &view.things.order {
-        let drawn = &view.things.drawn[index];
-        for (tile, is_mirror) in [(&drawn.mirror, true), (&drawn.shadow, false)] {
-            let reach = if is_mirror { 2.0 * drawn.reach } else { 0.5 * drawn.reach };
+    images.reserve(2 * view.objects.order.len());
+    for &index in &view.objects.order {
+        let drawn = &view.objects.drawn[index];
+        for (tile, is_reflection) in [(&drawn.reflection, true), (&drawn.shadow, false)] {
+            let reach = if is_reflection { 2.0 * drawn.reach } else { 0.5 * drawn.reach };
             let spare = (0.4 * reach) as i32 + 2;
             let row = row as i32;
             if tile.width > 0 && row >= tile.top - spare && row < tile.top + tile.height as i32 + spare {
-                images.push(ImageNear { index, is_mirror, reach, spare });
+                images.push(ImageNear { index, is_reflection, reach, spare });
             }
         }
     }
@@ -429,8 +432,8 @@ fn images_near(view: &View<'_>, row: usize, images: &mut Vec<ImageNear>) {
 
 /// A mirror image or a shadow as a chunk of water sees it, moved by its slopes. Returns whether it may be there at all.
 fn image(view: &View<'_>, near: &ImageNear, (row, column): (usize, usize), chunk: &mut Chunk) -> bool {
-    let drawn = &view.things.drawn[near.index];
-    let tile = if near.is_mirror { &drawn.mirror } else { &drawn.shadow };
+    let drawn = &view.objects.drawn[near.index];
+    let tile = if near.is_reflection { &drawn.reflection } else { &drawn.shadow };
     let column = column as i32;
     let first = (tile.left - near.spare - column).max(0);
     let last = (tile.left + tile.width as i32 + near.spare - column).min(CHUNK as i32);
@@ -451,9 +454,9 @@ fn image(view: &View<'_>, near: &ImageNear, (row, column): (usize, usize), chunk
         }
         let pixel = tile.pixels[y as usize * tile.width + x as usize];
         let left = 1.0 - pixel[3];
-        if near.is_mirror {
+        if near.is_reflection {
             for c in 0..3 {
-                chunk.mirror[c][i] = chunk.mirror[c][i] * left + pixel[c];
+                chunk.reflection[c][i] = chunk.reflection[c][i] * left + pixel[c];
             }
             chunk.sky_left[i] *= left;
         } else {
@@ -469,7 +472,7 @@ fn nearest(v: f32) -> i32 {
 }
 
 /// Lays a thing over a row of light.
-fn lay_over(tile: &Tile, row: usize, width: usize, padded: usize, values: &mut [f32]) {
+fn composite(tile: &Tile, row: usize, width: usize, padded: usize, values: &mut [f32]) {
     let y = row as i32 - tile.top;
     if y < 0 || y as usize >= tile.height {
         return;

@@ -66,7 +66,7 @@ impl Lighting {
     pub(super) fn sky(&self, clouds: &Texture, x: f32, y: f32, z: f32, blur: f32) -> Colour {
         let height = if z < 0.0 { -0.4 * z } else { z };
         let over = 1.0 / (height + 0.16 + 0.5 * blur);
-        let value = clouds.at(
+        let value = clouds.sample(
             x * over * CLOUD_SCALE + self.drift + 1024.0,
             y * over * CLOUD_SCALE * 1.3 + 0.6 * self.drift + 1024.0,
         );

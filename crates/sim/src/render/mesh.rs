@@ -50,7 +50,7 @@ impl Part {
 /// A corner with its normal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vertex {
-    pub(super) place: [f32; 3],
+    pub(super) position: [f32; 3],
     pub(super) normal: [f32; 3],
     pub(super) part: Part,
 }
@@ -87,7 +87,7 @@ impl Mesh {
     /// The finished shape.
     pub(super) fn measured(mut self) -> Self {
         let square = |p: [f32; 3]| p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-        let farthest = self.vertices.iter().fold(0.0_f32, |most, vertex| most.max(square(vertex.place)));
+        let farthest = self.vertices.iter().fold(0.0_f32, |most, vertex| most.max(square(vertex.position)));
         self.radius_m = farthest.sqrt();
         self
     }
@@ -107,7 +107,7 @@ impl Mesh {
                 let (before, after) = (point(ring, (k + around - 1) % around), point(ring, (k + 1) % around));
                 let along = minus(point((ring + 1).min(rings - 1), k), point(ring.saturating_sub(1), k));
                 let normal = normalised(cross(minus(after, before), along));
-                self.vertices.push(Vertex { place: here, normal, part });
+                self.vertices.push(Vertex { position: here, normal, part });
             }
         }
         for ring in 0..rings - 1 {
@@ -133,7 +133,7 @@ impl Mesh {
             for k in 0..around {
                 let n = unit(ring, k);
                 self.vertices.push(Vertex {
-                    place: [
+                    position: [
                         centre[0] + half[0] * n[0],
                         centre[1] + half[1] * n[1],
                         centre[2] + half[2] * n[2],
@@ -184,9 +184,9 @@ impl Mesh {
                 let mut normal = [0.0; 3];
                 normal[axis] = sign;
                 for (a, b) in [(low[u], low[v]), (high[u], low[v]), (high[u], high[v]), (low[u], high[v])] {
-                    let mut place = [0.0; 3];
-                    (place[axis], place[u], place[v]) = (level, a, b);
-                    self.vertices.push(Vertex { place, normal, part });
+                    let mut position = [0.0; 3];
+                    (position[axis], position[u], position[v]) = (level, a, b);
+                    self.vertices.push(Vertex { position, normal, part });
                 }
                 self.triangles.push(([first, first + 1, first + 2], part));
                 self.triangles.push(([first, first + 2, first + 3], part));
@@ -197,7 +197,7 @@ impl Mesh {
     /// A flat polygon, seen from both sides, as a fan about its first corner.
     pub(super) fn sheet(&mut self, part: Part, normal: [f32; 3], corners: &[[f32; 3]]) {
         let first = self.vertices.len() as u32;
-        self.vertices.extend(corners.iter().map(|&place| Vertex { place, normal, part }));
+        self.vertices.extend(corners.iter().map(|&position| Vertex { position, normal, part }));
         for k in 1..corners.len() as u32 - 1 {
             self.triangles.push(([first, first + k, first + k + 1], part));
         }

@@ -38,7 +38,7 @@ pub(super) struct Nodes {
     /// Variance of slope along one axis below the pixels' resolution.
     pub(super) variance: Along,
     /// Its root.
-    pub(super) deviation: Along,
+    pub(super) std_dev: Along,
     /// By how much the facets that are seen lean towards the viewer.
     pub(super) lean: Along,
     /// Strength of reflection at grazing angles.
@@ -68,7 +68,7 @@ impl Nodes {
             haze: along(),
             gust: along(),
             variance: along(),
-            deviation: along(),
+            std_dev: along(),
             lean: along(),
             grazing: along(),
             glint_x: along(),

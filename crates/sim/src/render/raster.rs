@@ -7,8 +7,8 @@
 use super::camera::Camera;
 use super::light::Lighting;
 use super::mesh::{Mesh, Part, normalised};
-use super::thing::Instance;
-use super::thing::paint::paint;
+use super::object::Instance;
+use super::object::paint::paint;
 use crate::pose::WorldPoint;
 
 /// Nothing is here.
@@ -16,19 +16,19 @@ const NONE: u32 = u32::MAX;
 /// All of a triangle's corners look away by more than this: it is the back of something.
 const TURNED_AWAY: f32 = -0.15;
 /// Samples that a tile may have before it is drawn with fewer for each pixel.
-const SAMPLES: usize = 110_000;
+const MAX_TARGET_SAMPLES: usize = 110_000;
 /// The same for what is not the target: nothing is measured by it.
-const SAMPLES_OF_OTHERS: usize = 30_000;
+const MAX_OTHER_SAMPLES: usize = 30_000;
 /// Samples of a pixel that are painted; the others only count.
-const PAINTED: usize = 4;
+const MAX_PAINTED_SAMPLES: usize = 4;
 
 /// Which image of a thing is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Image {
     /// The thing.
-    Itself,
+    Direct,
     /// Its mirror image in the water.
-    Mirror,
+    Reflection,
     /// Its shadow on the water or the floor: opacity alone.
     Shadow,
 }
@@ -37,7 +37,7 @@ pub(super) enum Image {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Waterline {
     /// A place of the plane.
-    pub(super) place: WorldPoint,
+    pub(super) position: WorldPoint,
     /// Its slope along the world's x and y.
     pub(super) slope: (f64, f64),
 }
@@ -45,8 +45,8 @@ pub(super) struct Waterline {
 impl Waterline {
     /// How far a place is above the water, metres.
     fn above(&self, p: [f32; 3]) -> f32 {
-        let (dx, dy) = (p[0] - self.place.x as f32, p[1] - self.place.y as f32);
-        p[2] - (self.place.z as f32 + self.slope.0 as f32 * dx + self.slope.1 as f32 * dy)
+        let (dx, dy) = (p[0] - self.position.x as f32, p[1] - self.position.y as f32);
+        p[2] - (self.position.z as f32 + self.slope.0 as f32 * dx + self.slope.1 as f32 * dy)
     }
 }
 
@@ -68,12 +68,12 @@ pub(super) struct Tile {
     nearness: Vec<f32>,
     triangle: Vec<u32>,
     corners: Vec<Corner>,
-    lies: Vec<Lies>,
+    lies: Vec<WaterSide>,
 }
 
 /// How a triangle lies to the water, as far as its corners say it of all of it.
 #[derive(Debug, Clone, Copy)]
-struct Lies {
+struct WaterSide {
     /// Wholly over the water here, or wholly below it.
     dry: bool,
     sunk: bool,
@@ -130,16 +130,20 @@ impl Tile {
         &mut self,
         scene: &Scene<'_>,
         mesh: &Mesh,
-        thing: &Instance,
+        object: &Instance,
         cut: Option<&Waterline>,
         image: Image,
     ) {
         self.clear();
-        if scene.camera.misses(thing.pose.place, reach_m(scene, mesh, thing, image), scene.margin) {
+        if scene.camera.is_outside_view(
+            object.pose.position,
+            reach_m(scene, mesh, object, image),
+            scene.margin,
+        ) {
             return;
         }
-        self.place_corners(scene, mesh, thing, cut, image);
-        if !self.frame(scene, image, if thing.is_target { SAMPLES } else { SAMPLES_OF_OTHERS }) {
+        self.place_corners(scene, mesh, object, cut, image);
+        if !self.frame(scene, image, if object.is_target { MAX_TARGET_SAMPLES } else { MAX_OTHER_SAMPLES }) {
             return;
         }
         for (index, (corners, part)) in mesh.triangles.iter().enumerate() {
@@ -153,8 +157,8 @@ impl Tile {
         match image {
             Image::Shadow => self.resolve_shadow(),
             _ => {
-                self.sort_out(mesh, cut);
-                self.resolve(scene, mesh, thing, cut);
+                self.classify_triangles(mesh, cut);
+                self.resolve(scene, mesh, object, cut);
             }
         }
     }
@@ -163,38 +167,38 @@ impl Tile {
         &mut self,
         scene: &Scene<'_>,
         mesh: &Mesh,
-        thing: &Instance,
+        object: &Instance,
         cut: Option<&Waterline>,
         image: Image,
     ) {
         self.corners.clear();
-        let axes = thing.axes();
+        let axes = object.axes();
         let sun = scene.light.to_sun;
-        let (camera, origin) = (scene.camera, thing.pose.place);
-        let eye = camera.middle().place;
-        let row = camera.row_of(origin);
+        let (camera, origin) = (scene.camera, object.pose.position);
+        let viewpoint = camera.middle().position;
+        let row = camera.row_seeing(origin);
         let single = |p: WorldPoint| [p.x as f32, p.y as f32, p.z as f32];
-        let (from_eye, place) = (single(eye.to(origin)), single(origin));
+        let (from_eye, position) = (single(viewpoint.vector_to(origin)), single(origin));
         // A mirror image is what an eye below the water would see of the thing.
-        let lower = if image == Image::Mirror { 2.0 * eye.z as f32 } else { 0.0 };
+        let lower = if image == Image::Reflection { 2.0 * viewpoint.z as f32 } else { 0.0 };
         for (at, vertex) in mesh.vertices.iter().enumerate() {
-            let body = thing.bent(mesh, at, vertex.place);
+            let body = object.bent(mesh, at, vertex.position);
             let spread = |p: [f32; 3]| -> [f32; 3] {
                 core::array::from_fn(|i| p[0] * axes[0][i] + p[1] * axes[1][i] + p[2] * axes[2][i])
             };
             let turned = spread(body);
-            let world: [f32; 3] = core::array::from_fn(|i| place[i] + turned[i]);
+            let world: [f32; 3] = core::array::from_fn(|i| position[i] + turned[i]);
             let from: [f32; 3] = core::array::from_fn(|i| from_eye[i] + turned[i]);
             let above = cut.map_or(world[2], |water| water.above(world));
             let shown = match image {
-                Image::Itself => from,
-                Image::Mirror => [from[0], from[1], from[2] - 2.0 * above],
+                Image::Direct => from,
+                Image::Reflection => [from[0], from[1], from[2] - 2.0 * above],
                 Image::Shadow => {
-                    let part = above.max(0.0) / sun[2].max(LOWEST_SUN);
+                    let part = above.max(0.0) / sun[2].max(MIN_SUN_SINE);
                     [from[0] - part * sun[0], from[1] - part * sun[1], from[2] - part * sun[2]]
                 }
             };
-            let (u, v, nearness) = camera.corner_seen(shown, row).unwrap_or_default();
+            let (u, v, nearness) = camera.project_vertex(shown, row).unwrap_or_default();
             let normal = spread(vertex.normal);
             let view = [-from[0], -from[1], -from[2] - lower];
             let length = (view[0] * view[0] + view[1] * view[1] + view[2] * view[2]).sqrt().max(1e-9);
@@ -222,8 +226,8 @@ impl Tile {
         (self.left, self.top) = (left, top);
         (self.width, self.height) = ((right - left) as usize, (bottom - top) as usize);
         let area = self.width * self.height;
-        let finest = if image == Image::Itself { 4 } else { 1 };
-        let few = if area <= 2 * SAMPLES { 2.min(finest) } else { 1 };
+        let finest = if image == Image::Direct { 4 } else { 1 };
+        let few = if area <= 2 * MAX_TARGET_SAMPLES { 2.min(finest) } else { 1 };
         self.per_pixel = (1..=finest).rev().find(|ss| area * ss * ss <= samples).unwrap_or(1).max(few);
         let samples = area * self.per_pixel * self.per_pixel;
         self.nearness.clear();
@@ -294,12 +298,12 @@ impl Tile {
         }
     }
 
-    fn sort_out(&mut self, mesh: &Mesh, cut: Option<&Waterline>) {
+    fn classify_triangles(&mut self, mesh: &Mesh, cut: Option<&Waterline>) {
         self.lies.clear();
         self.lies.extend(mesh.triangles.iter().map(|(corners, _)| {
             let above = corners.map(|at| self.corners[at as usize].above);
-            let level = corners.map(|at| mesh.vertices[at as usize].place[2]);
-            Lies {
+            let level = corners.map(|at| mesh.vertices[at as usize].position[2]);
+            WaterSide {
                 dry: cut.is_none() || above.iter().all(|&above| above > RAGGED_BELOW_M),
                 sunk: cut.is_some() && above.iter().all(|&above| above < -RAGGED_M),
                 high: level.iter().all(|&z| z >= 0.0),
@@ -308,11 +312,11 @@ impl Tile {
         }));
     }
 
-    fn resolve(&mut self, scene: &Scene<'_>, mesh: &Mesh, thing: &Instance, cut: Option<&Waterline>) {
+    fn resolve(&mut self, scene: &Scene<'_>, mesh: &Mesh, object: &Instance, cut: Option<&Waterline>) {
         let ss = self.per_pixel;
         let columns = self.width * ss;
         let share = 1.0 / (ss * ss) as f32;
-        let every = (ss * ss).div_ceil(PAINTED) | 1;
+        let every = (ss * ss).div_ceil(MAX_PAINTED_SAMPLES) | 1;
         for row in 0..self.height {
             for column in 0..self.width {
                 let (mut sum, mut covered, mut painted) = ([0.0_f32; 3], 0_usize, 0_usize);
@@ -334,7 +338,7 @@ impl Tile {
                     let u = self.left as f32 + (x as f32 + 0.5) / ss as f32;
                     let v = self.top as f32 + (y as f32 + 0.5) / ss as f32;
                     let weights = self.weights(corners, u, v);
-                    let body = blend(corners.map(|at| mesh.vertices[at as usize].place), weights);
+                    let body = blend(corners.map(|at| mesh.vertices[at as usize].position), weights);
                     self.afloat += usize::from(body[2] >= 0.0);
                     let height = corners.map(|at| self.corners[at as usize].above);
                     let above = height[0] * weights[0] + height[1] * weights[1] + height[2] * weights[2];
@@ -358,8 +362,8 @@ impl Tile {
                     let normal =
                         normalised(blend(corners.map(|at| self.corners[at as usize].normal), weights));
                     let bent = blend(corners.map(|at| mesh.vertices[at as usize].normal), weights);
-                    let scaled: [f32; 3] = core::array::from_fn(|i| body[i] * thing.scale[i]);
-                    let colour = shade(scene, part, scaled, bent, world, normal, above, thing.seed);
+                    let scaled: [f32; 3] = core::array::from_fn(|i| body[i] * object.scale[i]);
+                    let colour = shade(scene, part, scaled, bent, world, normal, above, object.seed);
                     for c in 0..3 {
                         sum[c] += colour[c];
                     }
@@ -386,16 +390,16 @@ impl Tile {
 }
 
 /// A ball of this radius about a thing's origin holds all of its image.
-fn reach_m(scene: &Scene<'_>, mesh: &Mesh, thing: &Instance, image: Image) -> f64 {
-    let stretch = thing.scale.into_iter().fold(0.0_f32, f32::max);
+fn reach_m(scene: &Scene<'_>, mesh: &Mesh, object: &Instance, image: Image) -> f64 {
+    let stretch = object.scale.into_iter().fold(0.0_f32, f32::max);
     let radius = f64::from(mesh.radius_m * stretch) + f64::from(NOZZLE_M);
     match image {
-        Image::Itself => radius,
+        Image::Direct => radius,
         // The water that mirrors it may slope, and lie above or below its origin.
-        Image::Mirror => 2.5 * radius + 2.0 * thing.pose.place.z.abs(),
+        Image::Reflection => 2.5 * radius + 2.0 * object.pose.position.z.abs(),
         Image::Shadow => {
-            let low = f64::from(scene.light.to_sun[2].max(LOWEST_SUN));
-            (radius + thing.pose.place.z.abs()) * (2.0 + 1.5 / low)
+            let low = f64::from(scene.light.to_sun[2].max(MIN_SUN_SINE));
+            (radius + object.pose.position.z.abs()) * (2.0 + 1.5 / low)
         }
     }
 }
@@ -403,7 +407,7 @@ fn reach_m(scene: &Scene<'_>, mesh: &Mesh, thing: &Instance, image: Image) -> f6
 /// By how much a turned nozzle may reach out of its mesh, metres.
 const NOZZLE_M: f32 = 0.1;
 /// Shadows grow no longer than under a sun that stands so high, as a sine.
-const LOWEST_SUN: f32 = 0.08;
+const MIN_SUN_SINE: f32 = 0.08;
 
 fn blend(corners: [[f32; 3]; 3], weights: [f32; 3]) -> [f32; 3] {
     core::array::from_fn(|i| {
@@ -441,8 +445,12 @@ fn shade(
 ) -> [f32; 3] {
     let light = scene.light;
     let paint = paint(part, body, body_normal, seed);
-    let eye = scene.camera.middle().place;
-    let view = normalised([eye.x as f32 - world[0], eye.y as f32 - world[1], eye.z as f32 - world[2]]);
+    let viewpoint = scene.camera.middle().position;
+    let view = normalised([
+        viewpoint.x as f32 - world[0],
+        viewpoint.y as f32 - world[1],
+        viewpoint.z as f32 - world[2],
+    ]);
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     // Both sides of a sheet are seen: the normal is turned to the viewer.
     let facing = dot(normal, view);

@@ -30,8 +30,8 @@ impl NoiseTable {
     }
 
     /// As many numbers as a row has pixels, from a place that a hash gives.
-    pub(super) fn row(&self, chance: u64, width: usize) -> &[f32] {
-        &self.0[chance as usize % (TABLE - width)..][..width]
+    pub(super) fn row(&self, random: u64, width: usize) -> &[f32] {
+        &self.0[random as usize % (TABLE - width)..][..width]
     }
 }
 

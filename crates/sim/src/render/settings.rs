@@ -79,7 +79,7 @@ pub struct Effects {
     /// The boat's wake.
     pub wake: bool,
     /// Mirror images of things in the water.
-    pub mirror: bool,
+    pub reflection: bool,
     /// Shadows of things.
     pub shadow: bool,
     /// The sensor's noise.
@@ -90,7 +90,7 @@ pub struct Effects {
 
 impl Effects {
     /// All of it.
-    pub const ALL: Self = Self { wake: true, mirror: true, shadow: true, noise: true, blur: true };
+    pub const ALL: Self = Self { wake: true, reflection: true, shadow: true, noise: true, blur: true };
     /// Nothing but surfaces and things: what a comparison of pictures wants.
-    pub const NONE: Self = Self { wake: false, mirror: false, shadow: false, noise: false, blur: false };
+    pub const NONE: Self = Self { wake: false, reflection: false, shadow: false, noise: false, blur: false };
 }

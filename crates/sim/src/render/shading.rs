@@ -15,7 +15,7 @@ use super::texture::Texture;
 
 /// The colour of the water's body and of what floats in it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Body {
+pub(super) struct WaterBody {
     /// Light from the depth.
     pub(super) deep: Colour,
     /// Light from thin crests that face away from the viewer.
@@ -28,7 +28,7 @@ pub(super) struct Body {
 const SUN_VARIANCE: f32 = 2.5e-4;
 
 /// What foam is broken up by.
-pub(super) struct FoamLook<'a> {
+pub(super) struct FoamTexture<'a> {
     pub(super) lace: &'a Texture,
     /// Below the camera, metres modulo the texture's size, along the wind and across it.
     pub(super) origin: (f32, f32),
@@ -38,15 +38,15 @@ pub(super) struct FoamLook<'a> {
 
 at_level! { simd;
     /// Breaks the cover of foam up into lace at two scales, streaked along the crests.
-    pub(super) fn break_up(simd: Simd, look: &FoamLook<'_>, chunk: &mut Chunk) {
+    pub(super) fn texture_foam(simd: Simd, lookup: &FoamTexture<'_>, chunk: &mut Chunk) {
         for i in 0..CHUNK {
             let (x, y) = (chunk.px[i] , chunk.py[i]);
-            let along = look.origin.0 + x * look.wind.0 + y * look.wind.1;
-            let across = look.origin.1 + y * look.wind.0 - x * look.wind.1;
+            let along = lookup.origin.0 + x * lookup.wind.0 + y * lookup.wind.1;
+            let across = lookup.origin.1 + y * lookup.wind.0 - x * lookup.wind.1;
             // 256 texels along: coarse lace of about 0.6 m, 0.2 m along the wind; fine lace of a third.
-            let coarse = look.lace.at(along * 64.0, across * 24.0);
-            let fine = look.lace.at(along * 160.0 + 77.0, across * 96.0 + 31.0);
-            let patch = look.lace.at(along * 16.0 + 19.0, across * 8.0);
+            let coarse = lookup.lace.sample(along * 64.0, across * 24.0);
+            let fine = lookup.lace.sample(along * 160.0 + 77.0, across * 96.0 + 31.0);
+            let patch = lookup.lace.sample(along * 16.0 + 19.0, across * 8.0);
             let near = 1.0 / (1.0 + 6.0 * chunk.footprint[i]);
             let lace = (0.55 * coarse + 0.45 * fine) * (1.0 / 255.0);
             let value = 0.45 + 0.7 * near * (lace - 0.45) + (0.2 + 0.2 * near) * (patch * (1.0 / 255.0) - 0.45);
@@ -60,11 +60,11 @@ at_level! { simd;
 
 at_level! { simd;
     /// What the spread of the facets makes of reflections, at the nodes of a row.
-    pub(super) fn polish(simd: Simd, light: &Lighting, nodes: &mut Nodes) {
+    pub(super) fn prepare_reflection(simd: Simd, light: &Lighting, nodes: &mut Nodes) {
         let count = nodes.count();
         let (vx, vy, vz) = (&nodes.vx.0[..count], &nodes.vy.0[..count], &nodes.vz.0[..count]);
         let variance = &nodes.variance.0[..count];
-        let (deviation, lean) = (&mut nodes.deviation.0[..count], &mut nodes.lean.0[..count]);
+        let (std_dev, lean) = (&mut nodes.std_dev.0[..count], &mut nodes.lean.0[..count]);
         let grazing = &mut nodes.grazing.0[..count];
         let (glint_x, glint_y) = (&mut nodes.glint_x.0[..count], &mut nodes.glint_y.0[..count]);
         let (fall, peak) = (&mut nodes.glint_fall.0[..count], &mut nodes.glint_peak.0[..count]);
@@ -72,7 +72,7 @@ at_level! { simd;
             let variance = variance[i] + 1e-6;
             let sigma = variance.sqrt();
             let level = (vx[i] * vx[i] + vy[i] * vy[i]).sqrt();
-            deviation[i] = sigma;
+            std_dev[i] = sigma;
             lean[i] = variance / (vz[i] + 0.6 * sigma * level);
             grazing[i] = 0.98 / (1.0 + 22.7 * sigma * sigma.sqrt());
             // The slope that would mirror the sun into this line of sight.
@@ -96,24 +96,24 @@ fn per_root(q: f32) -> f32 {
 }
 
 at_level! { simd;
-    /// The colour of a chunk of water. `place` is the column that it begins with, and whether it is bare: in plain
+    /// The colour of a chunk of water. `position` is the column that it begins with, and whether it is bare: in plain
     /// light, without foam, wake and images.
-    pub(super) fn light_water(
+    pub(super) fn shade_water(
         simd: Simd,
         light: &Lighting,
-        body: &Body,
+        body: &WaterBody,
         clouds: &Texture,
         nodes: &Nodes,
-        place: (usize, bool),
+        position: (usize, bool),
         chunk: &mut Chunk,
     ) {
-        let (column, is_bare) = place;
+        let (column, is_bare) = position;
         let mut reflect = [[0.0_f32; CHUNK]; 3];
         let mut fresnel = [0.0_f32; CHUNK];
         let mut glint = [0.0_f32; CHUNK];
         let mut thin = [0.0_f32; CHUNK];
         let per_length = nodes.per_length.lane(column);
-        let (deviation, lean) = (nodes.deviation.lane(column), nodes.lean.lane(column));
+        let (std_dev, lean) = (nodes.std_dev.lane(column), nodes.lean.lane(column));
         let grazing = nodes.grazing.lane(column);
         let (glint_x, glint_y) = (nodes.glint_x.lane(column), nodes.glint_y.lane(column));
         let (fall, peak) = (nodes.glint_fall.lane(column), nodes.glint_peak.lane(column));
@@ -130,7 +130,7 @@ at_level! { simd;
             fresnel[i] = 0.02 + grazing[i] * (away2 * away2 * away);
             let twice = 2.0 * cos * steep;
             let (rx, ry, rz) = (-twice * sx - vx, -twice * sy - vy, twice - vz);
-            let sky = light.sky(clouds, rx, ry, rz, 1.4 * deviation[i]);
+            let sky = light.sky(clouds, rx, ry, rz, 1.4 * std_dev[i]);
             for c in 0..3 {
                 reflect[c][i] = sky[c];
             }
@@ -162,7 +162,7 @@ at_level! { simd;
                 let air = chunk.air[i];
                 let below = body.deep[c] + thin[i] * body.crest[c];
                 let below = day * (below + air * (body.aerated[c] - below));
-                let mirrored = reflect[c][i] * chunk.sky_left[i] + chunk.mirror[c][i];
+                let mirrored = reflect[c][i] * chunk.sky_left[i] + chunk.reflection[c][i];
                 let water = below + fresnel[i] * (mirrored - below) + glint[i] * shone * chunk.sky_left[i];
                 let white = 0.86 * ambient + 0.731 * shone;
                 let seen = water + chunk.foam[i] * (white - water);
@@ -174,7 +174,7 @@ at_level! { simd;
 
 at_level! { simd;
     /// The sky, for the pixels of a chunk that look above the horizon.
-    pub(super) fn light_sky(
+    pub(super) fn shade_sky(
         simd: Simd,
         light: &Lighting,
         clouds: &Texture,

@@ -17,9 +17,9 @@ use super::waves::{LEVELS, Tile};
 /// What the surface is looked up in.
 #[derive(Clone, Copy)]
 pub(super) struct Water<'a> {
-    pub(super) tiles: [Look<'a>; 3],
+    pub(super) tiles: [TileLookup<'a>; 3],
     /// Elevation of the swell, on tile 0's grid; `None` where the sea is too flat for relief.
-    pub(super) elevation: Option<Values<'a>>,
+    pub(super) elevation: Option<ElevationMap<'a>>,
     /// Foam of breaking crests on tile 0's grid.
     pub(super) foam: Option<&'a QuadMap>,
     /// Patches of wind.
@@ -27,12 +27,12 @@ pub(super) struct Water<'a> {
     /// Below the camera, texels of `gusts`.
     pub(super) gust_origin: (f32, f32),
     /// Variance of slope that no tile carries.
-    pub(super) rough: f32,
+    pub(super) unresolved_variance: f32,
 }
 
 /// One tile as seen from a row's camera.
 #[derive(Clone, Copy)]
-pub(super) struct Look<'a> {
+pub(super) struct TileLookup<'a> {
     quads: &'a [u64; QUADS],
     n: f32,
     /// Tiles for a metre along the world's x: cosine and sine of the turn over the side.
@@ -48,7 +48,7 @@ pub(super) struct Look<'a> {
 
 /// A tile of single numbers.
 #[derive(Clone, Copy)]
-pub(super) struct Values<'a> {
+pub(super) struct ElevationMap<'a> {
     pub(super) quads: &'a [u64; QUADS],
     pub(super) step: f32,
 }
@@ -61,7 +61,7 @@ impl Water<'_> {
     }
 }
 
-impl<'a> Look<'a> {
+impl<'a> TileLookup<'a> {
     /// From a camera over this place of the world.
     pub(super) fn new(tile: &'a Tile, x: f64, y: f64) -> Self {
         let (cos, sin) = tile.turn;
@@ -82,7 +82,7 @@ impl<'a> Look<'a> {
     /// Levels, indices of quads and places within them, for all pixels; then the quads themselves. The steps are loops of
     /// their own, so that all but the look-up itself becomes vector instructions.
     #[inline(always)]
-    fn find(&self, chunk: &Chunk, footprint: &Lane, found: &mut Found) {
+    fn find(&self, chunk: &Chunk, footprint: &Lane, found: &mut QuadLookup) {
         let coarsest = self.coarsest();
         for i in 0..CHUNK {
             let texels = footprint[i] * self.texels_per_metre;
@@ -121,7 +121,7 @@ impl<'a> Look<'a> {
 }
 
 /// Quads for all pixels, and where in them each pixel lies.
-struct Found {
+struct QuadLookup {
     index: [u32; CHUNK],
     fu: Lane,
     fv: Lane,
@@ -129,7 +129,7 @@ struct Found {
     lower: [u32; CHUNK],
 }
 
-impl Found {
+impl QuadLookup {
     #[inline(always)]
     fn nothing() -> Self {
         Self { index: [0; CHUNK], fu: [0.0; CHUNK], fv: [0.0; CHUNK], upper: [0; CHUNK], lower: [0; CHUNK] }
@@ -200,7 +200,7 @@ const DITHER: [f32; 2 * CHUNK] = {
 
 at_level! { simd;
     /// Gusts, and the variance below the pixels' resolution, at the nodes of a row.
-    pub(super) fn settle(simd: Simd, water: &Water<'_>, nodes: &mut Nodes) {
+    pub(super) fn fill_node_variance(simd: Simd, water: &Water<'_>, nodes: &mut Nodes) {
         let [swell, longer, shorter] = &water.tiles;
         for first in (0..nodes.count()).step_by(GROUP) {
             let group = first..first + GROUP;
@@ -211,11 +211,11 @@ at_level! { simd;
             for i in 0..GROUP {
                 let (u, v) =
                     (water.gust_origin.0 + 2.1 * px[i], water.gust_origin.1 + 2.1 * py[i]);
-                gust[i] = 0.45 + (1.1 / 255.0) * water.gusts.at(u, v);
+                gust[i] = 0.45 + (1.1 / 255.0) * water.gusts.sample(u, v);
             }
             let mut variance = [0.0_f32; GROUP];
             for i in 0..GROUP {
-                let short = water.rough + longer.lost(footprint[i]) + shorter.lost(footprint[i]);
+                let short = water.unresolved_variance + longer.lost(footprint[i]) + shorter.lost(footprint[i]);
                 variance[i] = swell.lost(footprint[i]) + gust[i] * gust[i] * short;
             }
             nodes.gust.0[group.clone()].copy_from_slice(&gust);
@@ -226,14 +226,14 @@ at_level! { simd;
 
 at_level! { simd;
     /// Slopes, elevation and whitecaps for a chunk whose rays are cast.
-    pub(super) fn meet(
+    pub(super) fn sample_surface(
         simd: Simd,
         water: &Water<'_>,
         nodes: &Nodes,
-        place: (usize, usize),
+        position: (usize, usize),
         chunk: &mut Chunk,
     ) {
-        let (row, column) = place;
+        let (row, column) = position;
         let mut sized = [0.0_f32; CHUNK];
         let dither = &DITHER[(23 * row) % CHUNK..][..CHUNK];
         for i in 0..CHUNK {
@@ -241,7 +241,7 @@ at_level! { simd;
         }
         let (least, _) = nodes.footprint.range(column);
         let swell = &water.tiles[0];
-        let mut found = Found::nothing();
+        let mut found = QuadLookup::nothing();
         if let Some(elevation) = water.elevation {
             // No dither here: a height that jumps from pixel to pixel would tear the picture.
             let footprint = chunk.footprint;
@@ -279,13 +279,13 @@ at_level! { simd;
             chunk.sy = [0.0; CHUNK];
         }
         let gust = nodes.gust.lane(column);
-        for look in &water.tiles[1..] {
-            if least < look.flat_from_m {
-                look.find(chunk, &sized, &mut found);
-                found.load(look.quads);
+        for lookup in &water.tiles[1..] {
+            if least < lookup.flat_from_m {
+                lookup.find(chunk, &sized, &mut found);
+                found.load(lookup.quads);
                 for i in 0..CHUNK {
                     let (sx, sy) = found.pair(i);
-                    let step = gust[i] * look.slope_step;
+                    let step = gust[i] * lookup.slope_step;
                     chunk.sx[i] += step * sx;
                     chunk.sy[i] += step * sy;
                 }
@@ -294,6 +294,6 @@ at_level! { simd;
         chunk.air = [0.0; CHUNK];
         chunk.lit = [1.0; CHUNK];
         chunk.sky_left = [1.0; CHUNK];
-        chunk.mirror = [[0.0; CHUNK]; 3];
+        chunk.reflection = [[0.0; CHUNK]; 3];
     }
 }

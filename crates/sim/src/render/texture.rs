@@ -80,7 +80,7 @@ impl Texture {
 
     /// The value at a place in texels, 0 to 255.
     #[inline(always)]
-    pub(super) fn at(&self, u: f32, v: f32) -> f32 {
+    pub(super) fn sample(&self, u: f32, v: f32) -> f32 {
         let (mu, mv) = ((u - 0.5) + ROUNDING, (v - 0.5) + ROUNDING);
         let (fu, fv) = (u - (mu - ROUNDING), v - (mv - ROUNDING));
         let index = (mv.to_bits() & MASK) * SIDE as u32 + (mu.to_bits() & MASK);

@@ -10,14 +10,14 @@ use crate::snapshot::{Snapshot, Target};
 
 /// The truth about one picture.
 #[derive(Debug, Clone, Default)]
-pub struct DrawnTruth {
+pub struct RenderedTruth {
     /// The pixels that show the target: at least half covered by what of it is not hidden.
     pub mask: TargetMask,
     /// The smallest upright box about the mask; `None` where no pixel shows it.
     pub bounds: Option<PixelBox>,
     /// Which part of the target is seen, 0 to 1: of what would be seen of it on still water, with nothing before it
     /// and wholly within the picture.
-    pub visible: f64,
+    pub visible_share: f64,
     /// Where the middle of its waterline is projected to, within the picture or not; `None` behind the camera.
     pub waterline: Option<PixelPoint>,
     /// Where its bow points in the picture: 0 along image right, anticlockwise as seen, up to 360 degrees. `None`
@@ -39,7 +39,7 @@ pub struct TargetMask {
     /// Rows.
     pub height: usize,
     /// Row by row, whether a pixel of the part shows the target.
-    pub shows: Vec<bool>,
+    pub is_target: Vec<bool>,
 }
 
 impl TargetMask {
@@ -47,31 +47,31 @@ impl TargetMask {
     pub fn at(&self, column: usize, row: usize) -> bool {
         let inside = (self.left..self.left + self.width).contains(&column)
             && (self.top..self.top + self.height).contains(&row);
-        inside && self.shows[(row - self.top) * self.width + column - self.left]
+        inside && self.is_target[(row - self.top) * self.width + column - self.left]
     }
 
     /// How many pixels show it.
     pub fn count(&self) -> usize {
-        self.shows.iter().filter(|shows| **shows).count()
+        self.is_target.iter().filter(|is_target| **is_target).count()
     }
 }
 
 /// The bow is looked for so far ahead of the middle, metres.
 const BOW_M: f64 = 0.3;
 
-impl DrawnTruth {
+impl RenderedTruth {
     /// What the geometry alone says.
     pub(super) fn measure(&mut self, camera: &Camera, snapshot: &Snapshot) {
-        let place = snapshot.target.place();
-        let seen = camera.seen(place);
+        let position = snapshot.target.position();
+        let seen = camera.project(position);
         self.waterline = seen.map(|(point, _)| point);
         let heading = match snapshot.target {
             Target::Boat(boat) => boat.pose.heading,
             Target::FloorTarget(pose) => pose.heading,
         };
         let (sin, cos) = libm::sincos(heading.radians());
-        let bow = WorldPoint { x: place.x + BOW_M * cos, y: place.y + BOW_M * sin, z: place.z };
-        self.heading = self.waterline.zip(camera.seen(bow)).and_then(|(from, (to, _))| {
+        let bow = WorldPoint { x: position.x + BOW_M * cos, y: position.y + BOW_M * sin, z: position.z };
+        self.heading = self.waterline.zip(camera.project(bow)).and_then(|(from, (to, _))| {
             let (du, dv) = (to.u - from.u, to.v - from.v);
             (libm::hypot(du, dv) > 1e-6).then(|| {
                 let angle = libm::atan2(-dv, du);
@@ -83,7 +83,7 @@ impl DrawnTruth {
         let row = seen.map_or(0, |(point, _)| {
             (point.v.max(0.0) as usize).min(camera.optics.picture.height as usize - 1)
         });
-        self.range_m = camera.row(row).place.to(place).length();
+        self.range_m = camera.row(row).position.vector_to(position).norm();
     }
 
     /// What the drawn tiles say: the target's, and those of things before it.
@@ -100,7 +100,7 @@ impl DrawnTruth {
         let bottom = clip(target.top + target.height as i32, size.height);
         let mask = &mut self.mask;
         (mask.left, mask.top, mask.width, mask.height) = (left, top, right - left, bottom - top);
-        mask.shows.clear();
+        mask.is_target.clear();
         let mut seen = 0.0;
         let (mut low, mut high) = ((usize::MAX, usize::MAX), (0, 0));
         for row in top..bottom {
@@ -112,9 +112,9 @@ impl DrawnTruth {
                     }
                 }
                 seen += f64::from(opacity);
-                let shows = opacity >= 0.499;
-                mask.shows.push(shows);
-                if shows {
+                let is_target = opacity >= 0.499;
+                mask.is_target.push(is_target);
+                if is_target {
                     low = (low.0.min(column), low.1.min(row));
                     high = (high.0.max(column + 1), high.1.max(row + 1));
                 }
@@ -127,6 +127,6 @@ impl DrawnTruth {
             h: (high.1 - low.1) as f64,
         });
         let whole = target.afloat as f64 / (target.per_pixel * target.per_pixel) as f64;
-        self.visible = if whole > 0.0 { (seen / whole).min(1.0) } else { 0.0 };
+        self.visible_share = if whole > 0.0 { (seen / whole).min(1.0) } else { 0.0 };
     }
 }

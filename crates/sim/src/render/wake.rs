@@ -27,7 +27,7 @@ const CELL_M: f64 = 0.075;
 /// Ticks of a step.
 const STEP_TICKS: u64 = 4;
 /// Steps that a snapshot may leave to be caught up; more is a new scene.
-const LONGEST_PAUSE: u64 = 300;
+const MAX_GAP_STEPS: u64 = 300;
 /// Speed of the wake's waves, m/s.
 const WAVE_SPEED: f64 = 1.3;
 /// Share of the motion that is lost in a step.
@@ -73,18 +73,18 @@ impl Wake {
     }
 
     /// Goes on to a snapshot.
-    pub(super) fn follow(&mut self, simd: Simd, snapshot: &Snapshot) {
+    pub(super) fn advance_to(&mut self, simd: Simd, snapshot: &Snapshot) {
         let Target::Boat(boat) = snapshot.target else {
-            self.forget();
+            self.reset();
             return;
         };
         let now = snapshot.tick / STEP_TICKS;
         let (from_tick, from) = match self.last {
-            Some((tick, from)) if tick <= snapshot.tick && now - self.stepped <= LONGEST_PAUSE => {
+            Some((tick, from)) if tick <= snapshot.tick && now - self.stepped <= MAX_GAP_STEPS => {
                 (tick, from)
             }
             _ => {
-                self.forget();
+                self.reset();
                 self.stepped = now;
                 (snapshot.tick, boat)
             }
@@ -95,15 +95,15 @@ impl Wake {
             let tick = self.stepped * STEP_TICKS;
             let part = ((tick.saturating_sub(from_tick)) as f64 / span).min(1.0);
             let mix = |a: f64, b: f64| a + part * (b - a);
-            let x = mix(from.pose.place.x, boat.pose.place.x);
-            let y = mix(from.pose.place.y, boat.pose.place.y);
+            let x = mix(from.pose.position.x, boat.pose.position.x);
+            let y = mix(from.pose.position.y, boat.pose.position.y);
             self.step(simd, x, y, &boat);
         }
         self.last = Some((snapshot.tick, boat));
         pack(simd, &self.height, &self.foam, &mut self.packed, &mut self.occupied);
     }
 
-    fn forget(&mut self) {
+    fn reset(&mut self) {
         if self.window.is_some() {
             for grid in [&mut self.height, &mut self.before, &mut self.foam] {
                 grid.fill(0.0);
@@ -120,36 +120,36 @@ impl Wake {
         let corner = |at: f64, v: f64| libm::floor((at - back * v) / CELL_M - half) as i64;
         self.move_window(corner(x, boat.velocity.0), corner(y, boat.velocity.1));
         let courant = (WAVE_SPEED * STEP_TICKS as f64 / f64::from(TICKS_PER_SECOND) / CELL_M) as f32;
-        spread(simd, courant * courant, &self.height, &mut self.before);
+        step_heights(simd, courant * courant, &self.height, &mut self.before);
         core::mem::swap(&mut self.height, &mut self.before);
-        fade(simd, &self.foam, &mut self.foam_before);
+        step_foam(simd, &self.foam, &mut self.foam_before);
         core::mem::swap(&mut self.foam, &mut self.foam_before);
-        self.press(x, y, boat, speed);
+        self.apply_boat(x, y, boat, speed);
     }
 
     /// The boat's own doing in a step.
-    fn press(&mut self, x: f64, y: f64, boat: &Boat, speed: f64) {
+    fn apply_boat(&mut self, x: f64, y: f64, boat: &Boat, speed: f64) {
         let (sin, cos) = libm::sincos(boat.pose.heading.radians());
         let seconds = STEP_TICKS as f64 / f64::from(TICKS_PER_SECOND);
         let push = (speed * speed / (1.0 + 0.4 * speed) * 0.0020).min(0.007);
-        self.blob(x + 0.45 * cos, y + 0.45 * sin, 0.16, |slot, weight| slot.0 += (push * weight) as f32);
-        self.blob(x - 0.45 * cos, y - 0.45 * sin, 0.17, |slot, weight| slot.0 -= (push * weight) as f32);
+        self.splat(x + 0.45 * cos, y + 0.45 * sin, 0.16, |slot, weight| slot.0 += (push * weight) as f32);
+        self.splat(x - 0.45 * cos, y - 0.45 * sin, 0.17, |slot, weight| slot.0 -= (push * weight) as f32);
         let jet = boat.thrust.abs().min(1.0);
         let foam = ((0.20 + 0.45 * jet) * (speed / 1.2).min(1.0) + 0.5 * jet) * 5.2 * seconds;
-        self.blob(x - 0.80 * cos, y - 0.80 * sin, 0.13, |slot, weight| {
+        self.splat(x - 0.80 * cos, y - 0.80 * sin, 0.13, |slot, weight| {
             slot.1 = (slot.1 + (foam * weight) as f32).min(1.15);
         });
         if speed > 0.8 {
             let spray = 0.7 * (speed - 0.8) * seconds;
             for side in [-1.0, 1.0] {
                 let (bx, by) = (x + 0.30 * cos - 0.2 * side * sin, y + 0.30 * sin + 0.2 * side * cos);
-                self.blob(bx, by, 0.09, |slot, weight| slot.1 = (slot.1 + (spray * weight) as f32).min(0.8));
+                self.splat(bx, by, 0.09, |slot, weight| slot.1 = (slot.1 + (spray * weight) as f32).min(0.8));
             }
         }
     }
 
     /// Does something to height and foam about a place, with a weight that falls as a Gaussian of this radius (m).
-    fn blob(&mut self, x: f64, y: f64, radius: f64, act: impl Fn(&mut (f32, f32), f64)) {
+    fn splat(&mut self, x: f64, y: f64, radius: f64, act: impl Fn(&mut (f32, f32), f64)) {
         let reach = libm::ceil(2.5 * radius / CELL_M) as i64;
         let (cx, cy) = (libm::floor(x / CELL_M) as i64, libm::floor(y / CELL_M) as i64);
         for j in cy - reach..=cy + reach {
@@ -193,14 +193,14 @@ impl Wake {
     }
 
     /// How a row's camera over this place of the world sees it; `None` where there is no wake.
-    pub(super) fn look(&self, x: f64, y: f64) -> Option<WakeLook<'_>> {
+    pub(super) fn lookup(&self, x: f64, y: f64) -> Option<WakeLookup<'_>> {
         let (left, low) = self.window?;
         let cells = |at: f64| at / CELL_M;
         let base = |at: f64| libm::floor(cells(at)) as i64;
         let slot = |at: f64| (base(at) & MASK) as f64 + (cells(at) - libm::floor(cells(at)));
         let from = |corner: i64, at: f64| ((corner as f64 + 2.0) * CELL_M - at) as f32;
         let reach = ((SIDE as f64 - 4.0) * CELL_M) as f32;
-        Some(WakeLook {
+        Some(WakeLookup {
             packed: &self.packed,
             occupied: &self.occupied,
             origin: (slot(x) as f32, slot(y) as f32),
@@ -212,7 +212,7 @@ impl Wake {
 
 at_level! { simd;
     /// One step of the wave equation: `before` becomes the height after `height`.
-    fn spread(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
+    fn step_heights(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
         for row in 0..SIDE {
             let here = &height[row * SIDE..][..SIDE];
             let upper = &height[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
@@ -233,7 +233,7 @@ at_level! { simd;
 }
 
 at_level! { simd;
-    fn fade(simd: Simd, foam: &[f32], after: &mut [f32]) {
+    fn step_foam(simd: Simd, foam: &[f32], after: &mut [f32]) {
         for row in 0..SIDE {
             let here = &foam[row * SIDE..][..SIDE];
             let upper = &foam[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
@@ -288,7 +288,7 @@ at_level! { simd;
 
 /// The wake as a row's camera sees it.
 #[derive(Clone, Copy)]
-pub(super) struct WakeLook<'a> {
+pub(super) struct WakeLookup<'a> {
     packed: &'a [u32; SIDE * SIDE],
     occupied: &'a [u32; BLOCKS],
     /// Slot below the camera.
@@ -298,7 +298,7 @@ pub(super) struct WakeLook<'a> {
     high: (f32, f32),
 }
 
-impl WakeLook<'_> {
+impl WakeLookup<'_> {
     /// Whether a chunk sees anything of it, if relief moves its places by no more than `moved` metres.
     pub(super) fn meets(&self, nodes: &Nodes, column: usize, moved: f32) -> bool {
         let wider = |(low, high): (f32, f32)| (low - moved, high + moved);
@@ -323,19 +323,19 @@ fn blocks((low, high): (f32, f32), window: (f32, f32), origin: f32) -> std::ops:
 
 at_level! { simd;
     /// Adds the wake's slopes, foam and air.
-    pub(super) fn add_wake(simd: Simd, look: &WakeLook<'_>, chunk: &mut Chunk) {
+    pub(super) fn add_wake(simd: Simd, lookup: &WakeLookup<'_>, chunk: &mut Chunk) {
         const PER_CELL: f32 = (1.0 / CELL_M) as f32;
         for i in 0..CHUNK {
             let (px, py) = (chunk.px[i], chunk.py[i]);
-            let inside = px > look.low.0 && px < look.high.0 && py > look.low.1 && py < look.high.1;
-            let (px, py) = if inside { (px, py) } else { (look.low.0, look.low.1) };
-            let (u, v) = (look.origin.0 + px * PER_CELL, look.origin.1 + py * PER_CELL);
+            let inside = px > lookup.low.0 && px < lookup.high.0 && py > lookup.low.1 && py < lookup.high.1;
+            let (px, py) = if inside { (px, py) } else { (lookup.low.0, lookup.low.1) };
+            let (u, v) = (lookup.origin.0 + px * PER_CELL, lookup.origin.1 + py * PER_CELL);
             let (mu, mv) = ((u - 1.0) + ROUNDING, (v - 1.0) + ROUNDING);
             let (fu, fv) = (u - 0.5 - (mu - ROUNDING), v - 0.5 - (mv - ROUNDING));
             const WRAP: u32 = SIDE as u32 - 1;
             let (iu, iv) = (mu.to_bits() & WRAP, mv.to_bits() & WRAP);
             let (ju, jv) = ((iu + 1) & WRAP, (iv + 1) & WRAP);
-            let texel = |u: u32, v: u32| look.packed[(v * SIDE as u32 + u) as usize & (SIDE * SIDE - 1)];
+            let texel = |u: u32, v: u32| lookup.packed[(v * SIDE as u32 + u) as usize & (SIDE * SIDE - 1)];
             let four = [texel(iu, iv), texel(ju, iv), texel(iu, jv), texel(ju, jv)];
             let blend = |value: fn(u32) -> f32| {
                 let (a, b, c, d) = (value(four[0]), value(four[1]), value(four[2]), value(four[3]));

@@ -21,13 +21,13 @@ use crate::sea::{Sea, Wave, deep_water};
 /// Levels of a tile, at most.
 pub(super) const LEVELS: usize = 16;
 /// How long ago the crests broke whose foam is still there, ticks.
-const EARLIER: [u64; 2] = [70, 190];
+const EARLIER_CREST_TICKS: [u64; 2] = [70, 190];
 /// Sea states from here on break.
-const BREAKING: u8 = 2;
+const MIN_BREAKING_STATE: u8 = 2;
 /// Part of the ripples' variance that is left to roughness.
-const ROUGH_PART: f64 = 0.22;
+const UNRESOLVED_SHARE: f64 = 0.22;
 /// Largest lattice number that a tile of 128 carries.
-const FINEST: f64 = 58.0;
+const MAX_LATTICE: f64 = 58.0;
 
 /// What one tile shows.
 #[derive(Debug)]
@@ -84,7 +84,7 @@ struct Ripples {
 
 /// The three tiles of a sea, and the variance of slope left to roughness.
 pub(super) fn tiles(sea: &Sea, n: usize) -> ([Tile; 3], f32) {
-    let side = sea.side_m();
+    let side = sea.tile_side_m();
     let ratio = libm::sqrt(side / 1.3).clamp(3.6, 9.0);
     let wind = sea.wind();
     let of_swell: f64 = sea
@@ -99,10 +99,10 @@ pub(super) fn tiles(sea: &Sea, n: usize) -> ([Tile; 3], f32) {
     let short = (measured - of_swell).max(0.45 * measured);
     let tile = |index: u64| {
         let scale = libm::pow(ratio, index as f64);
-        let range = (FINEST / ratio, FINEST);
-        ripples(sea, side / scale, n, index, range, 0.5 * (1.0 - ROUGH_PART) * short)
+        let range = (MAX_LATTICE / ratio, MAX_LATTICE);
+        ripples(sea, side / scale, n, index, range, 0.5 * (1.0 - UNRESOLVED_SHARE) * short)
     };
-    ([swell(sea, n), tile(1), tile(2)], (0.5 * ROUGH_PART * short) as f32)
+    ([swell(sea, n), tile(1), tile(2)], (0.5 * UNRESOLVED_SHARE * short) as f32)
 }
 
 fn swell(sea: &Sea, n: usize) -> Tile {
@@ -118,9 +118,9 @@ fn swell(sea: &Sea, n: usize) -> Tile {
     }
     let significant = sea.state().significant_height_m();
     let (flat_level, lost) = flattened(lost, 0.5 * crest2, n);
-    let foam = (sea.state().number() >= BREAKING).then(|| QuadMap::new(n));
+    let foam = (sea.state().number() >= MIN_BREAKING_STATE).then(|| QuadMap::new(n));
     Tile {
-        side_m: sea.side_m(),
+        side_m: sea.tile_side_m(),
         n,
         turn: (1.0, 0.0),
         slopes: QuadMap::new(n),
@@ -155,12 +155,12 @@ fn add_lost(lost: &mut [f64; LEVELS], variance: f64, lattice: (i32, i32), n: usi
 }
 
 /// A level that keeps less than this share of the variance is flat.
-const KEPT_BY_FLAT: f64 = 0.01;
+const MIN_KEPT_SHARE: f64 = 0.01;
 
 /// The first flat level, and what each level has lost; `all` is the variance along one axis.
 fn flattened(lost: [f64; LEVELS], all: f64, n: usize) -> (usize, [f32; LEVELS]) {
     let coarsest = n.ilog2() as usize;
-    let flat = (0..=coarsest).find(|&level| all - lost[level] < KEPT_BY_FLAT * all).unwrap_or(coarsest);
+    let flat = (0..=coarsest).find(|&level| all - lost[level] < MIN_KEPT_SHARE * all).unwrap_or(coarsest);
     let flat_or_lost = |level| if level < flat { lost[level] } else { all } as f32;
     (flat, core::array::from_fn(flat_or_lost))
 }
@@ -170,32 +170,32 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
     let turn = (libm::cos(angle), libm::sin(angle));
     let unit = core::f64::consts::TAU / side_m;
     let wind = sea.wind().towards.radians();
-    let wrapped = |at: usize| if at <= n / 2 { at as i32 } else { at as i32 - n as i32 };
+    let wrap_angle = |at: usize| if at <= n / 2 { at as i32 } else { at as i32 - n as i32 };
     let finest = range.1.min(0.46 * n as f64);
     let mut amplitudes = vec![0.0_f64; n * n];
     let mut all = Ripples::default();
     let mut total = 0.0;
     for i in 0..n {
         for j in 0..n {
-            let (a, b) = (f64::from(wrapped(i)), f64::from(wrapped(j)));
+            let (a, b) = (f64::from(wrap_angle(i)), f64::from(wrap_angle(j)));
             let (x, y) = (unit * (a * turn.0 - b * turn.1), unit * (a * turn.1 + b * turn.0));
             all.vector.0.push(x as f32);
             all.vector.1.push(y as f32);
             let waves = libm::hypot(a, b);
             let k = unit * waves;
-            let chance = noise::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
+            let random = noise::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
             let inside = waves >= range.0 && waves <= finest;
             let amplitude = if inside {
                 let cos = libm::cos(libm::atan2(y, x) - wind);
                 let spread = cos.max(0.0) * cos.max(0.0) + 0.05 + 0.07 * index as f64;
-                let u = ((chance >> 40) as f64 + 0.5) / 16_777_216.0;
+                let u = ((random >> 40) as f64 + 0.5) / 16_777_216.0;
                 libm::sqrt(2.0 * spread * -libm::log(u)) / (k * k)
             } else {
                 0.0
             };
             amplitudes[i * n + j] = amplitude;
             total += 0.5 * amplitude * amplitude * k * k;
-            all.ahead.1.push(chance as u32);
+            all.ahead.1.push(random as u32);
             all.ahead.2.push(if k > 0.0 { deep_water(k).1 } else { 0 });
         }
     }
@@ -211,7 +211,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
             sy2 += 0.5 * amplitude * amplitude * y * y;
             if amplitude > 0.0 {
                 let half = 0.25 * amplitude * amplitude * (x * x + y * y);
-                add_lost(&mut lost, half, (wrapped(i), wrapped(j)), n);
+                add_lost(&mut lost, half, (wrap_angle(i), wrap_angle(j)), n);
             }
             let opposite = ((n - i) % n) * n + (n - j) % n;
             all.ahead.0.push((0.5 * amplitude) as f32);
@@ -244,7 +244,7 @@ impl Tile {
                 ripple_spectrum(simd, ripples, tick as u32, map);
             }
             Spectrum::Sea(swell) => {
-                splat(&swell.sea, self.n, [tick, tick], map, |wave| {
+                add_waves(&swell.sea, self.n, [tick, tick], map, |wave| {
                     [(0.0, wave.vector.0), (0.0, wave.vector.1)]
                 });
             }
@@ -277,26 +277,26 @@ impl Swell {
     ) {
         // A crest is where the sum of a |k| cos(phase) is high.
         let crest = |wave: &Wave| (libm::hypot(wave.vector.0, wave.vector.1), 0.0);
-        splat(&self.sea, n, [tick, tick], map, |wave| [(1.0, 0.0), crest(wave)]);
+        add_waves(&self.sea, n, [tick, tick], map, |wave| [(1.0, 0.0), crest(wave)]);
         fourier.inverse(simd, map, other);
         self.grid_m.copy_from_slice(&map.re);
         self.crests.copy_from_slice(&map.im);
         self.elevation.fill(simd, &mut map.re, &mut map.im, Texel::Single(self.step_m));
         let Some(foam) = &mut self.foam else { return };
-        let before = EARLIER.map(|ticks| tick.wrapping_sub(ticks));
-        splat(&self.sea, n, before, map, |wave| [crest(wave), crest(wave)]);
+        let before = EARLIER_CREST_TICKS.map(|ticks| tick.wrapping_sub(ticks));
+        add_waves(&self.sea, n, before, map, |wave| [crest(wave), crest(wave)]);
         fourier.inverse(simd, map, other);
         let wind = self.sea.wind().speed_mps as f32;
         // Crests higher than this many standard deviations break: more of them under more wind.
         let threshold = self.crest_deviation * (3.05 - 0.12 * wind);
-        whiten(simd, threshold, self.crest_deviation, &self.crests, &mut map.re, &mut map.im);
+        whitecaps(simd, threshold, self.crest_deviation, &self.crests, &mut map.re, &mut map.im);
         foam.fill(simd, &mut map.re, &mut map.im, Texel::Pair(1.0));
     }
 }
 
 /// Puts waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their transform. For
 /// each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at the tick of its own.
-fn splat(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&Wave) -> [(f64, f64); 2]) {
+fn add_waves(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&Wave) -> [(f64, f64); 2]) {
     map.re.fill(0.0);
     map.im.fill(0.0);
     let wrap = |waves: i32| waves.rem_euclid(n as i32) as usize;
@@ -340,15 +340,15 @@ at_level! { simd;
 at_level! { simd;
     /// Foam from crests now and at two earlier moments (`first`, `second`): its cover, 0 to 127, into `first`, and
     /// into `second` how fresh it is.
-    fn whiten(
+    fn whitecaps(
         simd: Simd,
         threshold: f32,
-        deviation: f32,
+        std_dev: f32,
         crests: &[f32],
         first: &mut [f32],
         second: &mut [f32],
     ) {
-        let per_deviation = 1.0 / (0.5 * deviation);
+        let per_deviation = 1.0 / (0.5 * std_dev);
         for i in 0..crests.len().min(first.len()).min(second.len()) {
             let now = ((crests[i] - threshold) * per_deviation).clamp(0.0, 1.0);
             let a_while_ago = ((first[i] - threshold) * per_deviation).clamp(0.0, 1.0);
@@ -380,7 +380,7 @@ mod tests {
                 let grid = &tile.swell().expect("tile 0 carries the sea").grid_m;
                 for (row, column) in [(0, 0), (3, 100), (77, 12), (127, 127)] {
                     let at = |index: usize| index as f64 * tile.side_m / n as f64;
-                    let exact = sea.at(at(column), at(row), tick).elevation;
+                    let exact = sea.surface_at(at(column), at(row), tick).elevation;
                     let drawn = f64::from(grid[row * n + column]);
                     // Single precision against double: millionths of the wave height.
                     let tolerance = 2e-5 * state.significant_height_m();

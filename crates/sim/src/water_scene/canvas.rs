@@ -10,13 +10,13 @@ use crate::noise;
 /// Margin in luma px: room for half of the longest motion blur and the widest optical blur.
 pub(super) const MARGIN: usize = 16;
 /// Longest motion blur, px: at 25 px a frame, open for 0.4 of it.
-const LONGEST_BLUR_PX: f64 = 12.0;
+const MAX_BLUR_PX: f64 = 12.0;
 /// Farthest pixel that the optical blur takes in: 2.6 standard deviations of the widest.
 const BLUR_REACH: usize = 4;
 /// Samples per pixel and axis of a thing's silhouette.
 const SAMPLES: usize = 4;
 /// The order in which a pixel's samples are taken during the exposure: neighbours at different times.
-const TIMES: [u8; SAMPLES * SAMPLES] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
+const EXPOSURE_ORDER: [u8; SAMPLES * SAMPLES] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
 /// Numbers of ready-made noise; each row begins somewhere else in them.
 const NOISE_LENGTH: usize = 1 << 16;
 /// How the samples stand for colours.
@@ -102,7 +102,8 @@ impl Canvas {
                 let mut chroma = [0.0_f32; 3];
                 for (du, dv) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                     let (x, y) = (2 * column + du, 2 * row + dv);
-                    let [luma, u, v, cover] = sampled(x as f64 - margin, y as f64 - margin, motion, &colour);
+                    let [luma, u, v, cover] =
+                        pixel_mean(x as f64 - margin, y as f64 - margin, motion, &colour);
                     let sample = &mut self.y.samples[y * self.y.width + x];
                     *sample += luma - *sample * cover;
                     chroma[0] += u / 4.0;
@@ -118,11 +119,13 @@ impl Canvas {
     }
 
     /// Smears everything drawn so far along a motion of so many px.
-    pub(super) fn smear(&mut self, motion: (f64, f64)) {
+    pub(super) fn motion_blur(&mut self, motion: (f64, f64)) {
         let length = libm::hypot(motion.0, motion.1);
-        let held = (LONGEST_BLUR_PX / length.max(1e-9)).min(1.0);
-        for (field, scale) in [(&mut self.y, held), (&mut self.u, held / 2.0), (&mut self.v, held / 2.0)] {
-            smear(field, &mut self.scratch, (motion.0 * scale, motion.1 * scale));
+        let scale_limit = (MAX_BLUR_PX / length.max(1e-9)).min(1.0);
+        for (field, scale) in
+            [(&mut self.y, scale_limit), (&mut self.u, scale_limit / 2.0), (&mut self.v, scale_limit / 2.0)]
+        {
+            motion_blur(field, &mut self.scratch, (motion.0 * scale, motion.1 * scale));
         }
     }
 
@@ -144,14 +147,14 @@ impl Canvas {
         for (plane, samples) in out.planes_mut().into_iter().enumerate() {
             let (field, size) = (fields[plane], sizes[plane]);
             let (zero, low, high) = if plane == 0 { (16.0, 16.0, 235.0) } else { (128.0, 16.0, 240.0) };
-            let (margin, deviation) =
+            let (margin, std_dev) =
                 if plane == 0 { (MARGIN, sensor.noise[0]) } else { (MARGIN / 2, sensor.noise[1]) };
             let gain = if plane == 0 { sensor.light } else { sensor.light * sensor.saturation };
             for (row, line) in samples.chunks_exact_mut(size.width as usize).enumerate() {
                 let from = &field.samples[(row + margin) * field.width + margin..];
-                let grains = noise::hash(seed, plane as u64, row as u64) as usize % NOISE_LENGTH;
-                for ((sample, drawn), grain) in line.iter_mut().zip(from).zip(&self.noise[grains..]) {
-                    let value = zero + (drawn - zero) * gain + deviation * grain;
+                let noise_start = noise::hash(seed, plane as u64, row as u64) as usize % NOISE_LENGTH;
+                for ((sample, rendered), grain) in line.iter_mut().zip(from).zip(&self.noise[noise_start..]) {
+                    let value = zero + (rendered - zero) * gain + std_dev * grain;
                     *sample = (value.clamp(low, high) + 0.5) as u8;
                 }
             }
@@ -160,10 +163,10 @@ impl Canvas {
 }
 
 /// Mean of a pixel's samples over its area and the exposure: Y, U, V times the cover, and the cover.
-fn sampled(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> Option<Yuv>) -> [f32; 4] {
+fn pixel_mean(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> Option<Yuv>) -> [f32; 4] {
     let mut sum = [0.0_f32; 4];
     let step = 1.0 / SAMPLES as f64;
-    for (sample, time) in TIMES.iter().enumerate() {
+    for (sample, time) in EXPOSURE_ORDER.iter().enumerate() {
         let (column, row) = (sample % SAMPLES, sample / SAMPLES);
         let elapsed = (f64::from(*time) + 0.5) / (SAMPLES * SAMPLES) as f64 - 0.5;
         let u = u + (column as f64 + 0.5) * step - motion.0 * elapsed;
@@ -178,14 +181,14 @@ fn sampled(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> Opt
 }
 
 /// Mean of copies shifted by whole px along the motion. The outermost rows and columns stay as they are.
-fn smear(field: &mut Field, scratch: &mut [f32], motion: (f64, f64)) {
-    let longest = motion.0.abs().max(motion.1.abs());
-    if longest < 0.5 {
+fn motion_blur(field: &mut Field, scratch: &mut [f32], motion: (f64, f64)) {
+    let extent = motion.0.abs().max(motion.1.abs());
+    if extent < 0.5 {
         return;
     }
-    let copies = longest.ceil() as usize + 1;
+    let copies = extent.ceil() as usize + 1;
     let (width, height) = (field.width, field.height);
-    let edge = (longest / 2.0).ceil() as usize + 1;
+    let edge = (extent / 2.0).ceil() as usize + 1;
     scratch[..width * height].copy_from_slice(&field.samples);
     let share = 1.0 / copies as f32;
     for row in edge..height - edge {

@@ -1,7 +1,7 @@
 //! Paints: red, green and blue, and how they are stored (BT.709, limited range).
 
 use super::TargetPaint;
-use super::chance::Chance;
+use super::rng::Rng;
 
 /// Y, U and V as samples, not yet rounded.
 pub(super) type Yuv = [f32; 3];
@@ -22,14 +22,14 @@ pub(super) fn lit(colour: Yuv, gain: f32) -> Yuv {
 }
 
 /// The hull's red, green and blue, a little different each time.
-pub(super) fn hull(paint: TargetPaint, chance: &mut Chance) -> [f64; 3] {
+pub(super) fn hull(paint: TargetPaint, rng: &mut Rng) -> [f64; 3] {
     let (rgb, spread) = match paint {
         TargetPaint::Red => ([190.0, 38.0, 40.0], 14.0),
         TargetPaint::Orange => ([226.0, 104.0, 32.0], 14.0),
         TargetPaint::White => ([222.0, 224.0, 222.0], 6.0),
         TargetPaint::Grey => ([128.0, 132.0, 136.0], 6.0),
     };
-    rgb.map(|sample| sample + chance.between(-spread, spread))
+    rgb.map(|sample| sample + rng.uniform(-spread, spread))
 }
 
 /// Paints for things that must not have the hull's colour: hues at least 50 degrees from red and orange; and for

@@ -68,7 +68,7 @@ impl Outline {
     }
 
     /// Where an offset from the middle lies, in shares of half length and half beam, if it is on the thing.
-    pub(super) fn locate(&self, along: f64, across: f64) -> Option<(f64, f64)> {
+    pub(super) fn normalised_offset(&self, along: f64, across: f64) -> Option<(f64, f64)> {
         let (along, across) = (along / self.half_length, across / self.half_beam);
         if !(along.abs() < 1.0 && across.abs() <= 1.0) {
             return None;

@@ -34,7 +34,7 @@ pub(super) struct View {
     /// Picture pixels per unit of the plane's x.
     pub(super) zoom: f64,
     /// Sine of the camera's depression, 0..=1.
-    pub(super) squash: f64,
+    pub(super) foreshortening: f64,
     pub(super) size: PictureSize,
 }
 
@@ -47,7 +47,7 @@ impl View {
 
     /// The offset (du, dv) in the picture that an offset in the plane makes.
     pub(super) fn picture_offset(&self, x: f64, y: f64) -> (f64, f64) {
-        (self.zoom * x, -self.zoom * self.squash * y)
+        (self.zoom * x, -self.zoom * self.foreshortening * y)
     }
 
     pub(super) fn plane(&self, u: f64, v: f64) -> PlanePoint {
@@ -57,6 +57,6 @@ impl View {
     }
 
     pub(super) fn plane_offset(&self, du: f64, dv: f64) -> (f64, f64) {
-        (du / self.zoom, -dv / (self.zoom * self.squash))
+        (du / self.zoom, -dv / (self.zoom * self.foreshortening))
     }
 }

@@ -14,11 +14,11 @@
 //! Not handled: waves that change their shape, reflections of things, refraction.
 
 use super::canvas::{Canvas, MARGIN};
-use super::chance::Chance;
 use super::conditions::Conditions;
+use super::rng::Rng;
 use super::view::View;
 use super::wake::Wake;
-use super::waves::{Laid, Layer, SIDE, Spectrum, Tile};
+use super::waves::{Layer, LayerView, SIDE, Spectrum, Tile};
 
 /// Luma of foam and of the sun in the water; the sensor clips the latter.
 const FOAM_LUMA: f32 = 206.0;
@@ -59,10 +59,10 @@ struct Rows {
 
 impl Water {
     pub(super) fn new(conditions: &Conditions, relative: f64, width: usize, seed: u64, stream: u64) -> Self {
-        let mut chance = Chance::new(seed, stream);
+        let mut rng = Rng::new(seed, stream);
         let tile = |waves, cycles, spread, stream| {
             let spectrum = Spectrum { waves, cycles, direction: conditions.wind, spread };
-            Tile::new(spectrum, Chance::new(seed, stream))
+            Tile::new(spectrum, Rng::new(seed, stream))
         };
         let mut layer = |scale: f64, speed: f64, aside: f64| {
             let direction = conditions.wind + aside;
@@ -70,7 +70,7 @@ impl Water {
             Layer {
                 scale: scale * conditions.wave_scale,
                 drift: (speed * libm::cos(direction), speed * libm::sin(direction)),
-                offset: (chance.between(0.0, SIDE as f64), chance.between(0.0, SIDE as f64)),
+                offset: (rng.uniform(0.0, SIDE as f64), rng.uniform(0.0, SIDE as f64)),
             }
         };
         let layers = Layers {
@@ -103,7 +103,7 @@ impl Water {
     }
 
     /// Draws all of the canvas anew.
-    pub(super) fn draw(
+    pub(super) fn render(
         &mut self,
         canvas: &mut Canvas,
         view: &View,
@@ -112,11 +112,12 @@ impl Water {
         wake: &Wake,
     ) {
         let middle = 0.5 - MARGIN as f64;
-        let lay = |layer: &Layer, tile| -> Laid<'_> { layer.lay(tile, view, time_s, (middle, middle)) };
+        let view_from =
+            |layer: &Layer, tile| -> LayerView<'_> { layer.view_from(tile, view, time_s, (middle, middle)) };
         let Layers { long, chop, short, shorter, gust, resting } = &self.layers;
-        let (long, chop) = (lay(long, &self.chop), lay(chop, &self.chop));
-        let (short, shorter) = (lay(short, &self.ripple), lay(shorter, &self.ripple));
-        let (gust, resting) = (lay(gust, &self.gusts), lay(resting, &self.ripple));
+        let (long, chop) = (view_from(long, &self.chop), view_from(chop, &self.chop));
+        let (short, shorter) = (view_from(short, &self.ripple), view_from(shorter, &self.ripple));
+        let (gust, resting) = (view_from(gust, &self.gusts), view_from(resting, &self.ripple));
         let rows = &mut self.rows;
         let [base, base_u, base_v] = conditions.water;
         let contrast = conditions.contrast;
@@ -148,10 +149,10 @@ impl Water {
                 let both = short + shorter;
                 let height = 0.5 * long + 0.8 * chop + 0.45 * both * (1.0 + 0.3 * gust);
                 let skewed = height + 0.18 * (height * height - 1.0);
-                let glint = both + 0.5 * chop + 0.4 * gust - conditions.glint_from;
+                let glint = both + 0.5 * chop + 0.4 * gust - conditions.glint_threshold;
                 let glint = glint.clamp(0.0, 1.0);
-                let crest = 0.9 * long + 0.6 * chop + 0.5 * gust + 0.3 * shorter - conditions.crest_from;
-                let fleck = resting[at] + 0.4 * gust - conditions.fleck_from;
+                let crest = 0.9 * long + 0.6 * chop + 0.5 * gust + 0.3 * shorter - conditions.crest_threshold;
+                let fleck = resting[at] + 0.4 * gust - conditions.fleck_threshold;
                 let foam = (0.9 * crest).max(1.4 * fleck).clamp(0.0, 0.85);
                 let water = level + contrast * (skewed + 0.5 * gust);
                 let white = water + (FOAM_LUMA - water) * foam;

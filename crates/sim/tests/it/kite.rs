@@ -54,7 +54,7 @@ fn a_commanded_yaw_drifts_and_a_resting_one_only_wanders() {
         for tick in 0..120 * 60 {
             kite.advance(tick, commanded);
         }
-        kite.turns(Angle::ZERO).0.degrees()
+        kite.attitude_offset(Angle::ZERO).0.degrees()
     };
     let off = (drift(true) - drift(false)).abs();
     assert!((off - 12.0).abs() < 0.1, "0.2 degrees per second for a minute: {off}");

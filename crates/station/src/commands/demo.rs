@@ -449,7 +449,7 @@ impl LiveDrive<'_> {
             achieved: world.camera_rates(),
             speed_m_per_s: world.target_speed_m_per_s(),
             helm: match helm {
-                _ if !world.can_be_steered() => "nobody",
+                _ if !world.is_steerable() => "nobody",
                 Some(_) => "page",
                 None => "helmsman",
             },

@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use anyhow::{Result, anyhow};
 use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
-use barrelman_sim::boat::Helm;
+use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{DrawnEye, Eye, Simulation, Witness};
@@ -70,11 +70,11 @@ pub enum DriveInput {
 
 impl DriveInput {
     /// What it does to the helm: somebody steers so, or nobody but the helmsman; `None` where it stays as it is.
-    fn helm(self) -> Option<Option<Helm>> {
+    fn helm(self) -> Option<Option<HelmCommand>> {
         let share = |percent: i8| f64::from(percent.clamp(-100, 100)) / 100.0;
         match self {
             Self::Helm { thrust, rudder } => {
-                Some(Some(Helm { throttle: share(thrust), rudder: share(rudder) }))
+                Some(Some(HelmCommand { throttle: share(thrust), rudder: share(rudder) }))
             }
             Self::Helmsman => Some(None),
             Self::Engage | Self::Stop | Self::Pause | Self::Resume => None,
@@ -103,7 +103,7 @@ impl Cast {
     pub fn new(url: WorldUrl, tracker: TrackerName, law: LawChoice, coded: bool) -> Result<Self> {
         let changes = Changes { size: url.size, ..Changes::default() };
         let mut loaded = scenario::load(&url.scenario, &changes)?;
-        loaded.scenario.most_s = MOST_S;
+        loaded.scenario.max_s = MOST_S;
         let profile = loaded.profile()?;
         Ok(Self { url, loaded, profile, tracker, law, coded })
     }
@@ -128,7 +128,7 @@ pub struct Drive<'a> {
     simulation: Simulation<'a>,
     eye: Box<dyn Eye + 'a>,
     units: Receiver<EncodedUnit>,
-    helm: Option<Helm>,
+    helm: Option<HelmCommand>,
 }
 
 impl<'a> Drive<'a> {
@@ -162,7 +162,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Who steers, if it is not the helmsman.
-    pub const fn helm(&self) -> Option<Helm> {
+    pub const fn helm(&self) -> Option<HelmCommand> {
         self.helm
     }
 
@@ -246,7 +246,7 @@ impl Witness for DriveHash {
     }
 
     fn truth(&mut self, truth: &Truth) {
-        let place = truth.target.place;
+        let place = truth.target.position;
         for value in [truth.image.x, truth.image.y, place.x, place.y, place.z, truth.rates.0, truth.rates.1] {
             self.0.update(&value.to_bits().to_le_bytes());
         }

@@ -17,7 +17,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use anyhow::{Result, anyhow};
-use barrelman_sim::video_link::{Passage, VideoLink};
+use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{DrawnEye, Eye as _, View};
@@ -129,9 +129,9 @@ pub(crate) fn run<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopS
                 }
                 let pose = world.camera_pose();
                 link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });
-                if world.takes_picture() {
+                if world.is_frame_due() {
                     match video.send(world.tick()) {
-                        Passage::Lost => {}
+                        Delivery::Lost => {}
                         passage => newest.put(Taken { world: world.clone(), passage }),
                     }
                 }
@@ -183,7 +183,7 @@ impl Drop for Ending<'_> {
 /// A picture that was taken and is to be drawn: the world as it was.
 struct Taken {
     world: World,
-    passage: Passage,
+    passage: Delivery,
 }
 
 /// A place for the newest picture that was taken.
@@ -253,8 +253,8 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     fn run(mut self, newest: &Newest, units: &SyncSender<Arriving>) {
         while let Some(taken) = newest.take() {
-            let (Passage::Arrives { at } | Passage::Frozen { at }) = taken.passage else { continue };
-            let is_frozen = matches!(taken.passage, Passage::Frozen { .. });
+            let (Delivery::Arrives { at } | Delivery::Frozen { at }) = taken.passage else { continue };
+            let is_frozen = matches!(taken.passage, Delivery::Frozen { .. });
             let view = match self.shown.take() {
                 Some(shown) if is_frozen => shown,
                 _ => self.eye.look(&taken.world),

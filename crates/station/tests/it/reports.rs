@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use barrelman_pilot::{Input, Outcome};
-use barrelman_sim::render::{DrawnTruth, Serial};
+use barrelman_sim::render::{RenderedTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
@@ -121,7 +121,7 @@ struct OwnTruth {
     camera: CameraSetup,
     simd: Simd,
     eye: Option<DrawnEye<'static>>,
-    truth: Vec<(Timestamp, DrawnTruth)>,
+    truth: Vec<(Timestamp, RenderedTruth)>,
 }
 
 impl Witness for OwnTruth {
@@ -195,7 +195,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
             bounds.h,
             waterline.u,
             waterline.v,
-            truth.visible,
+            truth.visible_share,
             truth.heading.unwrap().degrees().rem_euclid(360.0),
             truth.range_m,
         ];

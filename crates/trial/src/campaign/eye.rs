@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use barrelman_sim::render::{Bands, DrawnTruth, ENCODING, RenderSettings, Renderer, WaveGrid};
+use barrelman_sim::render::{ENCODING, ParallelFor, RenderSettings, RenderedTruth, Renderer, WaveGrid};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Snapshot, World};
 use barrelman_vocab::video::{Capture, CaptureQuality};
@@ -14,14 +14,14 @@ use super::simulation::{Eye, View};
 pub struct DrawnEye<'a> {
     renderer: Renderer,
     camera: CameraSetup,
-    bands: &'a dyn Bands,
+    bands: &'a dyn ParallelFor,
     snapshot: Snapshot,
     /// The picture without its frame; not used where there is none.
     bare: Picture,
     /// Pictures that were handed out, to be used again when nobody holds them any more.
     pool: Vec<Arc<Picture>>,
     sequence: u64,
-    truth: DrawnTruth,
+    truth: RenderedTruth,
 }
 
 /// Pictures that are kept to be used again.
@@ -34,7 +34,7 @@ impl<'a> DrawnEye<'a> {
         camera: CameraSetup,
         seed: u64,
         simd: barrelman_simd::Simd,
-        bands: &'a dyn Bands,
+        bands: &'a dyn ParallelFor,
     ) -> Self {
         let settings = RenderSettings {
             simd,
@@ -50,12 +50,12 @@ impl<'a> DrawnEye<'a> {
             snapshot: world.snapshot(),
             pool: Vec::new(),
             sequence: 0,
-            truth: DrawnTruth::default(),
+            truth: RenderedTruth::default(),
         }
     }
 
     /// What was true of the last picture, in pixels of the bare picture.
-    pub const fn truth(&self) -> &DrawnTruth {
+    pub const fn truth(&self) -> &RenderedTruth {
         &self.truth
     }
 
@@ -70,14 +70,14 @@ impl<'a> DrawnEye<'a> {
 
 impl Eye for DrawnEye<'_> {
     fn look(&mut self, world: &World) -> View {
-        world.show(&mut self.snapshot);
+        world.write_snapshot(&mut self.snapshot);
         let (frame, picture) = (self.camera.frame, self.camera.optics.picture);
         let mut framed = self.free_picture();
         let off = if frame == picture {
-            self.truth.clone_from(self.renderer.draw(&self.snapshot, &mut framed, self.bands));
+            self.truth.clone_from(self.renderer.render(&self.snapshot, &mut framed, self.bands));
             (0, 0)
         } else {
-            self.truth.clone_from(self.renderer.draw(&self.snapshot, &mut self.bare, self.bands));
+            self.truth.clone_from(self.renderer.render(&self.snapshot, &mut self.bare, self.bands));
             // Whole chroma samples: the letter-box lies on even pixels.
             let off = |frame: u32, picture: u32| ((frame - picture) / 4 * 2) as usize;
             let off = (off(frame.width, picture.width), off(frame.height, picture.height));

@@ -10,11 +10,11 @@
 use std::collections::VecDeque;
 
 use barrelman_pilot::{Input, Outcome, Pilot};
-use barrelman_sim::boat::Helm;
-use barrelman_sim::camera_mount::TICKS_PER_REPORT;
-use barrelman_sim::video_link::{Passage, VideoLink};
+use barrelman_sim::boat::HelmCommand;
+use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
+use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_sim::world::{Truth, World};
-use barrelman_sim::{Scenario, Sensor};
+use barrelman_sim::{LocalisationSensor, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
     Localisation, OperatorRequest, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
@@ -61,7 +61,7 @@ impl Witness for () {
 /// A trial that is being simulated.
 pub struct Simulation<'a> {
     world: World,
-    sensor: Sensor,
+    sensor: LocalisationSensor,
     pilot: Pilot,
     profile: &'a VehicleProfile,
     video: VideoLink,
@@ -119,7 +119,7 @@ impl<'a> Simulation<'a> {
             truth: Some(Vec::new()),
         };
         Self {
-            sensor: Sensor::new(scenario.sensing, camera.clone(), seed),
+            sensor: LocalisationSensor::new(scenario.sensing, camera.clone(), seed),
             world,
             pilot,
             profile,
@@ -161,8 +161,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// From now on somebody else steers the boat, or nobody but the scenario's helmsman again.
-    pub fn steer(&mut self, helm: Option<Helm>) {
-        self.world.steer(helm);
+    pub fn steer(&mut self, helm: Option<HelmCommand>) {
+        self.world.override_helm(helm);
     }
 
     /// The world as it is now.
@@ -177,24 +177,24 @@ impl<'a> Simulation<'a> {
 
     /// One tick: a picture is taken, one arrives, the pilot is stepped, the world moves on.
     pub fn tick(&mut self, eye: &mut Option<&mut dyn Eye>, witness: &mut dyn Witness) {
-        if self.world.takes_picture() {
+        if self.world.is_frame_due() {
             let truth = self.world.truth();
             witness.truth(&truth);
             witness.world(&self.world);
             let sight = match eye {
                 Some(eye) => Sight::View(Box::new(eye.look(&self.world))),
-                None => Sight::Localisation(self.sensor.sense(&truth)),
+                None => Sight::Localisation(self.sensor.measure(&truth)),
             };
             match (self.video.send(self.world.tick()), self.last_shown.take()) {
-                (Passage::Arrives { at }, _) => {
+                (Delivery::Arrives { at }, _) => {
                     self.last_shown = Some(sight.clone());
                     self.on_the_way.push_back((at, sight, truth));
                 }
-                (Passage::Frozen { at }, Some(shown)) => {
+                (Delivery::Frozen { at }, Some(shown)) => {
                     self.on_the_way.push_back((at, sight.frozen(&shown), truth));
                     self.last_shown = Some(shown);
                 }
-                (Passage::Frozen { .. } | Passage::Lost, shown) => self.last_shown = shown,
+                (Delivery::Frozen { .. } | Delivery::Lost, shown) => self.last_shown = shown,
             }
         }
         while let Some((_, sight, truth)) = self.on_the_way.pop_front_if(|(at, ..)| *at <= self.world.tick())
@@ -202,7 +202,7 @@ impl<'a> Simulation<'a> {
             self.arrive(&sight, &truth, eye, witness);
         }
         let now = self.world.now();
-        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_REPORT)) {
+        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_TILT_REPORT)) {
             let report = Report::CameraTilt(self.world.camera_pose().tilt);
             self.step(Input::Telemetry(Telemetry { at: now, report }), witness);
         }
@@ -241,7 +241,7 @@ impl<'a> Simulation<'a> {
                 self.step(Input::Frame(&frame), witness);
             }
         }
-        let (target, camera) = (truth.target.place, truth.camera.place);
+        let (target, camera) = (truth.target.position, truth.camera.position);
         self.note(RowTruth {
             out_of_picture: !truth.in_picture,
             achieved: None,

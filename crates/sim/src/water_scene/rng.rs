@@ -4,40 +4,40 @@ use crate::noise;
 
 /// A stream of numbers; streams of the same seed do not depend on each other.
 #[derive(Debug, Clone)]
-pub(super) struct Chance {
+pub(super) struct Rng {
     seed: u64,
     stream: u64,
-    drawn: u64,
+    count: u64,
 }
 
-impl Chance {
+impl Rng {
     pub(super) const fn new(seed: u64, stream: u64) -> Self {
-        Self { seed, stream, drawn: 0 }
+        Self { seed, stream, count: 0 }
     }
 
     /// A number in [0, 1).
     pub(super) fn unit(&mut self) -> f64 {
-        self.drawn += 1;
-        noise::unit(self.seed, self.stream, self.drawn)
+        self.count += 1;
+        noise::unit(self.seed, self.stream, self.count)
     }
 
     /// A number in [low, high).
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// True in that share of draws.
-    pub(super) fn happens(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.unit() < share
     }
 
     /// -1 or 1.
     pub(super) fn sign(&mut self) -> f64 {
-        if self.happens(0.5) { 1.0 } else { -1.0 }
+        if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 
     /// One of these. There must be one at least.
-    pub(super) fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub(super) fn choose<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[(self.unit() * choices.len() as f64) as usize]
     }
 

@@ -8,7 +8,7 @@ use barrelman_vocab::Angle;
 use super::mesh::{Mesh, Part};
 use crate::noise;
 use crate::pose::{BodyPose, WorldPoint};
-use crate::snapshot::{Snapshot, Target, Thing, ThingKind};
+use crate::snapshot::{ObjectKind, SceneObject, Snapshot, Target};
 
 /// A kind of shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl Shapes {
         Self(shapes.into_iter().map(Mesh::measured).collect())
     }
 
-    pub(super) fn of(&self, shape: Shape) -> &Mesh {
+    pub(super) fn mesh(&self, shape: Shape) -> &Mesh {
         &self.0[shape as usize]
     }
 }
@@ -87,7 +87,7 @@ impl Instance {
     }
 
     /// How high over the water the things stand that the mirror image is mostly of, metres.
-    pub(super) fn mirror_height_m(&self) -> f64 {
+    pub(super) fn reflected_height_m(&self) -> f64 {
         match self.shape {
             Shape::Pier | Shape::PierWithPosts => 1.0,
             Shape::Buoy => 0.4,
@@ -96,13 +96,13 @@ impl Instance {
     }
 
     /// From a place of the world to its origin, metres.
-    pub(super) fn distance_from(&self, place: WorldPoint) -> f64 {
-        place.to(self.pose.place).length()
+    pub(super) fn distance_from(&self, position: WorldPoint) -> f64 {
+        position.vector_to(self.pose.position).norm()
     }
 
     /// A corner of the mesh in the body's frame of reference, stretched, the nozzle turned.
-    pub(super) fn bent(&self, mesh: &Mesh, index: usize, place: [f32; 3]) -> [f32; 3] {
-        let mut p: [f32; 3] = core::array::from_fn(|i| place[i] * self.scale[i]);
+    pub(super) fn bent(&self, mesh: &Mesh, index: usize, position: [f32; 3]) -> [f32; 3] {
+        let mut p: [f32; 3] = core::array::from_fn(|i| position[i] * self.scale[i]);
         if self.nozzle != 0.0 && self.shape == Shape::Boat && mesh.vertices[index].part == Part::Nozzle {
             let behind = p[0] + NOZZLE_PIVOT_M;
             p[1] += behind * self.nozzle;
@@ -142,55 +142,58 @@ pub(super) fn instances(snapshot: &Snapshot, list: &mut Vec<Instance>) {
     };
     target.is_target = true;
     list.push(target);
-    for thing in &snapshot.things {
-        match thing.kind {
-            ThingKind::FloorMark => list.push(Instance::new(Shape::FloorMark, thing.pose, thing.seed)),
-            ThingKind::Buoy => list.push(Instance::new(Shape::Buoy, thing.pose, thing.seed)),
-            ThingKind::MarkBuoy => list.push(Instance {
+    for object in &snapshot.objects {
+        match object.kind {
+            ObjectKind::FloorMark => list.push(Instance::new(Shape::FloorMark, object.pose, object.seed)),
+            ObjectKind::Buoy => list.push(Instance::new(Shape::Buoy, object.pose, object.seed)),
+            ObjectKind::MarkBuoy => list.push(Instance {
                 scale: [MARK_SCALE; 3],
-                ..Instance::new(Shape::Buoy, thing.pose, paint::YELLOW_BUOY)
+                ..Instance::new(Shape::Buoy, object.pose, paint::YELLOW_BUOY)
             }),
-            ThingKind::LifeJacket => list.push(Instance::new(Shape::LifeJacket, thing.pose, thing.seed)),
-            ThingKind::Swimmer => list.push(Instance::new(Shape::Swimmer, thing.pose, thing.seed)),
-            ThingKind::RedCraft => list.push(Instance::new(Shape::RedCraft, thing.pose, thing.seed)),
-            ThingKind::Pier { length_m, breadth_m } => pier(thing, length_m, breadth_m, list),
-            ThingKind::Shore => on_shore(thing, list),
+            ObjectKind::LifeJacket => list.push(Instance::new(Shape::LifeJacket, object.pose, object.seed)),
+            ObjectKind::Swimmer => list.push(Instance::new(Shape::Swimmer, object.pose, object.seed)),
+            ObjectKind::RedCraft => list.push(Instance::new(Shape::RedCraft, object.pose, object.seed)),
+            ObjectKind::Pier { length_m, breadth_m } => pier(object, length_m, breadth_m, list),
+            ObjectKind::Shore => on_shore(object, list),
         }
     }
 }
 
-fn pier(thing: &Thing, length_m: f64, breadth_m: f64, list: &mut Vec<Instance>) {
+fn pier(object: &SceneObject, length_m: f64, breadth_m: f64, list: &mut Vec<Instance>) {
     let count = libm::ceil(length_m / f64::from(STRETCH_M)).max(1.0) as usize;
     let step = length_m / count as f64;
-    let (sin, cos) = libm::sincos(thing.pose.heading.radians());
+    let (sin, cos) = libm::sincos(object.pose.heading.radians());
     for index in 0..count {
         let along = (index as f64 + 0.5) * step - 0.5 * length_m;
-        let place =
-            WorldPoint { x: thing.pose.place.x + along * cos, y: thing.pose.place.y + along * sin, z: 0.0 };
+        let position = WorldPoint {
+            x: object.pose.position.x + along * cos,
+            y: object.pose.position.y + along * sin,
+            z: 0.0,
+        };
         let shape = if index % 2 == 0 { Shape::PierWithPosts } else { Shape::Pier };
-        let pose = BodyPose { place, pitch: Angle::ZERO, roll: Angle::ZERO, ..thing.pose };
+        let pose = BodyPose { position, pitch: Angle::ZERO, roll: Angle::ZERO, ..object.pose };
         let scale = [(step / f64::from(STRETCH_M)) as f32, breadth_m as f32, 1.0];
-        list.push(Instance { scale, ..Instance::new(shape, pose, thing.seed) });
+        list.push(Instance { scale, ..Instance::new(shape, pose, object.seed) });
     }
 }
 
 /// Huts and crates behind the coast.
-fn on_shore(thing: &Thing, list: &mut Vec<Instance>) {
-    let (sin, cos) = libm::sincos(thing.pose.heading.radians());
+fn on_shore(object: &SceneObject, list: &mut Vec<Instance>) {
+    let (sin, cos) = libm::sincos(object.pose.heading.radians());
     for index in 0..14_u64 {
-        let chance = |stream| noise::unit(thing.seed, stream, index);
+        let random = |stream| noise::unit(object.seed, stream, index);
         let is_hut = index % 3 == 0;
-        let along = (index as f64 - 7.0) * 9.0 + 7.0 * chance(1);
-        let inland = if is_hut { 13.0 + 5.0 * chance(2) } else { 6.5 + 4.0 * chance(2) };
-        let place = WorldPoint {
-            x: thing.pose.place.x + along * cos - inland * sin,
-            y: thing.pose.place.y + along * sin + inland * cos,
+        let along = (index as f64 - 7.0) * 9.0 + 7.0 * random(1);
+        let inland = if is_hut { 13.0 + 5.0 * random(2) } else { 6.5 + 4.0 * random(2) };
+        let position = WorldPoint {
+            x: object.pose.position.x + along * cos - inland * sin,
+            y: object.pose.position.y + along * sin + inland * cos,
             z: if is_hut { -0.3 } else { 0.0 },
         };
-        let heading = Angle::from_radians(thing.pose.heading.radians() + 0.5 * (chance(3) - 0.5));
-        let pose = BodyPose { place, heading, pitch: Angle::ZERO, roll: Angle::ZERO };
+        let heading = Angle::from_radians(object.pose.heading.radians() + 0.5 * (random(3) - 0.5));
+        let pose = BodyPose { position, heading, pitch: Angle::ZERO, roll: Angle::ZERO };
         let shape = if is_hut { Shape::Hut } else { Shape::Crate };
-        let seed = if is_hut { noise::hash(thing.seed, 4, index) } else { 2 * (index % 2) };
+        let seed = if is_hut { noise::hash(object.seed, 4, index) } else { 2 * (index % 2) };
         list.push(Instance::new(shape, pose, seed));
     }
 }

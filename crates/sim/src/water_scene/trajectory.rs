@@ -16,11 +16,11 @@
 
 use barrelman_vocab::PixelPoint;
 
-use super::chance::Chance;
+use super::boat_motion::{BoatMotion, Order};
 use super::conditions::{Conditions, REFERENCE};
-use super::framing::{Framing, Limits, Wish};
-use super::helm::{Helm, Order};
+use super::framing::{BoatGoal, Framing, Limits};
 use super::outline::{Outline, Silhouette};
+use super::rng::Rng;
 use super::view::{PlanePoint, View};
 use super::{FRAMES_PER_SECOND, SceneKind, SceneScript};
 
@@ -30,15 +30,15 @@ const LEAD_S: u32 = 5;
 pub(super) const LEAD_FRAMES: usize = (LEAD_S * FRAMES_PER_SECOND) as usize;
 /// The fastest the boat goes over the water, px/s at zoom 1 in the reference picture: a camera could not follow
 /// a long hull at its three lengths per second.
-const FASTEST_PX_S: f64 = 330.0;
+const MAX_BOAT_PX_S: f64 = 330.0;
 /// Sway at its fastest, px/s in the reference picture.
-const FASTEST_SWAY_PX_S: f64 = 150.0;
+const MAX_SWAY_PX_S: f64 = 150.0;
 /// How far the camera lags behind the boat, s.
 const CAMERA_LAG_S: f64 = 0.6;
 /// How fast the sway calms down and comes up again, s.
-const CALMING_S: f64 = 0.5;
+const SWAY_GAIN_LAG_S: f64 = 0.5;
 /// Share of the sway that is left while the boat crosses the border: it must not bring the boat back.
-const CALM_SWAY: f64 = 0.15;
+const CROSSING_SWAY_GAIN: f64 = 0.15;
 
 /// Hull length over picture height from which on the boat only shrinks from its first size, and up to which it only
 /// grows.
@@ -66,7 +66,7 @@ pub(super) struct Absence {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Voyage {
+pub(super) struct Trajectory {
     poses: Vec<Pose>,
     /// All times without the boat.
     pub(super) absences: Vec<Absence>,
@@ -80,10 +80,10 @@ struct Sway {
 
 impl Sway {
     /// At most that far to the side and up, px.
-    fn new(chance: &mut Chance, reach: (f64, f64), fastest: f64) -> Self {
+    fn new(rng: &mut Rng, reach: (f64, f64), max_speed: f64) -> Self {
         let mut part = |reach: f64| {
-            let rate = core::f64::consts::TAU * chance.between(0.1, 0.5);
-            [reach.min(fastest / rate), rate, chance.between(0.0, core::f64::consts::TAU)]
+            let rate = core::f64::consts::TAU * rng.uniform(0.1, 0.5);
+            [reach.min(max_speed / rate), rate, rng.uniform(0.0, core::f64::consts::TAU)]
         };
         Self { parts: [part(0.7 * reach.0), part(0.3 * reach.0), part(0.7 * reach.1), part(0.3 * reach.1)] }
     }
@@ -103,18 +103,17 @@ struct Zoom {
 }
 
 impl Zoom {
-    fn new(chance: &mut Chance, kind: SceneKind, hull_over_height: f64) -> Self {
-        let factor =
-            if kind == SceneKind::Manoeuvre { chance.between(1.5, 2.0) } else { chance.between(1.0, 1.2) };
+    fn new(rng: &mut Rng, kind: SceneKind, hull_over_height: f64) -> Self {
+        let factor = if kind == SceneKind::Manoeuvre { rng.uniform(1.5, 2.0) } else { rng.uniform(1.0, 1.2) };
         // A hull that fills much of the picture may only shrink, and one of few pixels only grow.
         let phase = if hull_over_height > ONLY_SHRINKS {
             core::f64::consts::FRAC_PI_2
         } else if hull_over_height < ONLY_GROWS {
             -core::f64::consts::FRAC_PI_2
         } else {
-            chance.between(0.0, core::f64::consts::TAU)
+            rng.uniform(0.0, core::f64::consts::TAU)
         };
-        let rate = core::f64::consts::TAU / chance.between(14.0, 36.0);
+        let rate = core::f64::consts::TAU / rng.uniform(14.0, 36.0);
         Self { reach: 0.5 * libm::log(factor), rate, phase }
     }
 
@@ -122,31 +121,31 @@ impl Zoom {
         libm::exp(self.reach * (libm::sin(self.rate * time_s + self.phase) - libm::sin(self.phase)))
     }
 
-    fn greatest(self) -> f64 {
+    fn max_zoom(self) -> f64 {
         libm::exp(self.reach * (1.0 - libm::sin(self.phase)))
     }
 }
 
-impl Voyage {
+impl Trajectory {
     pub(super) fn new(
         script: &SceneScript,
         frames: usize,
         outline: &Outline,
         conditions: &Conditions,
-        mut chance: Chance,
+        mut rng: Rng,
     ) -> Self {
         let size = script.size;
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         let relative = width / f64::from(REFERENCE.width);
         let hull = 2.0 * outline.half_length;
-        let zoom = Zoom::new(&mut chance, script.kind, hull / height);
-        let reach = outline.reach() * zoom.greatest();
+        let zoom = Zoom::new(&mut rng, script.kind, hull / height);
+        let reach = outline.reach() * zoom.max_zoom();
         // What is left between the hull and 5 % of the border is shared out to plan, sway and lag.
         // Pictures of a few pixels have no such room; something must be left to share.
         let room = ((0.45 * width - reach).max(0.02 * width), (0.45 * height - reach).max(0.02 * height));
-        let wished = chance.between(8.0, 100.0) * relative;
-        let sway_reach = (wished.min(0.25 * room.0), wished.min(0.25 * room.1));
-        let sway = Sway::new(&mut chance, sway_reach, FASTEST_SWAY_PX_S * relative);
+        let wanted_reach = rng.uniform(8.0, 100.0) * relative;
+        let sway_reach = (wanted_reach.min(0.25 * room.0), wanted_reach.min(0.25 * room.1));
+        let sway = Sway::new(&mut rng, sway_reach, MAX_SWAY_PX_S * relative);
         let lag_reach = (0.2 * room.0, 0.2 * room.1);
         let limits = Limits {
             inner: (room.0 - sway_reach.0 - lag_reach.0, room.1 - sway_reach.1 - lag_reach.1),
@@ -158,14 +157,14 @@ impl Voyage {
         };
         let exits = script.kind != SceneKind::Manoeuvre;
         let home = exits.then_some(0.3 * height);
-        let helm_chance = Chance::new(chance.unit().to_bits(), 0);
-        let mut helm = Helm::new(helm_chance, hull, FASTEST_PX_S * relative, home);
+        let motion_rng = Rng::new(rng.unit().to_bits(), 0);
+        let mut motion = BoatMotion::new(motion_rng, hull, MAX_BOAT_PX_S * relative, home);
         let end_s = frames as f64 / f64::from(FRAMES_PER_SECOND);
-        let mut framing = Framing::new(chance, limits, script.kind, end_s);
+        let mut framing = Framing::new(rng, limits, script.kind, end_s);
 
         let dt_s = 1.0 / f64::from(FRAMES_PER_SECOND);
-        let mut followed = helm.at;
-        let mut liveliness = 1.0;
+        let mut followed = motion.at;
+        let mut sway_gain = 1.0;
         let mut poses = Vec::with_capacity(frames + LEAD_FRAMES + 1);
         let mut absences = Vec::new();
         let mut gone: Option<(usize, PixelPoint)> = None;
@@ -174,28 +173,28 @@ impl Voyage {
         for step in 0..=frames + LEAD_FRAMES {
             let time_s = (step as f64 - LEAD_FRAMES as f64) * dt_s;
             let zoom = zoom.at(time_s);
-            let goal = if framing.is_crossing() { CALM_SWAY } else { 1.0 };
-            liveliness += (goal - liveliness) * (dt_s / CALMING_S);
+            let goal = if framing.is_crossing() { CROSSING_SWAY_GAIN } else { 1.0 };
+            sway_gain += (goal - sway_gain) * (dt_s / SWAY_GAIN_LAG_S);
             followed = followed.offset(
-                (helm.at.x - followed.x) * (dt_s / CAMERA_LAG_S),
-                (helm.at.y - followed.y) * (dt_s / CAMERA_LAG_S),
+                (motion.at.x - followed.x) * (dt_s / CAMERA_LAG_S),
+                (motion.at.y - followed.y) * (dt_s / CAMERA_LAG_S),
             );
-            let view = View { camera: helm.at, zoom, squash: conditions.squash, size };
-            let (lag_u, lag_v) = view.picture_offset(helm.at.x - followed.x, helm.at.y - followed.y);
+            let view = View { camera: motion.at, zoom, foreshortening: conditions.foreshortening, size };
+            let (lag_u, lag_v) = view.picture_offset(motion.at.x - followed.x, motion.at.y - followed.y);
             let limited = |lag: f64, reach: f64| reach * libm::tanh(lag / reach);
             let (sway_u, sway_v) = sway.at(time_s);
-            let place = framing.place();
-            let du = place.0 + liveliness * (sway_u + limited(lag_u, lag_reach.0));
-            let dv = place.1 + liveliness * (sway_v + limited(lag_v, lag_reach.1));
+            let position = framing.position();
+            let du = position.0 + sway_gain * (sway_u + limited(lag_u, lag_reach.0));
+            let dv = position.1 + sway_gain * (sway_v + limited(lag_v, lag_reach.1));
             let (x, y) = view.plane_offset(du, dv);
-            let view = View { camera: helm.at.offset(-x, -y), ..view };
+            let view = View { camera: motion.at.offset(-x, -y), ..view };
             // Waves make the bow yaw by a few degrees.
             let yaw = 0.035 * libm::sin(1.9 * time_s) + 0.02 * libm::sin(4.3 * time_s + 1.0);
-            let pose = Pose { boat: helm.at, heading: helm.heading + yaw, speed: helm.speed, view };
+            let pose = Pose { boat: motion.at, heading: motion.heading + yaw, speed: motion.speed, view };
             poses.push(pose);
 
             let silhouette = outline.silhouette(pose.boat, pose.heading, &view);
-            let visible = shows(&silhouette, &view);
+            let visible = is_in_picture(&silhouette, &view);
             if let Some(frame) = step.checked_sub(LEAD_FRAMES) {
                 let at = view.picture(pose.boat);
                 match gone {
@@ -210,17 +209,17 @@ impl Voyage {
                     last_seen = at;
                 }
             }
-            let (vx, vy) = helm.velocity();
+            let (vx, vy) = motion.velocity();
             let boat_in_picture = view.picture_offset(vx, vy);
             let order = match framing.step(time_s, dt_s, visible, boat_in_picture) {
-                Wish::Roam => Order::Roam,
-                Wish::Loiter => Order::Loiter,
-                Wish::Towards(du, dv) => {
+                BoatGoal::Roam => Order::Roam,
+                BoatGoal::Loiter => Order::Loiter,
+                BoatGoal::Towards(du, dv) => {
                     let (x, y) = view.plane_offset(du, dv);
                     Order::Head(libm::atan2(y, x))
                 }
             };
-            helm.step(order, time_s, dt_s);
+            motion.step(order, time_s, dt_s);
         }
         Self { poses, absences }
     }
@@ -232,6 +231,6 @@ impl Voyage {
     }
 }
 
-fn shows(silhouette: &Silhouette, view: &View) -> bool {
+fn is_in_picture(silhouette: &Silhouette, view: &View) -> bool {
     !silhouette.bounds().clipped(view.size).is_empty()
 }

@@ -2,7 +2,7 @@
 //!
 //! Speed and rate of turn follow their orders with a lag of first order. A boat that hardly moves hardly turns.
 
-use super::chance::Chance;
+use super::rng::Rng;
 use super::view::PlanePoint;
 
 /// How fast the rate of turn follows its order, s: a small boat answers its rudder within half a second.
@@ -10,12 +10,12 @@ const TURN_LAG_S: f64 = 0.35;
 /// How fast the speed follows its order, s.
 const SPEED_LAG_S: f64 = 0.6;
 /// The hardest turn, rad/s (60 degrees per second).
-const HARDEST_TURN: f64 = core::f64::consts::FRAC_PI_3;
+const MAX_TURN_RATE: f64 = core::f64::consts::FRAC_PI_3;
 /// Rate of turn per angle still to turn, 1/s, when the boat is to go in a direction.
 const STEERING_GAIN: f64 = 1.8;
 /// The slowest and fastest orders, hull lengths per second.
-pub(super) const SLOWEST: f64 = 0.55;
-const FASTEST: f64 = 3.0;
+pub(super) const MIN_SPEED: f64 = 0.55;
+const MAX_SPEED: f64 = 3.0;
 
 /// What the boat is to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,10 +30,10 @@ pub(super) enum Order {
 
 /// The boat and who steers it.
 #[derive(Debug, Clone)]
-pub(super) struct Helm {
-    chance: Chance,
+pub(super) struct BoatMotion {
+    rng: Rng,
     hull: f64,
-    fastest: f64,
+    max_speed: f64,
     /// Where roaming is kept to, if anywhere: a radius around the start, in the plane's unit.
     home_radius: Option<f64>,
     pub(super) at: PlanePoint,
@@ -47,17 +47,17 @@ pub(super) struct Helm {
     next_order_s: f64,
 }
 
-impl Helm {
+impl BoatMotion {
     /// A boat of that length at the plane's origin, and the fastest it may go, in the plane's unit per second.
-    pub(super) fn new(mut chance: Chance, hull: f64, fastest: f64, home_radius: Option<f64>) -> Self {
-        let fastest = (fastest / hull).clamp(SLOWEST * 1.5, FASTEST);
-        let heading = chance.between(-core::f64::consts::PI, core::f64::consts::PI);
-        let speed = chance.between(SLOWEST, fastest);
+    pub(super) fn new(mut rng: Rng, hull: f64, max_speed: f64, home_radius: Option<f64>) -> Self {
+        let max_speed = (max_speed / hull).clamp(MIN_SPEED * 1.5, MAX_SPEED);
+        let heading = rng.uniform(-core::f64::consts::PI, core::f64::consts::PI);
+        let speed = rng.uniform(MIN_SPEED, max_speed);
         let at = PlanePoint::default();
         Self {
-            chance,
+            rng,
             hull,
-            fastest,
+            max_speed,
             home_radius,
             at,
             heading,
@@ -79,21 +79,21 @@ impl Helm {
     pub(super) fn step(&mut self, order: Order, now_s: f64, dt_s: f64) {
         match order {
             Order::Head(direction) => {
-                self.ordered_speed = self.fastest.min(2.0);
+                self.ordered_speed = self.max_speed.min(2.0);
                 self.steer_to(direction);
                 self.next_order_s = now_s;
             }
             Order::Roam | Order::Loiter => {
                 if now_s >= self.next_order_s {
-                    self.draw_order(now_s);
+                    self.sample_order(now_s);
                 }
                 if order == Order::Loiter {
-                    self.ordered_speed = self.ordered_speed.min(SLOWEST);
+                    self.ordered_speed = self.ordered_speed.min(MIN_SPEED);
                 }
                 let from_home = self.at.distance(PlanePoint::default());
                 if self.home_radius.is_some_and(|radius| from_home > radius) {
                     self.steer_to(libm::atan2(-self.at.y, -self.at.x));
-                    self.ordered_speed = self.ordered_speed.max(SLOWEST);
+                    self.ordered_speed = self.ordered_speed.max(MIN_SPEED);
                 }
             }
         }
@@ -104,28 +104,28 @@ impl Helm {
         self.at = self.at.offset(vx * dt_s, vy * dt_s);
     }
 
-    fn draw_order(&mut self, now_s: f64) {
-        if self.chance.happens(0.15) {
+    fn sample_order(&mut self, now_s: f64) {
+        if self.rng.chance(0.15) {
             self.ordered_speed = 0.0;
             self.ordered_turn = 0.0;
-            self.next_order_s = now_s + self.chance.between(2.0, 4.0);
+            self.next_order_s = now_s + self.rng.uniform(2.0, 4.0);
             return;
         }
-        self.ordered_speed = self.chance.between(SLOWEST, self.fastest);
-        let hard = self.chance.happens(0.3);
-        let share = if hard { self.chance.between(0.6, 1.0) } else { self.chance.between(0.0, 0.4) };
-        self.ordered_turn = HARDEST_TURN * share * self.chance.sign();
+        self.ordered_speed = self.rng.uniform(MIN_SPEED, self.max_speed);
+        let hard = self.rng.chance(0.3);
+        let share = if hard { self.rng.uniform(0.6, 1.0) } else { self.rng.uniform(0.0, 0.4) };
+        self.ordered_turn = MAX_TURN_RATE * share * self.rng.sign();
         self.next_order_s =
-            now_s + if hard { self.chance.between(0.8, 2.5) } else { self.chance.between(1.0, 3.5) };
+            now_s + if hard { self.rng.uniform(0.8, 2.5) } else { self.rng.uniform(1.0, 3.5) };
     }
 
     fn steer_to(&mut self, direction: f64) {
-        let off = wrapped(direction - self.heading);
-        self.ordered_turn = (STEERING_GAIN * off).clamp(-HARDEST_TURN, HARDEST_TURN);
+        let off = wrap_angle(direction - self.heading);
+        self.ordered_turn = (STEERING_GAIN * off).clamp(-MAX_TURN_RATE, MAX_TURN_RATE);
     }
 }
 
 /// The same angle in -pi..=pi.
-fn wrapped(radians: f64) -> f64 {
+fn wrap_angle(radians: f64) -> f64 {
     libm::atan2(libm::sin(radians), libm::cos(radians))
 }

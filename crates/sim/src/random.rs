@@ -19,7 +19,7 @@ pub enum Stream {
     /// The target's speed over the whole trial, and how long it stands before and after.
     Pace = 4,
     /// How its speed varies.
-    Gust = 5,
+    SpeedVariation = 5,
     /// When it pauses.
     Pauses = 6,
     /// The localisation's noise, across.
@@ -49,7 +49,7 @@ pub enum Stream {
     /// Everything that is drawn, and not moved.
     Scenery = 19,
     /// The gimbal's shiver.
-    Shiver = 20,
+    GimbalJitter = 20,
     /// How the target's heading weaves about where it means to go.
     Weave = 21,
     /// The localisation's noise, up and down.
@@ -60,14 +60,14 @@ pub enum Stream {
 
 /// A seed with one of its streams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Draws {
+pub struct CounterRng {
     seed: u64,
     stream: u64,
 }
 
-impl Draws {
+impl CounterRng {
     /// The draws of a stream.
-    pub const fn of(seed: u64, stream: Stream) -> Self {
+    pub const fn new(seed: u64, stream: Stream) -> Self {
         Self { seed, stream: stream as u64 }
     }
 
@@ -94,35 +94,35 @@ impl Draws {
 
 /// How something wanders about its mean: an Ornstein-Uhlenbeck process.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Wander {
+pub struct OrnsteinUhlenbeck {
     /// Standard deviation, in the unit of what wanders.
-    pub deviation: f64,
+    pub std_dev: f64,
     /// Time after which it has forgotten where it was, seconds; 0: at once.
-    pub time_s: f64,
+    pub time_constant_s: f64,
 }
 
 /// A wandering value, in ticks of [`TICK_S`].
 #[derive(Debug, Clone, Copy)]
-pub struct Wandering {
-    draws: Draws,
+pub struct OrnsteinUhlenbeckProcess {
+    rng: CounterRng,
     /// What is kept from one tick to the next, and the deviation of what is added.
     keep: f64,
     add: f64,
     value: f64,
 }
 
-impl Wandering {
+impl OrnsteinUhlenbeckProcess {
     /// Begins in the middle of its wandering: its first value has the full deviation.
-    pub fn new(wander: Wander, draws: Draws) -> Self {
-        let keep = libm::exp(-TICK_S / wander.time_s);
-        let add = wander.deviation * libm::sqrt(1.0 - keep * keep);
-        Self { draws, keep, add, value: wander.deviation * draws.normal(0) }
+    pub fn new(model: OrnsteinUhlenbeck, rng: CounterRng) -> Self {
+        let keep = libm::exp(-TICK_S / model.time_constant_s);
+        let add = model.std_dev * libm::sqrt(1.0 - keep * keep);
+        Self { rng, keep, add, value: model.std_dev * rng.normal(0) }
     }
 
     /// Advances through `tick`, counted from 0.
     pub fn advance(&mut self, tick: u64) {
         if self.add > 0.0 {
-            self.value = self.keep * self.value + self.add * self.draws.normal(tick + 1);
+            self.value = self.keep * self.value + self.add * self.rng.normal(tick + 1);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Work in parallel without threads of our own: the caller says who does it.
 
 /// Whoever does pieces of work, at once or one after the other.
-pub trait Bands {
+pub trait ParallelFor {
     /// Calls `work` once for every number below `count`, in any order, on any thread, and returns when all are done.
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync));
 }
@@ -10,7 +10,7 @@ pub trait Bands {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Serial;
 
-impl Bands for Serial {
+impl ParallelFor for Serial {
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
         (0..count).for_each(work);
     }
