@@ -101,7 +101,7 @@ stages! {
     wake: Wake, "One step of the wake.";
     projection_and_mirror_images: ReflectionsAndShadows, "Camera, light, mirror images and shadows.";
     water_and_sky: Water, "Rays, surface, light.";
-    objects: FrameObjects, "Things, drawn and laid over.";
+    objects: Objects, "Things, drawn and laid over.";
     sensor: Sensor, "From light to samples.";
 }
 

@@ -19,9 +19,9 @@
 
 use barrelman_vocab::Angle;
 
-use crate::camera_axis::TICK_S;
 use crate::pose::{BodyPose, WorldPoint};
 use crate::sea::Sea;
+use crate::tick::TICK_S;
 
 /// Length, breadth and draught of the hull, metres.
 pub const LENGTH_M: f64 = 1.2;

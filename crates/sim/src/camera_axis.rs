@@ -10,10 +10,7 @@ use std::collections::VecDeque;
 
 use barrelman_vocab::{Angle, AngularRate};
 
-/// Ticks of simulated time per second.
-pub const TICKS_PER_SECOND: u32 = 120;
-/// One tick, seconds.
-pub const TICK_S: f64 = 1.0 / TICKS_PER_SECOND as f64;
+use crate::tick::{TICK_S, lag_share};
 
 /// What an axis is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,7 +96,7 @@ impl CameraAxis {
         while let Some((_, rate)) = self.pending.pop_front_if(|(at, _)| *at <= tick) {
             self.active_rate = rate;
         }
-        let share = if self.plant.lag_s > 0.0 { 1.0 - libm::exp(-TICK_S / self.plant.lag_s) } else { 1.0 };
+        let share = lag_share(self.plant.lag_s);
         let (asked, had) = (self.active_rate.radians_per_second(), self.rate.radians_per_second());
         let imperfections = &self.plant.imperfections;
         let asked =

@@ -2,7 +2,8 @@
 
 use barrelman_vocab::{Angle, AngularRate, CameraCommand};
 
-use crate::camera_axis::{AxisImperfections, AxisPlant, CameraAxis, TICKS_PER_SECOND};
+use crate::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
+use crate::tick::TICKS_PER_SECOND;
 
 /// From one report of the tilt to the next, where the gimbal reports it.
 pub const TICKS_PER_TILT_REPORT: u32 = TICKS_PER_SECOND / 10;

@@ -16,9 +16,9 @@
 
 use barrelman_vocab::Angle;
 
-use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
 use crate::pose::WorldPoint;
 use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
+use crate::tick::{TICK_S, TICKS_PER_SECOND};
 use crate::wind::TurbulentWind;
 
 /// Mass, kg, and drag area, m².

@@ -17,6 +17,8 @@ pub mod world;
 pub mod render;
 pub mod sea;
 
+pub mod tick;
+
 pub mod camera_axis;
 pub mod camera_mount;
 pub mod kite;

@@ -7,9 +7,9 @@
 
 use barrelman_vocab::Angle;
 
-use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
 use crate::path::{InvalidPath, Path};
 use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
+use crate::tick::{TICK_S, TICKS_PER_SECOND, lag_share};
 
 /// How it moves.
 #[derive(Debug, Clone, PartialEq)]
@@ -262,11 +262,6 @@ impl Pursuit {
 
 fn ticks(seconds: f64) -> u64 {
     (seconds * f64::from(TICKS_PER_SECOND) + 0.5) as u64
-}
-
-/// What share of the way to what is wanted a first-order lag goes in one tick.
-fn lag_share(lag_s: f64) -> f64 {
-    if lag_s > 0.0 { 1.0 - libm::exp(-TICK_S / lag_s) } else { 1.0 }
 }
 
 /// An angle as one from -pi to pi.

@@ -3,8 +3,8 @@
 //! Everything random in a world is drawn by [`crate::noise`] from the trial's seed, one of these streams, and a
 //! number that counts ticks or draws: no draw depends on how many others were made.
 
-use crate::camera_axis::TICK_S;
 use crate::noise;
+use crate::tick::TICK_S;
 
 /// What a draw is for. The numbers must stay: a seed means the same trial for good.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -49,31 +49,43 @@ mod texture;
 mod floor;
 mod land;
 
+mod frame_objects;
+mod image_tile;
 mod mesh;
 mod object;
 mod raster;
+mod resolve;
+mod secondary_image;
+mod waterline;
 
+mod develop_rows;
 mod frame;
+mod light_rows;
 mod sensor;
+mod shade_row;
+mod view;
 
 pub use parallel::{ParallelFor, Serial};
 pub use settings::{Effects, RenderSettings, WaterColour, WaveGrid};
 pub use truth::{RenderedTruth, TargetMask};
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use barrelman_vocab::Picture;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 
 use self::camera::Camera;
-use self::frame::{Frame, View};
+use self::frame::Frame;
+use self::frame_objects::FrameObjects;
 use self::light::Lighting;
-use self::object::{Instance, Shapes};
-use self::raster::{Image, Scene, Tile, Waterline};
-use self::texture::Texture;
+use self::object::Shapes;
+use self::parallel::{get_mut, lock};
+use self::texture::Textures;
+use self::view::FrameView;
 use self::wake::Wake;
+use self::waves::WaveTile;
 use crate::sea::{Sea, SeaState, Wind};
-use crate::snapshot::{Ground, ObjectKind, Snapshot};
+use crate::snapshot::{Ground, Snapshot};
 
 /// How a drawn picture's samples stand for colours.
 pub const ENCODING: ColourEncoding =
@@ -91,7 +103,7 @@ pub enum RenderStage {
     /// Water, sky and land, or the floor, as linear light.
     Water,
     /// Things, drawn and laid over.
-    FrameObjects,
+    Objects,
     /// From light to samples.
     Sensor,
 }
@@ -99,7 +111,7 @@ pub enum RenderStage {
 impl RenderStage {
     /// All of them.
     pub const ALL: [Self; 6] =
-        [Self::Waves, Self::Wake, Self::ReflectionsAndShadows, Self::Water, Self::FrameObjects, Self::Sensor];
+        [Self::Waves, Self::Wake, Self::ReflectionsAndShadows, Self::Water, Self::Objects, Self::Sensor];
 }
 
 /// Draws one camera's pictures.
@@ -110,44 +122,12 @@ pub struct Renderer {
     camera: Camera,
     textures: Textures,
     shapes: Shapes,
-    waves: [Mutex<waves::Tile>; 3],
+    waves: [Mutex<WaveTile>; 3],
     unresolved_variance: f32,
     wake: Mutex<Wake>,
     objects: FrameObjects,
     frame: Frame,
     truth: RenderedTruth,
-}
-
-/// Textures for everything.
-#[derive(Debug)]
-struct Textures {
-    clouds: Texture,
-    gusts: Texture,
-    grain: Texture,
-    lace: Texture,
-}
-
-/// The things of a frame and their images.
-#[derive(Debug, Default)]
-struct FrameObjects {
-    list: Vec<Instance>,
-    waterlines: Vec<Option<Waterline>>,
-    /// Numbers in `list` from far to near.
-    order: Vec<usize>,
-    at_work: Vec<Mutex<ObjectTiles>>,
-    /// In the order of `list`.
-    drawn: Vec<ObjectTiles>,
-    shores: Vec<land::Shore>,
-}
-
-/// The images of one thing.
-#[derive(Debug, Default)]
-struct ObjectTiles {
-    itself: Tile,
-    reflection: Tile,
-    shadow: Tile,
-    /// Pixels by which a slope of 1 moves the mirror image.
-    reach: f32,
 }
 
 impl Renderer {
@@ -159,12 +139,7 @@ impl Renderer {
         let seed = settings.seed;
         Self {
             camera: Camera::new(settings.optics),
-            textures: Textures {
-                clouds: Texture::fractal(seed ^ 0xC1, 64, 1, 0.52),
-                gusts: Texture::fractal(seed ^ 0x65, 64, 4, 0.55),
-                grain: Texture::fractal(seed ^ 0x62, 16, 1, 0.75),
-                lace: Texture::lace(seed ^ 0x1A, 16),
-            },
+            textures: Textures::new(seed),
             shapes: Shapes::new(),
             waves: tiles.map(Mutex::new),
             unresolved_variance,
@@ -201,7 +176,7 @@ impl Renderer {
             self.render_stage(stage, snapshot, picture, parallel);
         }
         let light = Lighting::new(&snapshot.light, snapshot.tick);
-        self.render_direct_tiles(&light, parallel);
+        self.render_objects(&light, parallel);
         picture.reshape(self.settings.optics.picture, ENCODING);
         let (frame, view) = self.view(snapshot, &light);
         frame.render(&view, picture, parallel);
@@ -228,15 +203,16 @@ impl Renderer {
             RenderStage::Wake => self.advance_wake(snapshot),
             RenderStage::ReflectionsAndShadows => {
                 self.camera.pose(snapshot);
-                self.list_objects(snapshot);
-                self.render_secondary_tiles(&light, parallel);
+                self.objects.list(&self.settings, &self.sea, &self.camera, snapshot);
+                let scene = (&self.camera, &light);
+                self.objects.render_secondary(scene, &self.shapes, self.settings.effects, parallel);
             }
             RenderStage::Water => {
                 let (frame, view) = self.view(snapshot, &light);
                 frame.shade(&view, parallel);
             }
-            RenderStage::FrameObjects => {
-                self.render_direct_tiles(&light, parallel);
+            RenderStage::Objects => {
+                self.render_objects(&light, parallel);
                 let (frame, view) = self.view(snapshot, &light);
                 frame.composite(&view, parallel);
             }
@@ -248,9 +224,9 @@ impl Renderer {
         }
     }
 
-    fn view<'a>(&'a mut self, snapshot: &'a Snapshot, light: &'a Lighting) -> (&'a mut Frame, View<'a>) {
+    fn view<'a>(&'a mut self, snapshot: &'a Snapshot, light: &'a Lighting) -> (&'a mut Frame, FrameView<'a>) {
         let wake = get_mut(&mut self.wake);
-        let view = View {
+        let view = FrameView {
             settings: &self.settings,
             sea: &self.sea,
             camera: &self.camera,
@@ -265,103 +241,13 @@ impl Renderer {
         (&mut self.frame, view)
     }
 
-    fn list_objects(&mut self, snapshot: &Snapshot) {
-        let objects = &mut self.objects;
-        object::instances(snapshot, &mut objects.list);
-        let count = objects.list.len();
-        objects.at_work.resize_with(count.max(objects.at_work.len()), Mutex::default);
-        objects.drawn.resize_with(count.max(objects.drawn.len()), ObjectTiles::default);
-        objects.waterlines.clear();
-        for object in &objects.list {
-            let position = object.pose.position;
-            let cut = (snapshot.ground == Ground::Water && object.is_afloat()).then(|| {
-                let surface = self.sea.surface_at(position.x, position.y, snapshot.tick);
-                let calm = self.settings.sea.is_none();
-                Waterline {
-                    position: crate::pose::WorldPoint {
-                        z: if calm { 0.0 } else { surface.elevation },
-                        ..position
-                    },
-                    slope: if calm { (0.0, 0.0) } else { surface.slope },
-                }
-            });
-            objects.waterlines.push(cut);
-        }
-        let viewpoint = self.camera.middle().position;
-        objects.order.clear();
-        objects.order.extend(0..count);
-        let list = &objects.list;
-        let far = |index: &usize| list[*index].distance_from(viewpoint);
-        objects.order.sort_unstable_by(|a, b| far(b).total_cmp(&far(a)).then(a.cmp(b)));
-        objects.shores.clear();
-        objects.shores.extend(
-            snapshot.objects.iter().filter(|object| object.kind == ObjectKind::Shore).map(land::Shore::new),
-        );
-    }
-
-    /// Mirror images and shadows.
-    fn render_secondary_tiles(&mut self, light: &Lighting, parallel: &dyn ParallelFor) {
-        let objects = &mut self.objects;
-        let (camera, shapes, effects) = (&self.camera, &self.shapes, self.settings.effects);
-        let (list, at_work, waterlines) = (&objects.list, &objects.at_work, &objects.waterlines);
-        let viewpoint = camera.middle().position;
-        let sunny = light.sun[0] > 0.05 && light.to_sun[2] > 0.1;
-        parallel.run(list.len(), &|index| {
-            let drawn = &mut *lock(&at_work[index]);
-            let (object, cut) = (&list[index], waterlines[index].as_ref());
-            let mesh = shapes.mesh(object.shape);
-            let scene = Scene { camera, light, margin: (8, 8) };
-            drawn.reflection.skip();
-            if effects.reflection && cut.is_some() {
-                drawn.reflection.draw(&scene, mesh, object, cut, Image::Reflection);
-            }
-            drawn.shadow.skip();
-            if effects.shadow && sunny && object.casts_shadow() {
-                drawn.shadow.draw(&scene, mesh, object, cut, Image::Shadow);
-            }
-            let range = object.distance_from(viewpoint).max(0.5);
-            drawn.reach = (camera.optics.focal_px / range * object.reflected_height_m()) as f32;
-        });
-        for (work, drawn) in objects.at_work.iter_mut().map(get_mut).zip(&mut objects.drawn) {
-            core::mem::swap(&mut work.reflection, &mut drawn.reflection);
-            core::mem::swap(&mut work.shadow, &mut drawn.shadow);
-            drawn.reach = work.reach;
-        }
-    }
-
-    /// The things themselves.
-    fn render_direct_tiles(&mut self, light: &Lighting, parallel: &dyn ParallelFor) {
-        let objects = &mut self.objects;
-        let (camera, shapes) = (&self.camera, &self.shapes);
-        let (list, at_work, waterlines) = (&objects.list, &objects.at_work, &objects.waterlines);
-        let size = self.settings.optics.picture;
-        parallel.run(list.len(), &|index| {
-            let object = &list[index];
-            let whole =
-                if object.is_target { (size.width as i32 / 2, size.height as i32 / 2) } else { (0, 0) };
-            let scene = Scene { camera, light, margin: whole };
-            let (mesh, cut) = (shapes.mesh(object.shape), waterlines[index].as_ref());
-            lock(&at_work[index]).itself.draw(&scene, mesh, object, cut, Image::Direct);
-        });
-        for (work, drawn) in objects.at_work.iter_mut().map(get_mut).zip(&mut objects.drawn) {
-            core::mem::swap(&mut work.itself, &mut drawn.itself);
-        }
+    fn render_objects(&mut self, light: &Lighting, parallel: &dyn ParallelFor) {
+        self.objects.render_direct((&self.camera, light), &self.shapes, parallel);
     }
 
     fn measure_truth(&mut self, snapshot: &Snapshot) {
         self.truth.measure(&self.camera, snapshot);
-        let objects = &self.objects;
-        let nearer = objects.order.iter().skip_while(|&&index| !objects.list[index].is_target).skip(1);
-        let before = nearer.map(|&index| &objects.drawn[index].itself);
-        self.truth.cover(&self.camera, &objects.drawn[0].itself, before);
+        let (target, occluders) = self.objects.target_and_occluders();
+        self.truth.cover(&self.camera, target, occluders);
     }
-}
-
-/// A lock that a panic elsewhere cannot spoil: what it guards is written anew for each frame.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn get_mut<T>(mutex: &mut Mutex<T>) -> &mut T {
-    mutex.get_mut().unwrap_or_else(PoisonError::into_inner)
 }

@@ -7,7 +7,7 @@ use core::time::Duration;
 
 use barrelman_vocab::{Angle, PictureSize};
 
-use crate::camera_axis::{AxisPlant, TICKS_PER_SECOND};
+use crate::camera_axis::AxisPlant;
 use crate::camera_mount::MountPlant;
 use crate::electronics::ElectronicsModel;
 use crate::helmsman::BoatScript;
@@ -18,6 +18,7 @@ use crate::scenery::ObjectScript;
 use crate::sea::{SeaState, Wind};
 use crate::snapshot::Light;
 use crate::sway::Sway;
+use crate::tick::TICKS_PER_SECOND;
 use crate::video_link::VideoLinkModel;
 
 /// Everything that a trial is made of, but its seed.

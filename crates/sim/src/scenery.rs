@@ -2,11 +2,11 @@
 
 use barrelman_vocab::Angle;
 
-use crate::camera_axis::TICK_S;
 use crate::pose::{BodyPose, WorldPoint};
 use crate::random::{CounterRng, Stream};
 use crate::sea::Sea;
 use crate::snapshot::{ObjectKind, SceneObject};
+use crate::tick::TICK_S;
 
 /// A thing and how it moves.
 #[derive(Debug, Clone, PartialEq)]

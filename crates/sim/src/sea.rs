@@ -17,8 +17,8 @@
 
 use barrelman_vocab::Angle;
 
-use crate::camera_axis::TICKS_PER_SECOND;
 use crate::noise;
+use crate::tick::TICKS_PER_SECOND;
 
 /// Gravity, m/s².
 const GRAVITY: f64 = 9.81;

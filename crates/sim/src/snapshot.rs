@@ -7,7 +7,7 @@ use crate::pose::{BodyPose, CameraPose, WorldPoint};
 /// The world at one moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
-    /// Ticks since the trial's start ([`crate::camera_axis::TICKS_PER_SECOND`] in a second).
+    /// Ticks since the trial's start ([`crate::tick::TICKS_PER_SECOND`] in a second).
     pub tick: u64,
     /// The camera as the picture's first row is taken.
     pub first_row: CameraPose,

@@ -85,7 +85,7 @@ impl VideoLink {
         let is_frozen = sample(2) < self.script.frozen_share;
         let late = |which: u64| self.script.jitter_s * self.rng.exponential(8 * self.pictures + which);
         let delay_s = self.script.latency_s + late(3) + late(4);
-        let delay = (delay_s * f64::from(crate::camera_axis::TICKS_PER_SECOND) + 0.5) as u64;
+        let delay = (delay_s * f64::from(crate::tick::TICKS_PER_SECOND) + 0.5) as u64;
         let at = (tick + delay).max(self.last_arrival);
         (self.is_bad, self.pictures) = (is_bad, self.pictures + 1);
         if is_impaired && !is_frozen {

@@ -7,9 +7,9 @@
 //! and lacks the small overshoot of the transverse spectra.
 //! Gusts come by chance, each a whole period of (1 - cos). What is not in here: direction changes, shear.
 
-use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
 use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::sea::Wind;
+use crate::tick::{TICK_S, TICKS_PER_SECOND};
 
 /// Feet in a metre.
 const FEET: f64 = 1.0 / 0.3048;

@@ -7,7 +7,7 @@
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Timestamp};
 
 use crate::boat::{HelmCommand, JetBoat};
-use crate::camera_axis::{CameraAxis, TICKS_PER_SECOND};
+use crate::camera_axis::CameraAxis;
 use crate::camera_mount::CameraMount;
 use crate::electronics::Electronics;
 use crate::helmsman::Helmsman;
@@ -20,6 +20,7 @@ use crate::scenery::Scenery;
 use crate::sea::Sea;
 use crate::snapshot::{Boat, Ground, Light, Snapshot, Target};
 use crate::sway::SwayingPlatform;
+use crate::tick::TICKS_PER_SECOND;
 use crate::wind::TurbulentWind;
 
 /// What is true at one tick.

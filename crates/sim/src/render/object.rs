@@ -101,7 +101,7 @@ impl Instance {
     }
 
     /// A corner of the mesh in the body's frame of reference, stretched, the nozzle turned.
-    pub(super) fn bent(&self, mesh: &Mesh, index: usize, position: [f32; 3]) -> [f32; 3] {
+    pub(super) fn deformed(&self, mesh: &Mesh, index: usize, position: [f32; 3]) -> [f32; 3] {
         let mut p: [f32; 3] = core::array::from_fn(|i| position[i] * self.scale[i]);
         if self.nozzle != 0.0 && self.shape == Shape::Boat && mesh.vertices[index].part == Part::Nozzle {
             let behind = p[0] + NOZZLE_PIVOT_M;
@@ -131,7 +131,7 @@ pub(super) fn body_axes(pose: &BodyPose) -> [[f32; 3]; 3] {
 }
 
 /// Writes down every shape of a snapshot. The target comes first.
-pub(super) fn instances(snapshot: &Snapshot, list: &mut Vec<Instance>) {
+pub(super) fn list_instances(snapshot: &Snapshot, list: &mut Vec<Instance>) {
     list.clear();
     let mut target = match snapshot.target {
         Target::Boat(boat) => Instance {

@@ -13,7 +13,7 @@ use crate::noise;
 /// Numbers in the table of noise.
 const TABLE: usize = 1 << 16;
 /// Taps of the motion blur at most.
-pub(super) const TAPS: usize = 12;
+pub(super) const MAX_TAPS: usize = 12;
 
 /// Gaussian numbers, standard deviation 1.
 #[derive(Debug)]

@@ -12,11 +12,11 @@ use super::nodes::{GROUP, Nodes};
 use super::quad_map::{QUADS, QuadMap};
 use super::rays::HORIZON;
 use super::texture::{ROUNDING, Texture};
-use super::waves::{LEVELS, Tile};
+use super::waves::{LEVELS, WaveTile};
 
 /// What the surface is looked up in.
 #[derive(Clone, Copy)]
-pub(super) struct Water<'a> {
+pub(super) struct WaterSurface<'a> {
     pub(super) tiles: [TileLookup<'a>; 3],
     /// Elevation of the swell, on tile 0's grid; `None` where the sea is too flat for relief.
     pub(super) elevation: Option<ElevationMap<'a>>,
@@ -53,9 +53,9 @@ pub(super) struct ElevationMap<'a> {
     pub(super) step: f32,
 }
 
-impl Water<'_> {
+impl WaterSurface<'_> {
     /// By how much relief moves a place at most, metres.
-    pub(super) fn relief_m(&self) -> f32 {
+    pub(super) fn max_relief_m(&self) -> f32 {
         // Elevation in whole steps, over what it is held to.
         self.elevation.map_or(0.0, |values| 32_767.0 * values.step / 0.10 * 1.5)
     }
@@ -63,7 +63,7 @@ impl Water<'_> {
 
 impl<'a> TileLookup<'a> {
     /// From a camera over this place of the world.
-    pub(super) fn new(tile: &'a Tile, x: f64, y: f64) -> Self {
+    pub(super) fn new(tile: &'a WaveTile, x: f64, y: f64) -> Self {
         let (cos, sin) = tile.turn;
         let (u, v) = ((x * cos + y * sin) / tile.side_m, (y * cos - x * sin) / tile.side_m);
         let texels_per_metre = (tile.n as f64 / tile.side_m) as f32;
@@ -200,7 +200,7 @@ const DITHER: [f32; 2 * CHUNK] = {
 
 at_level! { simd;
     /// Gusts, and the variance below the pixels' resolution, at the nodes of a row.
-    pub(super) fn fill_node_variance(simd: Simd, water: &Water<'_>, nodes: &mut Nodes) {
+    pub(super) fn fill_node_variance(simd: Simd, water: &WaterSurface<'_>, nodes: &mut Nodes) {
         let [swell, longer, shorter] = &water.tiles;
         for first in (0..nodes.count()).step_by(GROUP) {
             let group = first..first + GROUP;
@@ -228,7 +228,7 @@ at_level! { simd;
     /// Slopes, elevation and whitecaps for a chunk whose rays are cast.
     pub(super) fn sample_surface(
         simd: Simd,
-        water: &Water<'_>,
+        water: &WaterSurface<'_>,
         nodes: &Nodes,
         position: (usize, usize),
         chunk: &mut Chunk,

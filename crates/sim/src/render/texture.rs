@@ -14,6 +14,32 @@ pub(super) struct Texture {
     quads: Box<[u32; TEXELS]>,
 }
 
+/// The textures of a renderer.
+#[derive(Debug)]
+pub(super) struct Textures {
+    pub(super) clouds: Texture,
+    pub(super) gusts: Texture,
+    pub(super) grain: Texture,
+    pub(super) lace: Texture,
+}
+
+impl Textures {
+    /// All textures, from the renderer's seed.
+    pub(super) fn new(seed: u64) -> Self {
+        Self {
+            clouds: Texture::fractal(seed ^ 0xC1, 64, 1, 0.52),
+            gusts: Texture::fractal(seed ^ 0x65, 64, 4, 0.55),
+            grain: Texture::fractal(seed ^ 0x62, 16, 1, 0.75),
+            lace: Texture::lace(seed ^ 0x1A, 16),
+        }
+    }
+}
+
+/// The nearest whole number of a float of less than 2^22 in size.
+pub(super) fn round_to_i32(v: f32) -> i32 {
+    ((v + ROUNDING) - ROUNDING) as i32
+}
+
 /// Adds to a float of less than 2^22 in size so that its nearest whole number stands in the lowest bits.
 pub(super) const ROUNDING: f32 = 12_582_912.0;
 

@@ -4,7 +4,7 @@
 use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
 use super::camera::Camera;
-use super::raster::Tile;
+use super::image_tile::ImageTile;
 use crate::pose::WorldPoint;
 use crate::snapshot::{Snapshot, Target};
 
@@ -90,8 +90,8 @@ impl RenderedTruth {
     pub(super) fn cover<'a>(
         &mut self,
         camera: &Camera,
-        target: &Tile,
-        before: impl Iterator<Item = &'a Tile> + Clone,
+        target: &ImageTile,
+        before: impl Iterator<Item = &'a ImageTile> + Clone,
     ) {
         let size = camera.optics.picture;
         let clip = |at: i32, limit: u32| at.clamp(0, limit as i32) as usize;
@@ -126,7 +126,8 @@ impl RenderedTruth {
             w: (high.0 - low.0) as f64,
             h: (high.1 - low.1) as f64,
         });
-        let whole = target.afloat as f64 / (target.per_pixel * target.per_pixel) as f64;
+        let whole =
+            target.still_water_samples as f64 / (target.samples_per_side * target.samples_per_side) as f64;
         self.visible_share = if whole > 0.0 { (seen / whole).min(1.0) } else { 0.0 };
     }
 }

@@ -13,8 +13,8 @@ use barrelman_simd::{Simd, at_level};
 use super::chunk::{CHUNK, Chunk};
 use super::nodes::Nodes;
 use super::texture::ROUNDING;
-use crate::camera_axis::TICKS_PER_SECOND;
 use crate::snapshot::{Boat, Snapshot, Target};
+use crate::tick::TICKS_PER_SECOND;
 
 /// Slots along the grid's side.
 const SIDE: usize = 512;

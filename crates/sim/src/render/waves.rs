@@ -1,6 +1,6 @@
 //! The surface of the water as the picture needs it: slopes on three tiles of growing fineness.
 //!
-//! Tile 0 carries the waves of the [`Sea`], the very ones that move the boat, on the sea's own lattice. Tiles 1 and 2 carry
+//! WaveTile 0 carries the waves of the [`Sea`], the very ones that move the boat, on the sea's own lattice. Tiles 1 and 2 carry
 //! ripples: random waves whose curvature spectrum is flat, `S(k) = B D(angle) / k^4` (the saturation range, as in
 //! `elfouhaily1997`), with B such that all slopes together have the variance that `cox1954` measured under this wind.
 //! What is shorter than tile 2's grid is roughness. Each tile is turned by an angle of its own, so that their
@@ -31,7 +31,7 @@ const MAX_LATTICE: f64 = 58.0;
 
 /// What one tile shows.
 #[derive(Debug)]
-pub(super) struct Tile {
+pub(super) struct WaveTile {
     /// Metres.
     pub(super) side_m: f64,
     /// Grid points along the side.
@@ -83,7 +83,7 @@ struct Ripples {
 }
 
 /// The three tiles of a sea, and the variance of slope left to roughness.
-pub(super) fn tiles(sea: &Sea, n: usize) -> ([Tile; 3], f32) {
+pub(super) fn tiles(sea: &Sea, n: usize) -> ([WaveTile; 3], f32) {
     let side = sea.tile_side_m();
     let ratio = libm::sqrt(side / 1.3).clamp(3.6, 9.0);
     let wind = sea.wind();
@@ -105,7 +105,7 @@ pub(super) fn tiles(sea: &Sea, n: usize) -> ([Tile; 3], f32) {
     ([swell(sea, n), tile(1), tile(2)], (0.5 * UNRESOLVED_SHARE * short) as f32)
 }
 
-fn swell(sea: &Sea, n: usize) -> Tile {
+fn swell(sea: &Sea, n: usize) -> WaveTile {
     let mut lost = [0.0_f64; LEVELS];
     let (mut sx2, mut sy2, mut crest2) = (0.0, 0.0, 0.0);
     for wave in sea.waves() {
@@ -119,7 +119,7 @@ fn swell(sea: &Sea, n: usize) -> Tile {
     let significant = sea.state().significant_height_m();
     let (flat_level, lost) = flattened(lost, 0.5 * crest2, n);
     let foam = (sea.state().number() >= MIN_BREAKING_STATE).then(|| QuadMap::new(n));
-    Tile {
+    WaveTile {
         side_m: sea.tile_side_m(),
         n,
         turn: (1.0, 0.0),
@@ -165,7 +165,7 @@ fn flattened(lost: [f64; LEVELS], all: f64, n: usize) -> (usize, [f32; LEVELS]) 
     (flat, core::array::from_fn(flat_or_lost))
 }
 
-fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), variance: f64) -> Tile {
+fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), variance: f64) -> WaveTile {
     let angle = [0.0, 0.61, -0.47][index as usize % 3];
     let turn = (libm::cos(angle), libm::sin(angle));
     let unit = core::f64::consts::TAU / side_m;
@@ -221,7 +221,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
         }
     }
     let (flat_level, lost) = flattened(lost, 0.5 * (sx2 + sy2), n);
-    Tile {
+    WaveTile {
         side_m,
         n,
         turn,
@@ -235,7 +235,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
     }
 }
 
-impl Tile {
+impl WaveTile {
     /// Brings the tile to this tick.
     pub(super) fn advance(&mut self, simd: Simd, tick: u64) {
         let [map, other] = &mut self.maps;

@@ -1,6 +1,6 @@
 //! Dead times, lag and stops of a camera axis.
 
-use barrelman_sim::camera_axis::{TICK_S, TICKS_PER_SECOND};
+use barrelman_sim::tick::{TICK_S, TICKS_PER_SECOND};
 use barrelman_sim::{AxisPlant, CameraAxis};
 use barrelman_vocab::{Angle, AngularRate};
 

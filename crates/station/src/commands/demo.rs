@@ -14,7 +14,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Input, Mode, Outcome};
 use barrelman_sim::Truth;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_trial::campaign::Witness;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
 

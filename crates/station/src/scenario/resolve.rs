@@ -4,7 +4,7 @@ mod axes;
 mod target;
 
 use barrelman_sim::Optics;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::electronics::ElectronicsModel;
 use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
