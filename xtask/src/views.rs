@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::render::{RenderSettings, Renderer, Serial, WaterColour};
 use barrelman_sim::snapshot::{Boat, Ground, Light, ObjectKind, SceneObject, SensorState, Target};
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::{BodyPose, CameraPose, Optics, Sea, SeaState, Snapshot, Wind, WorldPoint};
 use barrelman_vocab::{Angle, Picture, PictureSize};
 

@@ -9,13 +9,17 @@
 //! Not handled: perspective within a picture, roll, rolling shutter, reflections, spray over the hull, rain,
 //! compression.
 
+mod script;
+
 mod boat_motion;
+mod camera_motion;
 mod canvas;
 mod colour;
 mod conditions;
 mod framing;
 mod object;
 mod outline;
+mod placement;
 mod rng;
 mod scenery;
 mod shore;
@@ -25,22 +29,23 @@ mod wake;
 mod water;
 mod waves;
 
+pub use self::script::{SceneKind, SceneScript, TargetPaint};
+
 use barrelman_vocab::{Angle, Picture, PictureSize, PixelBox, PixelPoint};
 
 use self::canvas::{Canvas, Sensor};
 use self::conditions::{Conditions, REFERENCE};
 use self::object::{Body, ObjectExposure, PaintScheme, PlanePose, SceneObject};
 use self::outline::{Outline, Shape};
+use self::placement::{MAX_DISTRACTORS, PlacementContext};
 use self::rng::Rng;
-use self::scenery::{MAX_DISTRACTORS, PlacementContext};
+use self::script::FRAMES_PER_SECOND;
 use self::shore::Shore;
 use self::trajectory::Trajectory;
 use self::wake::Wake;
 use self::water::Water;
 use crate::noise;
 
-/// Frames per second of every scene.
-const FRAMES_PER_SECOND: u32 = 30;
 /// The hull's length is held to this share of the picture's shorter side, so that the boat has room to move.
 const MAX_HULL_SHARE: f64 = 0.3;
 /// The hull's length is at least this, px: below, bow and stern cannot be told apart.
@@ -59,50 +64,6 @@ mod stream {
     pub(super) const SENSOR: u64 = 7;
     /// And the three that follow.
     pub(super) const WATER: u64 = 10;
-}
-
-/// What happens in a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SceneKind {
-    /// The boat is under way, turns, stops, shrinks and grows (by a factor of up to 2); always in view.
-    Manoeuvre,
-    /// The boat leaves the picture and comes back, at the same or another border, because the camera pans or the
-    /// boat drives; nothing of it shows for 3 to 8 s, and after that it is back for 3 s at least. As often as the
-    /// length allows: a clip of less than 15 s may have no exit. Nothing else has the boat's colour.
-    ExitAndReturn,
-    /// The same with things of the boat's very paint, of half to twice its area: buoys, rafts, roofs that pass
-    /// through the picture or stay in it, some where the boat leaves or comes back. At most two in view at once.
-    ExitAndReturnWithDistractor,
-}
-
-/// The hull's paint. Every boat has a darker cockpit, a stripe across the bow (light, or blue on a white hull) and
-/// a dark engine at the stern.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum TargetPaint {
-    /// Signal red.
-    Red,
-    /// Lifeboat orange.
-    Orange,
-    /// White, like foam.
-    White,
-    /// Grey, like much water.
-    Grey,
-}
-
-/// What is asked of a scene; the rest is drawn from the seed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SceneScript {
-    /// What happens.
-    pub kind: SceneKind,
-    /// Size of the pictures; 1280 x 720 is what lengths and speeds are made for, others scale with the width.
-    pub size: PictureSize,
-    /// Length of the hull when the clip begins and the boat lies across the picture, px, 20 to 200; held to 0.3 of
-    /// the picture's shorter side.
-    pub boat_px: f64,
-    /// Length of the clip, s.
-    pub seconds: f64,
-    /// The hull's paint.
-    pub target: TargetPaint,
 }
 
 /// Where everything is in one frame, at the middle of its exposure. Shapes are those of the drawn silhouette before
@@ -186,17 +147,16 @@ impl WaterScene {
             frames: count,
             outline: &outline,
             paint: script.target,
-            shore: None,
             relative,
         };
         let shore = Shore::new(&context, Rng::new(seed, stream::SHORE));
-        let context = PlacementContext { shore: shore.as_ref(), ..context };
         let distractors = if script.kind == SceneKind::ExitAndReturnWithDistractor {
-            scenery::distractors(&context, paint, Rng::new(seed, stream::DISTRACTORS))
+            scenery::distractors(&context, shore.as_ref(), paint, Rng::new(seed, stream::DISTRACTORS))
         } else {
             Vec::new()
         };
-        let clutter = scenery::clutter(&context, &distractors, Rng::new(seed, stream::CLUTTER));
+        let clutter =
+            scenery::clutter(&context, shore.as_ref(), &distractors, Rng::new(seed, stream::CLUTTER));
 
         let canvas = Canvas::new(script.size, noise::hash(seed, stream::SENSOR, 0));
         let water = Water::new(&conditions, relative, canvas.y.width, seed, stream::WATER);

@@ -1,7 +1,7 @@
 //! Paints: red, green and blue, and how they are stored (BT.709, limited range).
 
-use super::TargetPaint;
 use super::rng::Rng;
+use super::script::TargetPaint;
 
 /// Y, U and V as samples, not yet rounded.
 pub(super) type Yuv = [f32; 3];

@@ -4,7 +4,7 @@ use barrelman_vocab::PictureSize;
 
 use super::colour::{self, Yuv};
 use super::rng::Rng;
-use super::{FRAMES_PER_SECOND, SceneScript};
+use super::script::{FRAMES_PER_SECOND, SceneScript};
 
 /// Water as red, green, blue: blue-green, grey, brown, dark, green, bright blue.
 const WATERS: [[f64; 3]; 6] = [

@@ -3,8 +3,8 @@
 //! Places are offsets from the picture's centre, u to the right and v downwards, px. The phases stand in
 //! `trajectory.rs`. A place *seeks* a goal like a critically damped spring, or *rides* along with the boat.
 
-use super::SceneKind;
 use super::rng::Rng;
+use super::script::SceneKind;
 
 /// How long the boat stays in view at first, s.
 const FIRST_STAY_S: (f64, f64) = (2.5, 4.0);

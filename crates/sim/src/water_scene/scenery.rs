@@ -8,80 +8,33 @@ use barrelman_vocab::PixelPoint;
 use super::colour::{self, Yuv};
 use super::object::{Body, PaintScheme, PlanePose, SceneObject};
 use super::outline::{Outline, Shape};
+use super::placement::{CHECK_EVERY, MAX_DISTRACTORS, PlacementContext};
 use super::rng::Rng;
+use super::script::FRAMES_PER_SECOND;
 use super::shore::{self, Shore};
-use super::trajectory::Trajectory;
 use super::view::PlanePoint;
-use super::{FRAMES_PER_SECOND, TargetPaint};
 
 /// Places tried for each thing.
 const TRIES: usize = 60;
-/// Frames from one check of a place to the next; a thing counts as in view a little beyond the border.
-const CHECK_EVERY: usize = 3;
-/// That much beyond, as a share of the picture's width: as far as a pan takes a thing between two checks.
-const BORDER_SHARE: f64 = 0.07;
-/// Distractors in view at the same time, at most.
-pub(super) const MAX_DISTRACTORS: usize = 2;
 /// Share of an absence during which a distractor must be in view to be worth placing.
 const WORTH_PLACING: f64 = 0.25;
-/// A thing comes no nearer to the boat than this, in shares of both their reaches.
-const BERTH_SHARE: f64 = 1.15;
-
-/// What placing must know.
-pub(super) struct PlacementContext<'a> {
-    pub(super) trajectory: &'a Trajectory,
-    pub(super) frames: usize,
-    pub(super) outline: &'a Outline,
-    pub(super) paint: TargetPaint,
-    pub(super) shore: Option<&'a Shore>,
-    /// Picture width over the reference picture's.
-    pub(super) relative: f64,
-}
-
-impl PlacementContext<'_> {
-    fn checks(&self) -> impl Iterator<Item = usize> {
-        (0..self.frames).step_by(CHECK_EVERY)
-    }
-
-    /// The frames (of those checked) in which a thing may be in view; none if it comes too near to the boat.
-    fn appearances(&self, object: &SceneObject) -> Option<Vec<bool>> {
-        let reach = object.body.outline.reach();
-        let clear = BERTH_SHARE * (reach + self.outline.reach());
-        self.checks()
-            .map(|frame| {
-                let pose = self.trajectory.pose(frame as i64);
-                let at = object.pose_at(frame as f64 / f64::from(FRAMES_PER_SECOND)).at;
-                let middle = pose.view.picture(at);
-                let (width, height) = (f64::from(pose.view.size.width), f64::from(pose.view.size.height));
-                let beyond = reach * pose.view.zoom + BORDER_SHARE * width;
-                let seen = middle.u > -beyond
-                    && middle.u < width + beyond
-                    && middle.v > -beyond
-                    && middle.v < height + beyond;
-                (at.distance(pose.boat) > clear).then_some(seen)
-            })
-            .collect()
-    }
-
-    /// Whether a thing keeps off the shore's line: what moves is afloat throughout, what rests may stand on land.
-    fn is_clear_of_shore(&self, object: &SceneObject) -> bool {
-        let Some(shore) = self.shore else { return true };
-        let clear = object.body.outline.reach() + shore::MAX_EDGE_OFFSET * self.relative;
-        let inland =
-            |frame: usize| shore.inland(object.pose_at(frame as f64 / f64::from(FRAMES_PER_SECOND)).at);
-        let rests_on_land = object.velocity == (0.0, 0.0) && inland(0) > clear;
-        rests_on_land || self.checks().all(|frame| inland(frame) < -clear)
-    }
-
-    /// The place of the plane that a frame shows at a share of its width and height.
-    fn plane_point_at(&self, frame: usize, share: (f64, f64)) -> PlanePoint {
-        let view = self.trajectory.pose(frame as i64).view;
-        view.plane(share.0 * f64::from(view.size.width), share.1 * f64::from(view.size.height))
-    }
+/// Whether an object keeps clear of the shore's line: moving objects are afloat throughout, resting ones may stand on
+/// land.
+fn is_clear_of_shore(context: &PlacementContext<'_>, shore: Option<&Shore>, object: &SceneObject) -> bool {
+    let Some(shore) = shore else { return true };
+    let clear = object.body.outline.reach() + shore::MAX_EDGE_OFFSET * context.relative;
+    let inland = |frame: usize| shore.inland(object.pose_at(frame as f64 / f64::from(FRAMES_PER_SECOND)).at);
+    let rests_on_land = object.velocity == (0.0, 0.0) && inland(0) > clear;
+    rests_on_land || context.checks().all(|frame| inland(frame) < -clear)
 }
 
 /// Things of the hull's very paint: one that is in view for as long as possible, and one for each absence.
-pub(super) fn distractors(context: &PlacementContext<'_>, hull: Yuv, mut rng: Rng) -> Vec<SceneObject> {
+pub(super) fn distractors(
+    context: &PlacementContext<'_>,
+    shore: Option<&Shore>,
+    hull: Yuv,
+    mut rng: Rng,
+) -> Vec<SceneObject> {
     let mut placed: Vec<SceneObject> = Vec::new();
     let mut in_view: Vec<usize> = context.checks().map(|_| 0).collect();
     let spans =
@@ -98,7 +51,7 @@ pub(super) fn distractors(context: &PlacementContext<'_>, hull: Yuv, mut rng: Rn
             };
             let object =
                 sampled_distractor(context, hull, context.plane_point_at(frame, share), frame, &mut rng);
-            if !context.is_clear_of_shore(&object) {
+            if !is_clear_of_shore(context, shore, &object) {
                 continue;
             }
             let Some(seen) = context.appearances(&object) else { continue };
@@ -163,6 +116,7 @@ fn sampled_distractor(
 /// Things of other colours. They keep off the boat's way, the distractors and the shore.
 pub(super) fn clutter(
     context: &PlacementContext<'_>,
+    shore: Option<&Shore>,
     distractors: &[SceneObject],
     mut rng: Rng,
 ) -> Vec<SceneObject> {
@@ -183,7 +137,7 @@ pub(super) fn clutter(
                 object.pose_at(time_s).at.distance(other.pose_at(time_s).at) > gap
             })
         });
-        if apart && context.is_clear_of_shore(&object) && context.appearances(&object).is_some() {
+        if apart && is_clear_of_shore(context, shore, &object) && context.appearances(&object).is_some() {
             placed.push(object);
         }
     }

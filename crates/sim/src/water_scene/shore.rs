@@ -2,8 +2,8 @@
 
 use super::canvas::{Canvas, MARGIN};
 use super::colour::{self, Yuv};
+use super::placement::PlacementContext;
 use super::rng::Rng;
-use super::scenery::PlacementContext;
 use super::view::{PlanePoint, View};
 use super::water::Water;
 use super::waves::{Layer, SIDE};

@@ -3,9 +3,9 @@
 //! Where the stern was at an age a, foam lies that widens and fades with a; the arms have moved apart since, at a
 //! fixed share of the boat's speed (a ship's waves lie within 19.5 degrees of its way, whatever its speed).
 
-use super::FRAMES_PER_SECOND;
 use super::canvas::{Field, MARGIN};
 use super::outline::Outline;
+use super::script::FRAMES_PER_SECOND;
 use super::trajectory::{LEAD_FRAMES, Trajectory};
 use super::view::{PlanePoint, View};
 

@@ -4,7 +4,6 @@ mod axes;
 mod target;
 
 use barrelman_sim::Optics;
-use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::electronics::ElectronicsModel;
 use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
@@ -14,6 +13,7 @@ use barrelman_sim::scenery::ObjectScript;
 use barrelman_sim::sea::{SeaState, Wind};
 use barrelman_sim::snapshot::{Light, ObjectKind};
 use barrelman_sim::sway::Sway;
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_vocab::{Angle, PictureSize};
 
