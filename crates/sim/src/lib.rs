@@ -1,8 +1,8 @@
-//! A world to servo in: the camera's axes of a kite, a practice clip of a boat on water, and test scenes for
-//! a tracker.
+//! A simulated world to servo in: the camera's axes on a swaying or flying platform, a target on water or on a floor,
+//! a renderer, a practice clip, and test scenes for a tracker.
 //!
-//! What must not be here: clocks, threads, files, the tracker, and any chance that does not come from a seed.
-//! The same seed gives the same bits on every machine: transcendental functions come from `libm`, noise from
+//! What must not be here: clocks, threads, files, the tracker, and any randomness that does not come from a seed. The
+//! same seed gives the same bits on every machine: transcendental functions come from `libm`, random numbers from
 //! integer hashes.
 #![deny(unsafe_code)]
 

@@ -1,40 +1,40 @@
-//! The streams of chance of a trial, and what wanders with them.
+//! Random numbers of a trial: one counter-based stream for each purpose, and processes driven by them.
 //!
-//! Everything random in a world is drawn by [`crate::noise`] from the trial's seed, one of these streams, and a
-//! number that counts ticks or draws: no draw depends on how many others were made.
+//! All numbers come from [`crate::noise`] by the trial's seed, one of these streams, and an index that counts ticks
+//! or samples. No sample depends on how many others were drawn.
 
 use crate::noise;
 use crate::tick::TICK_S;
 
-/// What a draw is for. The numbers must stay: a seed means the same trial for good.
+/// Purpose of a stream. The numbers must not change: a seed stands for the same trial for good.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Stream {
-    /// The vehicle's plant, where it is drawn for each trial.
+    /// The vehicle's plant, where it is sampled for each trial.
     Plant = 1,
-    /// Where the camera looks at first.
+    /// Offset of the camera's first view.
     FirstView = 2,
-    /// The path's way-points.
+    /// Offsets of the way-points.
     WayPoints = 3,
-    /// The target's speed over the whole trial, and how long it stands before and after.
+    /// The target's speed over the whole trial, and its times at rest before and after.
     Pace = 4,
-    /// How its speed varies.
+    /// Variation of the target's speed.
     SpeedVariation = 5,
-    /// When it pauses.
+    /// Pauses of the target.
     Pauses = 6,
-    /// The localisation's noise, across.
+    /// Noise of the localisation, horizontal.
     Sensor = 7,
-    /// The kite's yaw.
+    /// Yaw of the platform.
     SwayYaw = 8,
-    /// Its pitch.
+    /// Pitch of the platform.
     SwayPitch = 9,
-    /// Its roll.
+    /// Roll of the platform.
     SwayRoll = 10,
-    /// Its place: x, y and z.
+    /// Position of the platform along x.
     SwayX = 11,
-    /// See `SwayX`.
+    /// Position of the platform along y.
     SwayY = 12,
-    /// See `SwayX`.
+    /// Position of the platform along z.
     SwayZ = 13,
     /// Turbulence of the wind.
     Wind = 14,
@@ -44,21 +44,21 @@ pub enum Stream {
     Sea = 16,
     /// The camera's electronics.
     Electronics = 17,
-    /// What befalls the video on its way.
+    /// Delays and losses of the video.
     VideoLink = 18,
-    /// Everything that is drawn, and not moved.
+    /// Positions of the objects beside the target.
     Scenery = 19,
-    /// The gimbal's shiver.
+    /// Vibration of the gimbal.
     GimbalJitter = 20,
-    /// How the target's heading weaves about where it means to go.
+    /// Variation of the target's heading about the direction to its aim.
     Weave = 21,
-    /// The localisation's noise, up and down.
+    /// Noise of the localisation, vertical.
     SensorUpward = 22,
-    /// At which corners the target pauses, and how long.
+    /// Pauses of the target at corners.
     CornerPauses = 23,
 }
 
-/// A seed with one of its streams.
+/// A counter-based generator: one stream of a seed. The hash is the finaliser of SplitMix64 ([`crate::noise::hash`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CounterRng {
     seed: u64,
@@ -66,67 +66,67 @@ pub struct CounterRng {
 }
 
 impl CounterRng {
-    /// The draws of a stream.
+    /// The generator of a stream.
     pub const fn new(seed: u64, stream: Stream) -> Self {
         Self { seed, stream: stream as u64 }
     }
 
-    /// From the standard normal distribution.
+    /// Sample of the standard normal distribution.
     pub fn normal(self, index: u64) -> f64 {
         noise::normal(self.seed, self.stream, index)
     }
 
-    /// From the exponential distribution of mean 1.
+    /// Sample of the exponential distribution of mean 1.
     pub fn exponential(self, index: u64) -> f64 {
         noise::exponential(self.seed, self.stream, index)
     }
 
-    /// In [0, 1).
+    /// Uniform sample in [0, 1).
     pub fn unit(self, index: u64) -> f64 {
         noise::unit(self.seed, self.stream, index)
     }
 
-    /// Between two bounds.
+    /// Uniform sample between two bounds.
     pub fn between(self, index: u64, (low, high): (f64, f64)) -> f64 {
         low + (high - low) * self.unit(index)
     }
 }
 
-/// How something wanders about its mean: an Ornstein-Uhlenbeck process.
+/// Parameters of an Ornstein-Uhlenbeck process of mean 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OrnsteinUhlenbeck {
-    /// Standard deviation, in the unit of what wanders.
+    /// Standard deviation, in the unit of the process.
     pub std_dev: f64,
-    /// Time after which it has forgotten where it was, seconds; 0: at once.
+    /// Time constant of the autocorrelation, seconds; 0: white noise.
     pub time_constant_s: f64,
 }
 
-/// A wandering value, in ticks of [`TICK_S`].
+/// An Ornstein-Uhlenbeck process in ticks of [`TICK_S`].
 #[derive(Debug, Clone, Copy)]
 pub struct OrnsteinUhlenbeckProcess {
     rng: CounterRng,
-    /// What is kept from one tick to the next, and the deviation of what is added.
+    /// Factor of the value from tick to tick, and standard deviation of what is added.
     keep: f64,
     add: f64,
     value: f64,
 }
 
 impl OrnsteinUhlenbeckProcess {
-    /// Begins in the middle of its wandering: its first value has the full deviation.
+    /// A process whose first value has the full standard deviation.
     pub fn new(model: OrnsteinUhlenbeck, rng: CounterRng) -> Self {
         let keep = libm::exp(-TICK_S / model.time_constant_s);
         let add = model.std_dev * libm::sqrt(1.0 - keep * keep);
         Self { rng, keep, add, value: model.std_dev * rng.normal(0) }
     }
 
-    /// Advances through `tick`, counted from 0.
+    /// Advances by `tick`, counted from 0.
     pub fn advance(&mut self, tick: u64) {
         if self.add > 0.0 {
             self.value = self.keep * self.value + self.add * self.rng.normal(tick + 1);
         }
     }
 
-    /// The value now.
+    /// Present value.
     pub const fn value(&self) -> f64 {
         self.value
     }

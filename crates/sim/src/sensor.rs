@@ -1,4 +1,4 @@
-//! Truth as a noisy localisation, for trials without pixels.
+//! Localisations made from the truth with noise, for trials without pixels.
 
 use barrelman_vocab::{ImagePoint, Localisation, PixelBox};
 
@@ -6,7 +6,7 @@ use crate::random::{CounterRng, OrnsteinUhlenbeckProcess, Stream};
 use crate::scenario::{BeyondBorder, CameraSetup, SensorModel};
 use crate::world::Truth;
 
-/// Measures truth.
+/// Measures the target's place in the picture.
 #[derive(Debug, Clone)]
 pub struct LocalisationSensor {
     sensing: SensorModel,
@@ -23,8 +23,7 @@ impl LocalisationSensor {
         Self { sensing, camera, across: noise(Stream::Sensor), upward: noise(Stream::SensorUpward), tick: 0 }
     }
 
-    /// What is measured of that truth, which is not older than the one before; `None` where the target is not to be
-    /// seen.
+    /// Measures a truth, which must not be older than the one before. `None` where the target is not visible.
     pub fn measure(&mut self, truth: &Truth) -> Option<Localisation> {
         while self.tick < truth.tick {
             self.across.advance(self.tick);

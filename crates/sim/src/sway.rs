@@ -1,35 +1,35 @@
-//! How a kite that is not commanded moves all the same, as far as the recorded trials tell: each of its angles
-//! and each coordinate of its place wanders by itself.
+//! The sway of a platform that is not commanded, as far as the recorded trials tell: each angle and each coordinate
+//! is an independent random process.
 //!
-//! No physics stand behind it: for a kite on its tether in the wind see [`crate::kite`].
+//! This is a description, not physics; for a kite on its tether in the wind see [`crate::kite`].
 
 use barrelman_vocab::Angle;
 
 use crate::pose::WorldPoint;
 use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 
-/// How much it sways.
+/// Parameters of the sway.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sway {
     /// About the vertical, radians.
     pub yaw: OrnsteinUhlenbeck,
-    /// Up and down, radians.
+    /// Upwards, radians.
     pub pitch: OrnsteinUhlenbeck,
     /// About the line of sight, radians.
     pub roll: OrnsteinUhlenbeck,
-    /// In each coordinate, metres.
+    /// Of each coordinate, metres.
     pub position: OrnsteinUhlenbeck,
 }
 
 impl Sway {
-    /// None at all.
+    /// No sway.
     pub const STILL: Self = {
         let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
         Self { yaw: none, pitch: none, roll: none, position: none }
     };
 }
 
-/// A kite that sways.
+/// A platform that sways.
 #[derive(Debug, Clone)]
 pub struct SwayingPlatform {
     yaw: OrnsteinUhlenbeckProcess,
@@ -54,7 +54,7 @@ impl SwayingPlatform {
         }
     }
 
-    /// Advances through a tick.
+    /// Advances by a tick.
     pub fn advance(&mut self, tick: u64) {
         self.yaw.advance(tick);
         self.pitch.advance(tick);
@@ -64,7 +64,7 @@ impl SwayingPlatform {
         }
     }
 
-    /// By what the camera is turned: yaw to the right, pitch upwards, roll with its right side sinking.
+    /// Offset of the camera's attitude: yaw to the right, pitch upwards, roll with the right side sinking.
     pub const fn attitude_offset(&self) -> (Angle, Angle, Angle) {
         (
             Angle::from_radians(self.yaw.value()),
@@ -73,7 +73,7 @@ impl SwayingPlatform {
         )
     }
 
-    /// By what it is displaced.
+    /// Displacement of the camera.
     pub const fn displacement(&self) -> WorldPoint {
         let [x, y, z] = &self.position;
         WorldPoint { x: x.value(), y: y.value(), z: z.value() }

@@ -1,8 +1,8 @@
 //! The world of a trial, advanced in ticks.
 //!
-//! In each tick the kite sways, the camera's axes turn as they were told, and the target moves. What is seen of it
-//! is looked up at any tick ([`World::truth`], [World::write_snapshot]); who looks, how late it arrives and what comes of it
-//! is not the world's business.
+//! In each tick the platform sways, the camera's axes turn as commanded, and the target moves. [`World::truth`] and
+//! [`World::write_snapshot`] describe the state at the present tick. Rendering, latency and control are not part of
+//! the world.
 
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Timestamp};
 
@@ -23,25 +23,25 @@ use crate::sway::SwayingPlatform;
 use crate::tick::TICKS_PER_SECOND;
 use crate::wind::TurbulentWind;
 
-/// What is true at one tick.
+/// The true state at one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
     /// The tick.
     pub tick: u64,
-    /// Its time since the trial's start.
+    /// Time since the start of the trial.
     pub at: Timestamp,
     /// The camera.
     pub camera: CameraPose,
     /// The target.
     pub target: BodyPose,
-    /// Where the target is in the picture, also where that is beyond its border; a target behind the camera is put
-    /// far out on its side.
+    /// Projection of the target's position, also beyond the border of the picture. A target behind the camera is
+    /// projected far out on its side.
     pub image: ImagePoint,
-    /// Whether it is within the picture.
+    /// Whether the projection lies within the picture.
     pub in_picture: bool,
     /// From the camera to the target, metres.
     pub range_m: f64,
-    /// The rates that the camera's axes have, rad/s: pan, tilt.
+    /// Rates of the camera's axes, rad/s: pan, tilt.
     pub rates: (f64, f64),
 }
 
@@ -58,6 +58,7 @@ pub struct World {
     target: MovingTarget,
     scenery: Scenery,
     electronics: Electronics,
+    /// Steers the boat instead of the helmsman.
     helm_override: Option<HelmCommand>,
     tick: u64,
     last_tick: u64,
@@ -75,13 +76,13 @@ enum MovingTarget {
     Boat { boat: Box<JetBoat>, helmsman: Helmsman },
 }
 
-/// Ticks before the trial's own have these numbers.
+/// Ticks before the start of the trial have numbers from here on.
 const SETTLING_TICK_OFFSET: u64 = 1 << 40;
-/// The wind at the water is that at so many metres.
+/// Reference height of the surface wind, m.
 const SURFACE_WIND_HEIGHT_M: f64 = 3.0;
 
 impl World {
-    /// The world as a trial begins.
+    /// The world at the start of a trial.
     ///
     /// # Errors
     /// [`InvalidPath`] where the target's way-points make no path.
@@ -100,7 +101,7 @@ impl World {
             Platform::Kite { gustiness } => {
                 let wind = TurbulentWind::new(mean, camera.height_m, gustiness, seed);
                 let mut kite = Kite::new(camera.height_m, wind, mean.towards, seed);
-                // A trial begins with a kite that has long been aloft: before its own ticks come others.
+                // The kite has settled in the wind when the trial begins.
                 for tick in 0..SETTLING_TICKS {
                     kite.advance(SETTLING_TICK_OFFSET + tick, false);
                 }
@@ -125,8 +126,7 @@ impl World {
         })
     }
 
-    /// How the camera looks up or down as a trial of a scenario begins, before chance has its say: what is known of
-    /// it beforehand.
+    /// The camera's tilt at the start of a scenario's trials without random offsets.
     ///
     /// # Errors
     /// [`InvalidPath`] where the target's way-points make no path.
@@ -136,22 +136,22 @@ impl World {
         Ok(Angle::from_radians(off - depression(scenario.camera.height_m, position)))
     }
 
-    /// A command reaches the camera now.
+    /// Passes a command to the camera, at the present tick.
     pub fn command(&mut self, command: CameraCommand) {
         self.mount.command(command);
     }
 
-    /// From now on somebody else steers the boat, or nobody but the helmsman again.
+    /// Steers the boat from now on; `None` returns control to the helmsman.
     pub fn override_helm(&mut self, helm: Option<HelmCommand>) {
         self.helm_override = helm;
     }
 
-    /// Whether the target is a boat that can be helm_override; others are moved along their path whatever is asked.
+    /// Whether the target is a boat that can be steered. Other targets follow their path regardless.
     pub const fn is_steerable(&self) -> bool {
         matches!(self.target, MovingTarget::Boat { .. })
     }
 
-    /// How fast the target goes ahead, m/s.
+    /// Speed of the target ahead, m/s.
     pub const fn target_speed_m_per_s(&self) -> f64 {
         match &self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.speed_m_per_s(),
@@ -183,33 +183,33 @@ impl World {
         self.tick += 1;
     }
 
-    /// The rates that the camera's axes have, rad/s: pan, tilt.
+    /// Rates of the camera's axes, rad/s: pan, tilt.
     pub const fn camera_rates(&self) -> (f64, f64) {
         (self.mount.pan.rate().radians_per_second(), self.mount.tilt.rate().radians_per_second())
     }
 
-    /// Ticks since the trial's start.
+    /// Ticks since the start of the trial.
     pub const fn tick(&self) -> u64 {
         self.tick
     }
 
-    /// The time of a tick since the trial's start.
+    /// Time of a tick since the start of the trial.
     pub const fn time_of(tick: u64) -> Timestamp {
         // Whole nanoseconds, rounded down: 25 ms are three ticks to the nanosecond.
         Timestamp::from_nanos(tick * 1_000_000_000 / TICKS_PER_SECOND as u64)
     }
 
-    /// The time now.
+    /// Present time.
     pub const fn now(&self) -> Timestamp {
         Self::time_of(self.tick)
     }
 
-    /// Whether a picture is taken at this tick.
+    /// Whether the camera takes a video frame at this tick.
     pub const fn is_frame_due(&self) -> bool {
         self.tick.is_multiple_of(self.camera.ticks_per_picture())
     }
 
-    /// Whether the trial is over. A boat that somebody steers is not at the end of its path.
+    /// Whether the trial is over. A boat whose helm is overridden does not arrive.
     pub fn is_over(&self) -> bool {
         let arrived = match &self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.is_over(),
@@ -218,12 +218,12 @@ impl World {
         arrived || self.tick >= self.last_tick
     }
 
-    /// The sea, where there is one.
+    /// The sea, if there is one.
     pub const fn sea(&self) -> Option<&Sea> {
         self.sea.as_ref()
     }
 
-    /// The camera now.
+    /// The camera's present pose.
     pub fn camera_pose(&self) -> CameraPose {
         let (yaw, pitch, roll) = match &self.platform {
             MovingPlatform::Swaying(swaying) => swaying.attitude_offset(),
@@ -243,17 +243,17 @@ impl World {
         }
     }
 
-    /// The target now.
+    /// The target's present pose.
     pub fn target_pose(&self) -> BodyPose {
         self.target.pose()
     }
 
-    /// What is true now.
+    /// The true state now.
     pub fn truth(&self) -> Truth {
         let (camera, target) = (self.camera_pose(), self.target_pose());
         let (right, down, ahead) = camera.camera_from_world(target.position);
         let picture = self.camera.optics.picture;
-        let seen = self.camera.optics.project((right, down, ahead.max(BEHIND_M)));
+        let seen = self.camera.optics.project((right, down, ahead.max(MIN_AHEAD_M)));
         let image = seen.map_or(ImagePoint { x: 0.0, y: 0.0 }, |seen| seen.in_image(picture));
         let (half_width, half_height) = (0.5 * f64::from(picture.width), 0.5 * f64::from(picture.height));
         Truth {
@@ -262,13 +262,13 @@ impl World {
             camera,
             target,
             image,
-            in_picture: ahead > BEHIND_M && image.x.abs() < half_width && image.y.abs() < half_height,
+            in_picture: ahead > MIN_AHEAD_M && image.x.abs() < half_width && image.y.abs() < half_height,
             range_m: camera.position.vector_to(target.position).norm(),
             rates: self.camera_rates(),
         }
     }
 
-    /// What there is to see now.
+    /// Writes what is visible now into `snapshot`, reusing its memory.
     pub fn write_snapshot(&self, snapshot: &mut Snapshot) {
         let first_row = self.camera_pose();
         let (pan, tilt) = self.camera_rates();
@@ -286,7 +286,7 @@ impl World {
         self.scenery.write_objects(self.tick, self.sea.as_ref(), &mut snapshot.objects);
     }
 
-    /// A snapshot of now.
+    /// A snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
         let mut snapshot = Snapshot {
             tick: self.tick,
@@ -303,7 +303,7 @@ impl World {
     }
 }
 
-/// How far below the horizon a place on the water is, seen from that high above the origin, radians.
+/// Angle below the horizon of a point on the water, seen from this height above the origin, radians.
 fn depression(height_m: f64, position: WorldPoint) -> f64 {
     libm::atan2(height_m, libm::hypot(position.x, position.y))
 }
@@ -355,5 +355,5 @@ impl MovingTarget {
     }
 }
 
-/// What lies less far ahead of the camera than this counts as beside it, metres.
-const BEHIND_M: f64 = 0.06;
+/// A target less far ahead of the camera than this is treated as beside it, metres.
+const MIN_AHEAD_M: f64 = 0.06;
