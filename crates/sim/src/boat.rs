@@ -188,7 +188,7 @@ impl JetBoat {
             elevation += amplitude * cos;
             slope.0 -= amplitude * wave.vector.0 * sin;
             slope.1 -= amplitude * wave.vector.1 * sin;
-            let (x, y) = wave.drift();
+            let (x, y) = wave.crest_velocity();
             water.0 += average * x * cos;
             water.1 += average * y * cos;
         }

@@ -1,20 +1,20 @@
-//! How the camera's electronics drift: brightness and the gains of red and blue wander while it runs.
+//! Drift of the camera's electronics: brightness and the gains of red and blue vary during a trial.
 
 use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::snapshot::SensorState;
 
-/// How much they drift.
+/// Parameters of the drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElectronicsModel {
-    /// Of the logarithm of the brightness.
+    /// Logarithm of the brightness factor.
     pub brightness: OrnsteinUhlenbeck,
-    /// Of the logarithms of the gains of red and of blue.
+    /// Logarithms of the gains of red and of blue.
     pub white_balance: OrnsteinUhlenbeck,
-    /// How long each row is exposed, seconds.
+    /// Exposure time of each row, seconds.
     pub exposure_s: f64,
 }
 
-/// Electronics that drift.
+/// Drifting electronics.
 #[derive(Debug, Clone)]
 pub struct Electronics {
     brightness: OrnsteinUhlenbeckProcess,
@@ -24,7 +24,7 @@ pub struct Electronics {
 }
 
 impl Electronics {
-    /// Those of a trial.
+    /// The electronics of a trial.
     pub fn new(script: &ElectronicsModel, seed: u64) -> Self {
         let process = |model, which: u64| {
             OrnsteinUhlenbeckProcess::new(
@@ -40,14 +40,14 @@ impl Electronics {
         }
     }
 
-    /// Advances through a tick.
+    /// Advances by a tick.
     pub fn advance(&mut self, tick: u64) {
         self.brightness.advance(tick);
         self.red.advance(tick);
         self.blue.advance(tick);
     }
 
-    /// As they are now.
+    /// Present state.
     pub fn state(&self) -> SensorState {
         SensorState {
             exposure: libm::exp(self.brightness.value()),

@@ -1,30 +1,30 @@
-//! What befalls the video between the camera and the pilot: it comes late, now and then not at all, or frozen.
+//! The video link between camera and pilot: latency, jitter, lost and frozen video frames.
 //!
-//! A picture takes a fixed time and a little more by chance (the sum of two exponential times). The link is good or
-//! bad (`gilbert1960`, `elliott1963`), and changes from picture to picture; while it is bad a share of the pictures
-//! does not come, or the decoder shows the one before in its place. Pictures never overtake each other.
+//! Each frame takes a fixed time plus the sum of two exponential times. The link is good or bad (`gilbert1960`,
+//! `elliott1963`) and changes from frame to frame. While the link is bad, a share of the frames is impaired: lost, or
+//! replaced by the frame before. Frames never overtake each other.
 
 use crate::random::{CounterRng, Stream};
 
-/// How the video comes.
+/// Parameters of the link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VideoLinkModel {
-    /// What every picture takes at least, seconds.
+    /// Least latency of a frame, seconds.
     pub latency_s: f64,
-    /// Mean of each of the two exponential times on top of it, seconds.
+    /// Mean of each of the two exponential times added to the latency, seconds.
     pub jitter_s: f64,
-    /// Chance, from picture to picture, that a good link becomes bad, and a bad one good.
+    /// Probability, from frame to frame, that a good link becomes bad.
     pub good_to_bad: f64,
-    /// See `good_to_bad`.
+    /// Probability, from frame to frame, that a bad link becomes good.
     pub bad_to_good: f64,
-    /// Share of the pictures of a bad link that are spoilt.
+    /// Share of the frames on a bad link that are impaired.
     pub impaired_share: f64,
-    /// Share of those that show the picture before; the others do not come.
+    /// Share of the impaired frames that show the frame before; the others are lost.
     pub frozen_share: f64,
 }
 
 impl VideoLinkModel {
-    /// Every picture comes after the same time.
+    /// A link with this constant latency, seconds.
     pub const fn steady(latency_s: f64) -> Self {
         Self {
             latency_s,
@@ -37,20 +37,20 @@ impl VideoLinkModel {
     }
 }
 
-/// What befalls a picture.
+/// What happens to a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Delivery {
-    /// It arrives at this tick.
+    /// The frame arrives.
     Arrives {
-        /// The tick.
+        /// Tick of arrival.
         at: u64,
     },
-    /// At this tick a picture arrives that shows what the one before showed.
+    /// A frame arrives that shows the content of the one before.
     Frozen {
-        /// The tick.
+        /// Tick of arrival.
         at: u64,
     },
-    /// It never arrives.
+    /// The frame never arrives.
     Lost,
 }
 
@@ -76,15 +76,15 @@ impl VideoLink {
         }
     }
 
-    /// What befalls the next picture, taken at `tick`.
+    /// What happens to the next frame, taken at `tick`.
     pub fn send(&mut self, tick: u64) -> Delivery {
         let sample = |which: u64| self.rng.unit(8 * self.pictures + which);
         let flips = sample(0) < if self.is_bad { self.script.bad_to_good } else { self.script.good_to_bad };
         let is_bad = self.is_bad != flips;
         let is_impaired = is_bad && sample(1) < self.script.impaired_share;
         let is_frozen = sample(2) < self.script.frozen_share;
-        let late = |which: u64| self.script.jitter_s * self.rng.exponential(8 * self.pictures + which);
-        let delay_s = self.script.latency_s + late(3) + late(4);
+        let jitter = |which: u64| self.script.jitter_s * self.rng.exponential(8 * self.pictures + which);
+        let delay_s = self.script.latency_s + jitter(3) + jitter(4);
         let delay = (delay_s * f64::from(crate::tick::TICKS_PER_SECOND) + 0.5) as u64;
         let at = (tick + delay).max(self.last_arrival);
         (self.is_bad, self.pictures) = (is_bad, self.pictures + 1);
