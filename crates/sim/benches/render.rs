@@ -1,8 +1,8 @@
-//! What a frame costs on one thread, as a whole and stage by stage, by size of picture: an arena on the water (boat, five
-//! buoys, 5.5 m up, looking 24 degrees down, sea state 1), a low view of a pier before a shore, and the laboratory's
+//! Cost of a frame on one thread, as a whole and stage by stage, by picture size: an arena on the water (boat, five
+//! buoys, 5.5 m up, looking 24 degrees down, sea state 1), a low view of a pier and a shore, and the laboratory's
 //! floor.
 //!
-//! `cargo bench -p barrelman-sim --bench render`; an argument picks benches by name.
+//! `cargo bench -p barrelman-sim --bench render`; an argument selects benchmarks by name.
 
 use barrelman_sim::render::{ENCODING, Effects, RenderSettings, RenderStage, Renderer, Serial, WaveGrid};
 use barrelman_sim::snapshot::{Boat, Ground, Light, ObjectKind, SceneObject, SensorState, Target};

@@ -1,29 +1,31 @@
-//! Draws the world as a camera sees it, on the CPU, into planar YUV, with the truth about the target.
+//! Renders the world as the camera sees it, on the CPU, into planar YUV, with the truth about the target.
 //!
-//! One frame goes through these [`RenderStage`]s, each but the wake spread over the caller's [`ParallelFor`]:
+//! A frame goes through these [`RenderStage`]s. Each stage except the wake is spread over the caller's
+//! [`ParallelFor`]:
 //!
-//! 1. waves: three tiles of slopes by Fourier transforms ([`waves`]);
-//! 2. the wake's grid ([`wake`]);
-//! 3. mirror images and shadows of things, each as a small tile ([`raster`]);
-//! 4. rows: rays through the lens ([`rays`]), the surface where they meet it ([`surface`]), its light ([`shading`],
-//!    [`floor`], [`land`]); what changes slowly along a row is computed at every eighth pixel ([`nodes`]);
-//! 5. things as supersampled tiles, laid over the rows from far to near;
-//! 6. rows again: softness and motion blur, exposure, tone, noise, YUV ([`sensor`]).
+//! 1. waves: slopes on three tiles, by Fourier transforms ([`waves`]);
+//! 2. the grid of the wake ([`wake`]);
+//! 3. reflections and shadows of objects, each in a small tile ([`frame_objects`], [`raster`], [`resolve`]);
+//! 4. rows ([`shade_row`]): rays through the lens ([`rays`]), the surface where they meet it ([`surface`]), its light
+//!    ([`shading`], [`floor`], [`land`]); quantities that change slowly along a row are computed at every eighth
+//!    pixel ([`nodes`]);
+//! 5. objects as supersampled tiles, composited over the rows from far to near;
+//! 6. rows again ([`develop_rows`]): softness and motion blur, exposure, tone, noise, YUV ([`sensor`]).
 //!
-//! The last three go band by band, so that the light of a band is still at hand when it is developed. Then the truth is
-//! told: the target's tile, less what stands before it ([`truth`]).
+//! Stages 4 to 6 go band by band, so that the light of a band is still in the cache when it is developed. The truth
+//! is then measured on the target's tile and the tiles in front of it ([`truth`]).
 //!
-//! The picture depends on the settings and the snapshot, and through the wake on the snapshots before; not on the number
-//! of parallel, threads or vector instructions. All arithmetic keeps to operations that round alike everywhere
-//! ([`barrelman_simd`]). After the first frames nothing is allocated.
+//! The picture depends on the settings and the snapshot, and through the wake on earlier snapshots. It does not
+//! depend on the number of threads or the vector instructions: all arithmetic keeps to operations that round alike
+//! everywhere ([`barrelman_simd`]). After the first frames nothing is allocated.
 //!
-//! What is not in here: waves that hide a thing behind them (things are cut by the water at their own place alone),
-//! several wakes, light that things cast on each other, depth of field, compression.
+//! Not handled: waves that hide an object behind them (the water cuts objects at their own position only), several
+//! wakes, light between objects, depth of field, compression.
 
 #![allow(
     clippy::needless_range_loop,
     clippy::manual_clamp,
-    reason = "kernels run over many arrays by one number, and max-min is what becomes two vector instructions"
+    reason = "kernels index many arrays by one number, and max-min compiles to two vector instructions"
 )]
 
 mod parallel;
@@ -87,34 +89,34 @@ use self::waves::WaveTile;
 use crate::sea::{Sea, SeaState, Wind};
 use crate::snapshot::{Ground, Snapshot};
 
-/// How a drawn picture's samples stand for colours.
+/// Colour encoding of rendered pictures.
 pub const ENCODING: ColourEncoding =
     ColourEncoding { matrix: ColourMatrix::Bt709, range: SampleRange::Limited };
 
-/// What is done for a frame, in this order.
+/// The stages of a frame, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RenderStage {
     /// The tiles of waves.
     Waves,
     /// The boat's wake.
     Wake,
-    /// Where camera, things and light are; mirror images and shadows.
+    /// Poses of camera, objects and light; tiles of reflections and shadows.
     ReflectionsAndShadows,
     /// Water, sky and land, or the floor, as linear light.
     Water,
-    /// Things, drawn and laid over.
+    /// Tiles of the objects, composited over the rows.
     Objects,
     /// From light to samples.
     Sensor,
 }
 
 impl RenderStage {
-    /// All of them.
+    /// All stages in their order.
     pub const ALL: [Self; 6] =
         [Self::Waves, Self::Wake, Self::ReflectionsAndShadows, Self::Water, Self::Objects, Self::Sensor];
 }
 
-/// Draws one camera's pictures.
+/// Renders the pictures of one camera.
 #[derive(Debug)]
 pub struct Renderer {
     settings: RenderSettings,
@@ -131,7 +133,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer; textures and shapes are made here, which takes a few tenths of a second.
+    /// A renderer. Textures and shapes are made here, which takes a few tenths of a second.
     pub fn new(settings: RenderSettings) -> Self {
         let calm = Wind { speed_mps: 1.5, towards: barrelman_vocab::Angle::ZERO };
         let sea = settings.sea.clone().unwrap_or_else(|| Sea::new(SeaState::ALL[0], calm, settings.seed));
@@ -152,20 +154,20 @@ impl Renderer {
         }
     }
 
-    /// What it was made for.
+    /// The settings of the renderer.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
     }
 
-    /// Takes a snapshot into the wake without drawing it.
+    /// Advances the wake to a snapshot without rendering it.
     pub fn advance_wake(&mut self, snapshot: &Snapshot) {
         if self.settings.effects.wake && snapshot.ground == Ground::Water {
             get_mut(&mut self.wake).advance_to(self.settings.simd, snapshot);
         }
     }
 
-    /// Draws a snapshot into `picture`, which takes the renderer's size and [`ENCODING`]. Snapshots come in the
-    /// order of their ticks; where they jump back, the wake starts anew.
+    /// Renders a snapshot into `picture`, which takes the renderer's size and [`ENCODING`]. Snapshots come in the
+    /// order of their ticks; where a tick is earlier than the one before, the wake starts anew.
     pub fn render(
         &mut self,
         snapshot: &Snapshot,
@@ -184,8 +186,8 @@ impl Renderer {
         &self.truth
     }
 
-    /// One stage of [`Self::render`] alone, for measuring: it works on what the stages before it have left, and all of
-    /// them in order give the same picture.
+    /// Runs one stage of [`Self::render`], for benchmarks. The stage works on what the stages before it left; all
+    /// stages in order give the same picture.
     pub fn render_stage(
         &mut self,
         stage: RenderStage,

@@ -1,10 +1,10 @@
 //! Test scenes for a tracker: a boat on rough water under a moving camera, with the exact truth of each frame.
 //!
-//! A scene is a stand-in for video from 15 to 60 m above the water: the boat is under way, turns and stops; the
-//! camera follows it with pans and sway, and may lose it. It is a pure function of its script and seed, the same
-//! to the bit on every machine, and every frame can be drawn by itself. The water is a flat plane (`view.rs`) that
-//! a camera sees at a fixed depression of 40 to 80 degrees, drawn from the seed like the water's colour and
-//! roughness, the light, the lens's blur, the exposure and the sensor's noise.
+//! A scene stands in for video from 15 to 60 m above the water: the boat moves, turns and stops; the camera follows
+//! with pans and sway, and may lose the boat. A scene is a pure function of its script and seed, with the same bits
+//! on every machine, and each frame can be rendered on its own. The water is a flat plane (`view.rs`) seen at a fixed
+//! depression of 40 to 80 degrees. The seed determines the depression, the colour and roughness of the water, the
+//! light, the lens blur, the exposure and the sensor noise.
 //!
 //! Not handled: perspective within a picture, roll, rolling shutter, reflections, spray over the hull, rain,
 //! compression.
@@ -46,14 +46,14 @@ use self::wake::Wake;
 use self::water::Water;
 use crate::noise;
 
-/// The hull's length is held to this share of the picture's shorter side, so that the boat has room to move.
+/// Upper bound of the hull's length as a share of the picture's shorter side, so that the boat has room to move.
 const MAX_HULL_SHARE: f64 = 0.3;
-/// The hull's length is at least this, px: below, bow and stern cannot be told apart.
+/// Lower bound of the hull's length, px: below it, bow and stern cannot be told apart.
 const MIN_HULL_PX: f64 = 8.0;
-/// From this speed on the boat counts as under way, hull lengths per second.
+/// A boat at this speed or more is under way, hull lengths per second.
 const MIN_UNDER_WAY_SPEED: f64 = 0.3;
 
-/// Streams of chance: what is drawn for one part of a scene does not change another.
+/// Random streams: what is sampled for one part of a scene does not change another part.
 mod stream {
     pub(super) const CONDITIONS: u64 = 1;
     pub(super) const BOAT: u64 = 2;
@@ -62,40 +62,40 @@ mod stream {
     pub(super) const DISTRACTORS: u64 = 5;
     pub(super) const CLUTTER: u64 = 6;
     pub(super) const SENSOR: u64 = 7;
-    /// And the three that follow.
+    /// This stream and the three that follow.
     pub(super) const WATER: u64 = 10;
 }
 
-/// Where everything is in one frame, at the middle of its exposure. Shapes are those of the drawn silhouette before
-/// blur.
+/// Where everything is in one frame, at the middle of its exposure. Shapes are those of the rendered silhouette
+/// before blur.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneTruth {
-    /// Time since the clip's beginning, s.
+    /// Time since the start of the clip, s.
     pub time_s: f64,
-    /// Upright box around what of the boat is in the picture (the wake is not the boat); empty when nothing is.
+    /// Upright box around the boat's part in the picture, without the wake; empty where the boat is outside.
     pub bounds: PixelBox,
-    /// Share of the boat's silhouette that is in the picture, 0..=1.
+    /// Share of the boat's silhouette in the picture, 0 to 1.
     pub visible_share: f64,
     /// Middle of the hull's centre line, halfway from stern to bow; may lie outside the picture.
     pub centre: PixelPoint,
-    /// Direction in the picture of the hull's centre line, towards the bow, anticlockwise from image right, within
-    /// +-180 degrees.
-    /// A squashed hull is not symmetric about it: for the principal axis see [`WaterScene::silhouette_axis`].
+    /// Direction of the hull's centre line in the picture, towards the bow, anticlockwise from image right, within
+    /// +-180 degrees. A foreshortened hull is not symmetric about it; for the principal axis see
+    /// [`WaterScene::silhouette_axis`].
     pub heading: Angle,
     /// Length of the hull's centre line in the picture, px.
     pub major_px: f64,
-    /// Extent of the silhouette across the centre line's direction in the picture, px.
+    /// Extent of the silhouette across the centre line, px.
     pub minor_px: f64,
     /// Whether the boat moves over the water at more than 0.3 hull lengths per second.
     pub is_under_way: bool,
-    /// How a resting thing at the picture's centre shifted since the frame before, px (u right, v down). Where the
-    /// camera zooms, others shift by up to 1.5 px more.
+    /// Shift of a resting point at the centre of the picture since the frame before, px (u right, v down). Where the
+    /// camera zooms, other points shift by up to 1.5 px more.
     pub camera_shift: (f64, f64),
-    /// Boxes around what of the distractors is in the picture; empty where there is none.
+    /// Boxes around the distractors' parts in the picture; empty boxes where there are fewer.
     pub distractors: [PixelBox; MAX_DISTRACTORS],
 }
 
-/// A scene, ready to be drawn.
+/// A scene, ready to be rendered.
 #[derive(Debug, Clone)]
 pub struct WaterScene {
     script: SceneScript,
@@ -114,7 +114,7 @@ pub struct WaterScene {
 }
 
 impl WaterScene {
-    /// Plans the whole clip. Takes as long as drawing a few frames.
+    /// Plans the whole clip, which takes as long as rendering a few frames.
     pub fn new(script: SceneScript, seed: u64) -> Self {
         let shorter = f64::from(script.size.width.min(script.size.height));
         let relative = f64::from(script.size.width) / f64::from(REFERENCE.width);
@@ -179,40 +179,40 @@ impl WaterScene {
         }
     }
 
-    /// Frames in the clip, at least one.
+    /// Number of frames, at least one.
     pub const fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Frames per second: 30.
+    /// Frame rate: 30.
     pub const fn frames_per_second(&self) -> u32 {
         FRAMES_PER_SECOND
     }
 
-    /// The pictures' size.
+    /// Picture size.
     pub const fn size(&self) -> PictureSize {
         self.script.size
     }
 
-    /// What an operator selects in the first frame: the box around the boat. It lies within the inner 90 % of the
+    /// The operator's selection in the first frame: the box around the boat. It lies within the inner 90 % of the
     /// picture's width and height.
     pub fn selection(&self) -> PixelBox {
         self.truth(0).bounds
     }
 
-    /// Draws a frame and says where everything is in it. Frames beyond the last are like the last. The picture is
-    /// made to fit (BT.709, limited range).
+    /// Renders a frame and returns its truth. Frames beyond the last equal the last. The picture takes the scene's
+    /// size and encoding (BT.709, limited range).
     pub fn render(&mut self, frame: u64, out: &mut Picture) -> SceneTruth {
         self.render_frame(frame, true, out);
         self.truth(frame)
     }
 
-    /// Draws the same picture without the boat, its wake included: what differs from [`Self::render`] is the boat.
+    /// Renders the same picture without the boat and its wake: the difference to [`Self::render`] is the boat.
     pub fn render_without_target(&mut self, frame: u64, out: &mut Picture) {
         self.render_frame(frame, false, out);
     }
 
-    /// Where everything is in a frame.
+    /// The truth of a frame.
     pub fn truth(&self, frame: u64) -> SceneTruth {
         let frame = self.clamped_frame(frame);
         let time_s = frame as f64 / f64::from(FRAMES_PER_SECOND);
@@ -245,9 +245,8 @@ impl WaterScene {
         }
     }
 
-    /// Direction of the principal axis of the whole hull's silhouette (second moments of area) in a frame,
-    /// anticlockwise from image right, within +-90 degrees. It differs from the heading's line by up to 9 degrees,
-    /// by 1 on average.
+    /// Direction of the principal axis of the whole hull's silhouette (second moments of area), anticlockwise from
+    /// image right, within +-90 degrees. It differs from the heading's line by up to 9 degrees, by 1 on average.
     pub fn silhouette_axis(&self, frame: u64) -> Angle {
         let pose = self.trajectory.pose(self.clamped_frame(frame));
         let silhouette = self.boat.outline.silhouette(pose.boat, pose.heading, &pose.view);
@@ -258,7 +257,7 @@ impl WaterScene {
         frame.min(self.frames - 1) as i64
     }
 
-    /// What the picture's centre shows now was how far from it in the frame before.
+    /// Where the point at the centre of the picture was in the frame before, relative to the centre.
     fn camera_shift(&self, frame: i64) -> (f64, f64) {
         let (before, now) = (self.trajectory.pose(frame - 1).view, self.trajectory.pose(frame).view);
         let (was, centre) = (before.picture(now.camera), now.size.centre());
@@ -308,7 +307,7 @@ impl WaterScene {
     }
 }
 
-/// A box that is exactly empty if it covers nothing.
+/// The box, or the default box where it is empty.
 fn canonical_box(bounds: PixelBox) -> PixelBox {
     if bounds.is_empty() { PixelBox::default() } else { bounds }
 }

@@ -1,4 +1,4 @@
-//! The camera of one frame: a pose for each row, since a rolling shutter takes one row after the other.
+//! The camera of one frame: a pose for each row, because a rolling shutter exposes the rows one after the other.
 
 use barrelman_vocab::{Angle, PixelPoint};
 
@@ -6,16 +6,17 @@ use crate::optics::Optics;
 use crate::pose::{CameraAxes, CameraPose, WorldPoint};
 use crate::snapshot::Snapshot;
 
-/// Rounds in which the row of a thing and the pose of that row are brought to agree.
+/// Iterations that bring the row of a point and the pose of that row to agreement.
 const ROUNDS: usize = 3;
-/// The same for the corners of a shape, whose first row is that of the shape's middle.
-const ROUNDS_OF_CORNER: usize = 2;
-/// Newton's steps for a corner in single precision: exact in the picture, a thousandth of a pixel far outside.
+/// The same for the vertices of a shape, starting from the row of the shape's middle.
+const VERTEX_ROUNDS: usize = 2;
+/// Newton steps for a vertex in single precision: exact within the picture, off by a thousandth of a pixel far
+/// outside.
 const STEPS: usize = 3;
-/// What lies nearer than this is not seen, metres.
+/// Points less far ahead than this are not projected, metres.
 const MIN_DEPTH_M: f32 = 0.05;
 
-/// One row's place and axes.
+/// Position and axes of the camera for one row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowPose {
     pub(super) position: WorldPoint,
@@ -27,14 +28,14 @@ impl RowPose {
         Self { position: pose.position, axes: pose.axes() }
     }
 
-    /// To the right, down and ahead, metres.
+    /// Right, down and ahead of the optical centre, metres.
     pub(super) fn camera_from_world(&self, position: WorldPoint) -> (f64, f64, f64) {
         let from = self.position.vector_to(position);
         (from.dot(self.axes.right), from.dot(self.axes.down), from.dot(self.axes.ahead))
     }
 }
 
-/// The same in single precision, from the middle row's place.
+/// The same in single precision, relative to the middle row's position.
 #[derive(Debug, Clone, Copy)]
 struct SinglePrecisionPose {
     position: [f32; 3],
@@ -55,7 +56,7 @@ impl SinglePrecisionPose {
     }
 }
 
-/// The camera.
+/// The camera of one frame.
 #[derive(Debug, Clone)]
 pub(super) struct Camera {
     pub(super) optics: Optics,
@@ -70,7 +71,7 @@ impl Camera {
         Self { optics, rows: Vec::with_capacity(height), near: Vec::with_capacity(height), still: true }
     }
 
-    /// Takes up the poses of a snapshot.
+    /// Takes the poses of a snapshot.
     pub(super) fn pose(&mut self, snapshot: &Snapshot) {
         let height = self.optics.picture.height as usize;
         self.rows.clear();
@@ -97,7 +98,7 @@ impl Camera {
         &self.rows[row]
     }
 
-    /// Where a place is seen, and how far ahead of the optical centre it lies (m); `None` behind the camera.
+    /// Projects a point; also returns its depth (m). `None` behind the camera.
     pub(super) fn project(&self, position: WorldPoint) -> Option<(PixelPoint, f64)> {
         let mut row = self.rows.len() / 2;
         let rounds = if self.still { 1 } else { ROUNDS };
@@ -111,19 +112,19 @@ impl Camera {
         seen
     }
 
-    /// The row in which a place is seen, or the nearest one.
+    /// The row in which a point is seen, or the nearest row.
     pub(super) fn row_seeing(&self, position: WorldPoint) -> usize {
         let last = self.rows.len() - 1;
         self.project(position).map_or(last / 2, |(point, _)| (point.v.max(0.0) as usize).min(last))
     }
 
-    /// Where a corner of a shape is seen (pixels), and 1 over how far ahead it lies; `None` behind the camera. `from`
-    /// is its place from that of the middle row, metres, `row` one that is near.
+    /// Projects a vertex: pixel coordinates and 1 / depth. `None` behind the camera. `from` is its position relative
+    /// to that of the middle row, metres; `row` is a row near its image.
     pub(super) fn project_vertex(&self, from: [f32; 3], mut row: usize) -> Option<(f32, f32, f32)> {
         let size = self.optics.picture;
         let (middle_u, middle_v) = (0.5 * size.width as f32, 0.5 * size.height as f32);
         let (focal, barrel) = (self.optics.focal_px as f32, self.optics.barrel as f32);
-        let rounds = if self.still { 1 } else { ROUNDS_OF_CORNER };
+        let rounds = if self.still { 1 } else { VERTEX_ROUNDS };
         let mut seen = None;
         for _ in 0..rounds {
             let pose = &self.near[row];
@@ -135,7 +136,7 @@ impl Camera {
             }
             let nearness = 1.0 / ahead;
             let (x, y) = (dot(&pose.right) * nearness, dot(&pose.down) * nearness);
-            // The share s of the pinhole's radius at which it is seen solves s + bend s^3 = 1.
+            // The projected radius is s times the pinhole radius, where s solves s + bend s^3 = 1.
             let bend = barrel * (x * x + y * y);
             let mut share = (1.0 + 2.0 * bend) / (1.0 + 3.0 * bend);
             for _ in 0..STEPS {
@@ -149,7 +150,7 @@ impl Camera {
         seen
     }
 
-    /// Whether nothing of a ball can be seen within so many pixels about the picture.
+    /// Whether nothing of a ball can be seen in the picture or within a margin around it, pixels.
     pub(super) fn is_outside_view(&self, centre: WorldPoint, radius_m: f64, margin: (i32, i32)) -> bool {
         let (right, down, ahead) = self.middle().camera_from_world(centre);
         if ahead < -radius_m {
@@ -162,7 +163,7 @@ impl Camera {
             half(size.height, margin.1) / self.optics.focal_px,
         );
         let stretch = 1.0 + self.optics.barrel * (x * x + y * y);
-        // The border's plane, and what the camera turns and moves during the picture.
+        // The plane through the border, widened by the motion of the camera during the picture.
         let beyond = |aside: f64, edge: f64| {
             let tangent = edge * stretch + MAX_TURN_TANGENT;
             (libm::fabs(aside) - tangent * ahead) / libm::sqrt(1.0 + tangent * tangent)
@@ -172,7 +173,7 @@ impl Camera {
     }
 }
 
-/// More than a camera turns (as a tangent) and moves (metres) from its middle row to another.
+/// Upper bounds of the turn (as a tangent) and the motion (metres) of the camera from its middle row to any other.
 const MAX_TURN_TANGENT: f64 = 0.1;
 const MAX_MOVE_M: f64 = 0.2;
 

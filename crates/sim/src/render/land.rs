@@ -1,5 +1,5 @@
-//! A shore: a beach with a ragged edge and a line of surf, grass behind it, trees as an upright wall of leaves, and far
-//! hills. Flat apart from those two walls; it stands in the plane of the water.
+//! A shore: a beach with a ragged edge and a line of surf, grass behind it, trees as an upright wall of leaves, and
+//! distant hills. The land is flat and lies in the plane of the water, apart from those two walls.
 
 use super::chunk::{CHUNK, Chunk};
 use super::light::{Colour, Lighting, mix};
@@ -12,13 +12,13 @@ use crate::snapshot::SceneObject;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shore {
     position: WorldPoint,
-    /// Along the coast, and inland.
+    /// Unit vectors along the coast and inland.
     along: (f64, f64),
     inland: (f64, f64),
     seed: f32,
 }
 
-/// Trees begin so far inland and are so high, metres; then the hills.
+/// Trees and hills: distance inland and height, metres.
 const WALLS: [Wall; 2] = [
     Wall { inland_m: 62.0, height_m: 7.0, rough_m: 8.0, per_metre: 3.3, haze: 0.10 },
     Wall { inland_m: 420.0, height_m: 26.0, rough_m: 34.0, per_metre: 0.42, haze: 0.38 },
@@ -46,7 +46,7 @@ impl Shore {
         }
     }
 
-    /// Paints what a chunk shows of the shore over its water and sky. The camera is at `viewpoint`.
+    /// Shades what a chunk shows of the shore over its water and sky. The camera is at `viewpoint`.
     pub(super) fn paint(
         &self,
         viewpoint: WorldPoint,

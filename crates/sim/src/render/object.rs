@@ -1,4 +1,4 @@
-//! The things of a snapshot as shapes with a pose: a pier becomes its stretches, a shore the huts and crates on it.
+//! The objects of a snapshot as shapes with poses: a pier becomes its sections, a shore the huts and crates on it.
 
 pub(super) mod paint;
 mod shapes;
@@ -26,16 +26,16 @@ pub(super) enum Shape {
     FloorMark,
 }
 
-/// One shape in the world.
+/// A shape in the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Instance {
     pub(super) shape: Shape,
     pub(super) pose: BodyPose,
-    /// How far it is stretched along its axes.
+    /// Scale along the body's axes.
     pub(super) scale: [f32; 3],
     pub(super) seed: u64,
     pub(super) is_target: bool,
-    /// How a boat's nozzle is turned, radians to the left.
+    /// Tangent of the nozzle's angle, positive to the left.
     nozzle: f32,
 }
 
@@ -51,8 +51,8 @@ impl Shapes {
             shapes::buoy(),
             shapes::life_jacket(),
             shapes::swimmer(),
-            shapes::pier(STRETCH_M, 1.0, true),
-            shapes::pier(STRETCH_M, 1.0, false),
+            shapes::pier(PIER_SECTION_M, 1.0, true),
+            shapes::pier(PIER_SECTION_M, 1.0, false),
             shapes::hut(),
             shapes::crate_on_beach(),
             shapes::floor_target(),
@@ -71,22 +71,22 @@ impl Instance {
         Self { shape, pose, scale: [1.0; 3], seed, is_target: false, nozzle: 0.0 }
     }
 
-    /// Forward, left and up of the body in the world.
+    /// Forward, left and up of the body, in the world.
     pub(super) fn axes(&self) -> [[f32; 3]; 3] {
         body_axes(&self.pose)
     }
 
-    /// Whether water cuts it.
+    /// Whether the water cuts the shape.
     pub(super) fn is_afloat(&self) -> bool {
         !matches!(self.shape, Shape::FloorTarget | Shape::FloorMark | Shape::Hut | Shape::Crate)
     }
 
-    /// Whether its shadow is worth drawing: paint has none, and a hut's falls inland.
+    /// Whether the shadow is rendered: paint has none, and that of a hut falls inland.
     pub(super) fn casts_shadow(&self) -> bool {
         !matches!(self.shape, Shape::FloorMark | Shape::Hut | Shape::Crate)
     }
 
-    /// How high over the water the things stand that the mirror image is mostly of, metres.
+    /// Height above the water of most of the reflection's sources, metres.
     pub(super) fn reflected_height_m(&self) -> f64 {
         match self.shape {
             Shape::Pier | Shape::PierWithPosts => 1.0,
@@ -95,12 +95,12 @@ impl Instance {
         }
     }
 
-    /// From a place of the world to its origin, metres.
+    /// Distance from a point of the world to the origin, metres.
     pub(super) fn distance_from(&self, position: WorldPoint) -> f64 {
         position.vector_to(self.pose.position).norm()
     }
 
-    /// A corner of the mesh in the body's frame of reference, stretched, the nozzle turned.
+    /// A vertex in the body's frame of reference, scaled, with the nozzle turned.
     pub(super) fn deformed(&self, mesh: &Mesh, index: usize, position: [f32; 3]) -> [f32; 3] {
         let mut p: [f32; 3] = core::array::from_fn(|i| position[i] * self.scale[i]);
         if self.nozzle != 0.0 && self.shape == Shape::Boat && mesh.vertices[index].part == Part::Nozzle {
@@ -111,14 +111,14 @@ impl Instance {
     }
 }
 
-/// The nozzle turns about a place so far behind the boat's middle.
+/// Distance of the nozzle's pivot behind the boat's middle, metres.
 const NOZZLE_PIVOT_M: f32 = 0.58;
-/// A mark is so much smaller than a buoy.
+/// Size of a mark buoy over that of a buoy.
 const MARK_SCALE: f32 = 0.45;
-/// Length of a stretch of pier, metres.
-const STRETCH_M: f32 = 3.0;
+/// Length of a pier section, metres.
+const PIER_SECTION_M: f32 = 3.0;
 
-/// Forward, left and up of a body in the world.
+/// Forward, left and up of a body, in the world.
 pub(super) fn body_axes(pose: &BodyPose) -> [[f32; 3]; 3] {
     let (sh, ch) = libm::sincos(pose.heading.radians());
     let (sp, cp) = libm::sincos(pose.pitch.radians());
@@ -130,7 +130,7 @@ pub(super) fn body_axes(pose: &BodyPose) -> [[f32; 3]; 3] {
     [forward, left, up].map(|axis| axis.map(|v| v as f32))
 }
 
-/// Writes down every shape of a snapshot. The target comes first.
+/// Lists the shapes of a snapshot. The target comes first.
 pub(super) fn list_instances(snapshot: &Snapshot, list: &mut Vec<Instance>) {
     list.clear();
     let mut target = match snapshot.target {
@@ -154,13 +154,13 @@ pub(super) fn list_instances(snapshot: &Snapshot, list: &mut Vec<Instance>) {
             ObjectKind::Swimmer => list.push(Instance::new(Shape::Swimmer, object.pose, object.seed)),
             ObjectKind::RedCraft => list.push(Instance::new(Shape::RedCraft, object.pose, object.seed)),
             ObjectKind::Pier { length_m, breadth_m } => pier(object, length_m, breadth_m, list),
-            ObjectKind::Shore => on_shore(object, list),
+            ObjectKind::Shore => shore_objects(object, list),
         }
     }
 }
 
 fn pier(object: &SceneObject, length_m: f64, breadth_m: f64, list: &mut Vec<Instance>) {
-    let count = libm::ceil(length_m / f64::from(STRETCH_M)).max(1.0) as usize;
+    let count = libm::ceil(length_m / f64::from(PIER_SECTION_M)).max(1.0) as usize;
     let step = length_m / count as f64;
     let (sin, cos) = libm::sincos(object.pose.heading.radians());
     for index in 0..count {
@@ -172,13 +172,13 @@ fn pier(object: &SceneObject, length_m: f64, breadth_m: f64, list: &mut Vec<Inst
         };
         let shape = if index % 2 == 0 { Shape::PierWithPosts } else { Shape::Pier };
         let pose = BodyPose { position, pitch: Angle::ZERO, roll: Angle::ZERO, ..object.pose };
-        let scale = [(step / f64::from(STRETCH_M)) as f32, breadth_m as f32, 1.0];
+        let scale = [(step / f64::from(PIER_SECTION_M)) as f32, breadth_m as f32, 1.0];
         list.push(Instance { scale, ..Instance::new(shape, pose, object.seed) });
     }
 }
 
-/// Huts and crates behind the coast.
-fn on_shore(object: &SceneObject, list: &mut Vec<Instance>) {
+/// Huts and crates on a shore.
+fn shore_objects(object: &SceneObject, list: &mut Vec<Instance>) {
     let (sin, cos) = libm::sincos(object.pose.heading.radians());
     for index in 0..14_u64 {
         let random = |stream| noise::unit(object.seed, stream, index);

@@ -1,4 +1,4 @@
-//! Lines of sight of a row's pixels, through the lens, and where they meet the plane of the water or the floor.
+//! Rays of a row's pixels through the lens, and where they meet the plane of the water or the floor.
 
 use barrelman_simd::{Simd, at_level};
 
@@ -7,9 +7,9 @@ use super::chunk::{CHUNK, Chunk};
 use super::nodes::{Nodes, STEP};
 use crate::optics::Optics;
 
-/// A line of sight that sinks less than this for one unit ahead looks at the sky.
+/// A ray that sinks less than this for one unit ahead looks at the sky.
 pub(super) const HORIZON: f32 = 2e-4;
-/// The length of a line of sight at most, metres.
+/// Upper bound of a ray's length, metres.
 const MAX_RAY_M: f32 = 6_000.0;
 
 /// One row's rays in single precision.
@@ -18,9 +18,9 @@ pub(super) struct Rays {
     right: [f32; 3],
     down: [f32; 3],
     ahead: [f32; 3],
-    /// Of the camera over the plane, metres.
+    /// Height of the camera above the plane, metres.
     height: f32,
-    /// Right and down of the row's first pixel in focal lengths, and a pixel's step.
+    /// Right and down of the row's first pixel in focal lengths, and the step from pixel to pixel.
     x0: f32,
     y: f32,
     step: f32,
@@ -43,7 +43,7 @@ impl Rays {
     }
 }
 
-/// A line of sight that is one unit long along the optical axis, and the part of its length down to the plane.
+/// A direction with length 1 along the optical axis, and how many times its length it is down to the plane.
 struct Ray {
     dx: f32,
     dy: f32,
@@ -69,7 +69,7 @@ impl Rays {
 }
 
 at_level! { simd;
-    /// Fills in what the nodes of a row know of its rays.
+    /// Fills the nodes' geometry of a row.
     pub(super) fn cast_nodes(simd: Simd, rays: &Rays, nodes: &mut Nodes) {
         let count = nodes.count();
         let (vx, vy, vz) = (&mut nodes.vx.0[..count], &mut nodes.vy.0[..count], &mut nodes.vz.0[..count]);
@@ -92,14 +92,14 @@ at_level! { simd;
             // Across the line of sight a pixel is t * length * step wide, along the water 1/sin(grazing) of that.
             let grazing = (ray.sink * shorten).sqrt();
             footprint[i] = ray.t * length * rays.step / (grazing * grazing.sqrt());
-            let hazy = ray.t / (ray.t + 1_800.0);
-            haze[i] = hazy * hazy;
+            let share = ray.t / (ray.t + 1_800.0);
+            haze[i] = share * share;
         }
     }
 }
 
 at_level! { simd;
-    /// Fills directions, lengths, places and footprints of the pixels from `column` on.
+    /// Fills directions, lengths, positions and footprints of a chunk's pixels from `column` on.
     pub(super) fn cast_pixels(simd: Simd, rays: &Rays, nodes: &Nodes, column: usize, chunk: &mut Chunk) {
         for i in 0..CHUNK {
             let ray = rays.ray_at(column + i);

@@ -1,10 +1,9 @@
-//! The light that comes from water: the sky mirrored by its facets, the sun's glitter, the body of the water below,
-//! foam, and the haze in between.
+//! Light from water: the sky reflected by facets, the sun's glitter, the body of the water, foam, and haze.
 //!
-//! Reflection follows Schlick's form of Fresnel's law, weakened by the facets' spread sigma as in `bruneton2010`:
-//! `F = 0.02 + 0.98 (1 - cos)^5 / (1 + 22.7 sigma^1.5)`. At grazing angles the facets that are seen are those that
-//! lean towards the viewer; their mean is shifted by `sigma^2 vh / (vz + 0.6 sigma vh)`. The glitter is a Gaussian
-//! lobe in the space of slopes about the slope that would mirror the sun, as an eighth power.
+//! Reflection follows Schlick's form of Fresnel's law, reduced by the standard deviation sigma of the facets' slopes
+//! as in `bruneton2010`: `F = 0.02 + 0.98 (1 - cos)^5 / (1 + 22.7 sigma^1.5)`. At grazing angles mostly facets that
+//! lean towards the viewer are visible; their mean slope is shifted by `sigma^2 vh / (vz + 0.6 sigma vh)`. The
+//! glitter is a Gaussian lobe in the space of slopes about the slope that would reflect the sun, as an eighth power.
 
 use barrelman_simd::{Simd, at_level};
 
@@ -13,31 +12,31 @@ use super::light::{Colour, Lighting};
 use super::nodes::Nodes;
 use super::texture::Texture;
 
-/// The colour of the water's body and of what floats in it.
+/// Colours of the water's body.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WaterBody {
-    /// Light from the depth.
+    /// Light scattered back from the depth.
     pub(super) deep: Colour,
-    /// Light from thin crests that face away from the viewer.
+    /// Light through thin crests that face away from the viewer.
     pub(super) crest: Colour,
-    /// Water that is full of air.
+    /// Water full of air.
     pub(super) aerated: Colour,
 }
 
-/// Half of the sun's disc as a spread of slopes, squared, so that calm water does not show a point.
+/// Half of the sun's disc as a standard deviation of slopes, squared, so that calm water shows more than a point.
 const SUN_VARIANCE: f32 = 2.5e-4;
 
-/// What foam is broken up by.
+/// Texture that breaks foam up.
 pub(super) struct FoamTexture<'a> {
     pub(super) lace: &'a Texture,
-    /// Below the camera, metres modulo the texture's size, along the wind and across it.
+    /// Position below the camera, metres modulo the texture's period, along and across the wind.
     pub(super) origin: (f32, f32),
-    /// Cosine and sine of where the wind blows to.
+    /// Cosine and sine of the direction the wind blows to.
     pub(super) wind: (f32, f32),
 }
 
 at_level! { simd;
-    /// Breaks the cover of foam up into lace at two scales, streaked along the crests.
+    /// Breaks the foam's cover up into lace at two scales, streaked along the crests.
     pub(super) fn texture_foam(simd: Simd, lookup: &FoamTexture<'_>, chunk: &mut Chunk) {
         for i in 0..CHUNK {
             let (x, y) = (chunk.px[i] , chunk.py[i]);
@@ -59,7 +58,7 @@ at_level! { simd;
 }
 
 at_level! { simd;
-    /// What the spread of the facets makes of reflections, at the nodes of a row.
+    /// Computes what the variance of slopes means for reflections, at the nodes of a row.
     pub(super) fn prepare_reflection(simd: Simd, light: &Lighting, nodes: &mut Nodes) {
         let count = nodes.count();
         let (vx, vy, vz) = (&nodes.vx.0[..count], &nodes.vy.0[..count], &nodes.vz.0[..count]);
@@ -75,7 +74,7 @@ at_level! { simd;
             std_dev[i] = sigma;
             lean[i] = variance / (vz[i] + 0.6 * sigma * level);
             grazing[i] = 0.98 / (1.0 + 22.7 * sigma * sigma.sqrt());
-            // The slope that would mirror the sun into this line of sight.
+            // The slope that would reflect the sun into this line of sight.
             let (hx, hy, hz) = (light.to_sun[0] + vx[i], light.to_sun[1] + vy[i], light.to_sun[2] + vz[i]);
             let per_hz = -1.0 / hz;
             glint_x[i] = hx * per_hz;
@@ -87,7 +86,7 @@ at_level! { simd;
     }
 }
 
-/// 1 / sqrt(1 + q) of squared slopes, to a thousandth below q = 1: a cubic, and one step of Newton's method.
+/// 1 / sqrt(1 + q), to a thousandth below q = 1: a cubic, and one Newton step.
 #[inline(always)]
 fn per_root(q: f32) -> f32 {
     let p = if q < 1.5 { q } else { 1.5 };
@@ -96,18 +95,18 @@ fn per_root(q: f32) -> f32 {
 }
 
 at_level! { simd;
-    /// The colour of a chunk of water. `position` is the column that it begins with, and whether it is bare: in plain
-    /// light, without foam, wake and images.
+    /// Shades a chunk of water. `start` is its first column, and whether the water is bare: in full light, without
+    /// foam, wake and images of objects.
     pub(super) fn shade_water(
         simd: Simd,
         light: &Lighting,
         body: &WaterBody,
         clouds: &Texture,
         nodes: &Nodes,
-        position: (usize, bool),
+        start: (usize, bool),
         chunk: &mut Chunk,
     ) {
-        let (column, is_bare) = position;
+        let (column, is_bare) = start;
         let mut reflect = [[0.0_f32; CHUNK]; 3];
         let mut fresnel = [0.0_f32; CHUNK];
         let mut glint = [0.0_f32; CHUNK];
@@ -173,7 +172,7 @@ at_level! { simd;
 }
 
 at_level! { simd;
-    /// The sky, for the pixels of a chunk that look above the horizon.
+    /// Shades the pixels of a chunk above the horizon.
     pub(super) fn shade_sky(
         simd: Simd,
         light: &Lighting,
@@ -186,7 +185,7 @@ at_level! { simd;
             let (dx, dy, dz) = (chunk.dx[i], chunk.dy[i], chunk.dz[i]);
             let per_length = 1.0 / (dx * dx + dy * dy + dz * dz).sqrt();
             let sky = light.sky(clouds, dx * per_length, dy * per_length, dz * per_length, 0.0);
-            // The horizon runs through pixels: those it crosses show both.
+            // Pixels that the horizon crosses show both.
             let part = (0.5 + (dz + horizon) * per_pixel).max(0.0).min(1.0);
             for c in 0..3 {
                 let water = chunk.colour[c][i];

@@ -1,5 +1,5 @@
-//! Textures made from noise: clouds, grain, and the lace of foam. All are square, repeat without a seam, and are looked
-//! up bilinearly with one load.
+//! Textures made from noise: clouds, gusts, grain, and the lace of foam. All are square and periodic, and a bilinear
+//! look-up is one load.
 
 use crate::noise;
 
@@ -8,7 +8,7 @@ pub(super) const SIDE: usize = 256;
 const MASK: u32 = SIDE as u32 - 1;
 const TEXELS: usize = SIDE * SIDE;
 
-/// A texture: each texel with its neighbours to the right, below, and both, a byte each.
+/// A texture: each texel packed with its neighbours to the right, below, and both, a byte each.
 #[derive(Debug, Clone)]
 pub(super) struct Texture {
     quads: Box<[u32; TEXELS]>,
@@ -40,7 +40,7 @@ pub(super) fn round_to_i32(v: f32) -> i32 {
     ((v + ROUNDING) - ROUNDING) as i32
 }
 
-/// Adds to a float of less than 2^22 in size so that its nearest whole number stands in the lowest bits.
+/// Added to a float of less than 2^22 in size, this leaves the nearest whole number in the lowest bits.
 pub(super) const ROUNDING: f32 = 12_582_912.0;
 
 impl Texture {
@@ -59,8 +59,8 @@ impl Texture {
         Self { quads }
     }
 
-    /// Fractal noise: octaves from cells of `coarsest` texels down to `finest`, each weaker by `fall`, stretched to
-    /// fill 0..1.
+    /// Fractal noise: octaves from cells of `coarsest` down to `finest` texels, each `fall` times the one before,
+    /// scaled to fill 0..1.
     pub(super) fn fractal(seed: u64, coarsest: usize, finest: usize, fall: f64) -> Self {
         let mut sums = vec![0.0; TEXELS];
         let (mut cell, mut weight, mut stream) = (coarsest, 1.0, 0);
@@ -104,7 +104,7 @@ impl Texture {
         })
     }
 
-    /// The value at a place in texels, 0 to 255.
+    /// The value at a position in texels, 0 to 255.
     #[inline(always)]
     pub(super) fn sample(&self, u: f32, v: f32) -> f32 {
         let (mu, mv) = ((u - 0.5) + ROUNDING, (v - 0.5) + ROUNDING);
@@ -118,7 +118,7 @@ impl Texture {
     }
 }
 
-/// One random point in each square cell.
+/// A random point in each square cell.
 struct Cells {
     seed: u64,
     cell: usize,

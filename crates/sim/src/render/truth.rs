@@ -1,5 +1,5 @@
-//! What is true of a drawn picture: which pixels show the target, how much of it, where its waterline's middle lies,
-//! and where its bow points.
+//! The truth about a rendered picture: which pixels show the target, how much of it is visible, where the middle of
+//! its waterline is projected to, and its heading in the picture.
 
 use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
@@ -11,34 +11,33 @@ use crate::snapshot::{Snapshot, Target};
 /// The truth about one picture.
 #[derive(Debug, Clone, Default)]
 pub struct RenderedTruth {
-    /// The pixels that show the target: at least half covered by what of it is not hidden.
+    /// Pixels of which the unhidden target covers at least half.
     pub mask: TargetMask,
-    /// The smallest upright box about the mask; `None` where no pixel shows it.
+    /// Smallest upright box around the mask; `None` where the mask is empty.
     pub bounds: Option<PixelBox>,
-    /// Which part of the target is seen, 0 to 1: of what would be seen of it on still water, with nothing before it
-    /// and wholly within the picture.
+    /// Visible share of the target, 0 to 1: of what would be seen on still water, unhidden and wholly in the picture.
     pub visible_share: f64,
-    /// Where the middle of its waterline is projected to, within the picture or not; `None` behind the camera.
+    /// Projection of the middle of the waterline, inside the picture or not; `None` behind the camera.
     pub waterline: Option<PixelPoint>,
-    /// Where its bow points in the picture: 0 along image right, anticlockwise as seen, up to 360 degrees. `None`
-    /// where it points along the line of sight, or behind the camera.
+    /// Heading in the picture: 0 along image right, anticlockwise as seen, below 360 degrees. `None` along the line
+    /// of sight, or behind the camera.
     pub heading: Option<Angle>,
-    /// From the optical centre to the middle of its waterline, metres.
+    /// From the optical centre to the middle of the waterline, metres.
     pub range_m: f64,
 }
 
-/// The pixels that show the target, as a part of the picture.
+/// The pixels that show the target, within a part of the picture.
 #[derive(Debug, Clone, Default)]
 pub struct TargetMask {
-    /// First column and row of the part.
+    /// First column of the part.
     pub left: usize,
-    /// First row.
+    /// First row of the part.
     pub top: usize,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Row by row, whether a pixel of the part shows the target.
+    /// Row by row, whether each pixel of the part shows the target.
     pub is_target: Vec<bool>,
 }
 
@@ -50,17 +49,17 @@ impl TargetMask {
         inside && self.is_target[(row - self.top) * self.width + column - self.left]
     }
 
-    /// How many pixels show it.
+    /// Number of pixels that show the target.
     pub fn count(&self) -> usize {
         self.is_target.iter().filter(|is_target| **is_target).count()
     }
 }
 
-/// The bow is looked for so far ahead of the middle, metres.
+/// Distance of the point used for the heading ahead of the middle, metres.
 const BOW_M: f64 = 0.3;
 
 impl RenderedTruth {
-    /// What the geometry alone says.
+    /// Computes what follows from the geometry.
     pub(super) fn measure(&mut self, camera: &Camera, snapshot: &Snapshot) {
         let position = snapshot.target.position();
         let seen = camera.project(position);
@@ -86,7 +85,7 @@ impl RenderedTruth {
         self.range_m = camera.row(row).position.vector_to(position).norm();
     }
 
-    /// What the drawn tiles say: the target's, and those of things before it.
+    /// Computes what follows from the rendered tiles: the target's, and those of the objects in front of it.
     pub(super) fn cover<'a>(
         &mut self,
         camera: &Camera,

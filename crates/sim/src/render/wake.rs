@@ -1,12 +1,13 @@
-//! The boat's wake: waves that it pushes up and foam that its jet leaves, on a grid that goes with it.
+//! The boat's wake: the waves it raises and the foam its jet leaves, on a grid that moves with the boat.
 //!
-//! The height h (m) follows a damped wave equation, `h'' = c^2 laplace(h) - d h'`, at fixed steps of [`STEP_TICKS`]; the
-//! boat presses the water up before its bow and down behind its stern. One speed c stands for all of the wake's
-//! waves: the arms of its V lie right at the speeds of trials; a real wake's inner pattern is missing. Foam decays and
-//! spreads. Where the boat was between two snapshots is interpolated, so that the wake does not depend on the frame rate.
+//! The elevation h (m) follows a damped wave equation, `h'' = c^2 laplace(h) - d h'`, at fixed steps of
+//! [`STEP_TICKS`]; the boat raises the water at its bow and lowers it at its stern. One speed c stands for all waves
+//! of the wake: the arms of the V lie right at the speeds of the trials, but the inner pattern of a real wake is
+//! missing. Foam decays and spreads. The boat's position is interpolated between snapshots, so that the wake does not
+//! depend on the frame rate.
 //!
-//! The grid is a torus: a cell of the world has one slot for good, and slots of cells that the window leaves are
-//! cleared for those that it enters.
+//! The grid is a torus: each cell of the world has a fixed slot. Slots of cells that leave the window are cleared for
+//! those that enter it.
 
 use barrelman_simd::{Simd, at_level};
 
@@ -16,7 +17,7 @@ use super::texture::ROUNDING;
 use crate::snapshot::{Boat, Snapshot, Target};
 use crate::tick::TICKS_PER_SECOND;
 
-/// Slots along the grid's side.
+/// Slots along the side of the grid.
 const SIDE: usize = 512;
 const MASK: i64 = SIDE as i64 - 1;
 /// Cells along the side of a block, and blocks along the grid's side.
@@ -24,18 +25,18 @@ const BLOCK: usize = 16;
 const BLOCKS: usize = SIDE / BLOCK;
 /// Side of a cell, metres.
 const CELL_M: f64 = 0.075;
-/// Ticks of a step.
+/// Ticks of a simulation step.
 const STEP_TICKS: u64 = 4;
-/// Steps that a snapshot may leave to be caught up; more is a new scene.
+/// Snapshots more steps apart than this start a new wake.
 const MAX_GAP_STEPS: u64 = 300;
-/// Speed of the wake's waves, m/s.
+/// Speed of the waves, m/s.
 const WAVE_SPEED: f64 = 1.3;
-/// Share of the motion that is lost in a step.
+/// Share of the motion lost in a step.
 const DAMPING: f32 = 0.014;
-/// Steps in which foam falls to 1/e, as a share for one step; and how it spreads.
+/// Decay of foam in a step, from the number of steps to 1/e; and its diffusion.
 const FOAM_DECAY: f32 = 1.0 / (3.0 * 30.0);
 const FOAM_SPREAD: f32 = 0.012;
-/// Slope for one step of a byte.
+/// Slope of one step of a byte.
 const SLOPE_STEP: f32 = 0.45 / 127.0;
 
 /// The grid.
@@ -47,9 +48,9 @@ pub(super) struct Wake {
     foam_before: Vec<f32>,
     /// Slopes (two signed bytes), foam and air (a byte each).
     packed: Box<[u32; SIDE * SIDE]>,
-    /// Blocks of cells where there is anything, a bit each, row by row.
+    /// Blocks with anything in them, a bit each, row by row.
     occupied: [u32; BLOCKS],
-    /// Cell of the window's lower corner.
+    /// Cell at the lower corner of the window.
     window: Option<(i64, i64)>,
     last: Option<(u64, Boat)>,
     stepped: u64,
@@ -72,7 +73,7 @@ impl Wake {
         }
     }
 
-    /// Goes on to a snapshot.
+    /// Advances to a snapshot.
     pub(super) fn advance_to(&mut self, simd: Simd, snapshot: &Snapshot) {
         let Target::Boat(boat) = snapshot.target else {
             self.reset();
@@ -113,7 +114,7 @@ impl Wake {
     }
 
     fn step(&mut self, simd: Simd, x: f64, y: f64, boat: &Boat) {
-        // The window lies farther behind the boat than before it.
+        // The window extends farther behind the boat than ahead of it.
         let speed = libm::hypot(boat.velocity.0, boat.velocity.1);
         let back = 9.0 * (speed / 1.5).min(1.0) / speed.max(1e-6);
         let half = 0.5 * SIDE as f64;
@@ -127,7 +128,7 @@ impl Wake {
         self.apply_boat(x, y, boat, speed);
     }
 
-    /// The boat's own doing in a step.
+    /// Adds the boat's effect in a step.
     fn apply_boat(&mut self, x: f64, y: f64, boat: &Boat, speed: f64) {
         let (sin, cos) = libm::sincos(boat.pose.heading.radians());
         let seconds = STEP_TICKS as f64 / f64::from(TICKS_PER_SECOND);
@@ -148,7 +149,7 @@ impl Wake {
         }
     }
 
-    /// Does something to height and foam about a place, with a weight that falls as a Gaussian of this radius (m).
+    /// Changes elevation and foam around a position, with Gaussian weights of this radius (m).
     fn splat(&mut self, x: f64, y: f64, radius: f64, act: impl Fn(&mut (f32, f32), f64)) {
         let reach = libm::ceil(2.5 * radius / CELL_M) as i64;
         let (cx, cy) = (libm::floor(x / CELL_M) as i64, libm::floor(y / CELL_M) as i64);
@@ -176,7 +177,7 @@ impl Wake {
                 new..old
             }
         };
-        // One cell more stays empty: waves do not run through the seam of the torus.
+        // One more cell stays empty, so that waves do not cross the seam of the torus.
         for column in entered(ox, x).chain([x]) {
             for row in 0..SIDE {
                 self.clear(row * SIDE + (column & MASK) as usize);
@@ -192,7 +193,7 @@ impl Wake {
         (self.height[at], self.before[at], self.foam[at]) = (0.0, 0.0, 0.0);
     }
 
-    /// How a row's camera over this place of the world sees it; `None` where there is no wake.
+    /// The wake relative to a camera above this position; `None` without wake.
     pub(super) fn lookup(&self, x: f64, y: f64) -> Option<WakeLookup<'_>> {
         let (left, low) = self.window?;
         let cells = |at: f64| at / CELL_M;
@@ -211,7 +212,7 @@ impl Wake {
 }
 
 at_level! { simd;
-    /// One step of the wave equation: `before` becomes the height after `height`.
+    /// A step of the wave equation: `before` becomes the elevation after `height`.
     fn step_heights(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
         for row in 0..SIDE {
             let here = &height[row * SIDE..][..SIDE];
@@ -242,7 +243,7 @@ at_level! { simd;
             let mut update = |left: usize, at: usize, right: usize| {
                 let laplace = upper[at] + lower[at] + here[left] + here[right] - 4.0 * here[at];
                 let kept = here[at] * (1.0 - FOAM_DECAY) + FOAM_SPREAD * laplace;
-                // Below a thousandth nothing is seen; numbers must not become subnormal.
+                // Foam below a thousandth is invisible; numbers must not become subnormal.
                 out[at] = if kept > 1e-3 { kept } else { 0.0 };
             };
             update(SIDE - 1, 0, 1);
@@ -286,20 +287,20 @@ at_level! { simd;
     }
 }
 
-/// The wake as a row's camera sees it.
+/// The wake, relative to a camera.
 #[derive(Clone, Copy)]
 pub(super) struct WakeLookup<'a> {
     packed: &'a [u32; SIDE * SIDE],
     occupied: &'a [u32; BLOCKS],
     /// Slot below the camera.
     origin: (f32, f32),
-    /// The window's corners from below the camera, metres.
+    /// Corners of the window, from below the camera, metres.
     low: (f32, f32),
     high: (f32, f32),
 }
 
 impl WakeLookup<'_> {
-    /// Whether a chunk sees anything of it, if relief moves its places by no more than `moved` metres.
+    /// Whether a chunk sees any of the wake, if relief moves its points by at most `moved` metres.
     pub(super) fn meets(&self, nodes: &Nodes, column: usize, moved: f32) -> bool {
         let wider = |(low, high): (f32, f32)| (low - moved, high + moved);
         let (x, y) = (wider(nodes.px.range(column)), wider(nodes.py.range(column)));
@@ -310,7 +311,7 @@ impl WakeLookup<'_> {
     }
 }
 
-/// The blocks that look-ups from `low` to `high` metres may touch, within the window's borders.
+/// The blocks that look-ups from `low` to `high` metres may touch, within the window.
 fn blocks((low, high): (f32, f32), window: (f32, f32), origin: f32) -> std::ops::Range<i32> {
     if high <= window.0 || low >= window.1 {
         return 0..0;
@@ -322,7 +323,7 @@ fn blocks((low, high): (f32, f32), window: (f32, f32), origin: f32) -> std::ops:
 }
 
 at_level! { simd;
-    /// Adds the wake's slopes, foam and air.
+    /// Adds slopes, foam and air of the wake.
     pub(super) fn add_wake(simd: Simd, lookup: &WakeLookup<'_>, chunk: &mut Chunk) {
         const PER_CELL: f32 = (1.0 / CELL_M) as f32;
         for i in 0..CHUNK {

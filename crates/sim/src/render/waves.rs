@@ -1,14 +1,14 @@
-//! The surface of the water as the picture needs it: slopes on three tiles of growing fineness.
+//! The surface of the water for rendering: slopes on three tiles of increasing fineness.
 //!
-//! WaveTile 0 carries the waves of the [`Sea`], the very ones that move the boat, on the sea's own lattice. Tiles 1 and 2 carry
-//! ripples: random waves whose curvature spectrum is flat, `S(k) = B D(angle) / k^4` (the saturation range, as in
-//! `elfouhaily1997`), with B such that all slopes together have the variance that `cox1954` measured under this wind.
-//! What is shorter than tile 2's grid is roughness. Each tile is turned by an angle of its own, so that their
+//! Tile 0 carries the waves of the [`Sea`], the same that move the boat, on the sea's own lattice. Tiles 1 and 2
+//! carry ripples: random waves with a flat curvature spectrum, `S(k) = B D(angle) / k^4` (the saturation range, as in
+//! `elfouhaily1997`), with B such that all slopes together have the variance measured by `cox1954` under this wind.
+//! Waves shorter than tile 2's grid are unresolved variance. Each tile is rotated by a different angle, so that the
 //! repetition does not show.
 //!
-//! Each frame, a spectrum at its tick goes through one inverse Fourier transform for both slopes (as real and
+//! In each frame, the spectrum at its tick goes through one inverse Fourier transform for both slopes (as real and
 //! imaginary part), and tile 0 through two more: elevation with the crests that break now, and crests that broke
-//! earlier, from which whitecaps come. Nothing is remembered from frame to frame: any tick can be drawn.
+//! earlier, from which whitecaps come. Nothing carries over from frame to frame: any tick can be rendered.
 
 use barrelman_simd::{Simd, at_level};
 
@@ -18,33 +18,33 @@ use super::quad_map::{QuadMap, Texel};
 use crate::noise;
 use crate::sea::{Sea, Wave, deep_water};
 
-/// Levels of a tile, at most.
+/// Upper bound of a tile's levels.
 pub(super) const LEVELS: usize = 16;
-/// How long ago the crests broke whose foam is still there, ticks.
+/// Ages of earlier crests whose foam is still visible, ticks.
 const EARLIER_CREST_TICKS: [u64; 2] = [70, 190];
-/// Sea states from here on break.
+/// Sea states from this number on have breaking waves.
 const MIN_BREAKING_STATE: u8 = 2;
-/// Part of the ripples' variance that is left to roughness.
+/// Share of the ripples' variance that stays unresolved.
 const UNRESOLVED_SHARE: f64 = 0.22;
-/// Largest lattice number that a tile of 128 carries.
+/// Largest lattice number on a tile of 128.
 const MAX_LATTICE: f64 = 58.0;
 
-/// What one tile shows.
+/// One tile.
 #[derive(Debug)]
 pub(super) struct WaveTile {
-    /// Metres.
+    /// Side, metres.
     pub(super) side_m: f64,
     /// Grid points along the side.
     pub(super) n: usize,
-    /// Cosine and sine of the tile's turn against the world, anticlockwise.
+    /// Cosine and sine of the tile's rotation against the world, anticlockwise.
     pub(super) turn: (f64, f64),
     /// Slopes along the world's x and y.
     pub(super) slopes: QuadMap,
-    /// Slope for one step of a byte.
+    /// Slope of one step of a byte.
     pub(super) slope_step: f32,
-    /// Variance of the slope along one axis that each level has lost; the flat ones have lost all.
+    /// Variance of slope along one axis that each level has lost; flat levels have lost all.
     pub(super) lost: [f32; LEVELS],
-    /// Levels from here on are as good as flat.
+    /// Levels from here on count as flat.
     pub(super) flat_level: usize,
     spectrum: Spectrum,
     fourier: Fourier,
@@ -57,7 +57,7 @@ enum Spectrum {
     Ripples(Ripples),
 }
 
-/// What tile 0 shows beside slopes.
+/// Further data of tile 0.
 #[derive(Debug)]
 pub(super) struct Swell {
     sea: Sea,
@@ -66,10 +66,10 @@ pub(super) struct Swell {
     pub(super) step_m: f32,
     /// Elevation on the grid, metres: row by row along the tile's x.
     pub(super) grid_m: Vec<f32>,
-    /// Foam of breaking crests, 0 to 127 in the lower byte; `None` where nothing breaks.
+    /// Foam of breaking crests, 0 to 127 in the lower byte; `None` where no waves break.
     pub(super) foam: Option<QuadMap>,
     /// Standard deviation of the measure of crests.
-    crest_deviation: f32,
+    crest_std_dev: f32,
     crests: Vec<f32>,
 }
 
@@ -82,7 +82,7 @@ struct Ripples {
     vector: (Vec<f32>, Vec<f32>),
 }
 
-/// The three tiles of a sea, and the variance of slope left to roughness.
+/// The three tiles of a sea, and the unresolved variance of slope.
 pub(super) fn tiles(sea: &Sea, n: usize) -> ([WaveTile; 3], f32) {
     let side = sea.tile_side_m();
     let ratio = libm::sqrt(side / 1.3).clamp(3.6, 9.0);
@@ -133,7 +133,7 @@ fn swell(sea: &Sea, n: usize) -> WaveTile {
             step_m: (1.5 * significant / 32_767.0) as f32,
             grid_m: vec![0.0; n * n],
             foam,
-            crest_deviation: libm::sqrt(crest2) as f32,
+            crest_std_dev: libm::sqrt(crest2) as f32,
             crests: vec![0.0; n * n],
         })),
         fourier: Fourier::new(n),
@@ -141,7 +141,7 @@ fn swell(sea: &Sea, n: usize) -> WaveTile {
     }
 }
 
-/// Adds what each level loses of a wave's variance: a level averages squares of 2^l grid points.
+/// Adds what each level loses of a wave's variance; a level averages squares of 2^l grid points.
 fn add_lost(lost: &mut [f64; LEVELS], variance: f64, lattice: (i32, i32), n: usize) {
     for (level, slot) in lost.iter_mut().enumerate() {
         let width = (1_u32 << level) as f64 / n as f64;
@@ -236,7 +236,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
 }
 
 impl WaveTile {
-    /// Brings the tile to this tick.
+    /// Advances the tile to a tick.
     pub(super) fn advance(&mut self, simd: Simd, tick: u64) {
         let [map, other] = &mut self.maps;
         match &mut self.spectrum {
@@ -256,7 +256,7 @@ impl WaveTile {
         }
     }
 
-    /// What tile 0 shows beside slopes.
+    /// The further data of tile 0.
     pub(super) fn swell(&self) -> Option<&Swell> {
         match &self.spectrum {
             Spectrum::Sea(swell) => Some(swell),
@@ -275,7 +275,7 @@ impl Swell {
         map: &mut Map,
         other: &mut Map,
     ) {
-        // A crest is where the sum of a |k| cos(phase) is high.
+        // The crest measure is the sum of a |k| cos(phase).
         let crest = |wave: &Wave| (libm::hypot(wave.vector.0, wave.vector.1), 0.0);
         add_waves(&self.sea, n, [tick, tick], map, |wave| [(1.0, 0.0), crest(wave)]);
         fourier.inverse(simd, map, other);
@@ -287,15 +287,15 @@ impl Swell {
         add_waves(&self.sea, n, before, map, |wave| [crest(wave), crest(wave)]);
         fourier.inverse(simd, map, other);
         let wind = self.sea.wind().speed_mps as f32;
-        // Crests higher than this many standard deviations break: more of them under more wind.
-        let threshold = self.crest_deviation * (3.05 - 0.12 * wind);
-        whitecaps(simd, threshold, self.crest_deviation, &self.crests, &mut map.re, &mut map.im);
+        // Crests above this many standard deviations break; more of them in stronger wind.
+        let threshold = self.crest_std_dev * (3.05 - 0.12 * wind);
+        whitecaps(simd, threshold, self.crest_std_dev, &self.crests, &mut map.re, &mut map.im);
         foam.fill(simd, &mut map.re, &mut map.im, Texel::Pair(1.0));
     }
 }
 
-/// Puts waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their transform. For
-/// each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at the tick of its own.
+/// Writes waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their transform. For
+/// each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at its own tick.
 fn add_waves(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&Wave) -> [(f64, f64); 2]) {
     map.re.fill(0.0);
     map.im.fill(0.0);
@@ -319,7 +319,7 @@ fn add_waves(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl F
 }
 
 at_level! { simd;
-    /// The spectrum of both slopes: `(i kx - ky) H`, H that of the elevation.
+    /// The spectrum of both slopes: `(i kx - ky) H`, with H the spectrum of the elevation.
     fn ripple_spectrum(simd: Simd, ripples: &Ripples, tick: u32, map: &mut Map) {
         let count = map.re.len();
         let (re, im) = (&mut map.re[..count], &mut map.im[..count]);
@@ -338,8 +338,8 @@ at_level! { simd;
 }
 
 at_level! { simd;
-    /// Foam from crests now and at two earlier moments (`first`, `second`): its cover, 0 to 127, into `first`, and
-    /// into `second` how fresh it is.
+    /// Foam from crests now and at two earlier ticks (`first`, `second`): writes its cover, 0 to 127, into `first`,
+    /// and its freshness into `second`.
     fn whitecaps(
         simd: Simd,
         threshold: f32,
@@ -348,11 +348,11 @@ at_level! { simd;
         first: &mut [f32],
         second: &mut [f32],
     ) {
-        let per_deviation = 1.0 / (0.5 * std_dev);
+        let per_std_dev = 1.0 / (0.5 * std_dev);
         for i in 0..crests.len().min(first.len()).min(second.len()) {
-            let now = ((crests[i] - threshold) * per_deviation).clamp(0.0, 1.0);
-            let a_while_ago = ((first[i] - threshold) * per_deviation).clamp(0.0, 1.0);
-            let long_ago = ((second[i] - threshold) * per_deviation).clamp(0.0, 1.0);
+            let now = ((crests[i] - threshold) * per_std_dev).clamp(0.0, 1.0);
+            let a_while_ago = ((first[i] - threshold) * per_std_dev).clamp(0.0, 1.0);
+            let long_ago = ((second[i] - threshold) * per_std_dev).clamp(0.0, 1.0);
             let cover = now.max(0.75 * a_while_ago).max(0.5 * long_ago);
             first[i] = 127.0 * cover;
             second[i] = 127.0 * now;
@@ -381,10 +381,10 @@ mod tests {
                 for (row, column) in [(0, 0), (3, 100), (77, 12), (127, 127)] {
                     let at = |index: usize| index as f64 * tile.side_m / n as f64;
                     let exact = sea.surface_at(at(column), at(row), tick).elevation;
-                    let drawn = f64::from(grid[row * n + column]);
+                    let rendered = f64::from(grid[row * n + column]);
                     // Single precision against double: millionths of the wave height.
                     let tolerance = 2e-5 * state.significant_height_m();
-                    assert!((drawn - exact).abs() < tolerance, "{state:?} {tick}: {drawn} and {exact}");
+                    assert!((rendered - exact).abs() < tolerance, "{state:?} {tick}: {rendered} and {exact}");
                 }
             }
         }

@@ -1,40 +1,40 @@
-//! The boat's way over the water: forward along its heading, with orders that change now and then.
+//! The boat's motion over the water: forward along its heading, with orders that change now and then.
 //!
-//! Speed and rate of turn follow their orders with a lag of first order. A boat that hardly moves hardly turns.
+//! Speed and turn rate follow their orders through first-order lags. A boat that hardly moves hardly turns.
 
 use super::rng::Rng;
 use super::view::PlanePoint;
 
-/// How fast the rate of turn follows its order, s: a small boat answers its rudder within half a second.
+/// Time constant of the turn rate, s: a small boat answers its rudder within half a second.
 const TURN_LAG_S: f64 = 0.35;
-/// How fast the speed follows its order, s.
+/// Time constant of the speed, s.
 const SPEED_LAG_S: f64 = 0.6;
-/// The hardest turn, rad/s (60 degrees per second).
+/// Largest turn rate, rad/s (60 degrees per second).
 const MAX_TURN_RATE: f64 = core::f64::consts::FRAC_PI_3;
-/// Rate of turn per angle still to turn, 1/s, when the boat is to go in a direction.
+/// Turn rate per heading error when the boat has a direction to go in, 1/s.
 const STEERING_GAIN: f64 = 1.8;
-/// The slowest and fastest orders, hull lengths per second.
+/// Lowest and highest ordered speed, hull lengths per second.
 pub(super) const MIN_SPEED: f64 = 0.55;
 const MAX_SPEED: f64 = 3.0;
 
-/// What the boat is to do.
+/// An order to the boat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Order {
-    /// Go about as chance has it.
+    /// Move about at random.
     Roam,
-    /// Go about slowly.
+    /// Move about slowly.
     Loiter,
-    /// Go in a direction of the plane (radians, anticlockwise from x), briskly.
+    /// Move briskly in a direction of the plane (radians, anticlockwise from x).
     Head(f64),
 }
 
-/// The boat and who steers it.
+/// The boat and its helmsman.
 #[derive(Debug, Clone)]
 pub(super) struct BoatMotion {
     rng: Rng,
     hull: f64,
     max_speed: f64,
-    /// Where roaming is kept to, if anywhere: a radius around the start, in the plane's unit.
+    /// Radius around the start that roaming keeps to, in the plane's unit; `None`: no limit.
     home_radius: Option<f64>,
     pub(super) at: PlanePoint,
     /// Radians, anticlockwise from the plane's x.
@@ -48,7 +48,7 @@ pub(super) struct BoatMotion {
 }
 
 impl BoatMotion {
-    /// A boat of that length at the plane's origin, and the fastest it may go, in the plane's unit per second.
+    /// A boat of this length at the plane's origin. `max_speed` is in the plane's unit per second.
     pub(super) fn new(mut rng: Rng, hull: f64, max_speed: f64, home_radius: Option<f64>) -> Self {
         let max_speed = (max_speed / hull).clamp(MIN_SPEED * 1.5, MAX_SPEED);
         let heading = rng.uniform(-core::f64::consts::PI, core::f64::consts::PI);
@@ -69,13 +69,13 @@ impl BoatMotion {
         }
     }
 
-    /// Velocity over the water in the plane, units per second.
+    /// Velocity over the water, in the plane's unit per second.
     pub(super) fn velocity(&self) -> (f64, f64) {
         let speed = self.speed * self.hull;
         (speed * libm::cos(self.heading), speed * libm::sin(self.heading))
     }
 
-    /// Goes on for a short time.
+    /// Advances by a short time.
     pub(super) fn step(&mut self, order: Order, now_s: f64, dt_s: f64) {
         match order {
             Order::Head(direction) => {
@@ -125,7 +125,7 @@ impl BoatMotion {
     }
 }
 
-/// The same angle in -pi..=pi.
+/// The same angle within -pi to pi.
 fn wrap_angle(radians: f64) -> f64 {
     libm::atan2(libm::sin(radians), libm::cos(radians))
 }

@@ -1,5 +1,5 @@
-//! What is drawn on before it becomes a picture: three planes of numbers with a margin all around, so that blur
-//! needs no care at the borders, and what optics and sensor do to them.
+//! The canvas of a scene: three planes of numbers with a margin, so that blur needs no border cases, and the effects
+//! of optics and sensor on them.
 
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
@@ -7,19 +7,19 @@ use barrelman_vocab::{Picture, PictureSize, PixelBox};
 use super::colour::Yuv;
 use crate::noise;
 
-/// Margin in luma px: room for half of the longest motion blur and the widest optical blur.
+/// Margin in luma px: room for half of the longest motion blur and for the widest lens blur.
 pub(super) const MARGIN: usize = 16;
-/// Longest motion blur, px: at 25 px a frame, open for 0.4 of it.
+/// Longest motion blur, px: 25 px a frame with the shutter open for 0.4 of it.
 const MAX_BLUR_PX: f64 = 12.0;
-/// Farthest pixel that the optical blur takes in: 2.6 standard deviations of the widest.
+/// Reach of the lens blur, px: 2.6 standard deviations of the widest.
 const BLUR_REACH: usize = 4;
-/// Samples per pixel and axis of a thing's silhouette.
+/// Samples per pixel and axis of an object's silhouette.
 const SAMPLES: usize = 4;
-/// The order in which a pixel's samples are taken during the exposure: neighbours at different times.
+/// Times of a pixel's samples during the exposure; neighbours have different times.
 const EXPOSURE_ORDER: [u8; SAMPLES * SAMPLES] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
-/// Numbers of ready-made noise; each row begins somewhere else in them.
+/// Length of the noise table; each row starts at another position.
 const NOISE_LENGTH: usize = 1 << 16;
-/// How the samples stand for colours.
+/// Colour encoding of the pictures.
 pub(super) const COLOUR: ColourEncoding =
     ColourEncoding { matrix: ColourMatrix::Bt709, range: SampleRange::Limited };
 
@@ -37,10 +37,10 @@ impl Field {
     }
 }
 
-/// What light becomes in the sensor.
+/// Properties of the sensor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sensor {
-    /// The light there is, about 1.
+    /// Brightness of the scene, about 1.
     pub(super) light: f32,
     /// Factor of the chroma.
     pub(super) saturation: f32,
@@ -52,7 +52,7 @@ pub(super) struct Sensor {
 pub(super) struct Canvas {
     size: PictureSize,
     pub(super) y: Field,
-    /// Half as wide and high, as the margin is.
+    /// Half as wide and high as `y`, margin included.
     pub(super) u: Field,
     pub(super) v: Field,
     scratch: Vec<f32>,
@@ -65,7 +65,7 @@ impl Canvas {
         let (width, height) = (even(size.width), even(size.height));
         let chroma = Field::new(width / 2, height / 2);
         let normal = |at: usize| {
-            // The sum of four bytes' halves is near enough to a normal distribution for a sensor.
+            // The sum of four uniform numbers is close enough to a normal distribution.
             let bits = noise::hash(seed, 0, at as u64);
             let sum: u64 = (0..4).map(|part| (bits >> (16 * part)) & 0xFFFF).sum();
             ((sum as f64 / 65_535.0 - 2.0) * libm::sqrt(3.0)) as f32
@@ -81,8 +81,8 @@ impl Canvas {
         }
     }
 
-    /// Draws a thing: `colour` says for a point of the picture (u, v) which colour the thing has there, if it is
-    /// there. The thing moves by `motion` px while the picture is exposed; `around` holds it in the middle of it.
+    /// Paints an object. `colour` gives the object's colour at a point of the picture (u, v), if the object covers
+    /// it. The object moves by `motion` px during the exposure; `around` contains it at the middle of the exposure.
     pub(super) fn paint(
         &mut self,
         around: PixelBox,
@@ -118,7 +118,7 @@ impl Canvas {
         }
     }
 
-    /// Smears everything drawn so far along a motion of so many px.
+    /// Blurs everything painted so far along a motion, px.
     pub(super) fn motion_blur(&mut self, motion: (f64, f64)) {
         let length = libm::hypot(motion.0, motion.1);
         let scale_limit = (MAX_BLUR_PX / length.max(1e-9)).min(1.0);
@@ -129,8 +129,7 @@ impl Canvas {
         }
     }
 
-    /// The lens's blur, with that standard deviation in luma px. Chroma is blurred once more by the filter that
-    /// goes before taking every second sample.
+    /// Lens blur with this standard deviation in luma px. Chroma is blurred again by the filter before subsampling.
     pub(super) fn blur(&mut self, sigma_px: f64) {
         blur(&mut self.y, &mut self.scratch, sigma_px);
         let chroma = libm::hypot(sigma_px / 2.0, 0.5);
@@ -138,7 +137,7 @@ impl Canvas {
         blur(&mut self.v, &mut self.scratch, chroma);
     }
 
-    /// The picture that the sensor gives; `seed` is another one for each frame.
+    /// The sensor's picture; `seed` differs from frame to frame.
     pub(super) fn expose(&self, sensor: Sensor, seed: u64, out: &mut Picture) {
         out.reshape(self.size, COLOUR);
         let chroma = out.chroma_size();
@@ -162,7 +161,7 @@ impl Canvas {
     }
 }
 
-/// Mean of a pixel's samples over its area and the exposure: Y, U, V times the cover, and the cover.
+/// Mean of a pixel's samples over its area and the exposure: Y, U, V times the opacity, and the opacity.
 fn pixel_mean(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> Option<Yuv>) -> [f32; 4] {
     let mut sum = [0.0_f32; 4];
     let step = 1.0 / SAMPLES as f64;
@@ -180,7 +179,7 @@ fn pixel_mean(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> 
     sum.map(|sum| sum / (SAMPLES * SAMPLES) as f32)
 }
 
-/// Mean of copies shifted by whole px along the motion. The outermost rows and columns stay as they are.
+/// Mean of copies shifted by whole px along the motion. The outermost rows and columns stay.
 fn motion_blur(field: &mut Field, scratch: &mut [f32], motion: (f64, f64)) {
     let extent = motion.0.abs().max(motion.1.abs());
     if extent < 0.5 {
@@ -205,7 +204,7 @@ fn motion_blur(field: &mut Field, scratch: &mut [f32], motion: (f64, f64)) {
     }
 }
 
-/// A separable Gaussian. The outermost rows and columns stay as they are.
+/// A separable Gaussian. The outermost rows and columns stay.
 fn blur(field: &mut Field, scratch: &mut [f32], sigma: f64) {
     let mut weights = [0.0_f32; BLUR_REACH + 1];
     for (at, weight) in weights.iter_mut().enumerate() {

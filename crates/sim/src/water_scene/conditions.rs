@@ -1,4 +1,4 @@
-//! What a clip is taken in: light, water, camera. Drawn once from the seed.
+//! Conditions of a clip: light, water and camera, sampled once from the seed.
 
 use barrelman_vocab::PictureSize;
 
@@ -20,18 +20,18 @@ const WATERS: [[f64; 3]; 6] = [
 pub(super) struct Conditions {
     /// Sine of the camera's depression of 40 to 80 degrees.
     pub(super) foreshortening: f64,
-    /// How long each picture is exposed, s.
+    /// Exposure time of each picture, s.
     pub(super) exposure_s: f64,
     /// Standard deviation of the lens's blur, px.
     pub(super) blur_px: f64,
     /// Standard deviation of the sensor's noise in luma and chroma, sample values.
     pub(super) noise: [f32; 2],
     pub(super) water: Yuv,
-    /// Haze and sensor: how much of the paints' saturation is left.
+    /// Remaining saturation of the paints after haze and sensor.
     pub(super) saturation: f32,
-    /// Luma that one standard deviation of the waves makes.
+    /// Luma of one standard deviation of the waves.
     pub(super) contrast: f32,
-    /// How many standard deviations a wave's slope must reach to glint, and its height to break.
+    /// Standard deviations that a wave's slope must reach to glint, its height to break, and a fleck of foam to show.
     pub(super) glint_threshold: f32,
     pub(super) crest_threshold: f32,
     pub(super) fleck_threshold: f32,
@@ -39,9 +39,9 @@ pub(super) struct Conditions {
     pub(super) wind: f64,
     /// Picture pixels (at zoom 1) per texel of the wave tiles.
     pub(super) wave_scale: f64,
-    /// Share of the luma by which the picture's top is brighter than its middle.
+    /// Share of the luma by which the top of the picture is brighter than its middle.
     pub(super) gradient: f32,
-    /// Slow change of the light: share, rad/s, radians.
+    /// Slow variation of the light: share, rad/s, radians.
     light: [f64; 3],
     /// Direction of the sun in the plane, radians.
     pub(super) sun: f64,
@@ -54,7 +54,7 @@ impl Conditions {
         let brightness = rng.uniform(0.85, 1.2);
         let water = rng.choose(&WATERS).map(|sample| sample * brightness + rng.uniform(-8.0, 8.0));
         let water = colour::yuv(water);
-        // Dark water shows less of its waves, and all water more in a low sun.
+        // Dark water shows less of its waves; a low sun shows more of them.
         let contrast = rng.uniform(0.06, 0.14) * f64::from(water[0] - 16.0) + rng.uniform(1.0, 3.0);
         let relative = f64::from(script.size.width) / f64::from(REFERENCE.width);
         Self {
@@ -69,7 +69,7 @@ impl Conditions {
             crest_threshold: rng.uniform(2.6, 4.2) as f32,
             fleck_threshold: rng.uniform(2.8, 4.0) as f32,
             wind: rng.uniform(-core::f64::consts::PI, core::f64::consts::PI),
-            // The nearer the camera, the longer the hull and the waves; short waves are there at any distance.
+            // A nearer camera sees a longer hull and longer waves; short waves exist at any distance.
             wave_scale: libm::sqrt(hull / (60.0 * relative)) * relative * rng.uniform(0.8, 1.3),
             gradient: rng.uniform(0.0, 0.18) as f32,
             light: [rng.uniform(0.02, 0.1), rng.uniform(0.1, 0.5), rng.uniform(0.0, 6.0)],
@@ -77,7 +77,7 @@ impl Conditions {
         }
     }
 
-    /// How bright everything is at a time, about 1.
+    /// Brightness at a time, about 1.
     pub(super) fn light(&self, time_s: f64) -> f32 {
         let [share, rate, phase] = self.light;
         let slow = libm::sin(rate * time_s + phase) + 0.4 * libm::sin(2.7 * rate * time_s + 1.3 * phase);
@@ -85,5 +85,5 @@ impl Conditions {
     }
 }
 
-/// The size for which lengths in pixels are given; they go with the width of other pictures.
+/// The picture size for which lengths in pixels are given; they scale with the width.
 pub(super) const REFERENCE: PictureSize = PictureSize::new(1280, 720);

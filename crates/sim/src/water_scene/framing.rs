@@ -1,41 +1,41 @@
-//! Where in the picture the boat is to stand: the plan that a camera operator (and the boat) follow.
+//! The plan of where the boat is in the picture, which the camera and the boat follow.
 //!
-//! Places are offsets from the picture's centre, u to the right and v downwards, px. The phases stand in
-//! `trajectory.rs`. A place *seeks* a goal like a critically damped spring, or *rides* along with the boat.
+//! Positions are offsets from the picture's centre, u to the right and v downwards, px. The phases are drawn in
+//! `trajectory.rs`. A position *seeks* a goal like a critically damped spring, or *rides* along with the boat.
 
 use super::rng::Rng;
 use super::script::SceneKind;
 
-/// How long the boat stays in view at first, s.
+/// First stay in view, s.
 const FIRST_STAY_S: (f64, f64) = (2.5, 4.0);
-/// How long it stays in view between two absences, from when it is well inside, s.
+/// Stay in view between two absences, from when the boat is well inside, s.
 const STAY_S: (f64, f64) = (3.4, 7.0);
-/// How long the camera or the boat waits outside, s. The way back to the border adds 0.5 to 1.5 s.
+/// Wait outside, s. The way back to the border adds 0.5 to 1.5 s.
 const WAIT_S: (f64, f64) = (2.7, 6.3);
-/// What must be left of the clip when the boat begins to leave, s: 3.5 to leave, 3.2 outside, 1.5 to come back
-/// and 4 to be seen again.
+/// Least rest of the clip when the boat starts to leave, s: 3.5 to leave, 3.2 outside, 1.5 to return and 4 to be seen
+/// again.
 const ROUND_S: f64 = 12.2;
-/// What must be left of the clip when the wait ends, s.
+/// Least rest of the clip when the wait ends, s.
 const RETURN_S: f64 = 5.0;
-/// A pan's greatest speed, px/s in the reference picture: 15 to 21 px from frame to frame.
+/// Largest speed of a pan, px/s in the reference picture: 15 to 21 px from frame to frame.
 const PAN_PX_S: (f64, f64) = (450.0, 640.0);
 /// Share of the boat's own speed by which a pan is slower.
-const PAN_SPARES: f64 = 0.6;
-/// The greatest speed of the place while the boat is inside, px/s in the reference picture.
+const PAN_SPEED_REDUCTION: f64 = 0.6;
+/// Largest speed of the position while the boat is inside, px/s in the reference picture.
 const MAX_INSIDE_PX_S: f64 = 220.0;
-/// How long the boat takes to cross the border when it drives, s.
+/// Time in which the boat crosses the border when it drives, s.
 const DRIVE_S: f64 = 2.6;
-/// How long before it drives out (or in) the boat turns that way, s.
+/// The boat turns towards the border this long before it drives out or in, s.
 const TURN_AHEAD_S: f64 = 1.4;
-/// How fast the place takes on the boat's velocity, s.
+/// Time constant with which the position takes on the boat's velocity, s.
 const RIDE_LAG_S: f64 = 0.3;
 
-/// How far places reach, half extents in px.
+/// Limits of positions: half extents in px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Within these the boat is in view, whatever sway and lag do.
     pub(super) inner: (f64, f64),
-    /// Beyond one of these nothing of it is.
+    /// Beyond one of these the boat is wholly outside.
     pub(super) outer: (f64, f64),
     /// The picture's width over the reference picture's.
     pub(super) relative: f64,
@@ -59,10 +59,10 @@ enum CrossingMode {
 #[derive(Debug, Clone, Copy)]
 struct Exit {
     mode: CrossingMode,
-    /// Unit vector across the border, outwards.
+    /// Unit vector outwards across the border.
     outwards: (f64, f64),
     begin_s: f64,
-    /// Where on the outer limits a pan brings the boat.
+    /// Goal of a pan on the outer limits.
     goal: (f64, f64),
 }
 
@@ -77,7 +77,7 @@ enum Phase {
         exit: Exit,
         speed: f64,
     },
-    /// Goes along the outer limits, from one place on their circumference to another.
+    /// Moves along the circumference of the outer limits, from one position to another.
     Away {
         since_s: f64,
         until_s: f64,
@@ -125,11 +125,11 @@ impl Framing {
         matches!(self.phase, Phase::Leaving { .. } | Phase::Returning { .. })
     }
 
-    /// Goes on for a short time. `visible`: something of the boat shows; `boat`: its velocity over the water as
-    /// it looks in the picture, px/s.
+    /// Advances by a short time. `visible`: some of the boat is in the picture; `boat`: its velocity over the water
+    /// in the picture, px/s.
     pub(super) fn step(&mut self, now_s: f64, dt_s: f64, visible: bool, boat: (f64, f64)) -> BoatGoal {
-        // The camera goes with the boat and pans on top of that: not faster than a pan, both together.
-        let pan_px_s = self.pan_px_s - PAN_SPARES * libm::hypot(boat.0, boat.1);
+        // The camera follows the boat and pans in addition; together they are not faster than a pan.
+        let pan_px_s = self.pan_px_s - PAN_SPEED_REDUCTION * libm::hypot(boat.0, boat.1);
         match self.phase {
             Phase::Inside { goal, next_goal_s, exit } => self.stay(goal, next_goal_s, exit, now_s, dt_s),
             Phase::Leaving { exit, speed } => {
@@ -146,7 +146,7 @@ impl Framing {
                 }
             }
             Phase::Away { since_s, until_s, from, to, mode } => {
-                // Half a second to come to rest outside, then the way round.
+                // Half a second to come to rest outside, then along the circumference.
                 let share = ((now_s - since_s - 0.5) / (until_s - since_s - 0.5)).clamp(0.0, 1.0);
                 let eased = share * share * (3.0 - 2.0 * share);
                 let omega = 2.5 + 4.5 * ((now_s - since_s) / 0.6).min(1.0);
@@ -197,7 +197,7 @@ impl Framing {
             goal = sampled_inside(&mut self.rng, self.limits);
             next_goal_s = now_s + self.rng.uniform(2.0, 4.0);
         }
-        // Who is going to drive out goes near that border first.
+        // A boat that will drive out approaches the border first.
         if let Some(exit) = drive.filter(|exit| now_s >= exit.begin_s - 2.5) {
             let (u, v) = self.limits.inner;
             goal = (
@@ -220,7 +220,7 @@ impl Framing {
         }
     }
 
-    /// The next way out, if the clip is long enough for it and for coming back.
+    /// The next exit, if the clip is long enough for it and for the return.
     fn plan_exit(&mut self, begin_s: f64) -> Option<Exit> {
         if self.kind == SceneKind::Manoeuvre
             || begin_s < FIRST_STAY_S.0 - 1.0
@@ -247,7 +247,7 @@ impl Framing {
         let max_wait_s = (self.end_s - RETURN_S - now_s).clamp(WAIT_S.0, WAIT_S.1);
         let wait_s = self.rng.uniform(WAIT_S.0, max_wait_s);
         let from = self.circumference_position();
-        // Other things can stay in view only if the camera does not go far.
+        // Distractors stay in view only if the camera does not go far.
         let max_distance = match self.kind {
             SceneKind::ExitAndReturnWithDistractor => 400.0,
             _ => 260.0 * wait_s,
@@ -267,7 +267,7 @@ impl Framing {
         self.phase = Phase::Returning { mode, goal, speed: distance / DRIVE_S };
     }
 
-    /// Unit vector to the nearest place well inside.
+    /// Unit vector to the nearest position well inside.
     fn inwards(&self) -> (f64, f64) {
         let (u, v) = self.limits.inner;
         let to =
@@ -276,7 +276,7 @@ impl Framing {
         (to.0 / distance, to.1 / distance)
     }
 
-    /// A critically damped spring with a greatest speed.
+    /// A critically damped spring with a largest speed.
     fn seek(&mut self, goal: (f64, f64), omega: f64, max_speed: f64, dt_s: f64) {
         let pull = |at: f64, velocity: f64, goal: f64| {
             velocity + (omega * omega * (goal - at) - 2.0 * omega * velocity) * dt_s
@@ -286,7 +286,7 @@ impl Framing {
         self.advance((vu * speed_limit, vv * speed_limit), dt_s);
     }
 
-    /// Along with the boat, but at `speed` in that direction at least.
+    /// Moves with the boat, but at least at `speed` in a direction.
     fn ride_with_boat(&mut self, direction: (f64, f64), speed: f64, boat: (f64, f64), dt_s: f64) {
         let along = boat.0 * direction.0 + boat.1 * direction.1;
         let aside = (boat.0 - along * direction.0, boat.1 - along * direction.1);
@@ -305,7 +305,7 @@ impl Framing {
         self.at = (self.at.0 + velocity.0 * dt_s, self.at.1 + velocity.1 * dt_s);
     }
 
-    /// The place `along` px on the outer limits' circumference, from their top right corner downwards.
+    /// The point `along` px on the circumference of the outer limits, from the top right corner downwards.
     fn point_on_circumference(&self, along: f64) -> (f64, f64) {
         let (u, v) = self.limits.outer;
         let (right, bottom, left) = (2.0 * v, 2.0 * (u + v), 4.0 * v + 2.0 * u);
@@ -321,7 +321,7 @@ impl Framing {
         }
     }
 
-    /// Where on the circumference of the outer limits the present place is nearest.
+    /// The position on the circumference of the outer limits nearest to the present position.
     fn circumference_position(&self) -> f64 {
         let (u, v) = self.limits.outer;
         let (at_u, at_v) = (self.at.0.clamp(-u, u), self.at.1.clamp(-v, v));

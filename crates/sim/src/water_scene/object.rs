@@ -1,4 +1,4 @@
-//! Things on the water: what they look like and where they are.
+//! Objects on the water: their paint and their motion.
 
 use barrelman_vocab::PixelBox;
 
@@ -7,7 +7,7 @@ use super::colour::{Yuv, lit};
 use super::outline::Outline;
 use super::view::{PlanePoint, View};
 
-/// How a thing is painted, by place: `along` from -1 (stern) to 1 (bow), `across` from -1 to 1.
+/// The paint of an object by position: `along` from -1 (stern) to 1 (bow), `across` from -1 to 1.
 #[derive(Debug, Clone)]
 pub(super) enum PaintScheme {
     /// A boat: hull, a darker cockpit, a stripe across the bow, a dark engine at the stern.
@@ -17,7 +17,7 @@ pub(super) enum PaintScheme {
         stripe: Yuv,
         engine: Yuv,
     },
-    /// All over, with a spot in the middle.
+    /// One paint with a spot in the middle.
     Spotted {
         paint: Yuv,
         spot: Yuv,
@@ -60,25 +60,25 @@ impl PaintScheme {
     }
 }
 
-/// What floats: its outline and its paint.
+/// Outline and paint of a floating object.
 #[derive(Debug, Clone)]
 pub(super) struct Body {
     pub(super) outline: Outline,
     pub(super) paint_scheme: PaintScheme,
 }
 
-/// Where a body is: its middle in the plane and its bow's direction there (radians, anticlockwise from x).
+/// Position of a body's middle in the plane, and direction of its bow there (radians, anticlockwise from x).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PlanePose {
     pub(super) at: PlanePoint,
     pub(super) heading: f64,
 }
 
-/// How one picture is taken of a body.
+/// Conditions under which a body is rendered.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ObjectExposure<'a> {
     pub(super) view: &'a View,
-    /// How far the body moves in the picture during the exposure, px (u, v).
+    /// Motion of the body in the picture during the exposure, px (u, v).
     pub(super) motion: (f64, f64),
     /// Direction of the sun in the plane, radians.
     pub(super) sun: f64,
@@ -102,16 +102,16 @@ impl Body {
     }
 }
 
-/// Share of the light by which the bright side of a thing differs from its middle.
+/// Share of the light by which the sunlit side is brighter than the middle.
 const SHADING: f64 = 0.14;
 
-/// A body that rests on the water or moves straight on.
+/// A body that rests on the water or moves uniformly.
 #[derive(Debug, Clone)]
 pub(super) struct SceneObject {
     pub(super) body: Body,
-    /// Where it is when the clip begins.
+    /// Pose at the start of the clip.
     pub(super) plane_pose: PlanePose,
-    /// Units of the plane per second.
+    /// Velocity, in the plane's unit per second.
     pub(super) velocity: (f64, f64),
 }
 
@@ -121,7 +121,7 @@ impl SceneObject {
         PlanePose { at, ..self.plane_pose }
     }
 
-    /// The box around what of it is in the picture; empty if nothing is.
+    /// The box around the object's part in the picture; empty if the object is outside.
     pub(super) fn bounds(&self, time_s: f64, view: &View) -> PixelBox {
         let PlanePose { at, heading } = self.pose_at(time_s);
         self.body.outline.silhouette(at, heading, view).clipped(view.size).bounds().clipped(view.size)

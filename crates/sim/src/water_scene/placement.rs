@@ -6,13 +6,14 @@ use super::script::{FRAMES_PER_SECOND, TargetPaint};
 use super::trajectory::Trajectory;
 use super::view::PlanePoint;
 
-/// Frames from one check of a place to the next; a thing counts as in view a little beyond the border.
+/// Frames from one check of a position to the next.
 pub(super) const CHECK_EVERY: usize = 3;
-/// That much beyond, as a share of the picture's width: as far as a pan takes a thing between two checks.
+/// An object this near to the border counts as in view, as a share of the picture's width: as far as a pan takes it
+/// between two checks.
 const BORDER_SHARE: f64 = 0.07;
-/// Distractors in view at the same time, at most.
+/// Largest number of distractors in view at the same time.
 pub(super) const MAX_DISTRACTORS: usize = 2;
-/// A thing comes no nearer to the boat than this, in shares of both their reaches.
+/// Least distance of an object from the boat, in shares of the sum of their reaches.
 const CLEARANCE_SHARE: f64 = 1.15;
 
 /// What placing must know.
@@ -21,7 +22,7 @@ pub(super) struct PlacementContext<'a> {
     pub(super) frames: usize,
     pub(super) outline: &'a Outline,
     pub(super) paint: TargetPaint,
-    /// Picture width over the reference picture's.
+    /// Picture width over that of the reference picture.
     pub(super) relative: f64,
 }
 
@@ -30,7 +31,7 @@ impl PlacementContext<'_> {
         (0..self.frames).step_by(CHECK_EVERY)
     }
 
-    /// The frames (of those checked) in which a thing may be in view; none if it comes too near to the boat.
+    /// For each checked frame, whether an object may be in view; `None` if it comes too near to the boat.
     pub(super) fn appearances(&self, object: &SceneObject) -> Option<Vec<bool>> {
         let reach = object.body.outline.reach();
         let clear = CLEARANCE_SHARE * (reach + self.outline.reach());
@@ -50,7 +51,7 @@ impl PlacementContext<'_> {
             .collect()
     }
 
-    /// The place of the plane that a frame shows at a share of its width and height.
+    /// The point of the plane that a frame shows at a share of its width and height.
     pub(super) fn plane_point_at(&self, frame: usize, share: (f64, f64)) -> PlanePoint {
         let view = self.trajectory.pose(frame as i64).view;
         view.plane(share.0 * f64::from(view.size.width), share.1 * f64::from(view.size.height))

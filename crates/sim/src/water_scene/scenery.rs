@@ -1,7 +1,7 @@
-//! What else is on the water: things that look like the boat, things that do not, and land.
+//! Objects beside the boat: distractors, which look like the boat, and clutter, which does not.
 //!
-//! All of it rests on the water or moves straight on, and is placed so that the camera's way passes it and the
-//! boat's way does not.
+//! All of them rest on the water or move uniformly. They are placed so that the camera passes them and the boat does
+//! not.
 
 use barrelman_vocab::PixelPoint;
 
@@ -14,10 +14,10 @@ use super::script::FRAMES_PER_SECOND;
 use super::shore::{self, Shore};
 use super::view::PlanePoint;
 
-/// Places tried for each thing.
+/// Positions tried for each object.
 const TRIES: usize = 60;
-/// Share of an absence during which a distractor must be in view to be worth placing.
-const WORTH_PLACING: f64 = 0.25;
+/// Share of an absence during which a distractor must be in view to be placed.
+const MIN_PLACING_SHARE: f64 = 0.25;
 /// Whether an object keeps clear of the shore's line: moving objects are afloat throughout, resting ones may stand on
 /// land.
 fn is_clear_of_shore(context: &PlacementContext<'_>, shore: Option<&Shore>, object: &SceneObject) -> bool {
@@ -28,7 +28,7 @@ fn is_clear_of_shore(context: &PlacementContext<'_>, shore: Option<&Shore>, obje
     rests_on_land || context.checks().all(|frame| inland(frame) < -clear)
 }
 
-/// Things of the hull's very paint: one that is in view for as long as possible, and one for each absence.
+/// Objects in exactly the hull's paint: one for each absence, and one that is in view for as long as possible.
 pub(super) fn distractors(
     context: &PlacementContext<'_>,
     shore: Option<&Shore>,
@@ -61,7 +61,7 @@ pub(super) fn distractors(
             let span = &seen
                 [from.div_ceil(CHECK_EVERY).min(seen.len())..until.div_ceil(CHECK_EVERY).min(seen.len())];
             let score = span.iter().filter(|seen| **seen).count() as f64 / span.len().max(1) as f64;
-            if score > best.as_ref().map_or(WORTH_PLACING, |best| best.0) {
+            if score > best.as_ref().map_or(MIN_PLACING_SHARE, |best| best.0) {
                 best = Some((score, object, seen));
             }
         }
@@ -73,7 +73,7 @@ pub(super) fn distractors(
     placed
 }
 
-/// A place in the picture, as shares of its sides, not far from where the boat crossed the border.
+/// A position in the picture, as shares of its sides, near where the boat crossed the border.
 fn near_border(context: &PlacementContext<'_>, border: PixelPoint, rng: &mut Rng) -> (f64, f64) {
     let size = context.trajectory.pose(0).view.size;
     let (u, v) = (border.u / f64::from(size.width), border.v / f64::from(size.height));
@@ -105,7 +105,7 @@ fn sampled_distractor(
     let speed = if !buoy && rng.chance(0.4) { rng.uniform(10.0, 60.0) * context.relative } else { 0.0 };
     let course = rng.uniform(0.0, core::f64::consts::TAU);
     let velocity = (speed * libm::cos(course), speed * libm::sin(course));
-    // It is at the place in that frame.
+    // The object is at the position in that frame.
     let time_s = frame as f64 / f64::from(FRAMES_PER_SECOND);
     let at = at.offset(-velocity.0 * time_s, -velocity.1 * time_s);
     let heading = if speed > 0.0 { course } else { rng.uniform(0.0, core::f64::consts::TAU) };
@@ -113,7 +113,7 @@ fn sampled_distractor(
     SceneObject { body: Body { outline, paint_scheme }, plane_pose: PlanePose { at, heading }, velocity }
 }
 
-/// Things of other colours. They keep off the boat's way, the distractors and the shore.
+/// Objects of other colours, clear of the boat's way, the distractors and the shore.
 pub(super) fn clutter(
     context: &PlacementContext<'_>,
     shore: Option<&Shore>,
@@ -144,7 +144,7 @@ pub(super) fn clutter(
     placed
 }
 
-/// Driftwood, a swimmer's cap, a jetty, another boat or buoy.
+/// Driftwood, a swimmer's cap, a jetty, another boat or a buoy.
 fn sampled_clutter(context: &PlacementContext<'_>, at: PlanePoint, rng: &mut Rng) -> SceneObject {
     let hull = 2.0 * context.outline.half_length;
     let timber = colour::lit(colour::yuv(colour::timber(context.paint)), rng.uniform(0.5, 1.1) as f32);

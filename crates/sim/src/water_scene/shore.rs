@@ -1,4 +1,4 @@
-//! Land at one side of the boat's way, with a ragged edge and a line of surf.
+//! Land on one side of the boat's way, with a ragged edge and a line of surf.
 
 use super::canvas::{Canvas, MARGIN};
 use super::colour::{self, Yuv};
@@ -10,11 +10,11 @@ use super::waves::{Layer, SIDE};
 
 /// Directions tried.
 const TRIES: usize = 12;
-/// How far the shore keeps from the boat's way, in hull lengths.
+/// Distance of the shore from the boat's way, hull lengths.
 const CLEAR_HULLS: f64 = 1.4;
-/// Share of the clip in which the shore must be in view to be worth it.
-const WORTH_PLACING: f64 = 0.03;
-/// How far the edge swings about its line, in px of the plane per standard deviation, and at the most.
+/// Share of the clip in which the shore must be in view to be placed.
+const MIN_PLACING_SHARE: f64 = 0.03;
+/// Deviation of the edge from its line: standard deviation and largest value, px of the plane.
 const EDGE_STD_DEV: f64 = 9.0;
 pub(super) const MAX_EDGE_OFFSET: f64 = 32.0;
 /// Width of the surf, px of the plane.
@@ -38,7 +38,7 @@ pub(super) struct Shore {
 }
 
 impl Shore {
-    /// A shore in some of the clips.
+    /// A shore, in some of the clips.
     pub(super) fn new(context: &PlacementContext<'_>, mut rng: Rng) -> Option<Self> {
         if rng.chance(0.6) {
             return None;
@@ -53,7 +53,7 @@ impl Shore {
             let line = poses().map(|pose| ahead(pose.boat)).fold(f64::NEG_INFINITY, f64::max)
                 + CLEAR_HULLS * hull
                 + MAX_EDGE_OFFSET * context.relative;
-            // The middle of the picture is never on land, and corners are as often as possible.
+            // The middle of the picture is never on land; corners are, as often as possible.
             if poses().any(|pose| ahead(pose.view.camera) > line) {
                 continue;
             }
@@ -64,7 +64,7 @@ impl Shore {
             };
             let seen = poses().filter(|pose| corner(&pose.view) > line).count();
             let share = seen as f64 / context.frames as f64;
-            if share > best.map_or(WORTH_PLACING, |best| best.0) {
+            if share > best.map_or(MIN_PLACING_SHARE, |best| best.0) {
                 best = Some((share, inland, line));
             }
         }
@@ -79,7 +79,7 @@ impl Shore {
         Some(Self { inland, line, land, edge: layer(0.55), grain: layer(0.6), patch: layer(0.9) })
     }
 
-    /// How far a place is from the shore's line, inland positive, in the plane's unit.
+    /// Distance from the shore's line, inland positive, in the plane's unit.
     pub(super) fn inland(&self, at: PlanePoint) -> f64 {
         at.x * self.inland.0 + at.y * self.inland.1 - self.line
     }
@@ -125,7 +125,7 @@ impl Shore {
                 let sample = &mut canvas.y.samples[row * width + column];
                 *sample += (SURF_COLOUR[0] - *sample) * foam;
                 *sample += (level - *sample) * land;
-                // Every chroma sample is mixed by the pixel at its top left.
+                // Each chroma sample is blended with the opacity at its top left pixel.
                 if row % 2 == 0 && column % 2 == 0 {
                     let at = row / 2 * canvas.u.width + column / 2;
                     for (plane, part) in [(&mut canvas.u, 1), (&mut canvas.v, 2)] {

@@ -1,7 +1,7 @@
-//! Foam behind a boat: a boiling trail and the two arms of its bow wave, as they lie on the water.
+//! Foam behind a boat: a turbulent trail and the two arms of its bow wave.
 //!
-//! Where the stern was at an age a, foam lies that widens and fades with a; the arms have moved apart since, at a
-//! fixed share of the boat's speed (a ship's waves lie within 19.5 degrees of its way, whatever its speed).
+//! Where the stern was at an age a, foam lies that widens and fades with a. The arms have moved apart since, at a
+//! fixed share of the boat's speed (the waves of a ship lie within 19.5 degrees of its course, whatever its speed).
 
 use super::canvas::{Field, MARGIN};
 use super::outline::Outline;
@@ -9,15 +9,15 @@ use super::script::FRAMES_PER_SECOND;
 use super::trajectory::{LEAD_FRAMES, Trajectory};
 use super::view::{PlanePoint, View};
 
-/// From one patch of foam to the next, frames.
+/// Frames from one patch of foam to the next.
 const PATCH_SPACING: usize = 2;
 /// Speed of the arms over the boat's: the tangent of 17 degrees.
 const ARM_SPREAD_RATIO: f64 = 0.3;
-/// Age at which the trail has faded to a third, and the arms have, s.
+/// Time constants of the trail and of the arms, s.
 const TRAIL_FADES_S: f64 = 1.7;
 const ARMS_FADE_S: f64 = 0.9;
 
-/// How densely foam lies, on the canvas's chroma grid.
+/// Density of foam on the canvas's chroma grid, 0 to 1.
 #[derive(Debug, Clone)]
 pub(super) struct Wake {
     width: usize,
@@ -37,7 +37,7 @@ impl Wake {
         self.has_foam[row].then(|| &self.density[row * self.width..][..self.width])
     }
 
-    /// The wake as it lies in a frame.
+    /// Computes the wake of a frame.
     pub(super) fn update(&mut self, trajectory: &Trajectory, frame: i64, outline: &Outline, strength: f64) {
         for row in 0..self.height {
             if self.has_foam[row] {
@@ -90,7 +90,7 @@ impl Wake {
                 let du = (column as f64 - u) / reach_u;
                 let share = (1.0 - du * du - dv * dv).max(0.0);
                 let patch = (density * share * share) as f32;
-                // Foam on foam: never more than all of the water.
+                // Foam over foam never covers more than all of the water.
                 line[column] += patch * (1.0 - line[column]);
             }
         }

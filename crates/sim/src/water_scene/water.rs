@@ -1,8 +1,8 @@
-//! The water's look: waves, gusts, glints, breaking crests, flecks of foam.
+//! Appearance of the water: waves, gusts, glints, breaking crests, flecks of foam.
 //!
-//! Six layers of wave tiles drift over each other at different speeds. Their sum h is the luma's ripple; where the
-//! short ones add up, the water glints for a moment; where the long ones do, crests break. With the thresholds
-//! g, c and f of the conditions (standard deviations):
+//! Six layers of wave tiles drift over each other at different speeds. Their sum h is the ripple of the luma. Where
+//! the short layers add up, the water glints; where the long ones do, crests break. With the thresholds g, c and f of
+//! the conditions (standard deviations):
 //!
 //! ```text
 //! h     = 0.5 long + 0.8 chop + 0.45 (short + shorter)(1 + 0.3 gust), skewed: h + 0.18 (h^2 - 1)
@@ -11,7 +11,7 @@
 //! fleck = resting + 0.4 gust - f
 //! ```
 //!
-//! Not handled: waves that change their shape, reflections of things, refraction.
+//! Not handled: waves that change their shape, reflections of objects, refraction.
 
 use super::canvas::{Canvas, MARGIN};
 use super::conditions::Conditions;
@@ -20,7 +20,7 @@ use super::view::View;
 use super::wake::Wake;
 use super::waves::{Layer, LayerView, SIDE, Spectrum, Tile};
 
-/// Luma of foam and of the sun in the water; the sensor clips the latter.
+/// Luma of foam, and of the sun's glints; the sensor clips the latter.
 const FOAM_LUMA: f32 = 206.0;
 const GLINT_LUMA: f32 = 262.0;
 
@@ -43,7 +43,7 @@ struct Layers {
     resting: Layer,
 }
 
-/// One row of each layer, and what two rows of luma give their row of chroma.
+/// One row of each layer, and what two rows of luma contribute to their row of chroma.
 #[derive(Debug, Clone)]
 struct Rows {
     tile: [f32; SIDE + 1],

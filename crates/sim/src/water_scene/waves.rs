@@ -1,25 +1,25 @@
-//! Tiles of waves that repeat without a seam, and how they are laid on a picture.
+//! Periodic tiles of waves, and how they are mapped into a picture.
 //!
-//! A tile is a sum of plane waves whose wave numbers are whole numbers of cycles per tile, with directions spread
-//! about the wind's and amplitudes that fall with the wave number: h(x) = sum a_k cos(2 pi k.x / N + phase_k),
-//! scaled to mean 0 and variance 1.
+//! A tile is a sum of plane waves with whole numbers of cycles per tile, directions spread about the wind's, and
+//! amplitudes that fall with the wave number: h(x) = sum a_k cos(2 pi k.x / N + phase_k), scaled to mean 0 and
+//! variance 1.
 
 use super::rng::Rng;
 use super::view::View;
 
-/// Texels per side: a power of two, so that positions wrap by themselves.
+/// Texels per side: a power of two, so that positions wrap.
 pub(super) const SIDE: usize = 512;
-/// Bits of a position below the texel's number: positions are fractions of the tile in 32 bits.
+/// Bits of a position below the texel index: positions are fractions of the tile in 32 bits.
 const FRACTION_BITS: u32 = 32 - SIDE.trailing_zeros();
 
-/// Which waves a tile is made of.
+/// Parameters of a tile's waves.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spectrum {
     /// Number of plane waves.
     pub(super) waves: usize,
     /// Cycles per tile, lowest and highest.
     pub(super) cycles: (f64, f64),
-    /// Direction in which they run, radians in the plane.
+    /// Mean direction of travel in the plane, radians.
     pub(super) direction: f64,
     /// Standard deviation of the direction, radians.
     pub(super) spread: f64,
@@ -66,18 +66,18 @@ impl Tile {
     }
 }
 
-/// A tile laid over the plane: its size there, and how it drifts.
+/// A tile mapped onto the plane: its scale and its drift.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layer {
     /// Units of the plane per texel.
     pub(super) scale: f64,
     /// Units of the plane per second.
     pub(super) drift: (f64, f64),
-    /// Texels, so that layers of one tile do not lie on each other.
+    /// Texels, so that layers of one tile do not coincide.
     pub(super) offset: (f64, f64),
 }
 
-/// A layer as it lies in one picture.
+/// A layer in one picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LayerView<'a> {
     tile: &'a Tile,
@@ -86,7 +86,7 @@ pub(super) struct LayerView<'a> {
 }
 
 impl Layer {
-    /// `first`: the picture coordinates of the first sample's middle.
+    /// The layer in a picture. `first`: picture coordinates of the first sample's middle.
     pub(super) fn view_from<'a>(
         &self,
         tile: &'a Tile,
@@ -104,7 +104,7 @@ impl Layer {
 }
 
 impl LayerView<'_> {
-    /// One row of the picture, straight between the texels; `scratch` is overwritten.
+    /// Interpolates one row of the picture linearly between the texels; `scratch` is overwritten.
     pub(super) fn row(&self, row: usize, scratch: &mut [f32; SIDE + 1], out: &mut [f32]) {
         let y = to_tile_fraction(self.start.1 + self.step.1 * row as f64);
         let (upper, share) = split_position(y);

@@ -1,4 +1,4 @@
-//! The boat against the table that its parameters come from, and what a jet cannot do.
+//! The boat against the table its parameters come from, and the limits of a jet.
 
 use barrelman_sim::boat::{HelmCommand, JetBoat, throttle_for_speed};
 use barrelman_sim::sea::{Sea, SeaState, Wind};
@@ -11,8 +11,7 @@ fn glassy() -> Sea {
     Sea::new(SeaState::new(0).expect("a state"), wind, 1)
 }
 
-/// Speed ahead (mean over the last 5 s), and turn rate, after 40 s with this throttle; the rudder as told, or such that
-/// the course is held.
+/// Speed ahead (mean over the last 5 s) and turn rate after 40 s with this throttle. `rudder: None` holds the course.
 fn steady(throttle: f64, rudder: Option<f64>) -> (f64, f64) {
     let sea = glassy();
     let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::ZERO);
@@ -35,8 +34,8 @@ fn straight_ahead_it_reaches_the_speeds_of_the_table() {
         [(0.15, 0.35), (0.25, 0.76), (0.40, 1.41), (0.60, 2.29), (0.80, 4.12), (1.0, 9.05)]
     {
         let (speed, turn) = steady(throttle, None);
-        // Small waves carry it a little to and fro. The table has 9.54 m/s at full throttle, without the air, which
-        // holds it back by 1.5 N there.
+        // Small waves move the boat to and fro. The table has 9.54 m/s at full throttle without air drag, which is
+        // 1.5 N there.
         assert!(
             (speed - expected).abs() < 0.03 + 0.04 * expected,
             "{throttle}: {speed}, expected {expected}"
@@ -55,7 +54,7 @@ fn with_the_nozzle_hard_over_it_turns_as_the_table_says() {
             (found_turn - turn).abs() < 0.07 * turn + 0.02,
             "{throttle}: {found_turn} rad/s, expected {turn}"
         );
-        // The table gives the speed over ground, of which some is sideways.
+        // The table gives the speed over ground, which is partly sideways.
         assert!(
             found_speed < speed + 0.05 && found_speed > 0.8 * speed,
             "{throttle}: {found_speed}, {speed}"
@@ -75,7 +74,7 @@ fn a_boat_that_coasts_does_not_answer_its_helm() {
         boat.advance(HelmCommand { throttle: 0.0, rudder: 1.0 }, &sea, (0.0, 0.0), tick);
     }
     let turned = boat.pose().heading.radians() - before;
-    // While the throttle closes, the jet still pushes for a quarter of a second.
+    // The jet still pushes for a quarter of a second while the throttle closes.
     assert!(turned.abs() < 0.12, "{turned} rad");
     assert!(boat.speed_ahead_mps() > 0.3, "it still runs: {}", boat.speed_ahead_mps());
 }

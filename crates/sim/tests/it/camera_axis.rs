@@ -1,4 +1,4 @@
-//! Dead times, lag and stops of a camera axis.
+//! Dead times, lag and end stops of a camera axis.
 
 use barrelman_sim::tick::{TICK_S, TICKS_PER_SECOND};
 use barrelman_sim::{AxisPlant, CameraAxis};

@@ -1,4 +1,4 @@
-//! Paths, in numbers worked out by hand.
+//! Paths, against numbers computed by hand.
 
 use barrelman_sim::path::Path;
 

@@ -1,4 +1,4 @@
-//! The renderer: the same bits whoever draws, and a truth that is true.
+//! The renderer: the same bits on all threads and vector levels, and the truth about its pictures.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -10,13 +10,13 @@ use barrelman_sim::{BodyPose, CameraPose, Optics, Sea, SeaState, Snapshot, Wind,
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_vocab::{Angle, Picture, PictureSize};
 
-/// Two threads that share the numbers.
+/// Two threads that share the indices.
 struct TwoThreads;
 
 impl ParallelFor for TwoThreads {
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
         let next = AtomicUsize::new(0);
-        let take = || {
+        let worker = || {
             loop {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= count {
@@ -26,8 +26,8 @@ impl ParallelFor for TwoThreads {
             }
         };
         std::thread::scope(|scope| {
-            scope.spawn(take);
-            take();
+            scope.spawn(worker);
+            worker();
         });
     }
 }
@@ -50,7 +50,7 @@ fn at(x: f64, y: f64, z: f64) -> WorldPoint {
     WorldPoint { x, y, z }
 }
 
-fn lies(position: WorldPoint, heading: f64) -> BodyPose {
+fn pose_at(position: WorldPoint, heading: f64) -> BodyPose {
     BodyPose { position, heading: degrees(heading), pitch: Angle::ZERO, roll: Angle::ZERO }
 }
 
@@ -71,7 +71,7 @@ fn boat(pose: BodyPose, speed: f64) -> Target {
 
 fn snapshot(scene: Scene, sea: &Sea, frame: u64) -> Snapshot {
     let tick = 400 + 4 * frame;
-    let float = |x: f64, y: f64, heading| lies(at(x, y, sea.surface_at(x, y, tick).elevation), heading);
+    let float = |x: f64, y: f64, heading| pose_at(at(x, y, sea.surface_at(x, y, tick).elevation), heading);
     let object = |kind, pose| SceneObject { kind, pose, seed: 3 };
     let target = boat(float(0.2, 9.0 + 0.06 * frame as f64, 70.0), 1.8);
     let mut objects = vec![
@@ -86,13 +86,13 @@ fn snapshot(scene: Scene, sea: &Sea, frame: u64) -> Snapshot {
         Scene::Pier => {
             down = 9.0;
             let pier = ObjectKind::Pier { length_m: 8.0, breadth_m: 1.6 };
-            objects.push(object(pier, lies(at(-5.0, 14.0, 0.0), 10.0)));
-            objects.push(object(ObjectKind::Shore, lies(at(-4.0, 12.0, 0.0), 85.0)));
+            objects.push(object(pier, pose_at(at(-5.0, 14.0, 0.0), 10.0)));
+            objects.push(object(ObjectKind::Shore, pose_at(at(-4.0, 12.0, 0.0), 85.0)));
         }
         Scene::Floor => {
             (ground, overcast) = (Ground::Floor, 1.0);
-            target = Target::FloorTarget(lies(at(0.1, 8.0, 0.0), 30.0));
-            objects = vec![object(ObjectKind::FloorMark, lies(at(0.6, 8.5, 0.0), 0.0))];
+            target = Target::FloorTarget(pose_at(at(0.1, 8.0, 0.0), 30.0));
+            objects = vec![object(ObjectKind::FloorMark, pose_at(at(0.6, 8.5, 0.0), 0.0))];
         }
     }
     let camera = |pan: f64| CameraPose {
@@ -187,7 +187,7 @@ fn a_picture_has_the_same_bits_whoever_draws_it() {
     assert!(narrower > 0, "this machine has one vector level: nothing was compared");
 }
 
-/// A boat somewhere in a view, of an eighth to two thirds of the picture's width.
+/// A boat somewhere in a view, an eighth to two thirds of the picture wide.
 fn random_view(index: u64, sea: &Sea) -> Snapshot {
     let sample = |stream: u64, low: f64, high: f64| low + (high - low) * noise::unit(42, stream, index);
     let (range, down) = (sample(1, 1.6, 3.4), sample(2, 15.0, 80.0_f64).to_radians());
@@ -202,10 +202,10 @@ fn random_view(index: u64, sea: &Sea) -> Snapshot {
         tilt: Angle::from_radians(-down + sample(7, -0.1, 0.1)),
         roll: degrees(sample(8, -8.0, 8.0)),
     };
-    let mut pose = lies(at(x, y, sea.surface_at(x, y, tick).elevation), sample(9, 0.0, 360.0));
+    let mut pose = pose_at(at(x, y, sea.surface_at(x, y, tick).elevation), sample(9, 0.0, 360.0));
     (pose.pitch, pose.roll) = (degrees(sample(10, -6.0, 6.0)), degrees(sample(11, -6.0, 6.0)));
     let (jx, jy) = (x + sample(12, -0.9, 0.9), y + sample(13, -0.9, 0.9));
-    let jacket = lies(at(jx, jy, sea.surface_at(jx, jy, tick).elevation), sample(14, 0.0, 360.0));
+    let jacket = pose_at(at(jx, jy, sea.surface_at(jx, jy, tick).elevation), sample(14, 0.0, 360.0));
     Snapshot {
         tick,
         first_row: camera,
@@ -221,7 +221,7 @@ fn random_view(index: u64, sea: &Sea) -> Snapshot {
     }
 }
 
-/// The same view without its target: it lies behind the camera, far away.
+/// The same view without its target, which is moved far below the camera.
 fn without_target(view: &Snapshot) -> Snapshot {
     let mut alone = view.clone();
     if let Target::Boat(boat) = &mut alone.target {
@@ -230,7 +230,7 @@ fn without_target(view: &Snapshot) -> Snapshot {
     alone
 }
 
-/// By how many levels of Y, U and V together each pixel differs between two pictures.
+/// Difference of each pixel between two pictures, summed over Y, U and V.
 fn differences(a: &Picture, b: &Picture) -> Vec<u32> {
     let (width, height) = (a.size().width as usize, a.size().height as usize);
     let apart = |a: u8, b: u8| u32::from(a.abs_diff(b));
@@ -242,7 +242,7 @@ fn differences(a: &Picture, b: &Picture) -> Vec<u32> {
     (0..width * height).map(|i| at(i / width, i % width)).collect()
 }
 
-/// Whether a pixel has changed: by something, and by enough beside its neighbours that it is more than half covered.
+/// Whether a pixel changed, and by enough compared with its neighbours to be more than half covered.
 fn changed(differences: &[u32], width: usize, column: usize, row: usize) -> bool {
     let here = differences[row * width + column];
     let height = differences.len() / width;
@@ -252,15 +252,15 @@ fn changed(differences: &[u32], width: usize, column: usize, row: usize) -> bool
     here > MIN_CHANGE && (here > SURE_CHANGE || around.is_some_and(|around| 2 * here > *around))
 }
 
-/// Levels by which a pixel changes at least, and by which it is the target's beyond doubt.
+/// Least change of a pixel, and change from which it belongs to the target in any case, levels.
 const MIN_CHANGE: u32 = 10;
 const SURE_CHANGE: u32 = 28;
-/// The finer picture has so many pixels along each side of a pixel.
+/// Fine pixels along each side of a pixel.
 const FINER: usize = 3;
 
-/// The mask says which pixels the target covers by half. Whether that is so is seen from pictures three times as fine,
-/// with the target and without: at least half of the fine pixels must have changed. Returns the overlap (common pixels
-/// over pixels of either) of all views.
+/// The mask marks the pixels that the target covers by half. Pictures three times as fine, with the target and
+/// without, show whether that is so: at least half of the fine pixels must have changed. Returns the IoU of mask and
+/// changed pixels over all views.
 fn overlap(views: u64) -> f64 {
     let sea = sea(1);
     let size = PictureSize::new(224, 168);
@@ -296,7 +296,7 @@ fn overlap(views: u64) -> f64 {
 #[test]
 fn the_mask_is_what_changes_when_the_target_is_taken_away() {
     let found = overlap(200);
-    // What is missing to 1 is mostly black line on dark water, which a comparison cannot find.
+    // The rest is mostly the black grab line on dark water, which the comparison cannot find.
     assert!(found >= 0.98, "overlap {found:.4}");
 }
 
@@ -343,7 +343,7 @@ fn a_target_behind_the_camera_is_not_in_the_truth() {
     let sea = sea(0);
     let mut renderer = Renderer::new(settings(SIZE, sea.clone()));
     let mut view = snapshot(Scene::Arena, &sea, 0);
-    view.target = boat(lies(at(0.0, -20.0, 0.0), 0.0), 0.0);
+    view.target = boat(pose_at(at(0.0, -20.0, 0.0), 0.0), 0.0);
     let mut picture = Picture::black(SIZE, ENCODING);
     let truth = renderer.render(&view, &mut picture, &Serial);
     assert_eq!((truth.bounds, truth.waterline, truth.heading), (None, None, None));
@@ -360,7 +360,7 @@ fn a_boat_in_full_view_is_wholly_visible_and_heads_where_it_goes() {
         view.objects.clear();
         view.first_row.roll = Angle::ZERO;
         view.last_row = view.first_row;
-        view.target = boat(lies(at(0.0, 9.0, 0.0), heading), 0.0);
+        view.target = boat(pose_at(at(0.0, 9.0, 0.0), heading), 0.0);
         let truth = renderer.render(&view, &mut picture, &Serial);
         assert!(truth.visible_share > 0.93, "{heading}: {} visible", truth.visible_share);
         let apart = (truth.heading.unwrap().degrees() - seen + 180.0).rem_euclid(360.0) - 180.0;
@@ -382,7 +382,7 @@ fn a_frame_allocates_nothing_after_the_first_ones() {
                 }
             })
         };
-        // Tiles swap their memory with each other, so that it takes a second frame until all have theirs.
+        // Tiles swap their memory with each other: all have theirs after the second frame.
         assert!(render_all().count_total > 0, "the allocator is not counted");
         assert_eq!(render_all().count_total, 0, "{scene:?}");
     }

@@ -1,4 +1,4 @@
-//! The sea's waves: as high as their state says, and moving as water does.
+//! The sea's waves: their height by the sea state, and their motion.
 
 use barrelman_sim::{Sea, SeaState, Wind};
 use barrelman_vocab::Angle;
@@ -22,7 +22,7 @@ fn waves_are_as_high_as_the_sea_state_says() {
         }
         let significant = 4.0 * libm::sqrt(squares / f64::from(count));
         let wanted = SeaState::ALL[usize::from(number)].significant_height_m();
-        // Random places and moments of 64 waves: the estimate scatters by some per cent.
+        // The estimate from random points and ticks of 64 waves scatters by a few per cent.
         assert!(
             (significant / wanted - 1.0).abs() < 0.08,
             "state {number}: {significant} m, wanted {wanted}"

@@ -14,7 +14,7 @@ use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_sim::{MountPlant, Optics};
 use barrelman_vocab::{Angle, PictureSize};
 
-/// A target that crosses the floor at 1 m/s, 4 m ahead of a camera 2 m high, without any chance in it.
+/// A target that crosses the floor at 1 m/s, 4 m ahead of a camera 2 m high, without any randomness.
 pub(crate) fn plain() -> Scenario {
     let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
     let picture = PictureSize::new(640, 360);

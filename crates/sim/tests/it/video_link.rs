@@ -1,4 +1,4 @@
-//! What befalls the video.
+//! Delays and losses of the video link.
 
 use barrelman_sim::video_link::{Delivery, VideoLink, VideoLinkModel};
 

@@ -112,7 +112,7 @@ fn a_manoeuvring_boat_stays_in_view_turns_and_changes_its_size() {
             .windows(2)
             .map(|pair| wrap_angle(pair[1].heading.degrees() - pair[0].heading.degrees()).abs())
             .sum();
-        // The hull looks shorter where it points away from the camera: compare boats across the picture.
+        // A hull that points away from the camera looks shorter: compare hulls across the picture.
         let across = truths.iter().filter(|truth| libm::sin(truth.heading.radians()).abs() < 0.3);
         let lengths: Vec<f64> = across.map(|truth| truth.major_px).collect();
         let longest = lengths.iter().copied().fold(0.0, f64::max);
@@ -148,7 +148,7 @@ fn boats_leave_across_every_border_because_they_drive_or_the_camera_pans() {
             let beyond = [-at.u, at.u - 1280.0, -at.v, at.v - 720.0];
             let border = (0..4).max_by(|a, b| beyond[*a].total_cmp(&beyond[*b])).unwrap();
             borders[border] += 1;
-            // How far a resting thing would have gone in the second before.
+            // Shift of a resting object in the second before.
             let shifts = truths[gone - 30..gone].iter().map(|truth| truth.camera_shift);
             let (u, v) = shifts.fold((0.0, 0.0), |sum, shift| (sum.0 + shift.0, sum.1 + shift.1));
             if libm::hypot(u, v) > 250.0 { pans += 1 } else { drives += 1 }
@@ -173,7 +173,7 @@ fn distractors_are_in_view_while_the_boat_is_not() {
         for truth in truths {
             for distractor in truth.distractors {
                 assert!(lies_in(distractor, HD), "{name}: {distractor}");
-                // Boxes of slanted things may meet where the things do not.
+                // Boxes of slanted objects may overlap where the objects do not.
                 assert!(distractor.overlap(truth.bounds) < 0.2, "{name} at {} s", truth.time_s);
             }
         }
@@ -192,7 +192,7 @@ fn the_boat_goes_where_its_bow_points() {
         let truths = truths(&scene);
         for pair in truths.windows(2).filter(|pair| pair[1].is_under_way) {
             let (before, now) = (pair[0].centre, pair[1].centre);
-            // Near the centre, where the camera's zoom moves nothing.
+            // Near the centre, where the zoom shifts nothing.
             if libm::hypot(now.u - 640.0, now.v - 360.0) > 60.0 {
                 continue;
             }
@@ -221,7 +221,7 @@ fn wrap_angle(degrees: f64) -> f64 {
 fn the_truth_is_what_changes_when_the_boat_is_left_out() {
     for (at, kind) in KINDS.into_iter().cycle().take(12).enumerate() {
         let boat_px = 130.0 + 6.0 * at as f64;
-        // Not grey: a grey hull on grey water changes too little to be found again.
+        // Not grey: a grey hull on grey water changes too little.
         let script = SceneScript { target: PAINTS[at % 3], ..script(kind, boat_px) };
         let mut scene = WaterScene::new(script, at as u64);
         let in_view = |frame: &u64| scene.truth(*frame).visible_share > 0.5;
@@ -245,7 +245,7 @@ fn the_truth_is_what_changes_when_the_boat_is_left_out() {
         if truth.visible_share == 1.0 {
             let told = scene.silhouette_axis(frame).degrees();
             let (off, aslant) = (axis(&pixels) - told, truth.heading.degrees() - told);
-            // Parts of the paint that look like the water are missing from the pixels.
+            // Paint in the colour of the water is missing from the changed pixels.
             assert!(wrap_angle(2.0 * off).abs() < 6.0, "{name}: axis off by {off} degrees");
             assert!(wrap_angle(2.0 * aslant).abs() < 18.0, "{name}: heading off by {aslant} degrees");
         }

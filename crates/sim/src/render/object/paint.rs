@@ -1,14 +1,14 @@
-//! What each place on a thing looks like: a function of the part, the place in the body's frame of reference, and the
-//! seed, so that detail is as fine as the picture can show.
+//! The paint of objects: a function of part, position in the body's frame of reference, and seed. Detail is as fine
+//! as the picture can show.
 
 use super::super::light::Colour;
 use super::super::mesh::Part;
 use crate::noise;
 
-/// Paint at one place.
+/// Paint at a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Paint {
-    /// Share of light that is scattered back.
+    /// Albedo.
     pub(crate) albedo: Colour,
     /// Strength of highlights, 0 to 1.
     pub(crate) gloss: f32,
@@ -24,7 +24,7 @@ const YELLOW: Colour = [0.80, 0.58, 0.02];
 /// The seed of a yellow buoy.
 pub(crate) const YELLOW_BUOY: u64 = 1;
 
-/// Cells of a 5 x 5 font, one row of bits for each row from the top, for the name on the deck.
+/// A 5 x 5 font for the name on the deck: a row of bits for each row from the top.
 const NAME: [[u8; 5]; 5] = [
     [0b11111, 0b10000, 0b11110, 0b10000, 0b11111],
     [0b10001, 0b11011, 0b10101, 0b10001, 0b10001],
@@ -33,7 +33,7 @@ const NAME: [[u8; 5]; 5] = [
     [0b10001, 0b01010, 0b00100, 0b00100, 0b00100],
 ];
 
-/// Whether the name covers a place of its panel: `u` along the letters, `v` down them, both 0 to 1.
+/// Whether the name covers a point of its panel: `u` along the letters, `v` down, both 0 to 1.
 fn lettered(u: f32, v: f32) -> bool {
     if !(0.0..1.0).contains(&u) || !(0.0..1.0).contains(&v) {
         return false;
@@ -44,7 +44,7 @@ fn lettered(u: f32, v: f32) -> bool {
     bit < 5 && letter < 5 && NAME[letter][(v * 5.0) as usize] >> (4 - bit) & 1 == 1
 }
 
-/// Smooth noise of the place, 0 to 1, with lumps of `size` metres.
+/// Smooth noise of the position, 0 to 1, with lumps of `size` metres.
 fn mottle(position: [f32; 3], size: f32) -> f32 {
     let lump = |x: f32, y: f32, z: f32| {
         let key = |v: f32| (v as i32 as u32) as u64 & 0xFFFF;
@@ -68,7 +68,7 @@ fn dimmed(colour: Colour, factor: f32) -> Colour {
     colour.map(|channel| channel * factor)
 }
 
-/// The paint of a part at a place.
+/// The paint of a part at a position.
 pub(crate) fn paint(part: Part, position: [f32; 3], normal: [f32; 3], seed: u64) -> Paint {
     let plain = |albedo: Colour, gloss: f32| Paint { albedo, gloss };
     match part {
@@ -133,7 +133,7 @@ pub(crate) fn paint(part: Part, position: [f32; 3], normal: [f32; 3], seed: u64)
 fn boat_hull([x, y, z]: [f32; 3], normal: [f32; 3]) -> Paint {
     let on_deck = normal[2] > 0.55 && z > 0.08;
     let across = y.abs();
-    // A hull of cloth over foam: seams across, faint dirt.
+    // Cloth over foam: seams across the hull, faint dirt.
     let seam = ((x + 2.0) * 5.0) % 1.0 < 0.035 && !on_deck;
     let red = || dimmed(RED, if seam { 0.55 } else { 0.86 + 0.22 * mottle([x, y, z], 0.06) });
     let (albedo, gloss) = if on_deck {
@@ -144,7 +144,7 @@ fn boat_hull([x, y, z]: [f32; 3], normal: [f32; 3]) -> Paint {
         if arrow {
             (WHITE, 0.5)
         } else if panel {
-            // Read from the boat's left side: letters run from the bow aft.
+            // Legible from the boat's left side: letters run from the bow aft.
             let letters = lettered((0.335 - x) / 0.34, (y + 0.055) / 0.11);
             (if letters { DARK } else { WHITE }, 0.5)
         } else if mat {
