@@ -116,7 +116,7 @@ fn follow(tracker: &mut dyn Tracker, bytes: &[u8]) {
             if let Ok(report) = tracker.select(&frame, selection) {
                 seeded = true;
                 in_order(&report.localisation, &frame);
-                let shares = [report.coloured, report.surroundings];
+                let shares = [report.coloured_share, report.surroundings_probability];
                 assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{report:?}");
             }
             continue;
@@ -124,7 +124,7 @@ fn follow(tracker: &mut dyn Tracker, bytes: &[u8]) {
         let prior = (what >= 128).then(|| MotionPrior {
             shift_u_px: bytes.number(),
             shift_v_px: bytes.number(),
-            deviation_px: bytes.number(),
+            std_dev_px: bytes.number(),
             over: Duration::from_millis(33),
         });
         match tracker.track(&frame, prior.as_ref()) {

@@ -1,7 +1,7 @@
-//! Nanoseconds of a step of the optimal law: at rest, moving, and with a target far outside.
+//! Time of one step of the optimal law: at rest, moving, and with a target far outside of the region.
 
-use barrelman_control::optimal::{Mode, OptimalSettings};
-use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
+use barrelman_control::optimal::{OptimalMode, OptimalSettings};
+use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
 use barrelman_vocab::{ImagePoint, PictureSize, Timestamp, VehicleProfile};
 use divan::{Bencher, black_box};
 
@@ -9,17 +9,17 @@ fn main() {
     divan::main();
 }
 
-/// Steps of one swing of the target, to and fro.
+/// Steps of one period of the target's motion.
 const SWING: u32 = 240;
 
-/// A step on a target that goes to and fro so far, the camera model's included: the mean over a swing.
+/// One step, including the camera model, with a target that oscillates with this amplitude: the mean over a period.
 #[divan::bench(args = [60.0, 200.0, 300.0], sample_count = 500, sample_size = SWING)]
 fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
     let profile = VehicleProfile::fotokite_pro();
-    let settings = LawSettings::Optimal(OptimalSettings::of(Mode::MinimumEnergy));
+    let settings = LawSettings::Optimal(OptimalSettings::new(OptimalMode::MinimumEnergy));
     let mut law = CameraLaw::new(settings, &profile);
     let picture = PictureSize::new(640, 480);
-    let region = Region::in_picture(profile.region, picture);
+    let region = Region::from_shares(profile.region, picture);
     let percepts: Vec<_> = (0..SWING)
         .map(|step| {
             let swing = 1.0 - (f64::from(step) / f64::from(SWING / 4) - 2.0).abs();
@@ -32,8 +32,8 @@ fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
         let captured = Timestamp::from_nanos(frame * 33_333_333);
         let now = Timestamp::from_nanos(frame * 33_333_333 + 100_000_000);
         let percept = black_box(&percepts[(frame % u64::from(SWING)) as usize]);
-        let command = law.command(&Sight { percept, region, picture, captured, seen: true, now });
-        law.in_force(command, now);
+        let command = law.command(&LawInput { percept, region, picture, captured, is_measured: true, now });
+        law.on_command_applied(command, now);
         command
     });
 }

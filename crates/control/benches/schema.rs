@@ -1,4 +1,4 @@
-//! Nanoseconds from a position to a command.
+//! Time from a position to the motor schema's command.
 
 use barrelman_control::{MotorSchema, Percept, Region};
 use barrelman_vocab::profile::AxisRates;

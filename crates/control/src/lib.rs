@@ -1,13 +1,11 @@
-//! From a localisation to a camera command.
+//! Camera laws: from a localisation to a camera command.
 //!
-//! A [`percept::Percept`] is what a localisation means to a camera law: how far out of the region the target is
-//! and in which direction. A law turns percepts into [`barrelman_vocab::CameraCommand`]s:
-//! [`schema::MotorSchema`] is the paper's, [`optimal::OptimalLaw`] the one with the least energy,
-//! [`law::CameraLaw`] whichever was chosen.
+//! A [`percept::Percept`] describes how far and in which direction the target is out of the region. A law computes
+//! [`barrelman_vocab::CameraCommand`]s from percepts: [`motor_schema::MotorSchema`] is the paper's law,
+//! [`optimal::OptimalLaw`] needs the least energy, and [`law::CameraLaw`] holds the chosen law.
 //!
-//! What must not be here: pixels other than image coordinates, clocks, randomness, allocation, vehicle signs
-//! (they are applied where a command leaves), and any decision on whether the camera may move at all
-//! (that is the pilot's).
+//! What must not be here: pixel data, clocks, randomness, allocation per step, vehicle signs (they are applied at the
+//! vehicle boundary), and any decision whether the camera may move at all (`barrelman-pilot` decides it).
 #![forbid(unsafe_code)]
 
 pub mod region;
@@ -15,7 +13,9 @@ mod ring;
 
 pub mod percept;
 
-pub mod schema;
+pub mod law_input;
+
+pub mod motor_schema;
 
 pub mod centring;
 
@@ -33,13 +33,16 @@ pub mod shadow;
 
 pub mod law;
 
+pub mod behaviour;
+
 pub use bearing::{Bearing, BearingFilter, BearingNoise};
 pub use camera_model::CameraModel;
 pub use centring::CentringGains;
-pub use law::{CameraLaw, Law, LawSettings, Sight};
-pub use optimal::{Mode, OptimalLaw, OptimalSettings, Tuning};
+pub use law::{CameraLaw, Law, LawSettings};
+pub use law_input::LawInput;
+pub use motor_schema::{MotorSchema, Sector};
+pub use optimal::{OptimalLaw, OptimalMode, OptimalSettings, Tuning};
 pub use percept::Percept;
 pub use region::Region;
-pub use schema::{MotorSchema, Sector};
-pub use shadow::{Shadow, ShadowStep};
-pub use transfer::Transfer;
+pub use shadow::{ShadowController, ShadowStep};
+pub use transfer::{Transfer, TransferSolution};

@@ -1,12 +1,23 @@
-//! The elliptical region that the target may roam in without the camera moving.
+//! The elliptical region in which the target may roam without camera motion.
 //!
-//! P = x²/a² + y²/b² (`biswas2017`, equation 1), x and y in image coordinates (pixels from the picture's
-//! centre, x right, y up), a and b the semi-axes in pixels. P is 0 at the centre, 1 on the ellipse.
+//! P = x²/a² + y²/b² (`biswas2017`, equation 1), with x and y in image coordinates (pixels from the picture's centre, x
+//! right, y up) and the semi-axes a and b in pixels. P is 0 at the centre and 1 on the ellipse.
 
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{ImagePoint, PictureSize};
 
 /// An ellipse around the picture's centre.
+///
+/// ```
+/// use barrelman_control::Region;
+/// use barrelman_vocab::profile::RegionShares;
+/// use barrelman_vocab::{ImagePoint, PictureSize};
+///
+/// let shares = RegionShares { half_width: 0.6, half_height: 0.5 };
+/// let region = Region::from_shares(shares, PictureSize::new(640, 480));
+/// assert_eq!((region.a_px, region.b_px), (192.0, 120.0));
+/// assert_eq!(region.p(ImagePoint { x: 192.0, y: 0.0 }), 1.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Region {
     /// Horizontal semi-axis, pixels, above zero.
@@ -16,8 +27,8 @@ pub struct Region {
 }
 
 impl Region {
-    /// The region that takes up these shares of half the width and half the height of a picture.
-    pub fn in_picture(shares: RegionShares, picture: PictureSize) -> Self {
+    /// The region with these shares of half the picture's width and height.
+    pub fn from_shares(shares: RegionShares, picture: PictureSize) -> Self {
         Self {
             a_px: shares.half_width * f64::from(picture.width) / 2.0,
             b_px: shares.half_height * f64::from(picture.height) / 2.0,

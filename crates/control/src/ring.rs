@@ -1,27 +1,28 @@
-//! The last few values, each of a later time than the one before, in a ring.
+//! A ring buffer of values in the order of their times.
 //!
-//! What must not be here: what the values mean, and how close two of them may lie. O(1), no allocation but the first.
+//! What must not be here: the meaning of the values, and the interval at which they are kept. Work: O(1) per value; the
+//! only allocation is that of the buffer.
 
-/// The newest values, as many as are kept.
+/// The newest `CAPACITY` values.
 #[derive(Debug, Clone)]
-pub(crate) struct Ring<T, const KEPT: usize> {
-    values: Box<[T; KEPT]>,
+pub(crate) struct Ring<T, const CAPACITY: usize> {
+    values: Box<[T; CAPACITY]>,
     newest: usize,
     len: usize,
 }
 
-impl<T: Copy, const KEPT: usize> Ring<T, KEPT> {
+impl<T: Copy, const CAPACITY: usize> Ring<T, CAPACITY> {
     /// A ring with one value.
     pub(crate) fn new(first: T) -> Self {
-        Self { values: Box::new([first; KEPT]), newest: 0, len: 1 }
+        Self { values: Box::new([first; CAPACITY]), newest: 0, len: 1 }
     }
 
-    /// Takes a value. It takes the newest one's place unless that is `apart` enough from the one before it.
-    pub(crate) fn remember(&mut self, value: T, apart: impl FnOnce(&T, &T) -> bool) {
-        let before = &self.values[(self.newest + KEPT - 1) % KEPT];
-        if self.len < 2 || apart(before, &self.values[self.newest]) {
-            self.newest = (self.newest + 1) % KEPT;
-            self.len = (self.len + 1).min(KEPT);
+    /// Adds a value. The value replaces the newest one unless `is_apart(previous, newest)` holds.
+    pub(crate) fn push(&mut self, value: T, is_apart: impl FnOnce(&T, &T) -> bool) {
+        let previous = &self.values[(self.newest + CAPACITY - 1) % CAPACITY];
+        if self.len < 2 || is_apart(previous, &self.values[self.newest]) {
+            self.newest = (self.newest + 1) % CAPACITY;
+            self.len = (self.len + 1).min(CAPACITY);
         }
         self.values[self.newest] = value;
     }
@@ -30,13 +31,13 @@ impl<T: Copy, const KEPT: usize> Ring<T, KEPT> {
         &self.values[self.newest]
     }
 
-    /// Those before the newest, back to the oldest.
-    pub(crate) fn before(&self) -> impl Iterator<Item = &T> {
-        (1..self.len).map(|back| &self.values[(self.newest + KEPT - back) % KEPT])
+    /// The values before the newest one, newest first.
+    pub(crate) fn earlier(&self) -> impl Iterator<Item = &T> {
+        (1..self.len).map(|back| &self.values[(self.newest + CAPACITY - back) % CAPACITY])
     }
 
-    /// Changes all of them.
-    pub(crate) fn each(&mut self, change: impl FnMut(&mut T)) {
+    /// Changes all values.
+    pub(crate) fn for_each_mut(&mut self, change: impl FnMut(&mut T)) {
         self.values.iter_mut().for_each(change);
     }
 }

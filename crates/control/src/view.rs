@@ -1,72 +1,73 @@
-//! Directions and image points of a pinhole camera, and how both axes move a point.
+//! The pinhole projection of a camera that pans and tilts, its inverse, and its Jacobian.
 //!
-//! Directions are unit vectors in a frame that does not turn with the camera: to the right of where it first pointed,
-//! ahead, up. They have no pole: a target may pass right below. With the point (x, y) of the picture and the focal
-//! length f, the ray has the components x/f to the right, y/f upwards across the optical axis and 1 along it. What
-//! lies behind the camera is put far out, the farther the more it does. A lens's distortion is not in it.
+//! A direction is a unit vector (right, ahead, up) in a frame that does not turn with the camera; *ahead* is the
+//! initial pan direction. Unit vectors have no pole: a target may pass directly below the camera. With an image point
+//! (x, y) and the focal length f, the ray has the components x/f (right), y/f (up) and 1 (along the optical axis). A
+//! direction behind the camera is projected to a point far outside of the picture; the distance grows with the angle.
+//! Lens distortion is not modelled.
 
 use barrelman_vocab::ImagePoint;
 
-/// A unit vector: right, ahead, up.
+/// A unit vector (right, ahead, up).
 pub type Direction = [f64; 3];
 
-/// What lies less far ahead than this share of its distance counts as behind.
-const LEAST_AHEAD: f64 = 0.15;
+/// Depths below this share of the distance count as behind the camera.
+const MIN_DEPTH_SHARE: f64 = 0.15;
 
-/// A camera's focal length and where it points.
+/// A camera's focal length, pan and tilt.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     focal_px: f64,
-    pan: Turn,
-    tilt: Turn,
+    pan: TurnAngle,
+    tilt: TurnAngle,
 }
 
 /// An angle with its sine and cosine.
 #[derive(Debug, Clone, Copy)]
-struct Turn {
+struct TurnAngle {
     angle: f64,
     sin: f64,
     cos: f64,
 }
 
-impl Turn {
+impl TurnAngle {
     fn new(angle: f64) -> Self {
         let (sin, cos) = libm::sincos(angle);
         Self { angle, sin, cos }
     }
 
-    /// The same to another angle; where that is the same, nothing is worked out anew.
-    fn to(self, angle: f64) -> Self {
+    /// The values of another angle; computed only if the angle differs.
+    fn changed_to(self, angle: f64) -> Self {
         if angle.to_bits() == self.angle.to_bits() { self } else { Self::new(angle) }
     }
 }
 
-/// Pixels by which a point moves for each radian of pan to the right, and of tilt upwards: `[x, y]` each.
+/// The image Jacobian: displacement `[x, y]` of an image point in pixels per radian of pan (right) and tilt (up).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensitivity {
-    /// For pan.
+pub struct ImageJacobian {
+    /// Displacement per radian of pan.
     pub pan: [f64; 2],
-    /// For tilt.
+    /// Displacement per radian of tilt.
     pub tilt: [f64; 2],
 }
 
 impl View {
-    /// A camera with that focal length, pixels, that points there, radians.
+    /// A camera with this focal length in pixels, pan and tilt in radians.
     pub fn new(focal_px: f64, pan: f64, tilt: f64) -> Self {
-        Self { focal_px, pan: Turn::new(pan), tilt: Turn::new(tilt) }
+        Self { focal_px, pan: TurnAngle::new(pan), tilt: TurnAngle::new(tilt) }
     }
 
-    /// The same camera when it points there, with that focal length.
+    /// The same camera with another focal length, pan and tilt.
     #[must_use]
-    pub fn turned(&self, focal_px: f64, pan: f64, tilt: f64) -> Self {
-        Self { focal_px, pan: self.pan.to(pan), tilt: self.tilt.to(tilt) }
+    pub fn with_pointing(&self, focal_px: f64, pan: f64, tilt: f64) -> Self {
+        Self { focal_px, pan: self.pan.changed_to(pan), tilt: self.tilt.changed_to(tilt) }
     }
 
     /// The direction of an image point.
-    pub fn direction(&self, point: ImagePoint) -> Direction {
+    pub fn unproject(&self, point: ImagePoint) -> Direction {
         let per_px = 1.0 / self.focal_px;
         let (right, up) = (per_px * point.x, per_px * point.y);
-        let (Turn { sin: sin_pan, cos: cos_pan, .. }, Turn { sin: sin_tilt, cos: cos_tilt, .. }) =
+        let (TurnAngle { sin: sin_pan, cos: cos_pan, .. }, TurnAngle { sin: sin_tilt, cos: cos_tilt, .. }) =
             (self.pan, self.tilt);
         let ahead = cos_tilt - up * sin_tilt;
         let above = sin_tilt + up * cos_tilt;
@@ -78,37 +79,38 @@ impl View {
         ]
     }
 
-    /// Where a direction is seen; its length counts only for what is behind.
-    pub fn point(&self, [east, north, above]: Direction) -> ImagePoint {
-        let (Turn { sin: sin_pan, cos: cos_pan, .. }, Turn { sin: sin_tilt, cos: cos_tilt, .. }) =
+    /// The image point of a direction. The vector's length matters only behind the camera.
+    pub fn project(&self, [east, north, above]: Direction) -> ImagePoint {
+        let (TurnAngle { sin: sin_pan, cos: cos_pan, .. }, TurnAngle { sin: sin_tilt, cos: cos_tilt, .. }) =
             (self.pan, self.tilt);
         let right = east * cos_pan - north * sin_pan;
         let ahead = east * sin_pan + north * cos_pan;
         let depth = ahead * cos_tilt + above * sin_tilt;
         let across = above * cos_tilt - ahead * sin_tilt;
-        if depth < LEAST_AHEAD {
-            return self.behind(depth, right, across);
+        if depth < MIN_DEPTH_SHARE {
+            return self.project_behind(depth, right, across);
         }
         let scale = self.focal_px / depth;
         ImagePoint { x: scale * right, y: scale * across }
     }
 
-    /// Far out on the side on which it lies; what lies straight behind is put below.
-    fn behind(&self, depth: f64, right: f64, across: f64) -> ImagePoint {
+    /// The image point of a direction behind the camera: far outside, in the direction of the offset from the optical
+    /// axis. The exact opposite of the optical axis is projected below.
+    fn project_behind(&self, depth: f64, right: f64, across: f64) -> ImagePoint {
         let off_squared = right * right + across * across;
         let off = libm::sqrt(off_squared);
         let (right, across) = if off > 0.0 { (right / off, across / off) } else { (0.0, -1.0) };
-        let off_at_the_least = libm::sqrt(off_squared + depth * depth - LEAST_AHEAD * LEAST_AHEAD);
-        let radius = self.focal_px / LEAST_AHEAD * (off_at_the_least + LEAST_AHEAD - depth);
+        let off_at_min_depth = libm::sqrt(off_squared + depth * depth - MIN_DEPTH_SHARE * MIN_DEPTH_SHARE);
+        let radius = self.focal_px / MIN_DEPTH_SHARE * (off_at_min_depth + MIN_DEPTH_SHARE - depth);
         ImagePoint { x: radius * right, y: radius * across }
     }
 
-    /// How the axes move a point that is seen there.
-    pub fn sensitivity(&self, point: ImagePoint) -> Sensitivity {
+    /// The image Jacobian at an image point.
+    pub fn jacobian(&self, point: ImagePoint) -> ImageJacobian {
         let ImagePoint { x, y } = point;
-        let (f, Turn { sin, cos, .. }) = (self.focal_px, self.tilt);
+        let (f, TurnAngle { sin, cos, .. }) = (self.focal_px, self.tilt);
         let per_f = 1.0 / f;
-        Sensitivity {
+        ImageJacobian {
             pan: [-(f * cos - y * sin + x * per_f * x * cos), -(x * sin + x * per_f * y * cos)],
             tilt: [-x * per_f * y, -(f + y * per_f * y)],
         }
@@ -136,7 +138,7 @@ mod tests {
     fn a_point_is_seen_where_its_direction_is() {
         each_view(|pan, tilt, point| {
             let view = View::new(FOCAL_PX, pan, tilt);
-            let again = view.point(view.direction(point));
+            let again = view.project(view.unproject(point));
             assert!(
                 (again.x - point.x).abs() < 1e-9 && (again.y - point.y).abs() < 1e-9,
                 "{point:?} {again:?}"
@@ -150,13 +152,13 @@ mod tests {
         let mut last = 0.0;
         for degrees in 60..=180 {
             let (sin, cos) = libm::sincos(f64::from(degrees).to_radians());
-            let x = view.point([sin, cos, 0.0]).x;
+            let x = view.project([sin, cos, 0.0]).x;
             if degrees < 180 {
                 assert!(x > last && x > 500.0, "{degrees} degrees: {x} px, before {last}");
                 last = x;
             }
         }
-        let astern = view.point([0.0, -1.0, 0.0]);
+        let astern = view.project([0.0, -1.0, 0.0]);
         assert!(libm::hypot(astern.x, astern.y) > 2000.0, "{astern:?}");
     }
 
@@ -165,12 +167,12 @@ mod tests {
         const STEP: f64 = 1e-6;
         each_view(|pan, tilt, point| {
             let view = View::new(FOCAL_PX, pan, tilt);
-            let direction = view.direction(point);
-            let found = view.sensitivity(point);
+            let direction = view.unproject(point);
+            let found = view.jacobian(point);
             for (axis, expected) in [(0, found.pan), (1, found.tilt)] {
                 let seen = |off: f64| {
                     let (pan, tilt) = if axis == 0 { (pan + off, tilt) } else { (pan, tilt + off) };
-                    View::new(FOCAL_PX, pan, tilt).point(direction)
+                    View::new(FOCAL_PX, pan, tilt).project(direction)
                 };
                 let (before, after) = (seen(-STEP), seen(STEP));
                 let slope = [(after.x - before.x) / (2.0 * STEP), (after.y - before.y) / (2.0 * STEP)];

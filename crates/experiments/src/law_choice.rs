@@ -1,11 +1,14 @@
 //! The choice of a camera law: on the command line, in a configuration, in a campaign's settings.
 
 use anyhow::{Result, bail};
-use barrelman_control::optimal::{Mode, OptimalSettings};
-use barrelman_control::{CentringGains, LawSettings};
+use barrelman_control::optimal::{OptimalMode, OptimalSettings};
+use barrelman_control::{CentringGains, LawSettings, behaviour};
+use barrelman_trial::behaviour::BehaviourVersions;
 use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::tracker_choice::TrackerName;
 
 /// The camera laws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
@@ -38,7 +41,7 @@ pub enum ModeName {
 pub struct LawChoice {
     /// Which law.
     pub name: LawName,
-    /// What the optimal law spares; `None`: the default.
+    /// What the optimal law spares; `None` where another law is chosen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<ModeName>,
     /// The optimal law's horizon, seconds; `None`: the mode's own.
@@ -54,10 +57,29 @@ impl LawChoice {
 
     /// A law as it is by itself.
     pub const fn of(name: LawName) -> Self {
-        Self { name, mode: None, horizon_s: None }
+        let mode = match name {
+            LawName::Optimal => Some(ModeName::MinimumEnergy),
+            LawName::Schema | LawName::Centre => None,
+        };
+        Self { name, mode, horizon_s: None }
     }
 
-    /// Itself, if it makes sense; `prefix` stands before the names of what is wrong.
+    /// The law's behaviour version in this program.
+    pub const fn behaviour_version(&self) -> u32 {
+        match self.name {
+            LawName::Schema => behaviour::MOTOR_SCHEMA,
+            LawName::Optimal => behaviour::OPTIMAL,
+            LawName::Centre => behaviour::CENTRE,
+        }
+    }
+
+    /// The behaviour versions that a file of this program states.
+    pub const fn behaviour_with(&self, tracker: TrackerName) -> BehaviourVersions {
+        BehaviourVersions { tracker: tracker.behaviour_version(), law: self.behaviour_version() }
+    }
+
+    /// Itself, if it makes sense, with the optimal law's default mode where none is given; `prefix` stands before the
+    /// names of what is wrong.
     ///
     /// # Errors
     /// If a mode or horizon is given to another law than the optimal one, or the horizon is out of its range.
@@ -76,7 +98,7 @@ impl LawChoice {
         if let Some(horizon) = self.horizon_s.filter(|horizon| !range.contains(horizon)) {
             bail!("{prefix}horizon {horizon}: use seconds from {} to {}", range.start(), range.end());
         }
-        Ok(self)
+        Ok(Self { mode: self.mode.or(Self::of(self.name).mode), ..self })
     }
 
     /// The law's name as it is written on the command line and in a configuration.
@@ -100,14 +122,14 @@ impl LawChoice {
     /// The law's settings.
     pub fn settings(&self) -> LawSettings {
         let mode = match self.mode.unwrap_or_default() {
-            ModeName::MinimumEnergy => Mode::MinimumEnergy,
-            ModeName::TimeFuel => Mode::TimeFuel,
-            ModeName::Eco => Mode::Eco,
+            ModeName::MinimumEnergy => OptimalMode::MinimumEnergy,
+            ModeName::TimeFuel => OptimalMode::TimeFuel,
+            ModeName::Eco => OptimalMode::Eco,
         };
         match self.name {
-            LawName::Schema => LawSettings::Schema,
+            LawName::Schema => LawSettings::MotorSchema,
             LawName::Optimal => LawSettings::Optimal(OptimalSettings { mode, horizon_s: self.horizon_s }),
-            LawName::Centre => LawSettings::Centre(CentringGains::USUAL),
+            LawName::Centre => LawSettings::Centring(CentringGains::HAND_TUNED),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Which tracker follows the boat, with its settings: the one place where a tracker is made.
 
 use anyhow::{Result, anyhow};
-use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
+use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker, behaviour};
 use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,6 +23,14 @@ impl TrackerName {
         match self {
             Self::Fused => "fused",
             Self::Camshift => "camshift",
+        }
+    }
+
+    /// The tracker's behaviour version in this program.
+    pub const fn behaviour_version(self) -> u32 {
+        match self {
+            Self::Fused => behaviour::FUSED,
+            Self::Camshift => behaviour::CAMSHIFT,
         }
     }
 }

@@ -22,6 +22,12 @@ impl Clock {
         Self { start: Instant::now(), start_on_monotonic_ns }
     }
 
+    /// The clock of a program that was started this much earlier: for tests of what depends on the time since the start.
+    #[must_use]
+    pub fn earlier_by(self, span: std::time::Duration) -> Self {
+        Self { start: self.start.checked_sub(span).unwrap_or(self.start), ..self }
+    }
+
     /// The time now.
     pub fn now(self) -> Timestamp {
         self.at(Instant::now())

@@ -1,7 +1,7 @@
 //! Faults on purpose: what is to go wrong, and when.
 //!
 //! A plan is written `KIND@SECONDS[+DURATION]`, several with commas: `stall@12.5s,drop@3+2` stalls from 12.5 s
-//! on for ever and drops what comes between 3 s and 5 s. Every port and video source takes one, so that tests,
+//! on for ever and drops what comes between 3 s and 5 s. All times count from the program's start. Every port and video source takes one, so that tests,
 //! the simulator and the bench break things in the same way. The plan only says *whether* a fault is in force
 //! at a time; what a kind does to packets or video units is written where they pass.
 
@@ -60,7 +60,7 @@ impl fmt::Display for FaultKind {
 pub struct Fault {
     /// What goes wrong.
     pub kind: FaultKind,
-    /// When it begins, counted from the start of the source or the port.
+    /// When it begins, counted from the program's start.
     pub from: Duration,
     /// How long it lasts; `None`: for ever. What happens once (a panic, a reboot) happens at the beginning.
     pub lasts: Option<Duration>,
@@ -105,7 +105,7 @@ impl FaultPlan {
         &self.faults
     }
 
-    /// Whether a fault of that kind is in force at `at`, counted from the start of the source or the port.
+    /// Whether a fault of that kind is in force at `at`, counted from the program's start.
     pub fn active(&self, kind: FaultKind, at: Timestamp) -> bool {
         let since_start = at.since(Timestamp::ZERO);
         self.faults.iter().filter(|fault| fault.kind == kind).any(|fault| {

@@ -8,5 +8,6 @@ pub mod clock;
 pub mod fault;
 pub mod input;
 pub mod output;
+pub mod redaction;
 
 pub mod latest;

@@ -31,7 +31,7 @@ fn draw(bencher: Bencher<'_, '_>, size: PictureSize, number: u32) {
     let profile = VehicleProfile::fotokite_pro();
     let clip = PracticeClip::new(size, 3);
     let mut picture = Picture::black(size, clip.colour());
-    clip.draw(number, &mut picture);
+    clip.render(number, &mut picture);
     let capture = Capture { at: Timestamp::from_secs_f64(3.6), quality: CaptureQuality::Sensor };
     let frame = VideoFrame { sequence: u64::from(number), capture, picture: Arc::new(picture) };
 
@@ -41,14 +41,14 @@ fn draw(bencher: Bencher<'_, '_>, size: PictureSize, number: u32) {
     tracker.explain(&mut explanation);
 
     let track = Track::Tracking(report.localisation);
-    let region = Region::in_picture(profile.region, size);
+    let region = Region::from_shares(profile.region, size);
     let percept = Percept::new(report.localisation.centre.in_image(size), region);
-    let command = MotorSchema::new(profile.schema).command(&percept);
+    let command = MotorSchema::new(profile.motor_schema_rates).command(&percept);
     let scene = Scene {
         percept: Some(percept),
         advice: Some(Advice { command, sector: None }),
         command,
-        rates: Some(profile.outgoing(command)),
+        rates: Some(profile.to_vehicle(command)),
         mode: Some(Mode::Servoing),
         link: Some("up"),
         explanation: Some(&explanation),

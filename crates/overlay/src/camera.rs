@@ -5,7 +5,7 @@ use barrelman_vocab::{CameraCommand, PixelBox, VehicleRates};
 use tiny_skia::Path;
 
 use super::pen::Pen;
-use super::placing::Places;
+use super::placement::LabelPlacement;
 use super::scene::Scene;
 use super::shapes::{Line, polyline};
 use super::strip::strip_height;
@@ -42,7 +42,7 @@ const ALONG: [f64; 7] = [0.5, 0.36, 0.64, 0.25, 0.75, 0.14, 0.86];
 
 impl CameraArrow {
     /// Draws an arrow for each axis that moves or would move.
-    pub(super) fn draw(&mut self, pen: &mut Pen, places: &mut Places, scene: &Scene<'_>) {
+    pub(super) fn draw(&mut self, pen: &mut Pen, placement: &mut LabelPlacement, scene: &Scene<'_>) {
         let in_force = !scene.command.is_rest();
         let shown = match scene.advice {
             Some(advice) if !in_force => advice.command,
@@ -60,7 +60,7 @@ impl CameraArrow {
             if pen.style.detail == Detail::Full {
                 write_label(&mut self.words, motion, shown, rates);
             }
-            self.draw_one(pen, places, motion);
+            self.draw_one(pen, placement, motion);
         }
     }
 
@@ -71,7 +71,7 @@ impl CameraArrow {
         }
     }
 
-    fn draw_one(&mut self, pen: &mut Pen, places: &mut Places, motion: Motion) {
+    fn draw_one(&mut self, pen: &mut Pen, placement: &mut LabelPlacement, motion: Motion) {
         let length = f64::from(pen.style.scaled(84.0).max(10.0));
         let width = length * 0.36;
         let words = core::mem::take(&mut self.words);
@@ -89,8 +89,8 @@ impl CameraArrow {
             // Above the strip, or below it.
             Axis::Tilt => strip_height(pen) + gap,
         };
-        let choices = choices(places.page(), motion, group, clear);
-        if let Some(place) = places.take_steadily(self.place_of(motion.axis), &choices) {
+        let choices = choices(placement.page(), motion, group, clear);
+        if let Some(place) = placement.place_steadily(self.place_of(motion.axis), &choices) {
             let arrow = match motion.axis {
                 Axis::Pan => {
                     let u = if motion.positive { place.u + place.w - length } else { place.u };

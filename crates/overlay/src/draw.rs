@@ -6,19 +6,19 @@ use super::blend;
 use super::camera::CameraArrow;
 use super::panel::{self, Panel};
 use super::pen::Pen;
-use super::placing::Places;
-use super::region::Ground;
+use super::placement::LabelPlacement;
+use super::region::RegionLayer;
 use super::scene::Scene;
 use super::strip::Strip;
 use super::style::{Detail, Style};
-use super::target::{self, Sight};
+use super::target::{self, TargetView};
 
 /// Draws scenes on copies of video frames. Keeps its buffers from one frame to the next.
 #[derive(Debug, Default)]
 pub struct Overlay {
     pen: Pen,
-    ground: Ground,
-    places: Places,
+    region_layer: RegionLayer,
+    placement: LabelPlacement,
     strip: Strip,
     panel: Panel,
     arrow: CameraArrow,
@@ -40,36 +40,36 @@ impl Overlay {
             copy.copy_from_slice(original.data);
         }
         self.pen.begin(Style::of(size));
-        let sight = Sight::of(scene, size);
-        let percept = sight.as_ref().map(|sight| &sight.percept);
-        if self.ground.begin(&mut self.pen, size, scene.region, percept) {
-            self.compose(frame, scene, sight.as_ref());
+        let view = TargetView::of(scene, size);
+        let percept = view.as_ref().map(|view| &view.percept);
+        if self.region_layer.begin(&mut self.pen, size, scene.region, percept) {
+            self.compose(frame, scene, view.as_ref());
             blend::onto(&self.pen.layer, out);
         }
     }
 
-    fn compose(&mut self, frame: &VideoFrame, scene: &Scene<'_>, sight: Option<&Sight>) {
-        let Self { pen, places, strip, panel, arrow, .. } = self;
-        places.begin(frame.picture.size().bounds(), pen.style.margin);
-        if let Some(sight) = sight {
-            places.keep_clear(sight.bounds);
+    fn compose(&mut self, frame: &VideoFrame, scene: &Scene<'_>, view: Option<&TargetView>) {
+        let Self { pen, placement, strip, panel, arrow, .. } = self;
+        placement.begin(frame.picture.size().bounds(), pen.style.margin);
+        if let Some(view) = view {
+            placement.reserve(view.bounds);
         }
 
         if let Some(window) = scene.explanation.and_then(|explanation| explanation.search_window) {
             panel::draw_search_window(pen, window);
         }
         if pen.style.detail > Detail::Bare {
-            strip.draw(pen, places, frame, scene, sight);
+            strip.draw(pen, placement, frame, scene, view);
         }
         if let Some(explanation) = scene.explanation.filter(|_| pen.style.detail > Detail::Bare) {
-            panel.draw(pen, places, explanation, sight.map(|sight| sight.bounds));
+            panel.draw(pen, placement, explanation, view.map(|view| view.bounds));
         }
-        if let Some(sight) = sight {
-            target::draw(pen, sight);
+        if let Some(view) = view {
+            target::draw(pen, view);
         }
-        arrow.draw(pen, places, scene);
-        if let Some(sight) = sight.filter(|_| pen.style.detail == Detail::Full) {
-            target::label(pen, places, sight);
+        arrow.draw(pen, placement, scene);
+        if let Some(view) = view.filter(|_| pen.style.detail == Detail::Full) {
+            target::label(pen, placement, view);
         }
     }
 }

@@ -3,7 +3,7 @@
 //! The first frame sets the size; frames of another size, as after a change of the stream's resolution, end the
 //! film with an error that says so.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use barrelman_control::Region;
@@ -13,6 +13,7 @@ use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Picture, PictureSize, Timestamp, Track, VehicleRates, VideoFrame};
 
 use crate::{Overlay, Scene};
+use barrelman_host::output::OutputFile;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::writer::Mp4Writer;
 
@@ -22,25 +23,34 @@ const NOMINAL_FPS: f64 = 30.0;
 /// A film that is being written.
 pub struct Film {
     path: PathBuf,
-    writer: Option<(Mp4Writer, PictureSize, Timestamp)>,
+    /// The file, until the first frame.
+    file: Option<OutputFile>,
+    writer: Option<(Mp4Writer<OutputFile>, PictureSize, Timestamp)>,
     picture: Option<Picture>,
     overlay: Overlay,
     shares: RegionShares,
 }
 
 impl Film {
-    /// A film at `path`, with the region that takes up these shares of the picture. The file is made with the
-    /// first frame.
-    pub fn new(path: &Path, shares: RegionShares) -> Self {
-        Self { path: path.to_owned(), writer: None, picture: None, overlay: Overlay::new(), shares }
+    /// A film in `file`, with the region that takes up these shares of the picture. Without a frame nothing is
+    /// written.
+    pub fn new(file: OutputFile, shares: RegionShares) -> Self {
+        Self {
+            path: file.path().to_owned(),
+            file: Some(file),
+            writer: None,
+            picture: None,
+            overlay: Overlay::new(),
+            shares,
+        }
     }
 
     /// Adds a frame with a scene drawn on it.
     fn add(&mut self, frame: &VideoFrame, scene: &Scene<'_>) -> Result<()> {
         let size = frame.picture.size();
-        if self.writer.is_none() {
-            let writer = Mp4Writer::create(&self.path, EncoderSettings::for_pictures(size, NOMINAL_FPS))?;
-            self.writer = Some((writer, size, frame.capture.at));
+        if let Some(file) = self.file.take() {
+            let settings = EncoderSettings::for_pictures(size, NOMINAL_FPS);
+            self.writer = Some((Mp4Writer::new(file, &self.path, settings), size, frame.capture.at));
         }
         let Some((writer, first_size, start)) = &mut self.writer else { return Ok(()) };
         if *first_size != size {
@@ -55,13 +65,13 @@ impl Film {
         Ok(())
     }
 
-    /// Adds a frame with the outcome of a live step.
+    /// Adds a frame with the outcome of its step.
     ///
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
-        let region = Region::in_picture(self.shares, frame.picture.size());
-        self.add(frame, &Scene { rates: Some(rates), ..Scene::of_outcome(outcome, region) })
+        let Some(scene) = Scene::of_outcome(outcome) else { return Ok(()) };
+        self.add(frame, &Scene { rates: Some(rates), ..scene })
     }
 
     /// Adds a frame with what a tracker alone made of it.
@@ -69,7 +79,7 @@ impl Film {
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_track(&mut self, frame: &VideoFrame, track: &Track, why: Option<&Explanation>) -> Result<()> {
-        let region = Region::in_picture(self.shares, frame.picture.size());
+        let region = Region::from_shares(self.shares, frame.picture.size());
         self.add(frame, &Scene { explanation: why, ..Scene::of_track(track, region) })
     }
 

@@ -38,7 +38,7 @@ mod panel;
 mod strip;
 
 mod pen;
-mod placing;
+mod placement;
 mod style;
 
 mod blend;

@@ -5,11 +5,11 @@
 
 use std::fmt::Write;
 
-use barrelman_vision::{Explanation, GreyMap, Stage};
+use barrelman_vision::{Explanation, GreyMap, TrackerState};
 use barrelman_vocab::PixelBox;
 
 use super::pen::Pen;
-use super::placing::Places;
+use super::placement::LabelPlacement;
 use super::shapes::{Line, upright};
 use super::strip::strip_height;
 use super::style::{Detail, Ink};
@@ -32,7 +32,7 @@ struct Inset<'e> {
 }
 
 /// A map is at least this many times as high as a line of text: less shows nothing.
-const LEAST_SIDE_TEXTS: f64 = 4.5;
+const MIN_SIDE_TEXTS: f64 = 4.5;
 
 /// Where the parts of a panel go, pixels.
 struct Layout {
@@ -63,35 +63,35 @@ impl Panel {
     pub(super) fn draw(
         &mut self,
         pen: &mut Pen,
-        places: &mut Places,
+        placement: &mut LabelPlacement,
         explanation: &Explanation,
         target: Option<PixelBox>,
     ) {
         let insets = insets_of(explanation);
         let bins = &explanation.histogram;
-        if explanation.stage.is_none() && insets.is_empty() && bins.is_empty() {
+        if explanation.state.is_none() && insets.is_empty() && bins.is_empty() {
             self.corner = None;
             return;
         }
-        let layout = Layout::of(pen, places.page(), insets.len(), bins.is_empty());
+        let layout = Layout::of(pen, placement.page(), insets.len(), bins.is_empty());
         let Layout { pad, width, line, bar, cell, hues } = layout;
-        let head = if explanation.stage.is_some() { line + bar + pad } else { 0.0 };
+        let head = if explanation.state.is_some() { line + bar + pad } else { 0.0 };
         let maps = if insets.is_empty() { 0.0 } else { line + cell.1 + pad };
         let strip = if bins.is_empty() { 0.0 } else { hues + pad };
         let (w, h) = (width + 2.0 * pad, pad / 2.0 + head + maps + strip);
 
         // The strip's height is left free at both edges, so that the panel need not move when the strip does.
-        let page = places.page();
+        let page = placement.page();
         let (left, right) = (pen.style.margin, page.w - w - pen.style.margin);
         let edge = strip_height(pen) + pen.style.margin;
         let (top, bottom) = (edge, page.h - h - edge);
         let corners = [(right, top), (left, top), (right, bottom), (left, bottom)];
         let corners = corners.map(|(u, v)| PixelBox { u: u.round(), v: v.round(), w, h });
-        let Some(place) = places.take_steadily(&mut self.corner, &corners) else { return };
+        let Some(place) = placement.place_steadily(&mut self.corner, &corners) else { return };
 
         pen.plate(place);
         let (u, mut v) = (place.u + pad, place.v + pad / 2.0);
-        if let Some(stage) = explanation.stage {
+        if let Some(stage) = explanation.state {
             let body = PixelBox { u, v, w: width, h: line };
             self.draw_head(pen, body, bar, stage, explanation.confidence);
             v += head;
@@ -106,12 +106,12 @@ impl Panel {
     }
 
     /// Draws the tracker's word for its state, and its confidence as a number over a bar.
-    fn draw_head(&mut self, pen: &mut Pen, body: PixelBox, bar: f64, stage: Stage, confidence: f64) {
+    fn draw_head(&mut self, pen: &mut Pen, body: PixelBox, bar: f64, stage: TrackerState, confidence: f64) {
         let (ink, word) = match stage {
-            Stage::Tracking => (Ink::ACCENT, "tracking"),
-            Stage::Coasting => (Ink::CAUTION, "coasting"),
-            Stage::Lost => (Ink::ALARM, "lost"),
-            Stage::Confirming => (Ink::CAUTION, "confirming"),
+            TrackerState::Tracking => (Ink::ACCENT, "tracking"),
+            TrackerState::Coasting => (Ink::CAUTION, "coasting"),
+            TrackerState::Lost => (Ink::ALARM, "lost"),
+            TrackerState::Confirming => (Ink::CAUTION, "confirming"),
         };
         let text = f32::from(pen.style.text_px);
         let middle = body.centre().v as f32;
@@ -134,7 +134,7 @@ impl Layout {
         let text = f64::from(pen.style.text_px);
         let pad = (text * 0.5).round();
         let share = if pen.style.detail == Detail::Full { 0.16 } else { 0.28 };
-        let side = (page.h.min(page.w * 9.0 / 16.0) * share).max(LEAST_SIDE_TEXTS * text).round();
+        let side = (page.h.min(page.w * 9.0 / 16.0) * share).max(MIN_SIDE_TEXTS * text).round();
         let (cell, width) = if insets > 1 {
             ((side, side), 2.0 * side + pad)
         } else {

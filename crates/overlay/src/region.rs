@@ -30,12 +30,12 @@ fn in_pixels(point: ImagePoint, picture: PictureSize) -> (f32, f32) {
 
 /// The region as it was drawn last, on a layer of its own: it seldom changes from one frame to the next.
 #[derive(Debug, Default)]
-pub(super) struct Ground {
+pub(super) struct RegionLayer {
     layer: Layer,
     shows: Option<(PictureSize, Region, Option<Sector>)>,
 }
 
-impl Ground {
+impl RegionLayer {
     /// Begins the pen's layer with the region on it, and where P > 1 the sector that is active. `false` where
     /// there is no room to draw.
     pub(super) fn begin(
@@ -45,8 +45,8 @@ impl Ground {
         region: Region,
         percept: Option<&Percept>,
     ) -> bool {
-        let active = percept.filter(|percept| MotorSchema::released(percept));
-        let wanted = (picture, region, active.map(|percept| Sector::of(percept.position)));
+        let active = percept.filter(|percept| MotorSchema::is_released(percept));
+        let wanted = (picture, region, active.map(|percept| Sector::from_point(percept.position)));
         if self.shows != Some(wanted) {
             self.shows = Some(wanted);
             core::mem::swap(&mut pen.layer, &mut self.layer);

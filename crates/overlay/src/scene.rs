@@ -45,14 +45,14 @@ impl<'a> Scene<'a> {
     }
 
     /// What came of a pilot's step. The rates as sent, the link and the explanation are the caller's to add:
-    /// `Scene { rates: Some(rates), ..Scene::of_outcome(&outcome, region) }`.
-    pub fn of_outcome(outcome: &'a Outcome, region: Region) -> Self {
-        Self {
+    /// `Scene { rates: Some(rates), ..scene }`. `None` before the pilot's first observation, which gives the region.
+    pub fn of_outcome(outcome: &'a Outcome) -> Option<Self> {
+        Some(Self {
             percept: outcome.percept,
             advice: outcome.advice,
             command: outcome.command,
             mode: Some(outcome.mode),
-            ..Self::of_track(&outcome.track, region)
-        }
+            ..Self::of_track(&outcome.track, outcome.region?)
+        })
     }
 }

@@ -9,11 +9,11 @@ use barrelman_pilot::Mode;
 use barrelman_vocab::{PixelBox, Timestamp, Track, VideoFrame};
 
 use super::pen::Pen;
-use super::placing::Places;
+use super::placement::LabelPlacement;
 use super::scene::Scene;
 use super::shapes::PLATE;
 use super::style::{Detail, Ink};
-use super::target::Sight;
+use super::target::TargetView;
 use super::text;
 
 /// Remembers where the strip is, and keeps its words' memory.
@@ -32,7 +32,7 @@ struct Field {
     value: Range<usize>,
     /// The widest usual value: what is behind it stays where it is while figures come and go.
     widest: &'static str,
-    look: Look,
+    look: FieldStyle,
     /// Fields with the lowest number are shown first where the picture is narrow.
     rank: u8,
 }
@@ -44,7 +44,7 @@ const LAST_RANK: u8 = 7;
 
 /// How a field is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Look {
+enum FieldStyle {
     /// A value in its colour.
     Plain(Ink),
     /// A value on a plate of its own colour.
@@ -58,26 +58,26 @@ impl Strip {
     pub(super) fn draw(
         &mut self,
         pen: &mut Pen,
-        places: &mut Places,
+        placement: &mut LabelPlacement,
         frame: &VideoFrame,
         scene: &Scene<'_>,
-        sight: Option<&Sight>,
+        view: Option<&TargetView>,
     ) {
-        let page = places.page();
+        let page = placement.page();
         let height = strip_height(pen);
         let bottom = PixelBox { u: 0.0, v: page.h - height, w: page.w, h: height };
         let choices = [bottom, PixelBox { v: 0.0, ..bottom }];
         // A target that reaches from the top to the bottom leaves no choice.
-        let place = places.take_steadily(&mut self.place, &choices).unwrap_or(bottom);
+        let place = placement.place_steadily(&mut self.place, &choices).unwrap_or(bottom);
 
         self.words.clear();
         self.fields.clear();
-        self.list_fields(scene, sight, pen.style.detail);
+        self.list_fields(scene, view, pen.style.detail);
         self.list_time(frame);
         pen.layer.fill_box(place, Ink::DARK.at(PLATE));
         self.lay_out(pen, place);
         if let Track::Lost { since, .. } = scene.track {
-            self.draw_banner(pen, places, frame.capture.at, *since);
+            self.draw_banner(pen, placement, frame.capture.at, *since);
         }
     }
 
@@ -88,9 +88,14 @@ impl Strip {
         self.fields.push(Field { value: start..self.words.len(), ..field });
     }
 
-    fn list_fields(&mut self, scene: &Scene<'_>, sight: Option<&Sight>, detail: Detail) {
-        let plain =
-            |name, widest, rank| Field { name, value: 0..0, widest, look: Look::Plain(Ink::LIGHT), rank };
+    fn list_fields(&mut self, scene: &Scene<'_>, view: Option<&TargetView>, detail: Detail) {
+        let plain = |name, widest, rank| Field {
+            name,
+            value: 0..0,
+            widest,
+            look: FieldStyle::Plain(Ink::LIGHT),
+            rank,
+        };
         if let Some(mode) = scene.mode {
             let ink = match mode {
                 Mode::Idle => Ink::QUIET,
@@ -98,7 +103,7 @@ impl Strip {
                 Mode::Holding(_) => Ink::CAUTION,
                 Mode::Stopped(_) => Ink::ALARM,
             };
-            self.field(Field { look: Look::Badge(ink), ..plain("", "servoing", 0) }, |words| {
+            self.field(Field { look: FieldStyle::Badge(ink), ..plain("", "servoing", 0) }, |words| {
                 let _ = write!(words, "{mode}");
             });
         }
@@ -108,7 +113,7 @@ impl Strip {
             Track::Coasting(seen) => (Ink::CAUTION, "coasting", Some(seen.confidence)),
             Track::Lost { confidence, .. } => (Ink::ALARM, "lost", Some(*confidence)),
         };
-        self.field(Field { look: Look::Dotted(ink), ..plain("", "coasting", 1) }, |words| {
+        self.field(Field { look: FieldStyle::Dotted(ink), ..plain("", "coasting", 1) }, |words| {
             words.push_str(state)
         });
         if let Some(confidence) = confidence {
@@ -116,9 +121,9 @@ impl Strip {
                 let _ = write!(words, "{confidence:.2}");
             });
         }
-        if let Some(percept) = sight.map(|sight| sight.percept) {
-            let ink = if MotorSchema::released(&percept) { Ink::ACCENT } else { Ink::LIGHT };
-            self.field(Field { look: Look::Plain(ink), ..plain("P", "0.00", 2) }, |words| {
+        if let Some(percept) = view.map(|view| view.percept) {
+            let ink = if MotorSchema::is_released(&percept) { Ink::ACCENT } else { Ink::LIGHT };
+            self.field(Field { look: FieldStyle::Plain(ink), ..plain("P", "0.00", 2) }, |words| {
                 let _ = write!(words, "{:.2}", percept.p);
             });
             self.field(plain("r", "000 px", 6), |words| {
@@ -137,7 +142,7 @@ impl Strip {
         for (name, rate) in axes.into_iter().flatten() {
             let moving = if rate.is_zero() { Ink::LIGHT } else { Ink::ACCENT };
             self.field(
-                Field { look: Look::Plain(moving), ..plain(name, "\u{2212}0.000 rad/s", 3) },
+                Field { look: FieldStyle::Plain(moving), ..plain(name, "\u{2212}0.000 rad/s", 3) },
                 |words| {
                     text::push_signed(words, rate.radians_per_second(), 3);
                     words.push_str(" rad/s");
@@ -151,7 +156,7 @@ impl Strip {
 
     /// Frame number and time of capture: the last two fields, which stand at the right.
     fn list_time(&mut self, frame: &VideoFrame) {
-        let look = Look::Plain(Ink::LIGHT);
+        let look = FieldStyle::Plain(Ink::LIGHT);
         self.field(Field { name: "frame", value: 0..0, widest: "", look, rank: TIME_RANK }, |words| {
             let _ = write!(words, "{}", frame.sequence);
         });
@@ -195,16 +200,22 @@ impl Strip {
         }
     }
 
-    fn draw_banner(&mut self, pen: &mut Pen, places: &mut Places, now: Timestamp, since: Timestamp) {
+    fn draw_banner(
+        &mut self,
+        pen: &mut Pen,
+        placement: &mut LabelPlacement,
+        now: Timestamp,
+        since: Timestamp,
+    ) {
         self.words.clear();
         let _ = write!(self.words, "target lost for {:.1} s", now.since(since).as_secs_f64());
         let (w, h) = pen.plate_size(&self.words);
         let (w, h) = (w * 1.25, h * 1.35);
-        let page = places.page();
+        let page = placement.page();
         // Below where the strip may be, and above the region.
         let v = (page.h * 0.16 - h / 2.0).max(strip_height(pen) + pen.style.margin);
         let place = PixelBox { u: (page.w - w) / 2.0, v, w, h };
-        places.keep_clear(place);
+        placement.reserve(place);
         pen.rounded(place, Ink::ALARM.at(0.92));
         pen.centred_text(&self.words, place, Ink::LIGHT);
     }
@@ -227,9 +238,9 @@ impl Field {
         let value = width(self.value(words)).max(width(self.widest));
         let name = if self.name.is_empty() { 0.0 } else { width(self.name) + text * 0.35 };
         name + match self.look {
-            Look::Plain(_) => value,
-            Look::Badge(_) => value + text * 0.9,
-            Look::Dotted(_) => value + text * 0.75,
+            FieldStyle::Plain(_) => value,
+            FieldStyle::Badge(_) => value + text * 0.9,
+            FieldStyle::Dotted(_) => value + text * 0.75,
         }
     }
 
@@ -240,14 +251,14 @@ impl Field {
         }
         let value = self.value(words);
         match self.look {
-            Look::Plain(ink) => {
+            FieldStyle::Plain(ink) => {
                 pen.text(value, (u, middle), ink);
             }
-            Look::Dotted(ink) => {
+            FieldStyle::Dotted(ink) => {
                 pen.dot((u + text * 0.25, middle), text * 0.22, ink);
                 pen.text(value, (u + text * 0.75, middle), Ink::LIGHT);
             }
-            Look::Badge(ink) => {
+            FieldStyle::Badge(ink) => {
                 let (w, h) = (f64::from(self.width(pen, words)), f64::from(text * 1.25));
                 let plate = PixelBox { u: f64::from(u), v: f64::from(middle) - h / 2.0, w, h };
                 pen.rounded(plate, ink);

@@ -1,18 +1,18 @@
-//! What a pilot can be told.
+//! The inputs of a pilot.
 
 use barrelman_vocab::{OperatorRequest, Telemetry, Track, VideoFrame};
 
 /// One input of [`crate::Pilot::step`].
 #[derive(Debug, Clone, Copy)]
 pub enum Input<'a> {
-    /// A video frame: the pilot's own tracker looks at it.
+    /// A video frame for the pilot's own tracker.
     Frame(&'a VideoFrame),
-    /// A localisation that was measured elsewhere: truth of a simulation, positions of a recorded log.
+    /// A track that was measured elsewhere: the truth of a simulation, or positions of a recorded log.
     Localisation(Track),
-    /// A report of the vehicle.
+    /// Telemetry of the vehicle.
     Telemetry(Telemetry),
     /// A request of the operator.
     Request(OperatorRequest),
-    /// Nothing but the passing of time.
+    /// The current time only.
     Tick,
 }

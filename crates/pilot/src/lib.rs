@@ -1,11 +1,11 @@
-//! The step that joins localisation and control: one input in, one [`Outcome`] out.
+//! The pilot joins localisation and control: each [`Pilot::step`] processes one [`Input`] and returns one [`Outcome`].
 //!
-//! Live, simulated and replayed runs call the same [`Pilot::step`]; only who supplies the input and who takes
-//! the outcome differs. It is total: it cannot fail, block, or depend on anything but its arguments and its own
-//! state, and it allocates nothing once it has seen a few frames.
+//! Live, simulated and replayed runs call the same function; they differ in the source of the inputs and the use of the
+//! outcomes. The function is total: it cannot fail or block, and it depends only on its arguments and the pilot's
+//! state. It does not allocate after the first few video frames.
 //!
-//! What must not be here: clocks, threads, files, vehicle signs, protocols, and a second place that decides
-//! whether the camera may move: that is [`safety`] alone.
+//! What must not be here: clocks, threads, files, vehicle signs, protocols, and a second place that decides whether the
+//! camera may move: only [`safety`] decides it.
 #![forbid(unsafe_code)]
 
 pub mod step;

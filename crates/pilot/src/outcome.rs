@@ -1,8 +1,8 @@
-//! What a step comes to: what was seen, what is asked of the vehicle and why, and when to step again.
+//! The outcome of a step: the track, the command with its reason, and the time of the next step.
 
 use core::fmt;
 
-use barrelman_control::{Percept, Sector};
+use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::{CameraCommand, StopCause, Timestamp, Track};
 
@@ -11,31 +11,33 @@ use barrelman_vocab::{CameraCommand, StopCause, Timestamp, Track};
 pub struct Outcome {
     /// The `now` of the step.
     pub at: Timestamp,
-    /// Whether the camera may move, and if not, why.
+    /// The pilot's mode: whether the camera may move, and if not, why.
     pub mode: Mode,
     /// The track after this step.
     pub track: Track,
-    /// Age of what was seen in this step, from its capture to `at`; `None` where nothing new was seen.
+    /// Age of this step's observation, from its capture to `at`; `None` without observation.
     pub age: Option<core::time::Duration>,
-    /// What the newest localisation means to the law, while the target's place is known.
+    /// The region in the picture of the newest observation; `None` before the first one.
+    pub region: Option<Region>,
+    /// Percept of the newest localisation; `None` while the target's position is unknown.
     pub percept: Option<Percept>,
-    /// What the law asks for at that percept, whether or not the camera may move.
+    /// What the law advises for that percept, whether or not the camera may move.
     pub advice: Option<Advice>,
-    /// What is in force from this step on, inside (pan > 0 right, tilt > 0 up).
+    /// The command in force from this step on (pan > 0 right, tilt > 0 up).
     pub command: CameraCommand,
-    /// The latest time by which the pilot must be stepped again, if nothing else happens before: silence, too,
-    /// ends in zeros.
+    /// Latest time of the next step. Without any other input, a tick at that time makes the pilot stop the camera.
+    /// `None` if no deadline is pending.
     pub wake_at: Option<Timestamp>,
-    /// Something that an operator should be told.
+    /// A message for the operator.
     pub notice: Option<Notice>,
 }
 
-/// What a law asks for, and where it saw the target.
+/// The advice of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Advice {
-    /// The rates.
+    /// The advised command.
     pub command: CameraCommand,
-    /// The sector, where the target is outside of the region.
+    /// The target's sector; `None` inside the region.
     pub sector: Option<Sector>,
 }
 
@@ -51,17 +53,17 @@ pub struct Advice {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// Not engaged: tracks, and rests the camera.
+    /// Not engaged: the pilot tracks, and the camera rests.
     Idle,
-    /// Engaged, and moving the camera as the law asks.
+    /// Engaged: the camera follows the law's advice.
     Servoing,
-    /// Engaged, but the camera rests, because there is nothing fresh to go by.
+    /// Engaged, but the camera rests for lack of fresh localisations.
     Holding(HoldCause),
-    /// Stopped until the operator engages anew.
+    /// Stopped until the next `Engage` (or `Disengage`, which leads to `Idle`).
     Stopped(StopCause),
 }
 
-/// Why an engaged pilot rests the camera.
+/// The reason why an engaged pilot rests the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum HoldCause {
     /// Nothing was selected yet.
@@ -70,20 +72,20 @@ pub enum HoldCause {
     TrackLost,
     /// The track has been coasting for too long.
     Coasting,
-    /// Video frames come, but too old.
+    /// The video frames are too old.
     VideoStale,
-    /// No video frames come.
+    /// No video frames arrive.
     VideoSilent,
 }
 
-/// What an operator should be told about a step.
+/// A message for the operator about a step.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Notice {
-    /// The selection was taken; how distinct it is.
+    /// The selection was accepted, with a report on its quality.
     Selected(SelectionReport),
-    /// The selection cannot be followed; the track that was there before goes on.
+    /// The selection cannot be tracked; the previous track continues.
     SelectionRefused(SelectionError),
-    /// The video's clock ran backwards: a new epoch begins.
+    /// The times of capture ran backwards: a new epoch begins.
     VideoClockWentBack,
 }
 
@@ -92,10 +94,10 @@ impl fmt::Display for Notice {
         match self {
             Self::Selected(report) => {
                 write!(f, "following the selection {}", report.used)?;
-                if report.clipped {
+                if report.is_clipped {
                     f.write_str(" (cut off at the picture's edge)")?;
                 }
-                write!(f, "; {:.0} % of it has a colour to go by", report.coloured * 100.0)
+                write!(f, "; {:.0} % of it has a colour to go by", report.coloured_share * 100.0)
             }
             Self::SelectionRefused(refusal) => refusal.fmt(f),
             Self::VideoClockWentBack => f.write_str("the video's clock ran backwards"),

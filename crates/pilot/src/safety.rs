@@ -1,10 +1,11 @@
-//! Whether the camera may move: the stop, and the rule of motion. Nothing else decides it.
+//! The safety rule: the only place that decides whether the camera may move.
 //!
-//! 1. A stop outranks everything. After it only an explicit `Engage` lets the camera move again.
-//! 2. Motion rests on a fresh look. Only a fresh localisation starts or raises a rate. One that coasts can only
+//! 1. A stop outranks everything. After a stop, only `Engage` allows motion again; `Disengage` ends the stop in the
+//!    idle mode.
+//! 2. Motion requires fresh localisations. Only a fresh localisation starts or raises a rate; a coasting one can only
 //!    lower it.
-//! 3. A rate that is running lasts at most `coast_motion` after the last fresh localisation arrived; then zeros.
-//!    A step that claims to lie before that arrival cannot tell how long ago it was: zeros, too.
+//! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates become
+//!    zero. They also become zero if the current time lies before that arrival, because its age is then unknown.
 
 use core::time::Duration;
 
@@ -12,17 +13,17 @@ use barrelman_vocab::{AngularRate, CameraCommand, OperatorRequest, StopCause, Ti
 
 use crate::outcome::{HoldCause, Mode};
 
-/// What a step brings to judge by.
+/// What the observation of one step means for motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Evidence {
-    /// A fresh localisation, and what the law asks for.
+pub enum ObservationResult {
+    /// A fresh localisation, with the command that the law advises.
     Fresh(CameraCommand),
-    /// A localisation that coasts, and what the law would ask for.
+    /// A coasting localisation, with the command that the law advises.
     Coasting(CameraCommand),
-    /// A look that showed no target, or came too late.
-    Nothing(HoldCause),
-    /// No look at all: a tick, a request, telemetry.
-    NoLook,
+    /// An observation without target, or a stale one.
+    Unusable(HoldCause),
+    /// No observation: a tick, a request, or telemetry.
+    NoObservation,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,112 +33,111 @@ enum Engagement {
     Stopped(StopCause),
 }
 
-/// The judge.
+/// The safety rule with its state.
 #[derive(Debug, Clone)]
 pub struct Safety {
     coast_motion: Duration,
     engagement: Engagement,
-    last_fresh: Option<Timestamp>,
-    /// Why the camera will rest if nothing fresh comes from here on.
-    missing: HoldCause,
-    in_force: CameraCommand,
+    last_fresh_at: Option<Timestamp>,
+    /// The cause to report if the camera rests for lack of fresh localisations.
+    hold_cause: HoldCause,
+    command_in_force: CameraCommand,
 }
 
-/// What a judge rules.
+/// The decision of one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ruling {
-    /// The mode from here on.
+pub struct Decision {
+    /// The mode from this step on.
     pub mode: Mode,
-    /// The command in force from here on.
+    /// The command in force from this step on.
     pub command: CameraCommand,
-    /// When to ask again at the latest.
+    /// Latest time of the next step; `None` if no deadline is pending.
     pub wake_at: Option<Timestamp>,
 }
 
 impl Safety {
-    /// A judge who has seen nothing: disengaged, at rest.
+    /// The initial state: disengaged, at rest, no localisation.
     pub fn new(coast_motion: Duration) -> Self {
         Self {
             coast_motion,
             engagement: Engagement::Disengaged,
-            last_fresh: None,
-            missing: HoldCause::NoSelection,
-            in_force: CameraCommand::REST,
+            last_fresh_at: None,
+            hold_cause: HoldCause::NoSelection,
+            command_in_force: CameraCommand::REST,
         }
     }
 
-    /// Takes a request. A stop keeps its first cause until the camera is engaged again.
-    pub fn request(&mut self, request: &OperatorRequest) {
+    /// Processes an operator request. A stop keeps its first cause until the next `Engage` or `Disengage`.
+    pub fn on_request(&mut self, request: &OperatorRequest) {
         self.engagement = match (self.engagement, request) {
             (stopped @ Engagement::Stopped(_), OperatorRequest::Stop(_)) => stopped,
             (_, OperatorRequest::Stop(cause)) => Engagement::Stopped(*cause),
             (_, OperatorRequest::Engage) => Engagement::Engaged,
             (_, OperatorRequest::Disengage) => Engagement::Disengaged,
             (unchanged, OperatorRequest::Select(_)) => {
-                // What was running rested on another target.
-                self.in_force = CameraCommand::REST;
-                self.last_fresh = None;
+                // The command in force was based on another target.
+                self.command_in_force = CameraCommand::REST;
+                self.last_fresh_at = None;
                 unchanged
             }
         };
     }
 
-    /// Rules on one step.
-    pub fn rule(&mut self, evidence: Evidence, now: Timestamp) -> Ruling {
-        match evidence {
-            Evidence::Fresh(_) => {
-                self.last_fresh = Some(now);
-                self.missing = HoldCause::VideoSilent;
+    /// Decides the mode and the command of one step.
+    pub fn decide(&mut self, observation: ObservationResult, now: Timestamp) -> Decision {
+        match observation {
+            ObservationResult::Fresh(_) => {
+                self.last_fresh_at = Some(now);
+                self.hold_cause = HoldCause::VideoSilent;
             }
-            Evidence::Coasting(_) => self.missing = HoldCause::Coasting,
-            Evidence::Nothing(why) => self.missing = why,
-            Evidence::NoLook => {}
+            ObservationResult::Coasting(_) => self.hold_cause = HoldCause::Coasting,
+            ObservationResult::Unusable(cause) => self.hold_cause = cause,
+            ObservationResult::NoObservation => {}
         }
         let mode = self.mode(now);
-        self.in_force = match (mode, evidence) {
-            (Mode::Servoing, Evidence::Fresh(wanted)) => wanted,
-            (Mode::Servoing, Evidence::Coasting(wanted)) => lowered(self.in_force, wanted),
-            (Mode::Servoing, _) => self.in_force,
+        self.command_in_force = match (mode, observation) {
+            (Mode::Servoing, ObservationResult::Fresh(advised)) => advised,
+            (Mode::Servoing, ObservationResult::Coasting(advised)) => reduced(self.command_in_force, advised),
+            (Mode::Servoing, _) => self.command_in_force,
             (Mode::Idle | Mode::Holding(_) | Mode::Stopped(_), _) => CameraCommand::REST,
         };
         let wake_at = match mode {
             Mode::Servoing => self.expires_at(),
             Mode::Idle | Mode::Holding(_) | Mode::Stopped(_) => None,
         };
-        Ruling { mode, command: self.in_force, wake_at }
+        Decision { mode, command: self.command_in_force, wake_at }
     }
 
     fn expires_at(&self) -> Option<Timestamp> {
-        self.last_fresh.map(|at| at.plus(self.coast_motion))
+        self.last_fresh_at.map(|at| at.plus(self.coast_motion))
     }
 
     fn mode(&self, now: Timestamp) -> Mode {
         match self.engagement {
             Engagement::Disengaged => Mode::Idle,
             Engagement::Stopped(cause) => Mode::Stopped(cause),
-            Engagement::Engaged if self.looked_lately(now) => Mode::Servoing,
-            Engagement::Engaged => Mode::Holding(self.missing),
+            Engagement::Engaged if self.has_fresh_observation(now) => Mode::Servoing,
+            Engagement::Engaged => Mode::Holding(self.hold_cause),
         }
     }
 
-    fn looked_lately(&self, now: Timestamp) -> bool {
-        self.last_fresh.is_some_and(|at| at <= now && now < at.plus(self.coast_motion))
+    fn has_fresh_observation(&self, now: Timestamp) -> bool {
+        self.last_fresh_at.is_some_and(|at| at <= now && now < at.plus(self.coast_motion))
     }
 }
 
-/// The command in force, with each axis no faster than `wanted` asks for; an axis that would turn the other way
-/// rests.
-fn lowered(in_force: CameraCommand, wanted: CameraCommand) -> CameraCommand {
-    let axis = |running: AngularRate, wanted: AngularRate| {
-        let (running, wanted) = (running.radians_per_second(), wanted.radians_per_second());
-        let rate = if running * wanted <= 0.0 {
+/// The command in force, with each axis limited to the advised rate. An axis with the opposite direction rests.
+fn reduced(in_force: CameraCommand, advised: CameraCommand) -> CameraCommand {
+    let axis = |running: AngularRate, advised: AngularRate| {
+        let (running, advised) = (running.radians_per_second(), advised.radians_per_second());
+        let rate = if running * advised <= 0.0 {
             0.0
         } else if running > 0.0 {
-            running.min(wanted)
+            running.min(advised)
         } else {
-            running.max(wanted)
+            running.max(advised)
         };
         AngularRate::from_radians_per_second(rate)
     };
-    CameraCommand { pan: axis(in_force.pan, wanted.pan), tilt: axis(in_force.tilt, wanted.tilt) }
+    CameraCommand { pan: axis(in_force.pan, advised.pan), tilt: axis(in_force.tilt, advised.tilt) }
 }

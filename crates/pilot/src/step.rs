@@ -1,21 +1,22 @@
-//! The pilot: one step for every driver.
+//! The pilot: one step function for live, simulated and replayed runs.
 
 use core::time::Duration;
 
-use barrelman_control::{CameraLaw, LawSettings, MotorSchema, Percept, Region, Sector, Sight};
+use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{OperatorRequest, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame};
+use barrelman_vocab::{
+    OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
+};
 
 use crate::input::Input;
 use crate::outcome::{Advice, HoldCause, Notice, Outcome};
-use crate::safety::{Evidence, Safety};
+use crate::safety::{ObservationResult, Safety};
 
-/// What a pilot works by.
+/// Settings of a pilot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PilotSettings {
-    /// The vehicle whose camera is moved: region, rates, latency and times come from it. Its signs are not used
-    /// here.
+    /// The vehicle whose camera is moved. The pilot uses its region, rates, latency and times, but not its signs.
     pub profile: VehicleProfile,
     /// The camera law.
     pub law: LawSettings,
@@ -29,27 +30,30 @@ pub struct Pilot {
     safety: Safety,
     pending_selection: Option<PixelBox>,
     track: Track,
+    region: Option<Region>,
     percept: Option<Percept>,
     advice: Option<Advice>,
     last_capture: Option<Timestamp>,
 }
 
-/// What one look at the scene showed.
-struct Look {
+/// One observation of the scene: a tracked video frame, or a localisation measured elsewhere.
+struct Observation {
     track: Track,
-    /// When what was seen was captured; a track without a place, measured elsewhere, does not say.
+    /// Time of capture. `None` for a track without localisation that was measured elsewhere.
     captured: Option<Timestamp>,
+    /// Size of the picture, under the same condition.
+    picture: Option<PictureSize>,
     notice: Option<Notice>,
 }
 
 impl Pilot {
-    /// A pilot that has seen nothing yet: disengaged, at rest.
+    /// A pilot without observations: disengaged, at rest.
     pub fn new(settings: PilotSettings, tracker: Box<dyn Tracker>) -> Self {
         let law = CameraLaw::new(settings.law, &settings.profile);
         Self::with_law(settings, law, tracker)
     }
 
-    /// The same with a law of one's own in place of the settings'.
+    /// The same with a custom law instead of that of the settings.
     pub fn with_law(settings: PilotSettings, law: CameraLaw, tracker: Box<dyn Tracker>) -> Self {
         Self {
             law,
@@ -58,135 +62,139 @@ impl Pilot {
             tracker,
             pending_selection: None,
             track: Track::Unseeded,
+            region: None,
             percept: None,
             advice: None,
             last_capture: None,
         }
     }
 
-    /// Takes one input and says what comes of it.
+    /// Processes one input at the time `now`.
     pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
-        let look = match input {
-            Input::Frame(frame) => Some(self.look_at(frame)),
+        let observation = match input {
+            Input::Frame(frame) => Some(self.observe_frame(frame)),
             Input::Localisation(track) => {
-                let captured = track.localisation().map(|seen| seen.captured);
-                Some(Look { track, captured, notice: None })
+                let localisation = track.localisation();
+                let captured = localisation.map(|measured| measured.captured);
+                let picture = localisation.map(|measured| measured.picture);
+                Some(Observation { track, captured, picture, notice: None })
             }
             Input::Request(request) => {
-                self.take(&request);
+                self.on_request(&request);
                 None
             }
             Input::Telemetry(telemetry) => {
-                self.hear(&telemetry);
+                self.on_telemetry(&telemetry);
                 None
             }
             Input::Tick => None,
         };
-        let Some(mut look) = look else {
-            return self.conclude(Evidence::NoLook, None, None, now);
+        let Some(mut observation) = observation else {
+            return self.finish_step(ObservationResult::NoObservation, None, None, now);
         };
-        if let Some(captured) = look.captured {
+        if let Some(captured) = observation.captured {
             let went_back = self.last_capture.is_some_and(|last| captured < last);
-            if went_back && look.notice.is_none() {
-                look.notice = Some(Notice::VideoClockWentBack);
+            if went_back && observation.notice.is_none() {
+                observation.notice = Some(Notice::VideoClockWentBack);
             }
             self.last_capture = Some(captured);
         }
-        self.track = look.track;
-        let age = look.captured.map(|captured| now.since(captured));
-        let evidence = self.weigh(age, now);
-        self.conclude(evidence, age, look.notice, now)
+        self.track = observation.track;
+        if let Some(picture) = observation.picture {
+            self.region = Some(Region::from_shares(self.settings.profile.region, picture));
+        }
+        let age = observation.captured.map(|captured| now.since(captured));
+        let result = self.evaluate(age, now);
+        self.finish_step(result, age, observation.notice, now)
     }
 
-    fn take(&mut self, request: &OperatorRequest) {
-        self.safety.request(request);
+    fn on_request(&mut self, request: &OperatorRequest) {
+        self.safety.on_request(request);
         if let OperatorRequest::Select(selection) = request {
             self.pending_selection = Some(*selection);
-            self.law.forget();
+            self.law.reset_target();
         }
     }
 
-    /// What the vehicle says of its camera is the law's affair.
-    fn hear(&mut self, telemetry: &Telemetry) {
+    /// Passes reports of the camera on to the law.
+    fn on_telemetry(&mut self, telemetry: &Telemetry) {
         match telemetry.report {
-            Report::CameraTilt(tilt) => self.law.tilt_reported(tilt, telemetry.at),
-            Report::FieldOfView(angle) => self.law.field_of_view_reported(angle, telemetry.at),
+            Report::CameraTilt(tilt) => self.law.on_tilt_report(tilt, telemetry.at),
+            Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
             _ => {}
         }
     }
 
-    fn look_at(&mut self, frame: &VideoFrame) -> Look {
-        let captured = Some(frame.capture.at);
-        let shift = self
+    /// Tracks the target in a video frame, or takes the pending selection in it.
+    fn observe_frame(&mut self, frame: &VideoFrame) -> Observation {
+        let size = frame.picture.size();
+        let prior = self
             .last_capture
             .filter(|last| *last <= frame.capture.at)
-            .map(|last| self.law.shift(last, frame.capture.at, frame.picture.size()));
-        let Some(selection) = self.pending_selection.take() else {
-            return Look { track: self.tracker.track(frame, shift.as_ref()), captured, notice: None };
+            .map(|last| self.law.motion_prior(last, frame.capture.at, size));
+        let (track, notice) = match self.pending_selection.take() {
+            None => (self.tracker.track(frame, prior.as_ref()), None),
+            Some(selection) => match self.tracker.select(frame, selection) {
+                Ok(report) => (Track::Tracking(report.localisation), Some(Notice::Selected(report))),
+                Err(refusal) => {
+                    (self.tracker.track(frame, prior.as_ref()), Some(Notice::SelectionRefused(refusal)))
+                }
+            },
         };
-        match self.tracker.select(frame, selection) {
-            Ok(report) => Look {
-                track: Track::Tracking(report.localisation),
-                captured,
-                notice: Some(Notice::Selected(report)),
-            },
-            Err(refusal) => Look {
-                track: self.tracker.track(frame, shift.as_ref()),
-                captured,
-                notice: Some(Notice::SelectionRefused(refusal)),
-            },
-        }
+        let picture = track.localisation().map_or(size, |measured| measured.picture);
+        Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
     }
 
-    /// What the newest look is worth as evidence for motion.
-    fn weigh(&mut self, age: Option<Duration>, now: Timestamp) -> Evidence {
+    /// Computes percept and advice from the newest track, and classifies the observation for the safety rule.
+    fn evaluate(&mut self, age: Option<Duration>, now: Timestamp) -> ObservationResult {
         let profile = &self.settings.profile;
-        let looked = self.track.localisation().map(|seen| {
-            let region = Region::in_picture(profile.region, seen.picture);
-            let percept = Percept::new(seen.centre.in_image(seen.picture), region);
-            let sight = Sight {
+        let evaluated = self.track.localisation().zip(self.region).map(|(localisation, region)| {
+            let percept = Percept::new(localisation.centre.in_image(localisation.picture), region);
+            let input = LawInput {
                 percept: &percept,
                 region,
-                picture: seen.picture,
-                captured: seen.captured,
-                seen: matches!(self.track, Track::Tracking(_)),
+                picture: localisation.picture,
+                captured: localisation.captured,
+                is_measured: matches!(self.track, Track::Tracking(_)),
                 now,
             };
-            let command = self.law.command(&sight);
-            let sector = MotorSchema::released(&percept).then(|| Sector::of(percept.position));
+            let command = self.law.command(&input);
+            let sector = MotorSchema::is_released(&percept).then(|| Sector::from_point(percept.position));
             (percept, Advice { command, sector })
         });
-        self.percept = looked.map(|(percept, _)| percept);
-        self.advice = looked.map(|(_, advice)| advice);
-        let stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
-        let advice = self.advice.map(|advice| advice.command);
-        match (self.track, advice) {
-            (Track::Unseeded, _) => Evidence::Nothing(HoldCause::NoSelection),
-            (Track::Lost { .. }, _) | (_, None) => Evidence::Nothing(HoldCause::TrackLost),
-            _ if stale => Evidence::Nothing(HoldCause::VideoStale),
-            (Track::Tracking(_), Some(wanted)) => Evidence::Fresh(wanted),
-            (Track::Coasting(_), Some(wanted)) => Evidence::Coasting(wanted),
+        self.percept = evaluated.map(|(percept, _)| percept);
+        self.advice = evaluated.map(|(_, advice)| advice);
+        let is_stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
+        let advised = self.advice.map(|advice| advice.command);
+        match (self.track, advised) {
+            (Track::Unseeded, _) => ObservationResult::Unusable(HoldCause::NoSelection),
+            (Track::Lost { .. }, _) | (_, None) => ObservationResult::Unusable(HoldCause::TrackLost),
+            _ if is_stale => ObservationResult::Unusable(HoldCause::VideoStale),
+            (Track::Tracking(_), Some(command)) => ObservationResult::Fresh(command),
+            (Track::Coasting(_), Some(command)) => ObservationResult::Coasting(command),
         }
     }
 
-    fn conclude(
+    /// Applies the safety rule and puts its command in force.
+    fn finish_step(
         &mut self,
-        evidence: Evidence,
+        result: ObservationResult,
         age: Option<Duration>,
         notice: Option<Notice>,
         now: Timestamp,
     ) -> Outcome {
-        let ruling = self.safety.rule(evidence, now);
-        self.law.in_force(ruling.command, now);
+        let decision = self.safety.decide(result, now);
+        self.law.on_command_applied(decision.command, now);
         Outcome {
             at: now,
-            mode: ruling.mode,
+            mode: decision.mode,
             track: self.track,
             age,
+            region: self.region,
             percept: self.percept,
             advice: self.advice,
-            command: ruling.command,
-            wake_at: ruling.wake_at,
+            command: decision.command,
+            wake_at: decision.wake_at,
             notice,
         }
     }

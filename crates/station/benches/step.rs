@@ -29,7 +29,7 @@ fn at(frame: u32) -> Timestamp {
 fn frames(clip: &PracticeClip) -> Vec<VideoFrame> {
     let frame = |index| {
         let mut picture = Picture::black(SIZE, clip.colour());
-        clip.draw(index, &mut picture);
+        clip.render(index, &mut picture);
         let capture = Capture { at: at(index), quality: CaptureQuality::Sensor };
         VideoFrame { sequence: u64::from(index), capture, picture: Arc::new(picture) }
     };
@@ -86,7 +86,7 @@ fn localisation(bencher: Bencher<'_, '_>, name: TrackerName) {
 fn whole_step(bencher: Bencher<'_, '_>, name: TrackerName) {
     let clip = PracticeClip::new(SIZE, 1);
     let frames = frames(&clip);
-    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::Schema };
+    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema };
     let mut pilot = Pilot::new(settings, tracker(name));
     let selection = OperatorRequest::Select(clip.truth(0).selection);
     pilot.step(Input::Request(selection), Timestamp::ZERO);

@@ -118,7 +118,7 @@ pub enum Command {
   barrelman demo --clip --output demo-output
 
 The page takes keys: arrows steer the boat, p pauses, space stops the camera, e engages it, h leaves the boat to
-the scenario's helmsman again. --clip is the loop on a practice clip that the program draws, against an emulated
+the scenario's helmsman again. A terminal takes keys, too: e engages, space and d stop the camera, q quits. --clip is the loop on a practice clip that the program draws, against an emulated
 ground station.")]
 pub struct DemoArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file; without it: open.
@@ -194,7 +194,7 @@ impl Default for DemoArgs {
   barrelman run --video sim:arena1 --link sim: --engage
   barrelman run barrelman.toml --select 600,300,80,60
 
-It starts disengaged. On a terminal: e engages, space stops, q quits.")]
+It starts disengaged. On a terminal: e engages, d disengages, space stops, q quits.")]
 pub struct RunArgs {
     /// Configuration file (TOML). Options on the command line override it.
     pub config: Option<PathBuf>,
@@ -202,6 +202,9 @@ pub struct RunArgs {
     /// (sim:SCENARIO?seed=1&size=WxH).
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
+    /// File whose first line is user:password of the camera at rtsp://..., so that neither stands on the command line.
+    #[arg(long, value_name = "FILE")]
+    pub video_login_file: Option<PathBuf>,
     /// Where the commands go: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: to the simulated world's
     /// camera. Without it: a dry run.
     #[arg(long, value_name = "URL")]
@@ -236,7 +239,7 @@ pub struct RunArgs {
     pub force: bool,
     /// Break a thread on purpose, to test that everything stops: THREAD:panic@SECONDS or
     /// THREAD:stall@SECONDS+DURATION, with THREAD one of
-    /// pilot, recorder, overlay, terminal, status.
+    /// pilot, recorder, overlay, terminal, status. The times count from the program's start.
     #[arg(long, hide = true, value_name = "THREAD:FAULT")]
     pub fault: Vec<String>,
 }
@@ -612,7 +615,7 @@ With --world sim:arena1 it moves that world's camera and serves its video:
 #[group(skip)]
 #[command(group = ArgGroup::new("port").required(true).args(["pty", "listen"]))]
 pub struct EmulateFotokiteProArgs {
-    /// Make a pseudo-terminal and link it here.
+    /// Make a pseudo-terminal and link it here. A link that a killed emulator left is replaced.
     #[arg(long, value_name = "PATH")]
     pub pty: Option<PathBuf>,
     /// Listen for the pass-through server's TCP connections here.
@@ -629,7 +632,7 @@ pub struct EmulateFotokiteProArgs {
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
     /// Go wrong on purpose: KIND@SECONDS[+DURATION], several with commas, KIND being stall, drop, delay, duplicate,
-    /// corrupt, disconnect or reboot.
+    /// corrupt, disconnect or reboot. The times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// A rate ends by itself this long after the last command for its axis, in seconds.
@@ -638,7 +641,7 @@ pub struct EmulateFotokiteProArgs {
     /// Do not echo what the shell is sent.
     #[arg(long)]
     pub no_echo: bool,
-    /// Overwrite a log that exists.
+    /// Overwrite a log that exists, and replace a symbolic link at the path of --pty.
     #[arg(long)]
     pub force: bool,
 }
@@ -652,6 +655,9 @@ pub struct CheckArgs {
     /// Look at this video source.
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
+    /// File whose first line is user:password of the camera at rtsp://...
+    #[arg(long, value_name = "FILE")]
+    pub video_login_file: Option<PathBuf>,
     /// Look at this link.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,

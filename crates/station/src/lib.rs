@@ -8,6 +8,7 @@ pub mod commands;
 
 pub mod config;
 
+pub mod secrets;
 pub mod source_url;
 
 pub mod live;

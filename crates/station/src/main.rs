@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         Command::Config(args) => commands::config::run(&args),
     };
     result.unwrap_or_else(|error| {
-        if !nobody_reads(&error) {
+        if !is_broken_pipe(&error) {
             tracing::error!("{error:#}");
         }
         if error.is::<WrongUse>() { ExitCode::from(2) } else { ExitCode::FAILURE }
@@ -40,6 +40,6 @@ fn main() -> ExitCode {
 }
 
 /// Whether all that failed is that the reader of our output has had enough, as `head` has.
-fn nobody_reads(error: &anyhow::Error) -> bool {
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -16,7 +16,7 @@ pub struct Progress {
 }
 
 /// Lines elsewhere come so far apart.
-const LINE_EVERY: Duration = Duration::from_secs(10);
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
 
 impl Progress {
     /// Of work with so many parts.
@@ -38,7 +38,7 @@ impl Progress {
             Some(bar) => bar.set_position(done),
             None => {
                 let mut said = self.said.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                if said.elapsed() >= LINE_EVERY {
+                if said.elapsed() >= LINE_INTERVAL {
                     *said = Instant::now();
                     tracing::info!("{}: {done} of {}", self.what, self.all);
                 }

@@ -78,3 +78,28 @@ impl fmt::Display for SimulatedUrl {
         if self.faults.is_empty() { Ok(()) } else { write!(f, "&fault={}", self.faults) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_simulated_world_prints_as_it_is_read() {
+        for text in ["sim:open?seed=7", "sim:mine.toml?seed=1&size=640x360&fault=stall@1"] {
+            let parsed = SourceUrl::parse(text).unwrap();
+            assert!(matches!(parsed, SourceUrl::Simulated(_)), "{parsed:?}");
+            assert_eq!(parsed.to_string(), text);
+        }
+        assert!(matches!(SourceUrl::parse("clip.mp4").unwrap(), SourceUrl::Video(_)));
+    }
+
+    #[test]
+    fn an_address_that_cannot_be_read_says_what_to_write() {
+        for (text, remedy) in
+            [("sim:", "sim:arena1"), ("sim:arena1?seed=x", "seed=7"), ("sim:open?fault=melt@1", "stall")]
+        {
+            let error = SourceUrl::parse(text).unwrap_err().to_string();
+            assert!(error.contains(remedy), "{text}: {error}");
+        }
+    }
+}

@@ -1,29 +1,29 @@
-//! Recorded positions through a camera law, open loop.
+//! Open-loop evaluation of a camera law on the recorded positions of a log.
 //!
-//! The law sees where the target was, row by row, and says what it would have commanded. What it commands does
-//! not move the recorded picture: it is a check of the law against the recorded commands, no proof of how well
-//! it would have held the target. A law that imagines the camera imagines that it did what it was asked.
+//! The law receives the recorded positions row by row; its commands have no effect on the positions that follow. The
+//! result can be compared with the recorded commands; it does not show how well the law would have held the target. A
+//! law with a camera model assumes that the camera followed the law's own commands.
 
-use barrelman_control::{CameraLaw, LawSettings, Percept, Region, Sight};
+use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
 use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile, VehicleRates};
 
 use crate::logs::TrialLog;
 
-/// What the law asks for at one row of a log.
+/// The command of the law at one row of a log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LawRow {
-    /// Row of the log, from 0.
+    /// Index of the row in the log, from 0.
     pub row: usize,
     /// Seconds since the log's first row.
     pub time_s: f64,
-    /// Where the target was, and P there; `None` while the track was lost.
+    /// Position of the target and P there; `None` while the track was lost.
     pub target: Option<(ImagePoint, f64)>,
-    /// The rates asked for, in the vehicle's own signs. Zero without a target.
+    /// The commanded rates, in the vehicle's own signs. Zero without a target.
     pub rates: VehicleRates,
 }
 
-/// Puts the positions of a log through a law for a vehicle. The recorded commands are not looked at.
-pub fn law_over(
+/// Evaluates a law for a vehicle on the positions of a log. The recorded commands are not used.
+pub fn run_open_loop(
     log: &TrialLog,
     region: Region,
     profile: &VehicleProfile,
@@ -35,17 +35,17 @@ pub fn law_over(
         let percept = at.position.map(|position| Percept::new(position, region));
         let now = Timestamp::from_secs_f64(at.time_s);
         let command = percept.map_or(CameraCommand::REST, |percept| {
-            law.command(&Sight {
+            law.command(&LawInput {
                 percept: &percept,
                 region,
                 picture: log.frame,
                 captured: now,
-                seen: true,
+                is_measured: true,
                 now,
             })
         });
-        law.in_force(command, now);
-        let rates = profile.outgoing(command);
+        law.on_command_applied(command, now);
+        let rates = profile.to_vehicle(command);
         let target = percept.map(|percept| (percept.position, percept.p));
         LawRow { row, time_s: at.time_s, target, rates }
     })

@@ -1,12 +1,14 @@
-//! Trials: recordings and how they are stored, the laboratory's logs, simulated trials, metrics.
+//! Trials: recordings and their format, trial logs, metrics, simulated trials and campaigns, replay, reports.
 //!
 //! What must not be here: files and sockets (readers and writers work on `Read` and `Write`), clocks, and any
-//! decision that a live run would not take too: a replay calls the same pilot.
+//! decision that a live run does not make as well: a replay calls the same pilot.
 #![forbid(unsafe_code)]
 
 pub mod logs;
 
 pub mod metrics;
+
+pub mod behaviour;
 
 pub mod campaign;
 pub mod law;

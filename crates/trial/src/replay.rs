@@ -1,51 +1,51 @@
-//! A recording through a pilot again, and the comparison with what it did then.
+//! Replay of a recording through the pilot, and the comparison of its outcomes with the recorded ones.
 
 use barrelman_pilot::{Input, Pilot};
 use barrelman_vocab::{Timestamp, VehicleProfile};
 
 use crate::records::RecordedOutcome;
 
-/// A pilot that is fed from a recording.
+/// A pilot that receives the inputs of a recording.
 pub struct Replay {
     pilot: Pilot,
     profile: VehicleProfile,
 }
 
 impl Replay {
-    /// A replay through a fresh pilot.
+    /// A replay through a pilot that has not been stepped yet.
     pub fn new(pilot: Pilot, profile: VehicleProfile) -> Self {
         Self { pilot, profile }
     }
 
-    /// Takes an input as the pilot took it then.
+    /// Steps the pilot with a recorded input, at the recorded time.
     pub fn step(&mut self, step: u64, now: Timestamp, input: Input<'_>) -> RecordedOutcome {
         let outcome = self.pilot.step(input, now);
-        RecordedOutcome::new(step, &outcome, self.profile.outgoing(outcome.command))
+        RecordedOutcome::new(step, &outcome, self.profile.to_vehicle(outcome.command))
     }
 }
 
-/// How many outcomes were the same, and the first that was not.
+/// Counts of equal and different outcomes, and the first difference.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Comparison {
-    /// Outcomes compared.
+pub struct ReplayComparison {
+    /// Number of outcomes compared.
     pub outcomes: u64,
-    /// Outcomes whose command, inside or as sent, differs in any bit.
+    /// Number of outcomes whose command, or whose rates as sent, differ in any bit.
     pub commands_differ: u64,
-    /// Outcomes that differ in anything: track, percept, mode, ...
+    /// Number of outcomes that differ in any field: track, percept, mode, ...
     pub outcomes_differ: u64,
-    /// The first outcome whose command differs, as recorded and as replayed; else the first that differs at all.
-    pub first: Option<Box<(RecordedOutcome, RecordedOutcome)>>,
+    /// The first outcome whose command differs, else the first that differs in any field: recorded, replayed.
+    pub first_difference: Option<Box<(RecordedOutcome, RecordedOutcome)>>,
 }
 
-impl Comparison {
-    /// Compares one outcome.
+impl ReplayComparison {
+    /// Compares the recorded and the replayed outcome of one step.
     pub fn add(&mut self, recorded: &RecordedOutcome, replayed: &RecordedOutcome) {
         self.outcomes += 1;
         let command_differs = command_bits(recorded) != command_bits(replayed);
         let differs = command_differs || recorded != replayed;
         self.outcomes_differ += u64::from(differs);
-        if differs && (self.first.is_none() || (command_differs && self.commands_differ == 0)) {
-            self.first = Some(Box::new((recorded.clone(), replayed.clone())));
+        if differs && (self.first_difference.is_none() || (command_differs && self.commands_differ == 0)) {
+            self.first_difference = Some(Box::new((recorded.clone(), replayed.clone())));
         }
         self.commands_differ += u64::from(command_differs);
     }

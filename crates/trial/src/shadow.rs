@@ -1,29 +1,32 @@
-//! What the paper's schema would have done in a trial that another law servoed.
+//! Simulation of the paper's motor schema on the target bearings of a trial in which another law moved the camera.
 //!
-//! The rows say where the target was seen and what was commanded; with the vehicle's profile that gives the target's
-//! bearing, and the schema is simulated on it. It is an estimate: the camera is imagined from its commands, and of the
-//! video's latency only the profile's nominal value is known.
+//! The bearings follow from the positions and commands of the log and the vehicle's profile. The result is an estimate:
+//! the camera's motion is modelled from its commands, and the video latency is the profile's nominal value.
 
-use barrelman_control::{CameraModel, Percept, Region, Shadow, ShadowStep, Sight};
+use barrelman_control::{CameraModel, LawInput, Percept, Region, ShadowController, ShadowStep};
 use barrelman_vocab::{Timestamp, VehicleProfile};
 
 use crate::logs::TrialLog;
 
-/// What the schema would have seen and done, row by row; `None` where the target was not seen.
-pub fn schema_over(log: &TrialLog, region: Region, profile: &VehicleProfile) -> Vec<Option<ShadowStep>> {
+/// P and command as the motor schema would have had them, row by row; `None` where the log has no position.
+pub fn simulate_motor_schema(
+    log: &TrialLog,
+    region: Region,
+    profile: &VehicleProfile,
+) -> Vec<Option<ShadowStep>> {
     let mut camera = CameraModel::new(profile.camera, profile.limits);
-    let mut shadow = Shadow::new(profile);
+    let mut shadow = ShadowController::new(profile);
     let steps = log.rows.iter().map(|row| {
         let now = Timestamp::from_secs_f64(row.time_s);
         let step = row.position.map(|position| {
             let percept = Percept::new(position, region);
             let captured = now.minus(profile.video_latency);
-            shadow.see(
-                &Sight { percept: &percept, region, picture: log.frame, captured, seen: true, now },
+            shadow.step(
+                &LawInput { percept: &percept, region, picture: log.frame, captured, is_measured: true, now },
                 &camera,
             )
         });
-        camera.command(profile.incoming(row.rates.unwrap_or_default()), now);
+        camera.apply_command(profile.from_vehicle(row.rates.unwrap_or_default()), now);
         step
     });
     steps.collect()

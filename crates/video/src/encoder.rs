@@ -17,8 +17,8 @@ use openh264::encoder::{
 };
 use openh264::formats::YUVSource;
 
+use super::encoder_log;
 use super::error::VideoError;
-use super::quiet;
 
 /// How a video is to be encoded.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +56,7 @@ pub struct H264Encoder {
 }
 
 /// Longest stretch without a key frame.
-const KEY_EVERY: Duration = Duration::from_secs(1);
+const KEY_FRAME_INTERVAL: Duration = Duration::from_secs(1);
 
 impl H264Encoder {
     /// An encoder that has seen nothing.
@@ -100,12 +100,12 @@ impl H264Encoder {
                 let config = config(&self.settings, colour);
                 let mut encoder = Encoder::with_api_config(OpenH264API::from_source(), config)
                     .map_err(|error| failed(error.to_string()))?;
-                quiet::silence(&mut encoder);
+                encoder_log::silence(&mut encoder);
                 (encoder, size, colour)
             }
         };
         let (encoder, ..) = self.encoder.insert(made);
-        if !is_first && (key || at.since(self.last_key) >= KEY_EVERY) {
+        if !is_first && (key || at.since(self.last_key) >= KEY_FRAME_INTERVAL) {
             encoder.force_intra_frame();
         }
         let millis = openh264::Timestamp::from_millis(at.as_nanos() / 1_000_000);

@@ -1,7 +1,7 @@
 //! What can go wrong with a video: each error says what, where, and how to mend it.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A file, a folder or a stream that cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -105,5 +105,14 @@ impl DecodeError {
     /// Whether no later unit of the same stream can be decoded either.
     pub const fn is_final(&self) -> bool {
         !matches!(self, Self::Damaged { .. })
+    }
+}
+
+/// The error of a file that cannot be opened or read.
+pub(crate) fn cannot_read(path: &Path, source: io::Error) -> VideoError {
+    let path = path.to_owned();
+    match source.kind() {
+        io::ErrorKind::NotFound => VideoError::Missing(path),
+        _ => VideoError::Io { doing: "read", path, cause: source },
     }
 }

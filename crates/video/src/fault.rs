@@ -24,9 +24,9 @@ use barrelman_vocab::unit::EncodedUnit;
 pub(super) const DELAY: Duration = Duration::from_millis(500);
 
 /// Bytes at the front of a unit that are never corrupted, so that it stays a unit.
-const UNTOUCHED: usize = 24;
+const PROTECTED_BYTES: usize = 24;
 
-/// Breaks the units of one source by plan. Times count from the start of the source.
+/// Breaks the units of one source by plan. Times count from the program's start.
 #[derive(Debug)]
 pub(super) struct FaultFilter {
     plan: FaultPlan,
@@ -92,9 +92,9 @@ impl FaultFilter {
 
     fn corrupted(&mut self, mut unit: EncodedUnit) -> EncodedUnit {
         let mut bytes = unit.payload.to_vec();
-        let length = bytes.len().saturating_sub(UNTOUCHED);
+        let length = bytes.len().saturating_sub(PROTECTED_BYTES);
         for _ in 0..length.div_ceil(64).min(32) {
-            let at = UNTOUCHED + (self.next_random() % length as u64) as usize;
+            let at = PROTECTED_BYTES + (self.next_random() % length as u64) as usize;
             bytes[at] ^= (self.next_random() % 255) as u8 + 1;
         }
         unit.payload = Bytes::from(bytes);
@@ -164,7 +164,7 @@ mod tests {
         };
         assert_eq!(corrupted(), corrupted());
         assert_ne!(corrupted()[0], unit(0).payload);
-        assert_eq!(corrupted()[0][..UNTOUCHED], unit(0).payload[..UNTOUCHED]);
+        assert_eq!(corrupted()[0][..PROTECTED_BYTES], unit(0).payload[..PROTECTED_BYTES]);
     }
 
     #[test]

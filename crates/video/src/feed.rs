@@ -4,7 +4,6 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
-use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
@@ -62,8 +61,6 @@ pub struct Feed<S> {
     pub clock: Clock,
     pub(crate) place: String,
     pub(crate) faults: FaultFilter,
-    /// When the source was started, from which the times of faults count.
-    start: Timestamp,
     pub(crate) decoder: UnitDecoder,
 }
 
@@ -83,18 +80,13 @@ impl<S: VideoSink> Feed<S> {
     pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
         let FeedSettings { place, faults, mode } = settings;
         let faults = FaultFilter::new(faults);
-        Self { sink, clock, place, faults, start: clock.now(), decoder: UnitDecoder::new(mode) }
-    }
-
-    /// The time since the source was started, by which faults go.
-    pub(crate) fn since_start(&self) -> Timestamp {
-        Timestamp::ZERO.plus(self.clock.now().since(self.start))
+        Self { sink, clock, place, faults, decoder: UnitDecoder::new(mode) }
     }
 
     /// Passes a unit through the faults and decodes what is left. Without a unit: decodes the delayed units that are
-    /// due.
+    /// due. The times of faults count from the program's start.
     pub fn decode(&mut self, unit: Option<EncodedUnit>) -> DecodedUnits {
-        let at = self.since_start();
+        let at = self.clock.now();
         self.faults.panic_if_planned(at);
         let mut decoded = DecodedUnits::default();
         match unit {
@@ -120,5 +112,40 @@ impl<S: VideoSink> Feed<S> {
     pub(crate) fn fail_to_decode(&mut self, cause: DecodeError) {
         let place = self.place.clone();
         self.fail(VideoError::Decode { place, cause });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::demux::FileReader;
+    use crate::url::VideoUrl;
+
+    struct NoSink;
+
+    impl VideoSink for NoSink {
+        fn unit(&mut self, _unit: &EncodedUnit) {}
+        fn frame(&mut self, _frame: VideoFrame) {}
+        fn state(&mut self, _state: VideoState) {}
+    }
+
+    /// The number of units that pass a source that is started this long after the program.
+    fn passed(faults: &str, started_after_s: u64) -> usize {
+        let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+        let url = VideoUrl::parse(&format!("{clip}?fault={faults}")).unwrap();
+        let clock = Clock::start().earlier_by(Duration::from_secs(started_after_s));
+        let mut feed = Feed::new(url.feed_settings(), clock, NoSink);
+        let mut reader = FileReader::open(&url).unwrap();
+        let unit = reader.next_unit().unwrap();
+        feed.decode(unit).units.len()
+    }
+
+    #[test]
+    fn fault_times_count_from_the_start_of_the_program() {
+        assert_eq!(passed("drop@100", 0), 1, "the fault is still to come");
+        assert_eq!(passed("drop@100", 200), 0, "the fault began before the source was started");
+        assert_eq!(passed("drop@0+100", 200), 1, "the fault was over before the source was started");
     }
 }

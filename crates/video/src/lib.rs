@@ -37,8 +37,8 @@ mod sps;
 mod still;
 
 pub mod encoder;
+mod encoder_log;
 mod mp4_mux;
-mod quiet;
 pub mod writer;
 
 pub mod error;

@@ -28,7 +28,7 @@ pub struct VideoHandle {
 }
 
 /// Longest wait for the thread to end after it was told to.
-const END_WITHIN: Duration = Duration::from_secs(2);
+const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The thread did not end well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,7 +97,7 @@ impl VideoHandle {
     fn stop_and_join(&mut self) -> Result<(), StopError> {
         self.stop.raise();
         let Some(thread) = self.thread.take() else { return Ok(()) };
-        let deadline = Instant::now() + END_WITHIN;
+        let deadline = Instant::now() + STOP_TIMEOUT;
         while !thread.is_finished() {
             if Instant::now() >= deadline {
                 return Err(StopError::StillRunning);

@@ -49,7 +49,7 @@ impl PicturePool {
     /// A picture with the samples of three planes, turned upright.
     pub fn copy(&mut self, planes: [Plane<'_>; 3], colour: ColourEncoding, turn: Rotation) -> Arc<Picture> {
         let stored = PictureSize::new(planes[0].width as u32, planes[0].height as u32);
-        let filled = self.fill::<std::convert::Infallible>(turn.displayed(stored), colour, |picture| {
+        let filled = self.fill::<std::convert::Infallible>(turn.displayed_size(stored), colour, |picture| {
             for (plane, samples) in planes.iter().zip(picture.planes_mut()) {
                 copy_plane(plane, turn, samples);
             }

@@ -25,7 +25,7 @@ const WINDOW_S: u64 = 30;
 
 /// Largest step backwards that reordered pictures explain, and largest step forwards beyond the time passed that
 /// the network does.
-const LARGEST_STEP_NS: i128 = 1_000_000_000;
+const MAX_STEP_NS: i128 = 1_000_000_000;
 
 /// Pictures after which the smallest offset is trusted.
 const TRUSTED_AFTER: u32 = 8;
@@ -75,7 +75,7 @@ impl RtpClock {
     pub(super) fn report(&mut self, rtp: u32, arrival: Timestamp) {
         let Some(known) = self.smallest_offset() else { return };
         let offset = i128::from(arrival.as_nanos()) - self.nanos(self.unwrap(rtp));
-        if (known - LARGEST_STEP_NS..known).contains(&offset) {
+        if (known - MAX_STEP_NS..known).contains(&offset) {
             self.note(offset, arrival);
         }
     }
@@ -95,7 +95,7 @@ impl RtpClock {
         let Some(last) = self.last else { return false };
         let step = self.nanos(ticks) - self.nanos(last.ticks);
         let passed = i128::from(nanos_of(arrival.since(last.arrival)));
-        step < -LARGEST_STEP_NS || step > passed + LARGEST_STEP_NS
+        step < -MAX_STEP_NS || step > passed + MAX_STEP_NS
     }
 
     fn note(&mut self, offset: i128, arrival: Timestamp) {

@@ -26,10 +26,10 @@ use super::url::Login;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// How often the thread looks whether it must end, and whether a fault is due.
-const LOOK_EVERY: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// How long a server is given to hear that we hang up.
-const GOODBYE_WITHIN: Duration = Duration::from_millis(100);
+const TEARDOWN_TIMEOUT: Duration = Duration::from_millis(100);
 
 /// Receives until the thread must end or the stream can never be shown.
 pub(super) fn run<S: VideoSink>(address: &Url, login: Option<&Login>, feed: Feed<S>, stop: &StopSignal) {
@@ -48,7 +48,7 @@ pub(super) fn run<S: VideoSink>(address: &Url, login: Option<&Login>, feed: Feed
             Err(error) => return receiver.feed.fail(VideoError::Thread(error)),
         };
         let end = runtime.block_on(receiver.connection(address, login));
-        hang_up(runtime);
+        tear_down(runtime);
         receiver.epoch += 1;
         match end {
             End::Stopped => return,
@@ -64,8 +64,8 @@ pub(super) fn run<S: VideoSink>(address: &Url, login: Option<&Login>, feed: Feed
 }
 
 /// Lets the session say goodbye, and then ends whatever is left of it.
-fn hang_up(runtime: Runtime) {
-    runtime.block_on(async { tokio::time::sleep(GOODBYE_WITHIN).await });
+fn tear_down(runtime: Runtime) {
+    runtime.block_on(async { tokio::time::sleep(TEARDOWN_TIMEOUT).await });
     runtime.shutdown_background();
 }
 
@@ -91,7 +91,7 @@ enum Refusal {
 }
 
 /// What the link brought.
-enum News {
+enum LinkEvent {
     /// Time passed.
     Nothing,
     Connected(Box<Demuxed>),
@@ -120,31 +120,31 @@ impl<S: VideoSink> Receiver<'_, S> {
         let attempt = pin!(connect(address, login, &place));
         let mut link = Link::Connecting(attempt);
         loop {
-            let wake_at = self.supervision.wake_at().min(self.feed.clock.now().plus(LOOK_EVERY));
-            let news = link.next(self.feed.clock.instant(wake_at).into()).await;
+            let wake_at = self.supervision.wake_at().min(self.feed.clock.now().plus(POLL_INTERVAL));
+            let event = link.next(self.feed.clock.instant(wake_at).into()).await;
             if self.stop.is_raised() {
                 return End::Stopped;
             }
-            let cut = self.feed.faults.is_disconnected(self.feed.since_start());
-            let action = match news {
+            let cut = self.feed.faults.is_disconnected(self.feed.clock.now());
+            let action = match event {
                 _ if cut => {
                     self.tell(Event::Broken);
                     return End::Lost("the connection is cut on purpose".to_owned());
                 }
-                News::Nothing => match self.take(None) {
+                LinkEvent::Nothing => match self.take(None) {
                     Ok(()) => self.tell(Event::Tick),
                     Err(end) => return end,
                 },
-                News::Connected(session) => {
+                LinkEvent::Connected(session) => {
                     link = Link::Up(session, RtpClock::new(CLOCK_RATE));
                     self.tell(Event::Connected)
                 }
-                News::Item(item) => match self.take_item(item, &mut link) {
+                LinkEvent::Item(item) => match self.take_item(item, &mut link) {
                     Ok(()) => self.tell(Event::Tick),
                     Err(end) => return end,
                 },
-                News::Broken(Refusal::ForGood(error)) => return End::Final(error),
-                News::Broken(Refusal::ForNow(reason)) => {
+                LinkEvent::Broken(Refusal::ForGood(error)) => return End::Final(error),
+                LinkEvent::Broken(Refusal::ForNow(reason)) => {
                     self.tell(Event::Broken);
                     return End::Lost(reason);
                 }
@@ -221,18 +221,18 @@ impl<S: VideoSink> Receiver<'_, S> {
 const CLOCK_RATE: u32 = 90_000;
 
 impl Link<'_> {
-    async fn next(&mut self, until: Instant) -> News {
+    async fn next(&mut self, until: Instant) -> LinkEvent {
         match self {
             Self::Connecting(attempt) => match timeout_at(until, attempt.as_mut()).await {
-                Err(_) => News::Nothing,
-                Ok(Ok(session)) => News::Connected(Box::new(session)),
-                Ok(Err(refusal)) => News::Broken(refusal),
+                Err(_) => LinkEvent::Nothing,
+                Ok(Ok(session)) => LinkEvent::Connected(Box::new(session)),
+                Ok(Err(refusal)) => LinkEvent::Broken(refusal),
             },
             Self::Up(session, _) => match timeout_at(until, session.next()).await {
-                Err(_) => News::Nothing,
-                Ok(Some(Ok(item))) => News::Item(item),
-                Ok(Some(Err(error))) => News::Broken(Refusal::ForNow(error.to_string())),
-                Ok(None) => News::Broken(Refusal::ForNow(Loss::Broken.to_string())),
+                Err(_) => LinkEvent::Nothing,
+                Ok(Some(Ok(item))) => LinkEvent::Item(item),
+                Ok(Some(Err(error))) => LinkEvent::Broken(Refusal::ForNow(error.to_string())),
+                Ok(None) => LinkEvent::Broken(Refusal::ForNow(Loss::Broken.to_string())),
             },
         }
     }
@@ -246,7 +246,8 @@ async fn connect(address: &Url, login: Option<&Login>, place: &str) -> Result<De
         Some(401 | 403) => for_good(
             place,
             "does not let us in",
-            "Write user and password into the address: rtsp://USER:PASSWORD@HOST/PATH",
+            "Write USER:PASSWORD on the first line of a file and give --video-login-file FILE, or name the file as \
+             video.login_file in the configuration",
         ),
         _ => Refusal::ForNow(error.to_string()),
     };

@@ -12,7 +12,7 @@ use h264_reader::rbsp::{BitReader, decode_nal};
 use super::error::DecodeError;
 
 /// Widest and highest picture decoded: the limit of the decoder's highest level, 5.2.
-const LARGEST_SIDE: u32 = 4096;
+const MAX_SIDE: u32 = 4096;
 
 /// What a sequence parameter set says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,8 +35,8 @@ impl StreamFormat {
             .map_err(|error| unreadable(&format!("{error:?}")))?;
         refuse_what_is_not_decoded(&sps)?;
         let sides = (sps.pic_width_in_mbs_minus1, sps.pic_height_in_map_units_minus1);
-        if sides.0 >= LARGEST_SIDE / 16 || sides.1 >= LARGEST_SIDE / 16 {
-            return Err(refuse(format!("larger than {LARGEST_SIDE} pixels a side")));
+        if sides.0 >= MAX_SIDE / 16 || sides.1 >= MAX_SIDE / 16 {
+            return Err(refuse(format!("larger than {MAX_SIDE} pixels a side")));
         }
         let (width, height) = sps.pixel_dimensions().map_err(|error| unreadable(&format!("{error:?}")))?;
         let size = PictureSize::new(width, height);

@@ -18,7 +18,7 @@ use zune_jpeg::JpegDecoder;
 use super::pool::PicturePool;
 
 /// Widest and highest picture read, so that a damaged header cannot ask for all memory.
-const LARGEST_SIDE: usize = 8192;
+const MAX_SIDE: usize = 8192;
 
 /// Decodes JPEG and PNG, and keeps the memory it needs in between.
 #[derive(Debug, Default)]
@@ -30,10 +30,8 @@ impl StillDecoder {
     /// The picture in a JPEG file.
     pub(super) fn jpeg(&mut self, file: &[u8], pool: &mut PicturePool) -> Result<Arc<Picture>, String> {
         // Strict: a picture that is cut short is an error, and not half grey.
-        let options = DecoderOptions::default()
-            .set_strict_mode(true)
-            .set_max_width(LARGEST_SIDE)
-            .set_max_height(LARGEST_SIDE);
+        let options =
+            DecoderOptions::default().set_strict_mode(true).set_max_width(MAX_SIDE).set_max_height(MAX_SIDE);
         let mut decoder = JpegDecoder::new_with_options(ZCursor::new(file), options);
         decoder.decode_headers().map_err(|error| error.to_string())?;
         let (stored, samples) = match decoder.input_colorspace() {
@@ -59,8 +57,8 @@ impl StillDecoder {
         let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
         let info = reader.info();
         let size = PictureSize::new(info.width, info.height);
-        if size.width.max(size.height) as usize > LARGEST_SIDE {
-            return Err(format!("it is {size}, larger than {LARGEST_SIDE} pixels a side"));
+        if size.width.max(size.height) as usize > MAX_SIDE {
+            return Err(format!("it is {size}, larger than {MAX_SIDE} pixels a side"));
         }
         let bytes = reader.output_buffer_size().ok_or("it is too large")?;
         self.pixels.resize(bytes, 0);

@@ -9,19 +9,19 @@ use std::time::Duration;
 use barrelman_vocab::time::Timestamp;
 
 /// Longest attempt to connect, up to the first answer that video will come.
-pub const CONNECT_WITHIN: Duration = Duration::from_secs(1);
+pub const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Longest silence of a source that is up: at 30 pictures per second, 60 of them.
-pub const SILENCE_AT_MOST: Duration = Duration::from_secs(2);
+pub const MAX_SILENCE: Duration = Duration::from_secs(2);
 
 /// Longest wait for a key frame while other units come. Cameras commonly send one each 1 to 5 s, some each 10 s.
-pub const KEY_WITHIN: Duration = Duration::from_secs(12);
+pub const KEY_FRAME_TIMEOUT: Duration = Duration::from_secs(12);
 
 /// First pause before trying again; it doubles with each attempt that shows no picture.
-pub const FIRST_PAUSE: Duration = Duration::from_millis(250);
+pub const MIN_RETRY_PAUSE: Duration = Duration::from_millis(250);
 
 /// Longest pause before trying again.
-pub const LONGEST_PAUSE: Duration = Duration::from_secs(1);
+pub const MAX_RETRY_PAUSE: Duration = Duration::from_secs(1);
 
 /// Where a live source stands.
 ///
@@ -112,7 +112,7 @@ pub struct Supervision {
 impl Supervision {
     /// A source that is to be connected at once.
     pub const fn new(now: Timestamp) -> Self {
-        Self { state: State::Resting { until: now }, pause: FIRST_PAUSE }
+        Self { state: State::Resting { until: now }, pause: MIN_RETRY_PAUSE }
     }
 
     /// Where it stands.
@@ -124,11 +124,11 @@ impl Supervision {
     pub fn wake_at(&self) -> Timestamp {
         match self.state {
             State::Resting { until } => until,
-            State::Connecting { since } => since.plus(CONNECT_WITHIN),
+            State::Connecting { since } => since.plus(CONNECT_TIMEOUT),
             State::AwaitingKey { since, last_unit } => {
-                since.plus(KEY_WITHIN).min(last_unit.plus(SILENCE_AT_MOST))
+                since.plus(KEY_FRAME_TIMEOUT).min(last_unit.plus(MAX_SILENCE))
             }
-            State::Up { last_picture } => last_picture.plus(SILENCE_AT_MOST),
+            State::Up { last_picture } => last_picture.plus(MAX_SILENCE),
         }
     }
 
@@ -154,11 +154,11 @@ impl Supervision {
             }
             (State::AwaitingKey { .. } | State::Up { .. }, Event::Picture) => {
                 self.state = State::Up { last_picture: now };
-                self.pause = FIRST_PAUSE;
+                self.pause = MIN_RETRY_PAUSE;
                 None
             }
             (State::AwaitingKey { since, .. }, Event::Tick) if now >= self.wake_at() => {
-                let loss = if now >= since.plus(KEY_WITHIN) { Loss::NoKey } else { Loss::Silence };
+                let loss = if now >= since.plus(KEY_FRAME_TIMEOUT) { Loss::NoKey } else { Loss::Silence };
                 Some(self.rest(loss, now))
             }
             (State::Up { .. }, Event::KeyNeeded) => {
@@ -172,7 +172,7 @@ impl Supervision {
 
     fn rest(&mut self, loss: Loss, now: Timestamp) -> Action {
         self.state = State::Resting { until: now.plus(self.pause) };
-        self.pause = LONGEST_PAUSE.min(self.pause * 2);
+        self.pause = MAX_RETRY_PAUSE.min(self.pause * 2);
         Action::HangUp(loss)
     }
 }
@@ -202,7 +202,7 @@ mod tests {
 
     /// From a state that was entered at 0, one event at `millis`.
     fn check(from: State, event: Event, millis: u64, expected: State, action: Option<Action>) {
-        let mut supervision = Supervision { state: from, pause: FIRST_PAUSE };
+        let mut supervision = Supervision { state: from, pause: MIN_RETRY_PAUSE };
         assert_eq!(supervision.handle(event, at(millis)), action, "{from:?} {event:?} at {millis} ms");
         assert_eq!(supervision.state, expected, "{from:?} {event:?} at {millis} ms");
     }
@@ -270,6 +270,6 @@ mod tests {
         for event in [Event::Tick, Event::Connected, Event::Picture, Event::Broken] {
             supervision.handle(event, now);
         }
-        assert_eq!(supervision.wake_at().since(now), FIRST_PAUSE);
+        assert_eq!(supervision.wake_at().since(now), MIN_RETRY_PAUSE);
     }
 }

@@ -13,6 +13,7 @@ use url::Url;
 use super::decoder::DecodeMode;
 use super::feed::FeedSettings;
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
+use barrelman_host::redaction::without_logins;
 
 /// A video source that this build can read, with its options.
 #[derive(Clone, PartialEq)]
@@ -48,6 +49,22 @@ pub struct Login {
     pub password: String,
 }
 
+impl Login {
+    /// Reads `user:password`. The password may contain colons; it may be empty.
+    ///
+    /// # Errors
+    /// If there is no user or no colon. The message repeats nothing of the text.
+    pub fn parse(text: &str) -> Result<Self, LoginError> {
+        let (user, password) = text.split_once(':').filter(|(user, _)| !user.is_empty()).ok_or(LoginError)?;
+        Ok(Self { user: user.to_owned(), password: password.to_owned() })
+    }
+}
+
+/// A text that is no login.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("there is no login: write user:password")]
+pub struct LoginError;
+
 /// A video source that cannot be used, and what to do instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VideoUrlError {
@@ -77,6 +94,18 @@ pub enum VideoUrlError {
         url: String,
         /// What is wrong.
         reason: String,
+    },
+    /// A login was given for a source that takes none.
+    #[error("{url} takes no login: only rtsp:// does")]
+    NoLoginTaken {
+        /// The source.
+        url: String,
+    },
+    /// A login was given twice.
+    #[error("the login of {url} is given twice: leave it out of the address")]
+    TwoLogins {
+        /// The source, without the login.
+        url: String,
     },
     /// The number of pictures per second is none.
     #[error("fps={0} is not a number of pictures per second: write e.g. ?fps=30 (more than 0, at most 1000)")]
@@ -131,6 +160,22 @@ impl VideoUrl {
         Self { source: VideoSource::File(path.into()), fps: None, faults: FaultPlan::default() }
     }
 
+    /// The same source, logged in to by this login.
+    ///
+    /// # Errors
+    /// If the source is not RTSP, or the address has a login already.
+    pub fn with_login(mut self, new: Login) -> Result<Self, VideoUrlError> {
+        let url = self.to_string();
+        match &mut self.source {
+            VideoSource::Rtsp { login: Some(_), .. } => Err(VideoUrlError::TwoLogins { url }),
+            VideoSource::Rtsp { login, .. } => {
+                *login = Some(new);
+                Ok(self)
+            }
+            VideoSource::File(_) => Err(VideoUrlError::NoLoginTaken { url }),
+        }
+    }
+
     /// Whether the source delivers in its own time and may come back when it is lost.
     pub const fn is_live(&self) -> bool {
         matches!(self.source, VideoSource::Rtsp { .. })
@@ -150,7 +195,7 @@ impl VideoUrl {
         if let Some((before, options)) = path.rsplit_once('?')
             && !Path::new(path).exists()
             && !before.is_empty()
-            && options.split('&').all(|option| OURS.iter().any(|name| option.starts_with(name)))
+            && options.split('&').all(|option| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name)))
         {
             url = Self::file(before);
             for option in options.split('&') {
@@ -161,7 +206,7 @@ impl VideoUrl {
     }
 
     fn parse_rtsp(text: &str) -> Result<Self, VideoUrlError> {
-        let malformed = |reason: String| VideoUrlError::Malformed { url: without_password(text), reason };
+        let malformed = |reason: String| VideoUrlError::Malformed { url: without_logins(text), reason };
         let mut address = Url::parse(text).map_err(|error| malformed(error.to_string()))?;
         if address.host_str().is_none_or(str::is_empty) {
             return Err(malformed("there is no host".to_owned()));
@@ -169,7 +214,7 @@ impl VideoUrl {
         let mut url = Self::file("");
         // Cameras have options of their own: only ours are taken away, the others stay as they were.
         if let Some(query) = address.query().map(str::to_owned) {
-            let is_ours = |option: &&str| OURS.iter().any(|name| option.starts_with(name));
+            let is_ours = |option: &&str| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name));
             for option in query.split('&').filter(is_ours) {
                 url.set(option)?;
             }
@@ -202,7 +247,7 @@ impl VideoUrl {
     }
 }
 
-const OURS: [&str; 2] = ["fps=", "fault="];
+const KNOWN_OPTIONS: [&str; 2] = ["fps=", "fault="];
 
 /// The scheme of an address: letters, digits, `+-.` before the first colon; one letter is a Windows drive.
 fn scheme_of(text: &str) -> Option<&str> {
@@ -214,7 +259,7 @@ fn scheme_of(text: &str) -> Option<&str> {
 }
 
 fn refuse(scheme: &str, text: &str) -> VideoUrlError {
-    let url = without_password(text);
+    let url = without_logins(text);
     let (what, remedy) = match scheme {
         "v4l2" => ("USB and other V4L2 cameras are", SERVE_CAMERA),
         "udp" | "rtp" | "srt" | "tcp" | "rtmp" => ("this kind of stream is", SERVE_STREAM),
@@ -223,18 +268,6 @@ fn refuse(scheme: &str, text: &str) -> VideoUrlError {
         _ => return VideoUrlError::UnknownScheme { url },
     };
     VideoUrlError::NotInThisBuild { url, what, remedy }
-}
-
-/// Hides whatever stands between the scheme and the host, even where the address cannot be read.
-fn without_password(text: &str) -> String {
-    let Some((scheme, rest)) = text.split_once("://") else { return text.to_owned() };
-    let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();
-    // A password with a slash in it ends the authority early: hide up to the last @ then.
-    let hidden_to = if authority.contains('@') { authority.rfind('@') } else { rest.rfind('@') };
-    match hidden_to {
-        Some(at) => format!("{scheme}://***@{}", &rest[at + 1..]),
-        None => text.to_owned(),
-    }
 }
 
 fn percent_decoded(text: &str) -> String {
@@ -359,13 +392,28 @@ mod tests {
     }
 
     #[test]
+    fn a_login_given_beside_the_address_is_used_and_given_once() {
+        let login = Login::parse("admin:s:cret").unwrap();
+        let url = parsed("rtsp://cam/live").with_login(login.clone()).unwrap();
+        assert_eq!(url.to_string(), "rtsp://***@cam/live");
+        let VideoSource::Rtsp { login: Some(used), .. } = &url.source else { panic!("it has a login") };
+        assert_eq!((used.user.as_str(), used.password.as_str()), ("admin", "s:cret"));
+        for text in ["rtsp://root:other@cam/live", "clip.mp4"] {
+            let error = parsed(text).with_login(login.clone()).unwrap_err().to_string();
+            assert!(!error.contains("cret") && !error.contains("other"), "{error}");
+        }
+        for text in ["", "admin", ":secret"] {
+            assert_eq!(Login::parse(text), Err(LoginError));
+        }
+    }
+
+    #[test]
     fn what_is_not_read_by_this_build_comes_with_a_remedy() {
         for (text, remedy) in [
             ("v4l2:///dev/video0", "ffmpeg -f v4l2 -i /dev/video0"),
             ("udp://127.0.0.1:5600", "MediaMTX"),
             ("https://cam/live.m3u8", "MediaMTX"),
-            ("sim:", "sim:arena1"),
-            ("sim:arena1?seed=x", "seed=7"),
+            ("sim:arena1", "barrelman run --video sim:arena1"),
             ("rtsps://cam/live", "rtsp://"),
             ("gopher://cam/live", "rtsp://HOST/PATH"),
             ("clip.mp4?fps=0", "more than 0"),
@@ -381,13 +429,7 @@ mod tests {
 
     #[test]
     fn what_is_printed_reads_as_the_same() {
-        for text in [
-            "clip.mp4",
-            "sim:open?seed=7",
-            "sim:mine.toml?seed=1&size=640x360&fault=stall@1",
-            "frames?fps=12.5&fault=stall@1+2",
-            "rtsp://cam/live?profile=2",
-        ] {
+        for text in ["clip.mp4", "frames?fps=12.5&fault=stall@1+2", "rtsp://cam/live?profile=2"] {
             assert_eq!(parsed(text).to_string(), text);
             assert!(parsed(&parsed(text).to_string()) == parsed(text));
         }

@@ -2,8 +2,7 @@
 //!
 //! A file that is not finished (see [`Mp4Writer::finish`]) has no index and cannot be played.
 
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -18,40 +17,32 @@ use super::sps::StreamFormat;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Writes one MP4 file with H.264.
-pub struct Mp4Writer {
+pub struct Mp4Writer<W: Write + Seek> {
     path: PathBuf,
     settings: EncoderSettings,
     encoder: H264Encoder,
-    state: State,
+    state: State<W>,
     epoch: Option<u32>,
 }
 
-enum State {
+enum State<W: Write + Seek> {
     /// Nothing was written: the first key frame brings what the file begins with.
-    Empty(BufWriter<File>),
-    Writing(Box<Mp4Muxer<BufWriter<File>>>),
+    Empty(BufWriter<W>),
+    Writing(Box<Mp4Muxer<BufWriter<W>>>),
     /// An error came before; nothing more is written.
     Failed,
 }
 
-impl Mp4Writer {
-    /// Creates a file; one of the same name is replaced.
-    ///
-    /// # Errors
-    /// A file that cannot be created.
-    pub fn create(path: &Path, settings: EncoderSettings) -> Result<Self, VideoError> {
-        let file = File::create(path).map_err(|cause| VideoError::Io {
-            doing: "create",
-            path: path.to_owned(),
-            cause,
-        })?;
-        Ok(Self {
+impl<W: Write + Seek> Mp4Writer<W> {
+    /// Writes to `out`, which is open and empty. Nothing is written before the first key frame. Errors name `path`.
+    pub fn new(out: W, path: &Path, settings: EncoderSettings) -> Self {
+        Self {
             path: path.to_owned(),
             settings,
             encoder: H264Encoder::new(settings),
-            state: State::Empty(BufWriter::new(file)),
+            state: State::Empty(BufWriter::new(out)),
             epoch: None,
-        })
+        }
     }
 
     /// Encodes a picture that was taken at `at` and appends it. The film begins with the first picture.

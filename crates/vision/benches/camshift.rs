@@ -1,7 +1,7 @@
-//! What one frame costs, by the size of the target in a 1280x720 picture.
+//! Cost of one frame of CamShift, by the size of the target in a 1280x720 picture.
 //!
-//! The picture is the worst case for the search: saturated water, and a red target on it that fills the window and
-//! moves from frame to frame, so that the mean shift takes several steps.
+//! The picture is the worst case for the search: saturated water, and a red target that fills the window and moves
+//! between the frames, so that mean shift takes several steps.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ fn main() {
     divan::main();
 }
 
-/// One frame at work, the target `width` x `width` * 9/16 pixels, in two frames in turn, 1/20 of its width apart. The
-/// search window is 1.155 times as long: for the widest a quarter of the picture.
+/// One frame with a target of `width` x `width` * 9/16 pixels, alternating between two frames 1/20 of its width apart.
+/// The search window is 1.155 times as long: for the widest target a quarter of the picture.
 #[divan::bench(args = [40, 80, 160, 320, 550])]
 fn one_frame(bencher: divan::Bencher<'_, '_>, width: u32) {
     let width = f64::from(width);
@@ -35,7 +35,7 @@ fn one_frame(bencher: divan::Bencher<'_, '_>, width: u32) {
     });
 }
 
-/// Red in the box, sea-blue around it, with a texture on both.
+/// Red inside the box, sea blue outside, both with a texture.
 fn painted(target: PixelBox) -> VideoFrame {
     let mut picture = Picture::black(SIZE, ColourEncoding::assumed_for(SIZE));
     let inside =

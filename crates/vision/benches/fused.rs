@@ -1,8 +1,8 @@
-//! What one frame costs the fused tracker, by the size of the target in a 1280x720 picture.
+//! Cost of one frame of the fused tracker, by the size of the target in a 1280x720 picture.
 //!
-//! Water and target are patterned and of different colours, so that nothing is skipped: filter, sizes, turns,
-//! silhouette, and learning in each frame in which the target is seen. While it is lost, water that holds many small
-//! things of its colour has the colour's candidates looked at, too.
+//! Water and target have patterns and different colours, so that no step is skipped: filter, scale, rotation,
+//! silhouette, and learning in every frame in which the target is visible. While it is lost, many small objects of its
+//! colour on the water provide candidates by colour.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ fn main() {
     divan::main();
 }
 
-/// One frame in which the target, `width` x `width` * 9/16 pixels, is seen; it goes to and fro by 1/40 of its width.
+/// One frame with a visible target of `width` x `width` * 9/16 pixels, which moves back and forth by 1/40 of its width.
 #[divan::bench(args = [40, 160, 550])]
 fn tracking(bencher: divan::Bencher<'_, '_>, width: u32) {
     let target = target(width);
@@ -26,7 +26,7 @@ fn tracking(bencher: divan::Bencher<'_, '_>, width: u32) {
     measure(bencher, &frames, target, |track| matches!(track, Track::Tracking(_)));
 }
 
-/// One frame while the target, selected at that size, is nowhere to be seen.
+/// One frame while a target that was selected at this size is lost.
 #[divan::bench(args = [40, 160, 550])]
 fn lost(bencher: divan::Bencher<'_, '_>, width: u32) {
     let target = target(width);
@@ -39,13 +39,13 @@ fn target(width: u32) -> PixelBox {
     PixelBox { u: 640.0 - 0.5 * width, v: 360.0 - width * 9.0 / 32.0, w: width, h: width * 9.0 / 16.0 }
 }
 
-/// Selects on the first frame and goes on with the frames in turn (or, with a target that is lost, with the last one)
-/// until the track is as it should be, and measures from there on.
+/// Selects on the first frame, runs the frames in turn (for a lost target, only the last) until the track has the
+/// wanted state, and measures from there on.
 fn measure(
     bencher: divan::Bencher<'_, '_>,
     frames: &[VideoFrame; 2],
     target: PixelBox,
-    as_wanted: impl Fn(&Track) -> bool,
+    is_wanted: impl Fn(&Track) -> bool,
 ) {
     let Ok(mut tracker) = FusedTracker::new(FusedConfig::default()) else {
         return;
@@ -53,7 +53,7 @@ fn measure(
     if tracker.select(&frames[0], target).is_err() {
         return;
     }
-    let lost = as_wanted(&Track::Lost { since: Timestamp::ZERO, confidence: 0.0 });
+    let lost = is_wanted(&Track::Lost { since: Timestamp::ZERO, confidence: 0.0 });
     let (mut turn, mut now) = (0, 0);
     let mut next = || {
         turn = if lost { 1 } else { 1 - turn };
@@ -63,12 +63,12 @@ fn measure(
         tracker.track(divan::black_box(&frame), None)
     };
     let warm = (0..30).map(|_| next()).last();
-    assert!(warm.as_ref().is_some_and(&as_wanted), "another case than the one to be measured: {warm:?}");
+    assert!(warm.as_ref().is_some_and(&is_wanted), "the track is not in the state to be measured: {warm:?}");
     bencher.bench_local(next);
 }
 
-/// Red in the box, sea-blue around it, with a pattern on both; `scattered`: red spots all over the water, and another
-/// pattern.
+/// Red inside the box, sea blue outside, both with a pattern. `scattered`: another pattern, with red spots on the
+/// water.
 fn painted(target: Option<PixelBox>, scattered: bool) -> VideoFrame {
     let mut picture = Picture::black(SIZE, ColourEncoding::assumed_for(SIZE));
     let inside =
@@ -85,7 +85,7 @@ fn painted(target: Option<PixelBox>, scattered: bool) -> VideoFrame {
     for (i, sample) in y.iter_mut().enumerate() {
         let (right, down) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         *sample = match target {
-            // The target carries its pattern along.
+            // The target's pattern moves with it.
             Some(t) if inside(right, down) => 60 + 2 * pattern(right - t.u, down - t.v, 7),
             _ => 80 + pattern(right, down, if scattered { 99 } else { 1 }),
         };

@@ -1,96 +1,97 @@
-//! How much each pixel is like the target: the weight of its hue in the target's histogram.
+//! The back projection: for each pixel, the weight of its hue in the target's histogram.
 //!
-//! The back projection is a map as large as the picture of which only what is asked for is worked out: a box that
-//! starts as the first search window and grows as the search moves. So a search sees exactly what it would see on
-//! the whole picture, for the cost of the pixels that it visits. Work: every pixel at most once per frame, and only
-//! those of the box around all windows visited, enlarged by the margin where it had to grow.
+//! The map has the size of the picture, but only the required part is computed: a box that starts as the first search
+//! window and grows with the search. A search therefore gives the same result as on the whole picture, for the cost of
+//! the pixels it visits. Work: every pixel at most once per frame, and only inside the box around all visited windows,
+//! enlarged by the margin where it had to grow.
 
 use barrelman_vocab::{Picture, PictureSize};
 
-use crate::likeness::Likeness;
-use crate::moments::{ByteMap, Mass, Moments};
+use crate::hue_weight_table::HueWeightTable;
+use crate::moments::{MomentSource, Moments, WeightMap};
 use crate::window::Window;
 
-/// The map and what is known of it.
+/// The weights and the part of them that is computed.
 #[derive(Debug, Default)]
 pub(crate) struct BackProjection {
     weights: Vec<u8>,
     width: usize,
     height: usize,
-    known: Window,
+    computed: Window,
 }
 
 impl BackProjection {
-    /// Forgets everything, for a new frame of that size. Allocates only where the size grows.
-    pub(crate) fn restart(&mut self, size: PictureSize) {
+    /// Discards all weights, for a new frame of this size. Allocates only if the size grows.
+    pub(crate) fn reset(&mut self, size: PictureSize) {
         (self.width, self.height) = (size.width as usize, size.height as usize);
         self.weights.resize(size.area(), 0);
-        self.known = Window::default();
+        self.computed = Window::default();
     }
 
-    /// What was worked out since the last restart.
-    pub(crate) const fn known(&self) -> Window {
-        self.known
+    /// The part computed since the last reset.
+    pub(crate) const fn computed(&self) -> Window {
+        self.computed
     }
 
-    /// The weights of one row of what is known, `row` counted from the picture's top.
-    pub(crate) fn known_row(&self, row: usize) -> &[u8] {
-        &self.weights[row * self.width + self.known.x..][..self.known.w]
+    /// The computed weights of one row; `row` is counted from the picture's top.
+    pub(crate) fn computed_row(&self, row: usize) -> &[u8] {
+        &self.weights[row * self.width + self.computed.x..][..self.computed.w]
     }
 
-    /// The map as seen on one picture, which has the size of the last restart and the encoding of `likeness`.
-    /// Where the known box has to grow, `margin` pixels more than needed are worked out.
-    pub(crate) fn look<'a>(
+    /// The back projection of one picture, which has the size of the last reset and the encoding of `table`. Where the
+    /// computed part has to grow, it grows by `margin` pixels more than needed.
+    pub(crate) fn lazy<'a>(
         &'a mut self,
         picture: &'a Picture,
-        likeness: &'a mut Likeness,
+        table: &'a mut HueWeightTable,
         margin: usize,
-    ) -> Look<'a> {
-        Look { map: self, picture, likeness, margin }
+    ) -> LazyBackProjection<'a> {
+        LazyBackProjection { map: self, picture, table, margin }
     }
 }
 
-/// A back projection that works out what is asked of it.
-pub(crate) struct Look<'a> {
+/// A back projection that computes its weights on demand.
+pub(crate) struct LazyBackProjection<'a> {
     map: &'a mut BackProjection,
     picture: &'a Picture,
-    likeness: &'a mut Likeness,
+    table: &'a mut HueWeightTable,
     margin: usize,
 }
 
-impl Look<'_> {
-    /// The sum of the weights over the part of `window` that lies in the map: `m00` of the moments, for less.
-    pub(crate) fn mass(&mut self, window: Window) -> u64 {
+impl LazyBackProjection<'_> {
+    /// Sum of the weights over the part of `window` in the map: `m00` of the moments, at lower cost.
+    pub(crate) fn weight_sum(&mut self, window: Window) -> u64 {
         let window = window.clipped(self.map.width, self.map.height);
         if window.is_empty() {
             return 0;
         }
-        self.cover(window);
+        self.ensure_computed(window);
         let rows = self.map.weights.chunks_exact(self.map.width).skip(window.y).take(window.h);
         let sum =
             |row: &[u8]| row[window.x..window.right()].iter().map(|&weight| u32::from(weight)).sum::<u32>();
         rows.map(|row| u64::from(sum(row))).sum()
     }
 
-    fn cover(&mut self, window: Window) {
+    fn ensure_computed(&mut self, window: Window) {
         let (width, height) = (self.map.width, self.map.height);
-        let known = self.map.known;
-        if known.covers(window) {
+        let computed = self.map.computed;
+        if computed.contains(window) {
             return;
         }
-        let new = if known.is_empty() {
-            window.on_blocks(width, height)
+        let new = if computed.is_empty() {
+            window.aligned_to_chroma_blocks(width, height)
         } else {
-            known.union(window.inflated(self.margin, width, height).on_blocks(width, height))
+            computed
+                .union(window.inflated(self.margin, width, height).aligned_to_chroma_blocks(width, height))
         };
-        for missing in new.without(known) {
-            self.work_out(missing);
+        for missing in new.difference(computed) {
+            self.compute(missing);
         }
-        self.map.known = new;
+        self.map.computed = new;
     }
 
-    /// Works out a window that lies on whole 2 x 2 blocks.
-    fn work_out(&mut self, window: Window) {
+    /// Computes the weights of a window on whole 2 x 2 blocks.
+    fn compute(&mut self, window: Window) {
         if window.is_empty() {
             return;
         }
@@ -104,17 +105,17 @@ impl Look<'_> {
             let vs = &v_plane.row(row / 2)[chroma.clone()];
             let (upper, lower) = pair.split_at_mut(self.map.width);
             let upper = (&luma.row(row)[columns.clone()], &mut upper[columns.clone()]);
-            // An odd picture's last row stands alone.
+            // The last row of a picture of odd height has no partner.
             let lower = match lower.get_mut(columns.clone()) {
                 Some(lower) => (&luma.row(row + 1)[columns.clone()], lower),
                 None => (&[][..], &mut [][..]),
             };
-            self.likeness.weigh(us, vs, [upper, lower]);
+            self.table.fill_weights(us, vs, [upper, lower]);
         }
     }
 }
 
-impl Mass for Look<'_> {
+impl MomentSource for LazyBackProjection<'_> {
     fn width(&self) -> usize {
         self.map.width
     }
@@ -125,7 +126,7 @@ impl Mass for Look<'_> {
 
     fn moments(&mut self, window: Window) -> Moments {
         let window = window.clipped(self.map.width, self.map.height);
-        self.cover(window);
-        ByteMap::new(&self.map.weights, self.map.width, self.map.height).moments(window)
+        self.ensure_computed(window);
+        WeightMap::new(&self.map.weights, self.map.width, self.map.height).moments(window)
     }
 }

@@ -1,69 +1,101 @@
-//! The published tracker: hue histogram, back projection, mean shift, and size and direction from the moments.
+//! The published tracker: hue histogram, back projection, mean shift, and size and orientation from the moments.
 //!
-//! Per frame: the search starts from the last window (moved by the camera's motion where a prior says so), the mean
-//! shift brings it onto the nearest mass of the target's hues, and the moments there give the box and the axes of
-//! the target and the next window ([`cam_shift`] has the maths). The reported box is the upright box around the
-//! ellipse with those axes and a little more for the mixed pixels at the edge ([`Target::bounds`]), cut off at the
-//! picture's border. The centre is the centroid of the mass, the confidence the mean likeness in the box: 1 where
-//! every pixel has the hue that is most frequent in the selection.
+//! Each frame: the search starts at the last window, shifted by the motion prior if there is one. Mean shift moves the
+//! window to the nearest mode of the target's hues. The moments there give the target's box and axes and the next
+//! window (equations at [`cam_shift`]). The reported box is the upright box of the ellipse with those axes, plus a
+//! margin for the mixed pixels at the edge ([`CamShiftTarget::bounds`]), clipped to the picture. The centre is the
+//! centroid. The confidence is the mean weight in the box: 1 where every pixel has the selection's most frequent hue.
 //!
-//! CamShift knows no loss of its own: anything of the target's hue in the window is followed. So `Lost` is said only
-//! where there is no mass at all in the search window and its margin; the window then grows by the margin in every
-//! frame until it meets some, at last over the whole picture.
+//! CamShift itself does not detect a loss: it follows anything of the target's hue in the window. `Lost` is therefore
+//! reported only if the search window and its margin contain no weight at all. The window then grows by the margin in
+//! every frame until it contains some, up to the whole picture.
 //!
-//! Work per frame: one look-up for every pixel that the search visits, sums over its windows, and about a
-//! microsecond for every pair of chroma samples that was not met before; at worst, that of the whole picture. Memory:
-//! one byte per pixel of the picture and the table of weights, at most 16 MiB.
+//! Work per frame: one table look-up per pixel that the search visits, sums over its windows, and about a microsecond
+//! per new pair of chroma samples; at worst, the whole picture. Memory: one byte per pixel of the picture, and the
+//! table of weights, at most 16 MiB.
 //!
-//! Not handled: a target without colour, water of the target's hue, a second thing of the same hue, loss and
-//! finding again. A later tracker does.
+//! Not handled: targets without colour, water of the target's hue, other objects of the same hue, loss and
+//! re-detection. The fused tracker handles them.
 
 use barrelman_vocab::{
     Localisation, MotionPrior, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame, track::Shape,
 };
 
 use crate::back_projection::BackProjection;
-use crate::config::{CamShiftConfig, ConfigError};
+use crate::config::{CamShiftConfig, CamShiftConfigError};
 use crate::explanation::Explanation;
 use crate::histogram::HueHistogram;
-use crate::hue::{Floors, HUES, HueOfYuv};
-use crate::likeness::Likeness;
-use crate::mean_shift::{MARGIN, Search, Target, cam_shift};
-use crate::moments::Mass;
+use crate::hue::{Floors, HUE_CODES, YuvToHue};
+use crate::hue_weight_table::HueWeightTable;
+use crate::mean_shift::{CamShiftTarget, MOMENT_MARGIN_PX, SearchResult, cam_shift};
+use crate::moments::MomentSource;
 use crate::tracker::{SelectionError, SelectionReport, Tracker};
-use crate::window::{Window, reaches_out};
+use crate::window::{Window, exceeds_picture};
 
-/// Follows a target by its hue.
+/// Tracks a target by its hue.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use barrelman_vision::{CamShift, CamShiftConfig, Tracker};
+/// use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
+/// use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
+///
+/// /// A red square of 20 x 20 pixels on blue water, its left edge at `left` (an even number).
+/// fn frame(left: usize) -> VideoFrame {
+///     let size = PictureSize::new(160, 120);
+///     let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
+///     let [y, u, v] = picture.planes_mut();
+///     y.fill(90);
+///     for (index, (u, v)) in u.iter_mut().zip(v).enumerate() {
+///         // A chroma sample covers 2 x 2 pixels.
+///         let (column, row) = (2 * (index % 80), 2 * (index / 80));
+///         let is_boat = (left..left + 20).contains(&column) && (50..70).contains(&row);
+///         (*u, *v) = if is_boat { (90, 240) } else { (190, 100) };
+///     }
+///     let capture = Capture { at: Timestamp::ZERO, quality: CaptureQuality::Sensor };
+///     VideoFrame { sequence: 0, capture, picture: Arc::new(picture) }
+/// }
+///
+/// let mut tracker = CamShift::new(CamShiftConfig::default())?;
+/// let selection = PixelBox { u: 40.0, v: 50.0, w: 20.0, h: 20.0 };
+/// let report = tracker.select(&frame(40), selection)?;
+/// assert_eq!((report.coloured_share, report.surroundings_probability), (1.0, 0.0));
+///
+/// let Track::Tracking(boat) = tracker.track(&frame(46), None) else { panic!("not found") };
+/// assert_eq!(boat.centre.u, 56.0);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct CamShift {
     config: CamShiftConfig,
-    map: BackProjection,
-    target: Option<Followed>,
+    back_projection: BackProjection,
+    target: Option<SelectedTarget>,
 }
 
-/// What is known of the target.
+/// State of the selected target.
 #[derive(Debug)]
-struct Followed {
+struct SelectedTarget {
     histogram: HueHistogram,
-    likeness: Likeness,
-    /// Size of the picture that `window` counts in.
+    weights: HueWeightTable,
+    /// Size of the picture in whose pixels `window` is given.
     picture: PictureSize,
-    /// Where the next search starts.
+    /// Start window of the next search.
     window: Window,
     lost_since: Option<Timestamp>,
 }
 
 impl CamShift {
-    /// A tracker with nothing selected.
+    /// A tracker without a selection.
     ///
     /// # Errors
-    /// If a setting lies outside its range.
-    pub fn new(config: CamShiftConfig) -> Result<Self, ConfigError> {
+    /// If a setting is out of range.
+    pub fn new(config: CamShiftConfig) -> Result<Self, CamShiftConfigError> {
         let config = config.validated()?;
-        Ok(Self { config, map: BackProjection::default(), target: None })
+        Ok(Self { config, back_projection: BackProjection::default(), target: None })
     }
 
-    /// Its settings.
+    /// The tracker's settings.
     pub const fn config(&self) -> &CamShiftConfig {
         &self.config
     }
@@ -72,9 +104,9 @@ impl CamShift {
 impl Tracker for CamShift {
     fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError> {
         let picture = frame.picture.size();
-        let window = Window::of_selection(selection, picture)?;
+        let window = Window::from_selection(selection, picture)?;
         let floors = self.config.floors();
-        let hue = HueOfYuv::new(frame.picture.colour());
+        let hue = YuvToHue::new(frame.picture.colour());
         let counts = count_hues(&hue, &frame.picture, window, floors);
         let coloured: u32 = counts.iter().sum();
         let Ok(histogram) = HueHistogram::new(&counts, self.config.bins) else {
@@ -86,31 +118,32 @@ impl Tracker for CamShift {
             });
         };
 
-        let mut likeness = Likeness::new(hue, floors, *histogram.of_hue());
-        self.map.restart(picture);
-        let mut map = self.map.look(&frame.picture, &mut likeness, self.config.search_margin_px);
+        let mut weights = HueWeightTable::new(hue, floors, *histogram.weight_by_hue());
+        self.back_projection.reset(picture);
+        let mut map = self.back_projection.lazy(&frame.picture, &mut weights, self.config.search_margin_px);
         let within = map.moments(window);
         let ring = window.w.min(window.h).div_ceil(2);
         let around = window.inflated(ring, map.width(), map.height());
-        let surroundings = mean_weight(map.mass(around) - within.m00, around.area() - window.area());
-        let used = window.in_pixels();
+        let surroundings_probability =
+            mean_weight(map.weight_sum(around) - within.m00, around.area() - window.area());
+        let used = window.to_pixel_box();
         let localisation = Localisation {
             captured: frame.capture.at,
             picture,
             centre: used.centre(),
             bounds: used,
-            shape: Target::of(&within, map.width(), map.height()).map(shape),
+            shape: CamShiftTarget::from_moments(&within, map.width(), map.height()).map(shape_of),
             heading: None,
             confidence: mean_weight(within.m00, window.area()),
         };
         let report = SelectionReport {
             used,
-            clipped: reaches_out(selection, picture),
-            coloured: f64::from(coloured) / window.area() as f64,
-            surroundings,
+            is_clipped: exceeds_picture(selection, picture),
+            coloured_share: f64::from(coloured) / window.area() as f64,
+            surroundings_probability,
             localisation,
         };
-        self.target = Some(Followed { histogram, likeness, picture, window, lost_since: None });
+        self.target = Some(SelectedTarget { histogram, weights, picture, window, lost_since: None });
         Ok(report)
     }
 
@@ -124,20 +157,21 @@ impl Tracker for CamShift {
             start = shifted(start, prior, picture);
         }
         if start.area() <= 1 {
-            start = start.inflated(MARGIN, picture.width as usize, picture.height as usize);
+            start = start.inflated(MOMENT_MARGIN_PX, picture.width as usize, picture.height as usize);
         }
-        if target.likeness.hue().colour() != frame.picture.colour() {
-            target.likeness.turn_to(HueOfYuv::new(frame.picture.colour()));
+        if target.weights.hue().colour() != frame.picture.colour() {
+            target.weights.set_encoding(YuvToHue::new(frame.picture.colour()));
         }
-        self.map.restart(picture);
-        let mut map = self.map.look(&frame.picture, &mut target.likeness, self.config.search_margin_px);
+        self.back_projection.reset(picture);
+        let mut map =
+            self.back_projection.lazy(&frame.picture, &mut target.weights, self.config.search_margin_px);
         target.picture = picture;
-        match cam_shift(&mut map, start, self.config.criteria()) {
-            Search::Found(found) => {
+        match cam_shift(&mut map, start, self.config.termination_criteria()) {
+            SearchResult::Found(found) => {
                 let bounds = found.bounds().clipped(picture);
-                // The centroid lies in the picture, and so part of the box.
-                let inside = Window::nearest(bounds, picture).unwrap_or(found.window);
-                let mass = map.mass(inside);
+                // The centroid lies in the picture, and so does part of the box.
+                let inside = Window::rounded_from(bounds, picture).unwrap_or(found.window);
+                let sum = map.weight_sum(inside);
                 target.window = found.window;
                 target.lost_since = None;
                 Track::Tracking(Localisation {
@@ -145,12 +179,12 @@ impl Tracker for CamShift {
                     picture,
                     centre: found.centroid,
                     bounds,
-                    shape: Some(shape(found)),
+                    shape: Some(shape_of(found)),
                     heading: None,
-                    confidence: mean_weight(mass, inside.area()),
+                    confidence: mean_weight(sum, inside.area()),
                 })
             }
-            Search::Nothing(window) => {
+            SearchResult::NotFound(window) => {
                 target.window = window;
                 let since = *target.lost_since.get_or_insert(frame.capture.at);
                 Track::Lost { since, confidence: 0.0 }
@@ -163,25 +197,30 @@ impl Tracker for CamShift {
         let Some(target) = &self.target else {
             return;
         };
-        out.search_window = Some(target.window.in_pixels());
+        out.search_window = Some(target.window.to_pixel_box());
         out.histogram.extend_from_slice(target.histogram.weights());
-        let known = self.map.known();
+        let computed = self.back_projection.computed();
         let grey = &mut out.back_projection;
-        grey.bounds = known.in_pixels();
-        (grey.width, grey.height) = (known.w, known.h);
-        for row in known.y..known.bottom() {
-            grey.samples.extend_from_slice(self.map.known_row(row));
+        grey.bounds = computed.to_pixel_box();
+        (grey.width, grey.height) = (computed.w, computed.h);
+        for row in computed.y..computed.bottom() {
+            grey.samples.extend_from_slice(self.back_projection.computed_row(row));
         }
     }
 }
 
-/// How many pixels of the window have each hue.
-fn count_hues(hue: &HueOfYuv, picture: &Picture, window: Window, floors: Floors) -> [u32; HUES as usize] {
-    let mut counts = [0; HUES as usize];
+/// Number of pixels of each hue code in the window.
+fn count_hues(
+    hue: &YuvToHue,
+    picture: &Picture,
+    window: Window,
+    floors: Floors,
+) -> [u32; HUE_CODES as usize] {
+    let mut counts = [0; HUE_CODES as usize];
     for row in window.y..window.bottom() {
         let (ys, us, vs) = (picture.y().row(row), picture.u().row(row / 2), picture.v().row(row / 2));
         for column in window.x..window.right() {
-            let code = hue.code([ys[column], us[column / 2], vs[column / 2]], floors);
+            let code = hue.hue_code([ys[column], us[column / 2], vs[column / 2]], floors);
             if let Some(count) = counts.get_mut(usize::from(code)) {
                 *count += 1;
             }
@@ -190,35 +229,35 @@ fn count_hues(hue: &HueOfYuv, picture: &Picture, window: Window, floors: Floors)
     counts
 }
 
-fn shape(target: Target) -> Shape {
+fn shape_of(target: CamShiftTarget) -> Shape {
     Shape { major_px: target.major_px, minor_px: target.minor_px, axis: target.axis }
 }
 
-/// Mean of the weights over an area in pixels, 0 to 1; 0 where there is none.
+/// Mean weight over an area in pixels, 0 to 1; 0 for an empty area.
 fn mean_weight(mass: u64, area: usize) -> f64 {
     if area == 0 { 0.0 } else { mass as f64 / (area as f64 * 255.0) }
 }
 
-/// A window of one picture on a picture of another size that shows the same.
+/// Converts a window to a picture of another size with the same field of view.
 fn rescaled(window: Window, from: PictureSize, to: PictureSize) -> Window {
     if from == to {
         return window;
     }
     let scale_u = f64::from(to.width) / f64::from(from.width.max(1));
     let scale_v = f64::from(to.height) / f64::from(from.height.max(1));
-    let PixelBox { u, v, w, h } = window.in_pixels();
+    let PixelBox { u, v, w, h } = window.to_pixel_box();
     let scaled = PixelBox { u: u * scale_u, v: v * scale_v, w: w * scale_u, h: h * scale_v };
-    Window::nearest(scaled, to).unwrap_or(Window::whole(to.width as usize, to.height as usize))
+    Window::rounded_from(scaled, to).unwrap_or(Window::full(to.width as usize, to.height as usize))
 }
 
-/// The window moved with the picture, by whole pixels, and kept in it. A prior that is not finite, or does not know the
-/// shift to within the window's size, is passed over.
+/// Shifts the window by the prior, in whole pixels, and keeps it in the picture. A prior that is not finite, or whose
+/// standard deviation exceeds the window's size, is ignored.
 fn shifted(window: Window, prior: &MotionPrior, picture: PictureSize) -> Window {
-    let known = prior.deviation_px <= window.w.max(window.h) as f64;
+    let known = prior.std_dev_px <= window.w.max(window.h) as f64;
     if !(known && prior.shift_u_px.is_finite() && prior.shift_v_px.is_finite()) {
         return window;
     }
-    // A cast of what is negative gives 0.
+    // A cast turns negative numbers into 0.
     let along = |start: usize, shift: f64, length: usize, end: u32| {
         ((start as f64 + shift.round_ties_even()) as usize).min((end as usize).saturating_sub(length))
     };

@@ -1,42 +1,46 @@
-//! How likely a colour is the target's rather than its surroundings'.
+//! Probability that a colour belongs to the target rather than to its surroundings.
 //!
-//! Two histograms over (Y, U, V), one of the target (F) and one of the ring around it (B), each normalised to 1.
-//! The probability of a colour is F / (F + B) with a small floor that keeps what was seen in neither at one half
-//! times a little: unknown is not target. The plane of U and V is the plane of hue and saturation in Cartesian
-//! coordinates, so there is no seam in the circle of hues and no hue of grey to be kept out by floors: greys are a
-//! bin like any other, and count as much as the target's surroundings leave them.
+//! Two histograms over (Y, U, V), one of the target (F) and one of the ring around it (B), are each normalised to a sum
+//! of 1. The target probability of a colour is
+//!
+//! ```text
+//! F / (F + B + e)
+//! ```
+//!
+//! with a small e, so that a colour seen in neither is not the target's. U and V are hue and saturation in Cartesian
+//! coordinates: there is no wrap-around of the hue, and grey needs no floors. It is a bin like any other.
 
 use barrelman_vocab::Picture;
 
-/// Levels of Y.
+/// Bits of Y.
 const LUMA_BITS: u32 = 3;
-/// Levels of U and V.
+/// Bits of U and of V.
 const CHROMA_BITS: u32 = 5;
 const LUMA: usize = 1 << LUMA_BITS;
 const CHROMA: usize = 1 << CHROMA_BITS;
-/// Bins in all.
+/// Number of bins.
 pub(crate) const BINS: usize = LUMA * CHROMA * CHROMA;
 
-/// Counts of colours.
+/// A histogram of colours.
 #[derive(Debug, Clone)]
-pub(crate) struct Histogram {
+pub(crate) struct ColourHistogram {
     bins: Vec<f32>,
 }
 
-impl Default for Histogram {
+impl Default for ColourHistogram {
     fn default() -> Self {
         Self { bins: vec![0.0; BINS] }
     }
 }
 
-/// The bin of a colour. Chroma of video is concentrated around 128: of its range only 64 to 192 is resolved.
+/// The bin of a colour. The chroma of video is concentrated around 128; only 64 to 192 is resolved.
 pub(crate) fn bin(y: u8, u: u8, v: u8) -> usize {
     let chroma = |c: u8| usize::from(c.saturating_sub(64).min(127)) >> (7 - CHROMA_BITS);
     let luma = usize::from(y) >> (8 - LUMA_BITS);
     (luma * CHROMA + chroma(u)) * CHROMA + chroma(v)
 }
 
-impl Histogram {
+impl ColourHistogram {
     pub(crate) fn clear(&mut self) {
         self.bins.fill(0.0);
     }
@@ -45,8 +49,8 @@ impl Histogram {
         self.bins[bin % BINS] += weight;
     }
 
-    /// Spreads each count a little over its neighbours in U, V and Y, and scales the sum to 1.
-    pub(crate) fn finish(&mut self) {
+    /// Smooths the counts over neighbouring bins in U, V and Y, and scales the sum to 1.
+    pub(crate) fn smooth_and_normalise(&mut self) {
         smooth(&mut self.bins, 1, CHROMA);
         smooth(&mut self.bins, CHROMA, CHROMA);
         smooth(&mut self.bins, CHROMA * CHROMA, LUMA);
@@ -57,12 +61,13 @@ impl Histogram {
         }
     }
 
-    /// How alike two are, 0 to 1: the sum of the roots of products (Bhattacharyya 1943).
-    pub(crate) fn overlap(&self, other: &Self) -> f32 {
+    /// Similarity of two normalised histograms, 0 to 1: the Bhattacharyya coefficient, the sum of the roots of the
+    /// products (Bhattacharyya 1943).
+    pub(crate) fn similarity(&self, other: &Self) -> f32 {
         self.bins.iter().zip(&other.bins).map(|(a, b)| (a * b).sqrt()).sum()
     }
 
-    /// Moves towards another one by the share `rate`.
+    /// Moves this histogram towards another by the share `rate`.
     pub(crate) fn blend(&mut self, other: &Self, rate: f32) {
         for (bin, &new) in self.bins.iter_mut().zip(&other.bins) {
             *bin += rate * (new - *bin);
@@ -70,7 +75,7 @@ impl Histogram {
     }
 }
 
-/// A (1 2 1) / 4 filter along one side of the histogram; what falls off an end stays in it.
+/// Filters along one dimension of the histogram with (1 2 1) / 4; border bins are replicated.
 pub(crate) fn smooth(bins: &mut [f32], stride: usize, length: usize) {
     for block in bins.chunks_exact_mut(stride * length) {
         for offset in 0..stride {
@@ -85,74 +90,74 @@ pub(crate) fn smooth(bins: &mut [f32], stride: usize, length: usize) {
     }
 }
 
-/// The two histograms and the table that follows from them.
+/// The two histograms and the table of probabilities computed from them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ColourModel {
-    pub(crate) target: Histogram,
-    pub(crate) surroundings: Histogram,
-    table: Likenesses,
+    pub(crate) target: ColourHistogram,
+    pub(crate) surroundings: ColourHistogram,
+    table: TargetProbabilities,
 }
 
-/// Probability of each bin, 0 to 255.
+/// Target probability of each bin, 0 to 255.
 #[derive(Debug, Clone)]
-pub(crate) struct Likenesses(Vec<u8>);
+pub(crate) struct TargetProbabilities(Vec<u8>);
 
-impl Default for Likenesses {
+impl Default for TargetProbabilities {
     fn default() -> Self {
         Self(vec![0; BINS])
     }
 }
 
-impl Likenesses {
-    /// Of a colour.
-    pub(crate) fn of(&self, y: u8, u: u8, v: u8) -> u8 {
+impl TargetProbabilities {
+    /// Target probability of a colour, 0 to 255.
+    pub(crate) fn probability(&self, y: u8, u: u8, v: u8) -> u8 {
         self.0[bin(y, u, v)]
     }
 }
 
 impl ColourModel {
-    /// Works the table out again.
-    pub(crate) fn renew(&mut self) {
-        // A colour rarer than one in some thousands in both is as good as unknown.
-        const UNSEEN: f32 = 2.0e-4;
+    /// Computes the table from the histograms.
+    pub(crate) fn update_table(&mut self) {
+        // A colour less frequent than this in both histograms counts as unknown.
+        const PRIOR_MASS: f32 = 2.0e-4;
         for ((table, &f), &b) in self.table.0.iter_mut().zip(&self.target.bins).zip(&self.surroundings.bins) {
-            *table = (255.0 * f / (f + b + UNSEEN) + 0.5) as u8;
+            *table = (255.0 * f / (f + b + PRIOR_MASS) + 0.5) as u8;
         }
     }
 
-    pub(crate) fn table(&self) -> &Likenesses {
+    pub(crate) fn table(&self) -> &TargetProbabilities {
         &self.table
     }
 }
 
-/// An ellipse, and the upright box that the ring around it begins at.
+/// The target's ellipse, and the upright box around which the ring begins.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Region {
-    /// Width and height of the box, pixels.
-    pub(crate) upright: (f32, f32),
+pub(crate) struct TargetEllipse {
+    /// Width and height of the upright box, pixels.
+    pub(crate) box_size: (f32, f32),
     /// Half axes of the ellipse, pixels.
     pub(crate) half: (f32, f32),
-    /// Radians clockwise from image right to the first of them.
+    /// Direction of the first half axis, radians clockwise from image right.
     pub(crate) angle: f32,
 }
 
-impl Region {
-    /// The ellipse in an upright box.
-    pub(crate) fn upright((w, h): (f32, f32)) -> Self {
-        Self { upright: (w, h), half: (0.5 * w, 0.5 * h), angle: 0.0 }
+impl TargetEllipse {
+    /// The ellipse inscribed in an upright box, pixels.
+    pub(crate) fn inscribed_in((w, h): (f32, f32)) -> Self {
+        Self { box_size: (w, h), half: (0.5 * w, 0.5 * h), angle: 0.0 }
     }
 }
 
-/// Counts the colours within the ellipse (its middle counts more than its edge) and in the ring around the box that is
-/// as wide as [`RING_SHARE`] of the box's mean side.
+/// Counts the colours inside the ellipse (weights decrease from the centre to the edge) and in the ring around its box,
+/// and normalises both histograms.
 pub(crate) fn count_colours(
     picture: &Picture,
     centre: (f32, f32),
-    region: &Region,
-    inside: &mut Histogram,
-    around: &mut Histogram,
+    region: &TargetEllipse,
+    inside: &mut ColourHistogram,
+    around: &mut ColourHistogram,
 ) {
-    let (w, h) = region.upright;
+    let (w, h) = region.box_size;
     let (cos, sin) = (libm::cosf(region.angle), libm::sinf(region.angle));
     inside.clear();
     around.clear();
@@ -160,40 +165,40 @@ pub(crate) fn count_colours(
     if u.width == 0 || u.height == 0 {
         return;
     }
-    let margin = RING_SHARE * 0.5 * (w + h);
-    // In samples of the chroma planes; a cast takes what is below 0 to 0.
-    let span = |middle: f32, half: f32, length: usize| {
+    let margin = RING_WIDTH_SIDES * 0.5 * (w + h);
+    // In samples of the chroma planes; a cast turns negative numbers into 0.
+    let sample_range = |middle: f32, half: f32, length: usize| {
         (((middle - half) / 2.0) as usize).min(length)..(((middle + half) / 2.0) as usize + 1).min(length)
     };
-    let rows = span(centre.1, 0.5 * h + margin, u.height);
-    let columns = span(centre.0, 0.5 * w + margin, u.width);
-    // Large targets are sampled: it bounds the work.
-    let stride = (((rows.len() * columns.len()) as f32 / MOST_SAMPLES).sqrt().ceil() as usize).max(1);
+    let rows = sample_range(centre.1, 0.5 * h + margin, u.height);
+    let columns = sample_range(centre.0, 0.5 * w + margin, u.width);
+    // Large targets are subsampled, to bound the work.
+    let stride = (((rows.len() * columns.len()) as f32 / MAX_SAMPLES).sqrt().ceil() as usize).max(1);
     for row in rows.step_by(stride) {
         let (ys, us, vs) = (y.row((2 * row).min(y.height - 1)), u.row(row), v.row(row));
         for column in columns.clone().step_by(stride) {
             let bin = bin(ys[(2 * column).min(y.width - 1)], us[column], vs[column]);
             let (right, down) = (2.0 * column as f32 + 1.0 - centre.0, 2.0 * row as f32 + 1.0 - centre.1);
-            let (ahead, aside) =
+            let (along, across) =
                 ((right * cos + down * sin) / region.half.0, (down * cos - right * sin) / region.half.1);
-            let off = ahead * ahead + aside * aside;
-            if off < 1.0 {
-                inside.add(bin, 1.0 - 0.7 * off);
-            } else if 2.0 * right.abs() > RING_FROM * w || 2.0 * down.abs() > RING_FROM * h {
+            let radius_squared = along * along + across * across;
+            if radius_squared < 1.0 {
+                inside.add(bin, 1.0 - 0.7 * radius_squared);
+            } else if 2.0 * right.abs() > RING_INNER_SIDES * w || 2.0 * down.abs() > RING_INNER_SIDES * h {
                 around.add(bin, 1.0);
             }
         }
     }
-    inside.finish();
-    around.finish();
+    inside.smooth_and_normalise();
+    around.smooth_and_normalise();
 }
 
-/// Where the ring begins, in sides of the box, ...
-const RING_FROM: f32 = 1.1;
-/// ... and its width, in mean sides of the box.
-const RING_SHARE: f32 = 0.7;
-/// Most samples that are counted.
-const MOST_SAMPLES: f32 = 4096.0;
+/// Inner size of the ring, in sides of the box.
+const RING_INNER_SIDES: f32 = 1.1;
+/// Width of the ring, in mean sides of the box.
+const RING_WIDTH_SIDES: f32 = 0.7;
+/// Maximum number of samples that are counted.
+const MAX_SAMPLES: f32 = 4096.0;
 
 #[cfg(test)]
 mod tests {
@@ -225,32 +230,38 @@ mod tests {
 
     fn learned(picture: &Picture, centre: (f32, f32), size: (f32, f32)) -> ColourModel {
         let mut model = ColourModel::default();
-        count_colours(picture, centre, &Region::upright(size), &mut model.target, &mut model.surroundings);
-        model.renew();
+        count_colours(
+            picture,
+            centre,
+            &TargetEllipse::inscribed_in(size),
+            &mut model.target,
+            &mut model.surroundings,
+        );
+        model.update_table();
         model
     }
 
-    fn of(model: &ColourModel, [y, u, v]: [u8; 3]) -> u8 {
-        model.table().of(y, u, v)
+    fn probability(model: &ColourModel, [y, u, v]: [u8; 3]) -> u8 {
+        model.table().probability(y, u, v)
     }
 
-    fn sum(histogram: &Histogram) -> f32 {
+    fn sum(histogram: &ColourHistogram) -> f32 {
         histogram.bins.iter().sum()
     }
 
     #[test]
     fn a_colour_of_the_target_alone_is_likely_and_others_are_not() {
         let model = learned(&picture(BLUE, RED, [40, 30, 40, 30]), (60.0, 45.0), (40.0, 30.0));
-        assert!(of(&model, RED) > 250, "{}", of(&model, RED));
-        assert_eq!(of(&model, BLUE), 0);
-        // Seen in neither: unknown is not target.
-        assert_eq!(of(&model, [200, 90, 90]), 0);
+        assert!(probability(&model, RED) > 250, "{}", probability(&model, RED));
+        assert_eq!(probability(&model, BLUE), 0);
+        // Seen in neither: an unknown colour is not the target's.
+        assert_eq!(probability(&model, [200, 90, 90]), 0);
     }
 
     #[test]
     fn a_colour_that_is_as_common_around_the_target_as_in_it_says_nothing() {
         let model = learned(&picture(RED, RED, [0, 0, 1, 1]), (60.0, 45.0), (40.0, 30.0));
-        assert!((125..=128).contains(&of(&model, RED)), "{}", of(&model, RED));
+        assert!((125..=128).contains(&probability(&model, RED)), "{}", probability(&model, RED));
     }
 
     #[test]
@@ -262,55 +273,55 @@ mod tests {
             for (index, sample) in samples.iter_mut().enumerate() {
                 let (right, down) =
                     ((index % width * step) as f32 - 60.0, (index / width * step) as f32 - 45.0);
-                let (ahead, aside) = ((right + down) / SQRT_2, (down - right) / SQRT_2);
-                if (ahead / 32.0).powi(2) + (aside / 8.0).powi(2) < 1.0 {
+                let (along, across) = ((right + down) / SQRT_2, (down - right) / SQRT_2);
+                if (along / 32.0).powi(2) + (across / 8.0).powi(2) < 1.0 {
                     *sample = RED[plane];
                 }
             }
         }
-        let upright = (47.0, 47.0);
-        let loose = learned(&picture, (60.0, 45.0), upright);
-        assert!(of(&loose, BLUE) > 60, "{}", of(&loose, BLUE));
+        let box_size = (47.0, 47.0);
+        let loose = learned(&picture, (60.0, 45.0), box_size);
+        assert!(probability(&loose, BLUE) > 60, "{}", probability(&loose, BLUE));
         let mut close = ColourModel::default();
-        let region = Region { upright, half: (32.0, 8.0), angle: FRAC_PI_4 };
+        let region = TargetEllipse { box_size, half: (32.0, 8.0), angle: FRAC_PI_4 };
         count_colours(&picture, (60.0, 45.0), &region, &mut close.target, &mut close.surroundings);
-        close.renew();
-        assert!(of(&close, BLUE) < 30, "{}", of(&close, BLUE));
-        assert!(of(&close, RED) > 230, "{}", of(&close, RED));
+        close.update_table();
+        assert!(probability(&close, BLUE) < 30, "{}", probability(&close, BLUE));
+        assert!(probability(&close, RED) > 230, "{}", probability(&close, RED));
     }
 
     #[test]
     fn grey_is_a_colour_like_any_other() {
         let model = learned(&picture(BLUE, GREY, [40, 30, 40, 30]), (60.0, 45.0), (40.0, 30.0));
-        assert!(of(&model, GREY) > 250, "{}", of(&model, GREY));
+        assert!(probability(&model, GREY) > 250, "{}", probability(&model, GREY));
     }
 
     #[test]
     fn brightness_tells_two_things_of_one_hue_apart() {
         let pale = [230, GREY[1], GREY[2]];
         let model = learned(&picture(GREY, pale, [40, 30, 40, 30]), (60.0, 45.0), (40.0, 30.0));
-        assert!(of(&model, pale) > 250);
-        assert_eq!(of(&model, GREY), 0);
+        assert!(probability(&model, pale) > 250);
+        assert_eq!(probability(&model, GREY), 0);
     }
 
     #[test]
     fn both_histograms_sum_to_one_and_an_empty_one_to_none() {
         let model = learned(&picture(BLUE, RED, [40, 30, 40, 30]), (60.0, 45.0), (40.0, 30.0));
         assert!((sum(&model.target) - 1.0).abs() < 1e-5 && (sum(&model.surroundings) - 1.0).abs() < 1e-5);
-        // Around a box that fills the picture there is nothing.
+        // No ring around a box that fills the picture.
         let model = learned(&picture(BLUE, RED, [0, 0, 120, 90]), (60.0, 45.0), (120.0, 90.0));
         assert!((sum(&model.target) - 1.0).abs() < 1e-5);
-        assert_eq!(of(&model, RED), 255);
+        assert_eq!(probability(&model, RED), 255);
     }
 
     #[test]
-    fn overlap_is_one_with_itself_and_none_with_another_colour() {
+    fn similarity_is_one_with_itself_and_none_with_another_colour() {
         let red = learned(&picture(BLUE, RED, [40, 30, 40, 30]), (60.0, 45.0), (40.0, 30.0));
-        assert!((red.target.overlap(&red.target) - 1.0).abs() < 1e-5);
-        assert_eq!(red.target.overlap(&red.surroundings), 0.0);
+        assert!((red.target.similarity(&red.target) - 1.0).abs() < 1e-5);
+        assert_eq!(red.target.similarity(&red.surroundings), 0.0);
         let mut both = red.target.clone();
         both.blend(&red.surroundings, 0.25);
-        assert!((both.overlap(&red.target) - 0.75_f32.sqrt()).abs() < 1e-5);
+        assert!((both.similarity(&red.target) - 0.75_f32.sqrt()).abs() < 1e-5);
         assert!((sum(&both) - 1.0).abs() < 1e-5);
     }
 

@@ -1,31 +1,31 @@
-//! The settings of CamShift.
+//! Settings of CamShift.
 
 use thiserror::Error;
 
-use crate::hue::{Floors, HUES};
-use crate::mean_shift::Criteria;
+use crate::hue::{Floors, HUE_CODES};
+use crate::mean_shift::TerminationCriteria;
 
 /// Settings of [`CamShift`](crate::CamShift).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CamShiftConfig {
-    /// Least saturation (of 255, hexcone) at which a pixel's hue counts; 0 to 255, default 60. Below it the hue is
-    /// mostly noise: the laboratory's operators chose 52 to 130 by venue.
+    /// Minimum saturation (of 255, hexcone) of a pixel whose hue counts; 0 to 255, default 60. Below it the hue is
+    /// mostly noise. The laboratory's operators chose 52 to 130, depending on the venue.
     pub saturation_floor: u8,
-    /// Least value (of 255: the largest of red, green and blue) at which a pixel's hue counts; 0 to 255, default
-    /// 32. Of darker pixels the hue is mostly noise: the laboratory's operators chose 10 to 100.
+    /// Minimum value (of 255: the maximum of red, green and blue) of a pixel whose hue counts; 0 to 255, default 32.
+    /// The hue of darker pixels is mostly noise. The laboratory's operators chose 10 to 100.
     pub value_floor: u8,
-    /// Equal parts into which the circle of hues is cut, the first from 0 degrees (red) on; 2 to 180, default 16,
-    /// as in the paper: 22.5 degrees each, wide enough for light and shade on one paint. Red lies on both sides of
-    /// 0 and so in the first and in the last.
+    /// Number of equal bins of the hue circle, the first starting at 0 degrees (red); 2 to 180, default 16 as in the
+    /// paper. A bin of 22.5 degrees covers light and shade on one paint. Red lies on both sides of 0, and so in the
+    /// first and in the last bin.
     pub bins: usize,
-    /// Most steps of the mean shift in one frame; 1 to 100, default 10, as in the paper. It bounds the work.
+    /// Maximum number of mean-shift steps per frame; 1 to 100, default 10 as in the paper. Bounds the work.
     pub max_iterations: u32,
-    /// A step of the mean shift shorter than this ends it, pixels; above 0, at most 100, default 1, as in the
-    /// paper: the window moves by whole pixels, so it has come to rest.
+    /// Mean shift ends after a step shorter than this, pixels; above 0, at most 100, default 1 as in the paper: the
+    /// window moves by whole pixels, so it is then at rest.
     pub epsilon_px: f64,
-    /// How far beyond what is needed the back projection is worked out when the search window runs into the border
-    /// of what is known, pixels; 0 to 1000, default 12. It changes the cost and never the answer: more of it means
-    /// fewer but larger pieces of work. 12 covers the margin of the moments (10) and a slow target's step.
+    /// Margin computed around the search window when the window reaches the border of the computed part of the back
+    /// projection, pixels; 0 to 1000, default 12. It changes the cost, not the result: a larger margin gives fewer but
+    /// larger pieces of work. 12 covers the margin of the moments (10) and the step of a slow target.
     pub search_margin_px: usize,
 }
 
@@ -43,22 +43,22 @@ impl Default for CamShiftConfig {
 }
 
 impl CamShiftConfig {
-    /// The same settings, if every one lies in its range.
+    /// Returns the same settings if all are in range.
     ///
     /// # Errors
-    /// Names the first setting that does not, its value and the range.
-    pub fn validated(self) -> Result<Self, ConfigError> {
-        if !(2..=usize::from(HUES)).contains(&self.bins) {
-            return Err(ConfigError::Bins(self.bins));
+    /// Names the first setting that is out of range, its value and the range.
+    pub fn validated(self) -> Result<Self, CamShiftConfigError> {
+        if !(2..=usize::from(HUE_CODES)).contains(&self.bins) {
+            return Err(CamShiftConfigError::Bins(self.bins));
         }
         if !(1..=100).contains(&self.max_iterations) {
-            return Err(ConfigError::MaxIterations(self.max_iterations));
+            return Err(CamShiftConfigError::MaxIterations(self.max_iterations));
         }
         if !(self.epsilon_px > 0.0 && self.epsilon_px <= 100.0) {
-            return Err(ConfigError::Epsilon(self.epsilon_px));
+            return Err(CamShiftConfigError::Epsilon(self.epsilon_px));
         }
         if self.search_margin_px > 1000 {
-            return Err(ConfigError::SearchMargin(self.search_margin_px));
+            return Err(CamShiftConfigError::SearchMargin(self.search_margin_px));
         }
         Ok(self)
     }
@@ -67,18 +67,18 @@ impl CamShiftConfig {
         Floors { saturation: self.saturation_floor, value: self.value_floor }
     }
 
-    pub(crate) const fn criteria(&self) -> Criteria {
-        Criteria { max_iterations: self.max_iterations, epsilon_px: self.epsilon_px }
+    pub(crate) const fn termination_criteria(&self) -> TerminationCriteria {
+        TerminationCriteria { max_iterations: self.max_iterations, epsilon_px: self.epsilon_px }
     }
 }
 
-/// A setting outside its range.
+/// A setting that is out of range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum ConfigError {
+pub enum CamShiftConfigError {
     /// The number of bins.
     #[error("bins = {0}: use 2 to 180 (16 is the paper's)")]
     Bins(usize),
-    /// The number of steps.
+    /// The number of mean-shift steps.
     #[error("max_iterations = {0}: use 1 to 100 (10 is the paper's)")]
     MaxIterations(u32),
     /// The length of the last step.

@@ -1,30 +1,31 @@
-//! The correlation filter: where in a patch the target's pattern is.
+//! The correlation filter, which locates the target's pattern in a patch.
 //!
-//! Ridge regression over all circular shifts of a training patch (Bolme et al. 2010), with the filter confined to a mask
-//! around the target, so that the surroundings train it and cannot carry it away (Galoogahi et al. 2017). With x_d the
-//! spectrum of channel d, g the filter, h the filter within the mask, y the wanted response (a Gaussian at no
-//! shift) and u the scaled dual, one step of the alternating directions is, frequency by frequency,
+//! Ridge regression over all circular shifts of a training patch (Bolme et al. 2010), with the filter restricted to a
+//! mask around the target, so that the surroundings take part in the training but cannot attract the filter (Galoogahi
+//! et al. 2017). It is solved by ADMM (alternating direction method of multipliers). With x_d the spectrum of channel
+//! d, g the unconstrained filter, h the masked filter, y the desired response (a Gaussian at shift zero) and u the
+//! scaled dual, one step is, for each frequency,
 //!
-//! - g = (x x^H + mu I)^-1 (x conj(y) + mu (h - u)), by Sherman and Morrison's formula,
+//! - g = (x x^H + mu I)^-1 (x conj(y) + mu (h - u)), by the Sherman-Morrison formula,
 //! - h = mask . F^-1(g + u) mu / (mu + lambda), in space,
 //! - u = u + g - h.
 //!
-//! x is a running mean of the training patches; each frame goes on from the last solution. The response to a patch
-//! z is the inverse transform of sum conj(h_d) z_d.
+//! x is a running mean of the training patches. Each frame continues from the last solution. The response to a patch z
+//! is the inverse transform of sum conj(h_d) z_d.
 
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
-use crate::simd::widest;
+use crate::simd::simd_kernel;
 
-/// The filter, and what it is worked out from.
+/// The filter and the state of its solver.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CorrelationFilter {
-    /// Running mean of the training patches.
+    /// Running mean of the spectra of the training patches.
     model: Vec<Spectrum>,
-    /// The filter of the data, without the mask.
-    free: Vec<Spectrum>,
-    /// The filter within the mask.
+    /// The unconstrained filter.
+    unconstrained: Vec<Spectrum>,
+    /// The masked filter.
     masked: Vec<Spectrum>,
-    /// Scaled dual: what both still disagree by.
+    /// Scaled dual: the accumulated difference of both filters.
     dual: Vec<Spectrum>,
     energy: Vec<f32>,
     sum: Spectrum,
@@ -33,13 +34,13 @@ pub(crate) struct CorrelationFilter {
 }
 
 impl CorrelationFilter {
-    pub(crate) fn learn(&mut self, spectra: &[Spectrum], rate: f32) {
-        learn(self, spectra, rate);
+    pub(crate) fn update_model(&mut self, spectra: &[Spectrum], rate: f32) {
+        update_model(self, spectra, rate);
     }
 
-    /// One step of the alternating directions.
-    pub(crate) fn improve(&mut self, fourier: &mut Fourier, wanted: &Spectrum, mask: &Map) {
-        improve(self, fourier, wanted, mask);
+    /// One ADMM step.
+    pub(crate) fn solve_step(&mut self, fourier: &mut Fourier, desired: &Spectrum, mask: &Map) {
+        solve_step(self, fourier, desired, mask);
     }
 
     /// The masked filter in space: [`AREA`] values per channel.
@@ -47,17 +48,17 @@ impl CorrelationFilter {
         &self.kernel
     }
 
-    /// The response's spectrum to a patch's.
-    pub(crate) fn respond(&self, spectra: &[Spectrum], out: &mut Spectrum) {
-        respond(self, spectra, out);
+    /// Spectrum of the response to a patch with these spectra.
+    pub(crate) fn correlate(&self, spectra: &[Spectrum], out: &mut Spectrum) {
+        correlate(self, spectra, out);
     }
 }
 
-widest! {
-fn learn(filter: &mut CorrelationFilter, spectra: &[Spectrum], rate: f32) {
+simd_kernel! {
+fn update_model(filter: &mut CorrelationFilter, spectra: &[Spectrum], rate: f32) {
     let first = filter.model.is_empty();
     filter.model.resize_with(spectra.len(), Spectrum::default);
-    filter.free.resize_with(spectra.len(), Spectrum::default);
+    filter.unconstrained.resize_with(spectra.len(), Spectrum::default);
     filter.masked.resize_with(spectra.len(), Spectrum::default);
     filter.dual.resize_with(spectra.len(), Spectrum::default);
     let rate = if first { 1.0 } else { rate };
@@ -76,17 +77,17 @@ fn learn(filter: &mut CorrelationFilter, spectra: &[Spectrum], rate: f32) {
 }
 }
 
-widest! {
-fn improve(filter: &mut CorrelationFilter, fourier: &mut Fourier, wanted: &Spectrum, mask: &Map) {
-    // What has no pattern at all has no energy either, and everything here is divided by it.
-    let mean = (filter.energy.iter().sum::<f32>() / AREA as f32).max(LEAST_ENERGY);
+simd_kernel! {
+fn solve_step(filter: &mut CorrelationFilter, fourier: &mut Fourier, desired: &Spectrum, mask: &Map) {
+    // A patch without any pattern has no energy, and the following divides by the energy.
+    let mean = (filter.energy.iter().sum::<f32>() / AREA as f32).max(MIN_ENERGY);
     let mu = MU_SHARE * mean;
     let lambda = LAMBDA_SHARE * mean;
-    // q = x conj(y) + mu h - mu u ; free = (q - x (x^H q) / (mu + S)) / mu
+    // q = x conj(y) + mu h - mu u; unconstrained = (q - x (x^H q) / (mu + S)) / mu
     filter.sum.re.fill(0.0);
     filter.sum.im.fill(0.0);
-    let (y_re, y_im) = (&wanted.re[..], &wanted.im[..]);
-    for (((x, g), h), u) in filter.model.iter().zip(&mut filter.free).zip(&filter.masked).zip(&filter.dual) {
+    let (y_re, y_im) = (&desired.re[..], &desired.im[..]);
+    for (((x, g), h), u) in filter.model.iter().zip(&mut filter.unconstrained).zip(&filter.masked).zip(&filter.dual) {
         let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
         let (h_re, h_im, u_re, u_im) = (&h.re[..], &h.im[..], &u.re[..], &u.im[..]);
         let (s_re, s_im) = (&mut filter.sum.re[..], &mut filter.sum.im[..]);
@@ -105,7 +106,7 @@ fn improve(filter: &mut CorrelationFilter, fourier: &mut Fourier, wanted: &Spect
         *im *= scale;
     }
     let scale = 1.0 / mu;
-    for (x, g) in filter.model.iter().zip(&mut filter.free) {
+    for (x, g) in filter.model.iter().zip(&mut filter.unconstrained) {
         let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
         let (s_re, s_im) = (&filter.sum.re[..], &filter.sum.im[..]);
         for i in 0..AREA {
@@ -115,12 +116,12 @@ fn improve(filter: &mut CorrelationFilter, fourier: &mut Fourier, wanted: &Spect
             g_im[i] = (g_im[i] - im) * scale;
         }
     }
-    // h = mask . (free + u) mu / (mu + lambda); u += free - h
+    // h = mask . (unconstrained + u) mu / (mu + lambda); u += unconstrained - h
     let shrink = mu / (mu + lambda);
     filter.kernel.resize(filter.model.len() * AREA, 0.0);
     for pair in 0..filter.model.len() / 2 {
         for d in [2 * pair, 2 * pair + 1] {
-            add(&filter.free[d], &mut filter.dual[d]);
+            add(&filter.unconstrained[d], &mut filter.dual[d]);
         }
         let (first, second) = filter.kernel[2 * pair * AREA..(2 * pair + 2) * AREA].split_at_mut(AREA);
         let (Ok(first), Ok(second)) = (<&mut Map>::try_from(first), <&mut Map>::try_from(second)) else { return };
@@ -138,8 +139,8 @@ fn improve(filter: &mut CorrelationFilter, fourier: &mut Fourier, wanted: &Spect
 }
 }
 
-widest! {
-fn respond(filter: &CorrelationFilter, spectra: &[Spectrum], out: &mut Spectrum) {
+simd_kernel! {
+fn correlate(filter: &CorrelationFilter, spectra: &[Spectrum], out: &mut Spectrum) {
     out.re.fill(0.0);
     out.im.fill(0.0);
     let (o_re, o_im) = (&mut out.re[..], &mut out.im[..]);
@@ -173,33 +174,34 @@ fn subtract(from: &Spectrum, to: &mut Spectrum) {
     }
 }
 
-/// Step of the alternating directions, in mean energies of the model.
+/// ADMM penalty mu, in mean energies of the model.
 const MU_SHARE: f32 = 0.1;
-/// Weight of the filter's own size, in mean energies of the model.
+/// Regularisation weight lambda, in mean energies of the model.
 const LAMBDA_SHARE: f32 = 0.01;
 
-/// A model of less energy is taken for one of this.
-const LEAST_ENERGY: f32 = 1.0e-12;
+/// Lower bound of the model's mean energy.
+const MIN_ENERGY: f32 = 1.0e-12;
 
-/// The highest point of a response and how it stands out.
+/// The maximum of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Peak {
-    /// Cells to the right of the middle, between cells by a parabola.
+    /// Cells to the right of the centre, interpolated by a parabola.
     pub(crate) right: f32,
-    /// Cells below the middle.
+    /// Cells below the centre.
     pub(crate) down: f32,
-    /// The response there: about 1 where the patch is just what was learned.
+    /// Value of the response at the maximum: about 1 for the learned patch.
     pub(crate) height: f32,
-    /// Height over the mean of the rest of the map, in its standard deviations (Bolme et al.: peak to sidelobe).
-    pub(crate) sidelobe_ratio: f32,
+    /// Peak-to-sidelobe ratio (Bolme et al. 2010): height above the mean of the sidelobes, in their standard
+    /// deviations.
+    pub(crate) peak_to_sidelobe_ratio: f32,
 }
 
-/// Cells around the peak that are not sidelobe.
-const PEAK_RADIUS: usize = 3;
+/// Half side of the square around the peak that is not part of the sidelobes, cells.
+const PEAK_RADIUS_CELLS: usize = 3;
 
 impl Peak {
-    /// Of a response whose middle is no shift; `prior` is multiplied on only to choose among peaks.
-    pub(crate) fn of(response: &Map) -> Self {
+    /// Finds the maximum of a response whose shift zero is at index 0.
+    pub(crate) fn find(response: &Map) -> Self {
         let mut best = 0;
         for (i, &value) in response.iter().enumerate() {
             if value > response[best] {
@@ -209,48 +211,52 @@ impl Peak {
         let (row, column) = (best / SIDE, best % SIDE);
         let at = |r: usize, c: usize| response[(r % SIDE) * SIDE + c % SIDE];
         let height = response[best];
-        let right = signed(column) + parabola(at(row, column + SIDE - 1), height, at(row, column + 1));
-        let down = signed(row) + parabola(at(row + SIDE - 1, column), height, at(row + 1, column));
+        let right =
+            signed_shift(column) + parabola_vertex(at(row, column + SIDE - 1), height, at(row, column + 1));
+        let down =
+            signed_shift(row) + parabola_vertex(at(row + SIDE - 1, column), height, at(row + 1, column));
         let (mut sum, mut squares, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);
         for (i, &value) in response.iter().enumerate() {
             let (r, c) = (i / SIDE, i % SIDE);
-            if apart(r, row) > PEAK_RADIUS || apart(c, column) > PEAK_RADIUS {
+            if circular_distance(r, row) > PEAK_RADIUS_CELLS
+                || circular_distance(c, column) > PEAK_RADIUS_CELLS
+            {
                 sum += value;
                 squares += value * value;
                 count += 1.0;
             }
         }
         let mean = sum / count;
-        let deviation = (squares / count - mean * mean).max(0.0).sqrt();
-        let sidelobe_ratio = if deviation > 0.0 { (height - mean) / deviation } else { 0.0 };
-        Self { right, down, height, sidelobe_ratio }
+        let std_dev = (squares / count - mean * mean).max(0.0).sqrt();
+        let peak_to_sidelobe_ratio = if std_dev > 0.0 { (height - mean) / std_dev } else { 0.0 };
+        Self { right, down, height, peak_to_sidelobe_ratio }
     }
 }
 
-/// Where between -1/2 and 1/2 a parabola through three values at -1, 0 and 1 is highest.
-pub(crate) fn parabola(before: f32, here: f32, after: f32) -> f32 {
+/// Abscissa of the maximum of the parabola through three values at -1, 0 and 1; limited to -1/2 to 1/2, 0 if convex.
+pub(crate) fn parabola_vertex(before: f32, here: f32, after: f32) -> f32 {
     let curvature = before - 2.0 * here + after;
     if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
-/// The wanted response: a Gaussian of that deviation (cells) at the middle.
-pub(crate) fn wanted_response(fourier: &mut Fourier, deviation: f32) -> Spectrum {
+/// Spectrum of the desired response: a Gaussian of this standard deviation at shift zero.
+pub(crate) fn desired_response_spectrum(fourier: &mut Fourier, std_dev_cells: f32) -> Spectrum {
     let mut map: Box<Map> = Box::new([0.0; AREA]);
     for (i, value) in map.iter_mut().enumerate() {
-        let (r, c) = (signed(i / SIDE), signed(i % SIDE));
-        *value = libm::expf(-0.5 * (r * r + c * c) / (deviation * deviation));
+        let (r, c) = (signed_shift(i / SIDE), signed_shift(i % SIDE));
+        *value = libm::expf(-0.5 * (r * r + c * c) / (std_dev_cells * std_dev_cells));
     }
     let (mut spectrum, mut other) = (Spectrum::default(), Spectrum::default());
     fourier.forward_pair((&map, &map), (&mut spectrum, &mut other));
     spectrum
 }
 
-/// The shift that a row or column of a response stands for: the second half is negative.
-fn signed(index: usize) -> f32 {
+/// The shift of a row or column of a response: the second half is negative.
+fn signed_shift(index: usize) -> f32 {
     if index < SIDE / 2 { index as f32 } else { index as f32 - SIDE as f32 }
 }
 
-fn apart(a: usize, b: usize) -> usize {
+fn circular_distance(a: usize, b: usize) -> usize {
     let d = a.abs_diff(b);
     d.min(SIDE - d)
 }
@@ -259,7 +265,7 @@ fn apart(a: usize, b: usize) -> usize {
 mod tests {
     use super::*;
 
-    /// Noise that is alike over a few cells, moved by so many cells right and down, around the ends.
+    /// Smoothed noise, circularly shifted by cells right and down.
     fn patch(seed: u32, (right, down): (usize, usize)) -> Box<Map> {
         let mut state = seed;
         let raw: Vec<f32> = (0..AREA)
@@ -284,7 +290,7 @@ mod tests {
         [first, second]
     }
 
-    /// 1 within so many cells of the middle, else 0.
+    /// 1 within `half` cells of the centre, else 0.
     fn mask(half: usize) -> Box<Map> {
         let mut mask: Box<Map> = Box::new([0.0; AREA]);
         let within = |k: usize| (SIDE / 2 - half..SIDE / 2 + half).contains(&k);
@@ -296,11 +302,11 @@ mod tests {
 
     fn trained(fourier: &mut Fourier, half: usize) -> CorrelationFilter {
         let mut filter = CorrelationFilter::default();
-        let wanted = wanted_response(fourier, 1.0);
+        let desired = desired_response_spectrum(fourier, 1.0);
         let learned = spectra(fourier, (0, 0));
-        filter.learn(&learned, 1.0);
+        filter.update_model(&learned, 1.0);
         for _ in 0..6 {
-            filter.improve(fourier, &wanted, &mask(half));
+            filter.solve_step(fourier, &desired, &mask(half));
         }
         filter
     }
@@ -308,9 +314,9 @@ mod tests {
     fn peak(fourier: &mut Fourier, filter: &CorrelationFilter, shift: (usize, usize)) -> Peak {
         let (mut response, mut map) = (Spectrum::default(), Box::new([0.0; AREA]));
         let moved = spectra(fourier, shift);
-        filter.respond(&moved, &mut response);
+        filter.correlate(&moved, &mut response);
         fourier.inverse(&response, &mut map);
-        Peak::of(&map)
+        Peak::find(&map)
     }
 
     #[test]
@@ -326,14 +332,14 @@ mod tests {
             ((9, SIDE - 2), (9.0, -2.0)),
         ] {
             let peak = peak(&mut fourier, &filter, shift);
-            // The parabola through a peak of noise is a little askew; the cell must be right.
+            // The parabola is biased by the noise around the peak; the cell must be right.
             assert!(
                 (peak.right - expected.0).abs() < 0.25 && (peak.down - expected.1).abs() < 0.25,
                 "{peak:?}"
             );
-            // Measured 9.3 for this noise and mask; another patch has 3.3.
-            assert!(peak.sidelobe_ratio > 8.0, "{peak:?}");
-            // All shifts are around the ends, so nothing but the place differs.
+            // Measured 9.3 for this noise and mask; another patch gives 3.3.
+            assert!(peak.peak_to_sidelobe_ratio > 8.0, "{peak:?}");
+            // All shifts are circular, so that only the position differs.
             assert!((peak.height - unmoved.height).abs() < 1e-4, "{peak:?} and {unmoved:?}");
         }
     }
@@ -345,10 +351,10 @@ mod tests {
         let [mut first, mut second] = [Spectrum::default(), Spectrum::default()];
         fourier.forward_pair((&patch(8, (0, 0)), &patch(9, (0, 0))), (&mut first, &mut second));
         let (mut response, mut map) = (Spectrum::default(), Box::new([0.0; AREA]));
-        filter.respond(&[first, second], &mut response);
+        filter.correlate(&[first, second], &mut response);
         fourier.inverse(&response, &mut map);
-        let peak = Peak::of(&map);
-        assert!(peak.sidelobe_ratio < 6.0 && peak.height < 0.2, "{peak:?}");
+        let peak = Peak::find(&map);
+        assert!(peak.peak_to_sidelobe_ratio < 6.0 && peak.height < 0.2, "{peak:?}");
     }
 
     #[test]
@@ -374,7 +380,7 @@ mod tests {
         let before = filter.model[0].re[5];
         let [first, _] = spectra(&mut fourier, (7, 3));
         let new = first.re[5];
-        filter.learn(&[first.clone(), first], 0.25);
+        filter.update_model(&[first.clone(), first], 0.25);
         assert!((filter.model[0].re[5] - (0.75 * before + 0.25 * new)).abs() < 1e-5);
     }
 
@@ -382,18 +388,18 @@ mod tests {
     fn the_peak_lies_between_cells_where_its_neighbours_differ() {
         let mut map: Box<Map> = Box::new([0.0; AREA]);
         for (index, value) in map.iter_mut().enumerate() {
-            let (down, right) = (signed(index / SIDE) + 2.3, signed(index % SIDE) - 4.4);
+            let (down, right) = (signed_shift(index / SIDE) + 2.3, signed_shift(index % SIDE) - 4.4);
             *value = libm::expf(-0.5 * (right * right + down * down) / 4.0);
         }
-        let peak = Peak::of(&map);
-        // A parabola for a Gaussian of two cells is off by a few hundredths.
+        let peak = Peak::find(&map);
+        // A parabola fitted to a Gaussian of two cells is off by a few hundredths.
         assert!((peak.right - 4.4).abs() < 0.05 && (peak.down + 2.3).abs() < 0.05, "{peak:?}");
     }
 
     #[test]
     fn a_flat_response_has_a_peak_that_stands_out_by_nothing() {
         for level in [0.0, 0.5] {
-            assert_eq!(Peak::of(&[level; AREA]).sidelobe_ratio, 0.0);
+            assert_eq!(Peak::find(&[level; AREA]).peak_to_sidelobe_ratio, 0.0);
         }
     }
 }

@@ -1,55 +1,54 @@
-//! What a tracker's answer rests on, for an overlay to draw.
+//! What a tracker's answer is based on, for an overlay.
 
 use barrelman_vocab::PixelBox;
 
-/// Filled by [`Tracker::explain`](crate::Tracker::explain). It belongs to the caller and keeps its memory from one
-/// frame to the next.
+/// Filled by [`Tracker::explain`](crate::Tracker::explain). The caller owns it; its memory is reused from frame to
+/// frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Explanation {
-    /// Where the next frame's search starts, pixels of the picture last seen; none before a selection.
+    /// Where the next search starts, pixels of the last picture; `None` before a selection.
     pub search_window: Option<PixelBox>,
-    /// How much each pixel that was looked at in the last frame is like the target, 0 to 255.
+    /// How well each evaluated pixel of the last frame matches the target's colour, 0 to 255.
     pub back_projection: GreyMap,
-    /// How well the target's pattern fits at each place of the search window, the best place 255.
+    /// The correlation filter's response in the search window, scaled to a maximum of 255.
     pub response: GreyMap,
-    /// The target's histogram over the circle of hues, each bin scaled so that the largest is 255; the first bin
-    /// starts at 0 degrees (red).
+    /// The target's hue histogram, scaled to a maximum of 255; the first bin starts at 0 degrees (red).
     pub histogram: Vec<u8>,
-    /// The tracker's own word for its state; none before a selection and from a tracker without states.
-    pub stage: Option<Stage>,
-    /// What it believes of the last look, 0 to 1, also while it is lost.
+    /// The tracker's state; `None` before a selection, and from a tracker without states.
+    pub state: Option<TrackerState>,
+    /// Confidence of the last observation, 0 to 1, also while the target is lost.
     pub confidence: f64,
 }
 
-/// A tracker's state, finer than the track that it reports.
+/// A tracker's state, in more detail than the reported track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// Seen in the last frame.
+pub enum TrackerState {
+    /// Visible in the last frame.
     Tracking,
-    /// Carried on by prediction.
+    /// Not visible; the position is predicted.
     Coasting,
     /// Searched for in the whole picture.
     Lost,
-    /// Found again, not yet believed.
+    /// Re-detected, not confirmed yet.
     Confirming,
 }
 
 impl Explanation {
-    /// Nothing to show, memory kept.
+    /// Removes the content and keeps the memory.
     pub fn clear(&mut self) {
         self.search_window = None;
         self.back_projection.clear();
         self.response.clear();
         self.histogram.clear();
-        self.stage = None;
+        self.state = None;
         self.confidence = 0.0;
     }
 }
 
-/// A small grey picture cut out of a frame.
+/// A greyscale map over a part of a video frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GreyMap {
-    /// Its place in the frame, pixels: `width` x `height` samples of equal size fill it.
+    /// Bounds in the video frame, pixels, filled by `width` x `height` samples of equal size.
     pub bounds: PixelBox,
     /// Samples per row.
     pub width: usize,
@@ -60,7 +59,7 @@ pub struct GreyMap {
 }
 
 impl GreyMap {
-    /// No samples, memory kept.
+    /// Removes the samples and keeps the memory.
     pub fn clear(&mut self) {
         self.bounds = PixelBox::default();
         (self.width, self.height) = (0, 0);

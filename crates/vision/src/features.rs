@@ -1,34 +1,35 @@
-//! What a patch of the search window looks like: the channels that the correlation filter works on.
+//! Feature channels of a patch, on which the correlation filter works.
 //!
-//! Nine directions of gradients, the brightness, and the likeness of the colour, in cells of [`CELL`] x [`CELL`]
-//! samples. Cells beyond the picture's border hold nothing.
+//! Nine gradient directions, the brightness, and the target probability of the colour, in cells of [`CELL`] x [`CELL`]
+//! samples. Cells outside the picture are blank.
 
 use crate::correlation::CorrelationFilter;
-use crate::crop::{Crop, Grid};
+use crate::crop::Crop;
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
-use crate::gradients::{CELL, DIRECTIONS, Gradients, MARGIN, directions};
+use crate::gradients::{CELL, DIRECTIONS, GradientHistograms, MARGIN, unit_directions};
+use crate::sampling::SamplingGrid;
 
-/// Channels, an even number.
+/// Number of channels, an even number; the last one is empty.
 pub(crate) const CHANNELS: usize = DIRECTIONS + 3;
-/// Which channel holds the brightness.
+/// Channel of the brightness.
 const LUMA: usize = DIRECTIONS;
-/// Which channel holds the likeness of the colour.
-const LIKENESS: usize = DIRECTIONS + 1;
+/// Channel of the target probability.
+const PROBABILITY: usize = DIRECTIONS + 1;
 
-/// Where and how a patch is taken.
+/// Position, scale and rotation of a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Place {
-    /// Its middle, pixels.
+pub(crate) struct PatchPose {
+    /// Centre, pixels.
     pub(crate) centre: (f32, f32),
     /// Pixels per sample.
     pub(crate) step: f32,
-    /// Angle by which it is turned, radians, clockwise as seen.
+    /// Rotation, radians, clockwise as seen.
     pub(crate) angle: f32,
 }
 
-impl Place {
-    pub(crate) fn grid(&self, width: usize, height: usize) -> Grid {
-        Grid {
+impl PatchPose {
+    pub(crate) fn sampling_grid(&self, width: usize, height: usize) -> SamplingGrid {
+        SamplingGrid {
             centre: self.centre,
             step: self.step,
             turn: (libm::cosf(self.angle), libm::sinf(self.angle)),
@@ -36,13 +37,13 @@ impl Place {
             height,
         }
     }
-    /// Side of the whole patch around it, pixels.
-    pub(crate) fn side(&self) -> f32 {
+    /// Side of a whole patch of [`SIDE`] cells, pixels.
+    pub(crate) fn side_px(&self) -> f32 {
         self.step * (SIDE * CELL) as f32
     }
 
-    /// A point given in samples right and down of the middle, as pixels.
-    pub(crate) fn point(&self, right: f32, down: f32) -> (f32, f32) {
+    /// Converts a point given in samples right and down of the centre to pixels.
+    pub(crate) fn to_picture(self, right: f32, down: f32) -> (f32, f32) {
         let (c, s) = (libm::cosf(self.angle), libm::sinf(self.angle));
         (
             self.centre.0 + self.step * (right * c - down * s),
@@ -52,31 +53,31 @@ impl Place {
 }
 
 #[derive(Debug)]
-pub(crate) struct Features {
+pub(crate) struct FeatureExtractor {
     luma: Vec<f32>,
-    likeness: Vec<f32>,
-    gradients: Gradients,
+    probability: Vec<f32>,
+    gradients: GradientHistograms,
     directions: ([(f32, f32); DIRECTIONS], f32),
     window: Box<Map>,
-    /// Channel by channel, as measured.
+    /// Unnormalised values, channel by channel.
     raw: Vec<f32>,
     maps: Vec<Box<Map>>,
-    /// Of the last whole patch.
+    /// Spectra of the last whole patch, one per channel.
     pub(crate) spectra: Vec<Spectrum>,
     pub(crate) fourier: Fourier,
     luma_gain: f32,
     colour_gain: f32,
-    /// What to take off the brightness and the likeness, and by what to multiply, from the last whole patch.
-    affine: [(f32, f32); 2],
+    /// Offset and gain of the brightness and of the target probability, from the last whole patch.
+    normalisation: [(f32, f32); 2],
 }
 
-impl Features {
+impl FeatureExtractor {
     pub(crate) fn new(luma_gain: f32, colour_gain: f32) -> Self {
         Self {
             luma: Vec::new(),
-            likeness: Vec::new(),
-            gradients: Gradients::default(),
-            directions: directions(),
+            probability: Vec::new(),
+            gradients: GradientHistograms::default(),
+            directions: unit_directions(),
             window: hann_window(),
             raw: Vec::new(),
             maps: vec![Box::new([0.0; AREA]); CHANNELS],
@@ -84,18 +85,23 @@ impl Features {
             fourier: Fourier::new(),
             luma_gain,
             colour_gain,
-            affine: [(0.0, 0.0); 2],
+            normalisation: [(0.0, 0.0); 2],
         }
     }
 
-    /// Fills `raw` with `width * height` cells around the place.
-    fn cells(&mut self, crop: &mut Crop, place: &Place, width: usize, height: usize) {
-        let grid = place.grid(width * CELL + 2 * MARGIN, height * CELL + 2 * MARGIN);
+    /// Fills `raw` with `width * height` cells around the pose.
+    fn fill_cells(&mut self, crop: &mut Crop, pose: &PatchPose, width: usize, height: usize) {
+        let grid = pose.sampling_grid(width * CELL + 2 * MARGIN, height * CELL + 2 * MARGIN);
         let stride = grid.width;
-        crop.luma_patch(&grid, &mut self.luma);
-        self.gradients.measure(&self.luma, width, height, &self.directions.0, self.directions.1);
-        let half = Grid { step: 2.0 * grid.step, width: width * CELL / 2, height: height * CELL / 2, ..grid };
-        crop.likeness_patch(&half, &mut self.likeness);
+        crop.sample_luma(&grid, &mut self.luma);
+        self.gradients.compute(&self.luma, width, height, &self.directions.0, self.directions.1);
+        let half = SamplingGrid {
+            step: 2.0 * grid.step,
+            width: width * CELL / 2,
+            height: height * CELL / 2,
+            ..grid
+        };
+        crop.sample_probability(&half, &mut self.probability);
         let area = width * height;
         self.raw.clear();
         self.raw.extend_from_slice(self.gradients.cells());
@@ -109,29 +115,31 @@ impl Features {
                     sum += line[0] + line[1] + line[2] + line[3];
                 }
                 let k = 2 * row * half.width + 2 * column;
-                let likeness = self.likeness[k]
-                    + self.likeness[k + 1]
-                    + self.likeness[k + half.width]
-                    + self.likeness[k + half.width + 1];
+                let probability = self.probability[k]
+                    + self.probability[k + 1]
+                    + self.probability[k + half.width]
+                    + self.probability[k + half.width + 1];
                 self.raw[LUMA * area + row * width + column] = sum * (1.0 / 16.0);
-                self.raw[LIKENESS * area + row * width + column] = likeness * (0.25 / 255.0);
+                self.raw[PROBABILITY * area + row * width + column] = probability * (0.25 / 255.0);
             }
         }
     }
 
-    /// The spectra of the whole patch at that place.
-    pub(crate) fn measure(&mut self, crop: &mut Crop, place: &Place, bounds: (f32, f32)) {
-        self.cells(crop, place, SIDE, SIDE);
+    /// Computes the spectra of the whole patch at a pose. `bounds` is the picture's width and height, pixels.
+    pub(crate) fn extract(&mut self, crop: &mut Crop, pose: &PatchPose, bounds: (f32, f32)) {
+        self.fill_cells(crop, pose, SIDE, SIDE);
         let luma = &self.raw[LUMA * AREA..(LUMA + 1) * AREA];
         let mean_luma = luma.iter().sum::<f32>() / AREA as f32;
-        let mean_likeness =
-            self.raw[LIKENESS * AREA..(LIKENESS + 1) * AREA].iter().sum::<f32>() / AREA as f32;
+        let mean_probability =
+            self.raw[PROBABILITY * AREA..(PROBABILITY + 1) * AREA].iter().sum::<f32>() / AREA as f32;
         let variance = luma.iter().map(|v| (v - mean_luma) * (v - mean_luma)).sum::<f32>() / AREA as f32;
-        self.affine =
-            [(mean_luma, 0.3 * self.luma_gain / (variance.sqrt() + 8.0)), (mean_likeness, self.colour_gain)];
-        self.blank_outside(place, SIDE, SIDE, bounds);
+        self.normalisation = [
+            (mean_luma, 0.3 * self.luma_gain / (variance.sqrt() + 8.0)),
+            (mean_probability, self.colour_gain),
+        ];
+        self.blank_outside(pose, SIDE, SIDE, bounds);
         for (channel, (map, raw)) in self.maps.iter_mut().zip(self.raw.chunks_exact(AREA)).enumerate() {
-            let (offset, gain) = affine(&self.affine, channel);
+            let (offset, gain) = normalisation(&self.normalisation, channel);
             for ((value, window), raw) in map.iter_mut().zip(self.window.iter()).zip(raw) {
                 *value = (raw - offset) * gain * window;
             }
@@ -143,12 +151,12 @@ impl Features {
         }
     }
 
-    /// Cells beyond the picture's border are made to hold nothing.
-    fn blank_outside(&mut self, place: &Place, width: usize, height: usize, bounds: (f32, f32)) {
+    /// Blanks the cells outside the picture: gives them the value of the offset.
+    fn blank_outside(&mut self, pose: &PatchPose, width: usize, height: usize, bounds: (f32, f32)) {
         let half = (0.5 * (width * CELL) as f32, 0.5 * (height * CELL) as f32);
         let inside = |p: (f32, f32)| p.0 >= 0.0 && p.1 >= 0.0 && p.0 <= bounds.0 && p.1 <= bounds.1;
         let corners = [(-half.0, -half.1), (half.0, -half.1), (-half.0, half.1), (half.0, half.1)];
-        if corners.iter().all(|c| inside(place.point(c.0, c.1))) {
+        if corners.iter().all(|c| inside(pose.to_picture(c.0, c.1))) {
             return;
         }
         let area = width * height;
@@ -156,35 +164,36 @@ impl Features {
             for column in 0..width {
                 let (right, down) =
                     ((column as f32 + 0.5) * CELL as f32 - half.0, (row as f32 + 0.5) * CELL as f32 - half.1);
-                if !inside(place.point(right, down)) {
+                if !inside(pose.to_picture(right, down)) {
                     for channel in 0..CHANNELS {
-                        self.raw[channel * area + row * width + column] = affine(&self.affine, channel).0;
+                        self.raw[channel * area + row * width + column] =
+                            normalisation(&self.normalisation, channel).0;
                     }
                 }
             }
         }
     }
 
-    /// The response at no shift of a filter to what lies at that place: what [`Self::measure`] and an inverse
-    /// transform would give there, worked out for that one place only. `reach` is how many cells right and down of
-    /// the middle count.
-    pub(crate) fn score(
+    /// Response of a filter to the patch at a pose, without a shift: the value that [`Self::extract`] and an inverse
+    /// transform would give there, computed for that shift only. `half_size_cells` is the number of cells right and
+    /// down of the centre that are summed.
+    pub(crate) fn response_at(
         &mut self,
         crop: &mut Crop,
-        place: &Place,
+        pose: &PatchPose,
         filter: &CorrelationFilter,
-        reach: (usize, usize),
+        half_size_cells: (usize, usize),
         bounds: (f32, f32),
     ) -> f32 {
         let kernel = filter.kernel();
-        let (nw, nh) = (reach.0.clamp(1, SIDE / 2), reach.1.clamp(1, SIDE / 2));
+        let (nw, nh) = (half_size_cells.0.clamp(1, SIDE / 2), half_size_cells.1.clamp(1, SIDE / 2));
         let (width, height) = (2 * nw, 2 * nh);
-        self.cells(crop, place, width, height);
-        self.blank_outside(place, width, height, bounds);
+        self.fill_cells(crop, pose, width, height);
+        self.blank_outside(pose, width, height, bounds);
         let mut sums = [0.0_f32; CHANNELS];
         let area = width * height;
         for (channel, total) in sums.iter_mut().enumerate() {
-            let (offset, gain) = affine(&self.affine, channel);
+            let (offset, gain) = normalisation(&self.normalisation, channel);
             for row in 0..height {
                 let start = (SIDE / 2 - nh + row) * SIDE + SIDE / 2 - nw;
                 let raw = &self.raw[channel * area + row * width..][..width];
@@ -203,9 +212,9 @@ impl Features {
     }
 }
 
-fn affine(affine: &[(f32, f32); 2], channel: usize) -> (f32, f32) {
+fn normalisation(normalisation: &[(f32, f32); 2], channel: usize) -> (f32, f32) {
     match channel.checked_sub(LUMA) {
         None => (0.0, 1.0),
-        Some(k) => affine.get(k).copied().unwrap_or((0.0, 0.0)),
+        Some(k) => normalisation.get(k).copied().unwrap_or((0.0, 0.0)),
     }
 }

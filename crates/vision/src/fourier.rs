@@ -1,24 +1,24 @@
-//! The two-dimensional Fourier transform of small square maps, with the same bits on every machine.
+//! Two-dimensional Fourier transform of small square maps, with the same bits on every machine.
 //!
-//! One side is a power of two, [`SIDE`]. Both directions are plain radix-2 passes over whole rows, so that every
-//! pass is a loop over independent columns (which a compiler turns into vector instructions without changing a
-//! bit). The forward transform decimates in frequency and leaves its output in bit-reversed order in both
-//! directions, transposed; the inverse takes just that. Products of spectra, value by value, do not mind the order.
+//! The side is a power of two, [`SIDE`]. Both directions are radix-2 passes over whole rows: each pass is a loop over
+//! independent columns, which the compiler can vectorise without changing a bit. The forward transform decimates in
+//! frequency; its output is transposed and in bit-reversed order along both dimensions. The inverse transform expects
+//! that order. Products of spectra, value by value, do not depend on the order.
 //!
-//! Two real maps go through one complex transform: one as the real, one as the imaginary part, and
-//! [`Fourier::forward_pair`] separates them by the symmetry of the spectra of real maps.
+//! Two real maps share one complex transform, as its real and imaginary parts. [`Fourier::forward_pair`] separates them
+//! by the symmetry of the spectra of real maps.
 
-use crate::simd::widest;
+use crate::simd::simd_kernel;
 
 /// Side of a map, values.
 pub(crate) const SIDE: usize = 32;
-/// Values in a map.
+/// Number of values in a map.
 pub(crate) const AREA: usize = SIDE * SIDE;
 
-/// A real map, rows one behind the other.
+/// A real map, row by row.
 pub(crate) type Map = [f32; AREA];
 
-/// Hann's window over a map: 1 in the middle, nothing at the border, where shifts would wrap around.
+/// Hann window over a map: 1 at the centre, 0 at the border, where shifts wrap around.
 pub(crate) fn hann_window() -> Box<Map> {
     let hann = |k: usize| 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * (k as f64 + 0.5) / SIDE as f64);
     let mut window: Box<Map> = Box::new([0.0; AREA]);
@@ -28,7 +28,7 @@ pub(crate) fn hann_window() -> Box<Map> {
     window
 }
 
-/// The spectrum of a map, in the order that [`Fourier::forward_pair`] leaves.
+/// The spectrum of a map, in the order given by [`Fourier::forward_pair`].
 #[derive(Debug, Clone)]
 pub(crate) struct Spectrum {
     pub(crate) re: Box<Map>,
@@ -41,12 +41,12 @@ impl Default for Spectrum {
     }
 }
 
-/// The factors of the transform, and room to work in.
+/// Twiddle factors and buffers of the transform.
 #[derive(Debug, Clone)]
 pub(crate) struct Fourier {
     /// cos and sin of -2 pi k / SIDE, for k below SIDE / 2.
     twiddle: [(f32, f32); SIDE / 2],
-    /// Where the value of the negative frequency of each position lies.
+    /// Position of the value of the negative frequency, for each position.
     negative: Box<[u16; AREA]>,
     work: Spectrum,
 }
@@ -70,23 +70,23 @@ impl Fourier {
         Self { twiddle, negative, work: Spectrum::default() }
     }
 
-    /// The spectra of two real maps.
+    /// Computes the spectra of two real maps.
     pub(crate) fn forward_pair(&mut self, maps: (&Map, &Map), spectra: (&mut Spectrum, &mut Spectrum)) {
         forward_pair(self, maps, spectra);
     }
 
-    /// The real maps whose spectra these are: of two at once.
+    /// Computes the two real maps that have these spectra.
     pub(crate) fn inverse_pair(&mut self, spectra: (&Spectrum, &Spectrum), maps: (&mut Map, &mut Map)) {
         inverse_pair(self, spectra, maps);
     }
 
-    /// The real map whose spectrum this is.
+    /// Computes the real map that has this spectrum.
     pub(crate) fn inverse(&mut self, spectrum: &Spectrum, map: &mut Map) {
         inverse(self, spectrum, map);
     }
 }
 
-widest! {
+simd_kernel! {
 fn forward_pair(fourier: &mut Fourier, maps: (&Map, &Map), spectra: (&mut Spectrum, &mut Spectrum)) {
     fourier.work.re.copy_from_slice(maps.0);
     fourier.work.im.copy_from_slice(maps.1);
@@ -108,7 +108,7 @@ fn forward_pair(fourier: &mut Fourier, maps: (&Map, &Map), spectra: (&mut Spectr
 }
 }
 
-widest! {
+simd_kernel! {
 fn inverse_pair(fourier: &mut Fourier, spectra: (&Spectrum, &Spectrum), maps: (&mut Map, &mut Map)) {
     let (first, second) = spectra;
     for position in 0..AREA {
@@ -124,7 +124,7 @@ fn inverse_pair(fourier: &mut Fourier, spectra: (&Spectrum, &Spectrum), maps: (&
 }
 }
 
-widest! {
+simd_kernel! {
 fn inverse(fourier: &mut Fourier, spectrum: &Spectrum, map: &mut Map) {
     fourier.work.re.copy_from_slice(&spectrum.re[..]);
     fourier.work.im.copy_from_slice(&spectrum.im[..]);
@@ -145,7 +145,7 @@ fn invert(fourier: &mut Fourier) {
 }
 
 #[inline(always)]
-/// Forward along the rows' direction: natural order in, bit-reversed order out.
+/// Forward transform along the columns: natural order in, bit-reversed order out.
 fn decimate_in_frequency(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) {
     let mut half = SIDE / 2;
     while half > 0 {
@@ -174,7 +174,7 @@ fn decimate_in_frequency(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) 
 }
 
 #[inline(always)]
-/// Backward along the rows' direction: bit-reversed order in, natural order out; not divided by the side.
+/// Inverse transform along the columns: bit-reversed order in, natural order out; not divided by the side.
 fn decimate_in_time(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) {
     let mut half = 1;
     while half < SIDE {
@@ -189,7 +189,7 @@ fn decimate_in_time(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) {
                 let (a_re, a_im) = (&mut a_re[rows.clone()], &mut a_im[rows.clone()]);
                 let (b_re, b_im) = (&mut b_re[rows.clone()], &mut b_im[rows]);
                 for column in 0..SIDE {
-                    // The conjugate factor.
+                    // With the conjugate factor.
                     let t_re = b_re[column] * cos + b_im[column] * sin;
                     let t_im = b_im[column] * cos - b_re[column] * sin;
                     b_re[column] = a_re[column] - t_re;
@@ -226,12 +226,12 @@ mod tests {
         map
     }
 
-    /// Frequency of a position along one side, in the order that the forward transform leaves.
+    /// Frequency of a position along one dimension, in the order of the forward transform.
     fn frequency(position: usize) -> usize {
         position.reverse_bits() >> (usize::BITS - SIDE.trailing_zeros())
     }
 
-    /// One value of the spectrum by its definition: `across` waves to the right, `down` waves downwards.
+    /// One value of the spectrum by definition: `across` waves to the right, `down` waves downwards.
     fn by_definition(map: &Map, across: usize, down: usize) -> (f64, f64) {
         let (mut re, mut im) = (0.0, 0.0);
         for (index, &value) in map.iter().enumerate() {
@@ -254,7 +254,7 @@ mod tests {
         let maps = [map(1), map(2)];
         let spectra = forward([&maps[0], &maps[1]]);
         for (map, spectrum) in maps.iter().zip(&spectra) {
-            // Every third position comes by every row and column.
+            // Every third position covers all rows and columns.
             for position in (0..AREA).step_by(3) {
                 // Transposed: a row of the spectrum is a frequency to the right.
                 let (across, down) = (frequency(position / SIDE), frequency(position % SIDE));
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    fn alike(seen: &Map, expected: &Map) {
+    fn assert_close(seen: &Map, expected: &Map) {
         for (index, (seen, expected)) in seen.iter().zip(expected).enumerate() {
             // Single precision over ten passes of values up to 0.5.
             assert!((seen - expected).abs() < 1e-6, "{index}: {seen} against {expected}");
@@ -280,10 +280,10 @@ mod tests {
         let mut fourier = Fourier::new();
         let (mut a, mut b) = (map(5), map(6));
         fourier.inverse_pair((&first, &second), (&mut a, &mut b));
-        alike(&a, &maps[0]);
-        alike(&b, &maps[1]);
+        assert_close(&a, &maps[0]);
+        assert_close(&b, &maps[1]);
         fourier.inverse(&second, &mut a);
-        alike(&a, &maps[1]);
+        assert_close(&a, &maps[1]);
     }
 
     #[test]

@@ -1,37 +1,36 @@
-//! Histograms of gradient directions over square cells (Dalal and Triggs 2005), the channels that do not need colour.
+//! Histograms of oriented gradients over square cells (Dalal and Triggs 2005): the channels that do not use colour.
 //!
-//! At each sample the gradient (dx, dy) is the central difference, its magnitude m. It votes for the unsigned
-//! directions that lie within 20 degrees: with the channel's unit vector e the vote is
-//! max(0, |d . e| - m cos 20), which is largest along e and falls to nothing at its neighbours. Votes add up
-//! over a cell; a cell's histogram is divided by the root of the energy of the 3 x 3 cells around it, and cut at
-//! [`CEILING`].
+//! At each sample the gradient d = (dx, dy) is the central difference, m its magnitude. It votes for the unsigned
+//! directions within 20 degrees: with the unit vector e of a direction, the vote is max(0, |d . e| - m cos 20), which
+//! is largest along e and zero at the neighbouring directions. The votes are summed over a cell. A cell's histogram is
+//! divided by the root of the mean energy of the 3 x 3 cells around it and clipped at [`MAX_NORMALISED`].
 
-use crate::simd::widest;
+use crate::simd::simd_kernel;
 
-/// Unsigned directions, 20 degrees apart.
+/// Number of unsigned directions, 20 degrees apart.
 pub(crate) const DIRECTIONS: usize = 9;
-/// Samples along a side of a cell.
+/// Side of a cell, samples.
 pub(crate) const CELL: usize = 4;
 /// Samples around the cells that the differences need.
 pub(crate) const MARGIN: usize = 1;
 
-/// What a normalised value is cut at: one strong edge must not outweigh everything else.
-const CEILING: f32 = 0.4;
-/// Energy of a cell (squared grey levels) that counts as noise: keeps flat water from being blown up.
+/// Upper bound of a normalised value: limits the influence of a single strong edge.
+const MAX_NORMALISED: f32 = 0.4;
+/// Noise floor of a cell's energy, squared grey levels: keeps flat water from being amplified.
 const NOISE_ENERGY: f32 = 60.0;
 
-/// Cells of a patch.
+/// Gradient histograms of a patch.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Gradients {
-    /// Direction by direction: `width * height` cells each.
+pub(crate) struct GradientHistograms {
+    /// `width * height` cells of each direction in turn.
     cells: Vec<f32>,
     energy: Vec<f32>,
     lines: Vec<f32>,
 }
 
-impl Gradients {
-    /// Fills the histograms of a patch of `(width * CELL + 2 * MARGIN) x (height * CELL + 2 * MARGIN)` samples.
-    pub(crate) fn measure(
+impl GradientHistograms {
+    /// Computes the histograms of a patch of `(width * CELL + 2 * MARGIN) x (height * CELL + 2 * MARGIN)` samples.
+    pub(crate) fn compute(
         &mut self,
         patch: &[f32],
         width: usize,
@@ -39,18 +38,18 @@ impl Gradients {
         directions: &[(f32, f32); DIRECTIONS],
         cos_step: f32,
     ) {
-        measure_cells(self, patch, width, height, directions, cos_step);
+        compute_cells(self, patch, width, height, directions, cos_step);
         normalise(self, width, height);
     }
 
-    /// The histograms: direction by direction, rows of cells one behind the other.
+    /// The histograms: direction by direction, row by row.
     pub(crate) fn cells(&self) -> &[f32] {
         &self.cells
     }
 }
 
-/// The unit vectors of the directions, and the cosine of the angle between neighbours.
-pub(crate) fn directions() -> ([(f32, f32); DIRECTIONS], f32) {
+/// The unit vectors of the directions, and the cosine of the angle between neighbouring directions.
+pub(crate) fn unit_directions() -> ([(f32, f32); DIRECTIONS], f32) {
     let step = core::f64::consts::PI / DIRECTIONS as f64;
     let mut vectors = [(0.0, 0.0); DIRECTIONS];
     for (k, vector) in vectors.iter_mut().enumerate() {
@@ -60,8 +59,8 @@ pub(crate) fn directions() -> ([(f32, f32); DIRECTIONS], f32) {
     (vectors, libm::cos(step) as f32)
 }
 
-widest! {
-fn measure_cells(g: &mut Gradients, patch: &[f32], width: usize, height: usize, directions: &[(f32, f32); DIRECTIONS], cos_step: f32) {
+simd_kernel! {
+fn compute_cells(g: &mut GradientHistograms, patch: &[f32], width: usize, height: usize, directions: &[(f32, f32); DIRECTIONS], cos_step: f32) {
         let samples = width * CELL;
         let stride = samples + 2 * MARGIN;
         g.cells.resize(DIRECTIONS * width * height, 0.0);
@@ -103,8 +102,8 @@ fn measure_cells(g: &mut Gradients, patch: &[f32], width: usize, height: usize, 
     }
 }
 
-widest! {
-fn normalise(g: &mut Gradients, width: usize, height: usize) {
+simd_kernel! {
+fn normalise(g: &mut GradientHistograms, width: usize, height: usize) {
         let area = width * height;
         g.energy.clear();
         g.energy.resize(2 * area, 0.0);
@@ -131,7 +130,7 @@ fn normalise(g: &mut Gradients, width: usize, height: usize) {
         for channel in g.cells.chunks_exact_mut(area) {
             for (value, &scale) in channel.iter_mut().zip(around.iter()) {
                 let scaled = *value * scale;
-                *value = if scaled > CEILING { CEILING } else { scaled };
+                *value = if scaled > MAX_NORMALISED { MAX_NORMALISED } else { scaled };
             }
         }
     }
@@ -143,16 +142,16 @@ mod tests {
 
     const SIDE: usize = 6;
 
-    /// The cells of a patch whose samples are given by how far right and down of its middle they lie.
+    /// The cells of a patch whose samples are given as a function of the distance right and down of its centre.
     fn measured(sample: impl Fn(f32, f32) -> f32) -> Vec<f32> {
         let stride = SIDE * CELL + 2 * MARGIN;
         let middle = 0.5 * (stride as f32 - 1.0);
         let patch: Vec<f32> = (0..stride * stride)
             .map(|index| sample((index % stride) as f32 - middle, (index / stride) as f32 - middle))
             .collect();
-        let (vectors, cos_step) = directions();
-        let mut gradients = Gradients::default();
-        gradients.measure(&patch, SIDE, SIDE, &vectors, cos_step);
+        let (vectors, cos_step) = unit_directions();
+        let mut gradients = GradientHistograms::default();
+        gradients.compute(&patch, SIDE, SIDE, &vectors, cos_step);
         gradients.cells().to_vec()
     }
 
@@ -166,7 +165,7 @@ mod tests {
             let angle = 20.0_f32.to_radians() * expected as f32;
             let (cos, sin) = (libm::cosf(angle), libm::sinf(angle));
             for sign in [1.0, -1.0] {
-                // Ten grey levels per sample over eight samples: a step as a lens shows it.
+                // Ten grey levels per sample over eight samples: a step as a lens images it.
                 let cells = measured(|right, down| {
                     100.0 + sign * (10.0 * (right * cos + down * sin)).clamp(-40.0, 40.0)
                 });
@@ -174,7 +173,7 @@ mod tests {
                 assert!(most > 0.0);
                 for other in (0..DIRECTIONS).filter(|&other| other != expected) {
                     let share = total(&cells, other) / most;
-                    // Both ends of the step are bent; measured 0.143 at most.
+                    // The ends of the step are curved; measured 0.143 at most.
                     assert!(share < 0.2, "an edge across {expected} is {share} in {other}");
                 }
             }
@@ -196,7 +195,7 @@ mod tests {
         };
         assert!(highest(0.5) < 0.2, "{}", highest(0.5));
         assert!(highest(0.5) < highest(5.0));
-        assert_eq!(highest(255.0), CEILING);
+        assert_eq!(highest(255.0), MAX_NORMALISED);
         assert_eq!(highest(255.0), highest(120.0));
     }
 }

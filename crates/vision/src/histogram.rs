@@ -1,68 +1,68 @@
-//! How often each hue occurs in the selection.
+//! Hue histogram of the selection.
 
 use thiserror::Error;
 
-use crate::hue::HUES;
+use crate::hue::HUE_CODES;
 
-/// A histogram over the circle of hues, scaled as the laboratory did: the fullest bin weighs 255 and the emptiest 0
-/// (all weigh 255 where all are equally full).
+/// A histogram over the hue circle, scaled as in the laboratory's program: the fullest bin weighs 255 and the emptiest
+/// 0; if all are equally full, all weigh 255.
 ///
-/// Hue is counted in steps of two degrees, h = 0 to 179, and bin = floor(h * bins / 180). The bins cut the circle
-/// open at red: a red boat fills the first and the last bin, and both weigh what they hold.
+/// Hue is counted in steps of two degrees, h = 0 to 179, and bin = floor(h * bins / 180). The circle is cut at red: a
+/// red boat fills the first and the last bin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HueHistogram {
-    /// Weight of every bin.
+    /// Weight of each bin.
     weights: Vec<u8>,
-    /// Weight of every hue; 0 for codes that are no hue.
-    of_hue: [u8; 256],
+    /// Weight of each hue code; 0 for codes that are no hue.
+    weight_by_hue: [u8; 256],
 }
 
 /// There was no hue to count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("no pixel with a hue was counted")]
-pub struct UncountableHues;
+pub struct EmptyHistogram;
 
 impl HueHistogram {
-    /// Builds it from the number of pixels of each hue.
+    /// Builds the histogram from the number of pixels of each hue code.
     ///
     /// # Errors
-    /// If there are none at all.
-    pub fn new(counts: &[u32; HUES as usize], bins: usize) -> Result<Self, UncountableHues> {
+    /// If all counts are zero.
+    pub fn new(counts: &[u32; HUE_CODES as usize], bins: usize) -> Result<Self, EmptyHistogram> {
         let bins = bins.clamp(1, counts.len());
         let mut filled = vec![0u64; bins];
         for (hue, &count) in counts.iter().enumerate() {
             filled[bin_of(hue, bins)] += u64::from(count);
         }
-        let most = filled.iter().copied().max().unwrap_or(0);
-        let least = filled.iter().copied().min().unwrap_or(0);
-        if most == 0 {
-            return Err(UncountableHues);
+        let fullest = filled.iter().copied().max().unwrap_or(0);
+        let emptiest = filled.iter().copied().min().unwrap_or(0);
+        if fullest == 0 {
+            return Err(EmptyHistogram);
         }
-        let range = most - least;
+        let range = fullest - emptiest;
         let weight = |count: u64| match range {
             0 => 255,
-            // Rounded to the nearest; at most 255, so the cast keeps it.
-            range => (((count - least) * 255 * 2 + range) / (range * 2)) as u8,
+            // Rounded to the nearest; at most 255, so the cast is lossless.
+            range => (((count - emptiest) * 255 * 2 + range) / (range * 2)) as u8,
         };
         let weights: Vec<u8> = filled.into_iter().map(weight).collect();
-        let mut of_hue = [0; 256];
-        for (hue, slot) in of_hue.iter_mut().take(counts.len()).enumerate() {
+        let mut weight_by_hue = [0; 256];
+        for (hue, slot) in weight_by_hue.iter_mut().take(counts.len()).enumerate() {
             *slot = weights[bin_of(hue, bins)];
         }
-        Ok(Self { weights, of_hue })
+        Ok(Self { weights, weight_by_hue })
     }
 
-    /// Weight of every bin, 0 to 255.
+    /// Weight of each bin, 0 to 255.
     pub fn weights(&self) -> &[u8] {
         &self.weights
     }
 
-    /// Weight of every hue code, 0 to 255: 0 for the codes from 180 on, which are no hue.
-    pub(crate) const fn of_hue(&self) -> &[u8; 256] {
-        &self.of_hue
+    /// Weight of each hue code, 0 to 255; 0 for the codes from 180 on, which are no hue.
+    pub(crate) const fn weight_by_hue(&self) -> &[u8; 256] {
+        &self.weight_by_hue
     }
 }
 
 const fn bin_of(hue: usize, bins: usize) -> usize {
-    hue * bins / HUES as usize
+    hue * bins / HUE_CODES as usize
 }

@@ -1,44 +1,43 @@
-//! The hue of pixels that come as Y, U and V.
+//! Hue of pixels given as Y, U and V.
 //!
-//! A pixel's red, green and blue R, G, B (0 to 255) follow from its samples by the picture's matrix and range,
-//! rounded and clipped. In the hexcone (Smith 1978) its value is V = max(R, G, B), its chroma
-//! C = V - min(R, G, B), its saturation S = 255 C / V, and its hue H = 60 degrees times (G - B)/C where red is the
-//! largest, 2 + (B - R)/C where green is, 4 + (R - G)/C where blue is, on a circle of 360 degrees. The *code* of a
-//! pixel is H / 2 degrees rounded, 0 to 179 (red lies at both ends), or [`BELOW_FLOORS`] where its saturation or its
-//! value is too low for the hue to mean anything. These are OpenCV's 8-bit hue, saturation and value of the same
-//! picture turned into red, green and blue; the fixtures hold the two together.
+//! A pixel's red, green and blue R, G, B (0 to 255) follow from its samples by the picture's matrix and range, rounded
+//! and clipped. In the hexcone model (Smith 1978) the value is V = max(R, G, B), the chroma C = V - min(R, G, B), the
+//! saturation S = 255 C / V, and the hue H = 60 degrees times (G - B)/C where red is the maximum, 2 + (B - R)/C where
+//! green is, 4 + (R - G)/C where blue is, on a circle of 360 degrees. The *hue code* of a pixel is H / 2 degrees,
+//! rounded, 0 to 179 (red lies at both ends), or [`BELOW_FLOORS`] where saturation or value are too low for a
+//! meaningful hue. This is OpenCV's 8-bit hue, saturation and value of the same picture converted to RGB; the fixtures
+//! compare both.
 //!
-//! All of it is done in whole numbers, in 1/65536 of a level where a level does not do, and is the same everywhere.
-//! It costs some nanoseconds a pixel, which is why the back projection looks it up.
+//! Integer and fixed-point arithmetic (1/65536 of a level) throughout, with the same result on every machine. A
+//! conversion costs some nanoseconds, which is why the back projection uses a table.
 
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 
-/// Number of hues: codes 0 to 179, each two degrees wide.
-pub(crate) const HUES: u8 = 180;
+/// Number of hue codes: 0 to 179, two degrees each.
+pub(crate) const HUE_CODES: u8 = 180;
 
-/// Code of a pixel whose hue does not count.
+/// Hue code of a pixel whose saturation or value lies below the floors.
 pub const BELOW_FLOORS: u8 = 255;
 
-/// Least saturation and value at which a hue counts.
+/// Minimum saturation and value of a pixel whose hue counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Floors {
-    /// Least saturation, 0 to 255.
+    /// Minimum saturation, 0 to 255.
     pub saturation: u8,
-    /// Least value, 0 to 255.
+    /// Minimum value, 0 to 255.
     pub value: u8,
 }
 
-/// Bits behind the point in the sums that make red, green and blue.
+/// Fractional bits of the sums that give red, green and blue.
 const FRACTION: u32 = 16;
 
-/// Converts the samples of one colour encoding into hue codes.
+/// Converts the samples of one colour encoding to hue codes.
 #[derive(Debug, Clone)]
-pub struct HueOfYuv {
+pub struct YuvToHue {
     colour: ColourEncoding,
-    /// Level that Y = 0 stands for, half a level for rounding, in 1/65536 of a level.
+    /// Level at Y = 0 plus half a level for rounding, in 1/65536 of a level.
     level_of_zero: i32,
-    /// What one step of a sample adds, in 1/65536 of a level: Y to each channel, V to red and green, U to green and
-    /// blue.
+    /// Levels per step of a sample, in 1/65536: Y for each channel, V for red and green, U for green and blue.
     per_y: i32,
     red_per_v: i32,
     green_per_u: i32,
@@ -46,10 +45,10 @@ pub struct HueOfYuv {
     blue_per_u: i32,
 }
 
-impl HueOfYuv {
-    /// For pictures of this encoding.
+impl YuvToHue {
+    /// A converter for pictures of this encoding.
     pub fn new(colour: ColourEncoding) -> Self {
-        // Shares of red and blue in luma, from the recommendations of these numbers.
+        // Weights of red and blue in luma, from ITU-R BT.601 and BT.709.
         let (red, blue) = match colour.matrix {
             ColourMatrix::Bt601 => (0.299, 0.114),
             ColourMatrix::Bt709 => (0.2126, 0.0722),
@@ -73,13 +72,13 @@ impl HueOfYuv {
         }
     }
 
-    /// The encoding that it was made for.
+    /// The encoding of the pictures.
     pub const fn colour(&self) -> ColourEncoding {
         self.colour
     }
 
-    /// The code of a pixel with these samples.
-    pub fn code(&self, [y, u, v]: [u8; 3], floors: Floors) -> u8 {
+    /// The hue code of a pixel.
+    pub fn hue_code(&self, [y, u, v]: [u8; 3], floors: Floors) -> u8 {
         let (u, v) = (i32::from(u) - 128, i32::from(v) - 128);
         let level = self.level_of_zero + i32::from(y) * self.per_y;
         let channel = |offset: i32| ((level + offset) >> FRACTION).clamp(0, 255);
@@ -106,7 +105,7 @@ impl HueOfYuv {
         };
         // 30 difference / chroma, rounded to the nearest whole number.
         let within = (60 * difference + chroma).div_euclid(2 * chroma);
-        // 0 to 179, so the cast keeps it.
-        (sector + within).rem_euclid(i32::from(HUES)) as u8
+        // 0 to 179, so the cast is lossless.
+        (sector + within).rem_euclid(i32::from(HUE_CODES)) as u8
     }
 }

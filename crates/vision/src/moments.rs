@@ -1,17 +1,17 @@
-//! Sums over a window of a map of weights, up to the second order.
+//! Image moments of a map of weights over a window, up to the second order.
 //!
-//! With p(x, y) the weight (0 to 255) of the pixel in column x and row y, the moment of order (i, j) over a window
-//! is m_ij = sum of p(x, y) x^i y^j. All sums are whole numbers and exact: in 64 bits they hold pictures of up to
-//! 16384 x 16384 pixels.
+//! With p(x, y) the weight (0 to 255) of the pixel in column x and row y, the moment of order (i, j) over a window is
+//! m_ij = sum of p(x, y) x^i y^j. All sums are integers and exact; 64 bits suffice for pictures of up to 16384 x 16384
+//! pixels.
 
 use core::ops::{AddAssign, SubAssign};
 
 use crate::window::Window;
 
-/// Moments over a window, x and y counted in whole pixels from the map's top left pixel (whose x and y are 0).
+/// Moments over a window; x and y are counted in whole pixels from the map's top left pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Moments {
-    /// Sum of the weights: the mass.
+    /// Sum of the weights.
     pub m00: u64,
     /// Sum of weight times x.
     pub m10: u64,
@@ -37,7 +37,7 @@ impl AddAssign for Moments {
 }
 
 impl SubAssign for Moments {
-    /// Takes away a part of what was summed.
+    /// Subtracts a part of what was summed.
     fn sub_assign(&mut self, part: Self) {
         self.m00 -= part.m00;
         self.m10 -= part.m10;
@@ -48,23 +48,23 @@ impl SubAssign for Moments {
     }
 }
 
-/// Moments over a window that moves: only what enters and what leaves is summed anew. The sums are whole numbers, so
-/// that they come out as if all had been summed.
+/// Moments over a moving window: only the pixels that enter and leave are summed. The sums are integers, so the result
+/// equals that of a full sum.
 pub(crate) struct RunningMoments<'a, M> {
     map: &'a mut M,
     window: Window,
     sums: Moments,
 }
 
-impl<'a, M: Mass> RunningMoments<'a, M> {
+impl<'a, M: MomentSource> RunningMoments<'a, M> {
     pub(crate) fn new(map: &'a mut M) -> Self {
         Self { map, window: Window::default(), sums: Moments::default() }
     }
 
-    /// The moments over the part of `window` that lies in the map.
-    pub(crate) fn over(&mut self, window: Window) -> Moments {
+    /// The moments over the part of `window` in the map.
+    pub(crate) fn moments_over(&mut self, window: Window) -> Moments {
         let window = window.clipped(self.map.width(), self.map.height());
-        let (entering, leaving) = (window.without(self.window), self.window.without(window));
+        let (entering, leaving) = (window.difference(self.window), self.window.difference(window));
         let area = |pieces: [Window; 4]| pieces.into_iter().map(Window::area).sum::<usize>();
         if area(entering) + area(leaving) < window.area() {
             for piece in entering.into_iter().filter(|piece| !piece.is_empty()) {
@@ -81,33 +81,33 @@ impl<'a, M: Mass> RunningMoments<'a, M> {
     }
 }
 
-/// Something that has a mass at every pixel and can be summed over windows.
-pub trait Mass {
+/// A map of weights whose moments over a window can be computed.
+pub trait MomentSource {
     /// Columns of the map.
     fn width(&self) -> usize;
     /// Rows of the map.
     fn height(&self) -> usize;
-    /// The moments over the part of `window` that lies in the map.
+    /// The moments over the part of `window` in the map.
     fn moments(&mut self, window: Window) -> Moments;
 }
 
-/// A map of weights, one byte per pixel, rows tightly packed, borrowed.
+/// A borrowed map of weights, one byte per pixel, rows tightly packed.
 #[derive(Debug, Clone, Copy)]
-pub struct ByteMap<'a> {
+pub struct WeightMap<'a> {
     weights: &'a [u8],
     width: usize,
     height: usize,
 }
 
-impl<'a> ByteMap<'a> {
-    /// A map of `width` columns and as many whole rows as `weights` holds, at most `height`.
+impl<'a> WeightMap<'a> {
+    /// A map of `width` columns and as many whole rows as `weights` contains, at most `height`.
     pub fn new(weights: &'a [u8], width: usize, height: usize) -> Self {
         let rows = weights.len().checked_div(width).unwrap_or(0);
         Self { weights, width, height: height.min(rows) }
     }
 }
 
-impl Mass for ByteMap<'_> {
+impl MomentSource for WeightMap<'_> {
     fn width(&self) -> usize {
         self.width
     }
@@ -124,7 +124,7 @@ impl Mass for ByteMap<'_> {
         }
         let rows = self.weights.chunks_exact(self.width).enumerate().skip(window.y).take(window.h);
         for (y, row) in rows {
-            let row_sums = RowSums::of(&row[window.x..][..window.w]);
+            let row_sums = RowSums::new(&row[window.x..][..window.w]);
             let (x, y) = (window.x as u64, y as u64);
             let along_x = row_sums.s1 + x * row_sums.s0;
             sums.m00 += row_sums.s0;
@@ -138,7 +138,7 @@ impl Mass for ByteMap<'_> {
     }
 }
 
-/// Sums along a row: of the weights, times x, times x squared, x counted from the row's first pixel.
+/// Sums along a row: of the weights, times x, and times x squared, with x counted from the row's first pixel.
 #[derive(Default)]
 struct RowSums {
     s0: u64,
@@ -146,34 +146,34 @@ struct RowSums {
     s2: u64,
 }
 
-/// Pixels summed at a stretch, so that 32 bits hold the sums and a processor can take several at once.
-const STRETCH: usize = 64;
+/// Pixels per chunk: 32 bits hold a chunk's sums, which allows vector instructions.
+const CHUNK: usize = 64;
 
 impl RowSums {
-    fn of(row: &[u8]) -> Self {
+    fn new(row: &[u8]) -> Self {
         let mut sums = Self::default();
-        let (stretches, rest) = row.as_chunks::<STRETCH>();
+        let (chunks, rest) = row.as_chunks::<CHUNK>();
         let mut start = 0;
-        for stretch in stretches {
-            sums.add(start, stretch);
-            start += STRETCH as u64;
+        for chunk in chunks {
+            sums.add(start, chunk);
+            start += CHUNK as u64;
         }
-        let mut padded = [0; STRETCH];
+        let mut padded = [0; CHUNK];
         padded[..rest.len()].copy_from_slice(rest);
         sums.add(start, &padded);
         sums
     }
 
-    fn add(&mut self, start: u64, stretch: &[u8; STRETCH]) {
-        // Products of 16-bit numbers added up in 32 bits: processors do several of these at once.
+    fn add(&mut self, start: u64, chunk: &[u8; CHUNK]) {
+        // Products of 16-bit numbers summed in 32 bits, which vector instructions compute in parallel.
         let (mut c0, mut c1, mut c2) = (0i32, 0i32, 0i32);
-        for ((&weight, &place), &square) in stretch.iter().zip(&PLACES).zip(&SQUARES) {
+        for ((&weight, &offset), &square) in chunk.iter().zip(&OFFSETS).zip(&SQUARES) {
             let weight = i32::from(weight);
             c0 += weight;
-            c1 += weight * i32::from(place);
+            c1 += weight * i32::from(offset);
             c2 += weight * i32::from(square);
         }
-        // None of the sums is negative, so the casts keep them.
+        // No sum is negative, so the casts are lossless.
         let (c0, c1, c2) = (c0 as u64, c1 as u64, c2 as u64);
         self.s0 += c0;
         self.s1 += c1 + start * c0;
@@ -181,16 +181,16 @@ impl RowSums {
     }
 }
 
-/// Place of each pixel in a stretch, and its square.
-static PLACES: [i16; STRETCH] = places(1);
-static SQUARES: [i16; STRETCH] = places(2);
+/// Offset of each pixel in its chunk, and its square.
+static OFFSETS: [i16; CHUNK] = offset_powers(1);
+static SQUARES: [i16; CHUNK] = offset_powers(2);
 
-const fn places(power: u32) -> [i16; STRETCH] {
-    let mut places = [0; STRETCH];
+const fn offset_powers(power: u32) -> [i16; CHUNK] {
+    let mut offset_powers = [0; CHUNK];
     let mut i = 0;
-    while i < STRETCH {
-        places[i] = (i as i16).pow(power);
+    while i < CHUNK {
+        offset_powers[i] = (i as i16).pow(power);
         i += 1;
     }
-    places
+    offset_powers
 }

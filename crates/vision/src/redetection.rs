@@ -1,59 +1,72 @@
-//! Finding the target again anywhere in the picture: a coarse back projection and boxes summed by an integral image.
+//! Re-detection by colour in the whole picture: a coarse map of target probabilities and box sums from an integral
+//! image.
 //!
-//! One sample every few pixels is looked up in the colour model. Candidates are the places where a box of the
-//! target's size holds more likeness than the ring around it. Each then settles where, and at the size at which, a box
-//! of the target's proportions stands out best: the target may have come nearer or gone farther while it was away.
-//! Candidates are told by colour alone and are worth no more than a second look.
+//! Every few pixels one sample is looked up in the colour model. Candidates are places where a box of the target's size
+//! has a higher mean target probability than the ring around it. Each candidate is then refined to the nearby position
+//! and the scale with the highest contrast of a box of the target's proportions, since the target may have come nearer
+//! or gone farther away. Candidates are found by colour alone; the correlation filter has to confirm them.
 
 use barrelman_vocab::Picture;
 
 use crate::colour_model::ColourModel;
 
-/// A place worth a second look.
+/// A place that may show the target.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Candidate {
-    /// Middle, pixels.
+    /// Centre, pixels.
     pub(crate) centre: (f32, f32),
-    /// Mean likeness in the box less that of the ring, -1 to 1.
+    /// Mean target probability in the box less that in the ring, -1 to 1.
     pub(crate) contrast: f32,
-    /// What others make of it; 0 at first.
-    pub(crate) worth: f32,
-    /// How many times as large as expected what has the colour there seems to be.
-    pub(crate) growth: f32,
+    /// Similarity of the layout of its colours to the target's, 0 to 1; set by the caller.
+    pub(crate) layout_similarity: f32,
+    /// Scale with the highest contrast, relative to the expected size.
+    pub(crate) scale: f32,
 }
 
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Redetection {
-    /// Sums of likeness over everything above and to the left; one row and column of zeros first.
+pub(crate) struct Redetector {
+    /// Integral image of the target probabilities: sums over all samples above and to the left, with a first row and
+    /// column of zeros.
     sums: Vec<u32>,
     width: usize,
     height: usize,
     candidates: Vec<Candidate>,
 }
 
-/// Most candidates kept.
-pub(crate) const CANDIDATES: usize = 12;
+/// Maximum number of candidates.
+pub(crate) const MAX_CANDIDATES: usize = 12;
 
-impl Redetection {
-    /// The best candidates of a target whose upright box has these sides (pixels), best first.
-    pub(crate) fn look(
+impl Redetector {
+    /// Finds the best candidates for a target whose upright box has these sides (pixels), best first.
+    pub(crate) fn find_candidates(
         &mut self,
         picture: &Picture,
         model: &ColourModel,
         (w, h): (f32, f32),
     ) -> &[Candidate] {
         let size = (w * h).sqrt();
-        // Ten samples a side tell a box from its surroundings, and from one of another size; chroma has one sample in
+        // Ten samples a side distinguish a box from its surroundings and from boxes of other sizes. A chroma sample covers
         // two pixels.
         let step = ((size / 20.0) as usize).clamp(1, 16);
+        self.candidates.clear();
+        self.build_integral_image(picture, model, step);
+        let unit = 2.0 * step as f32;
+        self.collect(size, unit);
+        for index in 0..self.candidates.len() {
+            self.candidates[index] = self.refined(self.candidates[index], (w / unit, h / unit), unit);
+        }
+        &self.candidates
+    }
+
+    /// Computes the integral image of the target probabilities of every `step`-th chroma sample.
+    fn build_integral_image(&mut self, picture: &Picture, model: &ColourModel, step: usize) {
         let (y, u, v) = (picture.y(), picture.u(), picture.v());
         (self.width, self.height) = (u.width / step, u.height / step);
         let stride = self.width + 1;
         self.sums.clear();
         self.sums.resize(stride * (self.height + 1), 0);
-        self.candidates.clear();
-        if self.width == 0 || self.height == 0 {
-            return &self.candidates;
+        if self.width == 0 {
+            return;
         }
         let table = model.table();
         for row in 0..self.height {
@@ -64,62 +77,51 @@ impl Redetection {
             let mut sum = 0;
             for (column, (out, above)) in here[1..stride].iter_mut().zip(above).enumerate() {
                 let x = column * step + step / 2;
-                sum += u32::from(table.of(ys[(2 * x).min(y.width - 1)], us[x], vs[x]));
+                sum += u32::from(table.probability(ys[(2 * x).min(y.width - 1)], us[x], vs[x]));
                 *out = sum + above;
             }
         }
-        let unit = 2.0 * step as f32;
+    }
+
+    /// Collects the places where a square of the target's size (pixels) has a higher mean target probability than the
+    /// ring around it. A sample covers `unit` pixels.
+    fn collect(&mut self, size: f32, unit: f32) {
         let half = ((0.5 * size / unit + 0.5) as usize).max(1);
         let outer = 2 * half;
-        let stride_of_search = (half / 2).max(1);
-        let mut row = 0;
-        while row < self.height {
-            let mut column = 0;
-            while column < self.width {
-                let inner = self.sum(column, row, half);
-                let around = self.sum(column, row, outer);
+        let stride = (half / 2).max(1);
+        for row in (0..self.height).step_by(stride) {
+            for column in (0..self.width).step_by(stride) {
+                let inner = self.square_sum(column, row, half);
+                let around = self.square_sum(column, row, outer);
                 let mean = inner.0 as f32 / (255 * inner.1) as f32;
                 let ring = (around.1 - inner.1).max(1);
                 let ring_mean = (around.0 - inner.0) as f32 / (255 * ring) as f32;
                 let contrast = mean - ring_mean;
-                if contrast > 0.1 {
-                    self.keep(
-                        Candidate {
-                            centre: ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit),
-                            contrast,
-                            worth: 0.0,
-                            growth: 1.0,
-                        },
-                        size,
-                    );
+                if contrast > MIN_CONTRAST {
+                    let centre = ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit);
+                    self.insert(Candidate { centre, contrast, layout_similarity: 0.0, scale: 1.0 }, size);
                 }
-                column += stride_of_search;
             }
-            row += stride_of_search;
         }
-        for index in 0..self.candidates.len() {
-            self.candidates[index] = self.settled(self.candidates[index], (w / unit, h / unit), unit);
-        }
-        &self.candidates
     }
 
-    /// Where nearby, and at which size in that of `sides` (samples), a box stands out best against its ring.
-    fn settled(&self, candidate: Candidate, sides: (f32, f32), unit: f32) -> Candidate {
+    /// Moves a candidate to the nearby position and scale with the highest contrast. `sides` are in samples.
+    fn refined(&self, candidate: Candidate, sides: (f32, f32), unit: f32) -> Candidate {
         let first = ((candidate.centre.0 / unit) as usize, (candidate.centre.1 / unit) as usize);
-        let mut best = (first, 1.0_f32, self.stands_out(first, sides, 1.0));
-        for _ in 0..SETTLING {
+        let mut best = (first, 1.0_f32, self.contrast_at(first, sides, 1.0));
+        for _ in 0..REFINEMENT_ROUNDS {
             let from = best;
-            for growth in GROWTHS {
-                let stride = |side: f32| ((SETTLING_SHARE * growth * side) as usize).max(1);
+            for scale in SCALES {
+                let stride = |side: f32| ((REFINEMENT_STEP_SHARE * scale * side) as usize).max(1);
                 let (across, down) = (stride(sides.0), stride(sides.1));
                 let around = |at: usize, by: usize, length: usize| {
                     [at.saturating_sub(by), at, (at + by).min(length - 1)]
                 };
                 for row in around(from.0.1, down, self.height) {
                     for column in around(from.0.0, across, self.width) {
-                        let contrast = self.stands_out((column, row), sides, growth);
+                        let contrast = self.contrast_at((column, row), sides, scale);
                         if contrast > best.2 {
-                            best = ((column, row), growth, contrast);
+                            best = ((column, row), scale, contrast);
                         }
                     }
                 }
@@ -128,27 +130,27 @@ impl Redetection {
                 break;
             }
         }
-        let ((column, row), growth, _) = best;
+        let ((column, row), scale, _) = best;
         let centre = ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit);
-        Candidate { centre, growth, ..candidate }
+        Candidate { centre, scale, ..candidate }
     }
 
-    /// By how much more likeness a box there has than the ring around it.
-    fn stands_out(&self, at: (usize, usize), sides: (f32, f32), growth: f32) -> f32 {
-        let half = |side: f32| (0.5 * growth * side).max(0.5) as usize;
+    /// Mean target probability in a box around a sample less that in the ring around the box.
+    fn contrast_at(&self, at: (usize, usize), sides: (f32, f32), scale: f32) -> f32 {
+        let half = |side: f32| (0.5 * scale * side).max(0.5) as usize;
         let half = (half(sides.0), half(sides.1));
         let ring = half.0.max(half.1).max(1);
-        let (inner, outer) = (self.sum_of(at, half), self.sum_of(at, (half.0 + ring, half.1 + ring)));
+        let (inner, outer) = (self.box_sum(at, half), self.box_sum(at, (half.0 + ring, half.1 + ring)));
         inner.0 as f32 / (255 * inner.1) as f32
             - (outer.0 - inner.0) as f32 / (255 * (outer.1 - inner.1).max(1)) as f32
     }
 
-    /// Sum and count of the samples within `half` of one.
-    fn sum(&self, column: usize, row: usize, half: usize) -> (u32, u32) {
-        self.sum_of((column, row), (half, half))
+    /// Sum and number of the samples in a square with `half` samples to every side of the centre.
+    fn square_sum(&self, column: usize, row: usize, half: usize) -> (u32, u32) {
+        self.box_sum((column, row), (half, half))
     }
 
-    fn sum_of(&self, (column, row): (usize, usize), half: (usize, usize)) -> (u32, u32) {
+    fn box_sum(&self, (column, row): (usize, usize), half: (usize, usize)) -> (u32, u32) {
         let (left, top) = (column.saturating_sub(half.0), row.saturating_sub(half.1));
         let (right, bottom) = ((column + half.0 + 1).min(self.width), (row + half.1 + 1).min(self.height));
         let at = |x: usize, y: usize| self.sums[y * (self.width + 1) + x];
@@ -156,8 +158,8 @@ impl Redetection {
         (sum, ((right - left) * (bottom - top)) as u32)
     }
 
-    /// Keeps the best few, of those nearer to each other than the target's size the better one.
-    fn keep(&mut self, new: Candidate, size: f32) {
+    /// Keeps the best candidates; of two nearer to each other than the target's size, the better one.
+    fn insert(&mut self, new: Candidate, size: f32) {
         let near = |c: &Candidate| {
             (c.centre.0 - new.centre.0).abs() < size && (c.centre.1 - new.centre.1).abs() < size
         };
@@ -165,7 +167,7 @@ impl Redetection {
             if new.contrast > old.contrast {
                 *old = new;
             }
-        } else if self.candidates.len() < CANDIDATES {
+        } else if self.candidates.len() < MAX_CANDIDATES {
             self.candidates.push(new);
         } else if let Some(worst) =
             self.candidates.iter_mut().min_by(|a, b| a.contrast.total_cmp(&b.contrast))
@@ -177,12 +179,14 @@ impl Redetection {
     }
 }
 
-/// Rounds in which a candidate moves and changes its size.
-const SETTLING: usize = 3;
-/// Sizes that are tried, in the expected one.
-const GROWTHS: [f32; 7] = [0.5, 0.6, 0.71, 0.84, 1.0, 1.19, 1.41];
-/// A candidate moves by this share of its sides at a time.
-const SETTLING_SHARE: f32 = 0.2;
+/// Minimum contrast of a candidate.
+const MIN_CONTRAST: f32 = 0.1;
+/// Rounds of the refinement.
+const REFINEMENT_ROUNDS: usize = 3;
+/// Scales of the refinement, relative to the expected size.
+const SCALES: [f32; 7] = [0.5, 0.6, 0.71, 0.84, 1.0, 1.19, 1.41];
+/// Step of the refinement, in sides of the box.
+const REFINEMENT_STEP_SHARE: f32 = 0.2;
 
 #[cfg(test)]
 mod tests {
@@ -190,7 +194,7 @@ mod tests {
     use barrelman_vocab::video::ColourEncoding;
 
     use super::*;
-    use crate::colour_model::{Region, count_colours};
+    use crate::colour_model::{TargetEllipse, count_colours};
 
     const RED: [u8; 3] = [81, 90, 240];
     const BLUE: [u8; 3] = [70, 190, 100];
@@ -212,19 +216,19 @@ mod tests {
         picture
     }
 
-    /// What is found of a red target of that size.
+    /// The candidates for a red target of this size.
     fn found(boats: &[[usize; 4]], size: f32) -> Vec<Candidate> {
         let learned = picture(&[[140, 100, 40, 40]]);
         let mut model = ColourModel::default();
         count_colours(
             &learned,
             (160.0, 120.0),
-            &Region::upright((40.0, 40.0)),
+            &TargetEllipse::inscribed_in((40.0, 40.0)),
             &mut model.target,
             &mut model.surroundings,
         );
-        model.renew();
-        Redetection::default().look(&picture(boats), &model, (size, size)).to_vec()
+        model.update_table();
+        Redetector::default().find_candidates(&picture(boats), &model, (size, size)).to_vec()
     }
 
     fn near(candidate: &Candidate, (u, v): (f32, f32), pixels: f32) -> bool {
@@ -236,26 +240,26 @@ mod tests {
         for [left, top] in [[0, 0], [280, 0], [0, 200], [280, 200], [37, 91], [200, 120]] {
             let found = found(&[[left, top, 40, 40]], 40.0);
             let middle = (left as f32 + 20.0, top as f32 + 20.0);
-            // The box is of whole samples and larger than the target: several places are as good.
+            // The box consists of whole samples and exceeds the target: several positions are equally good.
             assert!(near(&found[0], middle, 20.0), "{left},{top}: {found:?}");
             assert!(found[0].contrast > 0.4, "{left},{top}: {found:?}");
         }
     }
 
     #[test]
-    fn it_is_told_how_large_what_has_the_colour_is() {
+    fn the_scale_of_a_candidate_is_found() {
         for side in [24, 40, 56] {
             let found = found(&[[130, 90, side, side]], 40.0);
-            let growth = side as f32 / 40.0;
-            // The sizes that are tried are 1.19 apart, and the samples a twentieth of the size.
-            assert!((0.8..1.25).contains(&(found[0].growth / growth)), "{side}: {found:?}");
+            let scale = side as f32 / 40.0;
+            // Neighbouring scales differ by a factor of 1.19, and a sample is a twentieth of the size.
+            assert!((0.8..1.25).contains(&(found[0].scale / scale)), "{side}: {found:?}");
             let middle = (130.0 + side as f32 / 2.0, 90.0 + side as f32 / 2.0);
             assert!(near(&found[0], middle, 5.0), "{side}: {found:?}");
         }
     }
 
     #[test]
-    fn two_that_are_apart_are_told_apart_and_the_better_one_comes_first() {
+    fn two_boats_give_two_candidates_with_the_better_one_first() {
         let found = found(&[[30, 60, 40, 32], [230, 140, 40, 40]], 40.0);
         assert!(near(&found[0], (250.0, 160.0), 20.0), "{found:?}");
         assert!(near(&found[1], (50.0, 76.0), 20.0), "{found:?}");
@@ -266,7 +270,7 @@ mod tests {
     fn of_many_the_best_few_are_kept() {
         let boats: Vec<_> = (0..15).map(|k| [12 + 62 * (k % 5), 14 + 74 * (k / 5), 40, 12 + 2 * k]).collect();
         let found = found(&boats, 40.0);
-        assert_eq!(found.len(), CANDIDATES);
+        assert_eq!(found.len(), MAX_CANDIDATES);
         assert!(found.iter().any(|candidate| near(candidate, (280.0, 182.0), 20.0)), "{found:?}");
         assert!(found.is_sorted_by(|a, b| a.contrast >= b.contrast));
         assert!(found.iter().all(|candidate| !near(candidate, (32.0, 20.0), 20.0)), "{found:?}");
@@ -279,13 +283,17 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_any_size_can_be_looked_at() {
-        let mut redetection = Redetection::default();
+    fn pictures_of_any_size_can_be_searched() {
+        let mut redetection = Redetector::default();
         for (width, height) in [(0, 0), (0, 9), (1, 1), (2, 2), (3, 1), (1, 70), (33, 31)] {
             let size = PictureSize::new(width, height);
             let picture = Picture::black(size, ColourEncoding::assumed_for(size));
             for target in [0.0, 1.0, 12.0, 5000.0, f32::NAN] {
-                assert!(redetection.look(&picture, &ColourModel::default(), (target, target)).is_empty());
+                assert!(
+                    redetection
+                        .find_candidates(&picture, &ColourModel::default(), (target, target))
+                        .is_empty()
+                );
             }
         }
     }

@@ -1,13 +1,13 @@
-//! Size, place and direction of the target from the moments of its colour.
+//! Size, position and orientation of the target from the moments of its colour.
 //!
-//! The likeness p of each sample within a turned ellipse around the target is made a weight between 0 and 1: nothing
-//! up to a quarter of the way from the ring's mean likeness to the target's, all from three quarters on. With the
-//! weights' mass m, centroid c and covariance C, the target is taken for an ellipse of that mass: its axis is the
-//! eigenvector of the larger eigenvalue of C, its full axes are 4 times the roots of the eigenvalues.
+//! The target probability of each sample inside an ellipse around the target becomes a weight between 0 and 1: 0 up to
+//! a quarter of the way from the ring's mean probability to the target's, 1 from three quarters on, linear between.
+//! With the weights' sum m, centroid c and covariance C, the axis is the eigenvector of the larger eigenvalue of C, and
+//! the full axes are 4 times the roots of the eigenvalues, as for a uniform ellipse.
 
-use crate::crop::Crop;
+use crate::crop::{ColourContrast, Crop};
 
-/// What the colour says of the target.
+/// Shape of the target by its colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Silhouette {
     /// Area, square pixels.
@@ -20,29 +20,30 @@ pub(crate) struct Silhouette {
     pub(crate) major: f32,
     /// Full length of the minor axis, pixels.
     pub(crate) minor: f32,
-    /// Halfway between the ends, along the axis and across it, pixels.
-    pub(crate) middle: (f32, f32),
+    /// Midpoint between the ends along and across the axis, pixels.
+    pub(crate) midpoint: (f32, f32),
 }
 
 impl Silhouette {
-    /// Of what lies within the ellipse of half axes `half`, turned clockwise by `angle`; `inside` and `ring` are the
-    /// mean likenesses there (0 to 1). None where the colour does not tell the target from its surroundings.
-    pub(crate) fn of(
+    /// Measures the silhouette inside the ellipse of half axes `half` (pixels), turned clockwise by `angle`; `contrast`
+    /// gives the mean target probabilities. `None` where the contrast or the area is too small.
+    pub(crate) fn measure(
         crop: &Crop,
         centre: (f32, f32),
         half: (f32, f32),
         angle: f32,
-        (inside, ring): (f32, f32),
+        contrast: ColourContrast,
     ) -> Option<Self> {
-        let contrast = inside - ring;
-        if contrast < LEAST_CONTRAST {
+        let ring = contrast.ring;
+        let contrast = contrast.difference();
+        if contrast < MIN_CONTRAST {
             return None;
         }
         let (low, high) = (255.0 * (ring + 0.25 * contrast), 255.0 * (ring + 0.75 * contrast));
         let scale = 1.0 / (high - low);
         let (mut m, mut mu, mut mv, mut muu, mut muv, mut mvv) = (0.0_f64, 0.0, 0.0, 0.0, 0.0, 0.0);
-        crop.each_likeness(centre, half, angle, |du, dv, likeness| {
-            let weight = f64::from(((f32::from(likeness) - low) * scale).clamp(0.0, 1.0));
+        crop.for_each_probability(centre, half, angle, |du, dv, probability| {
+            let weight = f64::from(((f32::from(probability) - low) * scale).clamp(0.0, 1.0));
             let (du, dv) = (f64::from(du), f64::from(dv));
             m += weight;
             mu += weight * du;
@@ -51,50 +52,55 @@ impl Silhouette {
             muv += weight * du * dv;
             mvv += weight * dv * dv;
         });
-        if m < LEAST_SAMPLES {
+        if m < MIN_MASS {
             return None;
         }
         let (u, v) = (mu / m, mv / m);
-        // A sample is a square: it has a spread of its own.
-        let sample = f64::from(crop.likeness_step());
+        // A sample is a square with a variance of its own.
+        let sample = f64::from(crop.probability_step());
         let own = sample * sample / 12.0;
         let (a, b, c) = (muu / m - u * u + own, muv / m - u * v, mvv / m - v * v + own);
         let root = (0.25 * (a - c) * (a - c) + b * b).sqrt();
-        let middle = 0.5 * (a + c);
+        let mean_variance = 0.5 * (a + c);
         let axis = (0.5 * libm::atan2(2.0 * b, a - c)) as f32;
         let (cos, sin) = (libm::cosf(axis), libm::sinf(axis));
-        // Where the ends are: a hundredth of the mass lies beyond each.
+        // The ends: a hundredth of the weight lies beyond each.
         let reach = 2.0 * half.0.max(half.1);
         let (mut along, mut across) = ([0.0_f32; BINS], [0.0_f32; BINS]);
-        crop.each_likeness(centre, half, angle, |du, dv, likeness| {
-            let weight = ((f32::from(likeness) - low) * scale).clamp(0.0, 1.0);
+        crop.for_each_probability(centre, half, angle, |du, dv, probability| {
+            let weight = ((f32::from(probability) - low) * scale).clamp(0.0, 1.0);
             let bin = |x: f32| (((x / reach + 0.5) * BINS as f32) as usize).min(BINS - 1);
             along[bin(du * cos + dv * sin)] += weight;
             across[bin(dv * cos - du * sin)] += weight;
         });
         let halfway = |bins: &[f32; BINS]| {
-            (0.5 * (first_end(bins.iter()) + BINS as f32 - first_end(bins.iter().rev())) / BINS as f32 - 0.5)
+            (0.5 * (mass_quantile_bin(bins.iter()) + BINS as f32 - mass_quantile_bin(bins.iter().rev()))
+                / BINS as f32
+                - 0.5)
                 * reach
         };
-        let (ahead, aside) = (halfway(&along), halfway(&across));
+        let (along_mid, across_mid) = (halfway(&along), halfway(&across));
         Some(Self {
-            middle: (centre.0 + ahead * cos - aside * sin, centre.1 + ahead * sin + aside * cos),
+            midpoint: (
+                centre.0 + along_mid * cos - across_mid * sin,
+                centre.1 + along_mid * sin + across_mid * cos,
+            ),
             area: (m * sample * sample) as f32,
             centroid: (centre.0 + u as f32, centre.1 + v as f32),
             axis,
-            major: 4.0 * (middle + root).sqrt() as f32,
-            minor: 4.0 * (middle - root).max(0.0).sqrt() as f32,
+            major: 4.0 * (mean_variance + root).sqrt() as f32,
+            minor: 4.0 * (mean_variance - root).max(0.0).sqrt() as f32,
         })
     }
 
-    /// Minor over major axis, 0 to 1.
+    /// Ratio of minor to major axis, 0 to 1.
     pub(crate) fn roundness(&self) -> f32 {
         if self.major > 0.0 { self.minor / self.major } else { 1.0 }
     }
 }
 
-/// Where along some bins, in bins, a hundredth of the mass has been passed.
-fn first_end<'a>(bins: impl Iterator<Item = &'a f32> + Clone) -> f32 {
+/// Position, in bins, up to which the bins contain a hundredth of the weight.
+fn mass_quantile_bin<'a>(bins: impl Iterator<Item = &'a f32> + Clone) -> f32 {
     let wanted = 0.01 * bins.clone().sum::<f32>();
     let mut passed = 0.0;
     for (index, &mass) in bins.enumerate() {
@@ -108,10 +114,10 @@ fn first_end<'a>(bins: impl Iterator<Item = &'a f32> + Clone) -> f32 {
 
 /// Bins along an axis of twice the target's length: 1.5 % of the length each.
 const BINS: usize = 128;
-/// Below this difference of mean likeness, inside less outside, the outline is guesswork.
-const LEAST_CONTRAST: f32 = 0.2;
-/// Fewer samples than this have no shape.
-const LEAST_SAMPLES: f64 = 8.0;
+/// Minimum contrast, inside less ring; with less the shape is unreliable.
+const MIN_CONTRAST: f32 = 0.2;
+/// Minimum sum of the weights, samples.
+const MIN_MASS: f64 = 8.0;
 
 #[cfg(test)]
 mod tests {
@@ -119,11 +125,12 @@ mod tests {
     use barrelman_vocab::{Picture, PictureSize};
 
     use super::*;
-    use crate::colour_model::{ColourModel, Region, count_colours};
+    use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
 
     const CENTRE: (f32, f32) = (160.0, 120.0);
+    const CLEAR: ColourContrast = ColourContrast { inside: 1.0, ring: 0.0 };
 
-    /// A red ellipse of full axes `axes`, turned clockwise, on blue water.
+    /// A red ellipse with these full axes, turned clockwise, on blue water.
     fn picture(axes: (f32, f32), turned_deg: f32) -> Picture {
         let size = PictureSize::new(320, 240);
         let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
@@ -147,18 +154,24 @@ mod tests {
     fn crop(axes: (f32, f32), turned_deg: f32, step: f32) -> Crop {
         let mut model = ColourModel::default();
         let upright = picture(axes, 0.0);
-        count_colours(&upright, CENTRE, &Region::upright(axes), &mut model.target, &mut model.surroundings);
-        model.renew();
+        count_colours(
+            &upright,
+            CENTRE,
+            &TargetEllipse::inscribed_in(axes),
+            &mut model.target,
+            &mut model.surroundings,
+        );
+        model.update_table();
         let mut crop = Crop::default();
-        crop.take(&picture(axes, turned_deg), &model, CENTRE, 120.0, step);
+        crop.extract(&picture(axes, turned_deg), &model, CENTRE, 120.0, step);
         crop
     }
 
-    /// The silhouette as looked for in a circle, a little off.
+    /// The silhouette measured in a circle that is slightly off the centre.
     fn seen(axes: (f32, f32), turned_deg: f32, step: f32) -> Silhouette {
         let reach = 0.6 * axes.0;
         let centre = (CENTRE.0 + 2.0, CENTRE.1 - 1.0);
-        Silhouette::of(&crop(axes, turned_deg, step), centre, (reach, reach), 0.0, (1.0, 0.0)).unwrap()
+        Silhouette::measure(&crop(axes, turned_deg, step), centre, (reach, reach), 0.0, CLEAR).unwrap()
     }
 
     fn check(axes: (f32, f32), turned_deg: f32) {
@@ -169,7 +182,7 @@ mod tests {
         assert!((seen.minor / axes.1 - 1.0).abs() < 0.05, "{axes:?} at {turned_deg}: {seen:?}");
         let area = 0.25 * core::f32::consts::PI * axes.0 * axes.1;
         assert!((seen.area / area - 1.0).abs() < 0.05, "{axes:?} at {turned_deg}: {seen:?}");
-        for place in [seen.centroid, seen.middle] {
+        for place in [seen.centroid, seen.midpoint] {
             let off = libm::hypotf(place.0 - CENTRE.0, place.1 - CENTRE.1);
             assert!(off < 1.5, "{axes:?} at {turned_deg}: {seen:?}");
         }
@@ -187,7 +200,7 @@ mod tests {
     fn a_coarser_look_sees_the_same() {
         let seen = seen((120.0, 50.0), 30.0, 3.0);
         assert!((seen.axis.to_degrees() - 30.0).abs() < 2.0, "{seen:?}");
-        // Samples that lie half on the target count less than half; measured 3 and 9 %.
+        // Samples that lie half on the target weigh less than half; measured 3 and 9 %.
         assert!((seen.major / 120.0 - 1.0).abs() < 0.05, "{seen:?}");
         assert!((seen.minor / 50.0 - 1.0).abs() < 0.12, "{seen:?}");
     }
@@ -201,8 +214,11 @@ mod tests {
     #[test]
     fn nothing_is_seen_where_the_colour_does_not_tell_or_too_little_of_it_is_there() {
         let crop = crop((60.0, 30.0), 0.0, 1.0);
-        assert_eq!(Silhouette::of(&crop, CENTRE, (40.0, 40.0), 0.0, (0.6, 0.5)), None);
-        assert_eq!(Silhouette::of(&crop, CENTRE, (2.0, 2.0), 0.0, (1.0, 0.0)), None);
-        assert_eq!(Silhouette::of(&crop, (60.0, 60.0), (20.0, 20.0), 0.0, (1.0, 0.0)), None);
+        assert_eq!(
+            Silhouette::measure(&crop, CENTRE, (40.0, 40.0), 0.0, ColourContrast { inside: 0.6, ring: 0.5 }),
+            None
+        );
+        assert_eq!(Silhouette::measure(&crop, CENTRE, (2.0, 2.0), 0.0, CLEAR), None);
+        assert_eq!(Silhouette::measure(&crop, (60.0, 60.0), (20.0, 20.0), 0.0, CLEAR), None);
     }
 }

@@ -1,4 +1,4 @@
-//! The seam between the pilot and whatever follows the boat in the picture.
+//! The interface between the pilot and the trackers.
 
 use barrelman_vocab::{Localisation, MotionPrior, PictureSize, PixelBox, Track, VideoFrame};
 use thiserror::Error;
@@ -7,53 +7,54 @@ use crate::explanation::Explanation;
 
 /// Follows one selected target from frame to frame.
 ///
-/// A tracker is told once what to follow, by a box that an operator dragged, and is then shown every video frame
-/// in the order of capture (gaps are normal). It never fails on a frame: a target that is not there is an answer.
+/// `select` tells the tracker what to follow, by a box that the operator dragged. Every video frame is then passed to
+/// `track` in the order of capture; gaps are normal. No frame is an error: a target that is not found is a valid
+/// answer.
 pub trait Tracker: Send {
-    /// Takes what lies in `selection` on `frame` as the target, and forgets any earlier one. What lies outside the
-    /// picture is cut off. The report holds the localisation on this frame: do not `track` it again.
+    /// Makes the content of `selection` on `frame` the target, and forgets an earlier target. The part outside the
+    /// picture is cut off. The report contains the localisation on this frame: do not `track` the same frame.
     ///
     /// # Errors
-    /// Where nothing in the box can be followed. The earlier target is then kept.
+    /// If the box contains nothing that can be followed. The earlier target is then kept.
     fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError>;
 
-    /// Localises the target in the next frame. `prior` says how far a resting thing shifted in the picture since
-    /// the frame before because the camera moved. Before the first selection the answer is [`Track::Unseeded`].
+    /// Localises the target in the next frame. `prior` is the shift of a stationary object in the picture since the
+    /// last frame, caused by the camera's motion. Returns [`Track::Unseeded`] before the first selection.
     fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track;
 
-    /// Writes what the last answer rests on, for an overlay. It costs nothing where it is not called.
+    /// Writes what the last answer is based on, for an overlay. Costs nothing if it is not called.
     fn explain(&self, out: &mut Explanation);
 }
 
-/// What a tracker made of a selection.
+/// Result of a selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelectionReport {
-    /// The part of the selection that was used, on whole pixels.
+    /// The part of the selection that is used, on whole pixels.
     pub used: PixelBox,
-    /// Whether part of the selection lay outside the picture and was cut off.
-    pub clipped: bool,
-    /// Share of the box's pixels that have a colour to go by, 0 to 1: saturation and value above the floors (CamShift),
-    /// or rather the target's colour than its surroundings' (fused tracker).
-    pub coloured: f64,
-    /// Mean likeness to the target in a ring around the box, 0 to 1; 0 where the box fills the picture. Near 0 the
-    /// colour is distinct. CamShift: to be held against the confidence of `localisation`, the same within the box;
-    /// where the two are alike, it will wander off. Fused tracker: from about 0.5 on it goes by the pattern alone.
-    pub surroundings: f64,
-    /// Where the target is on the frame of the selection: the box itself, with the target's axes as measured in it.
+    /// Whether part of the selection lies outside the picture and was cut off.
+    pub is_clipped: bool,
+    /// Share of the box's pixels with a usable colour, 0 to 1. CamShift: saturation and value above the floors. Fused
+    /// tracker: a colour that is more likely the target's than the surroundings'.
+    pub coloured_share: f64,
+    /// Mean target probability in a ring around the box, 0 to 1; 0 where the box fills the picture. Near 0 the colour
+    /// is distinct. CamShift: compare it with the confidence of `localisation`, the same mean inside the box; where
+    /// both are similar, the track will drift off. Fused tracker: from about 0.5 on the colour is not used.
+    pub surroundings_probability: f64,
+    /// The localisation on the frame of the selection: the box itself, with the target's axes as measured in it.
     pub localisation: Localisation,
 }
 
 /// Why a selection cannot be followed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum SelectionError {
-    /// A side is zero, negative or not a finite number.
+    /// A side is zero, negative or not finite.
     #[error(
         "the selection {selection} (left, top, width, height) covers nothing of the {picture} picture: take a box with a width and a height"
     )]
     Empty {
-        /// The box as it was asked for.
+        /// The requested box.
         selection: PixelBox,
-        /// The picture that it was dragged on.
+        /// Size of the picture.
         picture: PictureSize,
     },
     /// No part of the box lies in the picture.
@@ -61,24 +62,24 @@ pub enum SelectionError {
         "the selection {selection} (left, top, width, height) lies outside the {picture} picture: take a box around the boat within it"
     )]
     Outside {
-        /// The box as it was asked for.
+        /// The requested box.
         selection: PixelBox,
-        /// The picture that it was dragged on.
+        /// Size of the picture.
         picture: PictureSize,
     },
-    /// No pixel in the box has a colour to go by.
+    /// No pixel in the box has a usable colour.
     #[error(
         "the selection {selection} (left, top, width, height) of the {picture} picture holds no pixel with saturation of at least {saturation_floor} and \
          value of at least {value_floor} (of 255): select a coloured part of the boat, or lower the floors"
     )]
     Colourless {
-        /// The box as it was asked for.
+        /// The requested box.
         selection: PixelBox,
-        /// The picture that it was dragged on.
+        /// Size of the picture.
         picture: PictureSize,
-        /// The least saturation that counts, 0 to 255.
+        /// Minimum saturation, 0 to 255.
         saturation_floor: u8,
-        /// The least value that counts, 0 to 255.
+        /// Minimum value, 0 to 255.
         value_floor: u8,
     },
 }

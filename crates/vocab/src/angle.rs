@@ -1,14 +1,21 @@
-//! Angles and angular rates. Which way is positive belongs to the quantity and is stated where it is named.
+//! Angles and angular rates. Each quantity that uses them documents its own positive direction.
 
 use core::fmt;
 use core::ops::{Mul, Neg};
 
-/// An angle in radians. Zero and sense are stated where the angle is named.
+/// An angle in radians. Zero and positive direction are documented where the angle is used.
+///
+/// ```
+/// use barrelman_vocab::Angle;
+///
+/// let down = Angle::from_degrees(-90.0);
+/// assert_eq!(down.radians(), -core::f64::consts::FRAC_PI_2);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
 pub struct Angle(f64);
 
 impl Angle {
-    /// No turn.
+    /// Zero.
     pub const ZERO: Self = Self(0.0);
 
     /// From radians.
@@ -32,8 +39,16 @@ impl Angle {
     }
 }
 
-/// A rate of turn in radians per second. A camera's pan rate is positive where the view turns right, its tilt
-/// rate where the view rises.
+/// An angular rate in radians per second. A camera's pan rate is positive to the right, its tilt rate is positive
+/// upwards.
+///
+/// ```
+/// use barrelman_vocab::AngularRate;
+///
+/// let limit = AngularRate::from_radians_per_second(0.3);
+/// let requested = AngularRate::from_radians_per_second(-0.5);
+/// assert_eq!(requested.clamped(limit), -limit);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
 pub struct AngularRate(f64);
 
@@ -51,18 +66,18 @@ impl AngularRate {
         self.0
     }
 
-    /// The size of the rate, without its sense.
+    /// The absolute value.
     pub const fn abs(self) -> Self {
         Self(self.0.abs())
     }
 
-    /// Whether this asks for no motion at all. `-0.0` is zero.
+    /// Whether the rate is zero; `-0.0` counts as zero.
     pub fn is_zero(self) -> bool {
         self.0 == 0.0
     }
 
-    /// This rate held within `limit` on both sides. What is not a number, rate or limit, becomes zero: a rate that
-    /// cannot be understood must not move a camera.
+    /// The rate clamped to `-|limit|..=|limit|`. The result is zero if the rate or the limit is NaN: an invalid rate
+    /// must not move a camera.
     pub fn clamped(self, limit: Self) -> Self {
         if self.0.is_nan() || limit.0.is_nan() {
             Self::ZERO
@@ -75,7 +90,7 @@ impl AngularRate {
 impl Neg for AngularRate {
     type Output = Self;
 
-    /// The opposite rate. Zero stays `0.0`: a vehicle is never sent `-0.000000`.
+    /// The opposite rate. Zero stays `0.0`, so that `-0.000000` is never sent to a vehicle.
     fn neg(self) -> Self {
         if self.is_zero() { Self::ZERO } else { Self(-self.0) }
     }

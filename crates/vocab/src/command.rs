@@ -1,14 +1,14 @@
-//! What is asked of the camera.
+//! Camera commands.
 
 use crate::angle::AngularRate;
 
-/// Rates of the camera, inside: pan > 0 turns the view right, tilt > 0 raises it, whatever the vehicle's own
-/// signs are. A command is in force until the next one.
+/// The commanded pan and tilt rates. Pan > 0 turns the view right and tilt > 0 turns it up, independent of the
+/// vehicle's own signs. A command is in force until the next one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CameraCommand {
-    /// Turn of the view about the vertical; positive to the right.
+    /// Rate about the vertical; positive to the right.
     pub pan: AngularRate,
-    /// Turn of the view up and down; positive upwards.
+    /// Rate of elevation; positive upwards.
     pub tilt: AngularRate,
 }
 
@@ -16,7 +16,7 @@ impl CameraCommand {
     /// Both axes at rest.
     pub const REST: Self = Self { pan: AngularRate::ZERO, tilt: AngularRate::ZERO };
 
-    /// Whether no motion is asked for on either axis.
+    /// Whether both rates are zero.
     pub fn is_rest(self) -> bool {
         self.pan.is_zero() && self.tilt.is_zero()
     }

@@ -1,8 +1,8 @@
 //! Points, boxes and sizes in a picture.
 //!
-//! Two frames of reference: *pixel* coordinates (u right, v down, origin at the top left corner of the picture,
-//! pixel (0,0) covering [0,1) x [0,1)) for whatever is cut out of or drawn on a picture, and *image*
-//! coordinates (x right, y up, origin at the picture's centre, in pixels of the picture) for control:
+//! There are two frames of reference. *Pixel* coordinates (u right, v down, origin at the top left corner of the
+//! picture, pixel (0,0) covers [0,1) x [0,1)) are used for cropping and drawing. *Image* coordinates (x right, y up,
+//! origin at the picture's centre, in pixels) are used for control. With a picture of W x H pixels:
 //! x = u - W/2, y = H/2 - v.
 
 use core::fmt;
@@ -32,7 +32,7 @@ impl PictureSize {
         PixelPoint { u: f64::from(self.width) / 2.0, v: f64::from(self.height) / 2.0 }
     }
 
-    /// Pixels in the picture.
+    /// Number of pixels.
     pub const fn area(self) -> usize {
         self.width as usize * self.height as usize
     }
@@ -54,7 +54,7 @@ pub struct PixelPoint {
 }
 
 impl PixelPoint {
-    /// The same point in image coordinates of a picture of that size.
+    /// The same point in image coordinates of a picture of this size.
     pub fn in_image(self, picture: PictureSize) -> ImagePoint {
         let centre = picture.centre();
         ImagePoint { x: self.u - centre.u, y: centre.v - self.v }
@@ -71,7 +71,7 @@ pub struct ImagePoint {
 }
 
 impl ImagePoint {
-    /// The same point in pixel coordinates of a picture of that size.
+    /// The same point in pixel coordinates of a picture of this size.
     pub fn in_pixels(self, picture: PictureSize) -> PixelPoint {
         let centre = picture.centre();
         PixelPoint { u: centre.u + self.x, v: centre.v - self.y }
@@ -79,6 +79,14 @@ impl ImagePoint {
 }
 
 /// An upright box in pixel coordinates: it covers [u, u+w) x [v, v+h).
+///
+/// ```
+/// use barrelman_vocab::PixelBox;
+///
+/// let truth = PixelBox { u: 0.0, v: 0.0, w: 20.0, h: 10.0 };
+/// let found = PixelBox { u: 10.0, ..truth };
+/// assert_eq!(found.iou(truth), 1.0 / 3.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PixelBox {
     /// Left edge.
@@ -92,23 +100,23 @@ pub struct PixelBox {
 }
 
 impl PixelBox {
-    /// The middle of the box.
+    /// The centre of the box.
     pub fn centre(self) -> PixelPoint {
         PixelPoint { u: self.u + self.w / 2.0, v: self.v + self.h / 2.0 }
     }
 
-    /// Whether the box covers nothing, or one of its numbers is not a number.
+    /// Whether the box has no area, or one of its values is infinite or NaN.
     pub fn is_empty(self) -> bool {
         let finite = self.u.is_finite() && self.v.is_finite() && self.w.is_finite() && self.h.is_finite();
         !(finite && self.w > 0.0 && self.h > 0.0)
     }
 
-    /// Square pixels covered.
+    /// Area in square pixels; 0 for an empty box.
     pub fn area(self) -> f64 {
         if self.is_empty() { 0.0 } else { self.w * self.h }
     }
 
-    /// What both boxes cover; empty (w = h = 0) where they do not meet, or one of them is empty.
+    /// The intersection of both boxes; empty (w = h = 0) if they do not overlap or one of them is empty.
     pub fn intersection(self, other: Self) -> Self {
         if self.is_empty() || other.is_empty() {
             return Self::default();
@@ -123,16 +131,16 @@ impl PixelBox {
         }
     }
 
-    /// The part of the box that lies in a picture of that size.
+    /// The part of the box that lies in a picture of this size.
     pub fn clipped(self, picture: PictureSize) -> Self {
         self.intersection(picture.bounds())
     }
 
-    /// Intersection over union, 0 to 1: the usual measure of how well two boxes agree.
-    pub fn overlap(self, other: Self) -> f64 {
+    /// Intersection over union (IoU), 0 to 1. 0 if either box is empty.
+    pub fn iou(self, other: Self) -> f64 {
         let both = self.intersection(other).area();
         let either = self.area() + other.area() - both;
-        // The corners of the intersection are rounded: equal boxes may come out a little over 1.
+        // The corners of the intersection are rounded: the ratio of equal boxes may exceed 1 slightly.
         if either > 0.0 { (both / either).min(1.0) } else { 0.0 }
     }
 }

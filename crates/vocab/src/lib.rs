@@ -1,8 +1,8 @@
-//! The nouns that every other crate speaks in: time, angles, rates, image points, video frames, the messages
-//! between the stages and the vehicle profiles.
+//! The types that all other crates share: time, angles, rates, image points, video frames, the messages between the
+//! stages, and the vehicle profiles.
 //!
-//! Nothing here does I/O, reads a clock, or derives a file format. Types are plain data with the few methods
-//! that state what they mean. Frames of reference and signs are drawn in `docs/coordinates.md`.
+//! Nothing in this crate does I/O, reads a clock, or derives a file format. The types are plain data with few methods.
+//! `docs/coordinates.md` shows the frames of reference and the signs.
 #![forbid(unsafe_code)]
 
 pub mod time;
@@ -18,6 +18,8 @@ pub mod command;
 pub mod operator;
 pub mod profile;
 pub mod telemetry;
+
+pub mod rng;
 
 pub use angle::{Angle, AngularRate};
 pub use command::CameraCommand;

@@ -1,28 +1,28 @@
-//! What an operator, or what speaks for one, may ask of the pilot.
+//! Requests to the pilot from the operator, or from a program on behalf of the operator.
 
 use crate::image::PixelBox;
 
 /// A request to the pilot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OperatorRequest {
-    /// Follow what is in this box of the next video frame.
+    /// Track the content of this box of the next video frame.
     Select(PixelBox),
-    /// Let the camera be moved. The only way out of a stop.
+    /// Let the pilot move the camera. After a stop, only `Engage` allows motion again.
     Engage,
-    /// Go on tracking, but rest the camera.
+    /// Continue tracking with the camera at rest. This also ends a stop, without allowing motion.
     Disengage,
-    /// Rest the camera at once and until the next `Engage`.
+    /// Rest the camera immediately. The camera stays at rest until the next `Engage`.
     Stop(StopCause),
 }
 
-/// Why a stop was asked for.
+/// The reason for a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum StopCause {
     /// The operator pressed Stop.
     Operator,
-    /// The program is about to end (signal, quit key, closed output).
+    /// The program is ending (signal, quit key, closed output).
     Ending,
-    /// The video came to its end.
+    /// The video ended.
     VideoEnded,
     /// A part of the program failed.
     Fault,

@@ -1,30 +1,42 @@
-//! Vehicle profiles: everything in which one vehicle's camera differs from another's.
+//! Vehicle profiles: all properties in which the cameras of two vehicles may differ.
 //!
-//! No sign, gain, rate limit or latency of a vehicle is written anywhere else. Inside the program pan > 0 turns
-//! the view right and tilt > 0 raises it; [`VehicleProfile::outgoing`] turns that into the vehicle's own signs,
-//! once, where a command leaves.
+//! No other place in the program contains a vehicle's signs, gains, rate limits or latencies. Inside the program,
+//! pan > 0 turns the view right and tilt > 0 turns it up. [`VehicleProfile::to_vehicle`] converts a command to the
+//! vehicle's own signs and applies its limits, once, at the vehicle boundary.
 
 use core::time::Duration;
 
 use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
 
-/// What a vehicle is and how its camera is to be moved.
+/// A vehicle and how to move its camera.
+///
+/// ```
+/// use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile};
+///
+/// let profile = VehicleProfile::fotokite_pro();
+/// let rate = AngularRate::from_radians_per_second(0.2);
+/// let pan_right = CameraCommand { pan: rate, tilt: AngularRate::ZERO };
+/// // The Fotokite Pro counts yaw the other way.
+/// let rates = profile.to_vehicle(pan_right);
+/// assert_eq!(rates.yaw, -rate);
+/// assert_eq!(profile.from_vehicle(rates), pan_right);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleProfile {
-    /// The name that the command line knows it by.
+    /// Name on the command line.
     pub name: String,
-    /// What is spoken on its link.
+    /// Protocol of the vehicle's link.
     pub protocol: Protocol,
     /// The region the target may roam in.
     pub region: RegionShares,
-    /// The fixed rates of the motor schemas.
-    pub schema: AxisRates,
-    /// What the vehicle can do at most.
+    /// The fixed rates of the motor schema.
+    pub motor_schema_rates: AxisRates,
+    /// The largest rates that the vehicle accepts.
     pub limits: AxisRates,
-    /// The vehicle's own signs.
+    /// Signs of the vehicle's rates.
     pub signs: AxisSigns,
-    /// How its camera answers, for laws that predict.
+    /// Dynamics of the camera, for predictive laws.
     pub camera: CameraDynamics,
     /// Nominal time from the sensor to the arrival of a video frame.
     pub video_latency: Duration,
@@ -34,23 +46,37 @@ pub struct VehicleProfile {
     pub coast_motion: Duration,
 }
 
-/// What is spoken on a vehicle's link.
+/// The protocol of a vehicle's link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Protocol {
     /// The Fotokite Pro ground station's serial text protocol.
     FotokitePro,
 }
 
-/// The elliptical region as shares of the picture: its semi-axes are `half_width` x W/2 and `half_height` x H/2.
+impl Protocol {
+    /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
+    ///
+    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep.
+    pub const fn rate_limits(self) -> AxisRates {
+        match self {
+            Self::FotokitePro => AxisRates {
+                pan: AngularRate::from_radians_per_second(0.4),
+                tilt: AngularRate::from_radians_per_second(0.3),
+            },
+        }
+    }
+}
+
+/// The elliptical region as shares of the picture: the semi-axes are `half_width` x W/2 and `half_height` x H/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegionShares {
-    /// Share of half the picture's width, above 0, at most 1.
+    /// Horizontal semi-axis as a share of half the picture's width, in (0, 1].
     pub half_width: f64,
-    /// Share of half the picture's height, above 0, at most 1.
+    /// Vertical semi-axis as a share of half the picture's height, in (0, 1].
     pub half_height: f64,
 }
 
-/// A rate for each of the camera's axes, both at least zero.
+/// One rate for each camera axis, both at least zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisRates {
     /// Pan.
@@ -59,68 +85,68 @@ pub struct AxisRates {
     pub tilt: AngularRate,
 }
 
-/// How a camera answers commands and what it sees: the nominal values, which a law goes by.
+/// Nominal dynamics and optics of a camera, as a law assumes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraDynamics {
-    /// Focal length as a share of the picture's width.
+    /// Focal length divided by the picture's width, both in pixels.
     pub focal_share: f64,
-    /// The camera's elevation at the start where no telemetry tells; negative looks down.
-    pub first_tilt: Angle,
-    /// The end stops of that elevation, lower and upper.
+    /// Elevation of the camera's axis at the start if no telemetry reports it; negative below the horizon.
+    pub initial_tilt: Angle,
+    /// Lower and upper end stop of the elevation.
     pub tilt_stops: (Angle, Angle),
-    /// The axis that pans.
+    /// Dynamics of the pan axis.
     pub pan: AxisDynamics,
-    /// The axis that tilts.
+    /// Dynamics of the tilt axis.
     pub tilt: AxisDynamics,
 }
 
-/// How one axis answers a rate that is asked of it.
+/// The response of one axis to a commanded rate: a dead time, then a first-order lag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisDynamics {
-    /// From a command that moves to the start of its effect, without the video's latency.
+    /// Time from a non-zero command to the start of its effect, without the video latency.
     pub start_dead_time: Duration,
-    /// From a zero to the start of its effect; not less.
+    /// Time from a zero command to the start of its effect; at least `start_dead_time`.
     pub stop_dead_time: Duration,
-    /// Time constant of the rate after that.
+    /// Time constant of the rate after the dead time.
     pub lag: Duration,
-    /// The least rate other than zero that it turns at.
-    pub least_rate: AngularRate,
+    /// The smallest non-zero rate at which the axis turns.
+    pub min_rate: AngularRate,
 }
 
-/// How the vehicle's own rates are signed against ours.
+/// Signs of the vehicle's rates relative to [`CameraCommand`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AxisSigns {
-    /// Its yaw rate against our pan.
+    /// Sign of the yaw rate relative to pan.
     pub yaw: Sign,
-    /// Its pitch rate against our tilt.
+    /// Sign of the pitch rate relative to tilt.
     pub pitch: Sign,
 }
 
-/// Same or opposite sense.
+/// Same or opposite direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
-    /// The vehicle counts as we do.
+    /// The vehicle's positive direction is that of [`CameraCommand`].
     Same,
-    /// The vehicle counts the other way.
+    /// The vehicle's positive direction is the opposite.
     Opposite,
 }
 
 impl Sign {
-    fn applied_to(self, rate: AngularRate) -> AngularRate {
+    fn apply(self, rate: AngularRate) -> AngularRate {
         match self {
-            // Twice the opposite: a zero loses its sign on either way.
+            // Negated twice: negation removes the sign of a negative zero.
             Self::Same => -(-rate),
             Self::Opposite => -rate,
         }
     }
 }
 
-/// Rates in a vehicle's own signs, within its limits: what goes out on the link.
+/// Rates in a vehicle's own signs and within its limits, as they are sent on the link.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VehicleRates {
-    /// Yaw, in the vehicle's sense.
+    /// Yaw rate; the vehicle defines the positive direction.
     pub yaw: AngularRate,
-    /// Pitch, in the vehicle's sense.
+    /// Pitch rate; the vehicle defines the positive direction.
     pub pitch: AngularRate,
 }
 
@@ -128,25 +154,25 @@ impl VehicleRates {
     /// Both axes at rest.
     pub const REST: Self = Self { yaw: AngularRate::ZERO, pitch: AngularRate::ZERO };
 
-    /// Whether no motion is asked for on either axis.
+    /// Whether both rates are zero.
     pub fn is_rest(self) -> bool {
         self.yaw.is_zero() && self.pitch.is_zero()
     }
 }
 
 impl CameraDynamics {
-    /// The Fotokite Pro's camera as identified from the recorded laboratory trials, the camera's 0.10 s taken off the
-    /// dead times.
+    /// The Fotokite Pro's camera as identified from the recorded laboratory trials. The camera's video latency of
+    /// 0.10 s is subtracted from the dead times.
     pub fn laboratory() -> Self {
         let axis = |start_ms, stop_ms, lag_ms| AxisDynamics {
             start_dead_time: Duration::from_millis(start_ms),
             stop_dead_time: Duration::from_millis(stop_ms),
             lag: Duration::from_millis(lag_ms),
-            least_rate: AngularRate::ZERO,
+            min_rate: AngularRate::ZERO,
         };
         Self {
             focal_share: 330.0 / 640.0,
-            first_tilt: Angle::from_degrees(-24.0),
+            initial_tilt: Angle::from_degrees(-24.0),
             tilt_stops: (Angle::from_degrees(-90.0), Angle::from_degrees(10.0)),
             pan: axis(200, 400, 420),
             tilt: axis(100, 400, 100),
@@ -155,16 +181,17 @@ impl CameraDynamics {
 }
 
 impl VehicleProfile {
-    /// The Fotokite Pro as the paper's authors flew it: negative yaw turns the view right, negative pitch
-    /// raises it; 0.3 rad/s on both axes; yaw limited to 0.4 and gimbal pitch to 0.3 rad/s by its clients.
+    /// The Fotokite Pro as the paper's authors flew it. Negative yaw turns the view right, negative pitch turns it up.
+    /// The motor schema turns at 0.3 rad/s on both axes. The vehicle's clients limit yaw to 0.4 rad/s and gimbal pitch
+    /// to 0.3 rad/s.
     pub fn fotokite_pro() -> Self {
         let rad_per_s = AngularRate::from_radians_per_second;
         Self {
             name: "fotokite-pro".to_owned(),
             protocol: Protocol::FotokitePro,
             region: RegionShares { half_width: 0.6, half_height: 0.5 },
-            schema: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
-            limits: AxisRates { pan: rad_per_s(0.4), tilt: rad_per_s(0.3) },
+            motor_schema_rates: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
+            limits: Protocol::FotokitePro.rate_limits(),
             signs: AxisSigns { yaw: Sign::Opposite, pitch: Sign::Opposite },
             camera: CameraDynamics::laboratory(),
             video_latency: Duration::from_millis(200),
@@ -173,29 +200,27 @@ impl VehicleProfile {
         }
     }
 
-    /// The same vehicle with another rate of the schema on both axes. A limit below it is raised: who asks what
-    /// another rate would do asks about a vehicle that can turn so fast.
+    /// The same vehicle with another motor schema rate on both axes. Limits below that rate are raised to it, so that
+    /// experiments with higher rates are not clipped.
     #[must_use]
-    pub fn with_schema_rate(mut self, rate: AngularRate) -> Self {
+    pub fn with_motor_schema_rate(mut self, rate: AngularRate) -> Self {
         let raised = |limit: AngularRate| if limit < rate { rate } else { limit };
-        self.schema = AxisRates { pan: rate, tilt: rate };
+        self.motor_schema_rates = AxisRates { pan: rate, tilt: rate };
         self.limits = AxisRates { pan: raised(self.limits.pan), tilt: raised(self.limits.tilt) };
         self
     }
 
-    /// The door from the other side, for whoever plays the vehicle: rates in its own signs as our command.
-    pub fn incoming(&self, rates: VehicleRates) -> CameraCommand {
-        CameraCommand {
-            pan: self.signs.yaw.applied_to(rates.yaw),
-            tilt: self.signs.pitch.applied_to(rates.pitch),
+    /// The vehicle boundary: converts a command to rates in the vehicle's own signs, clamped to its limits.
+    pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
+        VehicleRates {
+            yaw: self.signs.yaw.apply(command.pan.clamped(self.limits.pan)),
+            pitch: self.signs.pitch.apply(command.tilt.clamped(self.limits.tilt)),
         }
     }
 
-    /// The door: a command inside becomes rates in the vehicle's own signs, within its limits.
-    pub fn outgoing(&self, command: CameraCommand) -> VehicleRates {
-        VehicleRates {
-            yaw: self.signs.yaw.applied_to(command.pan.clamped(self.limits.pan)),
-            pitch: self.signs.pitch.applied_to(command.tilt.clamped(self.limits.tilt)),
-        }
+    /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's own signs
+    /// to a command. Limits are not applied.
+    pub fn from_vehicle(&self, rates: VehicleRates) -> CameraCommand {
+        CameraCommand { pan: self.signs.yaw.apply(rates.yaw), tilt: self.signs.pitch.apply(rates.pitch) }
     }
 }

@@ -1,4 +1,4 @@
-//! What a vehicle says of itself, in no vehicle's own words.
+//! Telemetry of a vehicle, independent of the vehicle's protocol.
 
 use crate::angle::Angle;
 use crate::time::Timestamp;
@@ -6,54 +6,54 @@ use crate::time::Timestamp;
 /// One report of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Telemetry {
-    /// When it arrived: none of the links known so far stamps its telemetry.
+    /// Time of arrival. No supported link timestamps its telemetry.
     pub at: Timestamp,
-    /// What it says.
+    /// Content of the report.
     pub report: Report,
 }
 
-/// What a telemetry message says.
+/// Content of a telemetry message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Report {
     /// The link to the vehicle came up or went down.
     Link(LinkState),
-    /// The ground station: who is in control, and its supply.
+    /// State of the ground station: control and power supply.
     Ground {
-        /// Whether it takes our camera commands.
+        /// Whether the ground station accepts camera commands from this program.
         control: ControlState,
-        /// Time since it was switched on, seconds.
+        /// Time since the ground station was switched on, seconds.
         uptime_s: f64,
-        /// Battery, volts.
+        /// Battery voltage, volts.
         battery_v: f64,
-        /// Tether paid out since power-on, metres.
+        /// Length of tether paid out since power-on, metres.
         tether_m: f64,
     },
-    /// Attitude of the vehicle relative to where it was initialised.
+    /// Attitude of the vehicle relative to its attitude at initialisation.
     VehicleAttitude(Quaternion),
     /// Attitude of the gimbal, in the vehicle's own frames.
     GimbalAttitude(Quaternion),
-    /// Where the camera's axis points: above the horizon positive.
+    /// Elevation of the camera's axis; positive above the horizon.
     CameraTilt(Angle),
-    /// How much of the world the picture shows from its left edge to its right: it changes where a camera zooms.
+    /// Horizontal field of view of the picture. A zoom changes it.
     FieldOfView(Angle),
-    /// Where the vehicle stands on its tether.
+    /// Position of the vehicle on its tether.
     Tether {
         /// Angle of the tether from the vertical.
         elevation: Angle,
-        /// Angle about the vertical, positive to the left of the start direction.
+        /// Angle about the vertical; positive to the left of the start direction.
         azimuth: Angle,
         /// Barometric altitude, metres.
         altitude_m: f64,
     },
-    /// The flight unit.
+    /// State of the flight unit.
     Flight {
-        /// Whether it is airborne and well, landing, or down.
+        /// Flight state.
         state: FlightState,
-        /// Time since it was switched on, seconds.
+        /// Time since the flight unit was switched on, seconds.
         on_time_s: f64,
-        /// Backup battery, volts.
+        /// Voltage of the backup battery, volts.
         backup_battery_v: f64,
-        /// The vehicle's own warning bits, as sent.
+        /// The vehicle's warning bits, unchanged.
         warnings: u32,
     },
 }
@@ -61,37 +61,37 @@ pub enum Report {
 /// State of the link to the vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LinkState {
-    /// The port is being opened, or opened anew.
+    /// The port is being opened or reopened.
     Opening,
-    /// The start-up sequence is under way: commands do not reach the camera yet.
+    /// The start-up sequence is running; commands do not reach the camera yet.
     Starting,
     /// Commands reach the camera.
     Up,
-    /// The last commands are being sent: zeros and the vehicle's own stop.
+    /// The shut-down sequence is running: zeros, then the vehicle's own stop command.
     Closing,
     /// Closed.
     Closed,
 }
 
-/// Whether the vehicle takes camera commands from us.
+/// Whether the vehicle accepts camera commands from this program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ControlState {
-    /// It does.
+    /// Commands are accepted.
     Ours,
-    /// It does not: idle, in a menu, or controlled by another.
+    /// Commands are not accepted: the vehicle is idle, in a menu, or under other control.
     NotOurs,
 }
 
-/// What the flight unit is doing, as far as the camera's pilot needs to know.
+/// Flight state of the flight unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FlightState {
     /// Motors off.
     Idle,
     /// Flying.
     Flying,
-    /// Coming down, or stopped, for its own reasons.
+    /// Landing or stopped on the vehicle's own decision.
     Emergency,
-    /// A mode that this program does not know, by its number.
+    /// A mode number that this program does not know.
     Other(u32),
 }
 

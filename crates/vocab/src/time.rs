@@ -1,12 +1,23 @@
 //! Time: nanoseconds of the monotonic clock since the program's start.
 //!
-//! Every message carries the time at which its content was true. Ages come from differences of two timestamps
-//! that a core was handed, never from a clock that it reads.
+//! Every message carries the time at which its content was valid. An age is the difference of two timestamps that were
+//! passed in as arguments; only `crates/station` reads a clock.
 
 use core::fmt;
 use core::time::Duration;
 
-/// A moment, in nanoseconds since the program's start (0 = start). Never negative; saturates at both ends.
+/// A point in time, in nanoseconds since the program's start. Arithmetic saturates at 0 and at `u64::MAX`.
+///
+/// ```
+/// use core::time::Duration;
+///
+/// use barrelman_vocab::Timestamp;
+///
+/// let captured = Timestamp::from_secs_f64(1.5);
+/// let now = captured.plus(Duration::from_millis(200));
+/// assert_eq!(now.since(captured), Duration::from_millis(200));
+/// assert_eq!(captured.since(now), Duration::ZERO);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Timestamp(u64);
 
@@ -14,12 +25,12 @@ impl Timestamp {
     /// The program's start.
     pub const ZERO: Self = Self(0);
 
-    /// A moment so many nanoseconds after the start.
+    /// From nanoseconds since the start.
     pub const fn from_nanos(nanos: u64) -> Self {
         Self(nanos)
     }
 
-    /// A moment so many seconds after the start; what is negative or not a number becomes 0.
+    /// From seconds since the start. Negative values and NaN become 0.
     pub fn from_secs_f64(seconds: f64) -> Self {
         // A float-to-integer cast saturates and maps NaN to 0.
         Self((seconds * 1e9) as u64)
@@ -35,17 +46,17 @@ impl Timestamp {
         self.0 as f64 * 1e-9
     }
 
-    /// How long after `earlier` this is; zero if it is not after it.
+    /// Time elapsed since `earlier`; zero if `earlier` is later than this.
     pub const fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
     }
 
-    /// This moment and `span` more.
+    /// The time `span` later; saturating.
     pub const fn plus(self, span: Duration) -> Self {
         Self(self.0.saturating_add(nanos_of(span)))
     }
 
-    /// This moment less `span`; the start where that would be before it.
+    /// The time `span` earlier; saturating at the program's start.
     pub const fn minus(self, span: Duration) -> Self {
         Self(self.0.saturating_sub(nanos_of(span)))
     }

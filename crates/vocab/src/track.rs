@@ -1,4 +1,4 @@
-//! What a tracker says: one localisation, and the state of the track.
+//! Results of a tracker: a localisation, and the state of the track.
 
 use core::time::Duration;
 
@@ -6,22 +6,22 @@ use crate::angle::Angle;
 use crate::image::{PictureSize, PixelBox, PixelPoint};
 use crate::time::Timestamp;
 
-/// Where the target is in one video frame.
+/// The measured position of the target in one video frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Localisation {
-    /// Time of capture of the frame that it was measured in.
+    /// Time of capture of the video frame.
     pub captured: Timestamp,
-    /// Size of that picture: what the pixel coordinates count in.
+    /// Size of the picture, to which the pixel coordinates refer.
     pub picture: PictureSize,
     /// The target's centre.
     pub centre: PixelPoint,
     /// Upright box around the whole target, clipped to the picture.
     pub bounds: PixelBox,
-    /// The target's axes, where the tracker measures them.
+    /// The target's axes; `None` if the tracker does not measure them.
     pub shape: Option<Shape>,
-    /// Where the bow points, anticlockwise from image right, 0 to 2 pi; absent when it is not known.
+    /// Direction of the bow, anticlockwise from image right, in [0, 2 pi); `None` if unknown.
     pub heading: Option<Angle>,
-    /// How much the tracker believes in it, 0 to 1.
+    /// The tracker's confidence in the localisation, 0 to 1.
     pub confidence: f64,
 }
 
@@ -32,30 +32,37 @@ pub struct Shape {
     pub major_px: f64,
     /// Full length of the minor axis, pixels.
     pub minor_px: f64,
-    /// Direction of the major axis, anticlockwise from image right as seen, 0 (inclusive) to pi (exclusive).
+    /// Direction of the major axis, anticlockwise from image right, in [0, pi).
     pub axis: Angle,
 }
 
-/// The target followed in time.
+/// State of the tracked target.
+///
+/// ```
+/// use barrelman_vocab::{Timestamp, Track};
+///
+/// let track = Track::Lost { since: Timestamp::from_secs_f64(2.0), confidence: 0.1 };
+/// assert!(track.localisation().is_none());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Track {
     /// Nothing was selected yet.
     Unseeded,
-    /// Seen in this frame.
+    /// The target was measured in this video frame.
     Tracking(Localisation),
-    /// Not seen in this frame, but where it must be is known well enough to go on for a while.
+    /// The target was not measured in this video frame; its position is predicted for a limited time.
     Coasting(Localisation),
-    /// Not known where the target is.
+    /// The target's position is unknown.
     Lost {
-        /// Time of capture of the first frame in which it was lost.
+        /// Time of capture of the first video frame in which the target was lost.
         since: Timestamp,
-        /// How much the tracker believes in the best place it knows, 0 to 1.
+        /// The tracker's confidence in its best candidate position, 0 to 1.
         confidence: f64,
     },
 }
 
 impl Track {
-    /// The localisation, if the target's place is known (tracking or coasting).
+    /// The localisation while tracking or coasting.
     pub fn localisation(&self) -> Option<&Localisation> {
         match self {
             Self::Tracking(seen) | Self::Coasting(seen) => Some(seen),
@@ -64,16 +71,16 @@ impl Track {
     }
 }
 
-/// How the picture shifted since the last frame because the camera moved, from the commands in force.
-/// A tracker works without it.
+/// Predicted shift of the picture since the previous video frame due to camera motion, from the commands in force. It
+/// is an optional input of a tracker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionPrior {
-    /// Shift of a resting thing near the picture's centre, pixels, u to the right.
+    /// Shift of a stationary object near the picture's centre, pixels, positive to the right (u).
     pub shift_u_px: f64,
-    /// The same, v downwards.
+    /// The same, positive downwards (v).
     pub shift_v_px: f64,
-    /// Standard deviation of both shifts, pixels.
-    pub deviation_px: f64,
-    /// Time between the two frames that it speaks of.
-    pub over: Duration,
+    /// Standard deviation of each shift, pixels.
+    pub std_dev_px: f64,
+    /// Time between the two video frames.
+    pub interval: Duration,
 }

@@ -1,30 +1,30 @@
-//! Encoded units: what a video source delivered, unchanged, one picture each.
+//! Encoded units: the unchanged output of a video source, one picture each.
 //!
-//! A unit carries all that is needed to decode it again later: a recorder stores units, a replay hands them to
-//! a fresh decoder and gets the same frames with the same sequence numbers.
+//! A unit contains everything that is needed to decode it later. A recorder stores units. A replay passes them to a new
+//! decoder and gets the same video frames with the same sequence numbers.
 
 use bytes::Bytes;
 
 use crate::image::PictureSize;
 use crate::video::{Capture, ColourEncoding};
 
-/// How the picture of a unit must be turned to be displayed upright, clockwise.
+/// Clockwise rotation that displays the picture of a unit upright.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Rotation {
-    /// As stored.
+    /// No rotation.
     #[default]
     None,
     /// A quarter turn clockwise.
     Clockwise90,
-    /// Upside down.
+    /// A half turn.
     Half,
     /// A quarter turn anticlockwise.
     Clockwise270,
 }
 
 impl Rotation {
-    /// The size of a picture of that stored size once it is displayed.
-    pub const fn displayed(self, stored: PictureSize) -> PictureSize {
+    /// The displayed size of a picture with this stored size.
+    pub const fn displayed_size(self, stored: PictureSize) -> PictureSize {
         match self {
             Self::None | Self::Half => stored,
             Self::Clockwise90 | Self::Clockwise270 => PictureSize::new(stored.height, stored.width),
@@ -32,22 +32,22 @@ impl Rotation {
     }
 }
 
-/// What the payload of a unit is.
+/// Format of a unit's payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum UnitCodec {
-    /// One H.264 access unit: NAL units behind start codes (Annex B of ITU-T H.264), with the parameter sets in
-    /// front of every key frame.
+    /// One H.264 access unit: NAL units with start codes (ITU-T H.264, Annex B), with the parameter sets before every
+    /// key frame.
     H264AnnexB,
     /// A JPEG file.
     Jpeg,
     /// A PNG file.
     Png,
-    /// The samples of the Y, U and V planes, one behind the other, 4:2:0, rows tightly packed, chroma planes half
-    /// as wide and high, rounded up.
+    /// The samples of the Y, U and V planes in this order, 4:2:0, without padding. The chroma planes have half the
+    /// width and height, rounded up.
     RawYuv420 {
         /// Size of the luma plane.
         size: PictureSize,
-        /// How the samples stand for colours.
+        /// Colour encoding of the samples.
         colour: ColourEncoding,
     },
 }
@@ -55,20 +55,20 @@ pub enum UnitCodec {
 /// One encoded picture. Cloning shares the payload.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EncodedUnit {
-    /// Counts the connections to the source, from 0: nothing of one epoch refers to a picture of another.
+    /// Number of the connection to the source, from 0. A unit never refers to a picture of another epoch.
     pub epoch: u32,
-    /// Running number of the units of this source, over all epochs, from 0.
+    /// Number of the unit since the start of this source, over all epochs, from 0.
     pub index: u64,
-    /// When the picture was taken.
+    /// Time of capture of the picture.
     pub capture: Capture,
-    /// Whether decoding can begin with this unit.
+    /// Whether decoding can start with this unit (key frame).
     pub key: bool,
-    /// Whether the picture is to be seen. An edit list may hide pictures that later ones are made from.
+    /// Whether the picture is displayed. An edit list may hide pictures that later pictures refer to.
     pub shown: bool,
-    /// How to turn the picture upright.
+    /// Rotation that displays the picture upright.
     pub rotation: Rotation,
-    /// What the payload is.
+    /// Format of the payload.
     pub codec: UnitCodec,
-    /// The bytes.
+    /// The encoded bytes.
     pub payload: Bytes,
 }

@@ -5,25 +5,25 @@ use std::sync::Arc;
 use crate::image::PictureSize;
 use crate::time::Timestamp;
 
-/// Which matrix turned the camera's red, green and blue into Y, U and V.
+/// The matrix that converted red, green and blue to Y, U and V.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ColourMatrix {
-    /// ITU-R BT.601: standard definition, and JPEG.
+    /// ITU-R BT.601: standard definition and JPEG.
     Bt601,
     /// ITU-R BT.709: high definition.
     Bt709,
 }
 
-/// Which part of 0..=255 the samples use.
+/// The range of sample values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SampleRange {
-    /// Y 16..=235, U and V 16..=240: what video uses unless it says otherwise.
+    /// Y 16..=235, U and V 16..=240: the default of video.
     Limited,
     /// 0..=255: JPEG.
     Full,
 }
 
-/// How the samples of a picture stand for colours.
+/// Colour encoding of a picture's samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ColourEncoding {
     /// The matrix.
@@ -33,10 +33,10 @@ pub struct ColourEncoding {
 }
 
 impl ColourEncoding {
-    /// What JPEG files use.
+    /// The encoding of JPEG files.
     pub const JPEG: Self = Self { matrix: ColourMatrix::Bt601, range: SampleRange::Full };
 
-    /// What to take where a video does not say: limited range, and BT.709 from 720 lines on, else BT.601.
+    /// The encoding assumed for a video that does not declare one: limited range, BT.709 from 720 rows on, else BT.601.
     pub fn assumed_for(size: PictureSize) -> Self {
         let matrix = if size.height >= 720 { ColourMatrix::Bt709 } else { ColourMatrix::Bt601 };
         Self { matrix, range: SampleRange::Limited }
@@ -57,17 +57,28 @@ pub struct Plane<'a> {
 }
 
 impl<'a> Plane<'a> {
-    /// One row of samples, without the padding behind it.
+    /// One row of samples, without padding.
     ///
     /// # Panics
-    /// If `row` is not below `height`.
+    /// If `row >= height`.
     pub fn row(&self, row: usize) -> &'a [u8] {
         &self.data[row * self.stride..][..self.width]
     }
 }
 
-/// A planar YUV 4:2:0 picture that owns its samples, rows tightly packed. The chroma planes are half as wide
-/// and half as high, rounded up, so that odd sizes work.
+/// A planar YUV 4:2:0 picture that owns its samples, without padding between rows. The chroma planes have half the
+/// width and height, rounded up, so that odd sizes work.
+///
+/// ```
+/// use barrelman_vocab::video::ColourEncoding;
+/// use barrelman_vocab::{Picture, PictureSize};
+///
+/// let mut picture = Picture::black(PictureSize::new(4, 2), ColourEncoding::JPEG);
+/// let [luma, _, _] = picture.planes_mut();
+/// luma[0] = 255;
+/// assert_eq!(picture.y().row(0), [255, 0, 0, 0]);
+/// assert_eq!(picture.chroma_size(), PictureSize::new(2, 1));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
     size: PictureSize,
@@ -76,7 +87,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A black picture (in the given encoding).
+    /// A black picture.
     pub fn black(size: PictureSize, colour: ColourEncoding) -> Self {
         let mut picture = Self { size, colour, samples: Vec::new() };
         picture.reshape(size, colour);
@@ -86,8 +97,8 @@ impl Picture {
         picture
     }
 
-    /// Makes this a picture of another size and encoding, and keeps its memory. The samples hold whatever was
-    /// there before: a caller fills all three planes.
+    /// Changes size and encoding and reuses the memory. The content is unspecified afterwards: the caller must fill all
+    /// three planes.
     pub fn reshape(&mut self, size: PictureSize, colour: ColourEncoding) {
         self.size = size;
         self.colour = colour;
@@ -95,12 +106,12 @@ impl Picture {
         self.samples.resize(size.area() + 2 * chroma.area(), 128);
     }
 
-    /// Size of the luma plane, which is the picture's.
+    /// Size of the picture and of its luma plane.
     pub const fn size(&self) -> PictureSize {
         self.size
     }
 
-    /// Size of each chroma plane: half of the picture's, rounded up.
+    /// Size of each chroma plane: half the picture's size, rounded up.
     pub const fn chroma_size(&self) -> PictureSize {
         Self::chroma_size_of(self.size)
     }
@@ -109,7 +120,7 @@ impl Picture {
         PictureSize::new(size.width.div_ceil(2), size.height.div_ceil(2))
     }
 
-    /// How the samples stand for colours.
+    /// Colour encoding of the samples.
     pub const fn colour(&self) -> ColourEncoding {
         self.colour
     }
@@ -131,7 +142,7 @@ impl Picture {
         plane(&self.samples[self.size.area() + chroma.area()..][..chroma.area()], chroma)
     }
 
-    /// The samples of all three planes, to be written: Y, U, V, each tightly packed.
+    /// The samples of the Y, U and V plane, mutable, each without padding.
     pub fn planes_mut(&mut self) -> [&mut [u8]; 3] {
         let chroma = self.chroma_size().area();
         let (y, uv) = self.samples.split_at_mut(self.size.area());
@@ -139,7 +150,7 @@ impl Picture {
         [y, u, v]
     }
 
-    /// The samples of all three planes, Y, U, V, one behind the other.
+    /// The samples of the Y, U and V plane in this order.
     pub fn samples(&self) -> &[u8] {
         &self.samples
     }
@@ -149,32 +160,44 @@ fn plane(data: &[u8], size: PictureSize) -> Plane<'_> {
     Plane { data, width: size.width as usize, height: size.height as usize, stride: size.width as usize }
 }
 
-/// How good a time of capture is: whose clock stamped the picture, best first.
+/// Quality of a time of capture: the clock that stamped the picture, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CaptureQuality {
     /// Stamped at the sensor (V4L2 buffer time, simulator).
     Sensor,
-    /// Stamped by the sender and mapped to our clock (RTP, RTCP, the PTS of a file).
+    /// Stamped by the sender and mapped to this program's clock (RTP, RTCP, the PTS of a file).
     Sender,
-    /// The time at which it arrived here: the true capture was earlier by an unknown latency.
+    /// Time of arrival. The picture was captured earlier by an unknown latency.
     Arrival,
 }
 
-/// When a picture was taken, and how well that is known.
+/// Time of capture of a picture, and its quality.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Capture {
     /// Time of capture.
     pub at: Timestamp,
-    /// Whose clock said so.
+    /// The clock that stamped it.
     pub quality: CaptureQuality,
 }
 
-/// One picture of a video with its place in time. Cloning shares the picture.
+/// One picture of a video with its time of capture. Cloning shares the picture.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
+/// use barrelman_vocab::{Picture, PictureSize, Timestamp, VideoFrame};
+///
+/// let capture = Capture { at: Timestamp::from_secs_f64(0.5), quality: CaptureQuality::Sensor };
+/// let picture = Arc::new(Picture::black(PictureSize::new(640, 480), ColourEncoding::JPEG));
+/// let frame = VideoFrame { sequence: 0, capture, picture };
+/// assert_eq!(frame.picture.size().area(), 307_200);
+/// ```
 #[derive(Debug, Clone)]
 pub struct VideoFrame {
-    /// Running number of the decoded frames of this source from 0; gaps are frames that were dropped.
+    /// Number of the decoded frame since the start of this source, from 0. A gap means dropped frames.
     pub sequence: u64,
-    /// When it was taken.
+    /// Time of capture.
     pub capture: Capture,
     /// The samples.
     pub picture: Arc<Picture>,

@@ -1,9 +1,9 @@
-//! Commands to bytes and bytes to telemetry, for every vehicle's protocol, and both ends of each: the client's
-//! and, as a state machine of its own, the ground station's.
+//! Vehicle protocols: commands to bytes and bytes to telemetry. Each protocol has both ends: the client, and the ground
+//! station as a separate state machine.
 //!
-//! What must not be here: ports, sockets, threads, clocks (time comes in as `now`, and whoever must wait
-//! returns when to call again), vehicle signs (what comes in is in the vehicle's own), and any command that
-//! moves the vehicle itself. Sentinels of a protocol end here: inwards go options and enums.
+//! What must not be here: ports, sockets, threads, clocks (the time is the argument `now`; code that must wait returns
+//! the time of the next call), sign conversions (all rates are in the vehicle's own signs), and any command that moves
+//! the vehicle itself. Sentinel values of a protocol are converted here to options and enums.
 #![forbid(unsafe_code)]
 
 pub mod fotokite_pro;

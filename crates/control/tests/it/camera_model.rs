@@ -1,4 +1,4 @@
-//! The camera model against a plant that is integrated in small steps.
+//! The camera model against a simulated plant that is integrated in small steps.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -8,12 +8,12 @@ use barrelman_vocab::profile::{AxisRates, CameraDynamics};
 use barrelman_vocab::{Angle, AngularRate, CameraCommand, PictureSize, Timestamp, VehicleProfile};
 use proptest::prelude::*;
 
-/// A plant in steps of 0.1 ms: dead times, overruling, lag, as it is described.
+/// The plant, in steps of 0.1 ms: dead times, overriding commands, lag.
 struct Plant {
     start_s: f64,
     stop_s: f64,
     lag_s: f64,
-    on_their_way: VecDeque<(f64, f64)>,
+    pending: VecDeque<(f64, f64)>,
     asked: f64,
     in_effect: f64,
     rate: f64,
@@ -28,7 +28,7 @@ impl Plant {
             start_s,
             stop_s,
             lag_s,
-            on_their_way: VecDeque::new(),
+            pending: VecDeque::new(),
             asked: 0.0,
             in_effect: 0.0,
             rate: 0.0,
@@ -42,15 +42,15 @@ impl Plant {
         }
         self.asked = asked;
         let at_s = now_s + if asked == 0.0 { self.stop_s } else { self.start_s };
-        while self.on_their_way.back().is_some_and(|(later_s, _)| *later_s >= at_s) {
-            self.on_their_way.pop_back();
+        while self.pending.back().is_some_and(|(later_s, _)| *later_s >= at_s) {
+            self.pending.pop_back();
         }
-        self.on_their_way.push_back((at_s, asked));
+        self.pending.push_back((at_s, asked));
     }
 
     fn step(&mut self, now_s: f64) {
-        while self.on_their_way.front().is_some_and(|(at_s, _)| *at_s <= now_s + 0.5 * STEP_S) {
-            self.in_effect = self.on_their_way.pop_front().unwrap().1;
+        while self.pending.front().is_some_and(|(at_s, _)| *at_s <= now_s + 0.5 * STEP_S) {
+            self.in_effect = self.pending.pop_front().unwrap().1;
         }
         self.rate += STEP_S / self.lag_s * (self.in_effect - self.rate);
         self.angle += STEP_S * self.rate;
@@ -70,7 +70,7 @@ fn seconds(s: f64) -> Timestamp {
     Timestamp::from_secs_f64(s)
 }
 
-/// Commands at times, and what model and plant make of them.
+/// Compares model and plant for commands at times.
 fn compare(commands: &[(f64, f64)]) {
     let (dynamics, limits) = profile();
     let pan = dynamics.pan;
@@ -90,13 +90,13 @@ fn compare(commands: &[(f64, f64)]) {
         }
         while let Some((at_s, rate)) = next.next_if(|(at_s, _)| *at_s <= now_s + 0.5 * STEP_S) {
             plant.command(*rate, *at_s);
-            model.command(pan_at(*rate), seconds(*at_s));
+            model.apply_command(pan_at(*rate), seconds(*at_s));
         }
         course.push((now_s, plant.angle));
         plant.step(now_s);
     }
     for (at_s, angle) in course.into_iter().rev().take_while(|(at_s, _)| *at_s > end_s - 1.5).step_by(97) {
-        let found = model.pointing(seconds(at_s)).0;
+        let found = model.angles_at(seconds(at_s)).0;
         assert!((found - angle).abs() < 1e-3, "at {at_s} s: {found} against {angle}");
     }
 }
@@ -125,16 +125,16 @@ fn at_the_end_stop_it_stays() {
     let mut model = CameraModel::new(dynamics, limits);
     let down = CameraCommand { pan: AngularRate::ZERO, tilt: AngularRate::from_radians_per_second(-0.3) };
     for k in 0..300 {
-        model.command(down, seconds(f64::from(k) / 30.0));
+        model.apply_command(down, seconds(f64::from(k) / 30.0));
     }
     let lowest = dynamics.tilt_stops.0.radians();
-    assert!((model.pointing(seconds(9.9)).1 - lowest).abs() < 1e-12);
+    assert!((model.angles_at(seconds(9.9)).1 - lowest).abs() < 1e-12);
     for k in 300..360 {
         let up = CameraCommand { tilt: -down.tilt, ..down };
-        model.command(up, seconds(f64::from(k) / 30.0));
+        model.apply_command(up, seconds(f64::from(k) / 30.0));
     }
-    // Two seconds up, less dead time and lag: it turned back at once.
-    let risen = model.pointing(seconds(12.0)).1 - lowest;
+    // Two seconds up, less dead time and lag: the model left the end stop immediately.
+    let risen = model.angles_at(seconds(12.0)).1 - lowest;
     assert!((0.48..0.56).contains(&risen), "{risen}");
 }
 
@@ -144,12 +144,12 @@ fn a_reported_tilt_is_believed_in_time() {
     let mut model = CameraModel::new(dynamics, limits);
     for k in 0..60 {
         let now = seconds(f64::from(k) / 30.0);
-        model.command(CameraCommand::REST, now);
-        model.tilt_reported(Angle::from_degrees(-60.0), now);
+        model.apply_command(CameraCommand::REST, now);
+        model.correct_tilt(Angle::from_degrees(-60.0), now);
     }
-    assert!((model.pointing(seconds(2.0)).1.to_degrees() + 60.0).abs() < 0.01);
-    model.tilt_reported(Angle::from_radians(f64::NAN), seconds(2.0));
-    assert!((model.pointing(seconds(2.0)).1.to_degrees() + 60.0).abs() < 0.01);
+    assert!((model.angles_at(seconds(2.0)).1.to_degrees() + 60.0).abs() < 0.01);
+    model.correct_tilt(Angle::from_radians(f64::NAN), seconds(2.0));
+    assert!((model.angles_at(seconds(2.0)).1.to_degrees() + 60.0).abs() < 0.01);
 }
 
 #[test]
@@ -159,14 +159,14 @@ fn a_zoom_counts_from_when_it_was_reported() {
     let mut model = CameraModel::new(dynamics, limits);
     let first = 1000.0 * dynamics.focal_share;
     // 2 atan(1/4): the focal length is twice the picture's width.
-    model.field_of_view_reported(Angle::from_radians(2.0 * libm::atan(0.25)), seconds(1.0));
+    model.set_field_of_view(Angle::from_radians(2.0 * libm::atan(0.25)), seconds(1.0));
     assert_eq!(model.focal_px(seconds(0.9), picture), first);
     assert!((model.focal_px(seconds(1.0), picture) - 2000.0).abs() < 1e-9);
-    let across = model.shift(seconds(0.9), seconds(1.1), picture);
-    assert_eq!((across.shift_u_px, across.deviation_px), (0.0, 1000.0), "nothing is known of that step");
-    assert!(model.shift(seconds(1.1), seconds(1.2), picture).deviation_px < 100.0);
+    let across = model.motion_prior(seconds(0.9), seconds(1.1), picture);
+    assert_eq!((across.shift_u_px, across.std_dev_px), (0.0, 1000.0), "nothing is known of that step");
+    assert!(model.motion_prior(seconds(1.1), seconds(1.2), picture).std_dev_px < 100.0);
     for radians in [f64::NAN, 0.0, -1.0, 3.2, 1e9, f64::INFINITY] {
-        model.field_of_view_reported(Angle::from_radians(radians), seconds(2.0));
+        model.set_field_of_view(Angle::from_radians(radians), seconds(2.0));
         assert!((model.focal_px(seconds(3.0), picture) - 2000.0).abs() < 1e-9, "{radians}");
     }
 }
@@ -180,31 +180,31 @@ fn a_zoom_under_way_is_remembered_as_it_went() {
     for k in 0..=40 {
         let share = 1.0 + 0.05 * f64::from(k);
         let angle = Angle::from_radians(2.0 * libm::atan(0.5 / share));
-        model.field_of_view_reported(angle, seconds(1.0 + 0.05 * f64::from(k)));
+        model.set_field_of_view(angle, seconds(1.0 + 0.05 * f64::from(k)));
     }
     for k in 12..=40 {
         let at = seconds(1.001 + 0.05 * f64::from(k));
         assert!((model.focal_px(at, picture) - (1000.0 + 50.0 * f64::from(k))).abs() < 1e-6, "{k}");
     }
-    let across = model.shift(seconds(2.51), seconds(2.61), picture);
-    assert_eq!(across.deviation_px.to_bits(), 1000.0_f64.to_bits(), "nothing is known of that step");
+    let across = model.motion_prior(seconds(2.51), seconds(2.61), picture);
+    assert_eq!(across.std_dev_px.to_bits(), 1000.0_f64.to_bits(), "nothing is known of that step");
 }
 
 #[test]
 fn a_zero_on_its_way_ends_the_turn_though_nothing_more_is_said() {
     let (dynamics, limits) = profile();
     let mut silent = CameraModel::new(dynamics, limits);
-    silent.command(pan_at(0.3), seconds(1.0));
-    silent.command(CameraCommand::REST, seconds(2.0));
-    let mut told = silent.clone();
+    silent.apply_command(pan_at(0.3), seconds(1.0));
+    silent.apply_command(CameraCommand::REST, seconds(2.0));
+    let mut advanced = silent.clone();
     for k in 1..=120 {
-        told.advance_to(seconds(2.0 + f64::from(k) / 30.0));
+        advanced.advance_to(seconds(2.0 + f64::from(k) / 30.0));
     }
     for at_s in [2.1, 2.3, 2.6, 3.0, 6.0] {
-        let (silent, told) = (silent.pointing(seconds(at_s)).0, told.pointing(seconds(at_s)).0);
-        assert!((silent - told).abs() < 1e-4, "{at_s} s: {silent} {told}");
+        let (silent, advanced) = (silent.angles_at(seconds(at_s)).0, advanced.angles_at(seconds(at_s)).0);
+        assert!((silent - advanced).abs() < 1e-4, "{at_s} s: {silent} {advanced}");
     }
-    assert!(silent.pointing(seconds(6.0)).0 < 0.5, "it does not turn for ever");
+    assert!(silent.angles_at(seconds(6.0)).0 < 0.5, "it does not turn for ever");
 }
 
 #[test]
@@ -212,8 +212,8 @@ fn an_end_stop_holds_though_nothing_more_is_said() {
     let (dynamics, limits) = profile();
     let mut model = CameraModel::new(dynamics, limits);
     let up = CameraCommand { pan: AngularRate::ZERO, tilt: AngularRate::from_radians_per_second(0.3) };
-    model.command(up, seconds(1.0));
-    let (_, tilt) = model.pointing(seconds(60.0));
+    model.apply_command(up, seconds(1.0));
+    let (_, tilt) = model.angles_at(seconds(60.0));
     assert_eq!(tilt.to_bits(), dynamics.tilt_stops.1.radians().to_bits());
 }
 
@@ -224,9 +224,9 @@ fn no_lag_is_no_trouble() {
     dynamics.pan.start_dead_time = Duration::ZERO;
     let mut model = CameraModel::new(dynamics, limits);
     for k in 0..=30 {
-        model.command(pan_at(0.3), seconds(f64::from(k) / 30.0));
+        model.apply_command(pan_at(0.3), seconds(f64::from(k) / 30.0));
     }
-    assert!((model.pointing(seconds(1.0)).0 - 0.3).abs() < 1e-3);
+    assert!((model.angles_at(seconds(1.0)).0 - 0.3).abs() < 1e-3);
 }
 
 proptest! {
@@ -261,8 +261,8 @@ proptest! {
                 pan: AngularRate::from_radians_per_second(pan),
                 tilt: AngularRate::from_radians_per_second(tilt),
             };
-            model.command(command, now);
-            let (pan, tilt) = model.pointing(now);
+            model.apply_command(command, now);
+            let (pan, tilt) = model.angles_at(now);
             prop_assert!(pan.is_finite() && tilt.is_finite());
         }
     }
@@ -276,15 +276,15 @@ fn the_picture_shifts_against_the_turn_once_a_command_shows_and_is_known_less_we
     let turned = |pan: f64, tilt: f64| {
         let mut camera = CameraModel::new(profile.camera, profile.limits);
         let [pan, tilt] = [pan, tilt].map(AngularRate::from_radians_per_second);
-        camera.command(CameraCommand { pan, tilt }, at(10.0));
-        [camera.shift(at(10.0), at(10.04), size), camera.shift(at(12.0), at(12.04), size)]
+        camera.apply_command(CameraCommand { pan, tilt }, at(10.0));
+        [camera.motion_prior(at(10.0), at(10.04), size), camera.motion_prior(at(12.0), at(12.04), size)]
     };
     let [before, right] = turned(0.3, 0.0);
     assert!(before.shift_u_px.abs() < 1e-9 && before.shift_v_px.abs() < 1e-9, "{before:?}");
     // 660 px of focal length, 0.3 rad/s for 40 ms, at a depression of 24 degrees: 7.2 px.
     assert!((-7.9..-6.5).contains(&right.shift_u_px) && right.shift_v_px.abs() < 1.0, "{right:?}");
-    assert!(right.deviation_px > before.deviation_px && before.deviation_px > 1.0, "{right:?}, {before:?}");
+    assert!(right.std_dev_px > before.std_dev_px && before.std_dev_px > 1.0, "{right:?}, {before:?}");
     let [_, up] = turned(0.0, 0.2);
     assert!(up.shift_v_px > 4.0 && up.shift_u_px.abs() < 1e-9, "{up:?}");
-    assert_eq!(up.over, Duration::from_millis(40));
+    assert_eq!(up.interval, Duration::from_millis(40));
 }

@@ -1,8 +1,8 @@
-//! The laws, by tables and by properties.
+//! Tests of the laws and their models, by tables and by properties.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
 
 mod bearing;
 mod camera_model;
+mod motor_schema;
 mod optimal;
-mod schema;
 mod transfer;

@@ -1,53 +1,42 @@
 //! The least-energy transfer against an independent conic solver, and its properties.
 
 use barrelman_control::Transfer;
+use barrelman_vocab::rng::SplitMix64;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SolverStatus,
 };
 use proptest::prelude::*;
 
-/// Numbers that look random, the same each time.
-struct Draws(u64);
-
-impl Draws {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
+/// A random number in [low, high).
+fn between(rng: &mut SplitMix64, low: f64, high: f64) -> f64 {
+    low + (high - low) * rng.uniform()
 }
 
-/// A problem as a camera poses it: offsets with P up to 400, gains from nearly zero to those of a long lens, either
-/// axis' range cut short by an end stop now and then.
-fn problem(draws: &mut Draws) -> Transfer {
+/// A problem with the ranges of a real camera: P up to 400, gains from nearly zero to those of a long lens, and
+/// occasionally an end stop that limits an axis.
+fn problem(rng: &mut SplitMix64) -> Transfer {
     let distance =
-        libm::sqrt(if draws.unit() < 0.2 { draws.between(0.0, 400.0) } else { draws.between(0.0, 6.0) });
-    let bearing = draws.between(-3.2, 3.2);
-    let gain = |draws: &mut Draws| {
-        let size = libm::pow(10.0, draws.between(-0.5, 1.3));
-        match draws.unit() {
+        libm::sqrt(if rng.uniform() < 0.2 { between(rng, 0.0, 400.0) } else { between(rng, 0.0, 6.0) });
+    let bearing = between(rng, -3.2, 3.2);
+    let gain = |rng: &mut SplitMix64| {
+        let size = libm::pow(10.0, between(rng, -0.5, 1.3));
+        match rng.uniform() {
             x if x < 0.05 => 0.0,
-            x if x < 0.15 => size * libm::pow(10.0, draws.between(-9.0, -2.0)),
+            x if x < 0.15 => size * libm::pow(10.0, between(rng, -9.0, -2.0)),
             _ => size,
         }
     };
-    let across = |draws: &mut Draws| draws.between(-0.5, 0.5);
-    let (pan, tilt) = (gain(draws), gain(draws));
-    let limit = |draws: &mut Draws| if draws.unit() < 0.05 { 0.0 } else { draws.between(0.05, 2.0) };
+    let across = |rng: &mut SplitMix64| between(rng, -0.5, 0.5);
+    let (pan, tilt) = (gain(rng), gain(rng));
+    let limit = |rng: &mut SplitMix64| if rng.uniform() < 0.05 { 0.0 } else { between(rng, 0.05, 2.0) };
     Transfer {
         offset: [distance * libm::cos(bearing), distance * libm::sin(bearing)],
-        pan: [-pan, pan * across(draws)],
-        tilt: [tilt * across(draws), -tilt],
-        aim: draws.between(0.1, 1.0),
-        least: [-limit(draws), -limit(draws)],
-        most: [limit(draws), limit(draws)],
+        pan: [-pan, pan * across(rng)],
+        tilt: [tilt * across(rng), -tilt],
+        aim: between(rng, 0.1, 1.0),
+        min_rates: [-limit(rng), -limit(rng)],
+        max_rates: [limit(rng), limit(rng)],
     }
 }
 
@@ -59,10 +48,10 @@ fn length(v: [f64; 2]) -> f64 {
     libm::hypot(v[0], v[1])
 }
 
-/// The conic solver's rates: of least energy where `nearest` is false, otherwise those that come closest. `None` where
-/// it says that there are none.
+/// The rates of the conic solver: those with the least energy, or, if `nearest`, those with the closest approach.
+/// `None` if the solver finds none.
 fn conic(problem: &Transfer, nearest: bool) -> Option<[f64; 2]> {
-    // Variables: the rates, and for the closest point its distance.
+    // Variables: the rates, and for the closest approach its distance.
     let n = if nearest { 3 } else { 2 };
     let mut quadratic = vec![vec![0.0; n]; n];
     let mut linear = vec![0.0; n];
@@ -85,10 +74,10 @@ fn conic(problem: &Transfer, nearest: bool) -> Option<[f64; 2]> {
     ];
     let radius = if nearest { 0.0 } else { problem.aim };
     let b = [
-        problem.most[0],
-        problem.most[1],
-        -problem.least[0],
-        -problem.least[1],
+        problem.max_rates[0],
+        problem.max_rates[1],
+        -problem.min_rates[0],
+        -problem.min_rates[1],
         radius,
         problem.offset[0],
         problem.offset[1],
@@ -116,19 +105,19 @@ fn conic(problem: &Transfer, nearest: bool) -> Option<[f64; 2]> {
 
 #[test]
 fn it_agrees_with_a_conic_solver() {
-    let mut draws = Draws(1);
+    let mut rng = SplitMix64::new(1);
     let (mut at_rest, mut feasible, mut infeasible) = (0, 0, 0);
     for case in 0..20_000 {
-        let problem = problem(&mut draws);
+        let problem = problem(&mut rng);
         let found = problem.solve();
         for axis in 0..2 {
             assert!(
-                (problem.least[axis]..=problem.most[axis]).contains(&found.rates[axis]),
+                (problem.min_rates[axis]..=problem.max_rates[axis]).contains(&found.rates[axis]),
                 "{case}: {problem:?}"
             );
         }
         let left = length(moved(&problem, found.rates));
-        if found.arrives {
+        if found.reaches_aim {
             assert!(left <= problem.aim + 1e-9, "{case}: misses by {}: {problem:?}", left - problem.aim);
             let energy = length(found.rates) * length(found.rates);
             if energy == 0.0 {
@@ -137,10 +126,10 @@ fn it_agrees_with_a_conic_solver() {
             }
             feasible += 1;
             if let Some(theirs) = conic(&problem, false) {
-                let least = length(theirs) * length(theirs);
+                let min_energy = length(theirs) * length(theirs);
                 assert!(
-                    energy <= least * (1.0 + 1e-6) + 1e-12,
-                    "{case}: {energy} against {least}: {found:?} {theirs:?} {problem:?}"
+                    energy <= min_energy * (1.0 + 1e-6) + 1e-12,
+                    "{case}: {energy} against {min_energy}: {found:?} {theirs:?} {problem:?}"
                 );
             }
         } else {
@@ -155,7 +144,7 @@ fn it_agrees_with_a_conic_solver() {
 }
 
 fn any_problem() -> impl Strategy<Value = Transfer> {
-    any::<u64>().prop_map(|seed| problem(&mut Draws(seed)))
+    any::<u64>().prop_map(|seed| problem(&mut SplitMix64::new(seed)))
 }
 
 proptest! {
@@ -165,12 +154,12 @@ proptest! {
             offset: [-problem.offset[0], problem.offset[1]],
             pan: [problem.pan[0], -problem.pan[1]],
             tilt: [-problem.tilt[0], problem.tilt[1]],
-            least: [-problem.most[0], problem.least[1]],
-            most: [-problem.least[0], problem.most[1]],
+            min_rates: [-problem.max_rates[0], problem.min_rates[1]],
+            max_rates: [-problem.min_rates[0], problem.max_rates[1]],
             ..problem
         };
         let (found, other) = (problem.solve(), mirrored.solve());
-        prop_assert_eq!(found.arrives, other.arrives);
+        prop_assert_eq!(found.reaches_aim, other.reaches_aim);
         for (rate, mirrored) in [(-found.rates[0], other.rates[0]), (found.rates[1], other.rates[1])] {
             prop_assert!((rate - mirrored).abs() <= 1e-9 * (1.0 + rate.abs()), "{:?} {:?}", found, other);
         }
@@ -184,18 +173,18 @@ proptest! {
 
     #[test]
     fn whatever_is_put_in_no_rate_is_beyond_its_limits(numbers in prop::array::uniform11(prop::num::f64::ANY)) {
-        let [ox, oy, px, py, tx, ty, aim, least_pan, least_tilt, most_pan, most_tilt] = numbers;
+        let [ox, oy, px, py, tx, ty, aim, min_pan, min_tilt, max_pan, max_tilt] = numbers;
         let problem = Transfer {
             offset: [ox, oy],
             pan: [px, py],
             tilt: [tx, ty],
             aim,
-            least: [-least_pan.abs(), -least_tilt.abs()],
-            most: [most_pan.abs(), most_tilt.abs()],
+            min_rates: [-min_pan.abs(), -min_tilt.abs()],
+            max_rates: [max_pan.abs(), max_tilt.abs()],
         };
         let found = problem.solve();
         for axis in 0..2 {
-            let within = problem.least[axis] <= found.rates[axis] && found.rates[axis] <= problem.most[axis];
+            let within = problem.min_rates[axis] <= found.rates[axis] && found.rates[axis] <= problem.max_rates[axis];
             prop_assert!(found.rates[axis] == 0.0 || within, "{:?} for {:?}", found, problem);
         }
     }

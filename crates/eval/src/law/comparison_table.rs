@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use barrelman_control::optimal::Tuning;
-use barrelman_trial::campaign::compare::{Comparison, Paired};
+use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
 
 use super::conditions::Condition;
@@ -52,7 +52,7 @@ pub(super) fn print(conditions: &[&Condition], options: &Options, minimum_energy
         for (name, law) in laws.iter().filter(|(name, _)| options.includes_law(name)) {
             let count = if law.is_slow() { seeds.min(MAX_SEEDS_OF_SLOW_LAW) } else { seeds };
             let trials = law.simulate(&plan, first_seed..first_seed + count)?;
-            let comparison = Comparison::of(&baseline, &trials, &Bootstrap::USUAL);
+            let comparison = CampaignComparison::new(&baseline, &trials, &Bootstrap::DEFAULT);
             is_met &= print_law(condition, name, &comparison);
         }
     }
@@ -60,10 +60,10 @@ pub(super) fn print(conditions: &[&Condition], options: &Options, minimum_energy
 }
 
 /// Prints the rows of a law. Returns whether its requirements hold.
-fn print_law(condition: &Condition, law: &str, comparison: &Comparison) -> bool {
+fn print_law(condition: &Condition, law: &str, comparison: &CampaignComparison) -> bool {
     let mut is_met = true;
     for (printed_name, metric) in METRICS {
-        let Some(paired) = comparison.figures.iter().find(|paired| paired.figure == metric) else { continue };
+        let Some(paired) = comparison.metrics.iter().find(|paired| paired.metric == metric) else { continue };
         let limit = max_ratio(condition, law, metric);
         let is_missed = limit.is_some_and(|limit| !is_within(paired, limit));
         is_met &= !is_missed;
@@ -88,7 +88,7 @@ pub(super) fn ratio_cell(ratio: Option<Interval>) -> String {
 }
 
 /// Whether the upper end of a ratio's interval is within a limit. Where the schema's mean is 0, the law's must be, too.
-fn is_within(paired: &Paired, limit: f64) -> bool {
+fn is_within(paired: &PairedMetric, limit: f64) -> bool {
     match paired.ratio {
         Some(ratio) => ratio.high <= limit,
         None => paired.second <= 0.0,

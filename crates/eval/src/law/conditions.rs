@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::{Perception, Plan, Request};
+use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_simd::SimdLevel;
 
 /// A scenario with one of its settings.
@@ -46,7 +46,7 @@ impl Condition {
     ///
     /// # Errors
     /// If the scenario cannot be loaded.
-    pub(super) fn plan(&self) -> Result<Plan> {
+    pub(super) fn plan(&self) -> Result<CampaignPlan> {
         self.plan_with(PlantName::Drawn)
     }
 
@@ -54,13 +54,14 @@ impl Condition {
     ///
     /// # Errors
     /// If the scenario cannot be loaded.
-    pub(super) fn nominal_plan(&self) -> Result<Plan> {
+    pub(super) fn nominal_plan(&self) -> Result<CampaignPlan> {
         self.plan_with(PlantName::Nominal)
     }
 
-    fn plan_with(&self, plant: PlantName) -> Result<Plan> {
-        let changes = Changes { setting: Some(self.setting.to_owned()), ..Changes::default() };
-        Plan::new(&Request {
+    fn plan_with(&self, plant: PlantName) -> Result<CampaignPlan> {
+        let changes =
+            ScenarioOverrides { setting: Some(self.setting.to_owned()), ..ScenarioOverrides::default() };
+        CampaignPlan::new(&CampaignRequest {
             scenario: self.scenario.to_owned(),
             changes,
             law: LawChoice::SCHEMA,

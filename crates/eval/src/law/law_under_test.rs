@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::Result;
 use barrelman_control::optimal::{OptimalLaw, Tuning};
 use barrelman_control::{CentringGains, Law, MotorSchema};
-use barrelman_experiments::campaign::plan::Plan;
+use barrelman_experiments::campaign::plan::CampaignPlan;
 use barrelman_trial::metrics::TrialEntry;
 use barrelman_vocab::VehicleProfile;
 
@@ -33,11 +33,12 @@ impl LawUnderTest {
 
     fn build(&self, profile: &VehicleProfile) -> Box<dyn Law> {
         match self {
-            Self::MotorSchema => Box::new(MotorSchema::new(profile.schema)),
-            Self::Centring => {
-                Box::new(barrelman_control::centring::Centring::new(CentringGains::USUAL, profile.limits))
-            }
-            Self::Optimal(tuning) => Box::new(OptimalLaw::tuned(*tuning, profile)),
+            Self::MotorSchema => Box::new(MotorSchema::new(profile.motor_schema_rates)),
+            Self::Centring => Box::new(barrelman_control::centring::Centring::new(
+                CentringGains::HAND_TUNED,
+                profile.limits,
+            )),
+            Self::Optimal(tuning) => Box::new(OptimalLaw::with_tuning(*tuning, profile)),
             Self::Lqg(weight) => Box::new(Lqg::new(*weight, profile)),
             Self::Mpc => Box::new(Mpc::new(profile)),
         }
@@ -47,10 +48,10 @@ impl LawUnderTest {
     ///
     /// # Errors
     /// If a trial cannot be simulated.
-    pub(super) fn simulate(&self, plan: &Plan, seeds: Range<u64>) -> Result<Vec<TrialEntry>> {
+    pub(super) fn simulate(&self, plan: &CampaignPlan, seeds: Range<u64>) -> Result<Vec<TrialEntry>> {
         let seeds: Vec<u64> = seeds.collect();
         parallel::map(&seeds, |seed| {
-            let log = plan.log_by(Some(self.build(plan.profile())), *seed, &mut ())?;
+            let log = plan.simulate_with_law(Some(self.build(plan.profile())), *seed, &mut ())?;
             Ok(plan.entry(*seed, &log))
         })
         .into_iter()

@@ -5,7 +5,7 @@
 //! the camera, rad/s. `e' = v - w`, `v' = -v / memory`, `w' = (u - w) / lag`. The gains minimise
 //! `∫ (e² + weight u²) dt`. They come from the Riccati equation, integrated to its steady state.
 
-use barrelman_control::{CameraModel, Law, Sight};
+use barrelman_control::{CameraModel, Law, LawInput};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile};
 
 use super::target_predictor::{MIN_LAG_S, RATE_MEMORY_S, TargetPredictor};
@@ -36,13 +36,13 @@ impl Lqg {
 }
 
 impl Law for Lqg {
-    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
-        let Some(state) = self.predictor.update(sight, camera) else { return CameraCommand::REST };
+    fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
+        let Some(state) = self.predictor.update(input, camera) else { return CameraCommand::REST };
         let (view, now) = state.project(0.0, [0.0; 2]);
         let (_, soon) = state.project(RATE_INTERVAL_S, [0.0; 2]);
-        let sensitivity = view.sensitivity(now);
+        let jacobian = view.jacobian(now);
         // Where the camera looks straight down, pan hardly moves the target: the gain is limited to ten times the usual.
-        let px_per_rad = [sensitivity.pan[0], sensitivity.tilt[1]];
+        let px_per_rad = [jacobian.pan[0], jacobian.tilt[1]];
         let min_px_per_rad = 0.1 * px_per_rad[1].abs();
         let px_per_rad = px_per_rad.map(|gain| -gain.abs().max(min_px_per_rad));
         let (now, soon) = ([now.x, now.y], [soon.x, soon.y]);
@@ -60,8 +60,8 @@ impl Law for Lqg {
         CameraCommand { pan, tilt }
     }
 
-    fn forget(&mut self) {
-        self.predictor.reset();
+    fn reset_target(&mut self) {
+        self.predictor.reset_target();
     }
 }
 

@@ -5,7 +5,7 @@
 //! `Σ |u|² + penalty Σ slack²` over the rates u, so that the target lies within [`AIM`] plus the slack of each step, and
 //! the rates within the limits. Only the first step's rates are commanded; the next picture poses the problem anew.
 
-use barrelman_control::{CameraModel, Law, Sight};
+use barrelman_control::{CameraModel, Law, LawInput};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -72,10 +72,10 @@ impl Mpc {
                     state.rates[axis] * self.lags_s[axis] * (1.0 - (-after_s / self.lags_s[axis]).exp())
                 });
                 let (view, point) = state.project(after_s, coasting);
-                let sensitivity = view.sensitivity(point);
+                let jacobian = view.jacobian(point);
                 PredictedStep {
                     position: [point.x / a, point.y / b],
-                    jacobian: [sensitivity.pan, sensitivity.tilt].map(|[x, y]| [x / a, y / b]),
+                    jacobian: [jacobian.pan, jacobian.tilt].map(|[x, y]| [x / a, y / b]),
                 }
             })
             .collect()
@@ -152,15 +152,15 @@ fn solve(constraints: &[Constraint]) -> Option<[f64; 2]> {
 }
 
 impl Law for Mpc {
-    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
-        let Some(state) = self.predictor.update(sight, camera) else { return CameraCommand::REST };
-        let rates = self.first_rates(&state, (sight.region.a_px, sight.region.b_px));
+    fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
+        let Some(state) = self.predictor.update(input, camera) else { return CameraCommand::REST };
+        let rates = self.first_rates(&state, (input.region.a_px, input.region.b_px));
         let [pan, tilt] = rates
             .map(|rate| AngularRate::from_radians_per_second(if rate.abs() < MIN_RATE { 0.0 } else { rate }));
         CameraCommand { pan, tilt }
     }
 
-    fn forget(&mut self) {
-        self.predictor.reset();
+    fn reset_target(&mut self) {
+        self.predictor.reset_target();
     }
 }

@@ -5,7 +5,7 @@ use core::time::Duration;
 use anyhow::Result;
 use barrelman_control::optimal::Tuning;
 use barrelman_sim::Scenario;
-use barrelman_sim::video_link::VideoLinkScript;
+use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{AngularRate, VehicleProfile};
 
@@ -83,11 +83,11 @@ impl Vehicle {
             (axis.start_dead_time_s, axis.stop_dead_time_s) =
                 (self.dead_time_s[index], self.dead_time_s[index]);
             axis.lag_s = self.lag_s[index];
-            axis.limit = AngularRate::from_radians_per_second(self.max_rate_deg_per_s.to_radians());
-            axis.flaws.dead_band_rad_per_s = self.min_rate_deg_per_s.to_radians();
-            axis.flaws.acceleration_rad_per_s2 = self.acceleration_rad_per_s2;
+            axis.max_rate = AngularRate::from_radians_per_second(self.max_rate_deg_per_s.to_radians());
+            axis.imperfections.dead_band_rad_per_s = self.min_rate_deg_per_s.to_radians();
+            axis.imperfections.max_acceleration_rad_per_s2 = self.acceleration_rad_per_s2;
         }
-        world.camera.video = VideoLinkScript::steady(self.video_latency_s);
+        world.camera.video = VideoLinkModel::steady(self.video_latency_s);
     }
 
     fn apply_to_profile(&self, profile: &mut VehicleProfile) {
@@ -96,7 +96,7 @@ impl Vehicle {
             axis.start_dead_time = Duration::from_secs_f64(self.dead_time_s[index]);
             axis.stop_dead_time = axis.start_dead_time;
             axis.lag = Duration::from_secs_f64(self.lag_s[index]);
-            axis.least_rate = AngularRate::from_radians_per_second(self.min_rate_deg_per_s.to_radians());
+            axis.min_rate = AngularRate::from_radians_per_second(self.min_rate_deg_per_s.to_radians());
         }
         let limit = AngularRate::from_radians_per_second(self.max_rate_deg_per_s.to_radians());
         profile.limits = AxisRates { pan: limit, tilt: limit };

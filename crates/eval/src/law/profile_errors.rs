@@ -40,7 +40,7 @@ fn scale_focal_length(profile: &mut VehicleProfile, share: f64) {
 }
 
 fn assume_steep_tilt(profile: &mut VehicleProfile) {
-    profile.camera.first_tilt = Angle::from_degrees(-45.0);
+    profile.camera.initial_tilt = Angle::from_degrees(-45.0);
 }
 
 fn change_focal_length_and_tilt(profile: &mut VehicleProfile, share: f64) {
@@ -68,8 +68,8 @@ fn double_lags(world: &mut Scenario) {
 fn add_drop_outs(world: &mut Scenario, mean_s: f64) {
     let pictures = f64::from(world.camera.pictures_per_second);
     let video = &mut world.camera.video;
-    (video.to_bad, video.to_good) = (6.0 / 60.0 / pictures, 1.0 / (mean_s * pictures));
-    (video.spoilt, video.frozen) = (1.0, 0.0);
+    (video.good_to_bad, video.bad_to_good) = (6.0 / 60.0 / pictures, 1.0 / (mean_s * pictures));
+    (video.impaired_share, video.frozen_share) = (1.0, 0.0);
 }
 
 fn apply_all(world: &mut Scenario) {

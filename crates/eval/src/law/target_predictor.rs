@@ -5,14 +5,14 @@ use core::time::Duration;
 
 use barrelman_control::optimal::Tuning;
 use barrelman_control::view::View;
-use barrelman_control::{Bearing, BearingFilter, BearingNoise, CameraModel, Sight};
+use barrelman_control::{Bearing, BearingFilter, BearingNoise, CameraModel, LawInput};
 use barrelman_vocab::ImagePoint;
 
 /// The noise model of the target's motion.
 const NOISE: BearingNoise = Tuning::MINIMUM_ENERGY.noise;
 
 /// How long the target's rate keeps its value, seconds.
-pub(super) const RATE_MEMORY_S: f64 = NOISE.memory_s;
+pub(super) const RATE_MEMORY_S: f64 = NOISE.rate_time_constant_s;
 
 /// The least lag of an axis that the reference laws compute with, seconds.
 pub(super) const MIN_LAG_S: f64 = 0.02;
@@ -42,20 +42,20 @@ impl TargetPredictor {
     }
 
     /// Forgets the target.
-    pub(super) fn reset(&mut self) {
-        self.0.forget();
+    pub(super) fn reset_target(&mut self) {
+        self.0.reset_target();
     }
 
     /// Takes in a measurement and predicts; `None` where the target was never measured.
-    pub(super) fn update(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> Option<PredictedState> {
-        self.0.see(sight, camera);
+    pub(super) fn update(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> Option<PredictedState> {
+        self.0.observe(input, camera);
         let dynamics = camera.dynamics();
-        let focal_px = camera.focal_px(sight.captured, sight.picture);
-        let (measured_at, bearing) = self.0.known()?;
+        let focal_px = camera.focal_px(input.captured, input.picture);
+        let (measured_at, bearing) = self.0.estimate()?;
         let dead_time = dynamics.pan.start_dead_time.max(dynamics.tilt.start_dead_time);
-        let effective_at = sight.now.plus(dead_time);
-        let (pan, tilt) = camera.pointing(effective_at);
-        let (pan_rate, tilt_rate) = camera.turning(effective_at);
+        let effective_at = input.now.plus(dead_time);
+        let (pan, tilt) = camera.angles_at(effective_at);
+        let (pan_rate, tilt_rate) = camera.rates_at(effective_at);
         let age: Duration = effective_at.since(*measured_at);
         Some(PredictedState {
             focal_px,
@@ -73,6 +73,6 @@ impl PredictedState {
     /// tilt, radians.
     pub(super) fn project(&self, after_s: f64, turned: [f64; 2]) -> (View, ImagePoint) {
         let view = View::new(self.focal_px, self.angles[0] + turned[0], self.angles[1] + turned[1]);
-        (view, view.point(self.filter.later(&self.bearing, self.age_s + after_s).seen()))
+        (view, view.project(self.filter.predict(&self.bearing, self.age_s + after_s).apparent_direction()))
     }
 }

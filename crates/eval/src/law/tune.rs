@@ -6,10 +6,10 @@
 
 use anyhow::Result;
 use barrelman_control::optimal::Tuning;
-use barrelman_experiments::campaign::plan::Plan;
+use barrelman_experiments::campaign::plan::CampaignPlan;
 use barrelman_experiments::law_choice::ModeName;
 use barrelman_sim::noise;
-use barrelman_trial::campaign::compare::{FIGURES, Figure};
+use barrelman_trial::campaign::compare::{METRICS, Metric};
 use barrelman_trial::metrics::{TrialEntry, TrialMetrics};
 
 use super::conditions::{CONDITIONS, Condition};
@@ -37,8 +37,8 @@ const MEAN_CHANGES: f64 = 2.5;
 /// A condition with the motor schema's means.
 struct Baseline {
     condition: &'static Condition,
-    plan: Plan,
-    /// In the order of [`FIGURES`].
+    plan: CampaignPlan,
+    /// In the order of [`METRICS`].
     means: Vec<Option<f64>>,
 }
 
@@ -92,8 +92,8 @@ impl Objective {
             .iter()
             // A platform that stands still is nearly like one indoors; conditions without requirements only cost time.
             .filter(|condition| {
-                let is_judged = |(metric, _, _): &Figure| max_ratio(condition, mode, metric).is_some();
-                condition.setting != "still" && FIGURES.iter().any(is_judged)
+                let is_judged = |(metric, _, _): &Metric| max_ratio(condition, mode, metric).is_some();
+                condition.setting != "still" && METRICS.iter().any(is_judged)
             })
             .map(|condition| {
                 let plan = condition.plan()?;
@@ -108,7 +108,7 @@ impl Objective {
         let mut cost = 0.0;
         for baseline in &self.baselines {
             let means = means(&simulate(&baseline.plan, &LawUnderTest::Optimal(*tuning), self.seeds)?);
-            for (((metric, _, _), base), mean) in FIGURES.iter().zip(&baseline.means).zip(means) {
+            for (((metric, _, _), base), mean) in METRICS.iter().zip(&baseline.means).zip(means) {
                 let (Some(base), Some(mean)) = (base, mean) else { continue };
                 let required = max_ratio(baseline.condition, self.mode, metric);
                 let limit = required.or_else(|| desired_ratio(baseline.condition, self.mode, metric));
@@ -132,7 +132,7 @@ fn desired_ratio(condition: &Condition, mode: &str, metric: &str) -> Option<f64>
     (is_desired && condition.is_laboratory()).then_some(4.0)
 }
 
-fn simulate(plan: &Plan, law: &LawUnderTest, seeds: u64) -> Result<Vec<TrialEntry>> {
+fn simulate(plan: &CampaignPlan, law: &LawUnderTest, seeds: u64) -> Result<Vec<TrialEntry>> {
     law.simulate(plan, FIRST_SEED..FIRST_SEED + seeds)
 }
 
@@ -142,5 +142,5 @@ fn means(trials: &[TrialEntry]) -> Vec<Option<f64>> {
         let values: Vec<f64> = trials.iter().filter_map(|trial| value(&trial.metrics)).collect();
         (!values.is_empty()).then(|| crate::statistics::mean(&values))
     };
-    FIGURES.iter().map(|(_, _, value)| mean(value)).collect()
+    METRICS.iter().map(|(_, _, value)| mean(value)).collect()
 }

@@ -6,30 +6,30 @@ use barrelman_control::optimal::Tuning;
 /// A parameter: its name, the range that is searched, and its field.
 pub(super) type Parameter = (&'static str, (f64, f64), fn(&mut Tuning) -> &mut f64);
 
-/// The parameters that are tuned.
+/// The parameters that are tuned. The names are words of the command line: they stay when a field is renamed.
 pub(super) const PARAMETERS: [Parameter; 22] = [
     ("start", (0.7, 1.1), |t| &mut t.start),
-    ("doubt", (0.0, 2.0), |t| &mut t.doubt),
+    ("doubt", (0.0, 2.0), |t| &mut t.start_sigma),
     ("stop", (0.0, 1.0), |t| &mut t.stop),
     ("aim", (0.2, 1.0), |t| &mut t.aim),
     ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),
-    ("start_ahead_s", (0.0, 2.5), |t| &mut t.start_ahead_s),
-    ("stop_ahead_s", (0.0, 2.0), |t| &mut t.stop_ahead_s),
-    ("drift_s", (2.0, 30.0), |t| &mut t.drift_s),
-    ("least_rate", (0.01, 0.3), |t| &mut t.least_rate),
-    ("most_rate", (0.2, 0.4), |t| &mut t.most_rate),
-    ("least_share", (0.0, 0.9), |t| &mut t.least_share),
-    ("least_rest_s", (0.0, 0.6), |t| &mut t.least_rest_s),
-    ("noise.rate", (0.05, 0.3), |t| &mut t.noise.rate),
-    ("noise.memory_s", (0.5, 6.0), |t| &mut t.noise.memory_s),
-    ("noise.look", (0.0005, 0.03), |t| &mut t.noise.look),
-    ("noise.sway", (0.0, 0.15), |t| &mut t.noise.sway),
-    ("noise.sway_memory_s", (0.3, 8.0), |t| &mut t.noise.sway_memory_s),
-    ("fast", (0.01, 0.5), |t| &mut t.fast),
-    ("thrift", (0.0, 3.0), |t| &mut t.thrift),
-    ("lazy", (0.0, 3.0), |t| &mut t.lazy),
-    ("ease", (0.0, 0.4), |t| &mut t.ease),
-    ("hold", (0.0, 0.1), |t| &mut t.hold),
+    ("start_ahead_s", (0.0, 2.5), |t| &mut t.start_look_ahead_s),
+    ("stop_ahead_s", (0.0, 2.0), |t| &mut t.stop_look_ahead_s),
+    ("drift_s", (2.0, 30.0), |t| &mut t.recentring_time_s),
+    ("least_rate", (0.01, 0.3), |t| &mut t.min_rate),
+    ("most_rate", (0.2, 0.4), |t| &mut t.max_rate),
+    ("least_share", (0.0, 0.9), |t| &mut t.min_axis_share),
+    ("least_rest_s", (0.0, 0.6), |t| &mut t.min_rest_s),
+    ("noise.rate", (0.05, 0.3), |t| &mut t.noise.rate_std_dev),
+    ("noise.memory_s", (0.5, 6.0), |t| &mut t.noise.rate_time_constant_s),
+    ("noise.look", (0.0005, 0.03), |t| &mut t.noise.measurement_std_dev),
+    ("noise.sway", (0.0, 0.15), |t| &mut t.noise.max_sway_std_dev),
+    ("noise.sway_memory_s", (0.3, 8.0), |t| &mut t.noise.sway_time_constant_s),
+    ("fast", (0.01, 0.5), |t| &mut t.fast_target_rate),
+    ("thrift", (0.0, 3.0), |t| &mut t.steep_view_gain),
+    ("lazy", (0.0, 3.0), |t| &mut t.slow_target_gain),
+    ("ease", (0.0, 0.4), |t| &mut t.slow_target_widening),
+    ("hold", (0.0, 0.1), |t| &mut t.command_deadband),
 ];
 
 /// A tuning with some of its values changed, each NAME=VALUE.

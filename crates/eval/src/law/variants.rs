@@ -4,7 +4,7 @@
 use anyhow::Result;
 use barrelman_control::optimal::Tuning;
 use barrelman_sim::Scenario;
-use barrelman_trial::campaign::compare::{Comparison, Paired};
+use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::Bootstrap;
 use barrelman_vocab::VehicleProfile;
 
@@ -54,13 +54,13 @@ pub(super) fn print_table(
         for variant in variants {
             let plan = Condition { scenario, setting: "indoor" }
                 .nominal_plan()?
-                .in_changed_world(variant.change_world)
-                .with_profile(variant.change_profile)
-                .reporting_tilt(variant.reports_tilt);
+                .with_changed_scenario(variant.change_world)
+                .with_changed_profile(variant.change_profile)
+                .with_tilt_reports(variant.reports_tilt);
             let seeds = first_seed..first_seed + seeds;
             let baseline = LawUnderTest::MotorSchema.simulate(&plan, seeds.clone())?;
             let optimal = LawUnderTest::Optimal(*tuning).simulate(&plan, seeds)?;
-            let comparison = Comparison::of(&baseline, &optimal, &Bootstrap::USUAL);
+            let comparison = CampaignComparison::new(&baseline, &optimal, &Bootstrap::DEFAULT);
             is_met &= print_row(variant.name, &comparison);
         }
     }
@@ -68,12 +68,12 @@ pub(super) fn print_table(
 }
 
 /// Prints a row. Returns whether the optimal law has less time outside and less energy.
-fn print_row(name: &str, comparison: &Comparison) -> bool {
-    let metric = |metric| comparison.figures.iter().find(|paired| paired.figure == metric);
+fn print_row(name: &str, comparison: &CampaignComparison) -> bool {
+    let metric = |metric| comparison.metrics.iter().find(|paired| paired.metric == metric);
     let (outside, energy, moves) =
         (metric("time outside"), metric("integral of rate squared"), metric("moves"));
     let is_better = [outside, energy].iter().all(|paired| paired.is_some_and(|p| p.second < p.first));
-    let cell = |paired: Option<&Paired>| {
+    let cell = |paired: Option<&PairedMetric>| {
         paired.map_or_else(String::new, |p| format!("{:7.3} {}", p.first, ratio_cell(p.ratio)))
     };
     print_line(&format!(

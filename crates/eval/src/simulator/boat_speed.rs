@@ -3,9 +3,9 @@
 
 use anyhow::{Result, bail};
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::{Perception, Plan, Request};
+use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
 use barrelman_experiments::law_choice::{LawChoice, LawName};
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_sim::scenario::TargetScript;
 use barrelman_simd::SimdLevel;
 use barrelman_trial::metrics::TrialMetrics;
@@ -46,7 +46,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
 }
 
 /// Simulates the trials of a plan, prints the row and returns the point of the curve.
-fn print_row(plan: &Plan, speed: f64, options: &Options) -> Result<CurvePoint> {
+fn print_row(plan: &CampaignPlan, speed: f64, options: &Options) -> Result<CurvePoint> {
     let metrics: Vec<TrialMetrics> = options
         .seed_range()
         .map(|seed| Ok(plan.entry(seed, &plan.log(seed, &mut ())?).metrics))
@@ -65,10 +65,10 @@ fn print_row(plan: &Plan, speed: f64, options: &Options) -> Result<CurvePoint> {
 }
 
 /// Trials in an arena whose boat is asked to hold a speed, m/s, with full throttle.
-fn plan(arena: &str, law: LawName, speed: f64) -> Result<Plan> {
-    let plan = Plan::new(&Request {
+fn plan(arena: &str, law: LawName, speed: f64) -> Result<CampaignPlan> {
+    let plan = CampaignPlan::new(&CampaignRequest {
         scenario: arena.to_owned(),
-        changes: Changes { boat_speed_m_per_s: Some(speed), ..Changes::default() },
+        changes: ScenarioOverrides { boat_speed_m_per_s: Some(speed), ..ScenarioOverrides::default() },
         law: LawChoice::of(law),
         rate: None,
         perception: Perception::Truth,
@@ -76,9 +76,9 @@ fn plan(arena: &str, law: LawName, speed: f64) -> Result<Plan> {
         simd: SimdLevel::Avx512,
     })?;
     let TargetScript::Boat(_) = plan.scenario().target else { bail!("{arena} has no boat") };
-    Ok(plan.in_changed_world(|world| {
+    Ok(plan.with_changed_scenario(|world| {
         if let TargetScript::Boat(script) = &mut world.target {
-            script.most_throttle = 1.0;
+            script.max_throttle = 1.0;
         }
     }))
 }

@@ -42,7 +42,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
                 motor_schema.iter().zip(&centring).filter_map(|(a, b)| value(a).zip(value(b))).collect();
             let mean =
                 |side: fn(&(f64, f64)) -> f64| pairs.iter().map(side).sum::<f64>() / pairs.len() as f64;
-            let difference = Bootstrap::USUAL
+            let difference = Bootstrap::DEFAULT
                 .interval(pairs.len(), |sample| {
                     sample.iter().map(|pair| pairs[*pair].0 - pairs[*pair].1).sum::<f64>()
                         / sample.len() as f64

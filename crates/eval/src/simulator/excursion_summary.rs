@@ -1,7 +1,7 @@
 //! The metrics by which simulated trials are compared with recorded ones, without excursions that a jump spoils.
 
 use barrelman_trial::logs::TrialLog;
-use barrelman_trial::metrics::excursions;
+use barrelman_trial::metrics::find_excursions;
 
 use super::laboratory::region;
 use super::position_jump::is_jump;
@@ -40,17 +40,17 @@ pub(super) const METRICS: [Metric; 7] = [
 impl ExcursionSummary {
     /// Measures a trial.
     pub(super) fn from_log(log: &TrialLog) -> Self {
-        let all = excursions(log, region(log));
+        let all = find_excursions(log, region(log));
         let has_jump =
             |first: usize, end: usize| (first..=end.min(log.rows.len() - 1)).any(|row| is_jump(log, row));
         let kept: Vec<_> = all.iter().filter(|excursion| !has_jump(excursion.first, excursion.end)).collect();
-        let complete: Vec<_> = kept.iter().filter(|excursion| excursion.complete).collect();
+        let complete: Vec<_> = kept.iter().filter(|excursion| excursion.is_complete).collect();
         let travel_rad: f64 = (0..log.rows.len())
             .filter(|row| !all.iter().any(|e| has_jump(e.first, e.end) && (e.first..e.end).contains(row)))
             .filter_map(|row| {
                 let rates = log.rows[row].rates?;
                 let rate = rates.yaw.radians_per_second().abs() + rates.pitch.radians_per_second().abs();
-                Some(rate * log.step_s(row))
+                Some(rate * log.row_duration_s(row))
             })
             .sum();
         Self {

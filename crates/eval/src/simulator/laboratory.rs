@@ -6,9 +6,9 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use barrelman_control::Region;
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::{Perception, Plan, Request};
+use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::{self, Changes};
+use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 use barrelman_pilot::{LawSettings, Pilot, PilotSettings};
 use barrelman_sim::{Scenario, World};
@@ -48,7 +48,7 @@ pub(super) fn read_recorded(folder: &Path, arena: u8, include_lost: bool) -> Res
 /// # Errors
 /// If the scenario cannot be loaded.
 pub(super) fn load_scenario(arena: u8, folder: Option<&Path>) -> Result<Scenario> {
-    Ok(scenario::load(&scenario_name(arena, folder), &Changes::default())?.scenario)
+    Ok(scenario::load(&scenario_name(arena, folder), &ScenarioOverrides::default())?.scenario)
 }
 
 fn scenario_name(arena: u8, folder: Option<&Path>) -> String {
@@ -62,10 +62,15 @@ fn scenario_name(arena: u8, folder: Option<&Path>) -> String {
 ///
 /// # Errors
 /// If the scenario cannot be loaded.
-pub(super) fn plan(arena: u8, folder: Option<&Path>, law: LawChoice, rate: Option<f64>) -> Result<Plan> {
-    Plan::new(&Request {
+pub(super) fn plan(
+    arena: u8,
+    folder: Option<&Path>,
+    law: LawChoice,
+    rate: Option<f64>,
+) -> Result<CampaignPlan> {
+    CampaignPlan::new(&CampaignRequest {
         scenario: scenario_name(arena, folder),
-        changes: Changes::default(),
+        changes: ScenarioOverrides::default(),
         law,
         rate,
         perception: Perception::Truth,
@@ -78,7 +83,7 @@ pub(super) fn plan(arena: u8, folder: Option<&Path>, law: LawChoice, rate: Optio
 ///
 /// # Errors
 /// If a trial cannot be simulated.
-pub(super) fn simulate_and_measure(plan: &Plan, seeds: Range<u64>) -> Result<Vec<TrialMetrics>> {
+pub(super) fn simulate_and_measure(plan: &CampaignPlan, seeds: Range<u64>) -> Result<Vec<TrialMetrics>> {
     seeds.map(|seed| Ok(measure_trial(&plan.log(seed, &mut ())?))).collect()
 }
 
@@ -90,7 +95,7 @@ pub(super) fn simulate(scenario: &Scenario, seed: u64) -> Result<TrialLog> {
     let mut profile = VehicleProfile::fotokite_pro();
     profile.video_latency = scenario.camera.latency();
     let world = World::new(scenario, seed).ok().context("the way-points make no path")?;
-    let settings = PilotSettings { profile: profile.clone(), law: LawSettings::Schema };
+    let settings = PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema };
     let pilot = Pilot::new(settings, TrackerSettings::of(TrackerName::Camshift).tracker()?);
     Ok(Simulation::new(scenario, world, seed, pilot, &profile).run(None, &mut ()))
 }

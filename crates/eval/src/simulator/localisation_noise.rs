@@ -8,7 +8,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use barrelman_sim::Scenario;
-use barrelman_sim::chance::Wander;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_trial::logs::TrialLog;
 
 use super::laboratory::{load_scenario, read_recorded, simulate_all};
@@ -34,7 +34,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
     for arena in [1, 2] {
         let scenario = load_scenario(arena, options.scenarios.as_deref())?;
         let mut white_noise = scenario.clone();
-        white_noise.sensing.noise = Wander { time_s: 0.0, ..scenario.sensing.noise };
+        white_noise.sensing.noise = OrnsteinUhlenbeck { time_constant_s: 0.0, ..scenario.sensing.noise };
         let simulated =
             |scenario: &Scenario| simulate_all(scenario, options.first_seed..options.first_seed + TRIALS);
         print_row(&format!("arena {arena}, recorded"), &read_recorded(folder, arena, false)?);

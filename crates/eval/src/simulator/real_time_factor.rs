@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::{Perception, Plan, Request};
+use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_simd::SimdLevel;
 
 use super::options::Options;
@@ -23,16 +23,16 @@ pub(super) fn run(options: &Options) -> Result<()> {
     ));
     // A trial on the water takes longer to simulate: a tenth of the seeds is enough.
     for (name, divisor) in [("lab1", 1), ("sea3", 10)] {
-        let plan = Plan::new(&Request {
+        let plan = CampaignPlan::new(&CampaignRequest {
             scenario: name.to_owned(),
-            changes: Changes::default(),
+            changes: ScenarioOverrides::default(),
             law: LawChoice::SCHEMA,
             rate: None,
             perception: Perception::Truth,
             plant: PlantName::Nominal,
             simd: SimdLevel::Avx512,
         })?;
-        let plan = if name == "lab1" { plan } else { plan.lasting(WATER_TRIAL_S) };
+        let plan = if name == "lab1" { plan } else { plan.with_max_duration(WATER_TRIAL_S) };
         let trials = (options.seeds / divisor).max(1);
         let mut simulated_s = 0.0;
         let started = Instant::now();

@@ -13,7 +13,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use barrelman_sim::noise;
 use barrelman_trial::logs::{TrialLog, laboratory::ROWS_PER_SECOND};
-use barrelman_trial::metrics::{Arena, excursions};
+use barrelman_trial::metrics::{Arena, find_excursions};
 use barrelman_vocab::ImagePoint;
 
 use super::excursion_summary::ExcursionSummary;
@@ -120,7 +120,7 @@ fn with_spikes(log: &TrialLog, spikes: &[Spike]) -> TrialLog {
 pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
     for number in [1, 2] {
         let scenario = load_scenario(number, options.scenarios.as_deref())?;
-        let arena = Arena::numbered(number).context("an arena of the paper")?;
+        let arena = Arena::from_number(number).context("an arena of the paper")?;
         let (all, never_lost) = (read_recorded(folder, number, true)?, read_recorded(folder, number, false)?);
         let spikes_of_trials: Vec<Vec<Spike>> = all.iter().map(find_spikes).collect();
         print_spikes(number, &spikes_of_trials);
@@ -178,7 +178,7 @@ fn print_sensitivity(
     sensitivity: impl Fn(&TrialLog) -> Option<f64>,
 ) -> Result<()> {
     let values: Vec<f64> = logs.iter().filter_map(sensitivity).collect();
-    let all: usize = logs.iter().map(|log| excursions(log, region(log)).len()).sum();
+    let all: usize = logs.iter().map(|log| find_excursions(log, region(log)).len()).sum();
     let with_jumps: usize =
         logs.iter().map(|log| ExcursionSummary::from_log(log).excursions_with_jumps).sum();
     let share = format!("{with_jumps} of {all} ({:.1} %)", 100.0 * with_jumps as f64 / all.max(1) as f64);

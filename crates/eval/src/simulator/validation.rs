@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use barrelman_sim::Scenario;
 use barrelman_trial::campaign::statistics::{Interval, mean_interval};
 use barrelman_trial::logs::TrialLog;
-use barrelman_trial::metrics::excursions;
+use barrelman_trial::metrics::find_excursions;
 
 use super::excursion_summary::{ExcursionSummary, METRICS};
 use super::laboratory::{load_scenario, read_recorded, region, simulate_all};
@@ -74,7 +74,7 @@ fn print_metrics(recorded: &[TrialLog], simulated: &[TrialLog]) -> Result<usize>
 fn print_answering_axes(name: &str, logs: &[TrialLog]) {
     let mut by_axis = [(0_usize, 0.0); 2];
     for log in logs {
-        for excursion in excursions(log, region(log)) {
+        for excursion in find_excursions(log, region(log)) {
             let rates = log.rows[excursion.first].rates;
             let axis = usize::from(rates.is_some_and(|rates| rates.yaw.is_zero()));
             by_axis[axis].0 += 1;

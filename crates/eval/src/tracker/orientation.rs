@@ -64,7 +64,7 @@ impl Measurement {
         let mut measured = Self::default();
         let mut under_way_since_s = None;
         for (truth, track) in frames {
-            let since_s = truth.under_way.then(|| *under_way_since_s.get_or_insert(truth.time_s));
+            let since_s = truth.is_under_way.then(|| *under_way_since_s.get_or_insert(truth.time_s));
             if since_s.is_none() {
                 under_way_since_s = None;
             }
@@ -77,7 +77,7 @@ impl Measurement {
             }
             let Some(localisation) = localisation else { continue };
             measured.reported += 1;
-            measured.ious.push(localisation.bounds.overlap(truth.bounds));
+            measured.ious.push(localisation.bounds.iou(truth.bounds));
             measured
                 .centre_errors_px
                 .push((localisation.centre.u - truth.centre.u).hypot(localisation.centre.v - truth.centre.v));
@@ -240,16 +240,21 @@ mod tests {
     const BOUNDS: PixelBox = PixelBox { u: 100.0, v: 100.0, w: 80.0, h: 40.0 };
 
     /// A frame of a boat that is localised 1 px too far to the right.
-    fn frame(time_s: f64, under_way: bool, axis_deg: f64, heading_deg: Option<f64>) -> (SceneTruth, Track) {
+    fn frame(
+        time_s: f64,
+        is_under_way: bool,
+        axis_deg: f64,
+        heading_deg: Option<f64>,
+    ) -> (SceneTruth, Track) {
         let truth = SceneTruth {
             time_s,
             bounds: BOUNDS,
-            visible: 1.0,
+            visible_share: 1.0,
             centre: BOUNDS.centre(),
             heading: Angle::from_degrees(-170.0),
             major_px: 80.0,
             minor_px: 30.0,
-            under_way,
+            is_under_way,
             camera_shift: (0.0, 0.0),
             distractors: Default::default(),
         };

@@ -90,7 +90,7 @@ pub(crate) fn score_boxes(
 
 /// Intersection over union of both boxes, each clipped to the picture; 0 where no box was reported.
 pub(crate) fn iou(truth: PixelBox, reported: Option<PixelBox>, picture: PictureSize) -> f64 {
-    reported.map_or(0.0, |reported| truth.clipped(picture).overlap(reported.clipped(picture)))
+    reported.map_or(0.0, |reported| truth.clipped(picture).iou(reported.clipped(picture)))
 }
 
 /// Distance between the centres of both boxes, each clipped to the picture; `None` where no box is in the picture.

@@ -67,14 +67,14 @@ pub(crate) fn run_all_on_scene(
     let mut rng = Rng::from_name("motion prior", seed);
     let frame_interval = Duration::from_secs_f64(1.0 / f64::from(scene.frames_per_second()));
     for index in 0..scene.frames() {
-        let truth = scene.draw(index, Arc::make_mut(&mut picture));
+        let truth = scene.render(index, Arc::make_mut(&mut picture));
         let capture = Capture { at: Timestamp::from_secs_f64(truth.time_s), quality: CaptureQuality::Sensor };
         let frame = VideoFrame { sequence: index, capture, picture: Arc::clone(&picture) };
         let prior = MotionPrior {
             shift_u_px: truth.camera_shift.0 + PRIOR_STD_DEV_PX * rng.approximately_normal(),
             shift_v_px: truth.camera_shift.1 + PRIOR_STD_DEV_PX * rng.approximately_normal(),
-            deviation_px: PRIOR_STD_DEV_PX,
-            over: frame_interval,
+            std_dev_px: PRIOR_STD_DEV_PX,
+            interval: frame_interval,
         };
         for ((scene_tracker, selected), results) in trackers.iter_mut().zip(&mut selected).zip(&mut results) {
             let tracker = &mut scene_tracker.tracker;

@@ -53,13 +53,13 @@ fn render_view(view: &View, options: &Options) -> Result<()> {
     });
     let mut picture = Picture::black(size, barrelman_sim::render::ENCODING);
     for tick in (0..END_TICK).step_by(WAKE_STEP_TICKS) {
-        renderer.observe(&scene::snapshot(view, &sea, tick));
+        renderer.advance_wake(&scene::snapshot(view, &sea, tick));
     }
     let last = scene::snapshot(view, &sea, END_TICK);
     // The first picture allocates; the second is timed.
-    renderer.draw(&last, &mut picture, &Serial);
+    renderer.render(&last, &mut picture, &Serial);
     let started = Instant::now();
-    let truth = renderer.draw(&last, &mut picture, &Serial);
+    let truth = renderer.render(&last, &mut picture, &Serial);
     let elapsed = started.elapsed();
     let path = options.output.join(format!("{}.png", view.name));
     png_file::write(&path, &picture).with_context(|| path.display().to_string())?;
@@ -68,7 +68,7 @@ fn render_view(view: &View, options: &Options) -> Result<()> {
         view.name,
         1e3 * elapsed.as_secs_f64(),
         truth.mask.count(),
-        100.0 * truth.visible,
+        100.0 * truth.visible_share,
         truth.heading.map_or("none".into(), |heading| format!("{:.0}", heading.degrees())),
         truth.range_m,
     ));

@@ -2,8 +2,8 @@
 //!
 //! World coordinates: x to the right of the camera, y ahead, z up, metres; the camera stands above the origin.
 
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
-use barrelman_sim::snapshot::{Boat, Ground, Light, SensorState, Target, Thing, ThingKind};
+use barrelman_sim::snapshot::{Boat, Ground, Light, ObjectKind, SceneObject, SensorState, Target};
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::{BodyPose, CameraPose, Sea, Snapshot, WorldPoint};
 use barrelman_vocab::Angle;
 
@@ -26,7 +26,7 @@ pub(super) fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
     let ahead_m =
         if view.depression_deg < 10.0 { LEVEL_VIEW_DISTANCE_M } else { ahead_m.min(MAX_DISTANCE_M) };
     let camera = |pan_rad: f64| CameraPose {
-        place: world_point(0.0, 0.0, view.height_m),
+        position: world_point(0.0, 0.0, view.height_m),
         pan: Angle::from_radians(pan_rad),
         tilt: Angle::from_degrees(-view.depression_deg),
         roll: Angle::ZERO,
@@ -48,7 +48,7 @@ pub(super) fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
         },
         ground,
         target,
-        things: Placement { sea, ahead_m, tick }.objects(&view.surroundings),
+        objects: Placement { sea, ahead_m, tick }.objects(&view.surroundings),
         sensor: SensorState { exposure: 1.0, red: 1.0, blue: 1.0, exposure_s: 0.006 },
     }
 }
@@ -62,7 +62,7 @@ struct Placement<'a> {
 }
 
 impl Placement<'_> {
-    fn objects(&self, surroundings: &Surroundings) -> Vec<Thing> {
+    fn objects(&self, surroundings: &Surroundings) -> Vec<SceneObject> {
         match surroundings {
             Surroundings::People => self.people(),
             Surroundings::PierAndShore => {
@@ -75,37 +75,37 @@ impl Placement<'_> {
         }
     }
 
-    fn floating(&self, kind: ThingKind, x: f64, y: f64, heading_deg: f64, seed: u64) -> Thing {
-        Thing { kind, pose: floating_pose(self.sea, x, self.ahead_m + y, heading_deg, self.tick), seed }
+    fn floating(&self, kind: ObjectKind, x: f64, y: f64, heading_deg: f64, seed: u64) -> SceneObject {
+        SceneObject { kind, pose: floating_pose(self.sea, x, self.ahead_m + y, heading_deg, self.tick), seed }
     }
 
-    fn people(&self) -> Vec<Thing> {
+    fn people(&self) -> Vec<SceneObject> {
         vec![
-            self.floating(ThingKind::LifeJacket, 2.4, -1.1, 70.0, 1),
-            self.floating(ThingKind::LifeJacket, -1.9, 2.4, -100.0, 2),
-            self.floating(ThingKind::LifeJacket, -0.6, 9.5, 20.0, 3),
-            self.floating(ThingKind::Swimmer, -3.0, 1.3, -60.0, 1),
-            self.floating(ThingKind::Swimmer, 1.7, 2.9, -120.0, 0),
-            self.floating(ThingKind::Buoy, 4.2, 4.6, 0.0, 0),
-            self.floating(ThingKind::Buoy, -4.6, 6.4, 0.0, 1),
+            self.floating(ObjectKind::LifeJacket, 2.4, -1.1, 70.0, 1),
+            self.floating(ObjectKind::LifeJacket, -1.9, 2.4, -100.0, 2),
+            self.floating(ObjectKind::LifeJacket, -0.6, 9.5, 20.0, 3),
+            self.floating(ObjectKind::Swimmer, -3.0, 1.3, -60.0, 1),
+            self.floating(ObjectKind::Swimmer, 1.7, 2.9, -120.0, 0),
+            self.floating(ObjectKind::Buoy, 4.2, 4.6, 0.0, 0),
+            self.floating(ObjectKind::Buoy, -4.6, 6.4, 0.0, 1),
         ]
     }
 
-    fn arena(&self) -> Vec<Thing> {
+    fn arena(&self) -> Vec<SceneObject> {
         let buoys = [(-3.2, -3.0, 1), (3.0, -2.6, 2), (-3.6, 3.6, 1), (3.8, 3.4, 2), (0.2, 6.5, 1)];
-        let mut objects: Vec<Thing> =
-            buoys.into_iter().map(|(x, y, seed)| self.floating(ThingKind::Buoy, x, y, 0.0, seed)).collect();
-        objects.push(self.floating(ThingKind::RedCraft, -2.4, 9.0, 30.0, 0));
+        let mut objects: Vec<SceneObject> =
+            buoys.into_iter().map(|(x, y, seed)| self.floating(ObjectKind::Buoy, x, y, 0.0, seed)).collect();
+        objects.push(self.floating(ObjectKind::RedCraft, -2.4, 9.0, 30.0, 0));
         objects
     }
 
-    fn floor_marks(&self) -> Vec<Thing> {
+    fn floor_marks(&self) -> Vec<SceneObject> {
         let marks = [(-1.5, -1.5), (1.5, -1.5), (-1.5, 1.5), (1.5, 1.5), (0.0, 0.0), (0.0, 3.0)];
         marks
             .into_iter()
             .zip(0..)
-            .map(|((x, y), seed)| Thing {
-                kind: ThingKind::FloorMark,
+            .map(|((x, y), seed)| SceneObject {
+                kind: ObjectKind::FloorMark,
                 pose: level_pose(x, self.ahead_m + y, 0.0),
                 seed,
             })
@@ -113,12 +113,12 @@ impl Placement<'_> {
     }
 }
 
-fn pier_and_shore() -> [Thing; 3] {
-    let pier = ThingKind::Pier { length_m: 9.0, breadth_m: 1.8 };
+fn pier_and_shore() -> [SceneObject; 3] {
+    let pier = ObjectKind::Pier { length_m: 9.0, breadth_m: 1.8 };
     [
-        Thing { kind: pier, pose: level_pose(-8.5, 19.0, 8.0), seed: 3 },
-        Thing { kind: ThingKind::Shore, pose: level_pose(-6.0, 17.0, 84.0), seed: 5 },
-        Thing { kind: ThingKind::Shore, pose: level_pose(0.0, 300.0, 3.0), seed: 8 },
+        SceneObject { kind: pier, pose: level_pose(-8.5, 19.0, 8.0), seed: 3 },
+        SceneObject { kind: ObjectKind::Shore, pose: level_pose(-6.0, 17.0, 84.0), seed: 5 },
+        SceneObject { kind: ObjectKind::Shore, pose: level_pose(0.0, 300.0, 3.0), seed: 8 },
     ]
 }
 
@@ -129,7 +129,7 @@ fn world_point(x: f64, y: f64, z: f64) -> WorldPoint {
 /// A body that lies level at height 0.
 fn level_pose(x: f64, y: f64, heading_deg: f64) -> BodyPose {
     BodyPose {
-        place: world_point(x, y, 0.0),
+        position: world_point(x, y, 0.0),
         heading: Angle::from_degrees(heading_deg),
         pitch: Angle::ZERO,
         roll: Angle::ZERO,
@@ -138,13 +138,13 @@ fn level_pose(x: f64, y: f64, heading_deg: f64) -> BodyPose {
 
 /// A body that floats: at the height of the water, inclined by part of the wave's slope.
 fn floating_pose(sea: &Sea, x: f64, y: f64, heading_deg: f64, tick: u64) -> BodyPose {
-    let surface = sea.at(x, y, tick);
+    let surface = sea.surface_at(x, y, tick);
     let heading = Angle::from_degrees(heading_deg);
     let (sin, cos) = (heading.radians().sin(), heading.radians().cos());
     let along = surface.slope.0 * cos + surface.slope.1 * sin;
     let across = surface.slope.1 * cos - surface.slope.0 * sin;
     BodyPose {
-        place: world_point(x, y, surface.elevation),
+        position: world_point(x, y, surface.elevation),
         heading,
         pitch: Angle::from_radians(SLOPE_SHARE * along),
         roll: Angle::from_radians(SLOPE_SHARE * across),

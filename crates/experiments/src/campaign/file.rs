@@ -1,15 +1,16 @@
 //! A campaign's file: read, gone on with, merged.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{Seek as _, SeekFrom, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::campaign::{CampaignEntry, CampaignSettings};
 use barrelman_trial::metrics::TrialEntry;
 
-use barrelman_host::{input, output};
+use barrelman_host::input;
+use barrelman_host::output::{self, OutputFile};
 
 /// A campaign's file that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +43,7 @@ impl CampaignFile {
 }
 
 /// Whether a file's beginning is that of a campaign's.
-pub fn is_one(bytes: &[u8]) -> bool {
+pub fn is_campaign_file(bytes: &[u8]) -> bool {
     bytes.first() == Some(&b'{')
 }
 
@@ -64,7 +65,9 @@ pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
     let text = std::str::from_utf8(&bytes[..whole]).context("it is not text")?;
     let mut entries = Vec::new();
     for (index, line) in text.lines().enumerate() {
-        let entry = serde_json::from_str(line).with_context(|| format!("line {}", index + 1))?;
+        let entry: CampaignEntry =
+            serde_json::from_str(line).with_context(|| format!("line {}", index + 1))?;
+        let entry = CampaignEntry { campaign: entry.campaign.completed(), ..entry };
         entries.push((entry, line.to_owned()));
     }
     Ok(CampaignFile { entries, whole_bytes: whole as u64, cut: whole < bytes.len() })
@@ -73,8 +76,7 @@ pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
 /// A campaign's file that is being written, trial by trial.
 #[derive(Debug)]
 pub struct CampaignWriter {
-    file: File,
-    path: PathBuf,
+    file: OutputFile,
 }
 
 impl CampaignWriter {
@@ -83,24 +85,31 @@ impl CampaignWriter {
     /// # Errors
     /// If it exists or cannot be written.
     pub fn create(path: &Path, force: bool) -> Result<Self> {
-        Ok(Self { file: output::create(path, force)?, path: path.to_owned() })
+        Ok(Self { file: output::create(path, force)? })
     }
 
     /// Goes on with a file that was begun, for these settings and seeds, and says which trials it has already. A
     /// file that is not there is begun.
     ///
     /// # Errors
-    /// If it is no campaign's file, or another campaign's.
+    /// If it is no campaign's file, another campaign's, or a symbolic link.
     pub fn resume(
         path: &Path,
         settings: &CampaignSettings,
         seeds: &[u64],
     ) -> Result<(Self, Vec<CampaignEntry>)> {
-        if !path.exists() {
-            return Ok((Self::create(path, false)?, Vec::new()));
-        }
-        let read = read(path)?;
+        // The file is read through the handle that goes on with it: it is the same file.
+        let (mut file, bytes) = OutputFile::resume(path)?;
+        let read = parse(&bytes).with_context(|| format!("{} is no campaign's file", path.display()))?;
         for (index, (entry, _)) in read.entries.iter().enumerate() {
+            if let Some(VersionDifference { first, second }) = entry.campaign.version_difference(settings) {
+                bail!(
+                    "{} is of another campaign: its line {} was run with {first}, this program has {second}; run all its \
+                     trials again into another --output",
+                    path.display(),
+                    index + 1,
+                );
+            }
             if entry.campaign != *settings {
                 bail!(
                     "{} is of another campaign: its line {} has the settings {}, asked for are {}; give the same \
@@ -122,15 +131,10 @@ impl CampaignWriter {
                 );
             }
         }
-        let mut file = OpenOptions::new()
-            .write(true)
-            .open(path)
-            .with_context(|| format!("{} cannot be written", path.display()))?;
         // A line without its end was being written when the program ended: that trial is run again.
-        file.set_len(read.whole_bytes)?;
-        file.seek(SeekFrom::End(0))?;
+        file.cut_after(read.whole_bytes)?;
         let entries = read.entries.into_iter().map(|(entry, _)| entry).collect();
-        Ok((Self { file, path: path.to_owned() }, entries))
+        Ok((Self { file }, entries))
     }
 
     /// Adds a trial.
@@ -145,7 +149,7 @@ impl CampaignWriter {
     fn add_line(&mut self, line: &str) -> Result<()> {
         // One write for each line: what ends the program in between leaves a cut line, which is known as such.
         self.file.write_all(line.as_bytes()).with_context(|| {
-            format!("{} cannot be written: the trials before this one are in it", self.path.display())
+            format!("{} cannot be written: the trials before this one are in it", self.file.path().display())
         })
     }
 }
@@ -154,7 +158,7 @@ impl CampaignWriter {
 ///
 /// # Errors
 /// If they are not of one campaign, a trial is in two of them with different results, or one is cut.
-pub fn merged(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, String)>> {
+pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, String)>> {
     let mut by_seed: BTreeMap<u64, (&PathBuf, &CampaignEntry, &String)> = BTreeMap::new();
     let mut first: Option<(&PathBuf, &CampaignSettings)> = None;
     for (path, file) in files {
@@ -166,6 +170,14 @@ pub fn merged(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, S
         }
         for (entry, line) in &file.entries {
             let (first_path, settings) = *first.get_or_insert((path, &entry.campaign));
+            if let Some(VersionDifference { first, second }) = settings.version_difference(&entry.campaign) {
+                bail!(
+                    "{} and {} are of different campaigns: the first was run with {first}, the second with {second}; run \
+                     the trials of both with one program",
+                    first_path.display(),
+                    path.display(),
+                );
+            }
             if entry.campaign != *settings {
                 bail!(
                     "{} and {} are of different campaigns: {} and {}",
@@ -175,8 +187,8 @@ pub fn merged(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, S
                     in_words(&entry.campaign)
                 );
             }
-            if let Some((other, _, known)) = by_seed.insert(entry.seed, (path, entry, line))
-                && known != line
+            if let Some((other, known, _)) = by_seed.insert(entry.seed, (path, entry, line))
+                && known.trial != entry.trial
             {
                 bail!(
                     "{} and {} have different results for seed {}: the same seed gives the same trial, so one of \

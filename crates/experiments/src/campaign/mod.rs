@@ -3,10 +3,10 @@
 //! A campaign's file is JSON Lines, one trial per line, in the order of the seeds: it is the same for any number of
 //! threads, and one that was cut off is a beginning of the whole.
 
-pub mod driven;
+pub mod drive_inputs;
 pub mod file;
 pub mod plan;
 pub mod recording;
 pub mod runner;
 
-pub use plan::{Perception, Plan, PlantName};
+pub use plan::{CampaignPlan, Perception, PlantName};

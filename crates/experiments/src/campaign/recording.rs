@@ -1,19 +1,17 @@
 //! A simulated trial on disk: its recording, and in pixels its annotated video.
 
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
-use barrelman_trial::campaign::Witness;
-use barrelman_trial::records::{
-    Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
-};
+use barrelman_trial::behaviour::BehaviourVersions;
+use barrelman_trial::campaign::StepObserver;
+use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter};
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
 
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
 
 /// How the trials of a campaign are recorded.
@@ -30,7 +28,7 @@ pub struct TrialRecording {
 /// Records a trial.
 pub struct TrialRecorder {
     path: PathBuf,
-    writer: RecordingWriter<BufWriter<File>>,
+    writer: RecordingWriter<BufWriter<OutputFile>>,
     /// The annotated video, where there is one.
     film: Option<Film>,
     step: u64,
@@ -47,22 +45,29 @@ impl TrialRecorder {
         recording: &TrialRecording,
         name: &str,
         video: String,
+        behaviour: BehaviourVersions,
         profile: &VehicleProfile,
     ) -> Result<Self> {
         let TrialRecording { folder, force, configuration } = recording;
         let path = folder.join(format!("{name}.mcap"));
         let film = folder.join(format!("{name}.mp4"));
-        output::check_free(&film, *force)?;
-        let film = Film::new(&film, profile.region);
-        Ok(Self { film: Some(film), ..Self::bare(&path, *force, configuration.clone(), video)? })
+        let film = Film::new(OutputFile::open(&film, *force)?, profile.region);
+        let file = OutputFile::open(&path, *force)?;
+        let configuration = configuration.clone();
+        Ok(Self { film: Some(film), ..Self::without_film(file, configuration, video, behaviour)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
-    /// If the file exists and may not be overwritten, or cannot be written.
-    pub fn bare(path: &Path, force: bool, configuration: String, video: String) -> Result<Self> {
-        let file = BufWriter::new(output::create(path, force)?);
+    /// If the file cannot be written.
+    pub fn without_film(
+        file: OutputFile,
+        configuration: String,
+        video: String,
+        behaviour: BehaviourVersions,
+    ) -> Result<Self> {
+        let path = file.path().to_owned();
         // A simulated trial has no clock of its own: the same seed gives the same file.
         let start = RecordingStart {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -72,9 +77,11 @@ impl TrialRecorder {
             video,
             link: "sim:".to_owned(),
             live_video: false,
+            behaviour,
         };
-        let writer = RecordingWriter::begin(file, &start).with_context(|| cannot_be_written(path))?;
-        Ok(Self { path: path.to_owned(), writer, film: None, step: 0, failed: None })
+        let writer =
+            RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;
+        Ok(Self { path, writer, film: None, step: 0, failed: None })
     }
 
     /// Ends both files.
@@ -109,14 +116,7 @@ impl TrialRecorder {
     ) -> Result<()> {
         let step = self.step;
         self.step += 1;
-        let recorded = match input {
-            Input::Frame(frame) => RecordedInput::Frame(FrameStamp::of(frame)),
-            Input::Localisation(track) => RecordedInput::Localisation(*track),
-            Input::Telemetry(telemetry) => RecordedInput::Telemetry(*telemetry),
-            Input::Request(request) => RecordedInput::Request(*request),
-            Input::Tick => RecordedInput::Tick,
-        };
-        self.write(&Entry::Input { step, now, input: recorded })?;
+        self.write(&Entry::Input { step, now, input: RecordedInput::from_input(input) })?;
         self.write(&Entry::Outcome(RecordedOutcome::new(step, outcome, rates)))?;
         if let (Input::Frame(frame), Some(film)) = (input, &mut self.film) {
             film.add_outcome(frame, outcome, rates)?;
@@ -129,14 +129,14 @@ fn cannot_be_written(path: &Path) -> String {
     format!("{} cannot be written", path.display())
 }
 
-impl Witness for TrialRecorder {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for TrialRecorder {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         if self.failed.is_none() {
             self.failed = self.put(now, input, outcome, rates).err();
         }
     }
 
-    fn truth(&mut self, truth: &Truth) {
+    fn on_truth(&mut self, truth: &Truth) {
         if self.failed.is_none() {
             self.failed = self.write(&Entry::Truth(truth.into())).err();
         }

@@ -1,4 +1,4 @@
-//! An eye whose pictures travel as H.264: the pilot sees what a decoder makes of them.
+//! An camera whose pictures travel as H.264: the pilot sees what a decoder makes of them.
 //!
 //! A recording holds the encoded units, and a replay decodes them to the same pictures. Encoder and decoder work on
 //! one thread each call, so that the same pictures give the same bits.
@@ -6,7 +6,7 @@
 use std::sync::mpsc::Sender;
 
 use barrelman_sim::World;
-use barrelman_trial::campaign::{DrawnEye, Eye, View};
+use barrelman_trial::campaign::{CapturedFrame, FrameSource, RenderedCamera};
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 use bytes::Bytes;
@@ -15,28 +15,32 @@ use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
 
 /// Draws, encodes and decodes.
-pub(super) struct CodedEye<'a> {
-    drawn: DrawnEye<'a>,
+pub(super) struct EncodedCamera<'a> {
+    rendered: RenderedCamera<'a>,
     encoder: H264Encoder,
     decoder: UnitDecoder,
     units: Sender<EncodedUnit>,
     index: u64,
 }
 
-impl<'a> CodedEye<'a> {
-    /// An eye on top of another; the units go to `units`, each before its picture is received.
-    pub(super) fn new(drawn: DrawnEye<'a>, settings: EncoderSettings, units: Sender<EncodedUnit>) -> Self {
+impl<'a> EncodedCamera<'a> {
+    /// An camera on top of another; the units go to `units`, each before its picture is received.
+    pub(super) fn new(
+        rendered: RenderedCamera<'a>,
+        settings: EncoderSettings,
+        units: Sender<EncodedUnit>,
+    ) -> Self {
         let decoder = UnitDecoder::new(DecodeMode::Live);
-        Self { drawn, encoder: H264Encoder::new(settings), decoder, units, index: 0 }
+        Self { rendered, encoder: H264Encoder::new(settings), decoder, units, index: 0 }
     }
 }
 
-impl Eye for CodedEye<'_> {
-    fn look(&mut self, world: &World) -> View {
-        self.drawn.look(world)
+impl FrameSource for EncodedCamera<'_> {
+    fn capture(&mut self, world: &World) -> CapturedFrame {
+        self.rendered.capture(world)
     }
 
-    fn receive(&mut self, view: &View) -> VideoFrame {
+    fn deliver(&mut self, view: &CapturedFrame) -> VideoFrame {
         let frame = &view.frame;
         let encoded = match self.encoder.encode(&frame.picture, frame.capture.at) {
             Ok(encoded) => encoded,

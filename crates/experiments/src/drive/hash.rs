@@ -2,11 +2,11 @@
 
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
-use barrelman_trial::campaign::Witness;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_vocab::{Timestamp, VehicleRates};
 use xxhash_rust::xxh3::Xxh3;
 
-use super::lockstep::DriveWitness;
+use super::lockstep::DriveObserver;
 
 /// A hash of everything that happens in a drive: every step with its time, the picture that it saw, what it came to
 /// and what was sent; and of every picture's truth.
@@ -20,10 +20,10 @@ impl DriveHash {
     }
 }
 
-impl DriveWitness for DriveHash {}
+impl DriveObserver for DriveHash {}
 
-impl Witness for DriveHash {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for DriveHash {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         self.0.update(&now.as_nanos().to_le_bytes());
         match input {
             Input::Frame(frame) => {
@@ -46,8 +46,8 @@ impl Witness for DriveHash {
         }
     }
 
-    fn truth(&mut self, truth: &Truth) {
-        let place = truth.target.place;
+    fn on_truth(&mut self, truth: &Truth) {
+        let place = truth.target.position;
         for value in [truth.image.x, truth.image.y, place.x, place.y, place.z, truth.rates.0, truth.rates.1] {
             self.0.update(&value.to_bits().to_le_bytes());
         }

@@ -1,7 +1,7 @@
 //! The inputs of a drive: what a person does, each before a tick.
 
-use barrelman_sim::boat::Helm;
-use barrelman_trial::campaign::{Simulation, Witness};
+use barrelman_sim::boat::HelmCommand;
+use barrelman_trial::campaign::{Simulation, StepObserver};
 use barrelman_vocab::{OperatorRequest, StopCause};
 use serde::{Deserialize, Serialize};
 
@@ -30,11 +30,11 @@ pub enum DriveInput {
 
 impl DriveInput {
     /// What it does to the helm: somebody steers so, or nobody but the helmsman; `None` where it stays as it is.
-    pub(super) fn helm(self) -> Option<Option<Helm>> {
+    pub(super) fn helm(self) -> Option<Option<HelmCommand>> {
         let share = |percent: i8| f64::from(percent.clamp(-100, 100)) / 100.0;
         match self {
             Self::Helm { thrust, rudder } => {
-                Some(Some(Helm { throttle: share(thrust), rudder: share(rudder) }))
+                Some(Some(HelmCommand { throttle: share(thrust), rudder: share(rudder) }))
             }
             Self::Helmsman => Some(None),
             Self::Engage | Self::Stop | Self::Pause | Self::Resume => None,
@@ -42,13 +42,13 @@ impl DriveInput {
     }
 
     /// Does it in a trial, before its next tick.
-    pub fn act(self, simulation: &mut Simulation<'_>, witness: &mut dyn Witness) {
+    pub fn act(self, simulation: &mut Simulation<'_>, observer: &mut dyn StepObserver) {
         if let Some(helm) = self.helm() {
             simulation.steer(helm);
         }
         match self {
-            Self::Engage => simulation.request(OperatorRequest::Engage, witness),
-            Self::Stop => simulation.request(OperatorRequest::Stop(StopCause::Operator), witness),
+            Self::Engage => simulation.request(OperatorRequest::Engage, observer),
+            Self::Stop => simulation.request(OperatorRequest::Stop(StopCause::Operator), observer),
             // Of time that stands still nothing in the world knows.
             Self::Pause | Self::Resume | Self::Helm { .. } | Self::Helmsman => {}
         }

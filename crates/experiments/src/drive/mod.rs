@@ -12,12 +12,12 @@ mod lockstep;
 mod encoded_camera;
 
 mod hash;
-pub mod schema_shadow;
+pub mod motor_schema_shadow;
 
 mod stored;
 
 pub use hash::DriveHash;
 pub use input::DriveInput;
-pub use lockstep::{Drive, DriveWitness};
-pub use setup::{Cast, MAX_S};
+pub use lockstep::{Drive, DriveObserver};
+pub use setup::{DriveSetup, MAX_S};
 pub use stored::{DriveReader, DriveWriter};

@@ -4,7 +4,7 @@ use anyhow::Result;
 use barrelman_vocab::VehicleProfile;
 
 use crate::law_choice::LawChoice;
-use crate::scenario::{self, Changes, Loaded};
+use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
 use crate::tracker_choice::TrackerName;
 use crate::world_url::WorldUrl;
 
@@ -13,11 +13,11 @@ pub const MAX_S: f64 = 3600.0;
 
 /// What a drive is made of, but for its inputs.
 #[derive(Debug, Clone)]
-pub struct Cast {
+pub struct DriveSetup {
     /// The world.
     pub url: WorldUrl,
     /// The scenario that it was loaded from.
-    pub loaded: Loaded,
+    pub loaded: LoadedScenario,
     /// The vehicle.
     pub profile: VehicleProfile,
     /// The tracker.
@@ -28,15 +28,15 @@ pub struct Cast {
     pub coded: bool,
 }
 
-impl Cast {
+impl DriveSetup {
     /// The cast of a drive.
     ///
     /// # Errors
     /// If there is no such scenario, or it has a mistake.
     pub fn new(url: WorldUrl, tracker: TrackerName, law: LawChoice, coded: bool) -> Result<Self> {
-        let changes = Changes { size: url.size, ..Changes::default() };
+        let changes = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
         let mut loaded = scenario::load(&url.scenario, &changes)?;
-        loaded.scenario.most_s = MAX_S;
+        loaded.scenario.max_s = MAX_S;
         let profile = loaded.profile()?;
         Ok(Self { url, loaded, profile, tracker, law, coded })
     }

@@ -22,7 +22,7 @@ pub struct ScenarioFile {
     /// Its axes.
     pub tilt: AxisSection,
     /// What of the plant is drawn with `--plant drawn`.
-    pub drawn: DrawnSection,
+    pub drawn: SampledSection,
     /// How the kite sways, by the names of settings.
     #[serde(default)]
     pub sway: BTreeMap<String, SwaySection>,
@@ -41,7 +41,7 @@ pub struct ScenarioFile {
     pub marks: bool,
     /// What else there is.
     #[serde(default)]
-    pub thing: Vec<ThingSection>,
+    pub thing: Vec<SceneObjectSection>,
     /// Localisations without pixels.
     pub sensing: SensingSection,
 }
@@ -182,9 +182,9 @@ pub struct BoatSection {
 /// A thing beside the target.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ThingSection {
+pub struct SceneObjectSection {
     /// What it is.
-    pub kind: ThingName,
+    pub kind: SceneObjectName,
     /// Where, metres.
     pub at: [f64; 2],
     /// Deviation of that from trial to trial, metres.
@@ -205,7 +205,7 @@ pub struct ThingSection {
 /// What there may be beside the target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ThingName {
+pub enum SceneObjectName {
     /// A buoy.
     Buoy,
     /// A life jacket adrift.
@@ -223,13 +223,13 @@ pub enum ThingName {
 /// Intervals of what is drawn.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct DrawnSection {
+pub struct SampledSection {
     /// Focal length, pixels.
     pub focal_px: [f64; 2],
     /// Pan.
-    pub pan: DrawnAxisSection,
+    pub pan: SampledAxisSection,
     /// Tilt.
-    pub tilt: DrawnAxisSection,
+    pub tilt: SampledAxisSection,
     /// Share of each axis's rate that turns the other one too; left out: the nominal one.
     pub cross_talk: Option<[f64; 2]>,
     /// How fast the tilt sinks, degrees per second; left out: the nominal one.
@@ -239,7 +239,7 @@ pub struct DrawnSection {
 /// Intervals of what is drawn of an axis, seconds.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct DrawnAxisSection {
+pub struct SampledAxisSection {
     /// As in the axis.
     pub start_dead_time_s: [f64; 2],
     /// As in the axis.

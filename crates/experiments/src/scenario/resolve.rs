@@ -4,38 +4,40 @@ mod axes;
 mod target;
 
 use barrelman_sim::Optics;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
-use barrelman_sim::chance::Wander;
-use barrelman_sim::electronics::ElectronicsScript;
+use barrelman_sim::electronics::ElectronicsModel;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
-    BeyondBorder, CameraSetup, FirstView, Platform, Scenario, Sensing, TargetScript, Water,
+    BeyondBorder, CameraSetup, FirstView, Platform, Scenario, SensorModel, TargetScript, Water,
 };
-use barrelman_sim::scenery::ThingScript;
+use barrelman_sim::scenery::ObjectScript;
 use barrelman_sim::sea::{SeaState, Wind};
-use barrelman_sim::snapshot::{Light, ThingKind};
+use barrelman_sim::snapshot::{Light, ObjectKind};
 use barrelman_sim::sway::Sway;
-use barrelman_sim::video_link::VideoLinkScript;
+use barrelman_sim::tick::TICKS_PER_SECOND;
+use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_vocab::{Angle, PictureSize};
 
+use super::error::ScenarioError;
 use super::file::{
-    CameraSection, LightSection, ScenarioFile, SensingSection, SwaySection, ThingName, ThingSection,
-    WaterSection,
+    CameraSection, LightSection, ScenarioFile, SceneObjectName, SceneObjectSection, SensingSection,
+    SwaySection, WaterSection,
 };
-use super::{Changes, Loaded, Mistake};
+use super::loaded::{LoadedScenario, ScenarioOverrides};
+use super::range::within;
 
 /// Reads a scenario from its text.
 ///
 /// # Errors
 /// If it has a mistake.
-pub fn read(text: &str, changes: &Changes) -> Result<Loaded, Mistake> {
-    let file: ScenarioFile = toml::from_str(text).map_err(|error| Mistake::Form(error.to_string()))?;
+pub fn read(text: &str, changes: &ScenarioOverrides) -> Result<LoadedScenario, ScenarioError> {
+    let file: ScenarioFile = toml::from_str(text).map_err(|error| ScenarioError::Form(error.to_string()))?;
     let (scenario, setting) = resolve(&file, changes)?;
-    Ok(Loaded { scenario, setting, hash: xxhash_rust::xxh3::xxh3_64(text.as_bytes()) })
+    Ok(LoadedScenario { scenario, setting, hash: xxhash_rust::xxh3::xxh3_64(text.as_bytes()) })
 }
 
-fn resolve(file: &ScenarioFile, changes: &Changes) -> Result<(Scenario, String), Mistake> {
+fn resolve(file: &ScenarioFile, changes: &ScenarioOverrides) -> Result<(Scenario, String), ScenarioError> {
     if file.name.is_empty() || !file.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
-        return Err(Mistake::value(
+        return Err(ScenarioError::value(
             "name",
             "use letters, digits, - and _ only: it becomes part of file names",
         ));
@@ -53,21 +55,21 @@ fn resolve(file: &ScenarioFile, changes: &Changes) -> Result<(Scenario, String),
         platform,
         water,
         light: light(&file.light)?,
-        things: things(file, &target)?,
+        objects: things(file, &target)?,
         target,
         sensing: sensing(&file.sensing)?,
-        most_s: within("longest_s", file.longest_s, 1.0, 3600.0, "seconds")?,
+        max_s: within("longest_s", file.longest_s, 1.0, 3600.0, "seconds")?,
     };
     Ok((scenario, setting))
 }
 
-fn camera(section: &CameraSection, changes: &Changes) -> Result<CameraSetup, Mistake> {
+fn camera(section: &CameraSection, changes: &ScenarioOverrides) -> Result<CameraSetup, ScenarioError> {
     let size = |key: &str, [width, height]: [u32; 2]| {
         let even = |side: u32| (64..=4096).contains(&side) && side.is_multiple_of(2);
         if even(width) && even(height) {
             Ok(PictureSize::new(width, height))
         } else {
-            Err(Mistake::value(
+            Err(ScenarioError::value(
                 key,
                 format!("{width} x {height}: use even numbers of pixels from 64 to 4096"),
             ))
@@ -85,40 +87,43 @@ fn camera(section: &CameraSection, changes: &Changes) -> Result<CameraSetup, Mis
         PictureSize::new(stretched(written_frame.width), stretched(written_frame.height))
     };
     if frame.width < picture.width || frame.height < picture.height {
-        return Err(Mistake::value("camera.frame", "it is smaller than the picture that it should hold"));
+        return Err(ScenarioError::value(
+            "camera.frame",
+            "it is smaller than the picture that it should hold",
+        ));
     }
     let rate = section.pictures_per_second;
     if rate == 0 || !TICKS_PER_SECOND.is_multiple_of(rate) {
-        return Err(Mistake::value(
+        return Err(ScenarioError::value(
             "camera.pictures_per_second",
             format!("{rate}: use a whole number that {TICKS_PER_SECOND} can be divided by, such as 30"),
         ));
     }
     let first_view = |key: &str, [pan, tilt]: [f64; 2], least: f64| {
         let key = format!("camera.{key}");
-        Ok::<_, Mistake>((
+        Ok::<_, ScenarioError>((
             within(&key, pan, least, 1.5, "radians")?,
             within(&key, tilt, least, 1.5, "radians")?,
         ))
     };
     let drift = |what: &str, deviation: f64, time_s: f64| {
-        Ok::<_, Mistake>(Wander {
-            deviation: within(&format!("camera.{what}_drift"), deviation, 0.0, 0.5, "a share")?,
-            time_s: within(&format!("camera.{what}_time_s"), time_s, 0.01, 1000.0, "seconds")?,
+        Ok::<_, ScenarioError>(OrnsteinUhlenbeck {
+            std_dev: within(&format!("camera.{what}_drift"), deviation, 0.0, 0.5, "a share")?,
+            time_constant_s: within(&format!("camera.{what}_time_s"), time_s, 0.01, 1000.0, "seconds")?,
         })
     };
     let share = |key: &str, value: f64| within(&format!("camera.loss.{key}"), value, 0.0, 1.0, "a share");
-    let steady = VideoLinkScript {
+    let steady = VideoLinkModel {
         jitter_s: 0.5 * within("camera.latency_jitter_s", section.latency_jitter_s, 0.0, 1.0, "seconds")?,
-        ..VideoLinkScript::steady(within("camera.latency_s", section.latency_s, 0.0, 5.0, "seconds")?)
+        ..VideoLinkModel::steady(within("camera.latency_s", section.latency_s, 0.0, 5.0, "seconds")?)
     };
     let video = match &section.loss {
         None => steady,
-        Some(loss) => VideoLinkScript {
-            to_bad: share("to_bad", loss.to_bad)?,
-            to_good: share("to_good", loss.to_good)?,
-            spoilt: share("spoilt", loss.spoilt)?,
-            frozen: share("frozen", loss.frozen)?,
+        Some(loss) => VideoLinkModel {
+            good_to_bad: share("to_bad", loss.to_bad)?,
+            bad_to_good: share("to_good", loss.to_good)?,
+            impaired_share: share("spoilt", loss.spoilt)?,
+            frozen_share: share("frozen", loss.frozen)?,
             ..steady
         },
     };
@@ -141,9 +146,9 @@ fn camera(section: &CameraSection, changes: &Changes) -> Result<CameraSetup, Mis
         video,
         first_view: FirstView {
             mean: first_view("first_view_rad", section.first_view_rad, -1.5)?,
-            deviation: first_view("first_view_deviation_rad", section.first_view_deviation_rad, 0.0)?,
+            std_dev: first_view("first_view_deviation_rad", section.first_view_deviation_rad, 0.0)?,
         },
-        electronics: ElectronicsScript {
+        electronics: ElectronicsModel {
             brightness: drift("brightness", section.brightness_drift, section.brightness_time_s)?,
             white_balance: drift("white_balance", section.white_balance_drift, section.white_balance_time_s)?,
             exposure_s: within("camera.exposure_s", section.exposure_s, 0.0, 0.1, "seconds")?,
@@ -152,20 +157,20 @@ fn camera(section: &CameraSection, changes: &Changes) -> Result<CameraSetup, Mis
 }
 
 /// What the camera hangs on, by the name of a setting.
-fn platform(file: &ScenarioFile, changes: &Changes) -> Result<(String, Platform), Mistake> {
+fn platform(file: &ScenarioFile, changes: &ScenarioOverrides) -> Result<(String, Platform), ScenarioError> {
     let name = changes.setting.as_ref().unwrap_or(&file.setting);
     let platform = match (file.sway.get(name), file.kite.get(name)) {
         (Some(section), None) => Platform::Swaying(sway(name, section)?),
         (None, Some(section)) if file.water.is_some() => Platform::Kite {
             gustiness: within(&format!("kite.{name}.gustiness"), section.gustiness, 0.0, 10.0, "a factor")?,
         },
-        (None, Some(_)) => return Err(Mistake::value("kite", "a kite in the wind needs [water]")),
+        (None, Some(_)) => return Err(ScenarioError::value("kite", "a kite in the wind needs [water]")),
         (Some(_), Some(_)) => {
-            return Err(Mistake::value(format!("kite.{name}"), "there is a sway of that name too"));
+            return Err(ScenarioError::value(format!("kite.{name}"), "there is a sway of that name too"));
         }
         (None, None) => {
             let names: Vec<&str> = file.sway.keys().chain(file.kite.keys()).map(String::as_str).collect();
-            return Err(Mistake::value(
+            return Err(ScenarioError::value(
                 "setting",
                 format!("{} has no setting {name:?}: use one of {}", file.name, names.join(", ")),
             ));
@@ -174,28 +179,31 @@ fn platform(file: &ScenarioFile, changes: &Changes) -> Result<(String, Platform)
     Ok((name.clone(), platform))
 }
 
-fn sway(name: &str, section: &SwaySection) -> Result<Sway, Mistake> {
+fn sway(name: &str, section: &SwaySection) -> Result<Sway, ScenarioError> {
     let wander = |what: &str, unit: &str, deviation: f64, most: f64, time_s: f64| {
         let deviation = within(&format!("sway.{name}.{what}_{unit}"), deviation, 0.0, most, unit)?;
         let time_s = within(&format!("sway.{name}.{what}_time_s"), time_s, 0.01, 1000.0, "seconds")?;
-        Ok::<_, Mistake>(Wander { deviation, time_s })
+        Ok::<_, ScenarioError>(OrnsteinUhlenbeck { std_dev: deviation, time_constant_s: time_s })
     };
     let turn = |what: &str, deg: f64, time_s: f64| {
         let wander = wander(what, "deg", deg, 45.0, time_s)?;
-        Ok::<_, Mistake>(Wander { deviation: wander.deviation.to_radians(), ..wander })
+        Ok::<_, ScenarioError>(OrnsteinUhlenbeck { std_dev: wander.std_dev.to_radians(), ..wander })
     };
     Ok(Sway {
         yaw: turn("yaw", section.yaw_deg, section.yaw_time_s)?,
         pitch: turn("pitch", section.pitch_deg, section.pitch_time_s)?,
         roll: turn("roll", section.roll_deg, section.roll_time_s)?,
-        place: wander("place", "m", section.place_m, 50.0, section.place_time_s)?,
+        position: wander("place", "m", section.place_m, 50.0, section.place_time_s)?,
     })
 }
 
-fn water(section: Option<&WaterSection>, changes: &Changes) -> Result<Option<Water>, Mistake> {
+fn water(
+    section: Option<&WaterSection>,
+    changes: &ScenarioOverrides,
+) -> Result<Option<Water>, ScenarioError> {
     let Some(section) = section else {
         if changes.sea_state.is_some() || changes.wind_m_per_s.is_some() {
-            return Err(Mistake::value(
+            return Err(ScenarioError::value(
                 "water",
                 "there is no water in this scenario: it has no sea and no wind",
             ));
@@ -204,7 +212,7 @@ fn water(section: Option<&WaterSection>, changes: &Changes) -> Result<Option<Wat
     };
     let number = changes.sea_state.unwrap_or(section.sea_state);
     let Some(state) = SeaState::new(number) else {
-        return Err(Mistake::value(
+        return Err(ScenarioError::value(
             "water.sea_state",
             format!("{number}: use 0 (glassy) to 4 (moderate); rougher seas are not simulated"),
         ));
@@ -219,7 +227,7 @@ fn water(section: Option<&WaterSection>, changes: &Changes) -> Result<Option<Wat
     }))
 }
 
-fn light(section: &LightSection) -> Result<Light, Mistake> {
+fn light(section: &LightSection) -> Result<Light, ScenarioError> {
     Ok(Light {
         sun_bearing: angle("light.sun_bearing_deg", section.sun_bearing_deg, -360.0, 360.0)?,
         sun_elevation: angle("light.sun_elevation_deg", section.sun_elevation_deg, 2.0, 90.0)?,
@@ -228,7 +236,7 @@ fn light(section: &LightSection) -> Result<Light, Mistake> {
 }
 
 /// The things of a scenario, and the marks of its path.
-fn things(file: &ScenarioFile, target: &TargetScript) -> Result<Vec<ThingScript>, Mistake> {
+fn things(file: &ScenarioFile, target: &TargetScript) -> Result<Vec<ObjectScript>, ScenarioError> {
     let way_points = match target {
         TargetScript::Pursuit(script) => &script.way_points,
         TargetScript::Boat(script) => &script.way_points,
@@ -242,8 +250,8 @@ fn things(file: &ScenarioFile, target: &TargetScript) -> Result<Vec<ThingScript>
 
 /// The marks of a path: painted on a floor at each way-point; on water, where a boat must not run over them, small
 /// buoys beside the path, no closer to each other than makes sense.
-fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ThingScript> {
-    let mark = |kind, at| ThingScript {
+fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ObjectScript> {
+    let mark = |kind, at| ObjectScript {
         kind,
         at,
         jitter_m: 0.0,
@@ -252,18 +260,19 @@ fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ThingScript> {
         turns_after_s: None,
     };
     if !on_water {
-        return way_points.iter().map(|at| mark(ThingKind::FloorMark, *at)).collect();
+        return way_points.iter().map(|at| mark(ObjectKind::FloorMark, *at)).collect();
     }
-    let mut marks: Vec<ThingScript> = Vec::new();
+    let mut marks: Vec<ObjectScript> = Vec::new();
     for (index, at) in way_points.iter().enumerate() {
         let (before, after) =
             (way_points[index.saturating_sub(1)], way_points[(index + 1).min(way_points.len() - 1)]);
         let (dx, dy) = (after.0 - before.0, after.1 - before.1);
         let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
         let beside = (at.0 - MARKS_ASIDE_M * dy / length, at.1 + MARKS_ASIDE_M * dx / length);
-        let is_near = |mark: &ThingScript| (mark.at.0 - beside.0).hypot(mark.at.1 - beside.1) < MARKS_APART_M;
+        let is_near =
+            |mark: &ObjectScript| (mark.at.0 - beside.0).hypot(mark.at.1 - beside.1) < MARKS_APART_M;
         if !marks.iter().any(is_near) {
-            marks.push(mark(ThingKind::MarkBuoy, beside));
+            marks.push(mark(ObjectKind::MarkBuoy, beside));
         }
     }
     marks
@@ -273,25 +282,25 @@ fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ThingScript> {
 const MARKS_ASIDE_M: f64 = 2.0;
 const MARKS_APART_M: f64 = 5.0;
 
-fn thing(at: &str, section: &ThingSection) -> Result<ThingScript, Mistake> {
+fn thing(at: &str, section: &SceneObjectSection) -> Result<ObjectScript, ScenarioError> {
     let key = |name: &str| format!("{at}.{name}");
     let kind = match (section.kind, section.size_m) {
-        (ThingName::Pier, Some([length, breadth])) => ThingKind::Pier {
+        (SceneObjectName::Pier, Some([length, breadth])) => ObjectKind::Pier {
             length_m: within(&key("size_m"), length, 1.0, 500.0, "metres")?,
             breadth_m: within(&key("size_m"), breadth, 0.5, 50.0, "metres")?,
         },
-        (ThingName::Pier, None) => return Err(Mistake::value(key("size_m"), "a pier needs one")),
-        (_, Some(_)) => return Err(Mistake::value(key("size_m"), "only a pier has one")),
-        (ThingName::Buoy, None) => ThingKind::Buoy,
-        (ThingName::LifeJacket, None) => ThingKind::LifeJacket,
-        (ThingName::Swimmer, None) => ThingKind::Swimmer,
-        (ThingName::RedCraft, None) => ThingKind::RedCraft,
-        (ThingName::Shore, None) => ThingKind::Shore,
+        (SceneObjectName::Pier, None) => return Err(ScenarioError::value(key("size_m"), "a pier needs one")),
+        (_, Some(_)) => return Err(ScenarioError::value(key("size_m"), "only a pier has one")),
+        (SceneObjectName::Buoy, None) => ObjectKind::Buoy,
+        (SceneObjectName::LifeJacket, None) => ObjectKind::LifeJacket,
+        (SceneObjectName::Swimmer, None) => ObjectKind::Swimmer,
+        (SceneObjectName::RedCraft, None) => ObjectKind::RedCraft,
+        (SceneObjectName::Shore, None) => ObjectKind::Shore,
     };
     let place = |value: f64| within(&key("at"), value, -target::WORLD_M, target::WORLD_M, "metres");
     let speed = |value: f64| within(&key("velocity_m_per_s"), value, -20.0, 20.0, "m/s");
     let ([x, y], [vx, vy]) = (section.at, section.velocity_m_per_s);
-    Ok(ThingScript {
+    Ok(ObjectScript {
         kind,
         at: (place(x)?, place(y)?),
         jitter_m: within(&key("jitter_m"), section.jitter_m, 0.0, 1000.0, "metres")?,
@@ -304,15 +313,15 @@ fn thing(at: &str, section: &ThingSection) -> Result<ThingScript, Mistake> {
     })
 }
 
-fn sensing(section: &SensingSection) -> Result<Sensing, Mistake> {
+fn sensing(section: &SensingSection) -> Result<SensorModel, ScenarioError> {
     let [length, breadth] = section.target_size_m;
     let size = |value: f64| within("sensing.target_size_m", value, 0.01, 100.0, "metres");
-    Ok(Sensing {
-        noise: Wander {
-            deviation: within("sensing.noise_px", section.noise_px, 0.0, 100.0, "pixels")?,
-            time_s: within("sensing.noise_time_s", section.noise_time_s, 0.0, 3600.0, "seconds")?,
+    Ok(SensorModel {
+        noise: OrnsteinUhlenbeck {
+            std_dev: within("sensing.noise_px", section.noise_px, 0.0, 100.0, "pixels")?,
+            time_constant_s: within("sensing.noise_time_s", section.noise_time_s, 0.0, 3600.0, "seconds")?,
         },
-        rounded: section.rounded,
+        is_rounded: section.rounded,
         beyond_border: match section.clamped_at_px {
             None => BeyondBorder::Absent,
             Some([x_px, y_px]) => BeyondBorder::Clamped {
@@ -324,14 +333,6 @@ fn sensing(section: &SensingSection) -> Result<Sensing, Mistake> {
     })
 }
 
-fn angle(key: &str, degrees: f64, least: f64, most: f64) -> Result<Angle, Mistake> {
+fn angle(key: &str, degrees: f64, least: f64, most: f64) -> Result<Angle, ScenarioError> {
     within(key, degrees, least, most, "degrees").map(Angle::from_degrees)
-}
-
-fn within(key: &str, value: f64, least: f64, most: f64, unit: &str) -> Result<f64, Mistake> {
-    if (least..=most).contains(&value) {
-        Ok(value)
-    } else {
-        Err(Mistake::value(key, format!("{value}: use {unit} from {least} to {most}")))
-    }
 }

@@ -1,33 +1,34 @@
 //! Drives: the same inputs give the same drive, and a stored drive is read as it was written.
 
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::driven::Driven;
-use barrelman_experiments::campaign::plan::Request;
-use barrelman_experiments::campaign::{Perception, Plan};
-use barrelman_experiments::drive::schema_shadow::DriveShadow;
-use barrelman_experiments::drive::{Cast, Drive, DriveInput, DriveReader, DriveWriter};
-use barrelman_experiments::drive::{DriveHash, DriveWitness};
+use barrelman_experiments::campaign::drive_inputs::DriveInputs;
+use barrelman_experiments::campaign::plan::CampaignRequest;
+use barrelman_experiments::campaign::{CampaignPlan, Perception};
+use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
+use barrelman_experiments::drive::{Drive, DriveInput, DriveReader, DriveSetup, DriveWriter};
+use barrelman_experiments::drive::{DriveHash, DriveObserver};
 use barrelman_experiments::law_choice::{LawChoice, ModeName};
 use barrelman_experiments::render_threads::RenderThreads;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_experiments::world_url::WorldUrl;
+use barrelman_host::output::OutputFile;
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_simd::SimdLevel;
-use barrelman_trial::campaign::Witness;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 const SMALL: PictureSize = PictureSize::new(192, 108);
 
-fn cast(law: LawChoice, coded: bool) -> Cast {
+fn cast(law: LawChoice, coded: bool) -> DriveSetup {
     let url = WorldUrl { size: Some(SMALL), ..WorldUrl::of("open") };
-    Cast::new(url, TrackerName::Camshift, law, coded).unwrap()
+    DriveSetup::new(url, TrackerName::Camshift, law, coded).unwrap()
 }
 
 /// The hash of a drive of one second with these inputs.
-fn driven(cast: &Cast, inputs: &[(u64, DriveInput)]) -> String {
+fn drive_inputs(cast: &DriveSetup, inputs: &[(u64, DriveInput)]) -> String {
     let threads = RenderThreads::two().unwrap();
     let mut drive = Drive::new(cast, &threads).unwrap();
     let mut hash = DriveHash::default();
@@ -46,39 +47,39 @@ const AHEAD: DriveInput = DriveInput::Helm { thrust: 100, rudder: 20 };
 fn the_same_inputs_at_the_same_ticks_give_the_same_drive() {
     for (law, coded) in [(LawChoice::OPTIMAL, false), (LawChoice::SCHEMA, true)] {
         let cast = cast(law, coded);
-        let first = driven(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]);
-        assert_eq!(driven(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
+        let first = drive_inputs(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]);
+        assert_eq!(drive_inputs(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
         let paused =
             [(0, DriveInput::Engage), (10, DriveInput::Pause), (10, DriveInput::Resume), (30, AHEAD)];
-        assert_eq!(driven(&cast, &paused), first, "a pause changes nothing in the world");
-        assert_ne!(driven(&cast, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
+        assert_eq!(drive_inputs(&cast, &paused), first, "a pause changes nothing in the world");
+        assert_ne!(drive_inputs(&cast, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
     }
 }
 
 /// Follows a drive, and the schema's shadow beside it.
 struct Beside {
-    shadow: DriveShadow,
+    shadow: MotorSchemaShadow,
     /// P, and P as the schema would have kept it.
     seen: Vec<(f64, f64)>,
 }
 
-impl Witness for Beside {
-    fn step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
+impl StepObserver for Beside {
+    fn on_step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
         self.shadow.step(now, outcome);
         self.seen.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
     }
 
-    fn truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth) {}
 }
 
-impl DriveWitness for Beside {}
+impl DriveObserver for Beside {}
 
 #[test]
 fn the_schemas_shadow_is_the_schema_and_another_law_differs_from_it() {
     let seen = |law| {
         let (cast, threads) = (cast(law, false), RenderThreads::two().unwrap());
         let mut drive = Drive::new(&cast, &threads).unwrap();
-        let mut beside = Beside { shadow: DriveShadow::new(&cast.profile), seen: Vec::new() };
+        let mut beside = Beside { shadow: MotorSchemaShadow::new(&cast.profile), seen: Vec::new() };
         drive.put(DriveInput::Engage, &mut beside);
         drive.put(DriveInput::Helm { thrust: 100, rudder: 0 }, &mut beside);
         (0..1200).for_each(|_| drive.tick(&mut beside));
@@ -98,30 +99,31 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
     let path = std::env::temp_dir().join(format!("barrelman-driven-{}.jsonl", std::process::id()));
     let cast = cast(LawChoice::SCHEMA, false);
     let inputs = [(0, DriveInput::Engage), (30, AHEAD)];
-    let hash = driven(&cast, &inputs);
-    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    let hash = drive_inputs(&cast, &inputs);
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
     inputs.iter().for_each(|(tick, input)| writer.add(*tick, *input).unwrap());
     writer.end(120, hash.clone()).unwrap();
     let stored = DriveReader::read(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
-    let request = Request {
+    let request = CampaignRequest {
         scenario: "open".to_owned(),
-        changes: Changes { size: Some(SMALL), ..Changes::default() },
+        changes: ScenarioOverrides { size: Some(SMALL), ..ScenarioOverrides::default() },
         law: LawChoice::SCHEMA,
         rate: None,
         perception: Perception::Pixels(TrackerName::Camshift),
         plant: PlantName::Nominal,
         simd: SimdLevel::Avx512,
     };
-    let plan = Plan::new(&request).unwrap().driven_by(Driven::of(&stored));
+    let plan = CampaignPlan::new(&request).unwrap().with_drive(DriveInputs::of(&stored));
     let mut again = DriveHash::default();
     let log = plan.log(cast.url.seed, &mut again).unwrap();
     assert_eq!(again.hex(), hash);
     assert_eq!(plan.run(cast.url.seed).unwrap().campaign.drive.map(|drive| drive.len()), Some(16));
     // The boat goes the same way whatever the camera does.
     let law = LawChoice::OPTIMAL;
-    let other = Plan::new(&Request { law, perception: Perception::Truth, ..request }).unwrap();
-    let other = other.driven_by(Driven::of(&stored)).log(cast.url.seed, &mut ()).unwrap();
+    let other =
+        CampaignPlan::new(&CampaignRequest { law, perception: Perception::Truth, ..request }).unwrap();
+    let other = other.with_drive(DriveInputs::of(&stored)).log(cast.url.seed, &mut ()).unwrap();
     let end = |log: &TrialLog| log.truth.as_ref().unwrap().last().unwrap().target_m;
     assert_eq!(end(&other), end(&log));
 }
@@ -131,7 +133,7 @@ fn a_stored_drive_is_read_as_it_was_written() {
     let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
     let law = LawChoice { mode: Some(ModeName::Eco), horizon_s: Some(1.5), ..LawChoice::OPTIMAL };
     let cast = cast(law, true);
-    let mut writer = DriveWriter::begin(&path, true, &cast).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
     writer.add(0, DriveInput::Engage).unwrap();
     writer.add(30, AHEAD).unwrap();
     let cut = DriveReader::read(&path).unwrap();

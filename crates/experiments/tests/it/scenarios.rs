@@ -1,6 +1,6 @@
 //! Scenarios: the built-in ones, and what is said of mistakes.
 
-use barrelman_experiments::scenario::{BUILT_IN, Changes, load, resolve};
+use barrelman_experiments::scenario::{BUILT_IN, ScenarioOverrides, load, resolve};
 use barrelman_sim::scenario::{BeyondBorder, Platform};
 use barrelman_vocab::PictureSize;
 
@@ -11,20 +11,20 @@ fn text(name: &str) -> String {
 
 /// What is said of a scenario's text.
 fn said_of(text: &str) -> String {
-    let mistake = resolve::read(text, &Changes::default()).unwrap_err();
-    mistake.shown_in("mine.toml", text).to_string()
+    let mistake = resolve::read(text, &ScenarioOverrides::default()).unwrap_err();
+    mistake.located_in("mine.toml", text).to_string()
 }
 
 #[test]
 fn every_built_in_scenario_can_be_loaded_in_all_its_settings() {
     for built_in in BUILT_IN {
-        let loaded = load(built_in.name, &Changes::default()).unwrap();
+        let loaded = load(built_in.name, &ScenarioOverrides::default()).unwrap();
         assert_eq!(loaded.scenario.name, built_in.name);
     }
     for (name, setting) in
         [("lab1", "still"), ("lab2", "windy"), ("field1", "still"), ("arena1", "calm"), ("open", "tether")]
     {
-        let changes = Changes { setting: Some(setting.to_owned()), ..Changes::default() };
+        let changes = ScenarioOverrides { setting: Some(setting.to_owned()), ..ScenarioOverrides::default() };
         assert_eq!(load(name, &changes).unwrap().setting, setting);
     }
 }
@@ -33,7 +33,7 @@ fn every_built_in_scenario_can_be_loaded_in_all_its_settings() {
 fn the_laboratory_has_the_plant_and_the_optics_as_identified() {
     // The intervals that were identified from the recorded trials; dead times are less the camera's 0.1 s.
     for name in ["lab1", "lab2", "field1", "field2", "steep1", "steep2"] {
-        let scenario = load(name, &Changes::default()).unwrap().scenario;
+        let scenario = load(name, &ScenarioOverrides::default()).unwrap().scenario;
         let within = |what: &str, value: f64, low: f64, high: f64| {
             assert!((low..=high).contains(&value), "{name}: {what} {value}, {low} to {high}");
         };
@@ -48,23 +48,27 @@ fn the_laboratory_has_the_plant_and_the_optics_as_identified() {
         assert_eq!(scenario.camera.frame, PictureSize::new(640, 480), "{name}");
         assert_eq!(scenario.camera.optics.picture, PictureSize::new(640, 360), "{name}");
         assert_eq!(scenario.camera.pictures_per_second, 30, "{name}");
-        assert_eq!(pan.flaws, Default::default(), "{name}: no flaws were identified");
+        assert_eq!(pan.imperfections, Default::default(), "{name}: no flaws were identified");
         let clamped = BeyondBorder::Clamped { x_px: 316.0, y_px: 177.0 };
         let expected = if name.starts_with("lab") { clamped } else { BeyondBorder::Absent };
         assert_eq!(scenario.sensing.beyond_border, expected, "{name}");
     }
-    let indoor = load("lab1", &Changes::default()).unwrap().scenario;
+    let indoor = load("lab1", &ScenarioOverrides::default()).unwrap().scenario;
     let Platform::Swaying(sway) = indoor.platform else { panic!("it sways") };
-    assert!((sway.yaw.deviation.to_degrees() - 0.3).abs() < 1e-9 && sway.yaw.time_s == 1.5, "{sway:?}");
+    assert!(
+        (sway.yaw.std_dev.to_degrees() - 0.3).abs() < 1e-9 && sway.yaw.time_constant_s == 1.5,
+        "{sway:?}"
+    );
     assert_eq!(
-        (indoor.camera.height_m, indoor.sensing.noise.deviation, indoor.sensing.rounded),
+        (indoor.camera.height_m, indoor.sensing.noise.std_dev, indoor.sensing.is_rounded),
         (1.83, 0.6, true)
     );
 }
 
 #[test]
 fn another_size_shows_the_same_view() {
-    let changes = Changes { size: Some(PictureSize::new(320, 180)), ..Changes::default() };
+    let changes =
+        ScenarioOverrides { size: Some(PictureSize::new(320, 180)), ..ScenarioOverrides::default() };
     let small = load("lab1", &changes).unwrap().scenario.camera;
     assert_eq!((small.optics.focal_px, small.frame), (165.0, PictureSize::new(320, 240)));
     let small = load("arena1", &changes).unwrap().scenario.camera;
@@ -101,9 +105,9 @@ fn a_mistake_is_shown_with_its_line() {
 
 #[test]
 fn what_a_scenario_does_not_have_cannot_be_changed() {
-    let changes = Changes { sea_state: Some(2), ..Changes::default() };
+    let changes = ScenarioOverrides { sea_state: Some(2), ..ScenarioOverrides::default() };
     let error = format!("{:#}", load("lab1", &changes).unwrap_err());
     assert!(error.contains("there is no water"), "{error}");
-    let error = format!("{:#}", load("lab3", &Changes::default()).unwrap_err());
+    let error = format!("{:#}", load("lab3", &ScenarioOverrides::default()).unwrap_err());
     assert!(error.contains("lab1, lab2, arena1") && error.contains(".toml"), "{error}");
 }

@@ -8,7 +8,7 @@ use barrelman_overlay::{Overlay, Scene};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
 use barrelman_sim::practice::PracticeClip;
-use barrelman_vision::{Explanation, GreyMap, Stage};
+use barrelman_vision::{Explanation, GreyMap, TrackerState};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
@@ -31,7 +31,7 @@ fn grey(size: PictureSize, colour: ColourEncoding) -> VideoFrame {
 }
 
 fn region_of(size: PictureSize) -> Region {
-    Region::in_picture(VehicleProfile::fotokite_pro().region, size)
+    Region::from_shares(VehicleProfile::fotokite_pro().region, size)
 }
 
 /// A target at a place given in shares of half the picture, image coordinates, a tenth of the picture large.
@@ -61,7 +61,7 @@ fn explanation_of(size: PictureSize) -> Explanation {
 }
 
 /// What a tracker by pattern and colour gives: maps coarser than the picture, and a state.
-fn fused_explanation_of(size: PictureSize, stage: Stage, confidence: f64) -> Explanation {
+fn fused_explanation_of(size: PictureSize, stage: TrackerState, confidence: f64) -> Explanation {
     let window = PixelBox { u: -9.0, v: 12.0, w: 64.0, h: 64.0 };
     let map = |side: usize| GreyMap {
         bounds: window,
@@ -73,7 +73,7 @@ fn fused_explanation_of(size: PictureSize, stage: Stage, confidence: f64) -> Exp
         back_projection: map(16),
         response: map(32),
         histogram: Vec::new(),
-        stage: Some(stage),
+        state: Some(stage),
         confidence,
         ..explanation_of(size)
     }
@@ -90,8 +90,8 @@ fn scene_of<'a>(
     let region = region_of(size);
     let percept = track.localisation().map(|seen| Percept::new(seen.centre.in_image(size), region));
     let advice = percept.map(|percept| Advice {
-        command: MotorSchema::new(profile.schema).command(&percept),
-        sector: MotorSchema::released(&percept).then(|| Sector::of(percept.position)),
+        command: MotorSchema::new(profile.motor_schema_rates).command(&percept),
+        sector: MotorSchema::is_released(&percept).then(|| Sector::from_point(percept.position)),
     });
     let servoing = mode == Some(Mode::Servoing);
     let command = advice.filter(|_| servoing).map_or(CameraCommand::REST, |advice| advice.command);
@@ -99,7 +99,7 @@ fn scene_of<'a>(
         percept,
         advice,
         command,
-        rates: mode.map(|_| profile.outgoing(command)),
+        rates: mode.map(|_| profile.to_vehicle(command)),
         mode,
         link: Some("up"),
         explanation,
@@ -114,9 +114,9 @@ fn drawn(frame: &VideoFrame, scene: &Scene<'_>) -> Picture {
 }
 
 fn tracks(size: PictureSize) -> Vec<Track> {
-    let places = [(0.0, 0.0), (0.1, 0.05), (0.9, 0.1), (0.0, 0.95), (-0.95, 0.0), (0.1, -0.9), (1.0, 1.0)];
+    let placement = [(0.0, 0.0), (0.1, 0.05), (0.9, 0.1), (0.0, 0.95), (-0.95, 0.0), (0.1, -0.9), (1.0, 1.0)];
     let mut tracks: Vec<Track> =
-        places.iter().map(|place| Track::Tracking(target_at(size, place.0, place.1))).collect();
+        placement.iter().map(|place| Track::Tracking(target_at(size, place.0, place.1))).collect();
     tracks.push(Track::Coasting(target_at(size, -0.7, -0.6)));
     tracks.push(Track::Lost { since: Timestamp::from_secs_f64(1.9), confidence: 0.1 });
     tracks.push(Track::Unseeded);
@@ -136,7 +136,7 @@ const MODES: [Option<Mode>; 6] = [
 fn the_frame_itself_keeps_its_samples() {
     let clip = PracticeClip::new(HD, 5);
     let mut picture = Picture::black(HD, clip.colour());
-    clip.draw(100, &mut picture);
+    clip.render(100, &mut picture);
     let untouched = picture.clone();
     let frame = framed(picture);
     let track = Track::Tracking(target_at(HD, 0.8, 0.1));
@@ -150,7 +150,7 @@ fn the_frame_itself_keeps_its_samples() {
 fn samples_far_from_anything_drawn_keep_their_bits() {
     let clip = PracticeClip::new(HD, 5);
     let mut picture = Picture::black(HD, clip.colour());
-    clip.draw(100, &mut picture);
+    clip.render(100, &mut picture);
     let frame = framed(picture);
     // Within the region at the centre's right: the left half of the region holds no line and no label.
     let track = Track::Tracking(target_at(HD, 0.3, -0.1));
@@ -286,10 +286,10 @@ fn every_size_and_state_is_drawn() {
         let frame = grey(size, ColourEncoding::JPEG);
         let explanations = [
             explanation_of(size),
-            fused_explanation_of(size, Stage::Tracking, 0.8),
-            fused_explanation_of(size, Stage::Coasting, 0.4),
-            fused_explanation_of(size, Stage::Lost, 0.0),
-            fused_explanation_of(size, Stage::Confirming, f64::NAN),
+            fused_explanation_of(size, TrackerState::Tracking, 0.8),
+            fused_explanation_of(size, TrackerState::Coasting, 0.4),
+            fused_explanation_of(size, TrackerState::Lost, 0.0),
+            fused_explanation_of(size, TrackerState::Confirming, f64::NAN),
         ];
         let (mut overlay, mut out) = (Overlay::new(), Picture::black(size, ColourEncoding::JPEG));
         for track in tracks(size) {
@@ -348,7 +348,7 @@ fn small_and_large_pictures_show_the_maps_the_state_and_the_confidence() {
         let track = Track::Tracking(target_at(size, 0.1, 0.1));
         let show =
             |explanation: &Explanation| drawn(&frame, &scene_of(size, &track, None, Some(explanation)));
-        let whole = fused_explanation_of(size, Stage::Tracking, 0.8);
+        let whole = fused_explanation_of(size, TrackerState::Tracking, 0.8);
         let shown = show(&whole);
         let without = |change: fn(&mut Explanation)| {
             let mut changed = whole.clone();
@@ -358,7 +358,7 @@ fn small_and_large_pictures_show_the_maps_the_state_and_the_confidence() {
         let map_area = (f64::from(size.height) * 0.15).powi(2) as usize;
         assert!(without(|changed| changed.response.samples.fill(0)) > map_area / 2, "no response at {size}");
         assert!(without(|changed| changed.back_projection.samples.fill(0)) > map_area / 2, "{size}");
-        assert!(without(|changed| changed.stage = Some(Stage::Confirming)) > 20, "no state at {size}");
+        assert!(without(|changed| changed.state = Some(TrackerState::Confirming)) > 20, "no state at {size}");
         assert!(without(|changed| changed.confidence = 0.3) > 20, "no confidence at {size}");
     }
 }

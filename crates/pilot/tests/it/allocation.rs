@@ -1,18 +1,18 @@
-//! No allocation per step once the buffers have their size.
+//! Steps do not allocate after the buffers have reached their size.
 
 use std::sync::Arc;
 
-use barrelman_control::optimal::{Mode as OptimalMode, OptimalSettings};
+use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{OperatorRequest, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
 
-use crate::scenes::Told::{Engage, Lost, Reports, Tick};
+use crate::scenes::SceneInput::{Engage, Lost, Reports, Tick};
 use crate::scenes::settings;
 
-/// How often this thread asks for memory while some work is done.
+/// Number of allocations of this thread during some work.
 fn allocations_of(work: impl FnOnce()) -> u64 {
     allocation_counter::measure(work).count_total
 }
@@ -21,7 +21,7 @@ const SIZE: PictureSize = PictureSize::new(640, 480);
 
 fn drawn(clip: &PracticeClip, index: u32, sequence: u64, captured: Timestamp) -> VideoFrame {
     let mut picture = Picture::black(SIZE, clip.colour());
-    clip.draw(index, &mut picture);
+    clip.render(index, &mut picture);
     let capture = Capture { at: captured, quality: CaptureQuality::Sensor };
     VideoFrame { sequence, capture, picture: Arc::new(picture) }
 }
@@ -29,20 +29,20 @@ fn drawn(clip: &PracticeClip, index: u32, sequence: u64, captured: Timestamp) ->
 #[test]
 fn steps_with_camshift_allocate_nothing_after_the_first_round() {
     let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
-    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::Schema);
+    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::MotorSchema);
 }
 
 #[test]
 fn steps_with_the_optimal_law_allocate_nothing_after_the_first_round() {
     let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
-    let law = LawSettings::Optimal(OptimalSettings::of(OptimalMode::MinimumEnergy));
+    let law = LawSettings::Optimal(OptimalSettings::new(OptimalMode::MinimumEnergy));
     steps_allocate_nothing_after_the_first_round(Box::new(tracker), law);
 }
 
 #[test]
 fn steps_with_the_fused_tracker_allocate_nothing_after_the_first_round() {
     let tracker = FusedTracker::new(FusedConfig::default()).unwrap();
-    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::Schema);
+    steps_allocate_nothing_after_the_first_round(Box::new(tracker), LawSettings::MotorSchema);
 }
 
 #[track_caller]
@@ -52,7 +52,7 @@ fn steps_allocate_nothing_after_the_first_round(tracker: Box<dyn Tracker>, law: 
     let mut sequence = 0_u64;
     let mut round = || {
         let (mut allocations, mut moved, mut followed) = (0, 0, 0);
-        // Every third frame: the boat passes all four sectors twice in 240 frames, so fast that it is lost now and then.
+        // Every third frame: the boat passes all four sectors twice in 240 frames, fast enough to be lost occasionally.
         for index in (0..clip.frames()).step_by(3) {
             let captured = Timestamp::from_nanos(1_000_000_000 + sequence * 33_000_000);
             let now = captured.plus(core::time::Duration::from_millis(50));

@@ -1,4 +1,4 @@
-//! What holds whatever a pilot is told, in whichever order.
+//! Properties that hold for any inputs in any order.
 
 use core::time::Duration;
 
@@ -7,9 +7,9 @@ use barrelman_vocab::{CameraCommand, ImagePoint, OperatorRequest, StopCause, Tim
 use proptest::prelude::*;
 
 use crate::scenes::{Answer, COAST_MS, FRESH_MS, INSIDE, LEFT, RIGHT, Scripted, TOP};
-use crate::scenes::{Told, at, frame, settings};
+use crate::scenes::{SceneInput, at, frame, settings};
 
-/// An input, and how many milliseconds after the one before; below zero where a clock runs back.
+/// An input, and the milliseconds since the previous one; negative where a clock runs backwards.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     after_ms: i64,
@@ -18,8 +18,8 @@ struct Step {
 
 #[derive(Debug, Clone, Copy)]
 enum What {
-    Told(Told),
-    /// A frame of that age, and what the tracker says of it.
+    Input(SceneInput),
+    /// A frame of this age in milliseconds, and the tracker's answer.
     Frame(u64, Answer),
 }
 
@@ -53,26 +53,26 @@ fn any_cause() -> impl Strategy<Value = StopCause> {
 
 fn any_step() -> impl Strategy<Value = Step> {
     let what = prop_oneof![
-        8 => (any_point(), any_age()).prop_map(|(point, age)| What::Told(Told::SeenLate(point, age))),
-        3 => any_point().prop_map(|point| What::Told(Told::Coasts(point))),
+        8 => (any_point(), any_age()).prop_map(|(point, age)| What::Input(SceneInput::SeenLate(point, age))),
+        3 => any_point().prop_map(|point| What::Input(SceneInput::Coasts(point))),
         8 => (any_age(), any_answer()).prop_map(|(age, answer)| What::Frame(age, answer)),
-        1 => Just(What::Told(Told::Lost)),
-        1 => Just(What::Told(Told::Unseeded)),
-        2 => Just(What::Told(Told::Reports)),
-        4 => Just(What::Told(Told::Tick)),
-        1 => Just(What::Told(Told::Select)),
-        4 => Just(What::Told(Told::Engage)),
-        1 => Just(What::Told(Told::Disengage)),
-        1 => any_cause().prop_map(|cause| What::Told(Told::Stop(cause))),
+        1 => Just(What::Input(SceneInput::Lost)),
+        1 => Just(What::Input(SceneInput::Unseeded)),
+        2 => Just(What::Input(SceneInput::Reports)),
+        4 => Just(What::Input(SceneInput::Tick)),
+        1 => Just(What::Input(SceneInput::Select)),
+        4 => Just(What::Input(SceneInput::Engage)),
+        1 => Just(What::Input(SceneInput::Disengage)),
+        1 => any_cause().prop_map(|cause| What::Input(SceneInput::Stop(cause))),
     ];
     let after_ms = prop_oneof![12 => 0_i64..60, 2 => 200_i64..260, 1 => 0_i64..2_000, 1 => -300_i64..0];
     (after_ms, what).prop_map(|(after_ms, what)| Step { after_ms, what })
 }
 
-/// What a step was and what came of it.
+/// A step and its outcome.
 struct Taken {
     now: Timestamp,
-    /// Whether the target was seen in it, and recently enough.
+    /// Whether the step contained a fresh localisation.
     fresh: bool,
     request: Option<OperatorRequest>,
     outcome: Outcome,
@@ -81,7 +81,7 @@ struct Taken {
 fn run(steps: &[Step], selections: &[Option<ImagePoint>]) -> Vec<Taken> {
     let answers = steps.iter().filter_map(|step| match step.what {
         What::Frame(_, answer) => Some(answer),
-        What::Told(_) => None,
+        What::Input(_) => None,
     });
     let tracker = Scripted {
         tracks: answers.collect(),
@@ -97,8 +97,8 @@ fn run(steps: &[Step], selections: &[Option<ImagePoint>]) -> Vec<Taken> {
             now_ms = (now_ms + step.after_ms).max(0);
             let now = at(now_ms as u64);
             let (request, outcome) = match step.what {
-                What::Told(told) => {
-                    let input = told.input(now);
+                What::Input(scene_input) => {
+                    let input = scene_input.input(now);
                     let request = match input {
                         Input::Request(request) => Some(request),
                         _ => None,
@@ -121,7 +121,7 @@ fn rates(command: CameraCommand) -> [f64; 2] {
     [command.pan.radians_per_second(), command.tilt.radians_per_second()]
 }
 
-/// The bits of everything in an outcome: NaN equals itself here, and 0.0 does not equal -0.0.
+/// An outcome for comparison to the bit: NaN equals itself, and 0.0 does not equal -0.0.
 fn bits(outcome: &Outcome) -> (String, [u64; 2]) {
     (format!("{outcome:?}"), rates(outcome.command).map(f64::to_bits))
 }
@@ -169,13 +169,16 @@ proptest! {
 
     #[test]
     fn a_tick_at_wake_at_gives_the_zeros(steps in prop::collection::vec(any_step(), 1..40)) {
-        let told = |step: &Step| match step.what { What::Told(told) => Some((step.after_ms, told)), What::Frame(..) => None };
-        let mut pilot = crate::scenes::told_pilot();
+        let scene_input = |step: &Step| match step.what {
+            What::Input(input) => Some((step.after_ms, input)),
+            What::Frame(..) => None,
+        };
+        let mut pilot = crate::scenes::localisation_pilot();
         let mut now_ms = 0_i64;
         let mut wake_at = None;
-        for (after_ms, told) in steps.iter().filter_map(told) {
+        for (after_ms, input) in steps.iter().filter_map(scene_input) {
             now_ms = (now_ms + after_ms).max(0);
-            wake_at = pilot.step(told.input(at(now_ms as u64)), at(now_ms as u64)).wake_at;
+            wake_at = pilot.step(input.input(at(now_ms as u64)), at(now_ms as u64)).wake_at;
         }
         if let Some(wake_at) = wake_at {
             let rested = pilot.step(Input::Tick, wake_at);

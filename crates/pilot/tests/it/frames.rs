@@ -6,7 +6,7 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Input, Mode, Notice, Outcome, Pilot};
 use barrelman_vocab::{ImagePoint, Track};
 
-use crate::scenes::Told::{Engage, Select};
+use crate::scenes::SceneInput::{Engage, Select};
 use crate::scenes::{
     Answer, FRESH_MS, INSIDE, LATENCY_MS, PAN_LEFT, PAN_RIGHT, PICTURE, REST, RIGHT, Scripted, TILT_UP, TOP,
 };
@@ -145,7 +145,7 @@ fn the_tracker_is_told_how_the_camera_turns() {
         .iter()
         .map(|prior| prior.expect("a prior for each frame").shift_u_px)
         .collect();
-    // A command from 300 ms on shows after its dead time, and not in the first frames.
+    // A command at 300 ms takes effect after its dead time, not in the first frames.
     assert!(shifts[..4].iter().all(|shift| *shift == 0.0), "{shifts:?}");
     assert!(shifts[38] < 2.0 * shifts[12] && shifts[12] < 0.0, "{shifts:?}");
 }

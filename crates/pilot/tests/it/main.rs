@@ -1,4 +1,4 @@
-//! What the pilot promises: when the camera may move, and when it must not.
+//! The pilot's guarantees: when the camera may move, and when it must not.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
 
 mod allocation;

@@ -1,20 +1,20 @@
-//! Every edge of the modes' diagram.
+//! Every transition of the diagram of modes.
 
 use barrelman_pilot::Mode::{Holding, Idle, Servoing, Stopped};
 use barrelman_pilot::outcome::HoldCause::{Coasting, NoSelection, TrackLost, VideoSilent, VideoStale};
 use barrelman_vocab::StopCause::{Ending, Fault, Operator, VideoEnded};
 
-use crate::scenes::Told::{
+use crate::scenes::SceneInput::{
     Coasts, Disengage, Engage, Lost, Reports, Seen, SeenLate, Select, Stop, Tick, Unseeded,
 };
 use crate::scenes::{
     BOTTOM, COAST_MS, INSIDE, LEFT, PAN_LEFT, PAN_RIGHT, REST, RIGHT, TILT_DOWN, TILT_UP, TOP,
 };
-use crate::scenes::{check, told_pilot};
+use crate::scenes::{check, localisation_pilot};
 
 #[test]
 fn a_new_pilot_is_idle_and_asks_for_no_call() {
-    let outcome = told_pilot().step(barrelman_pilot::Input::Tick, crate::scenes::at(0));
+    let outcome = localisation_pilot().step(barrelman_pilot::Input::Tick, crate::scenes::at(0));
     assert_eq!((outcome.mode, outcome.command, outcome.wake_at), (Idle, REST, None));
     assert_eq!((outcome.age, outcome.percept, outcome.advice), (None, None, None));
 }
@@ -59,7 +59,7 @@ fn a_fresh_localisation_ends_holding() {
 
 #[test]
 fn nothing_fresh_for_coast_motion_ends_servoing_and_names_the_cause() {
-    let after = |told| [(0, Engage), (10, Seen(RIGHT)), (20, told), (10 + COAST_MS, Tick)];
+    let after = |input| [(0, Engage), (10, Seen(RIGHT)), (20, input), (10 + COAST_MS, Tick)];
     check(&after(Tick), Holding(VideoSilent), REST);
     check(&after(Coasts(RIGHT)), Holding(Coasting), REST);
     check(&after(Lost), Holding(TrackLost), REST);
@@ -103,7 +103,7 @@ fn a_stop_outranks_everything_also_in_the_same_instant() {
 #[test]
 fn after_a_stop_nothing_but_engage_moves_the_camera() {
     let moving = [(0, Engage), (10, Seen(RIGHT)), (20, Stop(Operator))];
-    let stopped = |told| [moving.as_slice(), &[(30, told), (40, Seen(RIGHT))]].concat();
+    let stopped = |input| [moving.as_slice(), &[(30, input), (40, Seen(RIGHT))]].concat();
     check(&stopped(Seen(RIGHT)), Stopped(Operator), REST);
     check(&stopped(Coasts(RIGHT)), Stopped(Operator), REST);
     check(&stopped(Select), Stopped(Operator), REST);

@@ -1,18 +1,18 @@
-//! The rule of motion: motion rests on a fresh look.
+//! The rule of motion: motion requires fresh localisations.
 
 use core::time::Duration;
 
-use barrelman_control::Sector;
+use barrelman_control::{Region, Sector};
 use barrelman_pilot::Mode::{Holding, Servoing};
 use barrelman_pilot::outcome::HoldCause::{NoSelection, TrackLost, VideoSilent, VideoStale};
 use barrelman_pilot::{Input, Notice};
 use barrelman_vocab::{Timestamp, Track};
 
-use crate::scenes::Told::{Coasts, Engage, Lost, Reports, Seen, SeenLate, Select, Tick, Unseeded};
+use crate::scenes::SceneInput::{Coasts, Engage, Lost, Reports, Seen, SeenLate, Select, Tick, Unseeded};
 use crate::scenes::{
     BOTTOM, COAST_MS, FRESH_MS, INSIDE, LEFT, PAN_LEFT, PAN_RIGHT, REST, RIGHT, TILT_UP, TOP,
 };
-use crate::scenes::{at, check, outcomes, seen, told_pilot};
+use crate::scenes::{at, check, localisation_pilot, outcomes, seen};
 
 #[test]
 fn a_rate_ends_at_coast_motion_after_the_last_fresh_look_and_not_before() {
@@ -26,14 +26,14 @@ fn a_rate_ends_at_coast_motion_after_the_last_fresh_look_and_not_before() {
 
 #[test]
 fn the_pilot_asks_to_be_called_at_the_very_time_of_the_zeros() {
-    let mut pilot = told_pilot();
+    let mut pilot = localisation_pilot();
     pilot.step(Engage.input(at(0)), at(0));
     let moving = pilot.step(Seen(RIGHT).input(at(10)), at(10));
     assert_eq!(moving.wake_at, Some(at(10 + COAST_MS)));
     let coasting = pilot.step(Coasts(RIGHT).input(at(60)), at(60));
     assert_eq!((coasting.command, coasting.wake_at), (PAN_RIGHT, moving.wake_at));
-    let told = pilot.step(Reports.input(at(70)), at(70));
-    assert_eq!((told.command, told.wake_at), (PAN_RIGHT, moving.wake_at));
+    let reported = pilot.step(Reports.input(at(70)), at(70));
+    assert_eq!((reported.command, reported.wake_at), (PAN_RIGHT, moving.wake_at));
     let zeros_at = moving.wake_at.unwrap();
     let before = Timestamp::from_nanos(zeros_at.as_nanos() - 1);
     assert_eq!(pilot.step(Input::Tick, before).command, PAN_RIGHT);
@@ -59,10 +59,10 @@ fn a_look_moves_the_camera_up_to_the_age_at_which_it_is_stale() {
 #[test]
 fn a_stale_look_neither_starts_nor_prolongs_nor_turns_a_rate() {
     let moving = [(0, Engage), (10, Seen(RIGHT))];
-    let then = |told| [moving.as_slice(), &[(100, told)]].concat();
+    let then = |input| [moving.as_slice(), &[(100, input)]].concat();
     check(&then(SeenLate(LEFT, FRESH_MS + 1)), Servoing, PAN_RIGHT);
     check(&then(SeenLate(TOP, FRESH_MS + 1)), Servoing, PAN_RIGHT);
-    let expired = |told| [then(told).as_slice(), &[(10 + COAST_MS, Tick)]].concat();
+    let expired = |input| [then(input).as_slice(), &[(10 + COAST_MS, Tick)]].concat();
     check(&expired(SeenLate(RIGHT, FRESH_MS + 1)), Holding(VideoStale), REST);
     check(&expired(Lost), Holding(TrackLost), REST);
     check(&expired(Unseeded), Holding(NoSelection), REST);
@@ -71,7 +71,7 @@ fn a_stale_look_neither_starts_nor_prolongs_nor_turns_a_rate() {
 #[test]
 fn coasting_only_lowers_a_rate() {
     let moving = [(0, Engage), (10, Seen(RIGHT))];
-    let then = |told| [moving.as_slice(), &[(20, told)]].concat();
+    let then = |input| [moving.as_slice(), &[(20, input)]].concat();
     check(&then(Coasts(RIGHT)), Servoing, PAN_RIGHT);
     check(&then(Coasts(INSIDE)), Servoing, REST);
     check(&then(Coasts(LEFT)), Servoing, REST);
@@ -84,7 +84,7 @@ fn coasting_only_lowers_a_rate() {
 
 #[test]
 fn a_coasting_look_that_is_stale_changes_nothing() {
-    let mut pilot = told_pilot();
+    let mut pilot = localisation_pilot();
     pilot.step(Engage.input(at(0)), at(0));
     pilot.step(Seen(RIGHT).input(at(10)), at(10));
     let stale = Track::Coasting(seen(INSIDE, at(0).minus(Duration::from_millis(FRESH_MS))));
@@ -110,7 +110,7 @@ fn a_new_selection_rests_the_camera_until_its_target_is_seen() {
     let selecting = [(0, Engage), (10, Seen(RIGHT)), (20, Select)];
     let last = outcomes(&selecting).pop().unwrap();
     assert_eq!((last.command, last.wake_at), (REST, None));
-    let then = |told| [selecting.as_slice(), &[(30, told)]].concat();
+    let then = |input| [selecting.as_slice(), &[(30, input)]].concat();
     assert_eq!(outcomes(&then(Tick)).pop().unwrap().command, REST);
     assert_eq!(outcomes(&then(Coasts(RIGHT))).pop().unwrap().command, REST);
     check(&then(Seen(LEFT)), Servoing, PAN_LEFT);
@@ -155,9 +155,9 @@ fn a_video_clock_that_runs_back_is_noticed_once() {
 
 #[test]
 fn a_lost_track_says_nothing_of_the_video_clock() {
-    let told =
+    let outcomes =
         outcomes(&[(0, Seen(RIGHT)), (33, Lost), (66, Seen(RIGHT)), (99, Unseeded), (132, Seen(RIGHT))]);
-    for outcome in told {
+    for outcome in outcomes {
         assert_eq!(outcome.notice, None, "at {}", outcome.at);
     }
 }
@@ -168,4 +168,14 @@ fn a_clock_that_runs_back_rests_the_camera() {
     let last = outcomes(&scene).pop().unwrap();
     assert_eq!((last.command, last.wake_at), (REST, None));
     check(&[scene.as_slice(), &[(910, Seen(RIGHT))]].concat(), Servoing, PAN_RIGHT);
+}
+
+#[test]
+fn the_region_is_that_of_the_newest_picture() {
+    let regions: Vec<_> = outcomes(&[(0, Tick), (10, Lost), (20, Seen(RIGHT)), (30, Tick), (40, Lost)])
+        .into_iter()
+        .map(|outcome| outcome.region)
+        .collect();
+    let region = Some(Region { a_px: 192.0, b_px: 120.0 });
+    assert_eq!(regions, [None, None, region, region, region]);
 }

@@ -1,4 +1,4 @@
-//! Scenes: what a pilot is told, and when.
+//! Scenes: sequences of inputs for a pilot.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -15,7 +15,7 @@ use barrelman_vocab::{
 
 pub(crate) const PICTURE: PictureSize = PictureSize::new(640, 480);
 
-/// Inside the region of a 640x480 picture (192 x 120 px).
+/// A point inside the region of a 640x480 picture (192 x 120 px).
 pub(crate) const INSIDE: ImagePoint = ImagePoint { x: 20.0, y: -10.0 };
 pub(crate) const RIGHT: ImagePoint = ImagePoint { x: 250.0, y: 30.0 };
 pub(crate) const LEFT: ImagePoint = ImagePoint { x: -250.0, y: 30.0 };
@@ -30,26 +30,26 @@ pub(crate) const PAN_LEFT: CameraCommand = CameraCommand { pan: BACK, tilt: Angu
 pub(crate) const TILT_UP: CameraCommand = CameraCommand { pan: AngularRate::ZERO, tilt: RATE };
 pub(crate) const TILT_DOWN: CameraCommand = CameraCommand { pan: AngularRate::ZERO, tilt: BACK };
 
-/// The nominal age of a look, and the oldest that is still fresh: the Fotokite Pro's 200 ms + 300 ms.
+/// The nominal age of a localisation, and the largest fresh age: 200 ms + 300 ms for the Fotokite Pro.
 pub(crate) const LATENCY_MS: u64 = 200;
 pub(crate) const FRESH_MS: u64 = 500;
-/// How long a rate lasts after the last fresh look.
+/// How long a rate lasts after the last fresh localisation.
 pub(crate) const COAST_MS: u64 = 250;
 
-/// One thing that a pilot is told.
+/// One input of a pilot.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Told {
-    /// The target was seen there, at the nominal age.
+pub(crate) enum SceneInput {
+    /// The target was measured there, at the nominal age.
     Seen(ImagePoint),
-    /// The target was seen there, so many milliseconds ago.
+    /// The target was measured there, with an age in milliseconds.
     SeenLate(ImagePoint, u64),
-    /// It was not seen, but must be there.
+    /// The target is predicted there.
     Coasts(ImagePoint),
-    /// It is not known where it is.
+    /// The target is lost.
     Lost,
-    /// A look, though nothing was selected.
+    /// An observation without a selection.
     Unseeded,
-    /// A report of the vehicle.
+    /// Telemetry of the vehicle.
     Reports,
     Tick,
     Select,
@@ -58,7 +58,7 @@ pub(crate) enum Told {
     Stop(StopCause),
 }
 
-/// A moment that leaves room for a latency before it.
+/// A time with room for a latency before it.
 pub(crate) fn at(ms: u64) -> Timestamp {
     Timestamp::from_nanos((10_000 + ms) * 1_000_000)
 }
@@ -69,8 +69,8 @@ pub(crate) fn seen(point: ImagePoint, captured: Timestamp) -> Localisation {
     Localisation { captured, picture: PICTURE, centre, bounds, shape: None, heading: None, confidence: 0.9 }
 }
 
-impl Told {
-    /// The input that says so at `now`.
+impl SceneInput {
+    /// The corresponding input at `now`.
     pub(crate) fn input(self, now: Timestamp) -> Input<'static> {
         let ago = |ms: u64| now.minus(Duration::from_millis(ms));
         match self {
@@ -90,40 +90,40 @@ impl Told {
 }
 
 pub(crate) fn settings() -> PilotSettings {
-    PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::Schema }
+    PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema }
 }
 
-/// A pilot that is told where the target is, and never sees a frame.
-pub(crate) fn told_pilot() -> Pilot {
+/// A pilot that receives localisations and no frames.
+pub(crate) fn localisation_pilot() -> Pilot {
     Pilot::new(settings(), Box::new(Scripted::default()))
 }
 
-/// Tells a pilot a scene, and hands back every outcome.
-pub(crate) fn outcomes(scene: &[(u64, Told)]) -> Vec<Outcome> {
-    let mut pilot = told_pilot();
-    scene.iter().map(|(ms, told)| pilot.step(told.input(at(*ms)), at(*ms))).collect()
+/// Runs a pilot through a scene and returns every outcome.
+pub(crate) fn outcomes(scene: &[(u64, SceneInput)]) -> Vec<Outcome> {
+    let mut pilot = localisation_pilot();
+    scene.iter().map(|(ms, input)| pilot.step(input.input(at(*ms)), at(*ms))).collect()
 }
 
-/// Tells a pilot a scene, and holds the last outcome against the mode and the command expected.
+/// Runs a pilot through a scene and checks mode and command of the last outcome.
 #[track_caller]
-pub(crate) fn check(scene: &[(u64, Told)], mode: Mode, command: CameraCommand) {
+pub(crate) fn check(scene: &[(u64, SceneInput)], mode: Mode, command: CameraCommand) {
     let outcomes = outcomes(scene);
     let last = outcomes.last().unwrap();
     assert_eq!((last.mode, last.command), (mode, command), "{scene:?}");
 }
 
-/// A tracker that answers what it was given to answer.
+/// A tracker with predefined answers.
 #[derive(Debug, Default)]
 pub(crate) struct Scripted {
-    /// For frames that are tracked.
+    /// Answers for tracked frames.
     pub(crate) tracks: VecDeque<Answer>,
-    /// For selections.
+    /// Answers for selections; `None` refuses.
     pub(crate) selections: VecDeque<Option<ImagePoint>>,
-    /// What it was told of the camera's motion, frame by frame.
+    /// The motion priors that the tracker received, one per frame.
     pub(crate) priors: Arc<Mutex<Vec<Option<MotionPrior>>>>,
 }
 
-/// What a scripted tracker says of a frame.
+/// The answer of a scripted tracker to a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Answer {
     Tracking(ImagePoint),
@@ -133,7 +133,7 @@ pub(crate) enum Answer {
 }
 
 impl Answer {
-    pub(crate) fn of(self, captured: Timestamp) -> Track {
+    pub(crate) fn track(self, captured: Timestamp) -> Track {
         match self {
             Self::Tracking(point) => Track::Tracking(seen(point, captured)),
             Self::Coasting(point) => Track::Coasting(seen(point, captured)),
@@ -150,9 +150,9 @@ pub(crate) fn refusal(selection: PixelBox) -> SelectionError {
 pub(crate) fn report(localisation: Localisation) -> SelectionReport {
     SelectionReport {
         used: localisation.bounds,
-        clipped: false,
-        coloured: 1.0,
-        surroundings: 0.0,
+        is_clipped: false,
+        coloured_share: 1.0,
+        surroundings_probability: 0.0,
         localisation,
     }
 }
@@ -165,13 +165,13 @@ impl Tracker for Scripted {
 
     fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
         self.priors.lock().unwrap().push(prior.copied());
-        self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.of(frame.capture.at))
+        self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.track(frame.capture.at))
     }
 
     fn explain(&self, _: &mut Explanation) {}
 }
 
-/// A frame of that time of capture. Nobody looks at its picture.
+/// A frame with this time of capture. Its picture is not used.
 pub(crate) fn frame(sequence: u64, captured: Timestamp) -> VideoFrame {
     let picture = Picture::black(PictureSize::new(2, 2), ColourEncoding::JPEG);
     let capture = Capture { at: captured, quality: CaptureQuality::Sensor };

@@ -1,21 +1,21 @@
-//! What a vehicle reports, on its way to the law.
+//! Telemetry of the vehicle reaches the law.
 
 use std::sync::{Arc, Mutex};
 
-use barrelman_control::{CameraLaw, CameraModel, Law, Sight};
+use barrelman_control::{CameraLaw, CameraModel, Law, LawInput};
 use barrelman_pilot::{Input, Pilot};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{Angle, CameraCommand, Telemetry};
 
-use crate::scenes::Told::{Engage, Seen};
+use crate::scenes::SceneInput::{Engage, Seen};
 use crate::scenes::{INSIDE, Scripted, at, settings};
 
-/// A law that asks for nothing and notes where it believes the camera to point.
-struct Noting(Arc<Mutex<f64>>);
+/// A law that always rests and records the tilt of its camera model.
+struct TiltRecorder(Arc<Mutex<f64>>);
 
-impl Law for Noting {
-    fn command(&mut self, sight: &Sight<'_>, camera: &CameraModel) -> CameraCommand {
-        *self.0.lock().unwrap() = camera.pointing(sight.captured).1;
+impl Law for TiltRecorder {
+    fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
+        *self.0.lock().unwrap() = camera.angles_at(input.captured).1;
         CameraCommand::REST
     }
 }
@@ -24,23 +24,23 @@ impl Law for Noting {
 fn a_law_believes_the_tilt_that_the_gimbal_reports() {
     let believed = Arc::new(Mutex::new(f64::NAN));
     let settings = settings();
-    let first = settings.profile.camera.first_tilt.degrees();
-    let law = CameraLaw::of(Box::new(Noting(Arc::clone(&believed))), &settings.profile);
+    let first = settings.profile.camera.initial_tilt.degrees();
+    let law = CameraLaw::from_law(Box::new(TiltRecorder(Arc::clone(&believed))), &settings.profile);
     let mut pilot = Pilot::with_law(settings, law, Box::new(Scripted::default()));
-    let look = |pilot: &mut Pilot, ms| {
+    let tilt_after_step = |pilot: &mut Pilot, ms| {
         pilot.step(Seen(INSIDE).input(at(ms)), at(ms));
         believed.lock().unwrap().to_degrees()
     };
     pilot.step(Engage.input(at(0)), at(0));
-    assert!((look(&mut pilot, 10) - first).abs() < 1e-9);
+    assert!((tilt_after_step(&mut pilot, 10) - first).abs() < 1e-9);
     for ms in (100..4000).step_by(100) {
         let report = Report::CameraTilt(Angle::from_degrees(-60.0));
         let outcome = pilot.step(Input::Telemetry(Telemetry { at: at(ms), report }), at(ms));
         assert_eq!(outcome.command, CameraCommand::REST, "a report moves nothing");
     }
-    assert!((look(&mut pilot, 4000) + 60.0).abs() < 0.1);
-    // What cannot be is not believed.
+    assert!((tilt_after_step(&mut pilot, 4000) + 60.0).abs() < 0.1);
+    // Invalid reports are ignored.
     let report = Report::CameraTilt(Angle::from_radians(f64::NAN));
     pilot.step(Input::Telemetry(Telemetry { at: at(4010), report }), at(4010));
-    assert!((look(&mut pilot, 4020) + 60.0).abs() < 0.1);
+    assert!((tilt_after_step(&mut pilot, 4020) + 60.0).abs() < 0.1);
 }

@@ -6,9 +6,9 @@
 //! Radix-2 Stockham passes over whole rows: each pass reads two rows and writes two, all columns at once, which a
 //! compiler turns into vector instructions without changing any sum. A transposition in the middle makes columns rows.
 
-use barrelman_simd::{Simd, at_level};
+use barrelman_simd::{Simd, multiversion};
 
-/// A complex map of `n` x `n`, its parts apart.
+/// A complex map of `n` x `n`: real and imaginary parts.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Map {
     pub(super) re: Vec<f32>,
@@ -21,7 +21,7 @@ impl Map {
     }
 }
 
-/// Twiddle factors for one size.
+/// The transform of one size, with its twiddle factors.
 #[derive(Debug, Clone)]
 pub(super) struct Fourier {
     n: usize,
@@ -41,7 +41,7 @@ impl Fourier {
         Self { n, twiddles }
     }
 
-    /// Transforms `map`, indexed [i][j], in place to [y][x]: rows are y afterwards. `other` is working space.
+    /// Transforms `map` in place, from index [i][j] to index [y][x]. `other` is working memory.
     pub(super) fn inverse(&self, simd: Simd, map: &mut Map, other: &mut Map) {
         columns(simd, self.n, &self.twiddles, map, other);
         transpose(simd, self.n, &map.re, &mut other.re);
@@ -51,8 +51,8 @@ impl Fourier {
     }
 }
 
-at_level! { simd;
-    /// Transforms every column; the result is in `map` again.
+multiversion! { simd;
+    /// Transforms every column in place.
     fn columns(simd: Simd, n: usize, twiddles: &[(f32, f32)], map: &mut Map, other: &mut Map) {
         let mut stride = 1;
         let mut length = n;
@@ -84,7 +84,7 @@ at_level! { simd;
     }
 }
 
-at_level! { simd;
+multiversion! { simd;
     fn transpose(simd: Simd, n: usize, from: &[f32], to: &mut [f32]) {
         const BLOCK: usize = 16;
         for top in (0..n).step_by(BLOCK) {

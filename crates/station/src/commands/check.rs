@@ -17,13 +17,14 @@ use crate::config::{self, ConfigFile, Configuration};
 use crate::link::LinkUrl;
 use crate::link::port::Port;
 use crate::link::url::Endpoint;
+use crate::secrets;
 use crate::simulated_source;
 use crate::source_url::SourceUrl;
 use barrelman_host::clock::Clock;
 use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 
 /// How long a live source may take to show its first picture.
-const FIRST_PICTURE: Duration = Duration::from_secs(5);
+const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Where the udev rule of this project is installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 
@@ -52,7 +53,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     let video = args.video.clone().or_else(|| configuration.as_ref().and_then(|found| found.video.clone()));
     let link = args.link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
     match video {
-        Some(url) => findings.push(check_video(&url, clock)),
+        Some(url) => findings.push(check_video(&url, configuration.as_ref(), clock)),
         None => {
             findings.push(finding("video", Verdict::Warning, "none configured: give --video or video.url"))
         }
@@ -87,7 +88,13 @@ fn configuration(args: &CheckArgs, findings: &mut Vec<Finding>) -> Option<Config
         Some(path) => config::read(path),
         None => Ok(ConfigFile::default()),
     };
-    match file.and_then(|file| Configuration::resolve(&file)) {
+    let with_login = |mut file: ConfigFile| {
+        if let Some(path) = &args.video_login_file {
+            (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
+        }
+        Configuration::resolve(&file)
+    };
+    match file.and_then(with_login) {
         Ok(configuration) => {
             findings.push(finding(
                 "configuration",
@@ -103,10 +110,11 @@ fn configuration(args: &CheckArgs, findings: &mut Vec<Finding>) -> Option<Config
     }
 }
 
-fn check_video(url: &str, clock: Clock) -> Finding {
-    let parsed = match SourceUrl::parse(url) {
+fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -> Finding {
+    let login = configuration.and_then(|configuration| configuration.video_login.as_ref());
+    let parsed = match secrets::source_url(url, login) {
         Ok(parsed) => parsed,
-        Err(error) => return finding("video", Verdict::Failed, error.to_string()),
+        Err(error) => return finding("video", Verdict::Failed, format!("{error:#}")),
     };
     let shown = format!("video {parsed}");
     let first = match &parsed {
@@ -162,7 +170,7 @@ fn first_live_picture(url: SourceUrl, clock: Clock) -> Result<VideoFrame, String
 }
 
 fn wait_for_picture(queue: &Receiver<Seen>) -> Result<VideoFrame, String> {
-    let deadline = Instant::now() + FIRST_PICTURE;
+    let deadline = Instant::now() + FIRST_PICTURE_TIMEOUT;
     let mut last = "nothing answered".to_owned();
     while let Ok(seen) = queue.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
         match seen {
@@ -172,7 +180,7 @@ fn wait_for_picture(queue: &Receiver<Seen>) -> Result<VideoFrame, String> {
             Seen::State(VideoState::Connecting | VideoState::Up | VideoState::Ended) => {}
         }
     }
-    Err(format!("no picture within {} s: {last}", FIRST_PICTURE.as_secs()))
+    Err(format!("no picture within {} s: {last}", FIRST_PICTURE_TIMEOUT.as_secs()))
 }
 
 fn check_link(url: &str, findings: &mut Vec<Finding>) {

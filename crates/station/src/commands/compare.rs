@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use barrelman_trial::campaign::Comparison;
+use barrelman_trial::campaign::CampaignComparison;
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
 use barrelman_trial::metrics::TrialEntry;
 
@@ -19,7 +19,7 @@ use barrelman_experiments::campaign::file;
 /// If a file cannot be read, or the two have no trial in common.
 pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let (first, second) = (trials(&args.first)?, trials(&args.second)?);
-    let comparison = Comparison::of(&first, &second, &Bootstrap::USUAL);
+    let comparison = CampaignComparison::new(&first, &second, &Bootstrap::DEFAULT);
     if comparison.pairs == 0 {
         bail!(
             "{} and {} have no trial in common: run both campaigns on the same scenario with the same --seed",
@@ -50,7 +50,7 @@ fn trials(path: &Path) -> Result<Vec<TrialEntry>> {
     Ok(read.entries.into_iter().map(|(entry, _)| entry.trial).collect())
 }
 
-fn table(comparison: &Comparison, args: &CompareArgs) -> Result<String, std::fmt::Error> {
+fn table(comparison: &CampaignComparison, args: &CompareArgs) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     writeln!(
         text,
@@ -66,11 +66,11 @@ fn table(comparison: &Comparison, args: &CompareArgs) -> Result<String, std::fmt
             |i| format!("{:.decimals$} ({:.decimals$} to {:.decimals$})", i.value, i.low, i.high),
         )
     };
-    for figure in &comparison.figures {
+    for figure in &comparison.metrics {
         let name = if figure.unit.is_empty() {
-            figure.figure.to_owned()
+            figure.metric.to_owned()
         } else {
-            format!("{}, {}", figure.figure, figure.unit)
+            format!("{}, {}", figure.metric, figure.unit)
         };
         writeln!(
             text,

@@ -5,7 +5,7 @@
 
 use std::io::{Write as _, stdout};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -14,8 +14,9 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Input, Mode, Outcome};
 use barrelman_sim::Truth;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
-use barrelman_trial::campaign::Witness;
+use barrelman_sim::tick::TICKS_PER_SECOND;
+use barrelman_trial::behaviour::VersionDifference;
+use barrelman_trial::campaign::StepObserver;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
 
 use super::practice;
@@ -27,29 +28,29 @@ use crate::demo::page_pictures::{self, AnnotatedFrame};
 use crate::demo::server::PageServer;
 use crate::live::event::{Event, QuitCause};
 use crate::live::terminal::Terminal;
-use crate::live::threads::{self, Saboteur};
+use crate::live::threads::{self, FaultInjector};
 use crate::progress::Progress;
 use barrelman_experiments::campaign::recording::TrialRecorder;
-use barrelman_experiments::drive::schema_shadow::DriveShadow;
-use barrelman_experiments::drive::{Cast, Drive, DriveInput, DriveReader, DriveWriter};
-use barrelman_experiments::drive::{DriveHash, DriveWitness};
+use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
+use barrelman_experiments::drive::{Drive, DriveInput, DriveReader, DriveSetup, DriveWriter};
+use barrelman_experiments::drive::{DriveHash, DriveObserver};
 use barrelman_experiments::law_choice::{LawChoice, LawName};
 use barrelman_experiments::render_threads::RenderThreads;
-use barrelman_experiments::scenario::{self, Changes};
+use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_experiments::world_url::WorldUrl;
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 
 /// Where the page is served unless something else is asked for: the first of these ports that is free.
 const PORTS: std::ops::Range<u16> = 8480..8490;
 /// Larger pictures are made smaller, unless their size is asked for: they are drawn on the CPU.
-const WIDEST: u32 = 960;
+const MAX_WIDTH: u32 = 960;
 /// Helm that nobody renews goes back to neutral after this.
-const HELM_LASTS: Duration = Duration::from_millis(500);
+const HELM_TIMEOUT: Duration = Duration::from_millis(500);
 /// From one look at the inputs to the next while the time stands still.
-const LOOK_EVERY: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Events that may wait.
 const EVENTS: usize = 64;
 
@@ -61,12 +62,12 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     if args.clip || args.draw_only {
         return practice::run(args, clock);
     }
-    for path in [&args.record, &args.store].into_iter().flatten() {
-        output::check_free(path, args.force)?;
-    }
+    let open =
+        |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
+    let (record, store) = (open(&args.record)?, open(&args.store)?);
     match &args.replay {
-        Some(path) => replay(args, path),
-        None => drive(args, clock),
+        Some(path) => replay(record, path),
+        None => drive(args, record, store, clock),
     }
 }
 
@@ -79,24 +80,30 @@ enum End {
 }
 
 /// Drives on in a world, and in further ones, until it is asked to end.
-fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
+fn drive(
+    args: &DemoArgs,
+    mut record: Option<OutputFile>,
+    mut store: Option<OutputFile>,
+    clock: Clock,
+) -> Result<ExitCode> {
     let mut url = WorldUrl {
         scenario: args.scenario.clone().unwrap_or_else(|| "open".to_owned()),
         seed: args.seed,
         size: args.size,
     };
     url.size = Some(size_of(&url)?);
-    let mut cast = Cast::new(url, args.tracker, args.law.over(LawChoice::OPTIMAL)?, args.record.is_some())?;
+    let mut cast =
+        DriveSetup::new(url, args.tracker, args.law.over(LawChoice::OPTIMAL)?, args.record.is_some())?;
     let threads = RenderThreads::two()?;
     let listener = listen(args.listen)?;
 
     let (events, queue) = sync_channel(EVENTS);
-    let terminal = Terminal::watch(events.clone(), clock, Saboteur::default())?;
+    let terminal = Terminal::watch(events.clone(), clock, FaultInjector::default())?;
     let (page, inputs) = PageState::new();
     let (page, frames) = (Arc::new(page), Arc::new(Latest::default()));
     let renderer = {
-        let (frames, page, shares) = (Arc::clone(&frames), Arc::clone(&page), cast.profile.region);
-        let render = move || page_pictures::render_page_pictures(&frames, &page, shares);
+        let (frames, page) = (Arc::clone(&frames), Arc::clone(&page));
+        let render = move || page_pictures::render_page_pictures(&frames, &page);
         threads::spawn("page-pictures", events.clone(), render)?
     };
     let server = PageServer::start(listener, Arc::clone(&page), events.clone())?;
@@ -115,17 +122,13 @@ fn drive(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let end = loop {
         let mut live = LiveDrive {
             drive: Drive::new(&cast, &threads)?,
-            crew: Crew {
-                recorder: recorder(args, &cast)?,
+            observers: DriveObservers {
+                recorder: recorder(record.take(), &cast)?,
                 frames: Some(&frames),
-                shadow: (cast.law.name != LawName::Schema).then(|| DriveShadow::new(&cast.profile)),
-                ..Crew::default()
+                shadow: (cast.law.name != LawName::Schema).then(|| MotorSchemaShadow::new(&cast.profile)),
+                ..DriveObservers::default()
             },
-            store: args
-                .store
-                .as_deref()
-                .map(|path| DriveWriter::begin(path, args.force, &cast))
-                .transpose()?,
+            store: store.take().map(|file| DriveWriter::begin(file, &cast)).transpose()?,
             page: &page,
             cast: &cast,
             clock,
@@ -177,9 +180,9 @@ fn size_of(url: &WorldUrl) -> Result<PictureSize> {
     if let Some(size) = url.size {
         return Ok(size);
     }
-    let own = scenario::load(&url.scenario, &Changes::default())?.scenario.camera.optics.picture;
-    let height = (own.height * WIDEST / own.width.max(1)) & !1;
-    Ok(if own.width > WIDEST { PictureSize::new(WIDEST, height) } else { own })
+    let own = scenario::load(&url.scenario, &ScenarioOverrides::default())?.scenario.camera.optics.picture;
+    let height = (own.height * MAX_WIDTH / own.width.max(1)) & !1;
+    Ok(if own.width > MAX_WIDTH { PictureSize::new(MAX_WIDTH, height) } else { own })
 }
 
 fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
@@ -199,15 +202,16 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
     }
 }
 
-fn recorder(args: &DemoArgs, cast: &Cast) -> Result<Option<TrialRecorder>> {
-    let begin = |path: &std::path::PathBuf| {
-        TrialRecorder::bare(path, args.force, configuration_of(cast)?, cast.url.to_string())
+fn recorder(file: Option<OutputFile>, cast: &DriveSetup) -> Result<Option<TrialRecorder>> {
+    let begin = |file| {
+        let behaviour = cast.law.behaviour_with(cast.tracker);
+        TrialRecorder::without_film(file, configuration_of(cast)?, cast.url.to_string(), behaviour)
     };
-    args.record.as_ref().map(begin).transpose()
+    file.map(begin).transpose()
 }
 
 /// The effective configuration (TOML) of a drive.
-fn configuration_of(cast: &Cast) -> Result<String> {
+fn configuration_of(cast: &DriveSetup) -> Result<String> {
     Configuration {
         profile: cast.profile.clone(),
         law: cast.law,
@@ -218,11 +222,13 @@ fn configuration_of(cast: &Cast) -> Result<String> {
 }
 
 /// A stored drive again, as fast as it goes.
-fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
+fn replay(record: Option<OutputFile>, path: &Path) -> Result<ExitCode> {
     let stored = DriveReader::read(path)?;
     let last = stored.last_tick();
-    let DriveReader { cast, inputs, end } = stored;
-    if args.record.is_some() && !cast.coded {
+    let DriveReader { cast, behaviour, inputs, end } = stored;
+    let current = cast.law.behaviour_with(cast.tracker);
+    let difference = behaviour.difference(current, cast.tracker.word(), cast.law.word());
+    if record.is_some() && !cast.coded {
         bail!(
             "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
             path.display()
@@ -230,13 +236,13 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
     }
     let threads = RenderThreads::two()?;
     let mut drive = Drive::new(&cast, &threads)?;
-    let mut crew = Crew { recorder: recorder(args, &cast)?, ..Crew::default() };
+    let mut observers = DriveObservers { recorder: recorder(record, &cast)?, ..DriveObservers::default() };
     let progress = Progress::new("ticks", last);
     let mut inputs = inputs.into_iter().peekable();
     loop {
         let tick = drive.world().tick();
         while let Some((_, input)) = inputs.next_if(|(at, _)| *at <= tick) {
-            drive.put(input, &mut crew);
+            drive.put(input, &mut observers);
         }
         if tick >= last || drive.is_over() {
             break;
@@ -244,11 +250,11 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
         if tick.is_multiple_of(u64::from(TICKS_PER_SECOND)) {
             progress.at(tick);
         }
-        drive.tick(&mut crew);
+        drive.tick(&mut observers);
     }
     progress.finish();
-    let hash = crew.hash.hex();
-    if let Some(recorder) = crew.recorder {
+    let hash = observers.hash.hex();
+    if let Some(recorder) = observers.recorder {
         recorder.finish()?;
     }
     let mut out = stdout();
@@ -263,7 +269,12 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
             Ok(ExitCode::SUCCESS)
         }
         Some((_, then)) => {
-            tracing::error!("the drive differs: it was {then}");
+            match difference {
+                Some(VersionDifference { first, second }) => tracing::error!(
+                    "the drive was driven with {first}, this program has {second}: that it differs ({then} then) is no fault"
+                ),
+                None => tracing::error!("the drive differs: it was {then}"),
+            }
             Ok(ExitCode::FAILURE)
         }
     }
@@ -271,22 +282,22 @@ fn replay(args: &DemoArgs, path: &Path) -> Result<ExitCode> {
 
 /// Everybody who is told what happens.
 #[derive(Default)]
-struct Crew<'a> {
+struct DriveObservers<'a> {
     hash: DriveHash,
     recorder: Option<TrialRecorder>,
     /// The slot of the page's pictures.
     frames: Option<&'a Latest<AnnotatedFrame>>,
     /// What the schema would have done, where another law servoes.
-    shadow: Option<DriveShadow>,
+    shadow: Option<MotorSchemaShadow>,
     last: Option<(Outcome, VehicleRates)>,
     in_picture: Option<bool>,
 }
 
-impl Witness for Crew<'_> {
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
-        self.hash.step(now, input, outcome, rates);
+impl StepObserver for DriveObservers<'_> {
+    fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+        self.hash.on_step(now, input, outcome, rates);
         if let Some(recorder) = &mut self.recorder {
-            recorder.step(now, input, outcome, rates);
+            recorder.on_step(now, input, outcome, rates);
         }
         if let (Some(frames), Input::Frame(frame)) = (self.frames, input) {
             frames.put(AnnotatedFrame { frame: (*frame).clone(), outcome: outcome.clone(), rates });
@@ -297,13 +308,13 @@ impl Witness for Crew<'_> {
         self.last = Some((outcome.clone(), rates));
     }
 
-    fn truth(&mut self, truth: &Truth) {
-        self.hash.truth(truth);
+    fn on_truth(&mut self, truth: &Truth) {
+        self.hash.on_truth(truth);
         self.in_picture = Some(truth.in_picture);
     }
 }
 
-impl DriveWitness for Crew<'_> {
+impl DriveObserver for DriveObservers<'_> {
     fn unit(&mut self, unit: EncodedUnit) {
         if let Some(recorder) = &mut self.recorder {
             recorder.unit(unit);
@@ -314,10 +325,10 @@ impl DriveWitness for Crew<'_> {
 /// A drive by the clock.
 struct LiveDrive<'a> {
     drive: Drive<'a>,
-    crew: Crew<'a>,
+    observers: DriveObservers<'a>,
     store: Option<DriveWriter>,
     page: &'a PageState,
-    cast: &'a Cast,
+    cast: &'a DriveSetup,
     clock: Clock,
     /// What the page steers, and since when.
     helm: Option<(DriveInput, Timestamp)>,
@@ -341,7 +352,7 @@ impl LiveDrive<'_> {
             if self.drive.is_over() {
                 return Ok(End::Over);
             }
-            let due = if self.paused { now.plus(LOOK_EVERY) } else { pacing.due(tick, now) };
+            let due = if self.paused { now.plus(POLL_INTERVAL) } else { pacing.due(tick, now) };
             match events.recv_timeout(due.since(now)) {
                 Ok(event) => {
                     if let Some(end) = self.take(event)? {
@@ -358,7 +369,7 @@ impl LiveDrive<'_> {
             for input in inputs.try_iter() {
                 self.ask(input)?;
             }
-            self.let_go()?;
+            self.release_helm()?;
             if self.paused {
                 self.tell(pacing.pace(), false);
                 continue;
@@ -366,7 +377,7 @@ impl LiveDrive<'_> {
             if was_paused {
                 pacing.resume(tick, self.clock.now());
             }
-            self.drive.tick(&mut self.crew);
+            self.drive.tick(&mut self.observers);
             if tick.is_multiple_of(4) {
                 self.tell(pacing.pace(), false);
             }
@@ -411,10 +422,10 @@ impl LiveDrive<'_> {
     }
 
     /// A helm that nobody holds any more goes back to neutral.
-    fn let_go(&mut self) -> Result<()> {
+    fn release_helm(&mut self) -> Result<()> {
         const NEUTRAL: DriveInput = DriveInput::Helm { thrust: 0, rudder: 0 };
         match self.helm {
-            Some((helm, since)) if helm != NEUTRAL && self.clock.now().since(since) > HELM_LASTS => {
+            Some((helm, since)) if helm != NEUTRAL && self.clock.now().since(since) > HELM_TIMEOUT => {
                 self.helm = Some((NEUTRAL, since));
                 self.put(NEUTRAL)
             }
@@ -426,13 +437,13 @@ impl LiveDrive<'_> {
         if let Some(store) = &mut self.store {
             store.add(self.drive.world().tick(), input)?;
         }
-        self.drive.put(input, &mut self.crew);
+        self.drive.put(input, &mut self.observers);
         Ok(())
     }
 
     fn tell(&self, pace: f64, over: bool) {
         let world = self.drive.world();
-        let (outcome, rates) = match &self.crew.last {
+        let (outcome, rates) = match &self.observers.last {
             Some((outcome, rates)) => (Some(outcome), *rates),
             None => (None, VehicleRates::REST),
         };
@@ -458,7 +469,7 @@ impl LiveDrive<'_> {
             track: word,
             confidence,
             p: outcome.and_then(|outcome| outcome.percept).map(|percept| percept.p),
-            schema_p: self.crew.shadow.as_ref().and_then(DriveShadow::p),
+            schema_p: self.observers.shadow.as_ref().and_then(MotorSchemaShadow::p),
             pan: command.pan.radians_per_second(),
             tilt: command.tilt.radians_per_second(),
             yaw_rate: rates.yaw.radians_per_second(),
@@ -466,21 +477,21 @@ impl LiveDrive<'_> {
             achieved: world.camera_rates(),
             speed_m_per_s: world.target_speed_m_per_s(),
             helm: match helm {
-                _ if !world.can_be_steered() => "nobody",
+                _ if !world.is_steerable() => "nobody",
                 Some(_) => "page",
                 None => "helmsman",
             },
             thrust: helm.map_or(0.0, |helm| helm.throttle),
             rudder: helm.map_or(0.0, |helm| helm.rudder),
-            in_picture: self.crew.in_picture,
+            in_picture: self.observers.in_picture,
             over,
         });
     }
 
     fn finish(self, over: bool) -> Result<()> {
         self.tell(1.0, over);
-        let (tick, hash) = (self.drive.world().tick(), self.crew.hash.hex());
-        if let Some(recorder) = self.crew.recorder {
+        let (tick, hash) = (self.drive.world().tick(), self.observers.hash.hex());
+        if let Some(recorder) = self.observers.recorder {
             recorder.finish()?;
         }
         self.store.map_or(Ok(()), |store| store.end(tick, hash))

@@ -36,7 +36,7 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
     let mut world = args.world.as_deref().map(|world| Served::begin(world, args.video_listen)).transpose()?;
     let port = match (&args.pty, &args.listen) {
-        (Some(path), _) => HostPort::pty(path)?,
+        (Some(path), _) => HostPort::pty(path, args.force)?,
         (None, Some(address)) => HostPort::listen(address)?,
         (None, None) => bail!("no port: give --pty PATH or --listen ADDR"),
     };

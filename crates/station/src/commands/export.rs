@@ -1,25 +1,27 @@
 //! `barrelman export`: every channel of a recording as CSV, its trial as CSV, its video as MP4.
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write as _, stdout};
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use barrelman_trial::logs::exported;
-use barrelman_trial::logs::recorded::Rows;
+use barrelman_trial::logs::recorded::RowSelector;
 use barrelman_trial::records::table::read_rows;
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
+use super::channel_tables::ChannelTables;
 use crate::cli::ExportArgs;
 use barrelman_host::input;
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::writer::Mp4Writer;
+
+/// The name of the trial's table, without its extension.
+const TRIAL: &str = "trial";
 
 /// Runs the command.
 ///
@@ -31,8 +33,11 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     input::open(&args.recording)?;
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("the folder {} cannot be made", args.output.display()))?;
+    // Opened first: an export that finds the files of another one leaves no half of its own beside them.
+    let trial = OutputFile::open(&args.output.join(format!("{TRIAL}.csv")), args.force)?;
+    let video = OutputFile::open(&args.output.join("video.mp4"), args.force)?;
     let cut_channels = export_channels(args).with_context(context)?;
-    let (cut_trial, video) = export_trial(args).with_context(context)?;
+    let (cut_trial, video) = export_trial(args, trial, video).with_context(context)?;
     writeln!(
         stdout(),
         "{} holds trial.csv, one CSV per channel{}",
@@ -48,44 +53,32 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
 
 /// Writes a CSV for every channel. Returns whether the recording is cut off.
 fn export_channels(args: &ExportArgs) -> Result<bool> {
-    let mut files: BTreeMap<String, BufWriter<File>> = BTreeMap::new();
-    let result = read_rows(BufReader::new(File::open(&args.recording)?), |row| -> Result<()> {
-        let file = match files.get_mut(&row.topic) {
-            Some(file) => file,
-            None => {
-                let name = row.topic.trim_matches('/').replace('/', "_") + ".csv";
-                let mut file = BufWriter::new(output::create(&args.output.join(name), args.force)?);
-                writeln!(file, "{}", row.columns.join(","))?;
-                files.entry(row.topic.clone()).or_insert(file)
-            }
-        };
-        Ok(writeln!(file, "{}", row.cells.join(","))?)
-    });
-    for file in files.values_mut() {
-        file.flush()?;
-    }
+    let mut tables = ChannelTables::new(&args.output, args.force, &[TRIAL]);
+    let result =
+        read_rows(BufReader::new(File::open(&args.recording)?), |row| -> Result<()> { tables.add(&row) });
+    tables.finish()?;
     was_cut(result)
 }
 
 fn was_cut(result: Result<()>) -> Result<bool> {
     match result {
         Ok(()) => Ok(false),
-        Err(error) if matches!(error.downcast_ref(), Some(ReadError::CutOff)) => Ok(true),
+        Err(error) if matches!(error.downcast_ref(), Some(ReadError::Truncated)) => Ok(true),
         Err(error) => Err(error),
     }
 }
 
 /// Writes the trial's CSV and the video. Returns whether the recording is cut off, and whether it has a video.
-fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
-    let mut trial = TrialFile::create(&args.output.join("trial.csv"), args.force)?;
-    let mut video = VideoFile { path: args.output.join("video.mp4"), force: args.force, state: None };
+fn export_trial(args: &ExportArgs, trial: OutputFile, video: OutputFile) -> Result<(bool, bool)> {
+    let mut trial = TrialFile::begin(trial)?;
+    let mut video = VideoFile { file: Some(video), state: None };
     let mut cut = false;
     for entry in RecordingReader::new(BufReader::new(File::open(&args.recording)?)) {
         match entry {
             Ok(Entry::Outcome(outcome)) => trial.add(&outcome)?,
             Ok(Entry::Unit(unit)) => video.add(&unit)?,
             Ok(Entry::Start(_) | Entry::Input { .. } | Entry::Truth(_)) => {}
-            Err(ReadError::CutOff) => cut = true,
+            Err(ReadError::Truncated) => cut = true,
             Err(error) => return Err(error.into()),
         }
     }
@@ -95,17 +88,17 @@ fn export_trial(args: &ExportArgs) -> Result<(bool, bool)> {
 
 /// The CSV that `metrics` and `law` read.
 struct TrialFile {
-    file: BufWriter<File>,
-    rows: Rows,
+    file: BufWriter<OutputFile>,
+    rows: RowSelector,
     start: Option<Timestamp>,
     size: Option<PictureSize>,
 }
 
 impl TrialFile {
-    fn create(path: &Path, force: bool) -> Result<Self> {
-        let mut file = BufWriter::new(output::create(path, force)?);
+    fn begin(file: OutputFile) -> Result<Self> {
+        let mut file = BufWriter::new(file);
         writeln!(file, "{}", exported::HEADER)?;
-        Ok(Self { file, rows: Rows::default(), start: None, size: None })
+        Ok(Self { file, rows: RowSelector::default(), start: None, size: None })
     }
 
     fn add(&mut self, outcome: &RecordedOutcome) -> Result<()> {
@@ -113,7 +106,7 @@ impl TrialFile {
             self.size = Some(seen.picture);
         }
         // The same rows as of a recording that is read as a log.
-        let taken = self.rows.takes(outcome);
+        let taken = self.rows.accepts(outcome);
         let Some(size) = self.size.filter(|_| taken) else { return Ok(()) };
         let start = *self.start.get_or_insert(outcome.at);
         write!(self.file, "{},", outcome.at.since(start).as_secs_f64())?;
@@ -138,23 +131,22 @@ impl TrialFile {
 
 /// The video: H.264 as received, everything else encoded.
 struct VideoFile {
-    path: PathBuf,
-    force: bool,
-    state: Option<(Mp4Writer, UnitDecoder, Timestamp)>,
+    /// The file, until the first key frame; without one nothing is written.
+    file: Option<OutputFile>,
+    state: Option<(Mp4Writer<OutputFile>, UnitDecoder, Timestamp)>,
 }
 
 impl VideoFile {
     fn add(&mut self, unit: &EncodedUnit) -> Result<()> {
-        if self.state.is_none() {
-            if !unit.key {
-                return Ok(());
-            }
-            output::check_free(&self.path, self.force)?;
+        if unit.key
+            && let Some(file) = self.file.take()
+        {
+            let path = file.path().to_owned();
             let size = match unit.codec {
                 UnitCodec::RawYuv420 { size, .. } => size,
                 UnitCodec::H264AnnexB | UnitCodec::Jpeg | UnitCodec::Png => PictureSize::new(1280, 720),
             };
-            let writer = Mp4Writer::create(&self.path, EncoderSettings::for_pictures(size, 30.0))?;
+            let writer = Mp4Writer::new(file, &path, EncoderSettings::for_pictures(size, 30.0));
             self.state = Some((writer, UnitDecoder::new(DecodeMode::File), unit.capture.at));
         }
         let Some((writer, decoder, start)) = &mut self.state else { return Ok(()) };

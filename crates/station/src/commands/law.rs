@@ -4,7 +4,7 @@ use std::io::{BufWriter, Write, stdout};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use barrelman_trial::law::{LawRow, law_over};
+use barrelman_trial::law::{LawRow, run_open_loop};
 use barrelman_vocab::AngularRate;
 
 use super::trial_input;
@@ -24,7 +24,7 @@ pub fn run(args: &LawArgs) -> Result<ExitCode> {
     let law = args.law.over(LawChoice::SCHEMA)?;
     let mut profile = profile_named(&args.profile)?;
     if let Some(rate) = args.rate {
-        profile = profile.with_schema_rate(AngularRate::from_radians_per_second(rate));
+        profile = profile.with_motor_schema_rate(AngularRate::from_radians_per_second(rate));
     }
     let mut input = trial_input::read(&args.log)?;
     if let Some(frame) = args.region.frame_size {
@@ -37,7 +37,7 @@ pub fn run(args: &LawArgs) -> Result<ExitCode> {
              holds a target; `barrelman trials` closes the loop"
         );
     }
-    let rows = law_over(&input.log, region, &profile, law.settings());
+    let rows = run_open_loop(&input.log, region, &profile, law.settings());
     match &args.output {
         Some(path) => {
             let file = output::create(path, args.force)?;

@@ -20,18 +20,18 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     for path in &args.files {
         files.push((path.clone(), file::read(path)?));
     }
-    let merged = file::merged(&files)?;
-    if merged.is_empty() {
+    let merge = file::merge(&files)?;
+    if merge.is_empty() {
         bail!("there are no trials in these files");
     }
     if let Some(path) = &args.output {
         let mut file = BufWriter::new(output::create(path, args.force)?);
-        for (_, line) in &merged {
+        for (_, line) in &merge {
             writeln!(file, "{line}").with_context(|| format!("{} cannot be written", path.display()))?;
         }
         file.flush().with_context(|| format!("{} cannot be written", path.display()))?;
     }
-    let summary = summarise(merged.into_iter().map(|(entry, _)| entry.trial).collect());
+    let summary = summarise(merge.into_iter().map(|(entry, _)| entry.trial).collect());
     let text =
         if args.json { serde_json::to_string_pretty(&summary)? + "\n" } else { summary_table::of(&summary)? };
     stdout().write_all(text.as_bytes())?;

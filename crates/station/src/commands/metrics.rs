@@ -38,7 +38,7 @@ pub fn run(args: &MetricsArgs) -> Result<ExitCode> {
         }
         let picture = args.picture.unwrap_or(input.log.picture);
         let metrics = measure(&input.log, input.log.region(shares), picture);
-        let arena = args.arena.and_then(Arena::numbered).or_else(|| Arena::from_name(&input.name));
+        let arena = args.arena.and_then(Arena::from_number).or_else(|| Arena::from_name(&input.name));
         trials.push(TrialEntry { name: input.name, arena, metrics });
     }
     let summary = summarise(trials);

@@ -15,8 +15,10 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod scenarios;
+pub mod stored_video;
 pub mod track;
 pub mod trials;
 
+mod channel_tables;
 mod summary_table;
 mod trial_input;

@@ -16,7 +16,7 @@ use barrelman_vocab::{Picture, PictureSize, Timestamp};
 use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 use indicatif::ProgressBar;
 
-use super::run;
+use super::run::{self, Outputs};
 use crate::cli::{DemoArgs, RunArgs};
 use crate::emulator::fotokite_pro::FotokitePro;
 use crate::emulator::host_port::HostPort;
@@ -24,7 +24,7 @@ use crate::emulator::log::StationLog;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::writer::Mp4Writer;
 
@@ -42,24 +42,27 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let files = ["practice.mp4", "truth.csv", "seen.mp4", "recording.mcap", "station.jsonl"]
         .map(|name| folder.join(name));
     let [clip, truth, seen, recording, station_log] = &files;
-    for path in &files {
-        output::check_free(path, args.force)?;
-    }
     std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
+    let open = |path: &Path| OutputFile::open(path, args.force);
+    let (clip_file, truth_file) = (open(clip)?, open(truth)?);
+    let outputs = Outputs { overlay: Some(open(seen)?), record: Some(open(recording)?) };
+    let mut log_file = open(station_log)?;
     let practice = PracticeClip::new(SIZE, SEED);
     let mut out = stdout();
     writeln!(out, "drawing a practice clip: a red boat that crosses all four sectors of the picture ...")?;
-    draw_clip(&practice, clip)?;
-    write_truth(&practice, output::create(truth, args.force)?)?;
+    draw_clip(&practice, clip_file)?;
+    write_truth(&practice, truth_file)?;
     if args.draw_only {
         writeln!(out, "{}: the clip\n{}: its truth", clip.display(), truth.display())?;
         return Ok(ExitCode::SUCCESS);
     }
 
     let port = folder.join("fotokite");
-    let log = StationLog::new(Some(output::create(station_log, args.force)?), clock);
+    log_file.begin()?;
+    let log = StationLog::new(Some(log_file), clock);
     let settings = GroundStationSettings::default();
-    let mut emulator = FotokitePro::new(HostPort::pty(&port)?, settings, log, FaultPlan::default(), clock);
+    let mut emulator =
+        FotokitePro::new(HostPort::pty(&port, args.force)?, settings, log, FaultPlan::default(), clock);
     writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.place())?;
     let ended = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&ended);
@@ -69,15 +72,16 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 
     writeln!(
         out,
-        "running for {} s: space stops the camera, e engages it again, q quits",
+        "running for {} s: space stops the camera, d disengages it, e engages it again, q quits",
         practice.frames() / FRAMES_PER_SECOND
     )?;
     out.flush()?;
     let selection = practice.truth(0).selection;
-    let code = run::run(
+    let code = run::run_into(
         &RunArgs {
             config: None,
             video: Some(format!("file:{}", clip.display())),
+            video_login_file: None,
             link: Some(format!("serial:{}", port.display())),
             profile: None,
             select: Some(selection),
@@ -90,6 +94,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             force: args.force,
             fault: Vec::new(),
         },
+        || Ok(outputs),
         clock,
     );
     ended.store(true, Ordering::Relaxed);
@@ -111,14 +116,15 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 /// Encodes the practice clip.
-fn draw_clip(practice: &PracticeClip, path: &Path) -> Result<()> {
+fn draw_clip(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let fps = f64::from(FRAMES_PER_SECOND);
-    let mut writer = Mp4Writer::create(path, EncoderSettings::for_pictures(practice.size(), fps))?;
+    let path = file.path().to_owned();
+    let mut writer = Mp4Writer::new(file, &path, EncoderSettings::for_pictures(practice.size(), fps));
     let mut picture = Picture::black(practice.size(), practice.colour());
     let progress = ProgressBar::new(u64::from(practice.frames()));
     for frame in 0..practice.frames() {
         progress.inc(1);
-        practice.draw(frame, &mut picture);
+        practice.render(frame, &mut picture);
         writer.write_picture(&picture, Timestamp::from_secs_f64(f64::from(frame) / fps))?;
     }
     progress.finish_and_clear();
@@ -126,7 +132,7 @@ fn draw_clip(practice: &PracticeClip, path: &Path) -> Result<()> {
 }
 
 /// Writes where the boat is in every frame, as `truth.csv` has it. The clip has no scale, so no range is known.
-fn write_truth(practice: &PracticeClip, file: std::fs::File) -> Result<()> {
+fn write_truth(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let mut file = BufWriter::new(file);
     writeln!(file, "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m")?;
     for frame in 0..practice.frames() {

@@ -4,28 +4,27 @@
 //! What is drawn is the picture; the frame that a letter-boxed one lies in is left away, so that the truth is in pixels
 //! of what is seen.
 
-use std::fs::File;
 use std::io::{BufWriter, Write as _, stdout};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use barrelman_pilot::{Input, Outcome};
-use barrelman_sim::render::{DrawnTruth, Serial};
+use barrelman_sim::render::{RenderedTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::Simd;
-use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
+use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 use crate::cli::RenderArgs;
 use crate::progress::Progress;
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::Request;
-use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::campaign::plan::CampaignRequest;
+use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
-use barrelman_host::output;
+use barrelman_experiments::scenario::ScenarioOverrides;
+use barrelman_host::output::{self, OutputFile};
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::writer::Mp4Writer;
 
@@ -37,16 +36,16 @@ pub const TRUTH_HEADER: &str = "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,r
 /// # Errors
 /// If the scenario cannot be used or an output not be written.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
-    let plan = Plan::new(&Request {
+    let plan = CampaignPlan::new(&CampaignRequest {
         scenario: args.scenario.clone(),
-        changes: Changes { size: args.size, ..Changes::default() },
+        changes: ScenarioOverrides { size: args.size, ..ScenarioOverrides::default() },
         law: LawChoice::SCHEMA,
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
         simd: args.simd,
     })?
-    .lasting(args.seconds);
+    .with_max_duration(args.seconds);
     let mut film = TruthFilm::create(args, &plan.scenario().camera)?;
     plan.log(args.seed, &mut film)?;
     let (frames, asked) = film.finish()?;
@@ -65,9 +64,9 @@ struct TruthFilm {
     seed: u64,
     simd: Simd,
     /// Made with the first picture: it needs the world.
-    eye: Option<DrawnEye<'static>>,
-    video: Mp4Writer,
-    truth: BufWriter<File>,
+    rendered: Option<RenderedCamera<'static>>,
+    video: Mp4Writer<OutputFile>,
+    truth: BufWriter<OutputFile>,
     truth_path: PathBuf,
     masks: Option<(PathBuf, bool)>,
     frames: u64,
@@ -79,7 +78,7 @@ struct TruthFilm {
 
 impl TruthFilm {
     fn create(args: &RenderArgs, camera: &CameraSetup) -> Result<Self> {
-        output::check_free(&args.output, args.force)?;
+        let video = OutputFile::open(&args.output, args.force)?;
         let truth = output::create(&args.truth, args.force)?;
         if let Some(folder) = &args.masks {
             std::fs::create_dir_all(folder)
@@ -91,8 +90,8 @@ impl TruthFilm {
             camera: CameraSetup { frame: picture, ..camera.clone() },
             seed: args.seed,
             simd: Simd::at_most(args.simd),
-            eye: None,
-            video: Mp4Writer::create(&args.output, EncoderSettings::for_pictures(picture, fps))?,
+            rendered: None,
+            video: Mp4Writer::new(video, &args.output, EncoderSettings::for_pictures(picture, fps)),
             truth: BufWriter::new(truth),
             truth_path: args.truth.clone(),
             masks: args.masks.clone().map(|folder| (folder, args.force)),
@@ -112,11 +111,11 @@ impl TruthFilm {
 
     /// Draws the world as it is now.
     fn add(&mut self, world: &World) -> Result<()> {
-        let eye = self
-            .eye
-            .get_or_insert_with(|| DrawnEye::new(world, self.camera.clone(), self.seed, self.simd, &Serial));
-        let view = eye.look(world);
-        let truth = eye.truth().clone();
+        let rendered = self.rendered.get_or_insert_with(|| {
+            RenderedCamera::new(world, self.camera.clone(), self.seed, self.simd, &Serial)
+        });
+        let view = rendered.capture(world);
+        let truth = rendered.truth().clone();
         self.video.write_picture(&view.frame.picture, view.frame.capture.at)?;
         if let Some((folder, force)) = &self.masks {
             let path = folder.join(format!("{:06}.png", self.frames));
@@ -142,12 +141,12 @@ impl TruthFilm {
     }
 }
 
-impl Witness for TruthFilm {
-    fn step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
+impl StepObserver for TruthFilm {
+    fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
 
-    fn truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth) {}
 
-    fn world(&mut self, world: &World) {
+    fn on_world(&mut self, world: &World) {
         if self.failed.is_none() {
             self.failed = self.add(world).err();
         }
@@ -156,9 +155,9 @@ impl Witness for TruthFilm {
 
 /// A row of a truth file. A target of which no pixel is seen has visible 0 and a box of no size; where its waterline
 /// would be stays known, but for one behind the camera.
-pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
+pub fn truth_row(frame: u64, at: Timestamp, truth: &RenderedTruth) -> String {
     let (x, y, w, h) = truth.bounds.map_or((0.0, 0.0, 0.0, 0.0), |b| (b.u, b.v, b.w, b.h));
-    let visible = if truth.bounds.is_some() { truth.visible } else { 0.0 };
+    let visible = if truth.bounds.is_some() { truth.visible_share } else { 0.0 };
     let (cx, cy) = truth
         .waterline
         .map_or_else(Default::default, |point| (format!("{:.3}", point.u), format!("{:.3}", point.v)));
@@ -174,14 +173,14 @@ pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
 }
 
 /// The pixels that show the target white, the others black.
-fn write_mask(file: File, truth: &DrawnTruth, size: PictureSize) -> Result<()> {
+fn write_mask(file: OutputFile, truth: &RenderedTruth, size: PictureSize) -> Result<()> {
     let (width, height) = (size.width as usize, size.height as usize);
     let mut encoder = png::Encoder::new(BufWriter::new(file), size.width, size.height);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Eight);
     let mut samples = vec![0_u8; width * height];
     let mask = &truth.mask;
-    for (index, shows) in mask.shows.iter().enumerate() {
+    for (index, shows) in mask.is_target.iter().enumerate() {
         if *shows && mask.width > 0 {
             let (row, column) = (mask.top + index / mask.width, mask.left + index % mask.width);
             samples[row * width + column] = 255;

@@ -1,23 +1,32 @@
 //! `barrelman replay`: a recording through the pilot again.
+//!
+//! The recording is read once, and never held in memory: at most [`MAX_WAITING_BYTES`] of encoded video wait for the step
+//! that asks for their frame, a few decoded frames (see [`StoredVideo`]), and [`MAX_WAITING_OUTCOMES`] outcomes for the
+//! recorded ones.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Write as _, stdout};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, anyhow, bail};
-use barrelman_pilot::Input;
-use barrelman_trial::records::{
-    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
-};
-use barrelman_trial::replay::{Comparison, Replay};
-use barrelman_vocab::VideoFrame;
+use anyhow::{Context, Result, bail};
+use barrelman_trial::behaviour::VersionDifference;
+use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader, RecordingStart};
+use barrelman_trial::replay::{Replay, ReplayComparison};
 
-use super::run::pilot_for;
+use super::run::build_pilot;
+use super::stored_video::StoredVideo;
 use crate::cli::ReplayArgs;
-use crate::config::{self, Configuration};
+use crate::config::{self, ConfigFile, Configuration};
 use barrelman_host::input;
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::DecodeMode;
+
+/// Encoded video that may wait for its step: in a recording of ours some ten units, as the pilot takes the newest frame. A
+/// gigabyte is three seconds of raw video at 3840 x 2160 and 30 frames per second.
+pub const MAX_WAITING_BYTES: usize = 1 << 30;
+/// Outcomes that may wait for the recorded outcome of the same step, which in a recording of ours comes next. The oldest
+/// gives way.
+pub const MAX_WAITING_OUTCOMES: usize = 2048;
 
 /// Runs the command.
 ///
@@ -38,6 +47,9 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
         replayed.comparison.outcomes,
         if replayed.cut { "; the recording is cut off, everything before the cut was replayed" } else { "" }
     )?;
+    if let Some(VersionDifference { first, second }) = &replayed.difference {
+        writeln!(out, "recorded with {first}, this program has {second}: outcomes may differ")?;
+    }
     if !args.compare {
         return Ok(ExitCode::SUCCESS);
     }
@@ -53,7 +65,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
     if comparison.outcomes_differ > 0 {
         writeln!(out, "{} outcomes differ in something", comparison.outcomes_differ)?;
     }
-    if let Some(first) = &comparison.first {
+    if let Some(first) = &comparison.first_difference {
         writeln!(
             out,
             "first difference, step {}:\n  recorded {:?}\n  replayed {:?}",
@@ -66,8 +78,10 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
 struct Replayed {
     steps: u64,
     frames: u64,
-    comparison: Comparison,
+    comparison: ReplayComparison,
     cut: bool,
+    /// How the behaviour versions of the recording differ from this program's.
+    difference: Option<VersionDifference>,
 }
 
 fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
@@ -78,33 +92,32 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let configuration = match changed {
         Some(configuration) => configuration,
-        None => Configuration::resolve(&config::parse_recorded(&start.configuration)?)
+        None => Configuration::resolve_recorded(&config::parse_recorded(&start.configuration)?)
             .context("the recorded configuration")?,
     };
-    let mut film = StoredVideo::new(&start);
-    let mut replay = Replay::new(pilot_for(&configuration)?, configuration.profile.clone());
-    let mut replayed = Replayed { steps: 0, frames: 0, comparison: Comparison::default(), cut: false };
-    // Outcomes are held against those of the same step; a queue bounds how many wait.
+    let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
+    let mut film = StoredVideo::new(mode, MAX_WAITING_BYTES);
+    let mut replay = Replay::new(build_pilot(&configuration)?, configuration.profile.clone());
+    let difference = version_difference(&start, &configuration);
+    let mut replayed =
+        Replayed { steps: 0, frames: 0, comparison: ReplayComparison::default(), cut: false, difference };
+    // An outcome is compared with the recorded outcome of the same step.
     let mut waiting: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
     for entry in entries {
         match entry {
-            Ok(Entry::Unit(unit)) => film.take(&unit),
+            Ok(Entry::Unit(unit)) => film.add(unit)?,
             Ok(Entry::Input { step, now, input }) => {
-                let outcome = match input {
-                    RecordedInput::Frame(stamp) => {
-                        replayed.frames += 1;
-                        let frame = film.frame(&stamp)?;
-                        replay.step(step, now, Input::Frame(&frame))
-                    }
-                    RecordedInput::Localisation(track) => replay.step(step, now, Input::Localisation(track)),
-                    RecordedInput::Telemetry(telemetry) => {
-                        replay.step(step, now, Input::Telemetry(telemetry))
-                    }
-                    RecordedInput::Request(request) => replay.step(step, now, Input::Request(request)),
-                    RecordedInput::Tick => replay.step(step, now, Input::Tick),
-                };
+                let (mut frame, frames) = (None, &mut replayed.frames);
+                let input = input.to_input(|fingerprint| {
+                    *frames += 1;
+                    film.frame(fingerprint).map(|found| &*frame.insert(found))
+                })?;
+                let outcome = replay.step(step, now, input);
                 replayed.steps += 1;
                 waiting.insert(step, outcome);
+                if waiting.len() > MAX_WAITING_OUTCOMES {
+                    waiting.pop_first();
+                }
             }
             Ok(Entry::Outcome(recorded)) => {
                 if let Some(outcome) = waiting.remove(&recorded.step) {
@@ -113,50 +126,28 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
             }
             Ok(Entry::Truth(_)) => {}
             Ok(Entry::Start(_)) => bail!("it begins twice"),
-            Err(ReadError::CutOff) => replayed.cut = true,
+            Err(ReadError::Truncated) => replayed.cut = true,
             Err(error) => return Err(error.into()),
         }
     }
     Ok(replayed)
 }
 
-/// The video of a recording, decoded again.
-struct StoredVideo {
-    decoder: UnitDecoder,
-    decoded: VecDeque<VideoFrame>,
-    ended: bool,
-}
-
-impl StoredVideo {
-    fn new(start: &RecordingStart) -> Self {
-        let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
-        Self { decoder: UnitDecoder::new(mode), decoded: VecDeque::new(), ended: false }
+/// How the versions of the recorded tracker and law differ from those that replay it. A tracker or law that another one
+/// replaces has no version to compare.
+fn version_difference(start: &RecordingStart, configuration: &Configuration) -> Option<VersionDifference> {
+    let (tracker, law) = (configuration.tracker.name, configuration.law);
+    let current = law.behaviour_with(tracker);
+    let recorded = config::parse_recorded(&start.configuration).ok();
+    let is_replaced = |is_same: fn(&ConfigFile, &Configuration) -> bool| {
+        recorded.as_ref().is_some_and(|file| !is_same(file, configuration))
+    };
+    let mut behaviour = start.behaviour;
+    if is_replaced(|file, used| file.tracker.name == Some(used.tracker.name)) {
+        behaviour.tracker = current.tracker;
     }
-
-    fn take(&mut self, unit: &barrelman_vocab::EncodedUnit) {
-        // What was damaged then is damaged now: the frames that came of it are the same.
-        let _ = self.decoder.decode(unit, &mut |frame| self.decoded.push_back(frame));
+    if is_replaced(|file, used| file.law.name == Some(used.law.name)) {
+        behaviour.law = current.law;
     }
-
-    /// The frame of a stamp, with the time of capture that it had then.
-    fn frame(&mut self, stamp: &FrameStamp) -> Result<VideoFrame> {
-        while self.decoded.front().is_some_and(|frame| frame.sequence < stamp.sequence) {
-            self.decoded.pop_front();
-        }
-        if self.decoded.is_empty() && !std::mem::replace(&mut self.ended, true) {
-            // The last pictures of a file come out when nothing more goes in.
-            self.decoder.finish(&mut |frame| self.decoded.push_back(frame));
-            return self.frame(stamp);
-        }
-        let mut frame = self
-            .decoded
-            .pop_front()
-            .filter(|frame| frame.sequence == stamp.sequence)
-            .ok_or_else(|| anyhow!("video frame {} is not in the recording", stamp.sequence))?;
-        if FrameStamp::of(&frame).luma_hash != stamp.luma_hash {
-            bail!("video frame {} decodes to another picture than it did then", stamp.sequence);
-        }
-        frame.capture = stamp.capture;
-        Ok(frame)
-    }
+    behaviour.difference(current, tracker.word(), law.word())
 }

@@ -1,15 +1,15 @@
 //! `barrelman report`: trials as a page to look at.
 
 use std::io::{Write as _, stdout};
-use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
+use barrelman_trial::behaviour::FIRST;
 use barrelman_trial::campaign::CampaignSettings;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
-use barrelman_trial::report::{Course, Report, ReportedTrial, SetKind, TrialSet};
-use barrelman_trial::shadow::schema_over;
+use barrelman_trial::report::{Report, ReportedTrial, SetKind, TrialSet, TrialTrace};
+use barrelman_trial::shadow::simulate_motor_schema;
 use barrelman_vocab::VehicleProfile;
 
 use super::trial_input::{self, Input, LogKind, TrialInput};
@@ -17,14 +17,14 @@ use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
 use barrelman_experiments::campaign::plan::arena_of;
 use barrelman_experiments::law_choice::LawName;
-use barrelman_host::output;
+use barrelman_host::output::{self, OutputFile};
 
 /// Runs the command.
 ///
 /// # Errors
 /// If a log cannot be read or an output not be written.
 pub fn run(args: &ReportArgs) -> Result<ExitCode> {
-    output::check_free(&args.output, args.force)?;
+    let page = OutputFile::open(&args.output, args.force)?;
     let mut trials = Vec::with_capacity(args.logs.len());
     let mut cut = false;
     for path in &args.logs {
@@ -42,7 +42,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
                 trials.extend(campaign.entries.into_iter().map(|(entry, _)| ReportedTrial {
                     entry: entry.trial,
                     set: TrialSet { kind: SetKind::Simulated, name: in_words(&entry.campaign) },
-                    course: None,
+                    trace: None,
                 }));
             }
         }
@@ -52,17 +52,17 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
         for figure in report.figures() {
-            write(&folder.join(format!("{}.svg", figure.name)), &figure.svg(), args.force)?;
+            let path = folder.join(format!("{}.svg", figure.name));
+            write(output::create(&path, args.force)?, &figure.svg())?;
         }
     }
-    write(&args.output, &report.page(), args.force)?;
+    write(page, &report.page())?;
     writeln!(stdout(), "{}: {} trials", args.output.display(), report.trials.len())?;
     Ok(if cut { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn write(path: &Path, text: &str, force: bool) -> Result<()> {
-    let mut file = output::create(path, force)?;
-    file.write_all(text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
+fn write(mut file: OutputFile, text: &str) -> Result<()> {
+    file.write_all(text.as_bytes()).with_context(|| format!("{} cannot be written", file.path().display()))
 }
 
 fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
@@ -80,7 +80,7 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
         LogKind::Recording(Some(start)) => vehicle_of_another_law(start),
         _ => None,
     };
-    let asked = args.arena.and_then(Arena::numbered);
+    let asked = args.arena.and_then(Arena::from_number);
     let recorded = |name: &str| TrialSet { kind: SetKind::Recorded, name: name.to_owned() };
     let (name, arena, set) = match (simulated, &input.kind) {
         (Some(run), _) => {
@@ -100,16 +100,19 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
         }
     };
     let shadow = vehicle.map(|profile| {
-        schema_over(&input.log, region, &profile).into_iter().map(|step| step.map(|step| step.p)).collect()
+        simulate_motor_schema(&input.log, region, &profile)
+            .into_iter()
+            .map(|step| step.map(|step| step.p))
+            .collect()
     });
     let entry = TrialEntry { name, arena, metrics };
-    ReportedTrial { entry, set, course: Some(Course { log: input.log, region, shadow }) }
+    ReportedTrial { entry, set, trace: Some(TrialTrace { log: input.log, region, shadow }) }
 }
 
 /// The vehicle of a recording that another law than the schema servoed.
 fn vehicle_of_another_law(start: &RecordingStart) -> Option<VehicleProfile> {
     let file = config::parse_recorded(&start.configuration).ok()?;
-    let all = Configuration::resolve(&file).ok()?;
+    let all = Configuration::resolve_recorded(&file).ok()?;
     (all.law.name != LawName::Schema).then_some(all.profile)
 }
 
@@ -127,7 +130,9 @@ impl SimulatedRun {
         let world = start.video.strip_prefix("sim:")?;
         let (scenario, seed) = world.split_once("?seed=")?;
         let configuration = config::parse_recorded(&start.configuration).ok();
-        let law = configuration.and_then(|file| Configuration::resolve(&file).ok()).map(|all| all.law.word());
+        let law = configuration
+            .and_then(|file| Configuration::resolve_recorded(&file).ok())
+            .map(|all| all.law.word());
         Some(Self {
             scenario: scenario.to_owned(),
             trial: format!("{scenario}/{seed}"),
@@ -151,6 +156,9 @@ fn in_words(settings: &CampaignSettings) -> String {
     words.extend(settings.boat_speed_m_per_s.map(|speed| format!("boat {speed} m/s")));
     words.extend(settings.size.clone());
     words.extend(settings.tracker.clone());
+    let versions = settings.behaviour();
+    words.extend((versions.tracker != FIRST).then(|| format!("tracker's behaviour {}", versions.tracker)));
+    words.extend((versions.law != FIRST).then(|| format!("law's behaviour {}", versions.law)));
     words.push(settings.setting.clone());
     words.join(", ")
 }

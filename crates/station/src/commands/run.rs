@@ -1,6 +1,7 @@
 //! `barrelman run`: the real thing.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -19,15 +20,17 @@ use crate::link::{Link, LinkHandle, LinkReport, LinkUrl};
 use crate::live::event::Event;
 use crate::live::overlay_video::OverlayVideo;
 use crate::live::recorder::{Recorder, RecorderInput};
-use crate::live::run_loop::{RunEnd, RunLoop, Watcher};
+use crate::live::run_loop::{FrameObserver, RunEnd, RunLoop};
 use crate::live::status::Status;
 use crate::live::terminal::Terminal;
-use crate::live::threads::Saboteur;
+use crate::live::threads::FaultInjector;
+use crate::secrets;
 use crate::simulated_source::{self, LiveWorld};
 use crate::source_url::{SimulatedUrl, SourceUrl};
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
+use barrelman_video::url::VideoSource;
 use barrelman_video::{DecodeError, VideoSink, VideoState, VideoUrl};
 
 /// Events that may wait for the loop. It takes thousands a second; hundreds come.
@@ -38,12 +41,45 @@ const EVENTS: usize = 1024;
 /// # Errors
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
+    run_into(args, || Outputs::open(args), clock)
+}
+
+/// The files of a run, open.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    /// The recording.
+    pub record: Option<OutputFile>,
+    /// The annotated video.
+    pub overlay: Option<OutputFile>,
+}
+
+impl Outputs {
+    fn open(args: &RunArgs) -> Result<Self> {
+        let open = |path: &Option<PathBuf>| {
+            path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose()
+        };
+        Ok(Self { record: open(&args.record)?, overlay: open(&args.overlay)? })
+    }
+}
+
+/// Runs the command with outputs that `open` gives, in place of those that the arguments name.
+///
+/// # Errors
+/// If the configuration, the video, the link or an output cannot be used.
+pub fn run_into(args: &RunArgs, open: impl FnOnce() -> Result<Outputs>, clock: Clock) -> Result<ExitCode> {
     let (mut configuration, latency_is_known) = effective(args)?;
     let Some(video) = &configuration.video else {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
         return Err(WrongUse(format!("no video source: {remedy}")).into());
     };
-    let source = SourceUrl::parse(video)?;
+    let source = secrets::source_url(video, configuration.video_login.as_ref())?;
+    let takes_login =
+        matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
+    if args.video_login_file.is_some() && !takes_login {
+        return Err(
+            WrongUse(format!("--video-login-file is for rtsp:// alone: {source} takes no login")).into()
+        );
+    }
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
     let source = Source::load(source)?;
     if source.world().is_none() && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::World) {
@@ -52,10 +88,8 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
-    for path in [&args.record, &args.overlay].into_iter().flatten() {
-        output::check_free(path, args.force)?;
-    }
-    let end = live(args, &configuration, source, link, clock)?;
+    let outputs = open()?;
+    let end = live(args, &configuration, source, link, outputs, clock)?;
     Ok(match end {
         RunEnd::VideoEnded => {
             tracing::info!("the video has ended");
@@ -120,6 +154,9 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
     over(&mut file.video.url, &args.video);
     over(&mut file.link.url, &args.link);
     over(&mut file.vehicle.profile, &args.profile);
+    if let Some(path) = &args.video_login_file {
+        (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
+    }
     file.tracker.name = args.tracker.or(file.tracker.name);
     let context = || match &args.config {
         Some(path) => format!("the configuration {} is not usable", path.display()),
@@ -135,7 +172,7 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
 ///
 /// # Errors
 /// If the tracker's settings lie outside their ranges.
-pub fn pilot_for(configuration: &Configuration) -> Result<Pilot> {
+pub fn build_pilot(configuration: &Configuration) -> Result<Pilot> {
     let settings =
         PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
     Ok(Pilot::new(settings, configuration.tracker.tracker()?))
@@ -146,21 +183,22 @@ fn live(
     configuration: &Configuration,
     source: Source,
     link_url: Option<LinkUrl>,
+    outputs: Outputs,
     clock: Clock,
 ) -> Result<RunEnd> {
-    let saboteur = Saboteur::parse(&args.fault)?;
+    let fault_injector = FaultInjector::parse(&args.fault)?;
     let (events, queue) = sync_channel(EVENTS);
-    let pilot = pilot_for(configuration)?;
+    let pilot = build_pilot(configuration)?;
     // Signals are caught before the port is opened: from here on nothing ends the program without zeros.
-    let terminal = Terminal::watch(events.clone(), clock, saboteur.clone())?;
+    let terminal = Terminal::watch(events.clone(), clock, fault_injector.clone())?;
     let link = match (&link_url, source.world()) {
         (Some(url), Some(world)) if url.endpoint == Endpoint::World => {
             let link = world.link();
-            link.break_by(url.faults.clone());
+            link.set_faults(url.faults.clone());
             let up = Telemetry { at: clock.now(), report: Report::Link(LinkState::Up) };
             events.send(Event::Link(LinkReport::Telemetry(up)))?;
             let to_loop = events.clone();
-            link.report_to(move |tilt| {
+            link.on_tilt_report(move |tilt| {
                 let report = Telemetry { at: clock.now(), report: Report::CameraTilt(tilt) };
                 // The world never waits for a loop that is held up.
                 let _ = to_loop.try_send(Event::Link(LinkReport::Telemetry(report)));
@@ -191,17 +229,18 @@ fn live(
             "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"
         );
     }
-    let recorder = match &args.record {
-        Some(path) => {
+    let is_recorded = outputs.record.is_some();
+    let recorder = match outputs.record {
+        Some(file) => {
             let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
-            Some(Recorder::begin(path, args.force, &start, clock, saboteur.clone(), events.clone())?)
+            Some(Recorder::begin(file, &start, clock, fault_injector.clone(), events.clone())?)
         }
         None => None,
     };
-    let overlay = match &args.overlay {
-        Some(path) => {
+    let overlay = match outputs.overlay {
+        Some(file) => {
             let shares = configuration.profile.region;
-            Some(OverlayVideo::begin(path, shares, clock, saboteur.clone(), events.clone())?)
+            Some(OverlayVideo::begin(file, shares, clock, fault_injector.clone(), events.clone())?)
         }
         None => None,
     };
@@ -217,13 +256,13 @@ fn live(
     let source = match source {
         // What is recorded is what the pilot saw: a replay can only decode it again.
         Source::Simulated(url, world) => {
-            let world = (*world).with_profile(&configuration.profile).with_encoding(args.record.is_some());
+            let world = (*world).with_profile(&configuration.profile).with_encoding(is_recorded);
             simulated_source::spawn_world(world, &url, clock, sink)?
         }
         Source::Video(url) => barrelman_video::spawn(url, clock, sink)?,
     };
     let link_state = link.as_ref().map(|_| LinkState::Opening);
-    let status = Status::start(link_state, clock, saboteur.clone(), events.clone())?;
+    let status = Status::start(link_state, clock, fault_injector.clone(), events.clone())?;
     drop(events);
 
     let mut requests = Vec::new();
@@ -238,8 +277,8 @@ fn live(
         recorder: recording,
         status,
         selects_once: true,
-        watcher: overlay.as_ref().map(|overlay| Box::new(overlay.input()) as Box<dyn Watcher>),
-        saboteur,
+        observer: overlay.as_ref().map(|overlay| Box::new(overlay.input()) as Box<dyn FrameObserver>),
+        fault_injector,
     };
     // A panic in the pilot must not take the road of unwinding, where the link would wait for its turn.
     let mut end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&queue, &requests)))
@@ -285,6 +324,7 @@ fn recording_start(
         video,
         link: link.map(ToString::to_string).unwrap_or_default(),
         live_video,
+        behaviour: configuration.law.behaviour_with(configuration.tracker.name),
     })
 }
 

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 
 use crate::cli::ScenariosArgs;
-use barrelman_experiments::scenario::{self, BUILT_IN, Changes, file::ScenarioFile};
+use barrelman_experiments::scenario::{self, BUILT_IN, ScenarioOverrides, file::ScenarioFile};
 
 /// Runs the command.
 ///
@@ -27,7 +27,7 @@ pub fn run(args: &ScenariosArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     // A file of one's own: it is checked.
-    let loaded = scenario::load(name, &Changes::default())?;
+    let loaded = scenario::load(name, &ScenarioOverrides::default())?;
     writeln!(out, "{name} is a scenario: {}", loaded.scenario.name)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -56,7 +56,7 @@ pub(super) fn of(summary: &Summary) -> Result<String, std::fmt::Error> {
             .filter(|trial| trial.metrics.ends_outside)
             .count();
         let published =
-            number_of_arena.parse().ok().and_then(Arena::numbered).map(Arena::published_sensitivity);
+            number_of_arena.parse().ok().and_then(Arena::from_number).map(Arena::published_sensitivity);
         writeln!(
             text,
             "\narena {number_of_arena}: {} trials, mean sensitivity {} (published {}), normalised {}, success rate {} \

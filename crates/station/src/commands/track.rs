@@ -1,6 +1,7 @@
 //! `barrelman track`: the tracker alone on a recording.
 
 use std::io::{BufWriter, Write, stdout};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -13,7 +14,7 @@ use serde::Serialize;
 
 use crate::cli::TrackArgs;
 use barrelman_experiments::tracker_choice::TrackerSettings;
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
 use barrelman_video::{DecodeError, FileFrames, VideoError, VideoUrl};
 
@@ -56,14 +57,21 @@ impl Spread {
 /// If the video, the selection or an output cannot be used. What was tracked before damage in the video is kept.
 pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     let url = VideoUrl::parse(&args.video)?;
-    for path in [&args.output, &args.overlay].into_iter().flatten() {
-        output::check_free(path, args.force)?;
-    }
+    let open =
+        |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
+    let (rows, film) = (open(&args.output)?, open(&args.overlay)?);
+    let rows: Box<dyn Write> = match rows {
+        Some(file) => Box::new(file),
+        // Nothing but the figures is printed.
+        None if args.json => Box::new(std::io::sink()),
+        None => Box::new(stdout().lock()),
+    };
     let mut frames = FileFrames::open(&url)?;
     let mut tracked = Tracked {
         tracker: TrackerSettings::of(args.tracker).tracker()?,
-        output: None,
-        film: args.overlay.as_deref().map(|path| Film::new(path, VehicleProfile::fotokite_pro().region)),
+        rows: BufWriter::new(rows),
+        has_rows: false,
+        film: film.map(|file| Film::new(file, VehicleProfile::fotokite_pro().region)),
         explanation: args.explain.then(Explanation::default),
         lost: 0,
         coasting: 0,
@@ -94,9 +102,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         progress.inc(1);
     };
     progress.finish_and_clear();
-    if let Some(output) = &mut tracked.output {
-        output.flush().context("the track cannot be written")?;
-    }
+    tracked.rows.flush().context("the track cannot be written")?;
     if index <= args.start_frame && failure.is_none() {
         bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
     }
@@ -145,8 +151,10 @@ fn progress_bar(frames: &FileFrames) -> ProgressBar {
 
 struct Tracked {
     tracker: Box<dyn Tracker>,
-    /// Made with the first row: a selection that is refused leaves no file behind.
-    output: Option<BufWriter<Box<dyn Write>>>,
+    rows: BufWriter<Box<dyn Write>>,
+    /// Whether the header is written, which comes with the first row: a selection that is refused leaves no file
+    /// behind.
+    has_rows: bool,
     film: Option<Film>,
     explanation: Option<Explanation>,
     lost: u64,
@@ -155,26 +163,11 @@ struct Tracked {
 }
 
 impl Tracked {
-    fn output(&mut self, args: &TrackArgs) -> Result<&mut BufWriter<Box<dyn Write>>> {
-        if self.output.is_none() {
-            let output: Box<dyn Write> = match &args.output {
-                Some(path) => Box::new(output::create(path, args.force)?),
-                // Nothing but the figures is printed.
-                None if args.json => Box::new(std::io::sink()),
-                None => Box::new(stdout().lock()),
-            };
-            let mut output = BufWriter::new(output);
-            writeln!(output, "{HEADER}")?;
-            self.output = Some(output);
-        }
-        self.output.as_mut().context("the output was just made")
-    }
-
     fn frame(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
         let before = cpu_time();
         let track = if index == args.start_frame {
             let report = self.tracker.select(frame, args.select)?;
-            if report.clipped {
+            if report.is_clipped {
                 tracing::warn!(
                     "the selection lies partly outside the picture: {} of it is used",
                     report.used
@@ -189,7 +182,10 @@ impl Tracked {
         self.lost += u64::from(matches!(track, Track::Lost { .. }));
         self.coasting += u64::from(matches!(track, Track::Coasting(_)));
         // A file's own times count from its beginning.
-        write_row(self.output(args)?, index, frame.capture.at.as_secs_f64(), &track)?;
+        if !std::mem::replace(&mut self.has_rows, true) {
+            writeln!(self.rows, "{HEADER}")?;
+        }
+        write_row(&mut self.rows, index, frame.capture.at.as_secs_f64(), &track)?;
         if let Some(film) = &mut self.film {
             if let Some(explanation) = &mut self.explanation {
                 self.tracker.explain(explanation);

@@ -5,7 +5,7 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use barrelman_trial::logs::recorded::Collector;
+use barrelman_trial::logs::recorded::LogBuilder;
 use barrelman_trial::logs::{self, TrialLog};
 use barrelman_trial::records::{Entry, ReadError, RecordingReader, RecordingStart};
 
@@ -55,7 +55,7 @@ pub(super) struct TrialInput {
 pub(super) fn read_any(path: &Path) -> Result<Input> {
     let mut first = Vec::new();
     input::open(path)?.take(1).read_to_end(&mut first)?;
-    if campaign_file::is_one(&first) {
+    if campaign_file::is_campaign_file(&first) {
         return campaign_file::read(path).map(Input::Campaign);
     }
     read(path).map(|trial| Input::Trial(Box::new(trial)))
@@ -82,7 +82,7 @@ fn read_named(mut file: File, path: &Path, name: String) -> Result<TrialInput> {
     file.read_to_end(&mut bytes)?;
     let text = String::from_utf8(bytes).map_err(|_| anyhow!("it is neither text nor an MCAP recording"))?;
     let read = logs::read_text(&text)?;
-    let cut = read.cut_at_line.map(|line| {
+    let cut = read.truncated_at_line.map(|line| {
         format!(
             "{}: line {line} has no end, so the file was cut there: the rows before it were used",
             path.display()
@@ -94,15 +94,15 @@ fn read_named(mut file: File, path: &Path, name: String) -> Result<TrialInput> {
 }
 
 fn read_recording(file: File, name: String) -> Result<TrialInput> {
-    let mut collector = Collector::default();
+    let mut collector = LogBuilder::default();
     let (mut cut, mut start) = (None, None);
     for entry in RecordingReader::new(BufReader::new(file)) {
         match entry {
-            Ok(Entry::Outcome(outcome)) => collector.take(&outcome),
-            Ok(Entry::Truth(truth)) => collector.take_truth(truth),
+            Ok(Entry::Outcome(outcome)) => collector.add_outcome(&outcome),
+            Ok(Entry::Truth(truth)) => collector.add_truth(truth),
             Ok(Entry::Start(found)) => start = Some(Box::new(found)),
             Ok(_) => {}
-            Err(ReadError::CutOff) => {
+            Err(ReadError::Truncated) => {
                 cut = Some(format!("{name}: the recording is cut off: everything before the cut was used"));
             }
             Err(error) => return Err(error.into()),

@@ -13,15 +13,15 @@ use super::summary_table;
 use crate::cli::{PerceptionName, TrialsArgs};
 use crate::config::{ConfigFile, Configuration};
 use crate::progress::Progress;
-use barrelman_experiments::campaign::driven::Driven;
+use barrelman_experiments::campaign::drive_inputs::DriveInputs;
 use barrelman_experiments::campaign::file::CampaignWriter;
-use barrelman_experiments::campaign::plan::Request;
+use barrelman_experiments::campaign::plan::CampaignRequest;
 use barrelman_experiments::campaign::recording::TrialRecording;
 use barrelman_experiments::campaign::runner::run_in_order;
-use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::drive::DriveReader;
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_experiments::tracker_choice::TrackerSettings;
 
 /// Runs the command.
@@ -30,9 +30,9 @@ use barrelman_experiments::tracker_choice::TrackerSettings;
 /// If the campaign cannot be set up, a trial fails, or results cannot be written.
 pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     let drive = args.drive.as_deref().map(DriveReader::read).transpose()?;
-    let mut plan = Plan::new(&request(args, drive.as_ref())?)?;
+    let mut plan = CampaignPlan::new(&request(args, drive.as_ref())?)?;
     if let Some(drive) = &drive {
-        plan = plan.driven_by(Driven::of(drive));
+        plan = plan.with_drive(DriveInputs::of(drive));
     }
     if let Some(folder) = &args.record {
         let configuration = configuration_of(&plan)?;
@@ -91,7 +91,7 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
 }
 
 /// The effective configuration (TOML) with which each recording begins.
-fn configuration_of(plan: &Plan) -> Result<String> {
+fn configuration_of(plan: &CampaignPlan) -> Result<String> {
     Configuration {
         profile: plan.profile().clone(),
         law: plan.law(),
@@ -102,13 +102,13 @@ fn configuration_of(plan: &Plan) -> Result<String> {
 }
 
 /// What is asked for; what is not said of a drive is as it was driven.
-fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<Request> {
+fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<CampaignRequest> {
     let Some(scenario) = args.scenario.as_ref().or(drive.map(|drive| &drive.cast.url.scenario)) else {
         bail!("name a scenario, or a drive by --drive");
     };
-    Ok(Request {
+    Ok(CampaignRequest {
         scenario: scenario.clone(),
-        changes: Changes {
+        changes: ScenarioOverrides {
             setting: args.setting.clone(),
             boat_speed_m_per_s: args.boat_speed,
             sea_state: args.sea_state,
@@ -120,8 +120,8 @@ fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<Request> {
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,
             PerceptionName::Pixels => {
-                let driven = drive.map(|drive| drive.cast.tracker);
-                Perception::Pixels(args.tracker.or(driven).unwrap_or_default())
+                let drive_inputs = drive.map(|drive| drive.cast.tracker);
+                Perception::Pixels(args.tracker.or(drive_inputs).unwrap_or_default())
             }
         },
         plant: args.plant,

@@ -8,7 +8,7 @@ use barrelman_vocab::{Angle, AngularRate};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::resolve::within;
+use super::range::within;
 
 /// How the camera answers a command and what it sees. A law that predicts goes by it,
 /// and under every law the tracker is told by it how far the camera's turning shifted the picture.
@@ -58,11 +58,11 @@ impl CameraSection {
             start_dead_time_s: Some(axis.start_dead_time.as_secs_f64()),
             stop_dead_time_s: Some(axis.stop_dead_time.as_secs_f64()),
             lag_s: Some(axis.lag.as_secs_f64()),
-            least_rad_per_s: Some(axis.least_rate.radians_per_second()),
+            least_rad_per_s: Some(axis.min_rate.radians_per_second()),
         };
         Self {
             focal_share: Some(camera.focal_share),
-            first_tilt_rad: Some(camera.first_tilt.radians()),
+            first_tilt_rad: Some(camera.initial_tilt.radians()),
             lowest_tilt_rad: Some(camera.tilt_stops.0.radians()),
             highest_tilt_rad: Some(camera.tilt_stops.1.radians()),
             pan: axis(&camera.pan),
@@ -94,7 +94,7 @@ impl CameraSection {
                 20.0,
                 "a share of the picture's width",
             )?,
-            first_tilt: tilt("camera.first_tilt_rad", self.first_tilt_rad, base.first_tilt)?,
+            initial_tilt: tilt("camera.first_tilt_rad", self.first_tilt_rad, base.initial_tilt)?,
             tilt_stops: stops,
             pan: self.pan.over("camera.pan", &base.pan)?,
             tilt: self.tilt.over("camera.tilt", &base.tilt)?,
@@ -109,12 +109,12 @@ impl AxisSection {
             within(&key, value, base.as_secs_f64(), 0.0, 2.0, "seconds").map(Duration::from_secs_f64)
         };
         let least = self.least_rad_per_s;
-        let base_least = base.least_rate.radians_per_second();
+        let base_least = base.min_rate.radians_per_second();
         let axis = AxisDynamics {
             start_dead_time: span("start_dead_time_s", self.start_dead_time_s, base.start_dead_time)?,
             stop_dead_time: span("stop_dead_time_s", self.stop_dead_time_s, base.stop_dead_time)?,
             lag: span("lag_s", self.lag_s, base.lag)?,
-            least_rate: AngularRate::from_radians_per_second(within(
+            min_rate: AngularRate::from_radians_per_second(within(
                 &format!("{section}.least_rad_per_s"),
                 least,
                 base_least,

@@ -1,5 +1,7 @@
 //! The configuration file as written: every key may be left out.
 
+use std::path::PathBuf;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +49,12 @@ pub struct VideoSection {
     /// `rtsp://...` or `file:...`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
+    /// File whose first line is the camera's `user:password`, for `rtsp://` alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub login_file: Option<PathBuf>,
+    /// Name of the environment variable that holds the camera's `user:password`, for `rtsp://` alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub login_env: Option<String>,
 }
 
 /// Where the commands go.
@@ -94,16 +102,16 @@ pub struct VehicleSection {
     /// Vertical semi-axis of the region, share of half the picture's height.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region_half_height: Option<f64>,
-    /// The motor schema's pan rate, rad/s.
+    /// The motor schema's pan rate, rad/s, 0 to the pan limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_pan_rad_per_s: Option<f64>,
-    /// The motor schema's tilt rate, rad/s.
+    /// The motor schema's tilt rate, rad/s, 0 to the tilt limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_tilt_rad_per_s: Option<f64>,
-    /// The largest pan rate that may be sent, rad/s.
+    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_pan_rad_per_s: Option<f64>,
-    /// The largest tilt rate that may be sent, rad/s.
+    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_tilt_rad_per_s: Option<f64>,
     /// The vehicle's yaw rate against our pan.

@@ -6,16 +6,18 @@
 
 pub mod camera;
 pub mod file;
+mod range;
 pub mod resolve;
 pub mod tracker;
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 
 use barrelman_experiments::law_choice::LawName;
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_host::input;
+use barrelman_host::redaction::without_logins;
 
 pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
@@ -38,7 +40,8 @@ pub fn read(path: &Path) -> Result<ConfigFile> {
 /// # Errors
 /// If a key is unknown or a value has another type; the message points at it.
 pub fn parse(text: &str) -> Result<ConfigFile> {
-    Ok(toml::from_str(text)?)
+    // The message shows the line with the mistake, which may be that of an address with a login.
+    toml::from_str(text).map_err(|error| anyhow!("{}", without_logins(&error.to_string())))
 }
 
 /// Reads the configuration that a recording begins with. One that names no tracker was made when CamShift was the

@@ -9,7 +9,9 @@ use barrelman_wire::fotokite_pro::Framing;
 
 use super::camera::CameraSection;
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
+use super::range::within;
 use super::tracker::TrackerSection;
+use crate::secrets::LoginSource;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::TrackerSettings;
 
@@ -18,6 +20,8 @@ use barrelman_experiments::tracker_choice::TrackerSettings;
 pub struct Configuration {
     /// Where the video comes from, if it is known yet.
     pub video: Option<String>,
+    /// Where the video's login is kept, if it is not in the address.
+    pub video_login: Option<LoginSource>,
     /// Where the commands go; `None`: a dry run.
     pub link: Option<String>,
     /// What stands around a line to a Fotokite Pro.
@@ -32,6 +36,9 @@ pub struct Configuration {
 
 /// Names of the vehicle profiles that are built in.
 pub const PROFILES: [&str; 1] = ["fotokite-pro"];
+
+/// The largest rate in the configuration of a recording, rad/s.
+const MOST_RECORDED_RAD_PER_S: f64 = 3.0;
 
 /// The built-in profile of that name.
 ///
@@ -50,22 +57,42 @@ impl Configuration {
     /// # Errors
     /// If a value lies outside of its range; the message names the key and the range.
     pub fn resolve(file: &ConfigFile) -> Result<Self> {
+        Self::resolve_within(file, |profile| profile.protocol.rate_limits())
+    }
+
+    /// The same for the configuration of a recording, which sends nothing: a simulated vehicle may have turned faster
+    /// than a real one, and programs of before took such rates for every vehicle.
+    ///
+    /// # Errors
+    /// If a value lies outside of its range; the message names the key and the range.
+    pub fn resolve_recorded(file: &ConfigFile) -> Result<Self> {
+        let most = AngularRate::from_radians_per_second(MOST_RECORDED_RAD_PER_S);
+        Self::resolve_within(file, |_| AxisRates { pan: most, tilt: most })
+    }
+
+    fn resolve_within(file: &ConfigFile, rate_limits: impl Fn(&VehicleProfile) -> AxisRates) -> Result<Self> {
         let vehicle = &file.vehicle;
-        let profile_name = vehicle.profile.as_deref().unwrap_or(PROFILES[0]);
-        let mut profile = overridden(profile_named(profile_name).context("vehicle.profile")?, vehicle)?;
+        let base =
+            profile_named(vehicle.profile.as_deref().unwrap_or(PROFILES[0])).context("vehicle.profile")?;
+        let most = rate_limits(&base);
+        let mut profile = overridden(base, vehicle, most)?;
         profile.camera = file.camera.over(&profile.camera)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
             ("tilt", &profile.camera.tilt, profile.limits.tilt),
         ] {
-            if dynamics.least_rate > limit {
+            let min_rate = dynamics.min_rate;
+            if min_rate > limit {
                 bail!(
-                    "camera.{axis}.least_rad_per_s is above vehicle.limit_{axis}_rad_per_s: lower it, or raise the limit"
+                    "camera.{axis}.least_rad_per_s = {} is above vehicle.limit_{axis}_rad_per_s = {}: lower it, or raise the limit",
+                    min_rate.radians_per_second(),
+                    limit.radians_per_second()
                 );
             }
         }
         Ok(Self {
             video: file.video.url.clone(),
+            video_login: login_source(&file.video)?,
             link: file.link.url.clone(),
             framing: match file.link.line_ending {
                 None | Some(LineEnding::CrAround) => Framing::CarriageReturns,
@@ -94,7 +121,17 @@ impl Configuration {
         let rate = |rate: AngularRate| Some(rate.radians_per_second());
         let seconds = |span: Duration| Some(span.as_secs_f64());
         ConfigFile {
-            video: VideoSection { url: self.video.clone() },
+            video: VideoSection {
+                url: self.video.clone(),
+                login_file: match &self.video_login {
+                    Some(LoginSource::File(path)) => Some(path.clone()),
+                    Some(LoginSource::Environment(_)) | None => None,
+                },
+                login_env: match &self.video_login {
+                    Some(LoginSource::Environment(name)) => Some(name.clone()),
+                    Some(LoginSource::File(_)) | None => None,
+                },
+            },
             link: LinkSection {
                 url: self.link.clone(),
                 line_ending: Some(match self.framing {
@@ -106,8 +143,8 @@ impl Configuration {
                 profile: Some(profile.name.clone()),
                 region_half_width: Some(profile.region.half_width),
                 region_half_height: Some(profile.region.half_height),
-                schema_pan_rad_per_s: rate(profile.schema.pan),
-                schema_tilt_rad_per_s: rate(profile.schema.tilt),
+                schema_pan_rad_per_s: rate(profile.motor_schema_rates.pan),
+                schema_tilt_rad_per_s: rate(profile.motor_schema_rates.tilt),
                 limit_pan_rad_per_s: rate(profile.limits.pan),
                 limit_tilt_rad_per_s: rate(profile.limits.tilt),
                 yaw_sign: sign(profile.signs.yaw),
@@ -131,12 +168,28 @@ impl Configuration {
     }
 }
 
-/// A profile with what a file says otherwise.
-fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleProfile> {
+fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
+    match (&video.login_file, &video.login_env) {
+        (Some(_), Some(_)) => bail!("video.login_file and video.login_env are both given: leave one out"),
+        (Some(path), None) => Ok(Some(LoginSource::File(path.clone()))),
+        (None, Some(name)) => Ok(Some(LoginSource::Environment(name.clone()))),
+        (None, None) => Ok(None),
+    }
+}
+
+/// A profile with what a file says otherwise; no limit above `most`, no schema rate above its axis' limit.
+fn overridden(base: VehicleProfile, vehicle: &VehicleSection, most: AxisRates) -> Result<VehicleProfile> {
     let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
-    let rate = |key: &str, value: Option<f64>, base: AngularRate| {
-        let value = ranged(key, value, base.radians_per_second(), 0.0, 3.0, "rad/s")?;
-        Ok::<_, anyhow::Error>(AngularRate::from_radians_per_second(value))
+    let own = "the most that the vehicle is ever sent";
+    let limits = AxisRates {
+        pan: rate("limit_pan_rad_per_s", vehicle.limit_pan_rad_per_s, base.limits.pan, most.pan, own)?,
+        tilt: rate("limit_tilt_rad_per_s", vehicle.limit_tilt_rad_per_s, base.limits.tilt, most.tilt, own)?,
+    };
+    let (pan_limit, tilt_limit) = ("vehicle.limit_pan_rad_per_s", "vehicle.limit_tilt_rad_per_s");
+    let (pan, tilt) = (vehicle.schema_pan_rad_per_s, vehicle.schema_tilt_rad_per_s);
+    let motor_schema_rates = AxisRates {
+        pan: rate("schema_pan_rad_per_s", pan, base.motor_schema_rates.pan, limits.pan, pan_limit)?,
+        tilt: rate("schema_tilt_rad_per_s", tilt, base.motor_schema_rates.tilt, limits.tilt, tilt_limit)?,
     };
     let span = |key: &str, value: Option<f64>, base: Duration, most: f64| {
         ranged(key, value, base.as_secs_f64(), 0.0, most, "seconds").map(Duration::from_secs_f64)
@@ -146,19 +199,13 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleP
         Some(SignName::Opposite) => Sign::Opposite,
         None => base,
     };
-    let profile = VehicleProfile {
+    Ok(VehicleProfile {
         region: RegionShares {
             half_width: share("region_half_width", vehicle.region_half_width, base.region.half_width)?,
             half_height: share("region_half_height", vehicle.region_half_height, base.region.half_height)?,
         },
-        schema: AxisRates {
-            pan: rate("schema_pan_rad_per_s", vehicle.schema_pan_rad_per_s, base.schema.pan)?,
-            tilt: rate("schema_tilt_rad_per_s", vehicle.schema_tilt_rad_per_s, base.schema.tilt)?,
-        },
-        limits: AxisRates {
-            pan: rate("limit_pan_rad_per_s", vehicle.limit_pan_rad_per_s, base.limits.pan)?,
-            tilt: rate("limit_tilt_rad_per_s", vehicle.limit_tilt_rad_per_s, base.limits.tilt)?,
-        },
+        motor_schema_rates,
+        limits,
         signs: AxisSigns {
             yaw: sign(vehicle.yaw_sign, base.signs.yaw),
             pitch: sign(vehicle.pitch_sign, base.signs.pitch),
@@ -167,32 +214,25 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection) -> Result<VehicleP
         stale_after: span("stale_after_s", vehicle.stale_after_s, base.stale_after, 5.0)?,
         coast_motion: span("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, 2.0)?,
         ..base
-    };
-    let too_fast = |schema: AngularRate, limit: AngularRate| schema > limit;
-    if too_fast(profile.schema.pan, profile.limits.pan) || too_fast(profile.schema.tilt, profile.limits.tilt)
-    {
-        bail!("vehicle: a schema rate is above the limit of its axis: lower it, or raise the limit");
+    })
+}
+
+/// A rate from 0 to `most`; `limited_by` says what sets that limit.
+fn rate(
+    key: &str,
+    value: Option<f64>,
+    base: AngularRate,
+    most: AngularRate,
+    limited_by: &str,
+) -> Result<AngularRate> {
+    let (value, most) = (value.unwrap_or(base.radians_per_second()), most.radians_per_second());
+    if (0.0..=most).contains(&value) {
+        Ok(AngularRate::from_radians_per_second(value))
+    } else {
+        bail!("vehicle.{key} = {value}: use rad/s from 0 to {most}, {limited_by}")
     }
-    Ok(profile)
 }
 
 fn ranged(key: &str, value: Option<f64>, base: f64, least: f64, most: f64, unit: &str) -> Result<f64> {
     within(&format!("vehicle.{key}"), value, base, least, most, unit)
-}
-
-/// What a file says, or the base, if that lies within a range.
-pub(super) fn within(
-    key: &str,
-    value: Option<f64>,
-    base: f64,
-    least: f64,
-    most: f64,
-    unit: &str,
-) -> Result<f64> {
-    let value = value.unwrap_or(base);
-    if (least..=most).contains(&value) {
-        Ok(value)
-    } else {
-        bail!("{key} = {value}: use {unit} from {least} to {most}")
-    }
 }

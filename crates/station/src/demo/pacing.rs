@@ -9,9 +9,9 @@ use barrelman_sim::World;
 use barrelman_vocab::Timestamp;
 
 /// Arrears beyond this are not made up for.
-const MOST_ARREARS: Duration = Duration::from_millis(200);
+const MAX_ARREARS: Duration = Duration::from_millis(200);
 /// The time over which the pace is told.
-const PACE_OVER: Duration = Duration::from_secs(2);
+const PACE_WINDOW: Duration = Duration::from_secs(2);
 
 /// Paces ticks.
 #[derive(Debug, Clone, Copy)]
@@ -32,11 +32,11 @@ impl Pacing {
     pub fn due(&mut self, tick: u64, now: Timestamp) -> Timestamp {
         let spent = World::time_of(tick).since(World::time_of(self.since.0));
         let due = self.since.1.plus(spent);
-        if now.since(due) > MOST_ARREARS {
+        if now.since(due) > MAX_ARREARS {
             self.since = (tick, now);
         }
         let counted = now.since(self.counted_from.1);
-        if counted >= PACE_OVER {
+        if counted >= PACE_WINDOW {
             let ticks = World::time_of(tick).since(World::time_of(self.counted_from.0));
             self.pace = ticks.as_secs_f64() / counted.as_secs_f64();
             self.counted_from = (tick, now);

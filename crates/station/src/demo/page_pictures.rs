@@ -4,11 +4,9 @@
 
 use std::time::Duration;
 
-use barrelman_control::Region;
 use barrelman_host::latest::Latest;
 use barrelman_overlay::{Overlay, Scene};
 use barrelman_pilot::Outcome;
-use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Picture, VehicleRates, VideoFrame};
 use bytes::Bytes;
 
@@ -29,13 +27,13 @@ pub struct AnnotatedFrame {
 }
 
 /// Renders the newest frame for the page until the slot is closed.
-pub fn render_page_pictures(frames: &Latest<AnnotatedFrame>, page: &PageState, shares: RegionShares) {
+pub fn render_page_pictures(frames: &Latest<AnnotatedFrame>, page: &PageState) {
     let mut overlay = Overlay::new();
     let mut picture: Option<Picture> = None;
     while let Some(annotated) = frames.wait_until_wanted(POLL_INTERVAL, || page.has_viewer()) {
         let AnnotatedFrame { frame, outcome, rates } = annotated;
-        let region = Region::in_picture(shares, frame.picture.size());
-        let scene = Scene { rates: Some(rates), ..Scene::of_outcome(&outcome, region) };
+        let Some(scene) = Scene::of_outcome(&outcome) else { continue };
+        let scene = Scene { rates: Some(rates), ..scene };
         let picture =
             picture.get_or_insert_with(|| Picture::black(frame.picture.size(), frame.picture.colour()));
         overlay.draw(&frame, &scene, picture);

@@ -11,7 +11,7 @@
 //!
 //! Nothing else is served, and no file is read. It listens on loopback unless it is told otherwise, answers there only
 //! those who ask for it by a name of this machine (so that no foreign site's name can be pointed at it), and takes
-//! nothing from a page of another origin. Bodies are at most [`LONGEST_BODY`] bytes long, and [`VIEWERS`] can look at
+//! nothing from a page of another origin. Bodies are at most [`MAX_BODY_BYTES`] bytes long, and [`MAX_VIEWERS`] can look at
 //! the video at a time. What it moves is a simulated boat.
 
 use std::convert::Infallible;
@@ -43,11 +43,11 @@ use barrelman_experiments::drive::DriveInput;
 /// The page.
 const PAGE: &str = include_str!("page.html");
 /// Longest body of a request, bytes.
-const LONGEST_BODY: usize = 512;
+const MAX_BODY_BYTES: usize = 512;
 /// How many can look at the video at a time.
-const VIEWERS: usize = 8;
+const MAX_VIEWERS: usize = 8;
 /// How long one picture is waited for.
-const PICTURE_WITHIN: Duration = Duration::from_secs(2);
+const PICTURE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// A running server; it ends when dropped.
 pub struct PageServer {
@@ -129,7 +129,7 @@ fn router(served: Arc<Served>) -> Router {
         .route("/status", get(status))
         .route("/helm", post(helm))
         .route("/do", post(act))
-        .layer(DefaultBodyLimit::max(LONGEST_BODY))
+        .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .layer(from_fn_with_state(Arc::clone(&served), guard))
         .with_state(served)
 }
@@ -177,7 +177,7 @@ async fn status(State(served): State<Arc<Served>>) -> Response {
 
 async fn picture(State(served): State<Arc<Served>>) -> Response {
     let mut pictures = served.state.pictures();
-    let fresh = tokio::time::timeout(PICTURE_WITHIN, pictures.changed()).await;
+    let fresh = tokio::time::timeout(PICTURE_TIMEOUT, pictures.changed()).await;
     let jpeg = pictures.borrow().clone();
     if fresh.is_err() && jpeg.is_empty() {
         return (StatusCode::SERVICE_UNAVAILABLE, "there is no picture yet\n").into_response();
@@ -203,7 +203,7 @@ async fn video(State(served): State<Arc<Served>>) -> Response {
     if !pictures.borrow().is_empty() {
         pictures.mark_changed();
     }
-    if served.viewers.fetch_add(1, Ordering::Relaxed) >= VIEWERS {
+    if served.viewers.fetch_add(1, Ordering::Relaxed) >= MAX_VIEWERS {
         served.viewers.fetch_sub(1, Ordering::Relaxed);
         return (StatusCode::SERVICE_UNAVAILABLE, "too many look at the video already\n").into_response();
     }

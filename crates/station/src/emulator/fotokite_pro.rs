@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use anyhow::Result;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::{CameraMount, MountPlant};
 use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
-use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, StationRates, VehicleReading};
+use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings, StationRates};
 
 use super::host_port::HostPort;
 use super::log::{Direction, LoggedState, StationLog};
@@ -20,7 +20,7 @@ use barrelman_host::fault::{FaultKind, FaultPlan};
 /// How far down the camera looks at the start.
 const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
 /// Longest wait for bytes: bounds how late a tick is.
-const LONGEST_WAIT: Duration = Duration::from_millis(10);
+const MAX_WAIT: Duration = Duration::from_millis(10);
 /// How late bytes are heard while the fault `delay` is in force.
 const DELAY: Duration = Duration::from_millis(400);
 
@@ -41,8 +41,8 @@ pub struct FotokitePro {
     /// The rates that the mount was told last.
     followed: StationRates,
     unplugged: bool,
-    looked_at: Option<Timestamp>,
-    to_hear: VecDeque<(Timestamp, Vec<u8>)>,
+    faults_applied_at: Option<Timestamp>,
+    pending: VecDeque<(Timestamp, Vec<u8>)>,
 }
 
 impl FotokitePro {
@@ -68,8 +68,8 @@ impl FotokitePro {
             started: now,
             followed: StationRates::default(),
             unplugged: false,
-            looked_at: None,
-            to_hear: VecDeque::new(),
+            faults_applied_at: None,
+            pending: VecDeque::new(),
         }
     }
 
@@ -91,36 +91,30 @@ impl FotokitePro {
     pub fn run(&mut self, mut ended: impl FnMut() -> bool) -> Result<()> {
         let mut buffer = [0; 1024];
         while !ended() {
-            let read = self.port.read(&mut buffer, LONGEST_WAIT);
+            let read = self.port.read(&mut buffer, MAX_WAIT);
             let now = self.clock.now();
             self.advance(now);
-            self.go_wrong(now)?;
+            self.apply_faults(now)?;
             self.receive(&buffer[..read], now)?;
             self.station.tick(now);
             self.follow(now, None)?;
             let mut lines = Vec::new();
             let reading = self.reading();
-            self.station.report(&reading, now, &mut lines);
+            self.station.write_telemetry(&reading, now, &mut lines);
             self.send(&lines, now)?;
         }
         Ok(())
     }
 
-    /// Time since the emulator was switched on, which faults count from.
-    fn uptime(&self, now: Timestamp) -> Timestamp {
-        Timestamp::ZERO.plus(now.since(self.started))
-    }
-
     fn active(&self, kind: FaultKind, now: Timestamp) -> bool {
-        self.faults.active(kind, self.uptime(now))
+        self.faults.active(kind, now)
     }
 
-    fn go_wrong(&mut self, now: Timestamp) -> Result<()> {
-        let uptime = self.uptime(now);
-        if self.faults.begun(FaultKind::Reboot, self.looked_at, uptime) > 0 {
+    fn apply_faults(&mut self, now: Timestamp) -> Result<()> {
+        if self.faults.begun(FaultKind::Reboot, self.faults_applied_at, now) > 0 {
             self.station = GroundStation::boot(self.settings, now);
         }
-        self.looked_at = Some(uptime);
+        self.faults_applied_at = Some(now);
         let unplugged = self.active(FaultKind::Disconnect, now);
         match (self.unplugged, unplugged) {
             (false, true) => self.port.unplug(),
@@ -135,27 +129,27 @@ impl FotokitePro {
         let deaf = [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.active(*kind, now));
         if !bytes.is_empty() && !deaf && !self.unplugged {
             let due = if self.active(FaultKind::Delay, now) { now.plus(DELAY) } else { now };
-            let mut heard = bytes.to_vec();
+            let mut received = bytes.to_vec();
             if self.active(FaultKind::Corrupt, now) {
-                heard[0] ^= 0x55;
+                received[0] ^= 0x55;
             }
             if self.active(FaultKind::Duplicate, now) {
-                self.to_hear.push_back((due, heard.clone()));
+                self.pending.push_back((due, received.clone()));
             }
-            self.to_hear.push_back((due, heard));
+            self.pending.push_back((due, received));
         }
-        while let Some((_, heard)) = self.to_hear.pop_front_if(|(due, _)| *due <= now) {
-            self.hear(&heard, now)?;
+        while let Some((_, received)) = self.pending.pop_front_if(|(due, _)| *due <= now) {
+            self.receive_bytes(&received, now)?;
         }
         Ok(())
     }
 
     /// Takes bytes one by one, so that every line is logged with the state that it led to.
-    fn hear(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
+    fn receive_bytes(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
         let mut answer = Vec::new();
         for byte in bytes {
             let mut line = None;
-            self.station.received(&[*byte], now, &mut answer, |heard| line = Some(heard.to_owned()));
+            self.station.receive(&[*byte], now, &mut answer, |received| line = Some(received.to_owned()));
             if let Some(line) = line {
                 self.follow(now, Some(&line))?;
             }
@@ -171,7 +165,7 @@ impl FotokitePro {
         if changed {
             self.followed = rates;
             let rates = VehicleRates { yaw: rates.yaw, pitch: rates.pitch };
-            self.mount.command(self.profile.incoming(rates));
+            self.mount.command(self.profile.from_vehicle(rates));
             if let Some(world) = &self.world {
                 world.keep(rates);
             }
@@ -213,12 +207,12 @@ impl FotokitePro {
         self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 
-    fn reading(&self) -> VehicleReading {
+    fn reading(&self) -> SensorReadings {
         // The vehicle counts yaw to the left about the vertical, and pitch downwards.
         let half = |angle: Angle| -angle.radians() / 2.0;
         let Pointing { pan, tilt } = self.pointing();
         let (yaw, pitch) = (half(pan), half(tilt));
-        VehicleReading {
+        SensorReadings {
             attitude: Quaternion { w: yaw.cos(), x: 0.0, y: 0.0, z: yaw.sin() },
             gimbal: Quaternion { w: pitch.cos(), x: 0.0, y: pitch.sin(), z: 0.0 },
             elevation_rad: 0.2,

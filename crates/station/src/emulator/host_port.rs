@@ -7,10 +7,12 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+
+use super::port_link::PortLink;
 
 /// A port that clients connect to.
 #[derive(Debug)]
@@ -29,18 +31,20 @@ pub enum HostPort {
 /// A pseudo-terminal, and the link by which clients find it. The link goes with it.
 #[derive(Debug)]
 pub struct Pty {
+    link: PortLink,
+    /// Whether another symbolic link at the link's path may be replaced.
+    force: bool,
     master: OwnedFd,
-    device: PathBuf,
-    link: PathBuf,
 }
 
 impl HostPort {
-    /// Makes a pseudo-terminal and links `link` to it.
+    /// Makes a pseudo-terminal and links `link` to it. A link to a pseudo-terminal that is gone is replaced, with `force`
+    /// any symbolic link.
     ///
     /// # Errors
     /// If there is something else at `link`, or no pseudo-terminal is to be had.
-    pub fn pty(link: &Path) -> Result<Self> {
-        Ok(Self::Pty(Pty::open(link)?))
+    pub fn pty(link: &Path, force: bool) -> Result<Self> {
+        Ok(Self::Pty(Pty::open(link, force)?))
     }
 
     /// Listens for TCP connections.
@@ -56,7 +60,7 @@ impl HostPort {
     /// Where clients connect to, as a link's URL.
     pub fn place(&self) -> String {
         match self {
-            Self::Pty(pty) => format!("serial:{}", pty.link.display()),
+            Self::Pty(pty) => format!("serial:{}", pty.link.path().display()),
             Self::Tcp { listener, .. } => listener.local_addr().map_or_else(
                 |_| "an address that cannot be told".to_owned(),
                 |address| format!("tcp://{address}"),
@@ -85,7 +89,7 @@ impl HostPort {
     /// Cuts the connection, as when the cable is pulled: the link of a pseudo-terminal vanishes.
     pub fn unplug(&mut self) {
         match self {
-            Self::Pty(pty) => drop(std::fs::remove_file(&pty.link)),
+            Self::Pty(pty) => pty.link.remove(),
             Self::Tcp { client, .. } => *client = None,
         }
     }
@@ -93,18 +97,17 @@ impl HostPort {
     /// Connects again after `unplug`: a pseudo-terminal is a new one, as a device that was plugged in again is.
     ///
     /// # Errors
-    /// If no pseudo-terminal is to be had.
+    /// If no pseudo-terminal is to be had, or something else lies at the link's path by now.
     pub fn plug(&mut self) -> Result<()> {
         if let Self::Pty(pty) = self {
-            let link = pty.link.clone();
-            *pty = Pty::open(&link)?;
+            *pty = Pty::open(pty.link.path(), pty.force)?;
         }
         Ok(())
     }
 }
 
 impl Pty {
-    fn open(link: &Path) -> Result<Self> {
+    fn open(link: &Path, force: bool) -> Result<Self> {
         let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
         grantpt(&master)?;
         unlockpt(&master)?;
@@ -116,14 +119,7 @@ impl Pty {
         raw.make_raw();
         tcsetattr(&slave, OptionalActions::Now, &raw)?;
         rustix::io::ioctl_fionbio(&master, true)?;
-        match std::fs::symlink_metadata(link) {
-            Ok(found) if found.file_type().is_symlink() => std::fs::remove_file(link)?,
-            Ok(_) => bail!("{} exists and is no link: choose another path for the port", link.display()),
-            Err(_) => {}
-        }
-        std::os::unix::fs::symlink(&device, link)
-            .with_context(|| format!("the port's link {} cannot be made", link.display()))?;
-        Ok(Self { master, device, link: link.to_owned() })
+        Ok(Self { link: PortLink::make(link, &device, force)?, force, master })
     }
 
     fn read(&self, buffer: &mut [u8], wait: Duration) -> usize {
@@ -135,15 +131,6 @@ impl Pty {
             std::thread::sleep(wait.min(Duration::from_millis(5)));
             0
         })
-    }
-}
-
-impl Drop for Pty {
-    fn drop(&mut self) {
-        // Only our own link is taken away: after `plug` it leads to the new pseudo-terminal.
-        if std::fs::read_link(&self.link).is_ok_and(|leads_to| leads_to == self.device) {
-            let _ = std::fs::remove_file(&self.link);
-        }
     }
 }
 

@@ -1,6 +1,5 @@
 //! The emulator's log: one JSON object per line, handed to the system at once.
 
-use std::fs::File;
 use std::io::Write as _;
 
 use anyhow::Result;
@@ -10,6 +9,7 @@ use barrelman_wire::fotokite_pro::ground_station::StationState;
 use serde::Serialize;
 
 use barrelman_host::clock::Clock;
+use barrelman_host::output::OutputFile;
 
 /// Which way a line went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -49,7 +49,7 @@ impl LoggedState {
             roll_rate: rates.roll.radians_per_second(),
             pan_rad,
             tilt_rad,
-            lost_lines: station.flooded_lines(),
+            lost_lines: station.dropped_lines(),
         }
     }
 }
@@ -65,13 +65,13 @@ struct Row<'a> {
 /// The log, or none.
 #[derive(Debug)]
 pub struct StationLog {
-    file: Option<File>,
+    file: Option<OutputFile>,
     clock: Clock,
 }
 
 impl StationLog {
     /// A log that goes to `file`.
-    pub const fn new(file: Option<File>, clock: Clock) -> Self {
+    pub const fn new(file: Option<OutputFile>, clock: Clock) -> Self {
         Self { file, clock }
     }
 

@@ -9,4 +9,5 @@ pub mod fotokite_pro;
 pub mod log;
 
 pub mod host_port;
+mod port_link;
 pub mod rtsp_server;

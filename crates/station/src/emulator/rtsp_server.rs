@@ -2,7 +2,7 @@
 //!
 //! | thread | does |
 //! |---|---|
-//! | `rtsp` | takes connections, at most [`VIEWERS`] at a time |
+//! | `rtsp` | takes connections, at most [`MAX_VIEWERS`] at a time |
 //! | `rtsp-viewer` | answers one viewer's requests, and sends it the video between them |
 //!
 //! The video goes over the RTSP connection itself (interleaved), from the next key frame on. A viewer that is too slow
@@ -26,17 +26,17 @@ use barrelman_video::annexb::{self, NalKind};
 use barrelman_video::{VideoSink, VideoState};
 
 /// How many can look at a time.
-const VIEWERS: usize = 4;
+const MAX_VIEWERS: usize = 4;
 /// Longest request, bytes.
-const LONGEST_REQUEST: usize = 4096;
+const MAX_REQUEST_BYTES: usize = 4096;
 /// Pictures that may wait for a viewer.
 const QUEUE: usize = 32;
 /// How long a viewer waits for the first picture, and may take to accept bytes.
-const PATIENCE: Duration = Duration::from_secs(5);
+const CLIENT_TIMEOUT: Duration = Duration::from_secs(5);
 /// From one look at a viewer's requests to the next.
-const LOOK_EVERY: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 /// Longest payload of an RTP packet, bytes.
-const LONGEST_PAYLOAD: usize = 1400;
+const MAX_PAYLOAD_BYTES: usize = 1400;
 /// The video's clock in RTP, Hz, and its payload type.
 const RTP_HZ: u64 = 90_000;
 const RTP_TYPE: u8 = 96;
@@ -140,12 +140,12 @@ impl VideoSink for Broadcast {
 fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     while !shared.ended.load(Ordering::Relaxed) {
         let Ok((stream, _)) = listener.accept() else {
-            std::thread::sleep(LOOK_EVERY);
+            std::thread::sleep(POLL_INTERVAL);
             continue;
         };
         let is_full = {
             let mut connected = locked(&shared.connected);
-            let is_full = *connected >= VIEWERS;
+            let is_full = *connected >= MAX_VIEWERS;
             *connected += usize::from(!is_full);
             is_full
         };
@@ -167,7 +167,7 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
 struct Viewer {
     stream: TcpStream,
     shared: Arc<Shared>,
-    heard: Vec<u8>,
+    received: Vec<u8>,
     units: Option<Receiver<EncodedUnit>>,
     channel: u8,
     packets: Packets,
@@ -180,12 +180,12 @@ impl Viewer {
     fn new(stream: TcpStream, shared: Arc<Shared>) -> io::Result<Self> {
         stream.set_nonblocking(false)?;
         stream.set_nodelay(true)?;
-        stream.set_write_timeout(Some(PATIENCE))?;
-        stream.set_read_timeout(Some(LOOK_EVERY))?;
+        stream.set_write_timeout(Some(CLIENT_TIMEOUT))?;
+        stream.set_read_timeout(Some(POLL_INTERVAL))?;
         Ok(Self {
             stream,
             shared,
-            heard: Vec::new(),
+            received: Vec::new(),
             units: None,
             channel: 0,
             packets: Packets::default(),
@@ -199,12 +199,12 @@ impl Viewer {
         while !self.shared.ended.load(Ordering::Relaxed) {
             match self.stream.read(&mut buffer) {
                 Ok(0) => return Ok(()),
-                Ok(read) => self.heard.extend_from_slice(&buffer[..read]),
+                Ok(read) => self.received.extend_from_slice(&buffer[..read]),
                 Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
                 }
                 Err(error) => return Err(error),
             }
-            while let Some(request) = next_request(&mut self.heard)? {
+            while let Some(request) = next_request(&mut self.received)? {
                 if !self.answer(&request)? {
                     return Ok(());
                 }
@@ -220,7 +220,7 @@ impl Viewer {
     fn play(&mut self) -> io::Result<()> {
         self.stream.set_read_timeout(Some(Duration::from_millis(1)))?;
         let Some(units) = &self.units else { return Ok(()) };
-        let Ok(unit) = units.recv_timeout(LOOK_EVERY) else { return Ok(()) };
+        let Ok(unit) = units.recv_timeout(POLL_INTERVAL) else { return Ok(()) };
         let is_next = self.last_index.is_some_and(|last| unit.index == last + 1);
         self.last_index = Some(unit.index);
         self.waits_for_key = !unit.key && (self.waits_for_key || !is_next);
@@ -291,7 +291,7 @@ impl Viewer {
 
     /// The session's description, once the first key frame is there.
     fn description(&self) -> Option<String> {
-        let deadline = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + CLIENT_TIMEOUT;
         let (sps, pps) = loop {
             if let Some(sets) = locked(&self.shared.sets).clone() {
                 break sets;
@@ -299,7 +299,7 @@ impl Viewer {
             if Instant::now() >= deadline || self.shared.ended.load(Ordering::Relaxed) {
                 return None;
             }
-            std::thread::sleep(LOOK_EVERY);
+            std::thread::sleep(POLL_INTERVAL);
         };
         let profile = sps.get(1..4)?.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
         Some(format!(
@@ -314,27 +314,27 @@ impl Viewer {
 }
 
 /// Takes a whole request off the front of what was heard; RTCP between requests is passed over.
-fn next_request(heard: &mut Vec<u8>) -> io::Result<Option<String>> {
+fn next_request(received: &mut Vec<u8>) -> io::Result<Option<String>> {
     loop {
-        if heard.first() == Some(&b'$') {
+        if received.first() == Some(&b'$') {
             let Some(length) =
-                heard.get(2..4).map(|length| 4 + usize::from(length[0]) * 256 + usize::from(length[1]))
+                received.get(2..4).map(|length| 4 + usize::from(length[0]) * 256 + usize::from(length[1]))
             else {
                 return Ok(None);
             };
-            if heard.len() < length {
+            if received.len() < length {
                 return Ok(None);
             }
-            heard.drain(..length);
+            received.drain(..length);
             continue;
         }
-        let Some(end) = heard.windows(4).position(|four| four == b"\r\n\r\n") else {
-            if heard.len() > LONGEST_REQUEST {
+        let Some(end) = received.windows(4).position(|four| four == b"\r\n\r\n") else {
+            if received.len() > MAX_REQUEST_BYTES {
                 return Err(io::Error::new(io::ErrorKind::InvalidData, "a request without an end"));
             }
             return Ok(None);
         };
-        let request: Vec<u8> = heard.drain(..end + 4).collect();
+        let request: Vec<u8> = received.drain(..end + 4).collect();
         return Ok(Some(String::from_utf8_lossy(&request).into_owned()));
     }
 }
@@ -360,13 +360,13 @@ impl Packets {
         let mut nals = annexb::nals(&unit.payload).peekable();
         while let Some(nal) = nals.next() {
             let ends_picture = nals.peek().is_none();
-            if nal.len() <= LONGEST_PAYLOAD {
+            if nal.len() <= MAX_PAYLOAD_BYTES {
                 self.put(&mut bytes, channel, time, ends_picture, &[nal]);
                 continue;
             }
             // Fragments (FU-A): the unit's own header is told in two bytes in front of each.
             let (header, content) = (nal[0], &nal[1..]);
-            let mut pieces = content.chunks(LONGEST_PAYLOAD - 2).enumerate().peekable();
+            let mut pieces = content.chunks(MAX_PAYLOAD_BYTES - 2).enumerate().peekable();
             while let Some((index, piece)) = pieces.next() {
                 let ends = pieces.peek().is_none();
                 let place = u8::from(index == 0) << 7 | u8::from(ends) << 6;
@@ -396,11 +396,11 @@ mod tests {
 
     #[test]
     fn requests_come_one_by_one_and_rtcp_is_passed_over() {
-        let mut heard = b"$\x01\x00\x02abOPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\nPLAY".to_vec();
-        assert_eq!(next_request(&mut heard).unwrap().unwrap(), "OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n");
-        assert_eq!(next_request(&mut heard).unwrap(), None);
-        heard.resize(LONGEST_REQUEST + 1, b'x');
-        assert!(next_request(&mut heard).is_err());
+        let mut received = b"$\x01\x00\x02abOPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\nPLAY".to_vec();
+        assert_eq!(next_request(&mut received).unwrap().unwrap(), "OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n");
+        assert_eq!(next_request(&mut received).unwrap(), None);
+        received.resize(MAX_REQUEST_BYTES + 1, b'x');
+        assert!(next_request(&mut received).is_err());
     }
 
     #[test]

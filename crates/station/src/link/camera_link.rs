@@ -7,14 +7,14 @@ use std::fmt;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
-use barrelman_sim::camera_mount::TICKS_PER_REPORT;
+use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 
-use super::worker::GRACE;
+use super::worker::RENEWAL_GRACE;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 
 /// How long the last zeros may take to the camera: many ticks.
-const LAST_ZEROS: Duration = Duration::from_secs(1);
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The way to a simulated camera. Clones are the same link.
 #[derive(Debug, Clone, Default)]
@@ -65,7 +65,7 @@ impl CameraLink {
     }
 
     /// What is to go wrong on it; times count from the program's start.
-    pub fn break_by(&self, faults: FaultPlan) {
+    pub fn set_faults(&self, faults: FaultPlan) {
         self.asked().faults = faults;
     }
 
@@ -87,7 +87,7 @@ impl CameraLink {
 
     /// Lets the gimbal report the camera's tilt, ten times a second, to whom must not make the world wait. Only the
     /// first one who asks is told.
-    pub fn report_to(&self, listener: impl Fn(Angle) + Send + Sync + 'static) {
+    pub fn on_tilt_report(&self, listener: impl Fn(Angle) + Send + Sync + 'static) {
         let _ = self.0.listener.set(Box::new(listener));
     }
 
@@ -96,7 +96,7 @@ impl CameraLink {
         let is_due = {
             let mut asked = self.asked();
             asked.pointing = Some(pointing);
-            asked.told = (asked.told + 1) % TICKS_PER_REPORT;
+            asked.told = (asked.told + 1) % TICKS_PER_TILT_REPORT;
             asked.told == 0
         };
         if let Some(listener) = self.0.listener.get().filter(|_| is_due) {
@@ -109,8 +109,11 @@ impl CameraLink {
         let mut asked = self.asked();
         (asked.rates, asked.renew_by) = (VehicleRates::REST, None);
         let moves = |asked: &mut Asked| !asked.in_force.is_rest() && !asked.world_ended;
-        let (asked, _) =
-            self.0.taken.wait_timeout_while(asked, LAST_ZEROS, moves).unwrap_or_else(PoisonError::into_inner);
+        let (asked, _) = self
+            .0
+            .taken
+            .wait_timeout_while(asked, CLOSE_TIMEOUT, moves)
+            .unwrap_or_else(PoisonError::into_inner);
         asked.in_force.is_rest() || asked.world_ended
     }
 
@@ -122,7 +125,7 @@ impl CameraLink {
             return asked.in_force;
         }
         let moves = !asked.rates.is_rest();
-        let expired = moves && asked.renew_by.is_none_or(|at| at.plus(GRACE) <= now);
+        let expired = moves && asked.renew_by.is_none_or(|at| at.plus(RENEWAL_GRACE) <= now);
         if expired && !asked.overdue {
             tracing::error!("the pilot is held up: the link rests the camera");
         }
@@ -169,7 +172,7 @@ mod tests {
         let link = CameraLink::default();
         let told = Arc::new(Mutex::new(Vec::new()));
         let listener = Arc::clone(&told);
-        link.report_to(move |tilt| listener.lock().unwrap().push(tilt.degrees().round() as i32));
+        link.on_tilt_report(move |tilt| listener.lock().unwrap().push(tilt.degrees().round() as i32));
         for tick in 1..=120 {
             link.tell(Pointing { pan: Angle::ZERO, tilt: Angle::from_degrees(-f64::from(tick)) });
         }
@@ -179,7 +182,7 @@ mod tests {
     #[test]
     fn a_broken_link_leaves_the_camera_as_it_was() {
         let link = CameraLink::default();
-        link.break_by(FaultPlan::parse("drop@1+1").unwrap());
+        link.set_faults(FaultPlan::parse("drop@1+1").unwrap());
         link.send(MOVING, Some(at(900)));
         assert_eq!(link.take(at(800)), MOVING);
         link.send(VehicleRates::REST, None);

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
+use barrelman_host::redaction::without_logins;
 
 /// Baud rate where the URL does not say: what all public clients use.
 pub const DEFAULT_BAUD: u32 = 115_200;
@@ -47,6 +48,11 @@ pub enum LinkUrlError {
     /// Nothing stands behind the scheme.
     #[error("the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
     Nowhere(String),
+    /// It has a login, which nothing on this link would ask for.
+    #[error(
+        "the link {0:?} has a login, and a pass-through server asks for none: leave out what stands before the @"
+    )]
+    Login(String),
     /// An option is unknown or has no value that can be used.
     #[error(
         "the link's option {0:?} cannot be used: a serial link takes baud=9600 or baud=115200, and every link fault=KIND@SECONDS"
@@ -64,13 +70,17 @@ impl LinkUrl {
     /// [`LinkUrlError`] says what cannot be read, and the remedy.
     pub fn parse(text: &str) -> Result<Self, LinkUrlError> {
         let (address, options) = text.split_once('?').unwrap_or((text, ""));
-        let nowhere = || LinkUrlError::Nowhere(text.to_owned());
+        let nowhere = || LinkUrlError::Nowhere(without_logins(text));
         let mut endpoint = if let Some(path) = address.strip_prefix("serial:") {
             if path.is_empty() {
                 return Err(nowhere());
             }
             Endpoint::Serial { path: PathBuf::from(path), baud: DEFAULT_BAUD }
         } else if let Some(address) = address.strip_prefix("tcp://") {
+            // The @ of a fault's time is none of a login.
+            if text.split("fault=").next().is_some_and(|text| text.contains('@')) {
+                return Err(LinkUrlError::Login(without_logins(text)));
+            }
             let (host, port) = address.rsplit_once(':').ok_or_else(nowhere)?;
             if host.is_empty() || port.parse::<u16>().is_err() {
                 return Err(nowhere());
@@ -79,7 +89,7 @@ impl LinkUrl {
         } else if address == "sim:" {
             Endpoint::World
         } else {
-            return Err(LinkUrlError::Unknown(text.to_owned()));
+            return Err(LinkUrlError::Unknown(without_logins(text)));
         };
         let mut faults = FaultPlan::default();
         for option in options.split('&').filter(|option| !option.is_empty()) {
@@ -136,11 +146,28 @@ mod tests {
         check("sim:", Ok("sim:"));
         check("sim:arena1", Err("use serial:"));
         check("serial:", Err("names no port"));
+        check("tcp://user:password@host:1", Err("tcp://***@host:1\" has a login"));
         check("tcp://host", Err("names no port"));
         check("tcp://host:port", Err("names no port"));
         check("/dev/ttyACM0", Err("use serial:"));
         check("serial:/dev/ttyACM0?baud=fast", Err("baud=fast"));
         check("tcp://host:1?baud=9600", Err("baud=9600"));
         check("serial:/dev/ttyACM0?fault=explode@3", Err("explode"));
+    }
+
+    #[test]
+    fn no_error_repeats_a_password() {
+        for text in [
+            "tcp://user:secret@host:5000",
+            "tcp://user:secret@host",
+            "tcp://user:sec?ret@host:1",
+            "tcp://user:5?ret@host:1",
+            "tcp://user:se/cret@host:port",
+            "http://user:secret@host:1",
+            "tpc://user:secret@host:1",
+        ] {
+            let error = LinkUrl::parse(text).unwrap_err();
+            assert!(!format!("{error} {error:?}").contains("ret"), "{error:?}");
+        }
     }
 }

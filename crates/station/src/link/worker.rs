@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::fotokite_pro::session::{Next, STOP_DELAY};
+use barrelman_wire::fotokite_pro::session::{NextAction, STOP_DELAY};
 use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, poll};
 
@@ -19,10 +19,10 @@ use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultKind;
 
 /// From one attempt to open a lost port to the next.
-const REOPEN_AFTER: Duration = Duration::from_millis(250);
+const REOPEN_PAUSE: Duration = Duration::from_millis(250);
 /// How long rates may stay in force after the time by which they were to be renewed: the pilot has then been held
 /// up, and the link rests the camera in its place.
-pub(crate) const GRACE: Duration = Duration::from_millis(50);
+pub(crate) const RENEWAL_GRACE: Duration = Duration::from_millis(50);
 /// How long the last words may take before the program ends without them.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(3);
 
@@ -145,7 +145,7 @@ impl<R: Fn(LinkReport)> Worker<R> {
         // The port lives outside of what may panic, so that the last will can still be spoken on it.
         let ended = catch_unwind(AssertUnwindSafe(|| self.serve(&mut port)));
         let said = ended.unwrap_or_else(|_| {
-            let said = port.as_mut().is_some_and(|port| speak_last_will(port, framing).is_ok());
+            let said = port.as_mut().is_some_and(|port| send_last_will(port, framing).is_ok());
             (self.report)(LinkReport::Panicked);
             said
         });
@@ -161,12 +161,12 @@ impl<R: Fn(LinkReport)> Worker<R> {
                 self.show(LinkState::Opening, &mut shown);
                 if self.shared.with(|mailbox| mailbox.close) {
                     // The vehicle keeps its last rate: one more try to reach it.
-                    let said = |mut port| speak_last_will(&mut port, self.settings.framing).is_ok();
+                    let said = |mut port| send_last_will(&mut port, self.settings.framing).is_ok();
                     return self.reopen().is_ok_and(said);
                 }
                 match self.reopen() {
                     Ok(reopened) => *port = Some(reopened),
-                    Err(_) => self.wait(REOPEN_AFTER),
+                    Err(_) => self.wait(REOPEN_PAUSE),
                 }
                 continue;
             };
@@ -200,14 +200,14 @@ impl<R: Fn(LinkReport)> Worker<R> {
         let mut overdue = false;
         loop {
             let now = self.clock.now();
-            self.sabotage(now)?;
+            self.apply_faults(now)?;
             let (rates, expires, close) = self.wanted();
             let expired = !rates.is_rest() && expires <= now;
             if expired && !std::mem::replace(&mut overdue, true) {
                 tracing::error!("the pilot is held up: the link rests the camera");
             }
             overdue &= expired;
-            session.request(if expired { VehicleRates::REST } else { rates });
+            session.set_rates(if expired { VehicleRates::REST } else { rates });
             if close && closing_since.is_none() {
                 closing_since = Some(now);
                 session.close(now);
@@ -222,16 +222,16 @@ impl<R: Fn(LinkReport)> Worker<R> {
             }
             self.show(session.link_state(), shown);
             match next {
-                Next::Closed => return Ok(Ended::Closed),
-                Next::Reopen => return Ok(Ended::Unanswered),
-                Next::WaitUntil(wake_at) => {
+                NextAction::Closed => return Ok(Ended::Closed),
+                NextAction::Reopen => return Ok(Ended::Unanswered),
+                NextAction::WaitUntil(wake_at) => {
                     // At least ten looks a second, so that a fault on purpose begins in time.
                     let moves_until = if rates.is_rest() || expired { wake_at } else { expires };
                     let wake_at = wake_at.min(moves_until);
                     let wait = wake_at.since(self.clock.now()).min(Duration::from_millis(100));
                     if self.wait_for(port, wait) {
                         let read = port.read(&mut buffer)?;
-                        session.received(&buffer[..read], self.clock.now(), |telemetry| {
+                        session.receive(&buffer[..read], self.clock.now(), |telemetry| {
                             (self.report)(LinkReport::Telemetry(telemetry));
                         });
                     }
@@ -244,12 +244,12 @@ impl<R: Fn(LinkReport)> Worker<R> {
     /// they are renewed have expired already.
     fn wanted(&self) -> (VehicleRates, Timestamp, bool) {
         self.shared.with(|mailbox| {
-            let expires = mailbox.renew_by.map_or(Timestamp::ZERO, |at| at.plus(GRACE));
+            let expires = mailbox.renew_by.map_or(Timestamp::ZERO, |at| at.plus(RENEWAL_GRACE));
             (mailbox.rates, expires, mailbox.close)
         })
     }
 
-    fn sabotage(&self, now: Timestamp) -> io::Result<()> {
+    fn apply_faults(&self, now: Timestamp) -> io::Result<()> {
         let faults = &self.url.faults;
         #[allow(clippy::panic, reason = "asked for on the command line, to test the last will")]
         if faults.active(FaultKind::Panic, now) {
@@ -295,8 +295,8 @@ enum Ended {
 }
 
 /// The last words of a link whose thread panicked.
-fn speak_last_will(port: &mut Port, framing: Framing) -> io::Result<()> {
-    let (zeros, stop) = Session::last_will(framing);
+fn send_last_will(port: &mut Port, framing: Framing) -> io::Result<()> {
+    let (zeros, stop) = Session::emergency_stop(framing);
     for _ in 0..3 {
         port.write_all(&zeros)?;
         std::thread::sleep(Duration::from_millis(50));

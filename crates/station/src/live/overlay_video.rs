@@ -3,7 +3,6 @@
 //! The loop never waits for it: where drawing is slower than the video, frames are left out of the annotated
 //! one, and counted.
 
-use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -13,9 +12,10 @@ use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{VehicleRates, VideoFrame};
 
 use super::event::Event;
-use super::run_loop::Watcher;
-use super::threads::{self, Saboteur};
+use super::run_loop::FrameObserver;
+use super::threads::{self, FaultInjector};
 use barrelman_host::clock::Clock;
+use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
 
 /// Frames that may wait to be drawn.
@@ -46,18 +46,18 @@ impl OverlayVideo {
     /// # Errors
     /// If the thread cannot be started.
     pub fn begin(
-        path: &Path,
+        file: OutputFile,
         shares: RegionShares,
         clock: Clock,
-        saboteur: Saboteur,
+        fault_injector: FaultInjector,
         events: SyncSender<Event>,
     ) -> Result<Self> {
         let (items, queue) = sync_channel::<Option<Box<Seen>>>(QUEUE);
         let (send_result, result) = sync_channel(1);
-        let path = path.to_owned();
         let thread = threads::spawn("overlay", events, move || {
-            let _ = send_result
-                .send(write(Film::new(&path, shares), &queue, || saboteur.strike("overlay", clock.now())));
+            let _ = send_result.send(write(Film::new(file, shares), &queue, || {
+                fault_injector.apply_faults("overlay", clock.now())
+            }));
         })?;
         Ok(Self { items, thread, result })
     }
@@ -79,7 +79,7 @@ impl OverlayVideo {
     }
 }
 
-impl Watcher for OverlayInput {
+impl FrameObserver for OverlayInput {
     fn watch(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) {
         let seen = Seen { frame: frame.clone(), outcome: outcome.clone(), rates };
         self.left_out += u64::from(self.items.try_send(Some(Box::new(seen))).is_err());
@@ -94,9 +94,9 @@ impl Drop for OverlayInput {
     }
 }
 
-fn write(mut film: Film, queue: &Receiver<Option<Box<Seen>>>, strike: impl Fn()) -> Result<()> {
+fn write(mut film: Film, queue: &Receiver<Option<Box<Seen>>>, apply_faults: impl Fn()) -> Result<()> {
     while let Ok(Some(seen)) = queue.recv() {
-        strike();
+        apply_faults();
         film.add_outcome(&seen.frame, &seen.outcome, seen.rates)?;
     }
     film.finish()

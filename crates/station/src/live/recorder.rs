@@ -3,9 +3,7 @@
 //! It flushes twice a second, so a process that is killed loses less than one second. Where the disk is full, or slower
 //! than what comes, the recording stops with an alarm; the pilot goes on.
 
-use std::fs::File;
 use std::io::BufWriter;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
@@ -14,20 +12,20 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use barrelman_trial::records::{
-    Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter, WriteError,
+    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter, WriteError,
 };
 use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
 use super::event::Event;
-use super::threads::{self, Saboteur};
+use super::threads::{self, FaultInjector};
 use barrelman_host::clock::Clock;
-use barrelman_host::output;
+use barrelman_host::output::OutputFile;
 
 /// Entries that may wait to be written: some ten seconds of a run.
 const QUEUE: usize = 2048;
 /// How often what was written is handed to the system: twice a second, so that what a killed process loses stays
 /// below one.
-const FLUSH_EVERY: Duration = Duration::from_millis(500);
+const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 enum Item {
     Unit(EncodedUnit),
@@ -101,25 +99,24 @@ impl Recorder {
     /// Begins a recording.
     ///
     /// # Errors
-    /// If the file exists and may not be overwritten, or cannot be written.
+    /// If the file cannot be written.
     pub fn begin(
-        path: &Path,
-        force: bool,
+        file: OutputFile,
         start: &RecordingStart,
         clock: Clock,
-        saboteur: Saboteur,
+        fault_injector: FaultInjector,
         events: SyncSender<Event>,
     ) -> Result<Self> {
-        let file = BufWriter::new(output::create(path, force)?);
-        let mut writer = RecordingWriter::begin(file, start)
-            .with_context(|| format!("the recording {} cannot be written", path.display()))?;
-        writer.flush().with_context(|| format!("the recording {} cannot be written", path.display()))?;
+        let cannot_be_written = format!("the recording {} cannot be written", file.path().display());
+        let writer = RecordingWriter::begin(BufWriter::new(file), start)
+            .and_then(|mut writer| writer.flush().map(|()| writer))
+            .context(cannot_be_written)?;
         let (items, queue) = sync_channel(QUEUE);
         let failed = Arc::new(AtomicBool::new(false));
         let input = RecorderInput { items, events: events.clone(), failed: Arc::clone(&failed) };
         let alarm = events.clone();
         let thread = threads::spawn("recorder", events, move || {
-            if let Err(error) = write(&queue, writer, clock, &saboteur) {
+            if let Err(error) = write(&queue, writer, clock, &fault_injector) {
                 failed.store(true, Ordering::Relaxed);
                 let reason = format!("{:#}", anyhow::Error::from(error));
                 let _ = alarm.send(Event::RecordingFailed { reason });
@@ -143,18 +140,18 @@ impl Recorder {
 
 fn write(
     queue: &Receiver<Item>,
-    mut writer: RecordingWriter<BufWriter<File>>,
+    mut writer: RecordingWriter<BufWriter<OutputFile>>,
     clock: Clock,
-    saboteur: &Saboteur,
+    fault_injector: &FaultInjector,
 ) -> Result<(), WriteError> {
-    let mut flush_at = Instant::now() + FLUSH_EVERY;
+    let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
-        saboteur.strike("recorder", clock.now());
+        fault_injector.apply_faults("recorder", clock.now());
         match queue.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
             Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return writer.finish(),
             Ok(Item::Unit(unit)) => writer.write(&Entry::Unit(unit))?,
             Ok(Item::Frame { step, now, frame }) => {
-                let input = RecordedInput::Frame(FrameStamp::of(&frame));
+                let input = RecordedInput::Frame(FrameFingerprint::from_frame(&frame));
                 writer.write(&Entry::Input { step, now, input })?;
             }
             Ok(Item::Input { step, now, input }) => writer.write(&Entry::Input { step, now, input })?,
@@ -163,7 +160,7 @@ fn write(
         }
         if Instant::now() >= flush_at {
             writer.flush()?;
-            flush_at = Instant::now() + FLUSH_EVERY;
+            flush_at = Instant::now() + FLUSH_INTERVAL;
         }
     }
 }

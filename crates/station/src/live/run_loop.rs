@@ -16,17 +16,17 @@ use barrelman_vocab::{OperatorRequest, StopCause, Timestamp, VehicleProfile, Veh
 use super::event::Event;
 use super::recorder::RecorderInput;
 use super::status::{self, Status};
-use super::threads::Saboteur;
+use super::threads::FaultInjector;
 use crate::link::{Link, LinkReport};
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
 use barrelman_video::VideoState;
 
 /// Longest wait without an event: bounds how late the status line is.
-const LONGEST_WAIT: Duration = Duration::from_millis(200);
+const MAX_WAIT: Duration = Duration::from_millis(200);
 
 /// What watches the outcome of every frame, with the frame.
-pub trait Watcher {
+pub trait FrameObserver {
     /// A frame was put into the pilot.
     fn watch(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates);
 }
@@ -61,9 +61,9 @@ pub struct RunLoop<'a> {
     /// Whether a selection can only be made at the start: one that is refused then ends the run.
     pub selects_once: bool,
     /// The annotated video, if there is one.
-    pub watcher: Option<Box<dyn Watcher + 'a>>,
+    pub observer: Option<Box<dyn FrameObserver + 'a>>,
     /// Faults on purpose.
-    pub saboteur: Saboteur,
+    pub fault_injector: FaultInjector,
 }
 
 impl RunLoop<'_> {
@@ -75,10 +75,10 @@ impl RunLoop<'_> {
         }
         loop {
             let now = self.clock.now();
-            self.saboteur.strike("pilot", now);
+            self.fault_injector.apply_faults("pilot", now);
             self.status.show(state.outcome.as_ref(), state.rates, now);
             let wake_at = state.outcome.as_ref().and_then(|outcome| outcome.wake_at);
-            let wait = wake_at.map_or(LONGEST_WAIT, |at| at.since(now).min(LONGEST_WAIT));
+            let wait = wake_at.map_or(MAX_WAIT, |at| at.since(now).min(MAX_WAIT));
             let event = match events.recv_timeout(wait) {
                 Ok(event) => event,
                 Err(RecvTimeoutError::Timeout) => {
@@ -174,7 +174,7 @@ impl RunLoop<'_> {
         let now = self.clock.now();
         let outcome = self.pilot.step(input, now);
         // The door: the only place of a live run where the vehicle's own signs are applied.
-        let rates = self.profile.outgoing(outcome.command);
+        let rates = self.profile.to_vehicle(outcome.command);
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
         }
@@ -186,8 +186,8 @@ impl RunLoop<'_> {
                 Notice::SelectionRefused(_) | Notice::VideoClockWentBack => tracing::warn!("{notice}"),
             }
         }
-        if let (Some(watcher), Some(frame)) = (&mut self.watcher, frame) {
-            watcher.watch(frame, &outcome, rates);
+        if let (Some(observer), Some(frame)) = (&mut self.observer, frame) {
+            observer.watch(frame, &outcome, rates);
         }
         state.refused = match &outcome.notice {
             Some(notice @ Notice::SelectionRefused(_)) => Some(notice.to_string()),
@@ -200,12 +200,9 @@ impl RunLoop<'_> {
 
     fn record(&self, step: u64, now: Timestamp, input: Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         let Some(recorder) = &self.recorder else { return };
-        match input {
-            Input::Frame(frame) => recorder.frame(step, now, frame),
-            Input::Localisation(track) => recorder.input(step, now, RecordedInput::Localisation(track)),
-            Input::Telemetry(telemetry) => recorder.input(step, now, RecordedInput::Telemetry(telemetry)),
-            Input::Request(request) => recorder.input(step, now, RecordedInput::Request(request)),
-            Input::Tick => recorder.input(step, now, RecordedInput::Tick),
+        match RecordedInput::from_frameless(&input) {
+            Ok(recorded) => recorder.input(step, now, recorded),
+            Err(frame) => recorder.frame(step, now, frame),
         }
         recorder.outcome(RecordedOutcome::new(step, outcome, rates));
     }

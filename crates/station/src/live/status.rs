@@ -15,15 +15,15 @@ use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Timestamp, Track, VehicleRates};
 
 use super::event::Event;
-use super::threads::{self, Saboteur};
+use super::threads::{self, FaultInjector};
 use barrelman_host::clock::Clock;
 
-const ON_TERMINAL: Duration = Duration::from_millis(200);
-const ELSEWHERE: Duration = Duration::from_secs(5);
+const TERMINAL_INTERVAL: Duration = Duration::from_millis(200);
+const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
 /// The time over which the frame rate is counted.
-const RATE_OVER: Duration = Duration::from_secs(2);
+const FRAME_RATE_WINDOW: Duration = Duration::from_secs(2);
 /// How long the end of the program waits for the last line.
-const LEAVE_AFTER: Duration = Duration::from_millis(200);
+const LAST_LINE_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// What the status line shows, collected as it happens.
 #[derive(Debug)]
@@ -48,13 +48,14 @@ impl Status {
     pub fn start(
         link: Option<LinkState>,
         clock: Clock,
-        saboteur: Saboteur,
+        fault_injector: FaultInjector,
         events: SyncSender<Event>,
     ) -> std::io::Result<Self> {
         let on_terminal = stdout().is_terminal();
         let (lines, queue) = sync_channel(1);
-        let strike = move || saboteur.strike("status", clock.now());
-        let writer = threads::spawn("status", events, move || write_lines(&queue, on_terminal, strike))?;
+        let apply_faults = move || fault_injector.apply_faults("status", clock.now());
+        let writer =
+            threads::spawn("status", events, move || write_lines(&queue, on_terminal, apply_faults))?;
         Ok(Self {
             lines: Some(lines),
             writer: Some(writer),
@@ -75,7 +76,7 @@ impl Status {
         self.dropped = dropped;
         self.first_frame.get_or_insert(now);
         self.frames.push_back(now);
-        while self.frames.front().is_some_and(|at| now.since(*at) > RATE_OVER) {
+        while self.frames.front().is_some_and(|at| now.since(*at) > FRAME_RATE_WINDOW) {
             self.frames.pop_front();
         }
     }
@@ -95,7 +96,7 @@ impl Status {
         if now < self.due {
             return;
         }
-        self.due = now.plus(if self.on_terminal { ON_TERMINAL } else { ELSEWHERE });
+        self.due = now.plus(if self.on_terminal { TERMINAL_INTERVAL } else { PLAIN_INTERVAL });
         let line = self.line(outcome, rates, now);
         if let Some(lines) = &self.lines {
             // Where the last line is not written yet, this one is left out.
@@ -126,7 +127,8 @@ impl Status {
             )
         });
         let age = self.age.map_or_else(|| "-".to_owned(), |age| format!("{:.0} ms", age.as_secs_f64() * 1e3));
-        let counted_s = self.first_frame.map_or(0.0, |first| now.since(first).min(RATE_OVER).as_secs_f64());
+        let counted_s =
+            self.first_frame.map_or(0.0, |first| now.since(first).min(FRAME_RATE_WINDOW).as_secs_f64());
         let per_second = if counted_s > 0.2 { self.frames.len() as f64 / counted_s } else { 0.0 };
         let link = self.link.map_or("dry run", in_words);
         let sent = if self.link == Some(LinkState::Up) { "" } else { " (not sent)" };
@@ -144,17 +146,17 @@ impl Drop for Status {
     fn drop(&mut self) {
         self.lines = None;
         // A writer that nobody lets write is left behind: the program ends without it.
-        let deadline = Instant::now() + LEAVE_AFTER;
+        let deadline = Instant::now() + LAST_LINE_TIMEOUT;
         while self.writer.as_ref().is_some_and(|writer| !writer.is_finished()) && Instant::now() < deadline {
             std::thread::sleep(Duration::from_millis(5));
         }
     }
 }
 
-fn write_lines(queue: &Receiver<String>, on_terminal: bool, strike: impl Fn()) {
+fn write_lines(queue: &Receiver<String>, on_terminal: bool, apply_faults: impl Fn()) {
     let mut drawn = false;
     while let Ok(line) = queue.recv() {
-        strike();
+        apply_faults();
         // Whether anybody still reads is watched elsewhere; a line that cannot be shown is no reason to fail.
         let _ = if on_terminal {
             drawn = true;

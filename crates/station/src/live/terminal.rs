@@ -19,7 +19,7 @@ use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
-use super::threads::{self, Saboteur};
+use super::threads::{self, FaultInjector};
 use barrelman_host::clock::Clock;
 
 const SIGNALS: [(i32, &str); 5] = [
@@ -31,7 +31,7 @@ const SIGNALS: [(i32, &str); 5] = [
 ];
 
 /// From one look at the end flag to the next.
-const LOOK_EVERY: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// The thread that watches keys, signals and the output.
 pub struct Terminal {
@@ -45,7 +45,7 @@ impl Terminal {
     ///
     /// # Errors
     /// If a signal cannot be caught.
-    pub fn watch(events: SyncSender<Event>, clock: Clock, saboteur: Saboteur) -> Result<Self> {
+    pub fn watch(events: SyncSender<Event>, clock: Clock, fault_injector: FaultInjector) -> Result<Self> {
         let mut pipes = Vec::new();
         for (signal, name) in SIGNALS {
             let (read, write) = UnixStream::pair()?;
@@ -59,7 +59,9 @@ impl Terminal {
         let end = Arc::clone(&ended);
         let to_loop = events.clone();
         let thread = threads::spawn("terminal", events, move || {
-            watch(&pipes, watch_keys, &to_loop, &end, || saboteur.strike("terminal", clock.now()));
+            watch(&pipes, watch_keys, &to_loop, &end, || {
+                fault_injector.apply_faults("terminal", clock.now())
+            });
         })?;
         Ok(Self { ended, thread: Some(thread), _keys: keys })
     }
@@ -79,13 +81,13 @@ fn watch(
     watch_keys: bool,
     events: &SyncSender<Event>,
     ended: &AtomicBool,
-    strike: impl Fn(),
+    apply_faults: impl Fn(),
 ) {
     let (stdin, stdout) = (std::io::stdin(), std::io::stdout());
     let mut output_open = true;
     let mut input_open = watch_keys;
     while !ended.load(Ordering::Relaxed) {
-        strike();
+        apply_faults();
         let mut fds: Vec<PollFd<'_>> =
             pipes.iter().map(|(pipe, _)| PollFd::new(pipe, PollFlags::IN)).collect();
         // No flag is asked for on the output: an error or a hang-up is always told.
@@ -94,7 +96,7 @@ fn watch(
         if input_open {
             fds.push(PollFd::from_borrowed_fd(stdin.as_fd(), PollFlags::IN));
         }
-        let timeout = rustix::event::Timespec::try_from(LOOK_EVERY).ok();
+        let timeout = rustix::event::Timespec::try_from(POLL_INTERVAL).ok();
         if poll(&mut fds, timeout.as_ref()).is_err() {
             continue;
         }
@@ -112,7 +114,7 @@ fn watch(
         }
         if !output_open {
             // A closed output is told at every look: do not spin on it.
-            std::thread::sleep(LOOK_EVERY);
+            std::thread::sleep(POLL_INTERVAL);
         }
         if input_open && flags.last().is_some_and(|flags| !flags.is_empty()) {
             let mut bytes = [0; 16];
@@ -126,6 +128,7 @@ fn watch(
     }
 }
 
+/// The keys; the help of `run` lists them.
 fn meaning(key: u8) -> Option<Event> {
     match key {
         b'e' => Some(Event::Request(OperatorRequest::Engage)),

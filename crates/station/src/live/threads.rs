@@ -29,14 +29,14 @@ pub fn spawn(
 
 /// Faults that were asked for in the program's own threads, to test that each ends in zeros.
 #[derive(Debug, Clone, Default)]
-pub struct Saboteur {
+pub struct FaultInjector {
     plans: Vec<(String, FaultPlan)>,
 }
 
 /// The threads that can be broken on purpose by `--fault`; the video's and the link's have it in their URLs.
-pub const BREAKABLE: [&str; 5] = ["pilot", "recorder", "overlay", "terminal", "status"];
+pub const FAULT_THREADS: [&str; 5] = ["pilot", "recorder", "overlay", "terminal", "status"];
 
-impl Saboteur {
+impl FaultInjector {
     /// Reads `THREAD:panic@SECONDS` or `THREAD:stall@SECONDS+DURATION`, several times.
     ///
     /// # Errors
@@ -45,8 +45,8 @@ impl Saboteur {
         let mut plans = Vec::new();
         for text in texts {
             let (thread, plan) =
-                text.split_once(':').filter(|(thread, _)| BREAKABLE.contains(thread)).ok_or_else(|| {
-                    anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS or THREAD:stall@SECONDS+DURATION with one of {BREAKABLE:?}")
+                text.split_once(':').filter(|(thread, _)| FAULT_THREADS.contains(thread)).ok_or_else(|| {
+                    anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS or THREAD:stall@SECONDS+DURATION with one of {FAULT_THREADS:?}")
                 })?;
             plans.push((thread.to_owned(), FaultPlan::parse(plan)?));
         }
@@ -54,7 +54,7 @@ impl Saboteur {
     }
 
     /// Panics, or holds the thread up, if that was asked for of this thread by now.
-    pub fn strike(&self, thread: &str, now: Timestamp) {
+    pub fn apply_faults(&self, thread: &str, now: Timestamp) {
         let since_start = now.since(Timestamp::ZERO);
         let plans = self.plans.iter().filter(|(name, _)| name == thread);
         let stalls = plans.flat_map(|(_, plan)| plan.faults()).filter(|fault| fault.kind == FaultKind::Stall);

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, anyhow};
 use barrelman_experiments::render_threads::RenderThreads;
-use barrelman_experiments::scenario::{self, Changes};
+use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::world_url::WorldUrl;
 use barrelman_sim::{Scenario, World};
 use barrelman_vocab::VehicleProfile;
@@ -28,7 +28,7 @@ impl LiveWorld {
     /// # Errors
     /// There is no such scenario, or the scenario has a mistake.
     pub fn load(url: &WorldUrl) -> Result<Self> {
-        let changes = Changes { size: url.size, ..Changes::default() };
+        let changes = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
         let scenario = scenario::load(&url.scenario, &changes)?.scenario;
         let world = World::new(&scenario, url.seed).map_err(|_| {
             anyhow!("the way-points of {} make no path with seed {}", scenario.name, url.seed)

@@ -16,6 +16,7 @@ mod live_world;
 mod playback;
 
 mod delivery;
+mod moments;
 mod rendering;
 
 use barrelman_host::clock::Clock;

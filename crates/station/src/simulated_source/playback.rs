@@ -1,21 +1,20 @@
 //! The threads of a simulated source: ticks, rendering, delivery.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
 use barrelman_host::clock::Clock;
-use barrelman_host::latest::Latest;
 use barrelman_sim::World;
 use barrelman_sim::scenario::CameraSetup;
-use barrelman_sim::video_link::{Passage, VideoLink};
+use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_video::feed::{Feed, StopSignal};
 use barrelman_video::{VideoError, VideoSink, VideoState};
 use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
 
-use super::LiveWorld;
 use super::delivery::deliver;
-use super::rendering::{Moment, Rendering, RenderingSettings};
+use super::live_world::LiveWorld;
+use super::moments::{Moment, Moments};
+use super::rendering::{Rendering, RenderingSettings};
 use crate::link::CameraLink;
 use crate::link::camera_link::Pointing;
 
@@ -59,26 +58,6 @@ pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &Stop
     });
 }
 
-/// The newest moment at which a picture was taken, and whether a thread failed.
-#[derive(Default)]
-pub(super) struct Moments {
-    pub(super) newest: Latest<Moment>,
-    failed: AtomicBool,
-}
-
-impl Moments {
-    /// No further picture will be taken.
-    fn close(&self, failed: bool) {
-        self.failed.fetch_or(failed, Ordering::SeqCst);
-        self.newest.close();
-    }
-
-    /// Whether a thread panicked or could not be started.
-    pub(super) fn has_failed(&self) -> bool {
-        self.failed.load(Ordering::SeqCst)
-    }
-}
-
 /// Reports the end of the world when the thread `world` ends, also by a panic.
 struct EndGuard<'a> {
     moments: &'a Moments,
@@ -117,14 +96,14 @@ impl Ticking<'_> {
             }
             let rates = link.take(clock.now());
             if std::mem::replace(&mut commanded, rates) != rates {
-                world.command(profile.incoming(rates));
+                world.command(profile.from_vehicle(rates));
             }
             let pose = world.camera_pose();
             link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });
-            if world.takes_picture() {
+            if world.is_frame_due() {
                 match video.send(world.tick()) {
-                    Passage::Lost => {}
-                    passage => drop(moments.newest.put(Moment { world: world.clone(), passage })),
+                    Delivery::Lost => {}
+                    delivery => drop(moments.newest.put(Moment { world: world.clone(), delivery })),
                 }
             }
             world.advance();

@@ -5,9 +5,9 @@ use std::sync::mpsc::SyncSender;
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_sim::World;
 use barrelman_sim::scenario::CameraSetup;
-use barrelman_sim::video_link::Passage;
+use barrelman_sim::video_link::Delivery;
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{DrawnEye, Eye as _, View};
+use barrelman_trial::campaign::{CapturedFrame, FrameSource as _, RenderedCamera};
 use barrelman_video::VideoError;
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
 use barrelman_vocab::unit::{Rotation, UnitCodec};
@@ -15,16 +15,8 @@ use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{EncodedUnit, Timestamp};
 use bytes::Bytes;
 
-use super::delivery::Delivery;
-use super::playback::Moments;
-
-/// A moment at which a picture was taken.
-pub(super) struct Moment {
-    /// The world at that moment.
-    pub(super) world: World,
-    /// What the video link does with the picture.
-    pub(super) passage: Passage,
-}
+use super::delivery::SourceEvent;
+use super::moments::Moments;
 
 /// What pictures are rendered with.
 pub(super) struct RenderingSettings<'a> {
@@ -41,11 +33,11 @@ pub(super) struct RenderingSettings<'a> {
 
 /// Renders and encodes pictures.
 pub(super) struct Rendering<'a> {
-    camera: DrawnEye<'a>,
+    camera: RenderedCamera<'a>,
     start: Timestamp,
     encoder: Option<H264Encoder>,
     /// The last picture, for a moment at which the video is frozen.
-    last: Option<View>,
+    last: Option<CapturedFrame>,
     index: u64,
 }
 
@@ -56,7 +48,7 @@ impl<'a> Rendering<'a> {
         let encoder_settings = EncoderSettings::for_pictures(camera.frame, fps);
         let simd = Simd::at_most(SimdLevel::Avx512);
         Self {
-            camera: DrawnEye::new(&first, camera, seed, simd, threads),
+            camera: RenderedCamera::new(&first, camera, seed, simd, threads),
             start,
             encoder: encoded.then(|| H264Encoder::new(encoder_settings)),
             last: None,
@@ -65,20 +57,20 @@ impl<'a> Rendering<'a> {
     }
 
     /// Renders each newest moment until no further one comes.
-    pub(super) fn run(mut self, moments: &Moments, units: &SyncSender<Delivery>) {
+    pub(super) fn run(mut self, moments: &Moments, units: &SyncSender<SourceEvent>) {
         while let Some(moment) = moments.newest.wait() {
-            let (Passage::Arrives { at } | Passage::Frozen { at }) = moment.passage else { continue };
-            let is_frozen = matches!(moment.passage, Passage::Frozen { .. });
+            let (Delivery::Arrives { at } | Delivery::Frozen { at }) = moment.delivery else { continue };
+            let is_frozen = matches!(moment.delivery, Delivery::Frozen { .. });
             let view = match self.last.take() {
                 Some(last) if is_frozen => last,
-                _ => self.camera.look(&moment.world),
+                _ => self.camera.capture(&moment.world),
             };
             let unit = self.unit(&view, self.on_the_clock(moment.world.tick()));
-            let target = view.target;
+            let target = view.target_bounds;
             self.last = Some(view);
             let delivery = match unit {
-                Ok(unit) => Delivery::Picture { at: self.on_the_clock(at), unit, target },
-                Err(error) => Delivery::Failed(error),
+                Ok(unit) => SourceEvent::Picture { at: self.on_the_clock(at), unit, target },
+                Err(error) => SourceEvent::Failed(error),
             };
             if units.send(delivery).is_err() {
                 return;
@@ -89,7 +81,7 @@ impl<'a> Rendering<'a> {
             tracing::warn!("{left_out} pictures were not rendered in time: use smaller ones (?size=WxH)");
         }
         if !moments.has_failed() {
-            let _ = units.send(Delivery::End);
+            let _ = units.send(SourceEvent::End);
         }
     }
 
@@ -98,7 +90,7 @@ impl<'a> Rendering<'a> {
         self.start.plus(World::time_of(tick).since(Timestamp::ZERO))
     }
 
-    fn unit(&mut self, view: &View, taken_at: Timestamp) -> Result<EncodedUnit, VideoError> {
+    fn unit(&mut self, view: &CapturedFrame, taken_at: Timestamp) -> Result<EncodedUnit, VideoError> {
         let picture = &view.frame.picture;
         let (key, codec, payload) = match &mut self.encoder {
             Some(encoder) => {

@@ -101,6 +101,21 @@ fn every_command_shows_an_example() {
 }
 
 #[test]
+fn the_help_lists_the_keys_of_the_terminal() {
+    let help_of = |command| {
+        let help = String::from_utf8(barrelman(&[command, "--help"]).stdout).expect("it is text");
+        help.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let run = help_of("run");
+    assert!(run.contains("On a terminal: e engages, d disengages, space stops, q quits."), "{run}");
+    let demo = help_of("demo");
+    assert!(
+        demo.contains("A terminal takes keys, too: e engages, space and d stop the camera, q quits."),
+        "{demo}"
+    );
+}
+
+#[test]
 fn figures_of_a_track_are_printed_alone() {
     let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
     let output = barrelman(&["track", clip, "--select", "10,10,20,20", "--json"]);

@@ -62,7 +62,22 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     );
     refused("[vehicle]\nregion_half_width = nan\n", "region_half_width");
     refused("[vehicle]\nprofile = \"kite\"\n", "use one of fotokite-pro");
-    refused("[vehicle]\nschema_pan_rad_per_s = 2.0\n", "above the limit of its axis");
+    refused(
+        "[vehicle]\nschema_pan_rad_per_s = 2.0\n",
+        "vehicle.schema_pan_rad_per_s = 2: use rad/s from 0 to 0.4, vehicle.limit_pan_rad_per_s",
+    );
+    refused(
+        "[vehicle]\nlimit_tilt_rad_per_s = 0.2\n",
+        "vehicle.schema_tilt_rad_per_s = 0.3: use rad/s from 0 to 0.2, vehicle.limit_tilt_rad_per_s",
+    );
+    refused(
+        "[vehicle]\nlimit_pan_rad_per_s = 3.0\n",
+        "vehicle.limit_pan_rad_per_s = 3: use rad/s from 0 to 0.4, the most that the vehicle is ever sent",
+    );
+    refused(
+        "[vehicle]\nlimit_tilt_rad_per_s = 0.31\n",
+        "vehicle.limit_tilt_rad_per_s = 0.31: use rad/s from 0 to 0.3",
+    );
     refused("[vehicle]\ncoast_motion_s = -1.0\n", "coast_motion_s = -1");
     refused(
         "[camera]\nfocal_share = 0\n",
@@ -73,7 +88,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[camera.tilt]\nstop_dead_time_s = 0.05\n", "camera.tilt.stop_dead_time_s is less than");
     refused(
         "[camera.tilt]\nleast_rad_per_s = 0.35\n",
-        "camera.tilt.least_rad_per_s is above vehicle.limit_tilt_rad_per_s",
+        "camera.tilt.least_rad_per_s = 0.35 is above vehicle.limit_tilt_rad_per_s = 0.3",
     );
     refused("[law]\nname = \"schema\"\nmode = \"eco\"\n", "law.mode is for the law \"optimal\" alone");
     refused("[law]\nname = \"optimal\"\nhorizon = 9\n", "law.horizon 9: use seconds from 0.5 to 5");

@@ -7,8 +7,16 @@
     reason = "a test fails by panicking, and says why it was skipped"
 )]
 
+mod behaviour_versions;
+mod build_profiles;
 mod campaigns;
 mod command_line;
 mod configuration;
+mod emulated_port;
+mod exports;
+mod output_files;
+mod replays;
 mod reports;
+mod secrets;
+mod sent_rates;
 mod simulated_source;

@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::plan::Request;
-use barrelman_experiments::campaign::{Perception, Plan};
+use barrelman_experiments::campaign::plan::CampaignRequest;
+use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::Changes;
+use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_pilot::{Input, Outcome};
-use barrelman_sim::render::{DrawnTruth, Serial};
+use barrelman_sim::render::{RenderedTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{DrawnEye, Eye as _, Witness};
+use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
 use barrelman_video::{FileFrames, VideoUrl};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
@@ -120,17 +120,18 @@ fn a_recorded_trial_is_lost_where_the_simulated_one_was() {
 struct OwnTruth {
     camera: CameraSetup,
     simd: Simd,
-    eye: Option<DrawnEye<'static>>,
-    truth: Vec<(Timestamp, DrawnTruth)>,
+    eye: Option<RenderedCamera<'static>>,
+    truth: Vec<(Timestamp, RenderedTruth)>,
 }
 
-impl Witness for OwnTruth {
-    fn step(&mut self, _: Timestamp, _: &Input<'_>, _: &Outcome, _: VehicleRates) {}
-    fn truth(&mut self, _: &Truth) {}
-    fn world(&mut self, world: &World) {
-        let eye =
-            self.eye.get_or_insert_with(|| DrawnEye::new(world, self.camera.clone(), 7, self.simd, &Serial));
-        let view = eye.look(world);
+impl StepObserver for OwnTruth {
+    fn on_step(&mut self, _: Timestamp, _: &Input<'_>, _: &Outcome, _: VehicleRates) {}
+    fn on_truth(&mut self, _: &Truth) {}
+    fn on_world(&mut self, world: &World) {
+        let eye = self
+            .eye
+            .get_or_insert_with(|| RenderedCamera::new(world, self.camera.clone(), 7, self.simd, &Serial));
+        let view = eye.capture(world);
         self.truth.push((view.frame.capture.at, eye.truth().clone()));
     }
 }
@@ -163,9 +164,9 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
         assert_eq!(frame.picture.size(), size);
         count += 1;
     }
-    let plan = Plan::new(&Request {
+    let plan = CampaignPlan::new(&CampaignRequest {
         scenario: "open".to_owned(),
-        changes: Changes { size: Some(size), ..Changes::default() },
+        changes: ScenarioOverrides { size: Some(size), ..ScenarioOverrides::default() },
         law: LawChoice::SCHEMA,
         rate: None,
         perception: Perception::Truth,
@@ -173,7 +174,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
         simd: SimdLevel::Baseline,
     })
     .unwrap()
-    .lasting(0.7);
+    .with_max_duration(0.7);
     let camera = plan.scenario().camera.clone();
     let simd = Simd::at_most(SimdLevel::Baseline);
     let mut own = OwnTruth { camera, simd, eye: None, truth: Vec::new() };
@@ -195,7 +196,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
             bounds.h,
             waterline.u,
             waterline.v,
-            truth.visible,
+            truth.visible_share,
             truth.heading.unwrap().degrees().rem_euclid(360.0),
             truth.range_m,
         ];

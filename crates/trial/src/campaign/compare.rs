@@ -1,8 +1,8 @@
-//! Two campaigns on the same seeds, paired.
+//! Paired comparison of two campaigns on the same seeds.
 //!
-//! Trials of one name (`SCENARIO/SEED`) met the same target, the same sway and the same noise, so that what
-//! differs is what the campaigns differ in. For each figure: both means, the ratio of the means, and the mean
-//! difference, the last two with intervals from resampling pairs.
+//! Trials of the same name (`SCENARIO/SEED`) have the same target motion, sway and noise, so that differences come from
+//! the settings of the campaigns. For each metric: both means, the ratio of the means, and the mean difference, the
+//! last two with bootstrap intervals over the pairs.
 
 use std::collections::BTreeMap;
 
@@ -11,11 +11,11 @@ use serde::Serialize;
 use super::statistics::{Bootstrap, Interval};
 use crate::metrics::{TrialEntry, TrialMetrics};
 
-/// A figure: its name, its unit, and where a trial has it.
-pub type Figure = (&'static str, &'static str, fn(&TrialMetrics) -> Option<f64>);
+/// A metric that is compared: name, unit (empty: none), and the value of a trial, `None` where undefined.
+pub type Metric = (&'static str, &'static str, fn(&TrialMetrics) -> Option<f64>);
 
-/// The figures that are compared: name, unit, and where a trial has it.
-pub const FIGURES: [Figure; 15] = [
+/// The metrics that are compared.
+pub const METRICS: [Metric; 15] = [
     ("time outside", "s", |m| Some(m.time_outside_s)),
     ("excursions", "", |m| Some(m.excursions as f64)),
     ("largest P", "", |m| m.max_p),
@@ -33,41 +33,43 @@ pub const FIGURES: [Figure; 15] = [
     ("lost", "", |m| m.lost.map(|lost| f64::from(u8::from(lost)))),
 ];
 
-/// One figure of both campaigns.
+/// One metric of both campaigns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Paired {
-    /// Its name.
-    pub figure: &'static str,
-    /// Its unit; empty where it has none.
+pub struct PairedMetric {
+    /// Name of the metric.
+    #[serde(rename = "figure")]
+    pub metric: &'static str,
+    /// Unit; empty where it has none.
     pub unit: &'static str,
-    /// Pairs in which both trials have it.
+    /// Number of pairs in which both trials define the metric.
     pub pairs: usize,
-    /// Mean of the first campaign.
+    /// Mean over the first campaign's trials of those pairs.
     pub first: f64,
-    /// Mean of the second.
+    /// Mean over the second campaign's trials.
     pub second: f64,
-    /// Mean of the second divided by that of the first; `None` where that is zero.
+    /// Mean of the second divided by the mean of the first; `None` where the latter is zero.
     pub ratio: Option<Interval>,
-    /// Mean of the second less that of the first.
+    /// Mean of the second minus the mean of the first.
     pub difference: Option<Interval>,
 }
 
-/// Two campaigns compared.
+/// The comparison of two campaigns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// Trials in both.
+pub struct CampaignComparison {
+    /// Number of trials present in both.
     pub pairs: usize,
-    /// Names in the first only.
+    /// Names of the trials present in the first only.
     pub only_first: Vec<String>,
-    /// Names in the second only.
+    /// Names of the trials present in the second only.
     pub only_second: Vec<String>,
-    /// The figures.
-    pub figures: Vec<Paired>,
+    /// The metrics, in the order of [`METRICS`]; those that no pair defines are absent.
+    #[serde(rename = "figures")]
+    pub metrics: Vec<PairedMetric>,
 }
 
-impl Comparison {
-    /// Pairs two sets of trials by name.
-    pub fn of(first: &[TrialEntry], second: &[TrialEntry], bootstrap: &Bootstrap) -> Self {
+impl CampaignComparison {
+    /// Pairs two sets of trials by name and compares them.
+    pub fn new(first: &[TrialEntry], second: &[TrialEntry], bootstrap: &Bootstrap) -> Self {
         let by_name = |trials: &'_ [TrialEntry]| -> BTreeMap<String, TrialMetrics> {
             trials.iter().map(|trial| (trial.name.clone(), trial.metrics.clone())).collect()
         };
@@ -77,33 +79,29 @@ impl Comparison {
         let missing = |from: &BTreeMap<String, TrialMetrics>, other: &BTreeMap<String, TrialMetrics>| {
             from.keys().filter(|name| !other.contains_key(*name)).cloned().collect()
         };
-        let figures = FIGURES
-            .iter()
-            .filter_map(|(figure, unit, of)| paired(figure, unit, &pairs, *of, bootstrap))
-            .collect();
+        let metrics =
+            METRICS.iter().filter_map(|metric| compare_metric(*metric, &pairs, bootstrap)).collect();
         Self {
             pairs: pairs.len(),
             only_first: missing(&first, &second),
             only_second: missing(&second, &first),
-            figures,
+            metrics,
         }
     }
 }
 
-fn paired(
-    figure: &'static str,
-    unit: &'static str,
+fn compare_metric(
+    (metric, unit, value_of): Metric,
     pairs: &[(&TrialMetrics, &TrialMetrics)],
-    of: fn(&TrialMetrics) -> Option<f64>,
     bootstrap: &Bootstrap,
-) -> Option<Paired> {
+) -> Option<PairedMetric> {
     let values: Vec<(f64, f64)> =
-        pairs.iter().filter_map(|(first, second)| of(first).zip(of(second))).collect();
+        pairs.iter().filter_map(|(first, second)| value_of(first).zip(value_of(second))).collect();
     if values.is_empty() {
         return None;
     }
-    let sums = |taken: &[usize]| {
-        taken.iter().fold((0.0, 0.0), |sum, index| {
+    let sums = |sample: &[usize]| {
+        sample.iter().fold((0.0, 0.0), |sum, index| {
             let (first, second) = values[*index];
             (sum.0 + first, sum.1 + second)
         })
@@ -111,18 +109,18 @@ fn paired(
     let all: Vec<usize> = (0..values.len()).collect();
     let (first, second) = sums(&all);
     let count = values.len() as f64;
-    Some(Paired {
-        figure,
+    Some(PairedMetric {
+        metric,
         unit,
         pairs: values.len(),
         first: first / count,
         second: second / count,
-        ratio: bootstrap.interval(values.len(), |taken| {
-            let (first, second) = sums(taken);
+        ratio: bootstrap.interval(values.len(), |sample| {
+            let (first, second) = sums(sample);
             second / first
         }),
-        difference: bootstrap.interval(values.len(), |taken| {
-            let (first, second) = sums(taken);
+        difference: bootstrap.interval(values.len(), |sample| {
+            let (first, second) = sums(sample);
             (second - first) / count
         }),
     })

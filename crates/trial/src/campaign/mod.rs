@@ -1,14 +1,17 @@
-//! Campaigns: one scenario, one law, many seeds.
+//! Simulated trials and campaigns: one scenario, one law, many seeds.
 //!
-//! [`simulation`] runs one trial in lock step: world, sensor or renderer ([`eye`]), pilot, and back. [`entry`] is what is
-//! kept of it, a line of a campaign's file. [`compare`] pairs two campaigns by seed.
+//! [`simulation`] runs one trial in lock step: world, sensor or [`rendered_camera`], pilot, world. A [`StepObserver`]
+//! records or displays the trial. [`entry`] is the result of one trial, a line of a campaign's file. [`compare`] pairs
+//! the trials of two campaigns by seed.
 //!
-//! A trial depends on its scenario, its seed and its settings alone. Who runs which trial where, and in which
-//! order, is not decided here.
+//! The result of a trial depends only on its scenario, its seed and its settings. Scheduling of trials (threads,
+//! processes, order) is not part of this module.
 
 pub mod simulation;
 
-pub mod eye;
+pub mod frame_source;
+pub mod rendered_camera;
+pub mod step_observer;
 
 pub mod entry;
 
@@ -16,7 +19,9 @@ pub mod statistics;
 
 pub mod compare;
 
-pub use compare::{Comparison, Paired};
+pub use compare::{CampaignComparison, PairedMetric};
 pub use entry::{CampaignEntry, CampaignSettings};
-pub use eye::DrawnEye;
-pub use simulation::{Eye, Simulation, View, Witness};
+pub use frame_source::{CapturedFrame, FrameSource};
+pub use rendered_camera::RenderedCamera;
+pub use simulation::Simulation;
+pub use step_observer::StepObserver;

@@ -1,99 +1,67 @@
 //! One simulated trial, in lock step.
 //!
 //! ```text
-//!   World --truth--> Sensor or Eye --latency--> Pilot::step --command--> the door --> World
+//!   World --truth--> Sensor or FrameSource --video link--> Pilot::step --command--> vehicle profile --> World
 //! ```
-//! Time is the world's ticks. A picture that is taken at one tick reaches the pilot some ticks later, or never, as the
-//! video link has it; a command reaches the camera in the tick in which the pilot gave it. Between two pictures the
-//! pilot is stepped when it asked to be.
+//! Time advances in ticks of the world. A picture captured in one tick reaches the pilot some ticks later, or never, as
+//! the simulated video link decides. A command reaches the camera in the tick in which the pilot gave it. Between two
+//! pictures the pilot is stepped at the time that its last outcome asked for.
 
 use std::collections::VecDeque;
 
 use barrelman_pilot::{Input, Outcome, Pilot};
-use barrelman_sim::boat::Helm;
-use barrelman_sim::camera_mount::TICKS_PER_REPORT;
-use barrelman_sim::video_link::{Passage, VideoLink};
+use barrelman_sim::boat::HelmCommand;
+use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
+use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_sim::world::{Truth, World};
-use barrelman_sim::{Scenario, Sensor};
+use barrelman_sim::{LocalisationSensor, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    Localisation, OperatorRequest, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
-    VideoFrame,
+    Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
 };
 
+use super::frame_source::{CapturedFrame, FrameSource};
+use super::step_observer::StepObserver;
 use crate::logs::{LogRow, RowTruth, TrialLog};
 
-/// Who draws what the camera sees, for trials in pixels.
-pub trait Eye {
-    /// Draws the world as it is now.
-    fn look(&mut self, world: &World) -> View;
-    /// What comes of a picture on its way to the pilot: itself, unless a codec works on it.
-    fn receive(&mut self, view: &View) -> VideoFrame {
-        view.frame.clone()
-    }
-}
-
-/// What the camera sees.
-#[derive(Debug, Clone)]
-pub struct View {
-    /// The video frame.
-    pub frame: VideoFrame,
-    /// The box around what is seen of the target; `None` where nothing is.
-    pub target: Option<PixelBox>,
-}
-
-/// Who is told what happens in a trial: a recorder.
-pub trait Witness {
-    /// The pilot took a step.
-    fn step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates);
-    /// A picture was taken, of this.
-    fn truth(&mut self, truth: &Truth);
-    /// The same moment, for those who draw it.
-    fn world(&mut self, _world: &World) {}
-}
-
-/// Takes no notice.
-impl Witness for () {
-    fn step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
-    fn truth(&mut self, _truth: &Truth) {}
-}
-
-/// A trial that is being simulated.
+/// A simulated trial in progress.
 pub struct Simulation<'a> {
     world: World,
-    sensor: Sensor,
+    sensor: LocalisationSensor,
     pilot: Pilot,
     profile: &'a VehicleProfile,
     video: VideoLink,
-    on_the_way: VecDeque<(u64, Sight, Truth)>,
-    last_shown: Option<Sight>,
+    /// Camera outputs in transit, each with its tick of arrival.
+    in_flight: VecDeque<(u64, CameraOutput, Truth)>,
+    /// The last output that was not frozen: a frozen picture repeats its content.
+    last_live: Option<CameraOutput>,
     lost_since: Option<Timestamp>,
-    selected: bool,
+    is_selected: bool,
     outcome: Option<Outcome>,
     rates: VehicleRates,
     reports_tilt: bool,
     log: TrialLog,
 }
 
-/// What comes from the camera to the pilot.
+/// What the camera sends to the pilot: a measured localisation, or a video frame.
 #[derive(Clone)]
-enum Sight {
+enum CameraOutput {
     Localisation(Option<Localisation>),
-    View(Box<View>),
+    Frame(Box<CapturedFrame>),
 }
 
-impl Sight {
-    /// This one, showing what another one showed.
-    fn frozen(self, shown: &Self) -> Self {
-        match (self, shown) {
+impl CameraOutput {
+    /// This output with the content of an earlier one; the time of capture stays.
+    fn with_content_of(self, earlier: &Self) -> Self {
+        match (self, earlier) {
             (Self::Localisation(now), Self::Localisation(then)) => Self::Localisation(then.map(|then| {
                 let captured = now.map_or(then.captured, |now| now.captured);
                 Localisation { captured, ..then }
             })),
-            (Self::View(mut now), Self::View(then)) => {
+            (Self::Frame(mut now), Self::Frame(then)) => {
                 now.frame.picture = then.frame.picture.clone();
-                now.target = then.target;
-                Self::View(now)
+                now.target_bounds = then.target_bounds;
+                Self::Frame(now)
             }
             (now, _) => now,
         }
@@ -101,7 +69,8 @@ impl Sight {
 }
 
 impl<'a> Simulation<'a> {
-    /// A trial of a scenario whose plant was drawn, if it was to be. The pilot must be fresh.
+    /// Prepares a trial in `world`, which must belong to the scenario and the seed. The pilot must not have been stepped
+    /// yet.
     pub fn new(
         scenario: &Scenario,
         world: World,
@@ -112,22 +81,22 @@ impl<'a> Simulation<'a> {
         let camera = &scenario.camera;
         let log = TrialLog {
             rows: Vec::new(),
-            last_row_s: 1.0 / f64::from(camera.pictures_per_second),
+            last_row_duration_s: 1.0 / f64::from(camera.pictures_per_second),
             frame: camera.frame,
             picture: camera.optics.picture,
-            knows_lost: true,
+            records_track_loss: true,
             truth: Some(Vec::new()),
         };
         Self {
-            sensor: Sensor::new(scenario.sensing, camera.clone(), seed),
+            sensor: LocalisationSensor::new(scenario.sensing, camera.clone(), seed),
             world,
             pilot,
             profile,
             video: VideoLink::new(camera.video, seed),
-            on_the_way: VecDeque::new(),
-            last_shown: None,
+            in_flight: VecDeque::new(),
+            last_live: None,
             lost_since: None,
-            selected: false,
+            is_selected: false,
             outcome: None,
             rates: VehicleRates::REST,
             reports_tilt: false,
@@ -135,37 +104,41 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// The same with a gimbal that reports the camera's tilt, ten times a second.
+    /// Sets whether the gimbal reports the camera's tilt, at 10 Hz. Off by default.
     #[must_use]
-    pub fn reporting_tilt(self, reports_tilt: bool) -> Self {
+    pub fn with_tilt_reports(self, reports_tilt: bool) -> Self {
         Self { reports_tilt, ..self }
     }
 
-    /// Runs to the end: with an eye in pixels, without one by the sensor.
-    pub fn run(mut self, mut eye: Option<&mut dyn Eye>, witness: &mut dyn Witness) -> TrialLog {
-        self.request(OperatorRequest::Engage, witness);
+    /// Runs the trial to its end: in pixels with a frame source, on the sensor's localisations without one.
+    pub fn run(
+        mut self,
+        mut frames: Option<&mut dyn FrameSource>,
+        observer: &mut dyn StepObserver,
+    ) -> TrialLog {
+        self.request(OperatorRequest::Engage, observer);
         while !self.is_over() {
-            self.tick(&mut eye, witness);
+            self.tick(&mut frames, observer);
         }
         self.log
     }
 
-    /// How the target moved in the picture so far, and what was done about it.
+    /// The log of the trial so far.
     pub fn into_log(self) -> TrialLog {
         self.log
     }
 
-    /// Puts a request to the pilot, now.
-    pub fn request(&mut self, request: OperatorRequest, witness: &mut dyn Witness) {
-        self.step(Input::Request(request), witness);
+    /// Passes an operator's request to the pilot, at the present time.
+    pub fn request(&mut self, request: OperatorRequest, observer: &mut dyn StepObserver) {
+        self.step_pilot(Input::Request(request), observer);
     }
 
-    /// From now on somebody else steers the boat, or nobody but the scenario's helmsman again.
-    pub fn steer(&mut self, helm: Option<Helm>) {
-        self.world.steer(helm);
+    /// Sets the boat's helm from now on; `None` returns control to the scenario's helmsman.
+    pub fn steer(&mut self, helm: Option<HelmCommand>) {
+        self.world.override_helm(helm);
     }
 
-    /// The world as it is now.
+    /// The world in its present state.
     pub const fn world(&self) -> &World {
         &self.world
     }
@@ -175,107 +148,110 @@ impl<'a> Simulation<'a> {
         self.world.is_over()
     }
 
-    /// One tick: a picture is taken, one arrives, the pilot is stepped, the world moves on.
-    pub fn tick(&mut self, eye: &mut Option<&mut dyn Eye>, witness: &mut dyn Witness) {
-        if self.world.takes_picture() {
+    /// Simulates one tick: captures a picture where one is due, delivers those that arrive, steps the pilot where it is
+    /// due, and advances the world.
+    pub fn tick(&mut self, frames: &mut Option<&mut dyn FrameSource>, observer: &mut dyn StepObserver) {
+        if self.world.is_frame_due() {
             let truth = self.world.truth();
-            witness.truth(&truth);
-            witness.world(&self.world);
-            let sight = match eye {
-                Some(eye) => Sight::View(Box::new(eye.look(&self.world))),
-                None => Sight::Localisation(self.sensor.sense(&truth)),
+            observer.on_truth(&truth);
+            observer.on_world(&self.world);
+            let output = match frames {
+                Some(frames) => CameraOutput::Frame(Box::new(frames.capture(&self.world))),
+                None => CameraOutput::Localisation(self.sensor.measure(&truth)),
             };
-            match (self.video.send(self.world.tick()), self.last_shown.take()) {
-                (Passage::Arrives { at }, _) => {
-                    self.last_shown = Some(sight.clone());
-                    self.on_the_way.push_back((at, sight, truth));
+            match (self.video.send(self.world.tick()), self.last_live.take()) {
+                (Delivery::Arrives { at }, _) => {
+                    self.last_live = Some(output.clone());
+                    self.in_flight.push_back((at, output, truth));
                 }
-                (Passage::Frozen { at }, Some(shown)) => {
-                    self.on_the_way.push_back((at, sight.frozen(&shown), truth));
-                    self.last_shown = Some(shown);
+                (Delivery::Frozen { at }, Some(live)) => {
+                    self.in_flight.push_back((at, output.with_content_of(&live), truth));
+                    self.last_live = Some(live);
                 }
-                (Passage::Frozen { .. } | Passage::Lost, shown) => self.last_shown = shown,
+                (Delivery::Frozen { .. } | Delivery::Lost, live) => self.last_live = live,
             }
         }
-        while let Some((_, sight, truth)) = self.on_the_way.pop_front_if(|(at, ..)| *at <= self.world.tick())
+        while let Some((_, output, truth)) = self.in_flight.pop_front_if(|(at, ..)| *at <= self.world.tick())
         {
-            self.arrive(&sight, &truth, eye, witness);
+            self.deliver(&output, &truth, frames, observer);
         }
         let now = self.world.now();
-        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_REPORT)) {
+        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_TILT_REPORT)) {
             let report = Report::CameraTilt(self.world.camera_pose().tilt);
-            self.step(Input::Telemetry(Telemetry { at: now, report }), witness);
+            self.step_pilot(Input::Telemetry(Telemetry { at: now, report }), observer);
         }
         if self.outcome.as_ref().and_then(|outcome| outcome.wake_at).is_some_and(|at| at <= now) {
-            let before = self.rates;
-            self.step(Input::Tick, witness);
-            if self.rates != before
+            let rates_before = self.rates;
+            self.step_pilot(Input::Tick, observer);
+            if self.rates != rates_before
                 && let Some(row) = self.log.truth.as_ref().and_then(|rows| rows.last().copied())
             {
-                self.note(row);
+                self.push_row(row);
             }
         }
         self.world.advance();
     }
 
-    fn arrive(
+    fn deliver(
         &mut self,
-        sight: &Sight,
+        output: &CameraOutput,
         truth: &Truth,
-        eye: &mut Option<&mut dyn Eye>,
-        witness: &mut dyn Witness,
+        frames: &mut Option<&mut dyn FrameSource>,
+        observer: &mut dyn StepObserver,
     ) {
-        match sight {
-            Sight::Localisation(seen) => {
-                let track = self.track_of(*seen, truth.at);
-                self.step(Input::Localisation(track), witness);
+        match output {
+            CameraOutput::Localisation(localisation) => {
+                let track = self.track_from(*localisation, truth.at);
+                self.step_pilot(Input::Localisation(track), observer);
             }
-            Sight::View(view) => {
-                if !self.selected
-                    && let Some(selection) = view.target
+            CameraOutput::Frame(captured) => {
+                if !self.is_selected
+                    && let Some(selection) = captured.target_bounds
                 {
-                    self.selected = true;
-                    self.step(Input::Request(OperatorRequest::Select(selection)), witness);
+                    self.is_selected = true;
+                    self.step_pilot(Input::Request(OperatorRequest::Select(selection)), observer);
                 }
-                let frame = eye.as_mut().map_or_else(|| view.frame.clone(), |eye| eye.receive(view));
-                self.step(Input::Frame(&frame), witness);
+                let frame =
+                    frames.as_mut().map_or_else(|| captured.frame.clone(), |frames| frames.deliver(captured));
+                self.step_pilot(Input::Frame(&frame), observer);
             }
         }
-        let (target, camera) = (truth.target.place, truth.camera.place);
-        self.note(RowTruth {
+        let (target, camera) = (truth.target.position, truth.camera.position);
+        self.push_row(RowTruth {
             out_of_picture: !truth.in_picture,
-            achieved: None,
+            achieved_rates: None,
             target_m: (target.x, target.y),
             camera_m: (camera.x, camera.y),
         });
     }
 
-    /// A track that was measured elsewhere: lost from when nothing was measured any more.
-    fn track_of(&mut self, seen: Option<Localisation>, at: Timestamp) -> Track {
-        match seen {
-            Some(seen) => {
-                (self.lost_since, self.selected) = (None, true);
-                Track::Tracking(seen)
+    /// The track that follows from the sensor's localisation of a picture captured at `at`: lost since the first picture
+    /// without one.
+    fn track_from(&mut self, localisation: Option<Localisation>, at: Timestamp) -> Track {
+        match localisation {
+            Some(localisation) => {
+                (self.lost_since, self.is_selected) = (None, true);
+                Track::Tracking(localisation)
             }
-            None if self.selected => {
+            None if self.is_selected => {
                 Track::Lost { since: *self.lost_since.get_or_insert(at), confidence: 0.0 }
             }
             None => Track::Unseeded,
         }
     }
 
-    fn step(&mut self, input: Input<'_>, witness: &mut dyn Witness) {
+    fn step_pilot(&mut self, input: Input<'_>, observer: &mut dyn StepObserver) {
         let now = self.world.now();
         let outcome = self.pilot.step(input, now);
-        let rates = self.profile.outgoing(outcome.command);
-        self.world.command(self.profile.incoming(rates));
-        witness.step(now, &input, &outcome, rates);
+        let rates = self.profile.to_vehicle(outcome.command);
+        self.world.command(self.profile.from_vehicle(rates));
+        observer.on_step(now, &input, &outcome, rates);
         self.rates = rates;
         self.outcome = Some(outcome);
     }
 
-    /// A row of the log, from the first localisation on, with what was true of the picture that it rests on.
-    fn note(&mut self, row: RowTruth) {
+    /// Adds a row to the log, from the first localisation on. `truth` belongs to the picture that the row rests on.
+    fn push_row(&mut self, truth: RowTruth) {
         let Some(outcome) = &self.outcome else { return };
         if self.log.rows.is_empty() && outcome.percept.is_none() {
             return;
@@ -285,8 +261,8 @@ impl<'a> Simulation<'a> {
             position: outcome.percept.map(|percept| percept.position),
             rates: Some(self.rates),
         });
-        if let Some(truth) = &mut self.log.truth {
-            truth.push(RowTruth { achieved: Some(self.world.camera_rates()), ..row });
+        if let Some(rows) = &mut self.log.truth {
+            rows.push(RowTruth { achieved_rates: Some(self.world.camera_rates()), ..truth });
         }
     }
 }

@@ -1,13 +1,13 @@
-//! Means with their uncertainty.
+//! Means with confidence intervals.
 //!
-//! [`mean_interval`] is Student's: for figures of independent trials. [`Bootstrap`] resamples trials with draws
-//! that come from a hash, so that it gives the same interval each time; it is for ratios and for paired
-//! differences, whose distribution nobody knows.
+//! [`mean_interval`] is Student's interval, for values of independent trials. [`Bootstrap`] resamples trials with
+//! numbers from a hash, so that it is repeatable; it serves ratios and paired differences, whose distribution is
+//! unknown.
 
 use barrelman_sim::noise;
 use serde::Serialize;
 
-/// A value with the interval that it lies in.
+/// An estimate with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
     /// The estimate.
@@ -19,13 +19,13 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Whether two intervals have a value in common.
+    /// Whether two intervals share a value.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.low <= other.high && other.low <= self.high
     }
 }
 
-/// The mean of independent values and its 95 % interval; `None` of fewer than two.
+/// The mean of independent values with Student's 95 % interval; `None` for fewer than two values.
 pub fn mean_interval(values: &[f64]) -> Option<Interval> {
     let count = values.len() as f64;
     if values.len() < 2 {
@@ -33,13 +33,13 @@ pub fn mean_interval(values: &[f64]) -> Option<Interval> {
     }
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
-    let half = student_975(values.len() - 1) * (variance / count).sqrt();
+    let half = student_t_975(values.len() - 1) * (variance / count).sqrt();
     Some(Interval { value: mean, low: mean - half, high: mean + half })
 }
 
-/// The 97.5 % quantile of Student's distribution: by Cornish and Fisher's expansion, exact to 0.2 % from 4 degrees
-/// of freedom on, and a table below.
-pub fn student_975(degrees: usize) -> f64 {
+/// The 97.5 % quantile of Student's t distribution. From 4 degrees of freedom on by the Cornish-Fisher expansion, with a
+/// relative error of at most 0.2 %; below from a table.
+pub fn student_t_975(degrees: usize) -> f64 {
     match degrees {
         0 => f64::INFINITY,
         1 => 12.706_204_736,
@@ -55,37 +55,37 @@ pub fn student_975(degrees: usize) -> f64 {
     }
 }
 
-/// Resampling with replacement.
+/// The percentile bootstrap: resampling with replacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bootstrap {
-    /// How often.
-    pub times: usize,
-    /// Seed of the draws.
+    /// Number of resamples.
+    pub resamples: usize,
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Share of the resampled values that the interval holds, between 0 and 1.
+    /// Confidence level, 0 to 1.
     pub confidence: f64,
 }
 
 impl Bootstrap {
-    /// 10,000 times, 95 %.
-    pub const USUAL: Self = Self { times: 10_000, seed: 1, confidence: 0.95 };
+    /// 10,000 resamples, 95 %.
+    pub const DEFAULT: Self = Self { resamples: 10_000, seed: 1, confidence: 0.95 };
 
-    /// The statistic of `count` trials with the interval of its values over resampled trials. The statistic is
-    /// given which trials to take, each as often as it was drawn; values that are not finite are left out.
-    /// `None` where there are none.
+    /// The statistic of `count` trials with its interval over resampled trials. `statistic` receives the indices of the
+    /// trials to evaluate, with repetitions. Resamples whose statistic is not finite are left out. `None` where `count`
+    /// is 0, or where no value is finite.
     pub fn interval(&self, count: usize, statistic: impl Fn(&[usize]) -> f64) -> Option<Interval> {
         if count == 0 {
             return None;
         }
-        let mut taken: Vec<usize> = (0..count).collect();
-        let value = statistic(&taken);
-        let mut values = Vec::with_capacity(self.times);
-        for round in 0..self.times {
-            for (index, slot) in taken.iter_mut().enumerate() {
-                let draw = noise::unit(self.seed, round as u64, index as u64);
-                *slot = ((draw * count as f64) as usize).min(count - 1);
+        let mut sample: Vec<usize> = (0..count).collect();
+        let value = statistic(&sample);
+        let mut values = Vec::with_capacity(self.resamples);
+        for resample in 0..self.resamples {
+            for (index, slot) in sample.iter_mut().enumerate() {
+                let random = noise::unit(self.seed, resample as u64, index as u64);
+                *slot = ((random * count as f64) as usize).min(count - 1);
             }
-            let resampled = statistic(&taken);
+            let resampled = statistic(&sample);
             if resampled.is_finite() {
                 values.push(resampled);
             }

@@ -1,65 +1,67 @@
-//! A trial out of a recording: its outcomes from the first localisation on.
+//! The log of a trial from a recording: its outcomes from the first localisation on.
 
 use std::collections::VecDeque;
 
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
-use super::{LogRow, RowTruth, TrialLog, laboratory};
+use super::laboratory;
+use super::trial_log::{LogRow, RowTruth, TrialLog};
 use crate::records::{RecordedOutcome, RecordedTruth};
 
-/// Which outcomes are rows of a trial: from the first localisation on, every look, and every step between two
-/// looks that changed the command.
+/// Selects the outcomes that are rows of a log: from the first localisation on, every outcome of a look at a picture, and
+/// every other outcome that changed the command.
 #[derive(Debug, Clone, Default)]
-pub struct Rows {
-    last: Option<VehicleRates>,
+pub struct RowSelector {
+    /// The rates of the last row.
+    last_rates: Option<VehicleRates>,
 }
 
-impl Rows {
-    /// Whether this outcome, the next one, is a row.
-    pub fn takes(&mut self, outcome: &RecordedOutcome) -> bool {
-        let begins = self.last.is_none() && outcome.track.localisation().is_some();
-        let goes_on = self.last.is_some_and(|last| outcome.age.is_some() || last != outcome.rates);
-        if begins || goes_on {
-            self.last = Some(outcome.rates);
+impl RowSelector {
+    /// Whether the next outcome is a row.
+    pub fn accepts(&mut self, outcome: &RecordedOutcome) -> bool {
+        let begins = self.last_rates.is_none() && outcome.track.localisation().is_some();
+        let continues = self.last_rates.is_some_and(|last| outcome.age.is_some() || last != outcome.rates);
+        if begins || continues {
+            self.last_rates = Some(outcome.rates);
         }
-        begins || goes_on
+        begins || continues
     }
 }
 
-/// Collects outcomes as a log.
+/// Builds a log from the outcomes and truths of a recording.
 #[derive(Debug, Clone, Default)]
-pub struct Collector {
-    rows_taken: Rows,
+pub struct LogBuilder {
+    selector: RowSelector,
     start: Option<Timestamp>,
     rows: Vec<LogRow>,
     size: Option<PictureSize>,
-    /// What was true of the pictures that may still arrive, by their time of capture.
-    on_the_way: VecDeque<RecordedTruth>,
-    /// What was true of the newest picture that arrived.
+    /// Truths of pictures that may not have reached the pilot yet, by their time of capture.
+    in_flight: VecDeque<RecordedTruth>,
+    /// Truth of the newest picture that reached the pilot.
     newest: Option<RecordedTruth>,
     truth: Vec<RowTruth>,
-    /// The longest that a picture took to the pilot.
-    most_age_ns: u64,
+    /// Longest time from the capture of a picture to the pilot.
+    max_age_ns: u64,
     last_at: Timestamp,
 }
 
-/// A picture is on its way for at most so many others.
-const MOST_ON_THE_WAY: usize = 256;
+/// Upper bound of the pictures in flight.
+const MAX_IN_FLIGHT: usize = 256;
 
-impl Collector {
-    /// Takes the next outcome.
-    pub fn take(&mut self, outcome: &RecordedOutcome) {
-        if let Some(seen) = outcome.track.localisation() {
-            self.size.get_or_insert(seen.picture);
+impl LogBuilder {
+    /// Adds the next outcome.
+    pub fn add_outcome(&mut self, outcome: &RecordedOutcome) {
+        if let Some(localisation) = outcome.track.localisation() {
+            self.size.get_or_insert(localisation.picture);
         }
         if let Some(age) = outcome.age {
-            // The age of what was seen says when it was taken, also where nothing was found in it.
+            // The age gives the time of capture also where the picture had no localisation.
             let age_ns = u64::try_from(age.as_nanos()).unwrap_or(u64::MAX);
-            self.most_age_ns = self.most_age_ns.max(age_ns);
-            self.arrived(Timestamp::from_nanos(outcome.at.as_nanos().saturating_sub(age_ns)));
+            self.max_age_ns = self.max_age_ns.max(age_ns);
+            self.settle_until(Timestamp::from_nanos(outcome.at.as_nanos().saturating_sub(age_ns)));
         }
         self.last_at = outcome.at;
-        if !self.rows_taken.takes(outcome) {
+        if !self.selector.accepts(outcome) {
             return;
         }
         let start = *self.start.get_or_insert(outcome.at);
@@ -71,19 +73,19 @@ impl Collector {
         if let Some(truth) = self.newest {
             self.truth.push(RowTruth {
                 out_of_picture: !truth.in_picture,
-                achieved: None,
+                achieved_rates: None,
                 target_m: truth.target_m,
                 camera_m: (truth.camera_m.0, truth.camera_m.1),
             });
         }
     }
 
-    /// Pictures that were taken until then have arrived, or never will.
-    fn arrived(&mut self, captured: Timestamp) {
-        while let Some(truth) = self.on_the_way.pop_front_if(|truth| truth.at <= captured) {
-            // Of a picture in which nothing was localised there may be no row: the row before stands for it.
-            if let Some(passed) = self.newest.replace(truth)
-                && !passed.in_picture
+    /// Takes pictures captured until then out of flight: they have reached the pilot, or never will.
+    fn settle_until(&mut self, captured: Timestamp) {
+        while let Some(truth) = self.in_flight.pop_front_if(|truth| truth.at <= captured) {
+            // A picture without a localisation may have no row of its own: the row before stands for it.
+            if let Some(previous) = self.newest.replace(truth)
+                && !previous.in_picture
                 && let Some(row) = self.truth.last_mut()
             {
                 row.out_of_picture = true;
@@ -91,30 +93,37 @@ impl Collector {
         }
     }
 
-    /// Takes what was true of the next picture of a simulated world.
-    pub fn take_truth(&mut self, truth: RecordedTruth) {
-        self.on_the_way.push_back(truth);
-        if self.on_the_way.len() > MOST_ON_THE_WAY {
-            // A long stretch in which nothing was localised: its oldest picture is not waited for any more.
-            self.arrived(self.on_the_way[0].at);
+    /// Adds the truth of the next picture of a simulated world.
+    pub fn add_truth(&mut self, truth: RecordedTruth) {
+        self.in_flight.push_back(truth);
+        if self.in_flight.len() > MAX_IN_FLIGHT {
+            // No localisation for a long time: the oldest picture is settled.
+            self.settle_until(self.in_flight[0].at);
         }
     }
 
-    /// The log; `None` where nothing was ever localised.
+    /// Returns the log; `None` where the recording has no localisation.
     pub fn finish(mut self) -> Option<TrialLog> {
-        let arrived_until = self.last_at.as_nanos().saturating_sub(self.most_age_ns);
-        self.arrived(Timestamp::from_nanos(arrived_until));
+        let settled_ns = self.last_at.as_nanos().saturating_sub(self.max_age_ns);
+        self.settle_until(Timestamp::from_nanos(settled_ns));
         if let (Some(row), Some(newest)) = (self.truth.last_mut(), self.newest) {
             row.out_of_picture |= !newest.in_picture;
         }
         let last = self.rows.last()?;
-        let last_row_s = match self.rows.len() {
+        let last_row_duration_s = match self.rows.len() {
             1 => 1.0 / laboratory::ROWS_PER_SECOND,
             rows => last.time_s / (rows - 1) as f64,
         };
         let size = self.size?;
-        // A recording of a simulated world has the truth of every row, another one of none.
+        // A recording of a simulated world has the truth of every row; any other recording has none.
         let truth = (self.truth.len() == self.rows.len()).then_some(self.truth);
-        Some(TrialLog { rows: self.rows, last_row_s, frame: size, picture: size, knows_lost: true, truth })
+        Some(TrialLog {
+            rows: self.rows,
+            last_row_duration_s,
+            frame: size,
+            picture: size,
+            records_track_loss: true,
+            truth,
+        })
     }
 }

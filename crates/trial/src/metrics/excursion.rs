@@ -1,38 +1,38 @@
-//! Excursions: the target leaves the region and comes back.
+//! Excursions: the target leaves the region and comes back (`biswas2017`).
 
 use barrelman_control::Region;
 
 use crate::logs::TrialLog;
 
-/// A maximal run of rows with P > 1. A row without a position continues what the row before it was.
+/// A maximal run of rows with P > 1. A row without a position counts as the row before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excursion {
-    /// First row outside.
+    /// Index of the first row outside.
     pub first: usize,
-    /// First row back inside, or the number of rows where the log ends outside.
+    /// Index of the first row back inside; the number of rows where the log ends outside.
     pub end: usize,
-    /// Whether the log goes on after it.
-    pub complete: bool,
-    /// Largest P less 1.
+    /// Whether the log continues after the excursion.
+    pub is_complete: bool,
+    /// Height: the largest P minus 1.
     pub h: f64,
-    /// Duration, seconds.
+    /// Duration, s.
     pub b_s: f64,
 }
 
 impl Excursion {
-    /// h/b, 1/s; `None` where all of its rows bear one time.
+    /// h/b, 1/s; `None` where the duration is zero.
     pub fn sensitivity(&self) -> Option<f64> {
         (self.b_s > 0.0).then(|| self.h / self.b_s)
     }
 }
 
 /// The excursions of a trial.
-pub fn excursions(log: &TrialLog, region: Region) -> Vec<Excursion> {
+pub fn find_excursions(log: &TrialLog, region: Region) -> Vec<Excursion> {
     let mut found: Vec<Excursion> = Vec::new();
     let mut open: Option<(usize, f64)> = None;
-    let mut close = |first: usize, end: usize, largest_p: f64, complete: bool| {
-        let b_s = (first..end).map(|row| log.step_s(row)).sum();
-        found.push(Excursion { first, end, complete, h: largest_p - 1.0, b_s });
+    let mut close = |first: usize, end: usize, largest_p: f64, is_complete: bool| {
+        let b_s = (first..end).map(|row| log.row_duration_s(row)).sum();
+        found.push(Excursion { first, end, is_complete, h: largest_p - 1.0, b_s });
     };
     for (index, row) in log.rows.iter().enumerate() {
         let Some(p) = row.position.map(|position| region.p(position)) else { continue };

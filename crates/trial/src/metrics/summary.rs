@@ -1,4 +1,4 @@
-//! The metrics of several trials together, by arena.
+//! PooledMetrics metrics of several trials, by arena.
 
 use std::collections::BTreeMap;
 
@@ -6,35 +6,35 @@ use serde::{Deserialize, Serialize};
 
 use super::trial::{TrialMetrics, mean};
 
-/// An arena of the paper, by its number.
+/// An arena of the paper: 1 or 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Arena(u8);
 
 impl Arena {
     /// Arena 1 or 2; `None` for any other number.
-    pub fn numbered(number: u8) -> Option<Self> {
+    pub fn from_number(number: u8) -> Option<Self> {
         (1..=2).contains(&number).then_some(Self(number))
     }
 
-    /// The arena that a file name like `arena1_07.csv` speaks of.
+    /// The arena in a file name like `arena1_07.csv`; `None` without one.
     pub fn from_name(name: &str) -> Option<Self> {
         let (_, rest) = name.split_once("arena")?;
         let digits = rest.find(|next: char| !next.is_ascii_digit()).unwrap_or(rest.len());
-        Self::numbered(rest[..digits].parse().ok()?)
+        Self::from_number(rest[..digits].parse().ok()?)
     }
 
-    /// Its number.
+    /// The arena's number.
     pub const fn number(self) -> u8 {
         self.0
     }
 
-    /// What the paper divided the mean sensitivity by: 18 and 13, as published.
+    /// The published divisor n of the normalised sensitivity: 18 and 13.
     pub const fn published_n(self) -> f64 {
         if self.0 == 1 { 18.0 } else { 13.0 }
     }
 
-    /// The mean sensitivity as published.
+    /// The published mean sensitivity, 1/s.
     pub const fn published_sensitivity(self) -> f64 {
         if self.0 == 1 { 0.6045 } else { 0.4536 }
     }
@@ -43,33 +43,34 @@ impl Arena {
 /// One trial in a summary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrialEntry {
-    /// Its name: a file's, or `SCENARIO/SEED`.
+    /// Name: the file's, or `SCENARIO/SEED`.
     pub name: String,
-    /// The arena it was in, if in one of the paper's.
+    /// The arena, if it is one of the paper's.
     pub arena: Option<Arena>,
-    /// Its metrics.
+    /// The metrics.
     #[serde(flatten)]
     pub metrics: TrialMetrics,
 }
 
-/// The figures of several trials together.
+/// Metrics pooled over several trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Pooled {
-    /// Mean of the trials' sensitivities.
+pub struct PooledMetrics {
+    /// Mean of the trials' sensitivities, 1/s.
     pub mean_sensitivity: Option<f64>,
-    /// The same, divided by the arena's n, or, outside of the paper's arenas, by the mean count of excursions.
+    /// The mean sensitivity divided by the arena's published n; outside the paper's arenas by the mean number of
+    /// excursions.
     pub normalised_sensitivity: Option<f64>,
-    /// Share of the trials that succeeded.
+    /// Share of successful trials, 0 to 1.
     pub success_rate: Option<f64>,
 }
 
-/// The figures of one arena.
+/// The summary of one arena.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ArenaFigures {
-    /// The pooled figures.
+pub struct ArenaSummary {
+    /// The pooled metrics.
     #[serde(flatten)]
-    pub pooled: Pooled,
-    /// Trials in it.
+    pub pooled: PooledMetrics,
+    /// Number of trials.
     pub trials: usize,
 }
 
@@ -79,13 +80,13 @@ pub struct Summary {
     /// Every trial.
     pub trials: Vec<TrialEntry>,
     /// The paper's arenas, by number.
-    pub arenas: BTreeMap<String, ArenaFigures>,
-    /// Over all trials; all null where they come from several arenas.
+    pub arenas: BTreeMap<String, ArenaSummary>,
+    /// PooledMetrics over all trials; all null where the trials come from several arenas.
     #[serde(flatten)]
-    pub pooled: Pooled,
+    pub pooled: PooledMetrics,
 }
 
-/// Puts trials together.
+/// Summarises trials, by arena and together.
 pub fn summarise(trials: Vec<TrialEntry>) -> Summary {
     let mut by_arena: BTreeMap<Option<Arena>, Vec<&TrialMetrics>> = BTreeMap::new();
     for trial in &trials {
@@ -95,25 +96,25 @@ pub fn summarise(trials: Vec<TrialEntry>) -> Summary {
         .iter()
         .filter_map(|(arena, metrics)| {
             let arena = (*arena)?;
-            let figures = ArenaFigures { pooled: pool(metrics, Some(arena)), trials: metrics.len() };
+            let figures = ArenaSummary { pooled: pool(metrics, Some(arena)), trials: metrics.len() };
             Some((arena.number().to_string(), figures))
         })
         .collect();
     let pooled = match by_arena.iter().next() {
         Some((arena, metrics)) if by_arena.len() == 1 => pool(metrics, *arena),
-        _ => Pooled { mean_sensitivity: None, normalised_sensitivity: None, success_rate: None },
+        _ => PooledMetrics { mean_sensitivity: None, normalised_sensitivity: None, success_rate: None },
     };
     Summary { trials, arenas, pooled }
 }
 
-fn pool(trials: &[&TrialMetrics], arena: Option<Arena>) -> Pooled {
+fn pool(trials: &[&TrialMetrics], arena: Option<Arena>) -> PooledMetrics {
     let mean_sensitivity = mean(trials.iter().filter_map(|trial| trial.sensitivity));
     let n = arena
         .map(Arena::published_n)
         .or_else(|| mean(trials.iter().map(|trial| trial.excursions as f64)))
         .filter(|n| *n > 0.0);
-    let succeeded = trials.iter().filter(|trial| trial.succeeded()).count();
-    Pooled {
+    let succeeded = trials.iter().filter(|trial| trial.is_success()).count();
+    PooledMetrics {
         mean_sensitivity,
         normalised_sensitivity: mean_sensitivity.zip(n).map(|(mean, n)| mean / n),
         success_rate: (!trials.is_empty()).then(|| succeeded as f64 / trials.len() as f64),

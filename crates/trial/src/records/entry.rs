@@ -1,39 +1,38 @@
-//! What a recording is a sequence of.
+//! The entries of a recording.
 
 use core::time::Duration;
 
 use barrelman_control::Percept;
 use barrelman_pilot::{Advice, Mode, Outcome};
 use barrelman_sim::Truth;
-use barrelman_vocab::video::{Capture, ColourEncoding};
-use barrelman_vocab::{
-    Angle, CameraCommand, EncodedUnit, ImagePoint, OperatorRequest, PictureSize, Telemetry, Timestamp, Track,
-    VehicleRates, VideoFrame,
-};
+use barrelman_vocab::{Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates};
 
-/// One entry.
+use super::recorded_input::RecordedInput;
+use crate::behaviour::BehaviourVersions;
+
+/// An entry of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
-    /// What ran, with which settings, on which clock. The first entry.
+    /// Program, configuration and clocks of the run. The first entry.
     Start(RecordingStart),
-    /// A piece of video, as received.
+    /// A unit of video, as received.
     Unit(EncodedUnit),
     /// An input of the pilot.
     Input {
         /// Running number of the step, from 0.
         step: u64,
-        /// The `now` of the step.
+        /// Time of the step.
         now: Timestamp,
         /// The input.
         input: RecordedInput,
     },
-    /// What came of a step.
+    /// The outcome of a step.
     Outcome(RecordedOutcome),
-    /// What is true of a simulated world as a picture is taken.
+    /// The truth of a simulated world at the capture of a picture.
     Truth(RecordedTruth),
 }
 
-/// What ran, with which settings, on which clock.
+/// Program, configuration and clocks of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordingStart {
     /// Version of the program.
@@ -44,81 +43,39 @@ pub struct RecordingStart {
     pub unix_ns: u64,
     /// The full effective configuration, TOML.
     pub configuration: String,
-    /// Where the video came from, without passwords.
+    /// URL of the video, without passwords.
     pub video: String,
-    /// Where the commands went; empty for a dry run.
+    /// URL of the link; empty for a dry run.
     pub link: String,
-    /// Whether the video was live, which tells a decoder in which order to show it.
+    /// Whether the video was live: a live decoder returns pictures at once, that of a file in the order of display.
     pub live_video: bool,
+    /// Behaviour versions of the tracker and the law that the configuration names.
+    pub behaviour: BehaviourVersions,
 }
 
-/// An input of the pilot, as stored: a video frame by what tells it from others.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RecordedInput {
-    /// A video frame.
-    Frame(FrameStamp),
-    /// A localisation measured elsewhere.
-    Localisation(Track),
-    /// A report of the vehicle.
-    Telemetry(Telemetry),
-    /// A request of the operator.
-    Request(OperatorRequest),
-    /// The passing of time.
-    Tick,
-}
-
-/// What tells a video frame from others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FrameStamp {
-    /// Running number of the decoded frame.
-    pub sequence: u64,
-    /// When it was taken.
-    pub capture: Capture,
-    /// Its size.
-    pub size: PictureSize,
-    /// How its samples stand for colours.
-    pub colour: ColourEncoding,
-    /// XXH3-64 of its luma plane, rows tightly packed.
-    pub luma_hash: u64,
-}
-
-impl FrameStamp {
-    /// The stamp of a frame. Reads the whole luma plane once.
-    pub fn of(frame: &VideoFrame) -> Self {
-        let luma = &frame.picture.samples()[..frame.picture.size().area()];
-        Self {
-            sequence: frame.sequence,
-            capture: frame.capture,
-            size: frame.picture.size(),
-            colour: frame.picture.colour(),
-            luma_hash: xxhash_rust::xxh3::xxh3_64(luma),
-        }
-    }
-}
-
-/// What is true of a simulated world as a picture is taken, as stored. Places and angles are those of
+/// The truth of a simulated world at the capture of a picture, as stored. Positions and angles as in
 /// [`barrelman_sim::pose`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordedTruth {
-    /// The world's tick.
+    /// Tick of the world.
     pub tick: u64,
-    /// Its time.
+    /// Time of capture.
     pub at: Timestamp,
-    /// Where the target is, metres: x, y.
+    /// Position of the target, m: x, y.
     pub target_m: (f64, f64),
-    /// Where its bow points.
-    pub heading: Angle,
-    /// Where the camera is, metres: x, y, z.
+    /// Heading of the target.
+    pub target_heading: Angle,
+    /// Position of the camera, m: x, y, z.
     pub camera_m: (f64, f64, f64),
-    /// Its pan.
-    pub pan: Angle,
-    /// Its tilt.
-    pub tilt: Angle,
-    /// Where the target is in the picture, also where that is beyond its border.
-    pub image: ImagePoint,
-    /// Whether it is within the picture.
+    /// Pan of the camera.
+    pub camera_pan: Angle,
+    /// Tilt of the camera.
+    pub camera_tilt: Angle,
+    /// Position of the target in the picture, also beyond the picture's border.
+    pub target_position: ImagePoint,
+    /// Whether the target is within the picture.
     pub in_picture: bool,
-    /// From the camera to the target, metres.
+    /// Distance from the camera to the target, m.
     pub range_m: f64,
 }
 
@@ -128,47 +85,47 @@ impl From<&Truth> for RecordedTruth {
         Self {
             tick: truth.tick,
             at: truth.at,
-            target_m: (target.place.x, target.place.y),
-            heading: target.heading,
-            camera_m: (camera.place.x, camera.place.y, camera.place.z),
-            pan: camera.pan,
-            tilt: camera.tilt,
-            image: truth.image,
+            target_m: (target.position.x, target.position.y),
+            target_heading: target.heading,
+            camera_m: (camera.position.x, camera.position.y, camera.position.z),
+            camera_pan: camera.pan,
+            camera_tilt: camera.tilt,
+            target_position: truth.image,
             in_picture: truth.in_picture,
             range_m: truth.range_m,
         }
     }
 }
 
-/// What came of a step, as stored.
+/// The outcome of a step, as stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedOutcome {
-    /// Running number of the step, as of its input.
+    /// Running number of the step, equal to that of its input.
     pub step: u64,
-    /// The `now` of the step.
+    /// Time of the step.
     pub at: Timestamp,
-    /// The mode.
+    /// Mode of the pilot.
     pub mode: Mode,
     /// The track.
     pub track: Track,
-    /// Age of what was seen in this step.
+    /// Age of the localisation or video frame of this step; `None` for other inputs.
     pub age: Option<Duration>,
-    /// What the newest localisation means to the law.
+    /// Percept of the newest localisation.
     pub percept: Option<Percept>,
-    /// What the law asks for.
+    /// Command that the law asks for, whether or not the camera may move.
     pub advice: Option<Advice>,
-    /// The command in force, inside.
+    /// Command in force.
     pub command: CameraCommand,
-    /// The same in the vehicle's own signs, as handed to the link.
+    /// The command in the vehicle's own signs and limits, as sent to the link.
     pub rates: VehicleRates,
-    /// When the pilot was to be stepped again.
+    /// Time by which the pilot must be stepped again.
     pub wake_at: Option<Timestamp>,
-    /// What the operator was told; empty where nothing.
+    /// Notice to the operator; empty without one.
     pub notice: String,
 }
 
 impl RecordedOutcome {
-    /// An outcome with its number and what was made of its command at the door.
+    /// An outcome with its step number and the rates that were sent for its command.
     pub fn new(step: u64, outcome: &Outcome, rates: VehicleRates) -> Self {
         Self {
             step,

@@ -1,27 +1,28 @@
-//! Recordings: every input and outcome of a run, and the video as received, in one MCAP file.
+//! Recordings: the inputs and outcomes of a run and the video as received, in one MCAP file.
 //!
-//! [`Entry`] is what a recording is a sequence of; [`RecordingWriter`] and [`RecordingReader`] turn entries into
-//! MCAP messages and back. The schema of our own messages is `proto/barrelman.proto`; the video uses the
-//! schemas that Foxglove and others know. A file that was cut off (a killed process) is read up to the cut.
+//! A recording is a sequence of [`Entry`]s; [`RecordingWriter`] and [`RecordingReader`] convert them to MCAP messages and
+//! back. `proto/barrelman.proto` is the schema of this program's messages; the video uses Foxglove's schemas. A truncated
+//! file (a killed process) is readable up to the end of its last complete chunk.
 //!
-//! Numbers are kept to the bit, but for one: protobuf leaves a zero away, so that -0.0 is read as 0.0.
+//! Numbers are stored bit-exactly, except that -0.0 is read as 0.0: protobuf omits zeros.
 
-pub mod entry;
-mod framing;
+mod entry;
+mod recorded_input;
 
-pub mod reader;
-pub mod writer;
+mod reader;
+mod writer;
 
 mod convert;
+mod stored;
 pub mod table;
+
+mod cell;
+pub mod columns;
 mod topics;
 
-/// The messages as stored, generated from `proto/barrelman.proto`.
-#[allow(missing_docs, unreachable_pub, clippy::all)]
-mod stored {
-    include!(concat!(env!("OUT_DIR"), "/barrelman.rs"));
-}
+mod record_lengths;
 
-pub use entry::{Entry, FrameStamp, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart};
+pub use entry::{Entry, RecordedOutcome, RecordedTruth, RecordingStart};
 pub use reader::{ReadError, RecordingReader};
+pub use recorded_input::{FrameFingerprint, RecordedInput};
 pub use writer::{RecordingWriter, WriteError};

@@ -1,4 +1,4 @@
-//! Reads the entries of an MCAP file, up to its end or its cut.
+//! Reads the entries of an MCAP file, up to its end or to where it is truncated.
 
 use std::io::Read;
 
@@ -8,34 +8,34 @@ use prost::Message as _;
 
 use super::convert::Malformed;
 use super::entry::Entry;
-use super::framing::Framed;
+use super::record_lengths::CheckedLengths;
 use super::stored;
 use super::topics::Topic;
 
-/// A recording could not be read on.
+/// A recording cannot be read further.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// It ends in the middle, as that of a killed process does. Everything before was read.
+    /// The file is truncated (a killed process). Every entry before the end was returned.
     #[error("the recording is cut off: everything before the cut was read")]
-    CutOff,
-    /// It is no MCAP file, or a damaged one.
+    Truncated,
+    /// The file is not MCAP, or damaged.
     #[error("this is not an MCAP recording, or a damaged one")]
     Container(#[source] mcap::McapError),
-    /// A message does not have the form that its topic promises.
+    /// A message does not conform to the schema of its topic.
     #[error("the message on {topic} cannot be understood: {reason}")]
     Message {
         /// The topic.
         topic: String,
-        /// What is wrong with it.
+        /// What is wrong with the message.
         reason: String,
     },
 }
 
-/// The entries of a recording, in order. Topics that are not ours are passed over.
+/// The entries of a recording, in order. Ignores topics of other programs.
 pub struct RecordingReader<R: Read> {
-    messages: mcap::io::MessageReader<Framed<R>>,
-    /// A unit whose payload comes with the next video message.
-    announced: Option<stored::VideoUnit>,
+    messages: mcap::io::MessageReader<CheckedLengths<R>>,
+    /// A unit whose payload is the next video message.
+    pending_unit: Option<stored::VideoUnit>,
     started: bool,
     ended: bool,
 }
@@ -43,19 +43,19 @@ pub struct RecordingReader<R: Read> {
 impl<R: Read> RecordingReader<R> {
     /// Reads from the beginning of a recording.
     pub fn new(input: R) -> Self {
-        Self { messages: messages(input), announced: None, started: false, ended: false }
+        Self { messages: messages(input), pending_unit: None, started: false, ended: false }
     }
 
     fn next_entry(&mut self) -> Result<Option<Entry>, ReadError> {
         for message in self.messages.by_ref() {
             let message = match message {
                 Ok(message) => message,
-                Err(error) if self.started && is_cut(&error) => return Err(ReadError::CutOff),
+                Err(error) if self.started && is_truncation(&error) => return Err(ReadError::Truncated),
                 Err(error) => return Err(ReadError::Container(error)),
             };
             let name = &message.channel.topic;
-            let Some(topic) = Topic::named(name) else { continue };
-            let entry = read(topic, &message.data, &mut self.announced)
+            let Some(topic) = Topic::from_name(name) else { continue };
+            let entry = decode(topic, &message.data, &mut self.pending_unit)
                 .map_err(|malformed| ReadError::Message { topic: name.clone(), reason: malformed.0 })?;
             if let Some(entry) = entry {
                 self.started = true;
@@ -79,33 +79,34 @@ impl<R: Read> Iterator for RecordingReader<R> {
     }
 }
 
-/// The longest record that is read, bytes: more than a raw picture of 7680 x 4320 needs. A damaged length must not
-/// make the reader ask for more memory than there is.
-const LONGEST_RECORD: usize = 64 << 20;
+/// Longest accepted record, bytes: more than a raw picture of 7680 x 4320 needs. Bounds the memory that a damaged length
+/// can allocate.
+const MAX_RECORD_BYTES: usize = 64 << 20;
 
-/// The messages of an MCAP file.
-pub(super) fn messages<R: Read>(input: R) -> mcap::io::MessageReader<Framed<R>> {
-    let options = mcap::sans_io::LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD);
-    mcap::io::MessageReader::new_with_options(Framed::new(input), options)
+/// Reads the messages of an MCAP file.
+pub(super) fn messages<R: Read>(input: R) -> mcap::io::MessageReader<CheckedLengths<R>> {
+    let options = mcap::sans_io::LinearReaderOptions::default().with_record_length_limit(MAX_RECORD_BYTES);
+    mcap::io::MessageReader::new_with_options(CheckedLengths::new(input), options)
 }
 
-pub(super) fn is_cut(error: &mcap::McapError) -> bool {
+pub(super) fn is_truncation(error: &mcap::McapError) -> bool {
     matches!(error, mcap::McapError::UnexpectedEof | mcap::McapError::BadFooter)
 }
 
-fn read(
+/// The entry of a message; `None` where the message only announces the next.
+fn decode(
     topic: Topic,
     data: &[u8],
-    announced: &mut Option<stored::VideoUnit>,
+    pending_unit: &mut Option<stored::VideoUnit>,
 ) -> Result<Option<Entry>, Malformed> {
-    let mut unit = |payload: Bytes| match announced.take() {
-        Some(unit) => unit.with(payload).map(|unit| Some(Entry::Unit(unit))),
+    let mut unit = |payload: Bytes| match pending_unit.take() {
+        Some(unit) => unit.with_payload(payload).map(|unit| Some(Entry::Unit(unit))),
         None => Err(Malformed("a picture that no unit announced".to_owned())),
     };
     Ok(Some(match topic {
         Topic::Start => Entry::Start(stored::RecordingStart::decode(data)?.into()),
         Topic::VideoUnit => {
-            *announced = Some(stored::VideoUnit::decode(data)?);
+            *pending_unit = Some(stored::VideoUnit::decode(data)?);
             return Ok(None);
         }
         Topic::Video => return unit(CompressedVideo::decode(data)?.data),

@@ -1,11 +1,11 @@
-//! Topics of a recording, with the schema of each.
+//! The topics of a recording and their schemas.
 
 use std::collections::BTreeMap;
 
 use foxglove::Encode;
 use foxglove::messages::{CompressedImage, CompressedVideo};
 
-/// Descriptors of our own messages, compiled from `proto/barrelman.proto`.
+/// Descriptors of this program's messages, compiled from `proto/barrelman.proto`.
 pub(super) const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/barrelman.binpb"));
 
 /// A topic of a recording.
@@ -58,11 +58,11 @@ impl Topic {
         }
     }
 
-    pub(super) fn named(name: &str) -> Option<Self> {
+    pub(super) fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|topic| topic.name() == name)
     }
 
-    /// The schema's name and its descriptors.
+    /// Name of the schema, and its descriptors.
     fn schema(self) -> (String, Vec<u8>) {
         let own = |message: &str| (format!("barrelman.{message}"), DESCRIPTORS.to_vec());
         let known = |schema: Option<foxglove::Schema>| {
@@ -84,8 +84,8 @@ impl Topic {
         }
     }
 
-    /// Adds the topic to a file.
-    pub(super) fn add_to<W: std::io::Write + std::io::Seek>(
+    /// Adds the topic's schema and channel to a file. Returns the number of the channel.
+    pub(super) fn register<W: std::io::Write + std::io::Seek>(
         self,
         writer: &mut mcap::Writer<W>,
     ) -> mcap::McapResult<u16> {

@@ -1,7 +1,7 @@
 //! Writes entries as an MCAP file.
 //!
-//! Messages collect in a chunk in memory; [`RecordingWriter::flush`] closes the chunk and hands it to the file,
-//! so a process that is killed loses what came after the last flush and nothing before it.
+//! Messages collect in a chunk in memory; [`RecordingWriter::flush`] closes the chunk and writes it to the output, so that
+//! a killed process loses only the entries after the last flush.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -13,7 +13,8 @@ use foxglove::messages::{CompressedImage, CompressedVideo};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 
-use super::entry::{Entry, RecordedInput, RecordingStart};
+use super::entry::{Entry, RecordingStart};
+use super::recorded_input::RecordedInput;
 use super::stored;
 use super::topics::Topic;
 
@@ -22,7 +23,7 @@ use super::topics::Topic;
 #[error("the recording cannot be written")]
 pub struct WriteError(#[from] mcap::McapError);
 
-/// An MCAP file that is being written.
+/// Writes an MCAP file.
 pub struct RecordingWriter<W: Write> {
     writer: mcap::Writer<NoSeek<W>>,
     channels: BTreeMap<Topic, u16>,
@@ -32,7 +33,7 @@ pub struct RecordingWriter<W: Write> {
 }
 
 impl<W: Write> RecordingWriter<W> {
-    /// Begins a recording.
+    /// Begins a recording with its start.
     ///
     /// # Errors
     /// If the output cannot be written.
@@ -41,16 +42,16 @@ impl<W: Write> RecordingWriter<W> {
             .profile("")
             .library(format!("barrelman {}", start.program_version))
             .compression(None)
-            // The output need not seek: a chunk is written whole, with its length in front.
+            // Chunks are written whole, with their length in front: the output need not seek.
             .disable_seeking(true)
             .create(NoSeek::new(output))?;
         let mut channels = BTreeMap::new();
         for topic in Topic::ALL {
-            channels.insert(topic, topic.add_to(&mut writer)?);
+            channels.insert(topic, topic.register(&mut writer)?);
         }
         let mut recording =
             Self { writer, channels, unix_start_ns: start.unix_ns, sequence: 0, buffer: Vec::new() };
-        recording.put(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))?;
+        recording.write_message(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))?;
         Ok(recording)
     }
 
@@ -61,18 +62,22 @@ impl<W: Write> RecordingWriter<W> {
     pub fn write(&mut self, entry: &Entry) -> Result<(), WriteError> {
         match entry {
             Entry::Start(start) => {
-                self.put(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))
+                self.write_message(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))
             }
             Entry::Unit(unit) => self.write_unit(unit),
             Entry::Input { step, now, input } => self.write_input(*step, *now, input),
-            Entry::Outcome(outcome) => self.put(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome)),
-            Entry::Truth(truth) => self.put(Topic::Truth, truth.at, &stored::WorldTruth::from(truth)),
+            Entry::Outcome(outcome) => {
+                self.write_message(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome))
+            }
+            Entry::Truth(truth) => {
+                self.write_message(Topic::Truth, truth.at, &stored::WorldTruth::from(truth))
+            }
         }
     }
 
     fn write_unit(&mut self, unit: &EncodedUnit) -> Result<(), WriteError> {
         let at = unit.capture.at;
-        self.put(Topic::VideoUnit, at, &stored::VideoUnit::from(unit))?;
+        self.write_message(Topic::VideoUnit, at, &stored::VideoUnit::from(unit))?;
         let unix_ns = self.unix_ns(at);
         let timestamp = Some(foxglove::messages::Timestamp::new(
             (unix_ns / 1_000_000_000) as u32,
@@ -88,12 +93,12 @@ impl<W: Write> RecordingWriter<W> {
         match unit.codec {
             UnitCodec::H264AnnexB => {
                 let video = CompressedVideo { timestamp, frame_id, data, format: "h264".to_owned() };
-                self.put(Topic::Video, at, &video)
+                self.write_message(Topic::Video, at, &video)
             }
-            UnitCodec::Jpeg => self.put(Topic::VideoPicture, at, &image("jpeg", data)),
-            UnitCodec::Png => self.put(Topic::VideoPicture, at, &image("png", data)),
+            UnitCodec::Jpeg => self.write_message(Topic::VideoPicture, at, &image("jpeg", data)),
+            UnitCodec::Png => self.write_message(Topic::VideoPicture, at, &image("png", data)),
             UnitCodec::RawYuv420 { .. } => {
-                self.put(Topic::VideoRaw, at, &stored::RawPicture { samples: data.to_vec() })
+                self.write_message(Topic::VideoRaw, at, &stored::RawPicture { samples: data.to_vec() })
             }
         }
     }
@@ -101,21 +106,27 @@ impl<W: Write> RecordingWriter<W> {
     fn write_input(&mut self, step: u64, now: Timestamp, input: &RecordedInput) -> Result<(), WriteError> {
         let now_ns = now.as_nanos();
         match input {
-            RecordedInput::Frame(stamp) => {
-                self.put(Topic::InputFrame, now, &stored::FrameInput { step, now_ns, ..stamp.into() })
-            }
+            RecordedInput::Frame(stamp) => self.write_message(
+                Topic::InputFrame,
+                now,
+                &stored::FrameInput { step, now_ns, ..stamp.into() },
+            ),
             RecordedInput::Localisation(track) => {
                 let message = stored::LocalisationInput { step, now_ns, track: Some(track.into()) };
-                self.put(Topic::InputLocalisation, now, &message)
+                self.write_message(Topic::InputLocalisation, now, &message)
             }
             RecordedInput::Telemetry(telemetry) => {
                 let message = stored::TelemetryInput { step, now_ns, ..telemetry.into() };
-                self.put(Topic::InputTelemetry, now, &message)
+                self.write_message(Topic::InputTelemetry, now, &message)
             }
-            RecordedInput::Request(request) => {
-                self.put(Topic::InputRequest, now, &stored::RequestInput { step, now_ns, ..request.into() })
+            RecordedInput::Request(request) => self.write_message(
+                Topic::InputRequest,
+                now,
+                &stored::RequestInput { step, now_ns, ..request.into() },
+            ),
+            RecordedInput::Tick => {
+                self.write_message(Topic::InputTick, now, &stored::TickInput { step, now_ns })
             }
-            RecordedInput::Tick => self.put(Topic::InputTick, now, &stored::TickInput { step, now_ns }),
         }
     }
 
@@ -123,9 +134,14 @@ impl<W: Write> RecordingWriter<W> {
         self.unix_start_ns.saturating_add(at.as_nanos())
     }
 
-    fn put(&mut self, topic: Topic, at: Timestamp, message: &impl prost::Message) -> Result<(), WriteError> {
+    fn write_message(
+        &mut self,
+        topic: Topic,
+        at: Timestamp,
+        message: &impl prost::Message,
+    ) -> Result<(), WriteError> {
         self.buffer.clear();
-        // A vector grows as needed: encoding into it cannot fail.
+        // Encoding into a vector cannot fail: it grows as needed.
         let _ = message.encode(&mut self.buffer);
         let time = self.unix_ns(at);
         let header = MessageHeader {
@@ -138,7 +154,7 @@ impl<W: Write> RecordingWriter<W> {
         Ok(self.writer.write_to_known_channel(&header, &self.buffer)?)
     }
 
-    /// Hands everything written so far to the output.
+    /// Writes all entries so far to the output.
     ///
     /// # Errors
     /// If the output cannot be written.
@@ -146,7 +162,7 @@ impl<W: Write> RecordingWriter<W> {
         Ok(self.writer.flush()?)
     }
 
-    /// Ends the recording with its index.
+    /// Ends the recording with the file's index.
     ///
     /// # Errors
     /// If the output cannot be written.

@@ -1,21 +1,21 @@
-//! A figure: SVG text, by itself or within a page.
+//! A figure as SVG text, for a file or within a page.
 
 use super::canvas::{Canvas, coordinate};
 use super::style;
-use super::text::escaped;
+use super::text::escape;
 
-/// A figure.
+/// A figure of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Its file's name, without the ending.
+    /// Name of the file, without extension.
     pub name: String,
-    /// What it shows, in a few words.
+    /// Title.
     pub title: String,
-    /// What is to be seen in it, for those who do not see it.
+    /// Description for readers who cannot see the figure.
     pub description: String,
-    /// Width, units of paper.
+    /// Width, units of paper (SVG user units).
     pub width: f64,
-    /// Height.
+    /// Height, units of paper.
     pub height: f64,
     body: String,
 }
@@ -30,35 +30,36 @@ impl Figure {
         Self { name, title, description, width, height, body: canvas.into_text() }
     }
 
-    /// As a file of its own, by day, and by night where the reader's screen is dark.
+    /// A complete SVG file; its style follows the reader's light or dark scheme.
     pub fn svg(&self) -> String {
         let (width, height) = (coordinate(self.width), coordinate(self.height));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" class=\"fig\" {}>\
              <title>{}</title><desc>{}</desc>\n<style>{}</style>\n\
              <rect class=\"sheet\" width=\"{width}\" height=\"{height}\"/>{}</svg>\n",
-            self.view(),
-            escaped(&self.title),
-            escaped(&self.description),
-            // No rule has a < or an & in it.
-            style::by_day_and_night(),
+            self.view_box(),
+            escape(&self.title),
+            escape(&self.description),
+            // No rule contains < or &: it needs no escaping.
+            style::light_and_dark(),
             self.body
         )
     }
 
-    /// Within a page that has the style. Its title is a label: a page would show it wherever one points.
+    /// An SVG element for a page that contains the style. The title is a label: a title element would appear as a tooltip
+    /// over the whole figure.
     pub fn inline(&self) -> String {
         format!(
             "<svg class=\"fig\" style=\"max-width:{}px\" aria-label=\"{}\" {}><desc>{}</desc>{}</svg>",
             coordinate(self.width),
-            escaped(&self.title),
-            self.view(),
-            escaped(&self.description),
+            escape(&self.title),
+            self.view_box(),
+            escape(&self.description),
             self.body
         )
     }
 
-    fn view(&self) -> String {
+    fn view_box(&self) -> String {
         format!("viewBox=\"0 0 {} {}\" role=\"img\"", coordinate(self.width), coordinate(self.height))
     }
 }

@@ -1,34 +1,35 @@
-//! The path in the picture: image coordinates (x right, y up, pixels), the region, the sectors at 45 degrees, and the
-//! excursions.
+//! Figure of the path in the picture: image coordinates (x right, y up, pixels), the region, the sectors at 45 degrees,
+//! and the excursions.
 
-use super::canvas::{Anchor, Canvas, Place, distance};
+use super::canvas::{Anchor, Canvas, Point, distance};
 use super::figure::Figure;
-use super::p_over_time::peak;
+use super::p_over_time::peak_row;
+use super::path_data;
+use super::reported_trial::TrialTrace;
 use super::scale::{Scale, Ticks};
-use super::time_axis::in_words;
-use super::{Course, line};
-use crate::metrics::{Excursion, excursions};
+use super::time_axis::describe;
+use crate::metrics::{Excursion, find_excursions};
 
 const WIDTH: f64 = 372.0;
 const LEFT: f64 = 40.0;
 const TOP: f64 = 22.0;
 const MARGIN: f64 = 10.0;
 const BELOW: f64 = 24.0;
-/// A number takes up so much room.
-const APART: f64 = 11.0;
-/// No more are numbered.
-const MOST_NUMBERED: usize = 24;
+/// Smallest distance between two excursion numbers.
+const MIN_NUMBER_DISTANCE: f64 = 11.0;
+/// Upper bound of the numbered excursions.
+const MAX_NUMBERED: usize = 24;
 
 /// The figure of a trial.
-pub fn figure(name: &str, trial: &str, course: &Course) -> Figure {
-    let (log, region) = (&course.log, course.region);
-    let found = excursions(log, region);
+pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Figure {
+    let (log, region) = (&trace.log, trace.region);
+    let found = find_excursions(log, region);
     let (frame, picture) = (log.frame, log.picture);
     let (half_w, half_h) = (0.5 * f64::from(frame.width), 0.5 * f64::from(frame.height));
     let right = WIDTH - MARGIN;
     let bottom = TOP + (right - LEFT) * half_h / half_w;
-    let x_scale = Scale { values: (-half_w, half_w), places: (LEFT, right) };
-    let y_scale = Scale { values: (-half_h, half_h), places: (bottom, TOP) };
+    let x_scale = Scale { values: (-half_w, half_w), paper: (LEFT, right) };
+    let y_scale = Scale { values: (-half_h, half_h), paper: (bottom, TOP) };
     let at = |x: f64, y: f64| (x_scale.at(x), y_scale.at(y));
     let mut canvas = Canvas::default();
     for (value, label) in Ticks::within(-half_w, half_w, 6).labelled() {
@@ -43,14 +44,14 @@ pub fn figure(name: &str, trial: &str, course: &Course) -> Figure {
     canvas.text("unit", Anchor::End, (right, TOP - 9.0), "x, px");
     let (pic_w, pic_h) = (0.5 * f64::from(picture.width), 0.5 * f64::from(picture.height));
     if pic_h < half_h {
-        let why = Some("frame beyond the letter-boxed picture");
-        canvas.rect("margin", at(-half_w, half_h), at(half_w, pic_h), why);
-        canvas.rect("margin", at(-half_w, -pic_h), at(half_w, -half_h), why);
+        let tip = Some("frame beyond the letter-boxed picture");
+        canvas.rect("margin", at(-half_w, half_h), at(half_w, pic_h), tip);
+        canvas.rect("margin", at(-half_w, -pic_h), at(half_w, -half_h), tip);
     }
     if pic_w < half_w {
-        let why = Some("frame beyond the letter-boxed picture");
-        canvas.rect("margin", at(-half_w, half_h), at(-pic_w, -half_h), why);
-        canvas.rect("margin", at(pic_w, half_h), at(half_w, -half_h), why);
+        let tip = Some("frame beyond the letter-boxed picture");
+        canvas.rect("margin", at(-half_w, half_h), at(-pic_w, -half_h), tip);
+        canvas.rect("margin", at(pic_w, half_h), at(half_w, -half_h), tip);
     }
     canvas.rect("frame", at(-half_w, half_h), at(half_w, -half_h), None);
     let reach = half_w.min(half_h);
@@ -62,10 +63,10 @@ pub fn figure(name: &str, trial: &str, course: &Course) -> Figure {
         (region.a_px * x_scale.per_value(), region.b_px * y_scale.per_value()),
     );
 
-    let places: Vec<Option<Place>> =
+    let points: Vec<Option<Point>> =
         log.rows.iter().map(|row| row.position.map(|position| at(position.x, position.y))).collect();
     let p_at = |row: usize| log.rows[row].position.map(|position| region.p(position));
-    path_with_excursions(&mut canvas, &places, &found, &p_at, &|excursion| in_words(log, excursion));
+    draw_path(&mut canvas, &points, &found, &p_at, &|excursion| describe(log, excursion));
     for (word, x, y) in [
         ("right", 0.94 * half_w, 0.0),
         ("left", -0.94 * half_w, 0.0),
@@ -93,37 +94,39 @@ pub fn figure(name: &str, trial: &str, course: &Course) -> Figure {
     Figure::new(name.to_owned(), titles, (WIDTH, bottom + BELOW), canvas)
 }
 
-/// A path with its excursions marked and numbered, its start and its end.
-pub(super) fn path_with_excursions(
+/// Draws a path with its excursions marked and numbered, its start and its end.
+pub(super) fn draw_path(
     canvas: &mut Canvas,
-    places: &[Option<Place>],
+    points: &[Option<Point>],
     found: &[Excursion],
     p_at: &dyn Fn(usize) -> Option<f64>,
-    in_words: &dyn Fn(&Excursion) -> String,
+    describe: &dyn Fn(&Excursion) -> String,
 ) {
-    canvas.path("track faint", &line::through(places.iter().copied()));
+    canvas.path("track faint", &path_data::through(points.iter().copied()));
     for excursion in found {
-        // From the last place inside to the first one back.
-        let rows = excursion.first.saturating_sub(1)..(excursion.end + 1).min(places.len());
-        canvas.path("out", &line::through(rows.map(|row| places[row])));
+        // From the last point inside to the first one back inside.
+        let rows = excursion.first.saturating_sub(1)..(excursion.end + 1).min(points.len());
+        canvas.path("out", &path_data::through(rows.map(|row| points[row])));
     }
-    // Numbered in time; where there is no room for all, the largest ones.
+    // Numbers in the order of time; where there is no room for all, those of the largest excursions.
     let mut order: Vec<usize> = (0..found.len()).collect();
-    let size = |index: usize| found[index].h * found[index].b_s;
-    order.sort_by(|a, b| size(*b).total_cmp(&size(*a)));
-    let mut taken: Vec<Place> = Vec::new();
+    let area = |index: usize| found[index].h * found[index].b_s;
+    order.sort_by(|a, b| area(*b).total_cmp(&area(*a)));
+    let mut numbered: Vec<Point> = Vec::new();
     for index in order {
         let excursion = &found[index];
-        let Some(place) = places.get(peak(excursion, p_at)).copied().flatten() else { continue };
-        if taken.len() >= MOST_NUMBERED || taken.iter().any(|other| distance(*other, place) < APART) {
+        let Some(point) = points.get(peak_row(excursion, p_at)).copied().flatten() else { continue };
+        if numbered.len() >= MAX_NUMBERED
+            || numbered.iter().any(|other| distance(*other, point) < MIN_NUMBER_DISTANCE)
+        {
             continue;
         }
-        taken.push(place);
-        canvas.circle("h", place, 1.2, Some(&in_words(excursion)));
+        numbered.push(point);
+        canvas.circle("h", point, 1.2, Some(&describe(excursion)));
         let label = format!("{}", index + 1);
-        canvas.text_on_lines("t-out small", Anchor::Middle, (place.0, place.1 - 3.0), &label);
+        canvas.text_on_lines("t-out small", Anchor::Middle, (point.0, point.1 - 3.0), &label);
     }
-    let mut known = places.iter().flatten();
+    let mut known = points.iter().flatten();
     if let Some(first) = known.next() {
         canvas.circle("start", *first, 3.2, Some("start"));
         canvas.circle("end", *known.next_back().unwrap_or(first), 3.4, Some("end"));

@@ -1,74 +1,74 @@
 //! Scales and their ticks.
 
-use super::text::number;
+use super::text::format_number;
 
-/// Values to places on paper, evenly.
+/// A linear map of values to coordinates on the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     /// First and last value.
     pub(super) values: (f64, f64),
-    /// Where those lie.
-    pub(super) places: (f64, f64),
+    /// Their coordinates, units of paper.
+    pub(super) paper: (f64, f64),
 }
 
 impl Scale {
-    /// Where a value lies.
+    /// Coordinate of a value.
     pub(super) fn at(&self, value: f64) -> f64 {
-        let ((low, high), (from, to)) = (self.values, self.places);
+        let ((low, high), (from, to)) = (self.values, self.paper);
         if high > low { from + (value - low) / (high - low) * (to - from) } else { 0.5 * (from + to) }
     }
 
-    /// Units of paper to one of values.
+    /// Units of paper per unit of the value.
     pub(super) fn per_value(&self) -> f64 {
-        let ((low, high), (from, to)) = (self.values, self.places);
+        let ((low, high), (from, to)) = (self.values, self.paper);
         if high > low { ((to - from) / (high - low)).abs() } else { 0.0 }
     }
 
-    /// Ticks within its values.
-    pub(super) fn ticks(&self, about: usize) -> Ticks {
-        Ticks::within(self.values.0, self.values.1, about)
+    /// About `count` ticks within the values.
+    pub(super) fn ticks(&self, count: usize) -> Ticks {
+        Ticks::within(self.values.0, self.values.1, count)
     }
 }
 
 /// Ticks at round values.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ticks {
-    /// Where.
+    /// Values of the ticks.
     pub(super) values: Vec<f64>,
     decimals: usize,
 }
 
 impl Ticks {
-    /// About so many, a step of 1, 2 or 5 times a power of ten apart.
-    pub(super) fn within(low: f64, high: f64, about: usize) -> Self {
-        let rough = (high - low) / about.max(1) as f64;
-        if !rough.is_finite() || rough <= 0.0 {
+    /// About `count` ticks, at multiples of 1, 2 or 5 times a power of ten.
+    pub(super) fn within(low: f64, high: f64, count: usize) -> Self {
+        let rough_step = (high - low) / count.max(1) as f64;
+        if !rough_step.is_finite() || rough_step <= 0.0 {
             return Self { values: vec![low], decimals: 1 };
         }
         let (mut power, mut decimals) = (1.0, 0_usize);
-        while power > rough {
+        while power > rough_step {
             power /= 10.0;
             decimals += 1;
         }
-        while power * 10.0 <= rough {
+        while power * 10.0 <= rough_step {
             power *= 10.0;
         }
-        let step = [1.0, 2.0, 5.0].iter().map(|by| by * power).find(|step| *step >= rough);
+        let step = [1.0, 2.0, 5.0].iter().map(|by| by * power).find(|step| *step >= rough_step);
         let step = step.unwrap_or(10.0 * power);
         if step >= 10.0 * power {
             decimals = decimals.saturating_sub(1);
         }
         let slack = 1e-9 * step;
         let first = ((low - slack) / step).ceil();
-        let count = ((high + slack) / step).floor() - first;
+        let steps = ((high + slack) / step).floor() - first;
         let values =
-            (0..=count.clamp(0.0, 100.0) as i64).map(|index| (first + index as f64) * step).collect();
+            (0..=steps.clamp(0.0, 100.0) as i64).map(|index| (first + index as f64) * step).collect();
         Self { values, decimals }
     }
 
-    /// Values with what stands beside them.
+    /// The values with their labels.
     pub(super) fn labelled(&self) -> impl Iterator<Item = (f64, String)> {
-        self.values.iter().map(|value| (*value, number(*value, self.decimals)))
+        self.values.iter().map(|value| (*value, format_number(*value, self.decimals)))
     }
 }
 

@@ -1,11 +1,11 @@
-//! The sensitivity of every trial of an arena as a dot, a row for each set, with the mean, its 95 % interval (Student)
-//! and the published value.
+//! Figure of the sensitivities of an arena: a dot for each trial, a row for each set, with the mean, its 95 % interval
+//! (Student) and the published value.
 
 use super::canvas::{Anchor, Canvas, distance};
 use super::figure::Figure;
 use super::scale::Scale;
-use super::sets::Group;
-use super::text::{counted, optional};
+use super::text::{count_of, number_or_dash};
+use super::trial_group::TrialGroup;
 use crate::campaign::statistics::mean_interval;
 use crate::metrics::Arena;
 
@@ -15,16 +15,16 @@ const TOP: f64 = 30.0;
 const ROW: f64 = 84.0;
 const BELOW: f64 = 40.0;
 const RADIUS: f64 = 3.8;
-/// Dots stand so far off the middle of their row at most.
-const MOST_OFF: f64 = 22.0;
+/// Largest distance of a dot from the middle of its row.
+const MAX_OFFSET: f64 = 22.0;
 
 /// The figure of an arena; `None` where no trial has a sensitivity.
-pub(super) fn figure(name: &str, arena: Option<Arena>, groups: &[Group<'_>]) -> Option<Figure> {
+pub(super) fn figure(name: &str, arena: Option<Arena>, groups: &[TrialGroup<'_>]) -> Option<Figure> {
     let published = arena.map(Arena::published_sensitivity);
     let values = groups.iter().flat_map(|group| group.values(|metrics| metrics.sensitivity));
     let largest = values.reduce(f64::max)?;
-    let most = 1.06 * published.map_or(largest, |published| largest.max(published)).max(0.1);
-    let scale = Scale { values: (0.0, most), places: ENDS };
+    let max_sensitivity = 1.06 * published.map_or(largest, |published| largest.max(published)).max(0.1);
+    let scale = Scale { values: (0.0, max_sensitivity), paper: ENDS };
     let bottom = TOP + groups.len() as f64 * ROW;
     let mut canvas = Canvas::default();
     for (value, label) in scale.ticks(8).labelled() {
@@ -42,17 +42,17 @@ pub(super) fn figure(name: &str, arena: Option<Arena>, groups: &[Group<'_>]) -> 
     for (row, group) in groups.iter().enumerate() {
         draw_row(&mut canvas, group, &scale, TOP + row as f64 * ROW);
     }
-    let where_ =
+    let place =
         arena.map_or_else(|| "other scenarios".to_owned(), |arena| format!("arena {}", arena.number()));
     let rows = groups.iter().map(|group| {
         let mean = group.summary().pooled.mean_sensitivity;
-        format!("{}: {} trials, mean {}. ", group.set.name, group.trials.len(), optional(mean, 4))
+        format!("{}: {} trials, mean {}. ", group.set.name, group.trials.len(), number_or_dash(mean, 4))
     });
-    let titles = (format!("Sensitivity per trial, {where_}"), rows.collect());
+    let titles = (format!("Sensitivity per trial, {place}"), rows.collect());
     Some(Figure::new(name.to_owned(), titles, (WIDTH, bottom + BELOW), canvas))
 }
 
-fn draw_row(canvas: &mut Canvas, group: &Group<'_>, scale: &Scale, top: f64) {
+fn draw_row(canvas: &mut Canvas, group: &TrialGroup<'_>, scale: &Scale, top: f64) {
     let middle = top + 0.5 * ROW + 9.0;
     canvas.line("grid", (ENDS.0, top), (ENDS.1, top));
     let values = group.values(|metrics| metrics.sensitivity);
@@ -72,8 +72,8 @@ fn draw_row(canvas: &mut Canvas, group: &Group<'_>, scale: &Scale, top: f64) {
     let label = format!(
         "{} \u{00b7} {} \u{00b7} mean {}",
         group.set.name,
-        counted(group.trials.len(), "trial"),
-        optional(mean, 4)
+        count_of(group.trials.len(), "trial"),
+        number_or_dash(mean, 4)
     );
     canvas.text_on_lines("name", Anchor::End, (ENDS.1, top + 15.0), &label);
     let mut dots: Vec<(f64, String, bool)> = group
@@ -82,26 +82,30 @@ fn draw_row(canvas: &mut Canvas, group: &Group<'_>, scale: &Scale, top: f64) {
         .filter_map(|trial| {
             let metrics = &trial.entry.metrics;
             let sensitivity = metrics.sensitivity?;
-            let good = metrics.succeeded() && !metrics.ends_outside;
-            Some((scale.at(sensitivity), format!("{}: {sensitivity:.3}", trial.entry.name), good))
+            let is_good = metrics.is_success() && !metrics.ends_outside;
+            Some((scale.at(sensitivity), format!("{}: {sensitivity:.3}", trial.entry.name), is_good))
         })
         .collect();
     dots.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut placed: Vec<(f64, f64)> = Vec::new();
-    for (x, tip, good) in dots {
-        let y = free_place(&placed, x, middle);
+    for (x, tip, is_good) in dots {
+        let y = free_y(&placed, x, middle);
         placed.push((x, y));
-        canvas.circle(if good { "dot" } else { "dot bad" }, (x, y), RADIUS, Some(&tip));
+        canvas.circle(if is_good { "dot" } else { "dot bad" }, (x, y), RADIUS, Some(&tip));
     }
 }
 
-/// The place nearest to the middle of the row where a dot meets no other.
-fn free_place(placed: &[(f64, f64)], x: f64, middle: f64) -> f64 {
+/// The y nearest to the middle of the row at which a dot at `x` overlaps no other.
+fn free_y(placed: &[(f64, f64)], x: f64, middle: f64) -> f64 {
     let step = 2.0 * RADIUS + 0.6;
     let free = |y: f64| placed.iter().all(|other| distance(*other, (x, y)) >= step);
-    let offs = (0..7).map(|index: i32| {
+    let offsets = (0..7).map(|index: i32| {
         let half = f64::from((index + 1) / 2) * 0.9 * step;
         if index % 2 == 0 { half } else { -half }
     });
-    offs.filter(|off| off.abs() <= MOST_OFF).map(|off| middle + off).find(|y| free(*y)).unwrap_or(middle)
+    offsets
+        .filter(|offset| offset.abs() <= MAX_OFFSET)
+        .map(|offset| middle + offset)
+        .find(|y| free(*y))
+        .unwrap_or(middle)
 }

@@ -1,12 +1,12 @@
-//! Colours and lines of figures: one palette, by day and by night.
+//! Colours and strokes of figures: one palette, for light and dark screens.
 
 use std::fmt::Write as _;
 
-/// A colour of the palette: name, by day, by night.
+/// A colour of the palette: name, value in the light scheme, value in the dark scheme.
 type Colour = (&'static str, &'static str, &'static str);
 
-/// Ink and paper first, then what carries meaning: `track` for what the target did, `out` for excursions, `region` for
-/// the boundary that P = 1 is, `pitch` and `yaw` for commands.
+/// `track` is for the target's path, `out` for excursions, `region` for the boundary P = 1, `pitch` and `yaw` for
+/// commands.
 const PALETTE: [Colour; 9] = [
     ("paper", "#fdfcf9", "#15191c"),
     ("ink", "#20272b", "#e8e5de"),
@@ -19,7 +19,7 @@ const PALETTE: [Colour; 9] = [
     ("yaw", "#28607c", "#86bcd6"),
 ];
 
-/// Selectors of figures, with what they are painted with. `%name` is a colour of the palette.
+/// Style rules: selector and declarations. `%name` stands for a colour of the palette.
 const RULES: [(&str, &str); 37] = [
     (".fig .sheet", "fill:%paper;stroke:none"),
     (
@@ -63,22 +63,22 @@ const RULES: [(&str, &str); 37] = [
     (".fig .mean", "stroke:%ink;stroke-width:2.4"),
 ];
 
-/// The style of figures by day.
-pub(super) fn by_day() -> String {
-    painted(|(_, day, _)| day)
+/// The style of figures in the light scheme.
+fn light() -> String {
+    rules_with_colours(|(_, light, _)| light)
 }
 
-/// The style of figures by night.
-pub(super) fn by_night() -> String {
-    painted(|(_, _, night)| night)
+/// The style of figures in the dark scheme.
+fn dark() -> String {
+    rules_with_colours(|(_, _, dark)| dark)
 }
 
-/// The style of figures by day, and by night where the reader's screen is dark.
-pub(super) fn by_day_and_night() -> String {
-    format!("{}@media screen and (prefers-color-scheme:dark){{{}}}", by_day(), by_night())
+/// The style of figures: the light scheme, and the dark one where the reader's screen is dark.
+pub(super) fn light_and_dark() -> String {
+    format!("{}@media screen and (prefers-color-scheme:dark){{{}}}", light(), dark())
 }
 
-/// The palette as properties of a page, `--ink` and so on.
+/// The palette as custom properties of a page: `--ink` and so on.
 pub(super) fn properties() -> String {
     let all = |which: fn(Colour) -> &'static str| {
         PALETTE.iter().fold(String::new(), |mut text, colour| {
@@ -88,12 +88,12 @@ pub(super) fn properties() -> String {
     };
     format!(
         ":root{{color-scheme:light dark;{}}}@media screen and (prefers-color-scheme:dark){{:root{{{}}}}}",
-        all(|(_, day, _)| day),
-        all(|(_, _, night)| night)
+        all(|(_, light, _)| light),
+        all(|(_, _, dark)| dark)
     )
 }
 
-fn painted(which: fn(Colour) -> &'static str) -> String {
+fn rules_with_colours(which: fn(Colour) -> &'static str) -> String {
     RULES.iter().fold(String::new(), |mut text, (selector, rule)| {
         let mut rule = (*rule).to_owned();
         for colour in PALETTE {

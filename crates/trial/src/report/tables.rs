@@ -1,15 +1,18 @@
-//! Tables of the page: the figures of each arena beside the published ones, and the list of all trials.
+//! Tables of the page: the metrics of each arena beside the published ones, and the list of all trials.
 
-use super::sets::{Group, SetKind};
-use super::text::{escaped, number, optional};
-use super::{ReportedTrial, sparkline};
+use maud::{Markup, PreEscaped, html};
+
+use super::reported_trial::{ReportedTrial, SetKind};
+use super::sparkline;
+use super::text::{Text, format_number, number_or_dash};
+use super::trial_group::TrialGroup;
 use crate::campaign::statistics::mean_interval;
 use crate::metrics::{Arena, TrialMetrics};
 
-/// The normalised sensitivity as published, of both arenas.
+/// The published normalised sensitivity of both arenas, 1/s.
 const PUBLISHED_NORMALISED: &str = "0.034";
 
-/// A mean over trials: what it is called, its unit, its decimals, and where a trial has it.
+/// A mean over trials: name, unit, decimals, and the value of a trial.
 type Mean = (&'static str, &'static str, usize, fn(&TrialMetrics) -> Option<f64>);
 
 const MEANS: [Mean; 8] = [
@@ -23,120 +26,186 @@ const MEANS: [Mean; 8] = [
     ("Share of time moving", "%", 0, |m| m.duty.map(|duty| 100.0 * duty)),
 ];
 
-/// The figures of one arena, sets side by side.
-pub(super) fn of_arena(arena: Option<Arena>, groups: &[Group<'_>]) -> String {
-    let mut rows: Vec<(String, &str, Vec<String>)> = Vec::new();
-    let mut row =
-        |name: &str, unit: &'static str, published: Option<String>, of: &dyn Fn(&Group<'_>) -> String| {
-            let mut cells = Vec::new();
-            if arena.is_some() {
-                cells.push(published.unwrap_or_else(|| "\u{2013}".to_owned()));
+/// The metrics of one arena, sets side by side.
+pub(super) fn arena_table(arena: Option<Arena>, groups: &[TrialGroup<'_>]) -> Markup {
+    html! {
+        div class="scroll" {
+            table class="figures" {
+                thead {
+                    tr {
+                        th {}
+                        @if arena.is_some() { th { "Published" } }
+                        @for group in groups { th { (Text(&group.set.name)) } }
+                    }
+                }
+                tbody {
+                    @for row in ArenaRows::new(arena, groups).rows {
+                        tr {
+                            th scope="row" { (row.name) " " small { (row.unit) } }
+                            @if let Some(published) = row.published { td class="published" { (published) } }
+                            @for cell in row.cells { td { (cell) } }
+                        }
+                    }
+                }
             }
-            cells.extend(groups.iter().map(of));
-            rows.push((name.to_owned(), unit, cells));
-        };
-    row("Trials", "", None, &|group| group.trials.len().to_string());
-    row("Success", "see above", Some("100\u{a0}%<small>claimed</small>".to_owned()), &|group| {
-        let (all, good) = (group.trials.len(), group.succeeded());
-        format!("{}\u{a0}%<small>{good} of {all}</small>", number(100.0 * good as f64 / all.max(1) as f64, 0))
-    });
-    row("Ends outside", "trials", None, &|group| {
-        group.trials.iter().filter(|trial| trial.entry.metrics.ends_outside).count().to_string()
-    });
-    let published = arena.map(|arena| format!("<b>{:.4}</b>", arena.published_sensitivity()));
-    row("Mean sensitivity", "1/s", published, &|group| {
-        let mean = group.summary().pooled.mean_sensitivity;
-        let interval = interval(&group.values(|metrics| metrics.sensitivity), 2);
-        format!("<b>{}</b>{interval}", optional(mean, 4))
-    });
-    let published = arena
-        .map(|arena| format!("{PUBLISHED_NORMALISED}<small>n = {}</small>", number(arena.published_n(), 0)));
-    row("Normalised by n", "1/s", published, &|group| {
-        let pooled = group.summary().pooled;
-        let n = pooled.mean_sensitivity.zip(pooled.normalised_sensitivity).map(|(mean, by_n)| mean / by_n);
-        let n = n
-            .filter(|n| n.is_finite())
-            .map(|n| format!("<small>n = {}</small>", number(n, usize::from(arena.is_none()))));
-        format!("{}{}", optional(pooled.normalised_sensitivity, 4), n.unwrap_or_default())
-    });
-    for (name, unit, decimals, of) in MEANS {
-        row(name, unit, None, &|group| {
-            let values = group.values(of);
-            let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-            format!("{}{}", optional(mean, decimals), interval(&values, decimals))
+        }
+    }
+}
+
+/// A row of an arena's table.
+struct ArenaRow {
+    name: &'static str,
+    unit: &'static str,
+    /// The published figure; `None` outside the paper's arenas.
+    published: Option<Markup>,
+    /// A cell for each group.
+    cells: Vec<Markup>,
+}
+
+/// The rows of an arena's table.
+struct ArenaRows<'a> {
+    arena: Option<Arena>,
+    groups: &'a [TrialGroup<'a>],
+    rows: Vec<ArenaRow>,
+}
+
+impl<'a> ArenaRows<'a> {
+    fn new(arena: Option<Arena>, groups: &'a [TrialGroup<'a>]) -> Self {
+        let mut rows = Self { arena, groups, rows: Vec::new() };
+        rows.add_counts();
+        rows.add_sensitivities();
+        for (name, unit, decimals, value_of) in MEANS {
+            rows.add(name, unit, None, |group| {
+                let values = group.values(value_of);
+                let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+                html! { (number_or_dash(mean, decimals)) (interval(&values, decimals)) }
+            });
+        }
+        rows
+    }
+
+    /// Adds a row; a published figure of `None` is shown as a dash.
+    fn add(
+        &mut self,
+        name: &'static str,
+        unit: &'static str,
+        published: Option<Markup>,
+        cell: impl Fn(&TrialGroup<'_>) -> Markup,
+    ) {
+        let published = self.arena.map(|_| published.unwrap_or_else(|| html! { "\u{2013}" }));
+        self.rows.push(ArenaRow { name, unit, published, cells: self.groups.iter().map(cell).collect() });
+    }
+
+    fn add_counts(&mut self) {
+        self.add("Trials", "", None, |group| html! { (group.trials.len()) });
+        let published = html! { "100\u{a0}%" small { "claimed" } };
+        self.add("Success", "see above", Some(published), |group| {
+            let (all, good) = (group.trials.len(), group.success_count());
+            let percent = format_number(100.0 * good as f64 / all.max(1) as f64, 0);
+            html! { (percent) "\u{a0}%" small { (good) " of " (all) } }
+        });
+        self.add("Ends outside", "trials", None, |group| {
+            let outside = group.trials.iter().filter(|trial| trial.entry.metrics.ends_outside);
+            html! { (outside.count()) }
         });
     }
-    let mut html = String::from("<div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>");
-    if arena.is_some() {
-        html += "<th>Published</th>";
+
+    fn add_sensitivities(&mut self) {
+        let arena = self.arena;
+        let published = arena.map(|arena| html! { b { (format!("{:.4}", arena.published_sensitivity())) } });
+        self.add("Mean sensitivity", "1/s", published, |group| {
+            let mean = group.summary().pooled.mean_sensitivity;
+            let interval = interval(&group.values(|metrics| metrics.sensitivity), 2);
+            html! { b { (number_or_dash(mean, 4)) } (interval) }
+        });
+        let published = arena.map(|arena| {
+            html! { (PUBLISHED_NORMALISED) small { "n = " (format_number(arena.published_n(), 0)) } }
+        });
+        self.add("Normalised by n", "1/s", published, |group| {
+            let pooled = group.summary().pooled;
+            let n =
+                pooled.mean_sensitivity.zip(pooled.normalised_sensitivity).map(|(mean, by_n)| mean / by_n);
+            html! {
+                (number_or_dash(pooled.normalised_sensitivity, 4))
+                @if let Some(n) = n.filter(|n| n.is_finite()) {
+                    small { "n = " (format_number(n, usize::from(arena.is_none()))) }
+                }
+            }
+        });
     }
-    for group in groups {
-        html += &format!("<th>{}</th>", escaped(&group.set.name));
-    }
-    html += "</tr></thead><tbody>";
-    for (name, unit, cells) in rows {
-        html += &format!("<tr><th scope=\"row\">{} <small>{unit}</small></th>", escaped(&name));
-        for (index, cell) in cells.iter().enumerate() {
-            let class = if arena.is_some() && index == 0 { " class=\"published\"" } else { "" };
-            html += &format!("<td{class}>{cell}</td>");
+}
+
+/// The 95 % interval of a mean; empty where it is undefined.
+fn interval(values: &[f64], decimals: usize) -> Markup {
+    html! {
+        @if let Some(interval) = mean_interval(values) {
+            small { (format_number(interval.low, decimals)) " to " (format_number(interval.high, decimals)) }
         }
-        html += "</tr>";
     }
-    html + "</tbody></table></div>"
 }
 
-/// The 95 % interval of a mean, where there is one.
-fn interval(values: &[f64], decimals: usize) -> String {
-    mean_interval(values).map_or_else(String::new, |interval| {
-        format!("<small>{} to {}</small>", number(interval.low, decimals), number(interval.high, decimals))
-    })
-}
-
-/// All trials, each with a small P over time; `link` says where the figures of a trial are.
-pub(super) fn of_trials(trials: &[ReportedTrial]) -> String {
-    let mut html = String::from(
-        "<div class=\"scroll\"><table class=\"trials\"><thead><tr><th>Trial</th><th>P over time</th><th>Length, s</th>\
-         <th>Excursions<small>complete</small></th><th>Outside, s</th><th>Largest P</th><th>\u{222b}|rate|, rad</th>\
-         <th>Moves</th><th>s, 1/s</th></tr></thead><tbody>",
-    );
-    for (index, trial) in trials.iter().enumerate() {
-        let m = &trial.entry.metrics;
-        let name = escaped(&trial.entry.name);
-        let (name, spark) = match &trial.course {
-            Some(course) => (
-                format!("<a href=\"#t{index}\">{name}</a>"),
-                sparkline::figure(&trial.entry.name, course).inline(),
-            ),
-            None => (name, "<small>metrics only</small>".to_owned()),
-        };
-        let complete = if m.complete_excursions == m.excursions {
-            String::new()
-        } else {
-            format!("<small>{} complete</small>", m.complete_excursions)
-        };
-        html += &format!(
-            "<tr><th scope=\"row\">{name}{}</th><td class=\"spark\">{spark}</td><td>{}</td><td>{}{complete}</td><td>{}</td>\
-             <td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-            flags(trial),
-            number(m.duration_s, 1),
-            m.excursions,
-            number(m.time_outside_s, 1),
-            optional(m.max_p, 2),
-            optional(m.travel_rad, 2),
-            m.moves.map_or_else(|| "\u{2013}".to_owned(), |moves| moves.to_string()),
-            optional(m.sensitivity, 3),
-        );
+/// All trials, each with a sparkline of P; the name links to the trial's figures.
+pub(super) fn trials_table(trials: &[ReportedTrial]) -> Markup {
+    html! {
+        div class="scroll" {
+            table class="trials" {
+                thead {
+                    tr {
+                        th { "Trial" }
+                        th { "P over time" }
+                        th { "Length, s" }
+                        th { "Excursions" small { "complete" } }
+                        th { "Outside, s" }
+                        th { "Largest P" }
+                        th { "\u{222b}|rate|, rad" }
+                        th { "Moves" }
+                        th { "s, 1/s" }
+                    }
+                }
+                tbody {
+                    @for (index, trial) in trials.iter().enumerate() { (trial_row(index, trial)) }
+                }
+            }
+        }
     }
-    html + "</tbody></table></div>"
 }
 
-/// What went wrong in a trial.
-pub(super) fn flags(trial: &ReportedTrial) -> &'static str {
+fn trial_row(index: usize, trial: &ReportedTrial) -> Markup {
+    let (m, name) = (&trial.entry.metrics, &trial.entry.name);
+    html! {
+        tr {
+            th scope="row" {
+                @if trial.trace.is_some() { a href={ "#t" (index) } { (Text(name)) } } @else { (Text(name)) }
+                (flags(trial))
+            }
+            td class="spark" {
+                @match &trial.trace {
+                    Some(trace) => (PreEscaped(sparkline::figure(name, trace).inline())),
+                    None => small { "metrics only" },
+                }
+            }
+            td { (format_number(m.duration_s, 1)) }
+            td {
+                (m.excursions)
+                @if m.complete_excursions != m.excursions { small { (m.complete_excursions) " complete" } }
+            }
+            td { (format_number(m.time_outside_s, 1)) }
+            td { (number_or_dash(m.max_p, 2)) }
+            td { (number_or_dash(m.travel_rad, 2)) }
+            td { @match m.moves { Some(moves) => (moves), None => "\u{2013}" } }
+            td { (number_or_dash(m.sensitivity, 3)) }
+        }
+    }
+}
+
+/// A mark where a trial failed or ends outside the region.
+pub(super) fn flags(trial: &ReportedTrial) -> Markup {
     let metrics = &trial.entry.metrics;
-    match (metrics.lost == Some(true), metrics.ends_outside) {
-        (true, _) if trial.set.kind == SetKind::Recorded => "<em>track lost</em>",
-        (true, _) => "<em>lost</em>",
-        (false, true) => "<em>ends outside</em>",
-        (false, false) => "",
-    }
+    let flag = match (metrics.lost == Some(true), metrics.ends_outside) {
+        (true, _) if trial.set.kind == SetKind::Recorded => Some("track lost"),
+        (true, _) => Some("lost"),
+        (false, true) => Some("ends outside"),
+        (false, false) => None,
+    };
+    html! { @if let Some(flag) = flag { em { (flag) } } }
 }

@@ -38,7 +38,7 @@ proptest! {
     }
 }
 
-/// Every byte of the lengths in the first chunk, each in turn as large as it can be.
+/// Sets each byte of the first record's length in turn to its largest value.
 #[test]
 fn a_record_that_reaches_beyond_its_chunk_is_refused() {
     let bytes = written(&every_kind());
@@ -56,7 +56,7 @@ fn a_record_that_reaches_beyond_its_chunk_is_refused() {
 }
 
 #[test]
-fn a_schema_in_a_syntax_that_nobody_knows_is_refused() {
+fn a_schema_in_an_unknown_syntax_is_refused() {
     let mut bytes = written(&every_kind());
     let places: Vec<_> =
         bytes.windows(6).enumerate().filter(|(_, text)| text == b"proto3").map(|(at, _)| at).collect();

@@ -1,7 +1,7 @@
 //! Recorded positions through the law.
 
 use barrelman_control::LawSettings;
-use barrelman_trial::law::law_over;
+use barrelman_trial::law::run_open_loop;
 use barrelman_trial::logs::{laboratory, read_text};
 use barrelman_vocab::{ImagePoint, VehicleProfile, VehicleRates};
 
@@ -15,7 +15,7 @@ fn the_law_sees_positions_only() {
     let profile = VehicleProfile::fotokite_pro();
     let law = |text: &str| {
         let log = read_text(text).unwrap().log;
-        law_over(&log, log.region(profile.region), &profile, LawSettings::Schema)
+        run_open_loop(&log, log.region(profile.region), &profile, LawSettings::MotorSchema)
     };
     let found = law(&with("0,0,0"));
     let asked: Vec<VehicleRates> = found.iter().map(|row| row.rates).collect();
@@ -31,7 +31,7 @@ fn the_law_sees_positions_only() {
 fn the_law_asks_for_nothing_while_the_target_is_lost() {
     let text = "time_s,x,y,pitch_rate,yaw_rate\n0,250,0,0,0\n1,,,0,0\n";
     let (log, profile) = (read_text(text).unwrap().log, VehicleProfile::fotokite_pro());
-    let found = law_over(&log, log.region(profile.region), &profile, LawSettings::Schema);
+    let found = run_open_loop(&log, log.region(profile.region), &profile, LawSettings::MotorSchema);
     assert_eq!((found[0].rates, found[1].rates), (rates(-0.3, 0.0), VehicleRates::REST));
     assert_eq!(found[1].target, None);
 }

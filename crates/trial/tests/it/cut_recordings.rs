@@ -1,11 +1,11 @@
-//! Recordings that end in the middle, as that of a killed process does.
+//! Truncated recordings, as of a killed process.
 
 use barrelman_trial::records::{Entry, ReadError, RecordedInput, RecordingWriter};
 use barrelman_vocab::unit::UnitCodec;
 
 use crate::entries::{input, outcome, read, start, unit, written};
 
-/// A recording that was flushed after every second entry, and where its messages begin.
+/// A recording flushed after every second entry, and its entries.
 fn recording() -> (Vec<u8>, Vec<Entry>) {
     let entries = vec![
         Entry::Unit(unit(UnitCodec::H264AnnexB, &[0, 0, 0, 1, 9, 0xf0])),
@@ -29,19 +29,19 @@ fn recording() -> (Vec<u8>, Vec<Entry>) {
 #[test]
 fn a_recording_cut_at_any_byte_is_read_up_to_the_cut() {
     let (bytes, entries) = recording();
-    let mut most = 0;
+    let mut max_found = 0;
     for length in 0..bytes.len() {
         let (found, error) = read(&bytes[..length]);
         assert!(entries.starts_with(&found), "cut at {length}");
-        assert!(found.len() >= most, "cut at {length}: fewer entries than before");
-        most = found.len();
+        assert!(found.len() >= max_found, "cut at {length}: fewer entries than before");
+        max_found = found.len();
         match error {
-            Some(ReadError::CutOff) => assert!(!found.is_empty(), "cut at {length}"),
+            Some(ReadError::Truncated) => assert!(!found.is_empty(), "cut at {length}"),
             Some(ReadError::Container(_)) => assert!(found.is_empty(), "cut at {length}"),
             other => panic!("cut at {length}: {other:?}"),
         }
     }
-    assert_eq!(most, entries.len());
+    assert_eq!(max_found, entries.len());
 }
 
 #[test]

@@ -1,12 +1,13 @@
-//! Entries to record, and the way to a recording and back.
+//! Sample entries, and writing and reading them.
 
 use core::time::Duration;
 
 use barrelman_control::{Percept, Sector};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
+use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{
-    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
+    Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
     RecordingStart, RecordingWriter,
 };
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
@@ -30,6 +31,7 @@ pub(crate) fn start() -> RecordingStart {
         video: "file:clip.mp4".to_owned(),
         link: String::new(),
         live_video: true,
+        behaviour: BehaviourVersions { tracker: 3, law: 2 },
     }
 }
 
@@ -43,7 +45,7 @@ pub(crate) fn written(entries: &[Entry]) -> Vec<u8> {
     bytes
 }
 
-/// The entries that can be read, and what stopped the reader.
+/// The entries that can be read, and the error that stopped the reader.
 pub(crate) fn read(bytes: &[u8]) -> (Vec<Entry>, Option<ReadError>) {
     let mut entries = Vec::new();
     let mut reader = RecordingReader::new(bytes);
@@ -51,7 +53,7 @@ pub(crate) fn read(bytes: &[u8]) -> (Vec<Entry>, Option<ReadError>) {
         match entry {
             Ok(entry) => entries.push(entry),
             Err(error) => {
-                assert!(reader.next().is_none(), "a reader that failed reads on");
+                assert!(reader.next().is_none(), "a reader that failed returns nothing more");
                 return (entries, Some(error));
             }
         }
@@ -59,8 +61,8 @@ pub(crate) fn read(bytes: &[u8]) -> (Vec<Entry>, Option<ReadError>) {
     (entries, None)
 }
 
-/// Writes and reads, and holds what was read against what was written, to the bit: a float's debug text is exact,
-/// and tells -0.0 from 0.0.
+/// Writes and reads entries and checks that they are equal to the bit: the debug text of a float is exact and
+/// distinguishes -0.0 from 0.0.
 #[track_caller]
 pub(crate) fn check(entries: &[Entry]) {
     let (found, error) = read(&written(entries));
@@ -93,8 +95,8 @@ pub(crate) fn unit(codec: UnitCodec, payload: &'static [u8]) -> EncodedUnit {
     }
 }
 
-/// A localisation all of whose numbers are `value`.
-pub(crate) fn seen(value: f64) -> Localisation {
+/// A localisation with `value` for every number.
+pub(crate) fn localisation(value: f64) -> Localisation {
     Localisation {
         captured: ns(5),
         picture: PictureSize::new(640, 480),
@@ -106,7 +108,7 @@ pub(crate) fn seen(value: f64) -> Localisation {
     }
 }
 
-/// An outcome all of whose numbers are `value`.
+/// An outcome with `value` for every number.
 pub(crate) fn outcome(value: f64) -> RecordedOutcome {
     let rate = AngularRate::from_radians_per_second(value);
     let command = CameraCommand { pan: rate, tilt: rate };
@@ -114,7 +116,7 @@ pub(crate) fn outcome(value: f64) -> RecordedOutcome {
         step: 9,
         at: ns(1_000),
         mode: Mode::Servoing,
-        track: Track::Tracking(seen(value)),
+        track: Track::Tracking(localisation(value)),
         age: Some(Duration::from_nanos(200_000_001)),
         percept: Some(Percept {
             position: ImagePoint { x: value, y: value },
@@ -138,13 +140,13 @@ pub(crate) fn telemetry(report: Report) -> Entry {
     input(RecordedInput::Telemetry(Telemetry { at: ns(999), report }))
 }
 
-/// Every float of this lies in an entry of every kind that has floats.
+/// An entry of every kind that has floats, with `value` for each.
 pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
     let q = Quaternion { w: value, x: value, y: value, z: value };
     let bounds = PixelBox { u: value, v: value, w: value, h: value };
     vec![
-        input(RecordedInput::Localisation(Track::Tracking(seen(value)))),
-        input(RecordedInput::Localisation(Track::Coasting(seen(value)))),
+        input(RecordedInput::Localisation(Track::Tracking(localisation(value)))),
+        input(RecordedInput::Localisation(Track::Coasting(localisation(value)))),
         input(RecordedInput::Localisation(Track::Lost { since: ns(4), confidence: value })),
         input(RecordedInput::Request(OperatorRequest::Select(bounds))),
         telemetry(Report::VehicleAttitude(q)),
@@ -172,7 +174,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
     ]
 }
 
-/// Every kind of entry, with every variant that it has.
+/// Entries of every kind, with every variant.
 pub(crate) fn every_kind() -> Vec<Entry> {
     let mut entries = entries_with(0.25);
     let size = PictureSize::new(3, 1);
@@ -192,9 +194,15 @@ pub(crate) fn every_kind() -> Vec<Entry> {
     entries.extend(qualities.map(|quality| {
         let capture = Capture { at: ns(77), quality };
         let (sequence, luma_hash) = (u64::MAX, u64::MAX);
-        input(RecordedInput::Frame(FrameStamp { sequence, capture, size, colour: COLOURS[1], luma_hash }))
+        input(RecordedInput::Frame(FrameFingerprint {
+            sequence,
+            capture,
+            size,
+            colour: COLOURS[1],
+            luma_hash,
+        }))
     }));
-    let bare = Localisation { shape: None, heading: None, ..seen(0.5) };
+    let bare = Localisation { shape: None, heading: None, ..localisation(0.5) };
     entries.extend([
         input(RecordedInput::Localisation(Track::Unseeded)),
         input(RecordedInput::Localisation(Track::Tracking(bare))),
@@ -242,17 +250,17 @@ pub(crate) fn every_kind() -> Vec<Entry> {
     entries
 }
 
-/// What is true of a world at a time.
+/// The truth of a simulated world at a time.
 pub(crate) fn truth(at: Timestamp) -> RecordedTruth {
     RecordedTruth {
         tick: 3,
         at,
         target_m: (1.5, -2.0),
-        heading: Angle::from_radians(0.5),
+        target_heading: Angle::from_radians(0.5),
         camera_m: (0.1, 0.2, 1.83),
-        pan: Angle::from_radians(-0.25),
-        tilt: Angle::from_radians(-0.4),
-        image: ImagePoint { x: -300.0, y: 12.5 },
+        camera_pan: Angle::from_radians(-0.25),
+        camera_tilt: Angle::from_radians(-0.4),
+        target_position: ImagePoint { x: -300.0, y: 12.5 },
         in_picture: true,
         range_m: 3.5,
     }

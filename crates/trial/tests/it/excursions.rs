@@ -1,18 +1,18 @@
-//! Excursions and what is counted of them. All figures are worked out by hand.
+//! Excursions and their metrics. All expected values are computed by hand.
 
 use barrelman_trial::logs::TrialLog;
-use barrelman_trial::metrics::{Excursion, excursions};
+use barrelman_trial::metrics::{Excursion, find_excursions};
 
-use crate::trial_logs::{PICTURE, REGION, drawn, measured};
+use crate::trial_logs::{PICTURE, REGION, log_from, measured};
 
 #[test]
 fn an_excursion_is_a_maximal_run_outside() {
     let check = |rows: &str, expected: &[(usize, usize, bool, f64, f64)]| {
         let expected: Vec<Excursion> = expected
             .iter()
-            .map(|&(first, end, complete, h, b_s)| Excursion { first, end, complete, h, b_s })
+            .map(|&(first, end, is_complete, h, b_s)| Excursion { first, end, is_complete, h, b_s })
             .collect();
-        assert_eq!(excursions(&drawn(rows), REGION), expected, "{rows}");
+        assert_eq!(find_excursions(&log_from(rows), REGION), expected, "{rows}");
     };
     check("", &[]);
     check("....", &[]);
@@ -28,9 +28,9 @@ fn an_excursion_is_a_maximal_run_outside() {
 #[test]
 fn a_row_without_a_position_goes_on_with_what_was_before_it() {
     let check = |rows: &str, expected: &[(usize, usize, bool, f64)]| {
-        let found: Vec<_> = excursions(&drawn(rows), REGION)
+        let found: Vec<_> = find_excursions(&log_from(rows), REGION)
             .iter()
-            .map(|excursion| (excursion.first, excursion.end, excursion.complete, excursion.b_s))
+            .map(|excursion| (excursion.first, excursion.end, excursion.is_complete, excursion.b_s))
             .collect();
         assert_eq!(found, expected, "{rows}");
     };
@@ -62,7 +62,7 @@ fn what_a_log_cannot_tell_is_absent() {
     assert_eq!((nothing.samples, nothing.duration_s, nothing.max_p), (0, 0.0, None));
     assert_eq!((nothing.mean_h, nothing.mean_b_s, nothing.sensitivity), (None, None, None));
     assert_eq!((nothing.duty, nothing.ends_outside), (None, false));
-    // Not a negative zero, either.
+    // Zero without a sign.
     assert_eq!(measured("....").time_outside_s.to_string(), "0");
     let never_back = measured(".cc");
     assert_eq!((never_back.sensitivity, never_back.max_p), (None, Some(9.0)));
@@ -83,7 +83,7 @@ fn a_trial_ends_outside_where_its_last_known_position_does() {
 fn the_border_is_within_five_percent_of_the_pictures_edge() {
     let check = |x: f64, y: f64, expected_s: f64| {
         let position = Some(barrelman_vocab::ImagePoint { x, y });
-        let log = crate::trial_logs::of_rows([(position, None)]);
+        let log = crate::trial_logs::log_from_rows([(position, None)]);
         let border_s = barrelman_trial::metrics::measure(&log, REGION, PICTURE).border_s;
         assert_eq!(border_s, expected_s, "{x}, {y}");
     };
@@ -97,18 +97,18 @@ fn the_border_is_within_five_percent_of_the_pictures_edge() {
 
 #[test]
 fn rows_need_not_come_at_a_steady_rate() {
-    let mut log: TrialLog = drawn(".ab.");
+    let mut log: TrialLog = log_from(".ab.");
     for (row, time_s) in log.rows.iter_mut().zip([0.0, 1.0, 3.0, 7.0]) {
         row.time_s = time_s;
     }
-    let [excursion] = excursions(&log, REGION)[..] else { panic!("one excursion") };
+    let [excursion] = find_excursions(&log, REGION)[..] else { panic!("one excursion") };
     assert_eq!((excursion.h, excursion.b_s), (3.0, 6.0));
     assert_eq!(log.duration_s(), 7.5);
 }
 
 #[test]
 fn an_excursion_of_no_duration_has_no_sensitivity() {
-    let mut log = drawn(".a.b.");
+    let mut log = log_from(".a.b.");
     for (row, time_s) in log.rows.iter_mut().zip([0.0, 1.0, 1.0, 2.0, 4.0]) {
         row.time_s = time_s;
     }

@@ -183,5 +183,6 @@ fn a_message_that_lies_in_its_own_kind_has_columns_to_the_first_of_them() {
     .unwrap();
     assert_eq!(rows.len(), 1);
     assert_eq!(rows[0].columns, ["log_time_ns", "next", "weight"]);
-    assert_eq!(rows[0].cells, ["8", "", "5"]);
+    assert_eq!(rows[0].cells, ["8", "\"{\"\"weight\"\":6}\"", "5"]);
+    assert_eq!(rows[0].json_columns, ["next"]);
 }

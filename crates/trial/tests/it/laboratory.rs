@@ -1,16 +1,17 @@
-//! The authors' 30 laboratory logs: the law gives their commands, the metrics give their figures.
+//! The authors' 30 laboratory logs: the law reproduces their commands, the metrics their published means.
 //!
-//! The logs lie beside the repository. Where they are absent there is nothing to check, except on the build server.
+//! The logs are stored outside the repository. Where they are absent, these tests check nothing; on the build server they
+//! fail.
 
 use std::path::{Path, PathBuf};
 
 use barrelman_control::LawSettings;
-use barrelman_trial::law::law_over;
+use barrelman_trial::law::run_open_loop;
 use barrelman_trial::logs::{TrialLog, laboratory, read_text};
 use barrelman_trial::metrics::{Arena, TrialEntry, TrialMetrics, measure, summarise};
 use barrelman_vocab::VehicleProfile;
 
-/// Every log's name and text; `None` where there are none.
+/// Name and text of every log; `None` where the folder is absent.
 #[allow(clippy::print_stdout, reason = "a test that checks nothing says why")]
 pub(crate) fn logs() -> Option<Vec<(String, String)>> {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/trials");
@@ -32,17 +33,17 @@ pub(crate) fn logs() -> Option<Vec<(String, String)>> {
 
 fn log_of(text: &str) -> TrialLog {
     let read = read_text(text).unwrap();
-    assert_eq!(read.cut_at_line, None);
+    assert_eq!(read.truncated_at_line, None);
     read.log
 }
 
-/// The fields of every row as they stand in the file.
+/// The fields of every row, unparsed.
 fn fields(text: &str) -> Vec<Vec<&str>> {
     let rows = text.strip_prefix(laboratory::HEADER).unwrap().lines();
     rows.map(|row| row.split(',').collect()).collect()
 }
 
-/// The same log without its pitch, yaw and P.
+/// The log with blank pitch, yaw and P.
 fn blanked(text: &str) -> String {
     let mut blank = laboratory::HEADER.to_owned();
     for row in fields(text) {
@@ -65,7 +66,7 @@ fn the_law_gives_every_recorded_command_and_p_from_the_positions_alone() {
     for (name, text) in &logs {
         let log = log_of(text);
         let region = log.region(profile.region);
-        let law = law_over(&log, region, &profile, LawSettings::Schema);
+        let law = run_open_loop(&log, region, &profile, LawSettings::MotorSchema);
         for (asked, (recorded, cells)) in law.iter().zip(log.rows.iter().zip(fields(text))) {
             assert_eq!(Some(asked.rates), recorded.rates, "{name}, row {}", asked.row);
             let (p, recorded_p) = (asked.target.unwrap().1, cells[4].parse::<f64>().unwrap());
@@ -73,7 +74,11 @@ fn the_law_gives_every_recorded_command_and_p_from_the_positions_alone() {
             assert!((p - recorded_p).abs() <= 1e-5 * p.max(1.0), "{name}, row {}: {p}", asked.row);
             rows += 1;
         }
-        assert_eq!(law, law_over(&log_of(&blanked(text)), region, &profile, LawSettings::Schema), "{name}");
+        assert_eq!(
+            law,
+            run_open_loop(&log_of(&blanked(text)), region, &profile, LawSettings::MotorSchema),
+            "{name}"
+        );
     }
     assert_eq!(rows, 71_914);
 }
@@ -88,7 +93,7 @@ fn the_metrics_give_the_published_means() {
     };
     let summary = summarise(logs.iter().map(entry).collect());
     assert_eq!(summary.pooled.mean_sensitivity, None);
-    // What the definition of the sensitivity gives on these logs, to half a unit of the last published digit more.
+    // Means by this definition of the sensitivity, and the published divisor n.
     let check = |number: &str, trials: usize, mean: f64, n: f64| {
         let figures = &summary.arenas[number];
         let found = figures.pooled.mean_sensitivity.unwrap();
@@ -109,8 +114,8 @@ fn the_metrics_give_the_published_means() {
     assert_eq!(outside, ["arena2_03", "arena2_04", "arena2_05", "arena2_07"]);
 }
 
-/// Excursions, complete ones, seconds outside, commands begun (from rest or from another one), largest P,
-/// sensitivity: worked out from the same logs by another program. Tolerances are half a unit of the last digit that it printed.
+/// Name, excursions, complete excursions, time outside in s, commands begun (from rest or from another command), largest
+/// P, sensitivity, computed from the same logs by another program. Tolerances: half a unit of its last printed digit.
 const EACH_TRIAL: [(&str, usize, usize, f64, usize, f64, f64); 30] = [
     ("arena1_01", 17, 17, 24.2, 20, 2.65, 0.304),
     ("arena1_02", 16, 16, 16.9, 18, 1.53, 0.314),

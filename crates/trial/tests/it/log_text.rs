@@ -1,17 +1,17 @@
-//! Logs as text: what is read, and what is said of what cannot be.
+//! Reading logs as text, and the errors of logs that cannot be read.
 
-use barrelman_trial::logs::{LogError, ReadLog, exported, laboratory, read_text};
+use barrelman_trial::logs::{LogError, ParsedLog, exported, laboratory, read_text};
 use barrelman_vocab::{ImagePoint, PictureSize};
 use proptest::prelude::*;
 
 use crate::trial_logs::rates;
 
-/// A laboratory log: the header runs into the first row.
-fn laboratory_log(rows: &str) -> Result<ReadLog, LogError> {
+/// Reads a laboratory log, whose first row follows the header without a line end.
+fn laboratory_log(rows: &str) -> Result<ParsedLog, LogError> {
     read_text(&format!("{}{rows}", laboratory::HEADER))
 }
 
-fn exported_log(rows: &str) -> Result<ReadLog, LogError> {
+fn exported_log(rows: &str) -> Result<ParsedLog, LogError> {
     read_text(&format!("{}\n{rows}", exported::HEADER))
 }
 
@@ -19,15 +19,15 @@ fn exported_log(rows: &str) -> Result<ReadLog, LogError> {
 fn laboratory_rows_have_seven_fields_or_six() {
     let check = |rows: &str| {
         let read = laboratory_log(rows).unwrap();
-        assert_eq!((read.log.rows.len(), read.cut_at_line), (2, None), "{rows}");
+        assert_eq!((read.log.rows.len(), read.truncated_at_line), (2, None), "{rows}");
         let [first, second] = read.log.rows[..] else { panic!("two rows") };
         assert_eq!(first.position, Some(ImagePoint { x: -78.0, y: 17.5 }));
         assert_eq!(first.rates, Some(rates(0.3, -0.25)));
         assert_eq!((first.time_s, second.time_s), (0.0, 1.0 / 37.23));
-        assert_eq!(read.log.last_row_s, 1.0 / 37.23);
+        assert_eq!(read.log.last_row_duration_s, 1.0 / 37.23);
         assert_eq!(read.log.frame, PictureSize::new(640, 480));
         assert_eq!(read.log.picture, PictureSize::new(640, 360));
-        assert!(!read.log.knows_lost);
+        assert!(!read.log.records_track_loss);
     };
     check("-78,17.5,-0.25,0.3,0.18,0.000000,1493598415\n-77,14,0,0,0.17,0,1493598415\n");
     check("-78,17.5,-0.25,0.3,0.18,1493598415\n-77,14,0,0,0.17,1493598415\n");
@@ -39,8 +39,8 @@ fn laboratory_rows_have_seven_fields_or_six() {
 #[test]
 fn blank_commands_are_commands_that_the_log_does_not_tell() {
     let read = laboratory_log("1,2,,,,0,9\n3,4,0.3,,,0,9\n5,6,,0.3,,0,9\n7,8,0.3,0,,0,9\n").unwrap();
-    let told: Vec<_> = read.log.rows.iter().map(|row| row.rates).collect();
-    assert_eq!(told, [None, None, None, Some(rates(0.0, 0.3))]);
+    let rates_of_rows: Vec<_> = read.log.rows.iter().map(|row| row.rates).collect();
+    assert_eq!(rates_of_rows, [None, None, None, Some(rates(0.0, 0.3))]);
     assert!(read.log.rows.iter().all(|row| row.position.is_some()));
 }
 
@@ -48,7 +48,7 @@ fn blank_commands_are_commands_that_the_log_does_not_tell() {
 fn a_last_line_without_its_end_is_a_cut_that_is_named() {
     let check = |rows: &str, whole: usize, line: usize| {
         let read = laboratory_log(rows).unwrap();
-        assert_eq!((read.log.rows.len(), read.cut_at_line), (whole, Some(line)), "{rows}");
+        assert_eq!((read.log.rows.len(), read.truncated_at_line), (whole, Some(line)), "{rows}");
     };
     check("1,2,0,0,0,0,9\n3,4,0,0,0,0,9", 1, 2);
     check("1,2,0,0,0,0,9\n3,", 1, 2);
@@ -99,7 +99,7 @@ fn an_exported_log_goes_by_the_names_of_its_columns() {
         assert_eq!(first.position, Some(ImagePoint { x: 1.0, y: 2.0 }));
         assert_eq!((first.rates, second.rates), (Some(rates(0.3, 0.1)), Some(rates(0.0, 0.0))));
         // Times count from the first row.
-        assert_eq!((first.time_s, second.time_s, read.log.last_row_s), (0.0, 0.5, 0.5));
+        assert_eq!((first.time_s, second.time_s, read.log.last_row_duration_s), (0.0, 0.5, 0.5));
     };
     check("time_s,x,y,pitch_rate,yaw_rate\n10,1,2,0.1,0.3\n10.5,1,2,0,0\n");
     check("yaw_rate,pitch_rate,note,y,x,time_s\n0.3,0.1,hm,2,1,10\n0,0,,2,1,10.5\n");
@@ -111,12 +111,12 @@ fn an_exported_log_goes_by_the_names_of_its_columns() {
 fn an_exported_log_tells_its_picture_and_its_lost_moments() {
     let read = exported_log("0,,,,0,0,idle,,\n1,5,6,0.1,0,0,idle,1280,720\n2,,,,0,0,idle,,\n").unwrap();
     let size = PictureSize::new(1280, 720);
-    assert_eq!((read.log.frame, read.log.picture, read.log.knows_lost), (size, size, true));
+    assert_eq!((read.log.frame, read.log.picture, read.log.records_track_loss), (size, size, true));
     let positions: Vec<_> = read.log.rows.iter().map(|row| row.position).collect();
     assert_eq!(positions, [None, Some(ImagePoint { x: 5.0, y: 6.0 }), None]);
     let plain = read_text("time_s,x,y,pitch_rate,yaw_rate\n0,1,2,0,0\n").unwrap().log;
     assert_eq!((plain.frame, plain.picture), (laboratory::FRAME, laboratory::PICTURE));
-    assert!(!plain.knows_lost);
+    assert!(!plain.records_track_loss);
 }
 
 #[test]
@@ -131,14 +131,14 @@ fn an_exported_log_that_cannot_be_understood_names_the_line() {
     check("0,a,2,3,0,0,idle,,\n", "line 2: x is \"a\", which is not a number");
     check(
         "1,1,2,3,0,0,idle,,\n0.5,1,2,3,0,0,idle,,\n",
-        "line 3: the time 0.5 s lies before that of the row above",
+        "line 3: the time 0.5 s is earlier than that of the row above",
     );
 }
 
 #[test]
 fn an_exported_log_may_be_cut() {
     let read = exported_log("0,1,2,3,0,0,idle,,\n1,1,2,3,0").unwrap();
-    assert_eq!((read.log.rows.len(), read.cut_at_line), (1, Some(3)));
+    assert_eq!((read.log.rows.len(), read.truncated_at_line), (1, Some(3)));
     assert_eq!(read_text(exported::HEADER), Err(LogError::Empty));
 }
 

@@ -1,4 +1,4 @@
-//! What logs, metrics, recordings and replays promise.
+//! Tests of logs, metrics, recordings, replay, simulated trials and reports.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
 #![allow(
     clippy::disallowed_methods,
@@ -20,6 +20,7 @@ mod trial_logs;
 mod any_bytes;
 mod cut_recordings;
 mod foreign_recordings;
+mod nested_schemas;
 mod recorded_logs;
 mod round_trips;
 mod tables;

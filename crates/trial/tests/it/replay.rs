@@ -1,11 +1,11 @@
-//! A recording through the pilot again.
+//! Replay of a recording.
 
 use core::time::Duration;
 
 use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
 use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingWriter};
-use barrelman_trial::replay::{Comparison, Replay};
+use barrelman_trial::replay::{Replay, ReplayComparison};
 use barrelman_vision::{CamShift, CamShiftConfig};
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::telemetry::{LinkState, Report};
@@ -20,20 +20,15 @@ const SIZE: PictureSize = PictureSize::new(640, 480);
 
 fn pilot(profile: &VehicleProfile) -> Pilot {
     let tracker = CamShift::new(CamShiftConfig::default()).unwrap();
-    Pilot::new(PilotSettings { profile: profile.clone(), law: LawSettings::Schema }, Box::new(tracker))
+    Pilot::new(PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema }, Box::new(tracker))
 }
 
 fn input(recorded: &RecordedInput) -> Input<'static> {
-    match *recorded {
-        RecordedInput::Localisation(track) => Input::Localisation(track),
-        RecordedInput::Telemetry(telemetry) => Input::Telemetry(telemetry),
-        RecordedInput::Request(request) => Input::Request(request),
-        RecordedInput::Tick => Input::Tick,
-        RecordedInput::Frame(_) => panic!("this trial has no video"),
-    }
+    recorded.to_input(|_| Err("this trial has no video")).unwrap()
 }
 
-/// What a pilot is told over the practice clip: truth with gaps, requests, telemetry, and the ticks it asks for.
+/// A recording of the practice clip: true localisations with gaps, requests, telemetry, and the ticks that the pilot asks
+/// for.
 fn trial(profile: &VehicleProfile) -> Vec<u8> {
     let clip = PracticeClip::new(SIZE, 1);
     let latency = Duration::from_millis(180);
@@ -76,29 +71,29 @@ fn trial(profile: &VehicleProfile) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
     let (mut step, mut wake_at) = (0, None::<Timestamp>);
-    let mut take = |now: Timestamp, recorded: RecordedInput| {
+    let mut record_step = |now: Timestamp, recorded: RecordedInput| {
         let outcome = pilot.step(input(&recorded), now);
         writer.write(&Entry::Input { step, now, input: recorded }).unwrap();
-        let rates = profile.outgoing(outcome.command);
+        let rates = profile.to_vehicle(outcome.command);
         writer.write(&Entry::Outcome(RecordedOutcome::new(step, &outcome, rates))).unwrap();
         step += 1;
         outcome.wake_at
     };
     for (now, recorded) in events {
         while let Some(tick_at) = wake_at.filter(|tick_at| *tick_at <= now) {
-            wake_at = take(tick_at, RecordedInput::Tick);
+            wake_at = record_step(tick_at, RecordedInput::Tick);
         }
-        wake_at = take(now, recorded);
+        wake_at = record_step(now, recorded);
     }
     writer.finish().unwrap();
     bytes
 }
 
-fn replayed(recording: &[u8], profile: &VehicleProfile) -> Comparison {
+fn replayed(recording: &[u8], profile: &VehicleProfile) -> ReplayComparison {
     let (entries, error) = read(recording);
     assert!(error.is_none(), "{error:?}");
     let mut replay = Replay::new(pilot(profile), profile.clone());
-    let mut comparison = Comparison::default();
+    let mut comparison = ReplayComparison::default();
     let mut again = None;
     for entry in entries {
         match entry {
@@ -118,9 +113,14 @@ fn a_recorded_trial_is_repeated_to_the_bit() {
     let recording = trial(&profile);
     let comparison = replayed(&recording, &profile);
     assert!(comparison.outcomes > 600, "{} outcomes", comparison.outcomes);
-    assert_eq!((comparison.commands_differ, comparison.outcomes_differ), (0, 0), "{:?}", comparison.first);
-    assert_eq!(comparison.first, None);
-    // The trial is no idle one, and recording it again gives the same file.
+    assert_eq!(
+        (comparison.commands_differ, comparison.outcomes_differ),
+        (0, 0),
+        "{:?}",
+        comparison.first_difference
+    );
+    assert_eq!(comparison.first_difference, None);
+    // The camera moves in this trial, and a second recording of it gives the same file.
     let commands = read(&recording).0.into_iter().filter_map(|entry| match entry {
         Entry::Outcome(outcome) => Some(outcome.command),
         _ => None,
@@ -135,18 +135,19 @@ fn a_changed_profile_shows_in_the_commands() {
     let profile = VehicleProfile::fotokite_pro();
     let recording = trial(&profile);
     let slow = AngularRate::from_radians_per_second(0.2);
-    let slower = VehicleProfile { schema: AxisRates { pan: slow, tilt: slow }, ..profile.clone() };
+    let slower =
+        VehicleProfile { motor_schema_rates: AxisRates { pan: slow, tilt: slow }, ..profile.clone() };
     let comparison = replayed(&recording, &slower);
     assert!(comparison.commands_differ > 100, "{}", comparison.commands_differ);
-    let (recorded, replayed_outcome) = *comparison.first.unwrap();
+    let (recorded, replayed_outcome) = *comparison.first_difference.unwrap();
     assert_eq!(recorded.step, replayed_outcome.step);
     assert_eq!(recorded.command.pan.abs().radians_per_second(), 0.3);
     assert_eq!(replayed_outcome.command.pan.abs().radians_per_second(), 0.2);
 
     let limited = VehicleProfile { limits: AxisRates { pan: slow, tilt: slow }, ..profile };
     let comparison = replayed(&recording, &limited);
-    let (recorded, replayed_outcome) = *comparison.first.unwrap();
-    // The limit works at the door alone.
+    let (recorded, replayed_outcome) = *comparison.first_difference.unwrap();
+    // The limit applies at the vehicle boundary, after the command.
     assert_eq!(recorded.command, replayed_outcome.command);
     assert_eq!(replayed_outcome.rates.yaw.abs().radians_per_second(), 0.2);
 }
@@ -156,11 +157,11 @@ fn a_difference_in_the_command_comes_before_one_in_anything_else() {
     let one = crate::entries::outcome(0.25);
     let noticed = RecordedOutcome { notice: "other".to_owned(), ..one.clone() };
     let faster = RecordedOutcome { command: crate::entries::outcome(0.5).command, ..one.clone() };
-    let mut comparison = Comparison::default();
+    let mut comparison = ReplayComparison::default();
     comparison.add(&one, &one);
     comparison.add(&one, &noticed);
     comparison.add(&one, &faster);
     comparison.add(&one, &noticed);
     assert_eq!((comparison.outcomes, comparison.commands_differ, comparison.outcomes_differ), (4, 1, 3));
-    assert_eq!(comparison.first, Some(Box::new((one, faster))));
+    assert_eq!(comparison.first_difference, Some(Box::new((one, faster))));
 }

@@ -1,41 +1,42 @@
-//! Figures and the page hold what they claim.
+//! Content of the report's figures and page.
 
 use barrelman_control::Region;
 use barrelman_trial::logs::{RowTruth, TrialLog, read_text};
-use barrelman_trial::metrics::{Arena, TrialEntry, excursions, measure};
+use barrelman_trial::metrics::{Arena, TrialEntry, find_excursions, measure};
 use barrelman_trial::report::{
-    Course, Figure, Report, ReportedTrial, SetKind, TrialSet, arena_path, commands, p_over_time, picture_path,
+    Figure, Report, ReportedTrial, SetKind, TrialSet, TrialTrace, commands, p_over_time, picture_path,
+    world_path,
 };
 use barrelman_vocab::{ImagePoint, VehicleProfile};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::laboratory::logs;
-use crate::trial_logs::{PICTURE, REGION, drawn, of_rows, rates};
+use crate::trial_logs::{PICTURE, REGION, log_from, log_from_rows, rates};
 
-/// A name that would break a page which does not escape it.
-const NASTY: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
+/// A name that breaks a page unless it is escaped.
+const HOSTILE_NAME: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
 
-fn course(rows: &str) -> Course {
-    Course { log: drawn(rows), region: REGION, shadow: None }
+fn trace(rows: &str) -> TrialTrace {
+    TrialTrace { log: log_from(rows), region: REGION, shadow: None }
 }
 
 fn reported(name: &str, log: TrialLog, region: Region, kind: SetKind) -> ReportedTrial {
     let metrics = measure(&log, region, log.picture);
     let entry = TrialEntry { name: name.to_owned(), arena: Arena::from_name(name), metrics };
     let set = TrialSet { kind, name: format!("set of {name}") };
-    ReportedTrial { entry, set, course: Some(Course { log, region, shadow: None }) }
+    ReportedTrial { entry, set, trace: Some(TrialTrace { log, region, shadow: None }) }
 }
 
 fn report(trials: Vec<ReportedTrial>) -> Report {
     Report { trials, version: "0.1.0".to_owned() }
 }
 
-/// Hands a figure's elements over; it must be XML.
-fn with_elements<R>(figure: &Figure, look: impl Fn(&Document<'_>) -> R) -> R {
+/// Parses a figure, which must be XML, and passes it to `inspect`.
+fn with_elements<R>(figure: &Figure, inspect: impl Fn(&Document<'_>) -> R) -> R {
     let svg = figure.svg();
     let document = Document::parse(&svg).unwrap_or_else(|error| panic!("{}: {error}\n{svg}", figure.name));
     assert_eq!(document.root_element().tag_name().namespace(), Some("http://www.w3.org/2000/svg"));
-    look(&document)
+    inspect(&document)
 }
 
 fn of_class<'a>(document: &'a Document<'_>, element: &str, class: &str) -> Vec<Node<'a, 'a>> {
@@ -52,11 +53,11 @@ fn place(node: &Node<'_, '_>, name: &str) -> f64 {
     node.attribute(name).unwrap().parse().unwrap()
 }
 
-/// Checks how many excursions are drawn, and how many of them are open.
+/// Checks the number of excursions in the figures of P and of the picture, and how many of them are open.
 #[track_caller]
 fn check_excursions(rows: &str, all: usize, open: usize) {
-    let course = course(rows);
-    let p = p_over_time::figure("p", "trial", &course);
+    let trace = trace(rows);
+    let p = p_over_time::figure("p", "trial", &trace);
     with_elements(&p, |document| {
         assert_eq!(of_class(document, "line", "b").len(), all, "{rows}: b");
         assert_eq!(of_class(document, "line", "h").len(), all, "{rows}: h");
@@ -65,10 +66,10 @@ fn check_excursions(rows: &str, all: usize, open: usize) {
             of_class(document, "line", "b").iter().filter(|b| b.attribute("class") == Some("b open")).count();
         assert_eq!(is_open, open, "{rows}: open");
     });
-    let picture = picture_path::figure("picture", "trial", &course);
+    let picture = picture_path::figure("picture", "trial", &trace);
     with_elements(&picture, |document| {
-        let ways_out: usize = of_class(document, "path", "out").len();
-        assert_eq!(ways_out, all, "{rows}: ways out in the picture");
+        let paths: usize = of_class(document, "path", "out").len();
+        assert_eq!(paths, all, "{rows}: excursions in the picture");
     });
 }
 
@@ -87,7 +88,7 @@ fn every_excursion_is_drawn_once() {
 #[test]
 fn the_boundary_lies_at_1_and_peaks_where_p_is() {
     // P is 0, 4, 0 and 9: h is 3 and 8, the boundary a ninth of the way from 0 to the highest peak.
-    let figure = p_over_time::figure("p", "trial", &course(".b.c."));
+    let figure = p_over_time::figure("p", "trial", &trace(".b.c."));
     with_elements(&figure, |document| {
         let [boundary] = of_class(document, "line", "bound")[..] else { panic!("one boundary") };
         let level = place(&boundary, "y1");
@@ -106,7 +107,7 @@ fn the_boundary_lies_at_1_and_peaks_where_p_is() {
 
 #[test]
 fn the_region_and_the_sectors_are_drawn_to_scale() {
-    let figure = picture_path::figure("picture", "trial", &course(".b."));
+    let figure = picture_path::figure("picture", "trial", &trace(".b."));
     with_elements(&figure, |document| {
         let [frame] = of_class(document, "rect", "frame")[..] else { panic!("one frame") };
         let [region] = of_class(document, "ellipse", "region")[..] else { panic!("one region") };
@@ -126,45 +127,47 @@ fn the_region_and_the_sectors_are_drawn_to_scale() {
 #[test]
 fn commands_are_steps_in_two_lanes() {
     let at = Some(ImagePoint { x: 0.0, y: 0.0 });
-    let log = of_rows(
+    let log = log_from_rows(
         [(0.0, 0.0), (0.3, 0.0), (0.3, 0.0), (0.0, -0.3), (0.0, 0.0)]
             .map(|(yaw, pitch)| (at, Some(rates(yaw, pitch)))),
     );
     let figure =
-        commands::figure("commands", "trial", &Course { log, region: REGION, shadow: None }).unwrap();
+        commands::figure("commands", "trial", &TrialTrace { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| {
         for word in ["pitch", "yaw"] {
             assert_eq!(of_class(document, "path", word).len(), 1, "{word}");
         }
     });
     assert!(figure.description.contains("1 starts of pitch, 1 of yaw"), "{}", figure.description);
-    let silent = of_rows([(at, None)]);
+    let silent = log_from_rows([(at, None)]);
     assert_eq!(
-        commands::figure("commands", "trial", &Course { log: silent, region: REGION, shadow: None }),
+        commands::figure("commands", "trial", &TrialTrace { log: silent, region: REGION, shadow: None }),
         None
     );
 }
 
 #[test]
 fn the_path_in_the_world_needs_the_truth() {
-    assert_eq!(arena_path::figure("world", "trial", &course(".b.")), None);
-    let mut log = drawn(".bb.a");
+    assert_eq!(world_path::figure("world", "trial", &trace(".b.")), None);
+    let mut log = log_from(".bb.a");
     let truth = (0..5).map(|row| RowTruth {
         out_of_picture: false,
-        achieved: None,
+        achieved_rates: None,
         target_m: (f64::from(row), 2.0),
         camera_m: (0.0, 0.0),
     });
     log.truth = Some(truth.collect());
-    let figure = arena_path::figure("world", "trial", &Course { log, region: REGION, shadow: None }).unwrap();
+    let figure =
+        world_path::figure("world", "trial", &TrialTrace { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| assert_eq!(of_class(document, "path", "out").len(), 2));
 }
 
 #[test]
 fn names_are_escaped_everywhere() {
-    let trial = reported(NASTY, drawn(".a.b."), REGION, SetKind::Recorded);
-    let alone = ReportedTrial { course: None, ..reported(NASTY, drawn("a"), REGION, SetKind::Laboratory) };
-    let lost = reported(NASTY, drawn(".------"), REGION, SetKind::Simulated);
+    let trial = reported(HOSTILE_NAME, log_from(".a.b."), REGION, SetKind::Recorded);
+    let alone =
+        ReportedTrial { trace: None, ..reported(HOSTILE_NAME, log_from("a"), REGION, SetKind::Laboratory) };
+    let lost = reported(HOSTILE_NAME, log_from(".------"), REGION, SetKind::Simulated);
     let report = report(vec![trial, alone, lost]);
     let page = report.page();
     assert!(!page.contains("<script>alert"), "{page}");
@@ -187,7 +190,7 @@ fn well_formed(page: &str) {
         panic!("{error}");
     }
     for outside in ["http-equiv", "src=", "href=\"http", "@import", "url("] {
-        assert!(!page.contains(outside), "the page needs something else: {outside}");
+        assert!(!page.contains(outside), "the page refers to something outside: {outside}");
     }
 }
 
@@ -195,7 +198,7 @@ fn well_formed(page: &str) {
 fn small_and_empty_reports_are_pages_too() {
     well_formed(&report(Vec::new()).page());
     for rows in ["", ".", "a", "-", "..", "a.", ".------"] {
-        let report = report(vec![reported("arena1_01", drawn(rows), REGION, SetKind::Laboratory)]);
+        let report = report(vec![reported("arena1_01", log_from(rows), REGION, SetKind::Laboratory)]);
         well_formed(&report.page());
         for figure in report.figures() {
             with_elements(&figure, |_| ());
@@ -216,7 +219,7 @@ fn small_and_empty_reports_are_pages_too() {
 #[test]
 fn the_claim_and_the_count_stand_beside_each_other() {
     let trials = ["....", ".aa.", "..aa"].into_iter().enumerate().map(|(index, rows)| {
-        let log = TrialLog { knows_lost: false, ..drawn(rows) };
+        let log = TrialLog { records_track_loss: false, ..log_from(rows) };
         let mut trial = reported(&format!("arena2_{index}"), log, REGION, SetKind::Laboratory);
         trial.set.name = "laboratory logs".to_owned();
         trial
@@ -247,7 +250,7 @@ fn the_laboratorys_logs_are_reported_as_they_are() {
         .collect();
     let counts: Vec<usize> = trials
         .iter()
-        .map(|trial| trial.course.as_ref().map_or(0, |course| excursions(&course.log, course.region).len()))
+        .map(|trial| trial.trace.as_ref().map_or(0, |trace| find_excursions(&trace.log, trace.region).len()))
         .collect();
     let report = report(trials);
     let page = report.page();
@@ -263,8 +266,8 @@ fn the_laboratorys_logs_are_reported_as_they_are() {
     let figures = report.figures();
     let of_p: Vec<&Figure> = figures.iter().filter(|figure| figure.name.ends_with("-p")).collect();
     for (figure, count) in of_p.iter().zip(&counts) {
-        let drawn = with_elements(figure, |document| of_class(document, "line", "b").len());
-        assert_eq!(drawn, *count, "{}", figure.name);
+        let lines = with_elements(figure, |document| of_class(document, "line", "b").len());
+        assert_eq!(lines, *count, "{}", figure.name);
     }
     for (figure, dots) in figures.iter().filter(|figure| figure.name.starts_with("sensitivity")).zip([13, 17])
     {

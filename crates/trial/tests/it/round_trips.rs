@@ -1,4 +1,4 @@
-//! What is written is read, to the bit.
+//! Entries are read as they were written, to the bit.
 
 use core::time::Duration;
 use std::cell::RefCell;
@@ -6,7 +6,7 @@ use std::io::Write;
 use std::rc::Rc;
 
 use barrelman_trial::records::{
-    Entry, FrameStamp, ReadError, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
+    Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::video::{Capture, CaptureQuality};
@@ -100,11 +100,11 @@ fn a_frame_is_told_by_its_luma_alone() {
     let picture = Picture::black(PictureSize::new(5, 3), COLOURS[0]);
     let stamp = |picture: &Picture| {
         let picture = std::sync::Arc::new(picture.clone());
-        FrameStamp::of(&VideoFrame { sequence: 4, capture: SENSOR, picture })
+        FrameFingerprint::from_frame(&VideoFrame { sequence: 4, capture: SENSOR, picture })
     };
     let black = stamp(&picture);
     assert_eq!((black.sequence, black.capture, black.size), (4, SENSOR, PictureSize::new(5, 3)));
-    // XXH3-64 of fifteen zero bytes: the stored hash must mean the same in every version.
+    // XXH3-64 of fifteen zero bytes: the hash must be the same in every version.
     assert_eq!(black.luma_hash, xxhash_rust::xxh3::xxh3_64(&[0; 15]));
     let (mut brighter, mut bluer) = (picture.clone(), picture);
     brighter.planes_mut()[0][14] = 1;
@@ -113,7 +113,7 @@ fn a_frame_is_told_by_its_luma_alone() {
     assert_eq!(stamp(&bluer), black);
 }
 
-/// An output that somebody else can look at while it is written.
+/// An output that can be read while it is written.
 #[derive(Clone, Default)]
 struct Shared(Rc<RefCell<Vec<u8>>>);
 
@@ -138,7 +138,7 @@ fn what_was_flushed_can_be_read_while_the_recording_goes_on() {
         expected.push(entry);
         writer.flush().unwrap();
         let (found, error) = read(&output.0.borrow());
-        assert!(matches!(error, Some(ReadError::CutOff)), "{error:?}");
+        assert!(matches!(error, Some(ReadError::Truncated)), "{error:?}");
         assert_eq!(found, expected);
     }
     writer.finish().unwrap();

@@ -1,27 +1,28 @@
-//! Simulated trials: world, sensor, pilot and back, in lock step.
+//! Simulated trials: world, sensor and pilot in lock step.
 
 use barrelman_control::{CentringGains, LawSettings};
 use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
-use barrelman_sim::chance::Wander;
-use barrelman_sim::electronics::ElectronicsScript;
+use barrelman_sim::electronics::ElectronicsModel;
 use barrelman_sim::pursuit::PursuitScript;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
-    AxisRanges, BeyondBorder, CameraSetup, FirstView, PlantRanges, Platform, Scenario, Sensing, TargetScript,
+    AxisRanges, BeyondBorder, CameraSetup, FirstView, PlantRanges, Platform, Scenario, SensorModel,
+    TargetScript,
 };
 use barrelman_sim::snapshot::Light;
 use barrelman_sim::sway::Sway;
-use barrelman_sim::video_link::VideoLinkScript;
+use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_sim::{MountPlant, Optics, Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
-use barrelman_trial::campaign::{DrawnEye, Simulation, Witness};
+use barrelman_trial::campaign::{RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::measure;
 use barrelman_vision::{CamShift, CamShiftConfig};
 use barrelman_vocab::{Angle, PictureSize, Timestamp, VehicleProfile, VehicleRates};
 
-/// A red target that goes to and fro before a camera 2 m high, faster than the camera likes.
+/// A red target that moves to and fro in front of a camera 2 m above ground.
 fn scenario(speed_m_per_s: f64) -> Scenario {
-    let none = Wander { deviation: 0.0, time_s: 1.0 };
+    let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
     let picture = PictureSize::new(320, 180);
     let same = AxisRanges {
         start_dead_time_s: (0.1, 0.1),
@@ -37,9 +38,9 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             frame: PictureSize::new(320, 240),
             pictures_per_second: 30,
             rolling_shutter_s: 0.0,
-            video: VideoLinkScript::steady(0.1),
+            video: VideoLinkModel::steady(0.1),
             first_view: FirstView::default(),
-            electronics: ElectronicsScript { brightness: none, white_balance: none, exposure_s: 0.0 },
+            electronics: ElectronicsModel { brightness: none, white_balance: none, exposure_s: 0.0 },
         },
         mount: MountPlant::laboratory(),
         ranges: PlantRanges {
@@ -49,19 +50,22 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             cross_talk: (0.0, 0.0),
             droop_rad_per_s: (0.0, 0.0),
         },
-        platform: Platform::Swaying(Sway { yaw: Wander { deviation: 0.01, time_s: 1.0 }, ..Sway::STILL }),
+        platform: Platform::Swaying(Sway {
+            yaw: OrnsteinUhlenbeck { std_dev: 0.01, time_constant_s: 1.0 },
+            ..Sway::STILL
+        }),
         water: None,
         light: Light { sun_bearing: Angle::ZERO, sun_elevation: Angle::from_degrees(60.0), overcast: 1.0 },
         target: TargetScript::Pursuit(PursuitScript {
             way_points: vec![(0.0, 4.0), (5.0, 4.0), (-5.0, 4.2), (3.0, 4.4)],
             speed_m_per_s,
-            speed_spread: 0.0,
-            gust: none,
-            weave: Wander { deviation: 0.0, time_s: 1.0 },
+            log_speed_std_dev: 0.0,
+            speed_variation: none,
+            weave: OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 },
             look_ahead_m: 0.4,
             way_point_jitter_m: 0.05,
             heading_gain: 3.5,
-            most_turn_rad_per_s: 2.5,
+            max_turn_rad_per_s: 2.5,
             surge_lag_s: 0.3,
             turn_lag_s: 0.1,
             corner_slow_down: 0.5,
@@ -70,18 +74,18 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             stand_after_s: 0.5,
             pauses_per_s: 0.0,
             range_exponent: 0.0,
-            leg_rhythm: 0.0,
+            leg_end_slow_down: 0.0,
             corner_pauses: 0.0,
             pause_s: 0.0,
         }),
-        things: Vec::new(),
-        sensing: Sensing {
-            noise: Wander { deviation: 0.3, time_s: 0.0 },
-            rounded: true,
+        objects: Vec::new(),
+        sensing: SensorModel {
+            noise: OrnsteinUhlenbeck { std_dev: 0.3, time_constant_s: 0.0 },
+            is_rounded: true,
             beyond_border: BeyondBorder::Absent,
             target_size_m: (0.3, 0.3),
         },
-        most_s: 40.0,
+        max_s: 40.0,
     }
 }
 
@@ -90,34 +94,34 @@ fn pilot(profile: &VehicleProfile, law: LawSettings) -> Pilot {
     Pilot::new(PilotSettings { profile: profile.clone(), law }, Box::new(tracker))
 }
 
-fn run(scenario: &Scenario, seed: u64, law: LawSettings, witness: &mut dyn Witness) -> TrialLog {
+fn run(scenario: &Scenario, seed: u64, law: LawSettings, observer: &mut dyn StepObserver) -> TrialLog {
     let profile = VehicleProfile::fotokite_pro();
     let world = World::new(scenario, seed).expect("a path");
-    Simulation::new(scenario, world, seed, pilot(&profile, law), &profile).run(None, witness)
+    Simulation::new(scenario, world, seed, pilot(&profile, law), &profile).run(None, observer)
 }
 
 #[test]
 fn the_same_seed_gives_the_same_log_and_another_does_not() {
     let scenario = scenario(1.2);
     assert_eq!(
-        run(&scenario, 3, LawSettings::Schema, &mut ()),
-        run(&scenario, 3, LawSettings::Schema, &mut ())
+        run(&scenario, 3, LawSettings::MotorSchema, &mut ()),
+        run(&scenario, 3, LawSettings::MotorSchema, &mut ())
     );
     assert_ne!(
-        run(&scenario, 3, LawSettings::Schema, &mut ()),
-        run(&scenario, 4, LawSettings::Schema, &mut ())
+        run(&scenario, 3, LawSettings::MotorSchema, &mut ()),
+        run(&scenario, 4, LawSettings::MotorSchema, &mut ())
     );
 }
 
 #[test]
 fn the_schema_brings_the_target_back() {
-    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut ());
+    let log = run(&scenario(1.2), 3, LawSettings::MotorSchema, &mut ());
     let region = log.region(VehicleProfile::fotokite_pro().region);
     let metrics = measure(&log, region, log.picture);
     assert!(metrics.complete_excursions >= 2, "{metrics:?}");
     assert_eq!(metrics.lost, Some(false), "{metrics:?}");
     assert!(metrics.jerk_rad_per_s3.is_some_and(|jerk| jerk > 0.0), "{metrics:?}");
-    // Wherever the target is outside and fresh, the camera turns at the schema's rate.
+    // Every command is at the rate of the motor schema.
     let effort = metrics.effort_rad2_per_s.expect("rates are known");
     let travel = metrics.travel_rad.expect("rates are known");
     assert!((effort - 0.3 * travel).abs() < 1e-9, "{effort} and {travel}");
@@ -129,7 +133,8 @@ fn a_camera_that_centres_works_more_and_the_target_leaves_less() {
         let log = run(&scenario(1.2), 3, law, &mut ());
         measure(&log, log.region(VehicleProfile::fotokite_pro().region), log.picture)
     };
-    let (schema, centre) = (figures(LawSettings::Schema), figures(LawSettings::Centre(CentringGains::USUAL)));
+    let (schema, centre) =
+        (figures(LawSettings::MotorSchema), figures(LawSettings::Centring(CentringGains::HAND_TUNED)));
     assert!(centre.time_outside_s < schema.time_outside_s, "{centre:?} and {schema:?}");
     assert!(centre.travel_rad > schema.travel_rad, "{centre:?} and {schema:?}");
     assert!(centre.duty > schema.duty, "{centre:?} and {schema:?}");
@@ -137,60 +142,60 @@ fn a_camera_that_centres_works_more_and_the_target_leaves_less() {
 
 #[test]
 fn a_target_that_outruns_the_camera_is_lost_by_its_truth() {
-    let log = run(&scenario(9.0), 3, LawSettings::Schema, &mut ());
+    let log = run(&scenario(9.0), 3, LawSettings::MotorSchema, &mut ());
     let metrics = measure(&log, log.region(VehicleProfile::fotokite_pro().region), log.picture);
     assert!(metrics.out_of_picture_s.is_some_and(|s| s > 1.0), "{metrics:?}");
 }
 
-/// Counts what a witness is told.
+/// Counts the calls of an observer.
 #[derive(Default)]
-struct Counting {
+struct CountingObserver {
     steps: usize,
     truths: usize,
     rates: Vec<VehicleRates>,
 }
 
-impl Witness for Counting {
-    fn step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, rates: VehicleRates) {
+impl StepObserver for CountingObserver {
+    fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, rates: VehicleRates) {
         self.steps += 1;
         self.rates.push(rates);
     }
 
-    fn truth(&mut self, _truth: &Truth) {
+    fn on_truth(&mut self, _truth: &Truth) {
         self.truths += 1;
     }
 }
 
 #[test]
-fn a_witness_is_told_of_every_picture_and_every_step() {
-    let mut witness = Counting::default();
-    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut witness);
-    assert!(witness.truths >= log.rows.len(), "{} pictures, {} rows", witness.truths, log.rows.len());
-    assert!(witness.steps > log.rows.len(), "the request to engage comes on top");
-    assert!(witness.rates.iter().any(|rates| !rates.is_rest()));
+fn an_observer_is_told_of_every_picture_and_every_step() {
+    let mut observer = CountingObserver::default();
+    let log = run(&scenario(1.2), 3, LawSettings::MotorSchema, &mut observer);
+    assert!(observer.truths >= log.rows.len(), "{} pictures, {} rows", observer.truths, log.rows.len());
+    assert!(observer.steps > log.rows.len(), "the request to engage is a step too");
+    assert!(observer.rates.iter().any(|rates| !rates.is_rest()));
 }
 
 #[test]
 fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
     let mut scenario = scenario(0.8);
-    scenario.most_s = 4.0;
+    scenario.max_s = 4.0;
     let profile = VehicleProfile::fotokite_pro();
     let pixels = |level| {
         let world = World::new(&scenario, 5).expect("a path");
-        let mut eye = DrawnEye::new(
+        let mut camera = RenderedCamera::new(
             &world,
             scenario.camera.clone(),
             5,
             Simd::at_most(level),
             &barrelman_sim::render::Serial,
         );
-        let pilot = pilot(&profile, LawSettings::Schema);
-        Simulation::new(&scenario, world, 5, pilot, &profile).run(Some(&mut eye), &mut ())
+        let pilot = pilot(&profile, LawSettings::MotorSchema);
+        Simulation::new(&scenario, world, 5, pilot, &profile).run(Some(&mut camera), &mut ())
     };
     let log = pixels(SimdLevel::Baseline);
     assert_eq!(log, pixels(SimdLevel::Avx512));
-    let by_truth = run(&scenario, 5, LawSettings::Schema, &mut ());
-    // Where the tracker sees it is where it is, within the size of the target.
+    let by_truth = run(&scenario, 5, LawSettings::MotorSchema, &mut ());
+    // The tracker's positions agree with the true ones within the size of the target.
     let pairs = log.rows.iter().zip(&by_truth.rows).skip(20).filter_map(|(a, b)| a.position.zip(b.position));
     let errors: Vec<f64> = pairs.map(|(a, b)| (a.x - b.x).hypot(a.y - b.y)).collect();
     assert!(errors.len() > 60, "{}", errors.len());
@@ -198,19 +203,18 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
     assert!(mean < 8.0, "{mean} px");
 }
 
-/// The schema on the bearings of a trial that the schema itself servoed: what it is said that it would have done is
-/// what it did.
+/// The motor schema, simulated on the bearings of its own trial, gives the commands of that trial.
 #[test]
 fn the_shadow_of_the_schema_is_the_schema() {
-    let log = run(&scenario(1.2), 3, LawSettings::Schema, &mut ());
+    let log = run(&scenario(1.2), 3, LawSettings::MotorSchema, &mut ());
     let mut profile = VehicleProfile::fotokite_pro();
     profile.video_latency = scenario(1.2).camera.latency();
     let region = log.region(profile.region);
-    let shadow = barrelman_trial::shadow::schema_over(&log, region, &profile);
+    let shadow = barrelman_trial::shadow::simulate_motor_schema(&log, region, &profile);
     let mut compared = 0;
     for (row, step) in log.rows.iter().zip(&shadow) {
         let (Some(rates), Some(step)) = (row.rates, step) else { continue };
-        assert_eq!(profile.outgoing(step.command), rates, "at {} s", row.time_s);
+        assert_eq!(profile.to_vehicle(step.command), rates, "at {} s", row.time_s);
         compared += 1;
     }
     assert!(compared > 300, "{compared} rows");

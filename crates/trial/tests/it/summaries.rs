@@ -1,11 +1,11 @@
-//! Several trials together.
+//! Summaries of several trials.
 
 use barrelman_trial::metrics::{Arena, Summary, TrialEntry, TrialMetrics, summarise};
 
 use crate::trial_logs::measured;
 
 fn arena(number: u8) -> Option<Arena> {
-    Arena::numbered(number)
+    Arena::from_number(number)
 }
 
 fn entry(name: &str, number: Option<Arena>, sensitivity: Option<f64>, excursions: usize) -> TrialEntry {

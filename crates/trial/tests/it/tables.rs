@@ -1,4 +1,4 @@
-//! Channels as tables.
+//! Channels of a recording as tables.
 
 use std::collections::BTreeMap;
 
@@ -150,6 +150,6 @@ fn a_cut_recording_gives_the_rows_before_the_cut() {
     let bytes = written(&every_kind());
     let (whole, _) = rows_of(&bytes);
     let (found, result) = rows_of(&bytes[..bytes.len() - 1]);
-    assert!(matches!(result, Err(ReadError::CutOff)), "{result:?}");
+    assert!(matches!(result, Err(ReadError::Truncated)), "{result:?}");
     assert_eq!(found, whole);
 }

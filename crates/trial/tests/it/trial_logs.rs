@@ -1,4 +1,4 @@
-//! Small logs to measure: half a second a row, in a region of 100 x 100 px.
+//! Small logs for tests of metrics: rows of 0.5 s, a circular region with a radius of 100 px.
 
 use barrelman_control::Region;
 use barrelman_trial::logs::{LogRow, TrialLog};
@@ -13,23 +13,23 @@ pub(crate) fn rates(yaw: f64, pitch: f64) -> VehicleRates {
     VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
 }
 
-pub(crate) fn of_rows(
+pub(crate) fn log_from_rows(
     rows: impl IntoIterator<Item = (Option<ImagePoint>, Option<VehicleRates>)>,
 ) -> TrialLog {
     let rows = rows.into_iter().enumerate();
     let rows = rows.map(|(row, (position, rates))| LogRow { time_s: row as f64 * 0.5, position, rates });
     TrialLog {
         rows: rows.collect(),
-        last_row_s: 0.5,
+        last_row_duration_s: 0.5,
         frame: PICTURE,
         picture: PICTURE,
-        knows_lost: true,
+        records_track_loss: true,
         truth: None,
     }
 }
 
-/// One character a row: `.` P = 0, `o` P = 1, `a` P = 2.25, `b` P = 4, `c` P = 9, `-` no position.
-pub(crate) fn drawn(rows: &str) -> TrialLog {
+/// A log with one character per row: `.` P = 0, `o` P = 1, `a` P = 2.25, `b` P = 4, `c` P = 9, `-` no position.
+pub(crate) fn log_from(rows: &str) -> TrialLog {
     let x = |row: char| match row {
         '.' => Some(0.0),
         'o' => Some(100.0),
@@ -37,11 +37,13 @@ pub(crate) fn drawn(rows: &str) -> TrialLog {
         'b' => Some(-200.0),
         'c' => Some(300.0),
         '-' => None,
-        other => panic!("no row is drawn as {other}"),
+        other => panic!("unknown row {other}"),
     };
-    of_rows(rows.chars().map(|row| (x(row).map(|x| ImagePoint { x, y: 0.0 }), Some(VehicleRates::REST))))
+    log_from_rows(
+        rows.chars().map(|row| (x(row).map(|x| ImagePoint { x, y: 0.0 }), Some(VehicleRates::REST))),
+    )
 }
 
 pub(crate) fn measured(rows: &str) -> TrialMetrics {
-    measure(&drawn(rows), REGION, PICTURE)
+    measure(&log_from(rows), REGION, PICTURE)
 }

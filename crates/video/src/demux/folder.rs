@@ -9,16 +9,16 @@ use std::path::{Path, PathBuf};
 
 use bytes::Bytes;
 
-use super::super::error::VideoError;
 use super::kind::{FileKind, HEAD_BYTES};
-use super::{cannot_read, capture_of};
+use super::stamp::capture_of;
+use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Pictures per second where the address does not say.
 pub const DEFAULT_FPS: f64 = 30.0;
 
 /// Largest picture file read, so that a stray file cannot take all memory.
-const LARGEST_FILE: u64 = 256 << 20;
+const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Reads the pictures of a folder one by one.
 pub struct FolderReader {
@@ -73,7 +73,7 @@ impl FolderReader {
         let size = fs::metadata(path).map_err(|error| cannot_read(path, error))?.len();
         let damaged =
             |what: &str| VideoError::Damaged { path: path.clone(), units: index, what: what.to_owned() };
-        if size > LARGEST_FILE {
+        if size > MAX_FILE_BYTES {
             return Err(damaged("the picture file is larger than 256 MiB"));
         }
         let file = fs::read(path).map_err(|error| cannot_read(path, error))?;

@@ -10,17 +10,17 @@ use std::path::{Path, PathBuf};
 
 use bytes::Bytes;
 
-use super::super::error::VideoError;
-use super::mp4_boxes::{TopBox, top_level};
+use super::mp4_boxes::{TopLevelBox, top_level};
 use super::mp4_index::{Index, IndexError};
-use super::{cannot_read, capture_at};
+use super::stamp::capture_at;
+use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, UnitCodec};
 
 /// Largest index read: 20 hours take about 40 MB.
-const LARGEST_INDEX: u64 = 512 << 20;
+const MAX_INDEX_BYTES: u64 = 512 << 20;
 
 /// Largest single picture read.
-const LARGEST_SAMPLE: u32 = 64 << 20;
+const MAX_SAMPLE_BYTES: u32 = 64 << 20;
 
 /// Reads the pictures of an MP4 file one by one.
 pub struct Mp4Reader {
@@ -51,8 +51,8 @@ impl Mp4Reader {
                  or repair it with `untrunc` and a whole recording of the same camera",
             )
         })?;
-        let content = |found: &TopBox| {
-            if found.end - found.content > LARGEST_INDEX {
+        let content = |found: &TopLevelBox| {
+            if found.end - found.content > MAX_INDEX_BYTES {
                 return Err(io::Error::other("its index is larger than 512 MiB"));
             }
             let mut content = vec![0; (found.end - found.content) as usize];
@@ -98,7 +98,7 @@ impl Mp4Reader {
         if sample.offset.saturating_add(u64::from(sample.size)) > self.file_size {
             return Err(self.damaged("the rest of the file is missing. Copy it again"));
         }
-        if sample.size > LARGEST_SAMPLE {
+        if sample.size > MAX_SAMPLE_BYTES {
             return Err(self.damaged("the next one is larger than 64 MiB"));
         }
         let mut bytes = vec![0; sample.size as usize];

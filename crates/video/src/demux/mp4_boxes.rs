@@ -11,7 +11,7 @@ pub(super) type BoxKind = [u8; 4];
 
 /// A box of the outermost level, by its place in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TopBox {
+pub(super) struct TopLevelBox {
     pub(super) kind: BoxKind,
     /// Where the box begins.
     pub(super) start: u64,
@@ -22,7 +22,7 @@ pub(super) struct TopBox {
 }
 
 /// The boxes of the outermost level, up to the end of the file or the first that makes no sense.
-pub(super) fn top_level(file: &File, file_size: u64) -> io::Result<Vec<TopBox>> {
+pub(super) fn top_level(file: &File, file_size: u64) -> io::Result<Vec<TopLevelBox>> {
     let mut boxes = Vec::new();
     let mut start = 0;
     while start + 8 <= file_size {
@@ -40,7 +40,7 @@ pub(super) fn top_level(file: &File, file_size: u64) -> io::Result<Vec<TopBox>> 
             size => (8, u64::from(size)),
         };
         let Some(end) = start.checked_add(size).filter(|_| size >= header) else { break };
-        boxes.push(TopBox { kind, start, content: start + header, end });
+        boxes.push(TopLevelBox { kind, start, content: start + header, end });
         start = end;
     }
     Ok(boxes)

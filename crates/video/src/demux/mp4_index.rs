@@ -10,7 +10,7 @@ use super::mp4_boxes::{BoxKind, Boxes, Fields};
 use barrelman_vocab::unit::Rotation;
 
 /// Most pictures in a file: 37 hours at 30 per second. More is taken for damage.
-const MOST_SAMPLES: usize = 4_000_000;
+const MAX_SAMPLES: usize = 4_000_000;
 
 /// One picture in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -232,9 +232,9 @@ fn sample_sizes(stsz: &[u8]) -> Option<Vec<u32>> {
     fields.skip(4)?;
     let (common, count) = (fields.u32()?, fields.u32()? as usize);
     if common != 0 {
-        return (count <= MOST_SAMPLES).then(|| vec![common; count]);
+        return (count <= MAX_SAMPLES).then(|| vec![common; count]);
     }
-    if fields.left() / 4 < count || count > MOST_SAMPLES {
+    if fields.left() / 4 < count || count > MAX_SAMPLES {
         return None;
     }
     (0..count).map(|_| fields.u32()).collect()
@@ -319,7 +319,7 @@ fn append_fragment(
             if flags & 0x4 != 0 {
                 run.skip(4)?;
             }
-            if samples.len().saturating_add(count) > MOST_SAMPLES {
+            if samples.len().saturating_add(count) > MAX_SAMPLES {
                 return None;
             }
             for _ in 0..count {

@@ -11,15 +11,15 @@ use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::{ColourEncoding, SampleRange};
 use bytes::Bytes;
 
-use super::super::error::VideoError;
-use super::{cannot_read, capture_at};
+use super::stamp::capture_at;
+use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Longest header line read.
-const LONGEST_LINE: u64 = 1024;
+const MAX_LINE_BYTES: u64 = 1024;
 
 /// Widest and highest picture read, so that a damaged header cannot ask for all memory.
-const LARGEST_SIDE: u32 = 8192;
+const MAX_SIDE: u32 = 8192;
 
 /// Reads the pictures of a Y4M file one by one.
 pub struct Y4mReader {
@@ -120,7 +120,7 @@ impl Y4mReader {
 
 fn read_line(input: &mut BufReader<File>) -> std::io::Result<Vec<u8>> {
     let mut line = Vec::new();
-    input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line)?;
+    input.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut line)?;
     Ok(line)
 }
 
@@ -150,9 +150,9 @@ impl Header {
             return Err(malformed("the header does not give width and height"));
         };
         let size = PictureSize::new(width, height);
-        if size.area() == 0 || width.max(height) > LARGEST_SIDE {
+        if size.area() == 0 || width.max(height) > MAX_SIDE {
             return Err(malformed(&format!(
-                "a picture of {size} is not possible (at most {LARGEST_SIDE} a side)"
+                "a picture of {size} is not possible (at most {MAX_SIDE} a side)"
             )));
         }
         let rate = rate.ok_or_else(|| malformed("the header does not give pictures per second"))?;

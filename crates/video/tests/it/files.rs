@@ -1,6 +1,7 @@
 //! Video files read and written, against what ffmpeg makes of the same files
 //! (`fixtures/video/expected.csv`, made by `fixtures/video/make.sh`).
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -335,6 +336,10 @@ fn scene(size: PictureSize, colour: ColourEncoding, shift: usize) -> Picture {
     picture
 }
 
+fn writer(path: &Path) -> Mp4Writer<File> {
+    Mp4Writer::new(File::create(path).unwrap(), path, SETTINGS)
+}
+
 #[test]
 fn pictures_written_are_read_back_with_their_times_and_colours() {
     let path = output("pictures.mp4");
@@ -345,7 +350,7 @@ fn pictures_written_are_read_back_with_their_times_and_colours() {
         let size = PictureSize::new(96, 64);
         // A varying rate, from some moment of the clock on.
         let times: Vec<_> = (0..45).map(|n| Duration::from_millis(7000 + 40 * n + n * n / 4)).collect();
-        let mut writer = Mp4Writer::create(&path, SETTINGS).unwrap();
+        let mut writer = writer(&path);
         for (shift, time) in times.iter().enumerate() {
             writer.write_picture(&scene(size, colour, shift), Timestamp::ZERO.plus(*time)).unwrap();
         }
@@ -373,7 +378,7 @@ fn units_written_are_read_back_unchanged() {
     for file in ["baseline.mp4", "high_b.mp4", "size_changes.mp4", "rotated_90.mp4", "vfr.mp4"] {
         let path = output(&format!("units_of_{file}"));
         let original = units(file);
-        let mut writer = Mp4Writer::create(&path, SETTINGS).unwrap();
+        let mut writer = writer(&path);
         original.iter().for_each(|unit| writer.write_unit(unit).unwrap());
         writer.finish().unwrap();
         let copy = units_of(&path);
@@ -392,7 +397,7 @@ fn units_written_are_read_back_unchanged() {
 #[test]
 fn an_odd_picture_loses_its_last_column_and_row_when_written() {
     let path = output("odd.mp4");
-    let mut writer = Mp4Writer::create(&path, SETTINGS).unwrap();
+    let mut writer = writer(&path);
     writer.write_picture(&scene(PictureSize::new(35, 27), ColourEncoding::JPEG, 0), Timestamp::ZERO).unwrap();
     writer.finish().unwrap();
     assert_eq!(read(path).0[0].picture.size(), PictureSize::new(34, 26));
@@ -400,7 +405,7 @@ fn an_odd_picture_loses_its_last_column_and_row_when_written() {
 
 #[test]
 fn a_full_disk_is_an_error_and_no_panic() {
-    let mut writer = Mp4Writer::create(Path::new("/dev/full"), SETTINGS).unwrap();
+    let mut writer = writer(Path::new("/dev/full"));
     let picture = scene(PictureSize::new(96, 64), ColourEncoding::JPEG, 0);
     let written = writer.write_picture(&picture, Timestamp::ZERO);
     let error = written.and_then(|()| writer.finish()).unwrap_err().to_string();
@@ -409,7 +414,7 @@ fn a_full_disk_is_an_error_and_no_panic() {
 
 #[test]
 fn a_file_without_a_picture_is_an_error() {
-    let error = Mp4Writer::create(&output("none.mp4"), SETTINGS).unwrap().finish().unwrap_err();
+    let error = writer(&output("none.mp4")).finish().unwrap_err();
     assert!(error.to_string().contains("no picture"), "{error}");
 }
 
@@ -417,7 +422,7 @@ fn a_file_without_a_picture_is_an_error() {
 fn ffmpeg_reads_what_is_written_without_a_warning() {
     let copy = output("for_ffmpeg.mp4");
     for file in ["baseline.mp4", "high_b.mp4", "size_changes.mp4", "rotated_270.mp4"] {
-        let mut writer = Mp4Writer::create(&copy, SETTINGS).unwrap();
+        let mut writer = writer(&copy);
         let original = units(file);
         original.iter().for_each(|unit| writer.write_unit(unit).unwrap());
         writer.finish().unwrap();

@@ -1,48 +1,51 @@
-//! The settings of the fused tracker.
+//! Settings of the fused tracker.
 
 use thiserror::Error;
 
-/// Settings of [`FusedTracker`](crate::FusedTracker). None of them was chosen for one recording: the table that
-/// `xtask acceptance tracker --leave-one-out` prints says what each clip would get from settings chosen without it.
+/// Settings of [`FusedTracker`](crate::FusedTracker). No default was chosen for a single recording: the leave-one-out
+/// table of the tracker's evaluation shows the result of each clip with settings chosen without it.
+///
+/// A *size* is the root of the area of the target's box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FusedConfig {
-    /// Side of the search window, in roots of the target's area; 2.5 to 6, default 4. Wider finds faster targets and
-    /// sees them coarser.
+    /// Side of the search window, in sizes; 2.5 to 6, default 4. A wider window covers faster targets at a lower
+    /// resolution.
     pub padding: f64,
-    /// How far around the target's box the correlation filter may reach, in sizes of the box; 1 to 2.5, default 1.5.
-    /// What is outside is not learned, so that the background cannot carry the filter away.
+    /// Support of the correlation filter, in multiples of the target's box; 1 to 2.5, default 1.5. Nothing outside it
+    /// is learned, so that the background cannot attract the filter.
     pub mask: f64,
-    /// Deviation of the wanted response, in roots of the target's area; 0.02 to 0.5, default 0.1.
+    /// Standard deviation of the desired response, in sizes; 0.02 to 0.5, default 0.1.
     pub response_deviation: f64,
-    /// Share by which a frame enters the filter's model; 0.001 to 0.5, default 0.025.
+    /// Learning rate of the filter's model per frame; 0.001 to 0.5, default 0.025.
     pub learning_rate: f64,
-    /// Share by which a look at the colours (every fourth frame) enters the histograms; 0 to 0.5, default 0.02.
+    /// Learning rate of the colour histograms per count, which is every fourth frame; 0 to 0.5, default 0.02.
     pub colour_rate: f64,
-    /// Weight of the colour's likeness beside the gradients; 0 to 4, default 0.8.
+    /// Weight of the target probability relative to the gradients; 0 to 4, default 0.8.
     pub colour_gain: f64,
-    /// Weight of the brightness beside the gradients; 0 to 4, default 1.
+    /// Weight of the brightness relative to the gradients; 0 to 4, default 1.
     pub brightness_gain: f64,
-    /// Steps in which sizes are tried, a factor above 1; 1.005 to 1.1, default 1.02.
+    /// Step of the scale search, a factor above 1; 1.005 to 1.1, default 1.02.
     pub scale_step: f64,
-    /// Steps in which turns are tried, degrees; 1 to 15, default 4.
+    /// Step of the rotation search, degrees; 1 to 15, default 4.
     pub turn_step_deg: f64,
-    /// What another size or turn must be better by: its response counts that much; 0.9 to 1, default 0.99.
+    /// Factor on the response at another scale or rotation before it is compared with the present one; 0.9 to 1,
+    /// default 0.99.
     pub change_gain: f64,
-    /// Evidence from which on the target counts as seen; 5 to 30, default 9. Evidence counts in deviations of the
-    /// response's sidelobes, moved by what the colour says.
+    /// Minimum evidence of a visible target; 5 to 30, default 9. Evidence is the peak-to-sidelobe ratio of the
+    /// response, corrected by the colour and by the height of the peak.
     pub seen: f64,
-    /// Evidence from which on the filter and the histograms learn; 5 to 40, default 11.
+    /// Minimum evidence of a frame that filter and histograms learn from; 5 to 40, default 11.
     pub learn: f64,
-    /// Evidence from which on a lost target counts as perhaps found again; 5 to 40, default 10.5.
+    /// Minimum evidence of a candidate for a lost target; 5 to 40, default 10.5.
     pub again: f64,
-    /// Evidence that the right colour adds and a wrong one takes away; 0 to 20, default 6.
+    /// Weight of the colour in the evidence: evidence per unit of relative contrast; 0 to 20, default 6.
     pub colour_evidence: f64,
-    /// Frames in a row that a target found again must be seen in before it is believed; 0 to 20, default 3.
+    /// Number of consecutive frames in which a re-detected target must be confirmed; 0 to 20, default 3.
     pub confirm: u32,
-    /// How long a track is carried on by prediction alone, seconds; 0 to 2, default 0.4.
+    /// Maximum duration of coasting, seconds; 0 to 2, default 0.4.
     pub coast_s: f64,
-    /// How much targets speed up and turn, in roots of their area per second squared and root of Hz; 0.1 to 100,
-    /// default 4.
+    /// Root of the spectral density of the target's acceleration, in sizes per second squared and root of Hz; 0.1 to
+    /// 100, default 4.
     pub agility: f64,
 }
 
@@ -71,10 +74,10 @@ impl Default for FusedConfig {
 }
 
 impl FusedConfig {
-    /// The same settings, if every one lies in its range.
+    /// Returns the same settings if all are in range.
     ///
     /// # Errors
-    /// Names the first setting that does not, its value and the range.
+    /// Names the first setting that is out of range, its value and the range.
     pub fn validated(self) -> Result<Self, FusedConfigError> {
         let ranges = [
             ("padding", self.padding, 2.5, 6.0),
@@ -95,26 +98,26 @@ impl FusedConfig {
             ("coast_s", self.coast_s, 0.0, 2.0),
             ("agility", self.agility, 0.1, 100.0),
         ];
-        for (name, value, least, most) in ranges {
-            // Written so that what is not a number is refused, too.
-            if !(value >= least && value <= most) {
-                return Err(FusedConfigError { name, value, least, most });
+        for (name, value, min, max) in ranges {
+            // Also refuses NaN.
+            if !(value >= min && value <= max) {
+                return Err(FusedConfigError { name, value, min, max });
             }
         }
         Ok(self)
     }
 }
 
-/// A setting outside its range.
+/// A setting that is out of range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("{name} = {value}: use {least} to {most}")]
+#[error("{name} = {value}: use {min} to {max}")]
 pub struct FusedConfigError {
-    /// Which setting.
+    /// Name of the setting.
     pub name: &'static str,
-    /// What it was set to.
+    /// Its value.
     pub value: f64,
-    /// The least that it may be.
-    pub least: f64,
-    /// The most that it may be.
-    pub most: f64,
+    /// Minimum, inclusive.
+    pub min: f64,
+    /// Maximum, inclusive.
+    pub max: f64,
 }

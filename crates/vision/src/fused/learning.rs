@@ -1,65 +1,66 @@
-//! What the filter and the colours learn: all of the selection, a little of every good frame.
+//! Learning: the whole appearance from the selection, a small share from each reliable frame.
 
 use barrelman_vocab::{Picture, PixelBox, VideoFrame};
 
-use super::Eyes;
+use super::appearance::Appearance;
 use super::config::FusedConfig;
-use super::evidence::Look;
 use super::extent::Extent;
+use super::geometry::TargetGeometry;
+use super::loss::LossState;
+use super::observation::Observation;
 use super::phase::Phase;
-use super::target::{Outline, Recognition, Target, Vanished};
-use crate::colour_model::{ColourModel, Region, count_colours};
-use crate::correlation::{CorrelationFilter, wanted_response};
-use crate::features::Place;
-use crate::fourier::{AREA, Map, SIDE, Spectrum};
+use super::prediction::TargetMotion;
+use super::reference_silhouette::ReferenceSilhouette;
+use super::target::{DriftCheck, Target};
+use super::workspace::Workspace;
+use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
+use crate::correlation::desired_response_spectrum;
+use crate::features::PatchPose;
+use crate::fourier::{AREA, Map, SIDE};
 use crate::gradients::CELL;
-use crate::heading::Heading;
-use crate::layout::Layout;
-use crate::motion::Axis;
+use crate::heading::HeadingEstimator;
 use crate::silhouette::Silhouette;
 
-/// Steps of the filter's solution at the selection, and for each frame, which goes on from the last.
-const FIRST_STEPS: usize = 6;
-const STEPS: usize = 2;
-/// The colours are counted again in each so many frames that are learned from.
-const COLOUR_EVERY: u32 = 4;
-/// Colour adapts only where it is still the target's: least share of the usual contrast.
-const OWN_COLOUR: f32 = 0.6;
-/// What is usual follows within about twenty frames.
+/// ADMM steps of the filter at the selection, and per learned frame, which continues from the last solution.
+const INITIAL_ADMM_STEPS: usize = 6;
+const ADMM_STEPS: usize = 2;
+/// The colours are counted in every so many learned frames.
+const COLOUR_INTERVAL: u32 = 4;
+/// Minimum relative contrast at which the colours adapt.
+const MIN_ADAPTED_CONTRAST: f32 = 0.6;
+/// Rate of the usual values: about twenty frames.
 const USUAL_RATE: f32 = 0.05;
-/// The same for the likeness of the colours, which is measured in each fourth frame only.
-const KINSHIP_RATE: f32 = 0.15;
-/// A first guess of the colours' usual likeness.
-const FIRST_KINSHIP: f32 = 0.95;
-/// A first guess of the response's usual height.
-const FIRST_HEIGHT: f32 = 0.7;
-/// A silhouette is trusted to say later how large the target is and which way it lies if at the selection it stood
-/// out by this much, ...
-const TRUSTED_CONTRAST: f32 = 0.5;
-/// ... its upright box was the operator's to within this factor, ...
-const TRUSTED_STRETCH: f32 = 1.25;
-/// ... and it filled this share of the ellipse.
-const TRUSTED_FILL: f32 = 0.5;
-/// The upright box around a hull that lies askew touches the point of its bow at one corner and the corners of its blunt
-/// stern on two sides, so that its middle lies astern of the hull's, by
-/// ([`BLUNT`] + [`BLUNTER`] |cos sin|) |cos sin| breadths with the cosine and sine of its axis: to within 0.02 breadths, for
-/// hulls two to five times as long as wide whose bow tapers off from the middle on, slender or full.
-const BLUNT: f32 = 0.22;
-const BLUNTER: f32 = 0.34;
-/// Likeness from which on a pixel counts as coloured like the target.
-const COLOURED: u8 = 128;
+/// Rate of the usual similarities, which are measured in every fourth frame only.
+const SIMILARITY_RATE: f32 = 0.15;
+/// A silhouette is trusted to measure size and axis later if at the selection it had at least this contrast, ...
+const MIN_TRUSTED_CONTRAST: f32 = 0.5;
+/// ... its upright box matched the operator's within this factor, ...
+const MAX_TRUSTED_STRETCH: f32 = 1.25;
+/// ... and it filled at least this share of the ellipse.
+const MIN_TRUSTED_FILL: f32 = 0.5;
+/// The upright box around a hull at an angle touches the point of the bow at one corner and the corners of the blunt
+/// stern on two sides. The box's centre therefore lies astern of the hull's, by
+/// ([`ASTERN_CONSTANT`] + [`ASTERN_SLOPE`] |cos sin|) |cos sin| breadths, with cosine and sine of the hull's axis. The
+/// formula holds to within 0.02 breadths for hulls two to five times as long as wide whose bow, slender or full, tapers
+/// from the middle on.
+const ASTERN_CONSTANT: f32 = 0.22;
+const ASTERN_SLOPE: f32 = 0.34;
+/// Ellipse around the selection's box, in half sides of the box: a corner is 1.41 half sides from the centre.
+const BOX_ELLIPSE: f32 = 1.42;
+/// Minimum target probability of a pixel that counts as coloured, 0 to 255.
+const MIN_COLOURED_PROBABILITY: u8 = 128;
 
-/// What a selection's colours are worth.
+/// How distinct the colours of a selection are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SelectionColours {
-    /// Share of the selection's pixels that are rather the target's colour than the surroundings', 0 to 1.
-    pub(super) coloured: f64,
-    /// Mean likeness around it, 0 to 1.
-    pub(super) surroundings: f64,
+    /// Share of the selection's pixels whose colour is more likely the target's than the surroundings', 0 to 1.
+    pub(super) coloured_share: f64,
+    /// Mean target probability in the ring around the selection, 0 to 1.
+    pub(super) surroundings_probability: f64,
 }
 
-impl Eyes {
-    /// A target from a box on a frame.
+impl Workspace {
+    /// Creates the target from a box on a frame.
     pub(super) fn learn_selection(
         &mut self,
         config: &FusedConfig,
@@ -67,168 +68,195 @@ impl Eyes {
         used: PixelBox,
     ) -> (Target, SelectionColours) {
         let picture = &*frame.picture;
-        let middle = used.centre();
-        let centre = (middle.u as f32, middle.v as f32);
-        let (width, height) = (used.w as f32, used.h as f32);
-        let size = (width * height).sqrt();
-        let mut colours = ColourModel::default();
-        let region = Region::upright((width, height));
-        count_colours(picture, centre, &region, &mut colours.target, &mut colours.surroundings);
-        colours.renew();
-        let speed = 2.0 * f64::from(size);
-        let mut target = Target {
-            phase: Phase::Seen,
-            extent: Extent::Box { width, height },
-            size,
-            scale: 1.0,
-            angle: 0.0,
-            axis: 0.0,
-            centre,
-            outline: None,
-            motion: (Axis::at(middle.u, 1.0, speed), Axis::at(middle.v, 1.0, speed)),
-            prior_known: false,
-            rough_prior: None,
-            refined: 0,
-            astray: 0,
-            camera_known: false,
-            camera_shift: (0.0, 0.0),
-            heading: Heading::default(),
-            picture: picture.size(),
-            last_at: frame.capture.at,
-            colours,
-            filter: CorrelationFilter::default(),
-            wanted: Spectrum::default(),
-            mask: Box::new([0.0; AREA]),
-            reach: (0, 0),
-            contrast: 0.0,
-            kinship: FIRST_KINSHIP,
-            layout: Layout::default(),
-            layout_kinship: FIRST_KINSHIP,
-            height: FIRST_HEIGHT,
-            learned: 0,
-            vanished: Vanished { at: frame.capture.at, place: centre, inside: false },
-            recognition: Recognition::default(),
-            steady: (1.0, Extent::Box { width, height }),
-            searched: 0,
-            scan: 0,
-            confidence: 1.0,
-        };
-        let place = target.place(config);
-        self.take(&target, picture, &place);
-        let report = self.judge_colours(&mut target, (width, height));
+        let mut target = new_target(frame, used);
+        let box_size = (used.w as f32, used.h as f32);
+        let pose = target.patch_pose(config);
+        self.extract_crop(&target, picture, &pose);
+        let colours = self.measure_selection_colours(&mut target, box_size);
         // The extent may have changed the window.
-        let place = target.place(config);
-        let cell = place.step * CELL as f32;
-        target.wanted =
-            wanted_response(&mut self.features.fourier, config.response_deviation as f32 * size / cell);
-        let half = (0.5 * config.mask as f32 * width / cell, 0.5 * config.mask as f32 * height / cell);
-        target.mask = mask(half);
-        target.reach = (half.0.ceil() as usize, half.1.ceil() as usize);
-        self.teach(&mut target, picture, place);
-        self.background.remember(picture.y(), &mut self.features.fourier, centre, target.blank());
-        (target, report)
+        let pose = target.patch_pose(config);
+        let cell = pose.step * CELL as f32;
+        let std_dev = config.response_deviation as f32 * target.geometry.initial_size_px / cell;
+        let half =
+            (0.5 * config.mask as f32 * box_size.0 / cell, 0.5 * config.mask as f32 * box_size.1 / cell);
+        let appearance = &mut target.appearance;
+        appearance.desired_response = desired_response_spectrum(&mut self.features.fourier, std_dev);
+        appearance.mask = mask(half);
+        appearance.mask_half_cells = (half.0.ceil() as usize, half.1.ceil() as usize);
+        self.retrain(&mut target, picture, pose);
+        self.set_background_reference(&target, picture);
+        (target, colours)
     }
 
-    /// Teaches the filter, and where which colours lie, from nothing but what is at a place now.
-    pub(super) fn teach(&mut self, target: &mut Target, picture: &Picture, place: Place) {
-        self.take(target, picture, &place);
-        self.place = place;
-        self.features.measure(&mut self.crop, &place, target.bounds());
-        target.filter.learn(&self.features.spectra, 1.0);
-        for _ in 0..FIRST_STEPS {
-            target.filter.improve(&mut self.features.fourier, &target.wanted, &target.mask);
+    /// Retrains the filter and the layout from a single frame.
+    pub(super) fn retrain(&mut self, target: &mut Target, picture: &Picture, pose: PatchPose) {
+        self.extract_crop(target, picture, &pose);
+        self.pose = pose;
+        let (geometry, appearance) = (&target.geometry, &mut target.appearance);
+        self.features.extract(&mut self.crop, &pose, geometry.picture_size());
+        appearance.filter.update_model(&self.features.spectra, 1.0);
+        for _ in 0..INITIAL_ADMM_STEPS {
+            appearance.filter.solve_step(
+                &mut self.features.fourier,
+                &appearance.desired_response,
+                &appearance.mask,
+            );
         }
-        target.layout.count(picture, target.centre, target.half_axes(), target.axis);
+        appearance.layout.count(picture, geometry.centre, geometry.half_axes(), geometry.axis);
     }
 
-    /// How distinct the colours are, and what they say of the target's outline.
-    fn judge_colours(&mut self, target: &mut Target, box_size: (f32, f32)) -> SelectionColours {
+    /// Makes this frame the reference of background registration.
+    pub(super) fn set_background_reference(&mut self, target: &Target, picture: &Picture) {
+        self.background.set_reference(
+            picture.y(),
+            &mut self.features.fourier,
+            target.geometry.centre,
+            target.geometry.blanked_side_px(),
+        );
+    }
+
+    /// Measures how distinct the selection's colours are, and takes extent and reference silhouette from them.
+    fn measure_selection_colours(&mut self, target: &mut Target, box_size: (f32, f32)) -> SelectionColours {
         let half = (0.5 * box_size.0, 0.5 * box_size.1);
-        let (inside, ring) = self.crop.contrast(target.centre, half, 0.0);
-        // A corner of the box is 1.41 half sides away from its middle.
-        let all = (1.42 * half.0, 1.42 * half.1);
+        let centre = target.geometry.centre;
+        let contrast = self.crop.contrast(centre, half, 0.0);
+        let ellipse = (BOX_ELLIPSE * half.0, BOX_ELLIPSE * half.1);
         let (mut coloured, mut count) = (0_u32, 0_u32);
-        self.crop.each_likeness(target.centre, all, 0.0, |du, dv, likeness| {
+        self.crop.for_each_probability(centre, ellipse, 0.0, |du, dv, probability| {
             if du.abs() <= half.0 && dv.abs() <= half.1 {
-                coloured += u32::from(likeness >= COLOURED);
+                coloured += u32::from(probability >= MIN_COLOURED_PROBABILITY);
                 count += 1;
             }
         });
-        let silhouette = Silhouette::of(&self.crop, target.centre, all, 0.0, (inside, ring)).filter(|seen| {
+        let silhouette = Silhouette::measure(&self.crop, centre, ellipse, 0.0, contrast).filter(|seen| {
             let own = (0.5 * seen.major, 0.5 * seen.minor);
-            let (inside, ring) = self.crop.contrast(seen.centroid, own, seen.axis);
-            inside - ring >= TRUSTED_CONTRAST
+            self.crop.contrast(seen.centroid, own, seen.axis).difference() >= MIN_TRUSTED_CONTRAST
         });
-        target.extent = Extent::of_selection(box_size, silhouette.as_ref());
-        target.steady = (1.0, target.extent);
-        target.axis = target.extent.axis().unwrap_or(0.0);
-        if let (Some(seen), Extent::Hull { length, breadth, stretch, .. }) = (silhouette, target.extent) {
-            let (c, s) = (libm::cosf(target.axis), libm::sinf(target.axis));
-            let off = |from: (f32, f32)| {
-                let (right, down) = (target.centre.0 - from.0, target.centre.1 - from.1);
-                (right * c + down * s, down * c - right * s)
-            };
-            let outline = Outline {
-                offset: off(seen.centroid),
-                box_offset: off(seen.middle),
-                astern: (BLUNT + BLUNTER * (c * s).abs()) * breadth * (c * s).abs(),
-                major: seen.major,
-                minor: seen.minor,
-                length,
-                breadth,
-            };
-            let square = |stretch: f32| (1.0 / TRUSTED_STRETCH..=TRUSTED_STRETCH).contains(&stretch);
-            let filled = seen.area / (0.25 * core::f32::consts::PI * length * breadth);
-            let trusted = square(stretch.0) && square(stretch.1) && filled >= TRUSTED_FILL;
-            target.outline = trusted.then_some(outline);
-        }
-        let (inside, ring) = self.crop.contrast(target.centre, target.half_axes(), target.axis);
-        target.contrast = inside - ring;
+        let extent = Extent::from_selection(box_size, silhouette.as_ref());
+        target.geometry.extent = extent;
+        target.loss.reliable_size = (1.0, extent);
+        target.geometry.axis = extent.axis().unwrap_or(0.0);
+        target.reference =
+            silhouette.and_then(|seen| reference_silhouette(&seen, &extent, centre, target.geometry.axis));
+        let contrast = self.crop.contrast(centre, target.geometry.half_axes(), target.geometry.axis);
+        target.appearance.usual.contrast = contrast.difference();
         SelectionColours {
-            coloured: if count == 0 { 0.0 } else { f64::from(coloured) / f64::from(count) },
-            surroundings: f64::from(ring),
+            coloured_share: if count == 0 { 0.0 } else { f64::from(coloured) / f64::from(count) },
+            surroundings_probability: f64::from(contrast.ring),
         }
     }
 
-    /// Learns a little from a frame in which the target was well seen.
+    /// Adapts to a frame in which the target is well visible.
     pub(super) fn learn(
         &mut self,
         config: &FusedConfig,
         target: &mut Target,
         picture: &Picture,
-        look: &Look,
+        observation: &Observation,
     ) {
-        let place = target.place(config);
-        self.features.measure(&mut self.crop, &place, target.bounds());
-        target.filter.learn(&self.features.spectra, config.learning_rate as f32);
-        for _ in 0..STEPS {
-            target.filter.improve(&mut self.features.fourier, &target.wanted, &target.mask);
+        let pose = target.patch_pose(config);
+        self.features.extract(&mut self.crop, &pose, target.geometry.picture_size());
+        let appearance = &mut target.appearance;
+        appearance.filter.update_model(&self.features.spectra, config.learning_rate as f32);
+        for _ in 0..ADMM_STEPS {
+            appearance.filter.solve_step(
+                &mut self.features.fourier,
+                &appearance.desired_response,
+                &appearance.mask,
+            );
         }
-        target.height += USUAL_RATE * (look.peak.height.clamp(0.0, 1.0) - target.height);
-        let own = look.colour(target).is_none_or(|share| share >= OWN_COLOUR);
-        if own {
-            target.contrast += USUAL_RATE * (look.inside - look.ring - target.contrast);
+        let height = observation.peak.height.clamp(0.0, 1.0);
+        appearance.usual.peak_height += USUAL_RATE * (height - appearance.usual.peak_height);
+        let has_its_colour =
+            observation.relative_contrast(target).is_none_or(|share| share >= MIN_ADAPTED_CONTRAST);
+        let appearance = &mut target.appearance;
+        if has_its_colour {
+            appearance.usual.contrast +=
+                USUAL_RATE * (observation.contrast.difference() - appearance.usual.contrast);
         }
-        target.steady = (target.scale, target.extent);
-        target.learned = target.learned.wrapping_add(1);
-        if own && config.colour_rate > 0.0 && target.learned.is_multiple_of(COLOUR_EVERY) {
-            let [inside, around] = &mut self.colours;
-            let region = target.extent.region(target.scale, target.axis);
-            count_colours(picture, target.centre, &region, inside, around);
-            target.kinship += KINSHIP_RATE * (inside.overlap(&target.colours.target) - target.kinship);
-            target.colours.target.blend(inside, config.colour_rate as f32);
-            // Waters change faster than paint.
-            target.colours.surroundings.blend(around, 2.0 * config.colour_rate as f32);
-            target.colours.renew();
-            self.layout.count(picture, target.centre, target.half_axes(), target.axis);
-            target.layout_kinship +=
-                KINSHIP_RATE * (self.layout.overlap(&target.layout) - target.layout_kinship);
-            target.layout.blend(&self.layout, config.colour_rate as f32);
+        target.loss.reliable_size = (target.geometry.scale, target.geometry.extent);
+        appearance.frames_learned = appearance.frames_learned.wrapping_add(1);
+        if has_its_colour
+            && config.colour_rate > 0.0
+            && appearance.frames_learned.is_multiple_of(COLOUR_INTERVAL)
+        {
+            self.learn_colours(config, target, picture);
         }
+    }
+
+    /// Adapts the colour model and the layout to a frame.
+    fn learn_colours(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) {
+        let (geometry, appearance) = (&target.geometry, &mut target.appearance);
+        let [inside, ring] = &mut self.histograms;
+        count_colours(picture, geometry.centre, &geometry.ellipse(), inside, ring);
+        let usual = &mut appearance.usual;
+        let similarity = inside.similarity(&appearance.colours.target);
+        usual.similarity += SIMILARITY_RATE * (similarity - usual.similarity);
+        appearance.colours.target.blend(inside, config.colour_rate as f32);
+        // The water changes faster than the target's paint.
+        appearance.colours.surroundings.blend(ring, 2.0 * config.colour_rate as f32);
+        appearance.colours.update_table();
+        self.layout.count(picture, geometry.centre, geometry.half_axes(), geometry.axis);
+        let similarity = self.layout.similarity(&appearance.layout);
+        usual.layout_similarity += SIMILARITY_RATE * (similarity - usual.layout_similarity);
+        appearance.layout.blend(&self.layout, config.colour_rate as f32);
     }
 }
 
-/// A box around the middle of half sides given in cells, its edge softened over one cell.
+/// A target with the colours of the selection; filter, extent and reference silhouette are not known yet.
+fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
+    let picture = &*frame.picture;
+    let now = frame.capture.at;
+    let middle = used.centre();
+    let centre = (middle.u as f32, middle.v as f32);
+    let box_size = (used.w as f32, used.h as f32);
+    let mut colours = ColourModel::default();
+    let ellipse = TargetEllipse::inscribed_in(box_size);
+    count_colours(picture, centre, &ellipse, &mut colours.target, &mut colours.surroundings);
+    colours.update_table();
+    let geometry = TargetGeometry::new(centre, box_size, picture.size());
+    Target {
+        phase: Phase::Tracking,
+        motion: TargetMotion::new(now, (middle.u, middle.v), f64::from(geometry.initial_size_px)),
+        appearance: Appearance::new(colours),
+        reference: None,
+        heading: HeadingEstimator::default(),
+        drift: DriftCheck::default(),
+        loss: LossState::new(now, centre, geometry.extent),
+        confidence: 1.0,
+        geometry,
+    }
+}
+
+/// The reference silhouette of a selection with its box around `centre`, if the silhouette can be trusted.
+fn reference_silhouette(
+    seen: &Silhouette,
+    extent: &Extent,
+    centre: (f32, f32),
+    axis: f32,
+) -> Option<ReferenceSilhouette> {
+    let Extent::Hull { length, breadth, stretch, .. } = *extent else { return None };
+    let (c, s) = (libm::cosf(axis), libm::sinf(axis));
+    let box_from = |from: (f32, f32)| {
+        let (right, down) = (centre.0 - from.0, centre.1 - from.1);
+        (right * c + down * s, down * c - right * s)
+    };
+    let reference = ReferenceSilhouette {
+        box_from_centroid: box_from(seen.centroid),
+        box_from_midpoint: box_from(seen.midpoint),
+        box_astern: (ASTERN_CONSTANT + ASTERN_SLOPE * (c * s).abs()) * breadth * (c * s).abs(),
+        major: seen.major,
+        minor: seen.minor,
+        length,
+        breadth,
+    };
+    let matches_box = |stretch: f32| (1.0 / MAX_TRUSTED_STRETCH..=MAX_TRUSTED_STRETCH).contains(&stretch);
+    let fill = seen.area / (0.25 * core::f32::consts::PI * length * breadth);
+    let is_trusted = matches_box(stretch.0) && matches_box(stretch.1) && fill >= MIN_TRUSTED_FILL;
+    is_trusted.then_some(reference)
+}
+
+/// A mask of ones within half sides given in cells around the centre, with an edge one cell wide.
 fn mask(half: (f32, f32)) -> Box<Map> {
     let mut map: Box<Map> = Box::new([0.0; AREA]);
     for (index, value) in map.iter_mut().enumerate() {

@@ -1,81 +1,88 @@
-//! What the tracker says of the target: seen, carried on, lost, perhaps found again.
+//! The target's state from frame to frame: tracking, coasting, lost, or being confirmed.
 //!
 //! ```text
-//!                    seen                                        seen
+//!                  visible                                     visible
 //!                  +------+                                    +------+
-//!                  v      |   not seen                         v      | (fewer than `confirm` times in a row)
-//!  selection --> Seen ----+------------> Coasting            Confirming
+//!                  v      |  not visible                       v      | (fewer than `confirm` times in a row)
+//!  selection -> Tracking -+------------> Coasting            Confirming
 //!                  ^                      |   |               ^   |   |
-//!                  |  seen                |   | longer than   |   |   | not seen
+//!                  |  visible             |   | longer than   |   |   | not visible
 //!                  +----------------------+   | `coast_s`, or |   |   v
 //!                  |                          | out of the    |   |
 //!                  |                          | picture       |   |
 //!                  |                          +---------> Lost ---+
-//!                  |   seen `confirm` times more            found anywhere
+//!                  |   visible `confirm` times more         found anywhere
 //!                  +--------------------------------------- (from Confirming)
 //! ```
 //!
-//! `Seen` is reported as tracking, `Coasting` as coasting, both others as lost: what was perhaps found again is not
-//! yet believed.
+//! `Tracking` is reported as tracking, `Coasting` as coasting, `Lost` and `Confirming` as lost: a re-detected target is
+//! reported only once it is confirmed.
 
 use barrelman_vocab::Timestamp;
 
-/// A state and what is known in it.
+/// A state with its data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Phase {
-    /// Seen in the last frame.
-    Seen,
-    /// Not seen; carried on by prediction.
+pub(super) enum Phase {
+    /// Visible in the last frame.
+    Tracking,
+    /// Not visible; its position is predicted.
     Coasting {
-        /// The first frame in which it was not seen.
+        /// Time of capture of the first frame in which the target was not visible.
         since: Timestamp,
     },
-    /// Nowhere to be seen.
+    /// Searched for in the whole picture.
     Lost {
-        /// The first frame for which that was said.
+        /// Time of capture of the first frame reported as lost.
         since: Timestamp,
     },
-    /// Perhaps found again.
+    /// A candidate was found and is being confirmed.
     Confirming {
-        /// When it was lost.
+        /// When the target was lost.
         since: Timestamp,
-        /// In how many frames in a row it was seen since it was found.
+        /// Number of consecutive frames in which the candidate was visible, after the first.
         seen: u32,
     },
 }
 
-/// What a frame showed.
+/// Result of looking for the target in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sight {
-    /// The target is there.
-    Seen,
-    /// It is not where it was looked for, but its place can be predicted.
-    Unseen,
-    /// It is not there, and the prediction lies outside the picture.
-    Gone,
+pub(super) enum Visibility {
+    /// The target was found.
+    Visible,
+    /// The target was not found; the prediction lies in the picture.
+    NotVisible,
+    /// The target was not found; the prediction lies outside the picture.
+    OutOfPicture,
 }
 
 impl Phase {
-    /// The state after a frame.
-    pub(crate) fn after(self, sight: Sight, now: Timestamp, coast_s: f64, confirm: u32) -> Self {
-        match (self, sight) {
-            (Self::Seen | Self::Coasting { .. }, Sight::Seen) => Self::Seen,
-            (Self::Seen, Sight::Unseen) if coast_s > 0.0 => Self::Coasting { since: now },
-            // Where times run backwards, the wait begins anew.
-            (Self::Coasting { since }, Sight::Unseen) if now.since(since).as_secs_f64() < coast_s => {
+    /// The state after a frame captured at `now`. `coast_s` (seconds) and `confirm` are those of the configuration.
+    pub(super) fn after(self, visibility: Visibility, now: Timestamp, coast_s: f64, confirm: u32) -> Self {
+        match (self, visibility) {
+            (Self::Tracking | Self::Coasting { .. }, Visibility::Visible) => Self::Tracking,
+            (Self::Tracking, Visibility::NotVisible) if coast_s > 0.0 => Self::Coasting { since: now },
+            // Times that run backwards restart the wait.
+            (Self::Coasting { since }, Visibility::NotVisible)
+                if now.since(since).as_secs_f64() < coast_s =>
+            {
                 Self::Coasting { since: since.min(now) }
             }
-            (Self::Seen | Self::Coasting { .. }, Sight::Unseen | Sight::Gone) => Self::Lost { since: now },
-            (Self::Lost { since }, Sight::Seen) => Self::confirmed(since, 0, confirm),
-            (Self::Confirming { since, seen }, Sight::Seen) => Self::confirmed(since, seen + 1, confirm),
-            (Self::Lost { since } | Self::Confirming { since, .. }, Sight::Unseen | Sight::Gone) => {
-                Self::Lost { since }
+            (Self::Tracking | Self::Coasting { .. }, Visibility::NotVisible | Visibility::OutOfPicture) => {
+                Self::Lost { since: now }
             }
+            (Self::Lost { since }, Visibility::Visible) => Self::confirmed(since, 0, confirm),
+            (Self::Confirming { since, seen }, Visibility::Visible) => {
+                Self::confirmed(since, seen + 1, confirm)
+            }
+            (
+                Self::Lost { since } | Self::Confirming { since, .. },
+                Visibility::NotVisible | Visibility::OutOfPicture,
+            ) => Self::Lost { since },
         }
     }
 
     const fn confirmed(since: Timestamp, seen: u32, confirm: u32) -> Self {
-        if seen >= confirm { Self::Seen } else { Self::Confirming { since, seen } }
+        if seen >= confirm { Self::Tracking } else { Self::Confirming { since, seen } }
     }
 }
 
@@ -90,11 +97,11 @@ mod tests {
         Timestamp::from_secs_f64(seconds)
     }
 
-    fn check(before: Phase, sight: Sight, now_s: f64, expected: Phase) {
+    fn check(before: Phase, visibility: Visibility, now_s: f64, expected: Phase) {
         assert_eq!(
-            before.after(sight, at(now_s), COAST_S, CONFIRM),
+            before.after(visibility, at(now_s), COAST_S, CONFIRM),
             expected,
-            "{before:?} {sight:?} at {now_s} s"
+            "{before:?} {visibility:?} at {now_s} s"
         );
     }
 
@@ -103,25 +110,31 @@ mod tests {
         let coasting = Phase::Coasting { since: at(1.0) };
         let lost = Phase::Lost { since: at(2.0) };
         let confirming = |seen| Phase::Confirming { since: at(2.0), seen };
-        check(Phase::Seen, Sight::Seen, 1.0, Phase::Seen);
-        check(Phase::Seen, Sight::Unseen, 1.0, coasting);
-        check(Phase::Seen, Sight::Gone, 2.0, lost);
-        check(coasting, Sight::Seen, 1.2, Phase::Seen);
-        check(coasting, Sight::Unseen, 1.3, coasting);
-        check(coasting, Sight::Unseen, 1.5, Phase::Lost { since: at(1.5) });
-        check(coasting, Sight::Gone, 1.1, Phase::Lost { since: at(1.1) });
-        check(lost, Sight::Unseen, 3.0, lost);
-        check(lost, Sight::Gone, 3.0, lost);
-        check(lost, Sight::Seen, 3.0, confirming(0));
-        check(confirming(0), Sight::Seen, 3.0, confirming(1));
-        check(confirming(1), Sight::Seen, 3.0, Phase::Seen);
-        check(confirming(1), Sight::Unseen, 3.0, lost);
-        check(confirming(0), Sight::Gone, 3.0, lost);
+        check(Phase::Tracking, Visibility::Visible, 1.0, Phase::Tracking);
+        check(Phase::Tracking, Visibility::NotVisible, 1.0, coasting);
+        check(Phase::Tracking, Visibility::OutOfPicture, 2.0, lost);
+        check(coasting, Visibility::Visible, 1.2, Phase::Tracking);
+        check(coasting, Visibility::NotVisible, 1.3, coasting);
+        check(coasting, Visibility::NotVisible, 1.5, Phase::Lost { since: at(1.5) });
+        check(coasting, Visibility::OutOfPicture, 1.1, Phase::Lost { since: at(1.1) });
+        check(lost, Visibility::NotVisible, 3.0, lost);
+        check(lost, Visibility::OutOfPicture, 3.0, lost);
+        check(lost, Visibility::Visible, 3.0, confirming(0));
+        check(confirming(0), Visibility::Visible, 3.0, confirming(1));
+        check(confirming(1), Visibility::Visible, 3.0, Phase::Tracking);
+        check(confirming(1), Visibility::NotVisible, 3.0, lost);
+        check(confirming(0), Visibility::OutOfPicture, 3.0, lost);
     }
 
     #[test]
     fn without_coasting_and_confirming_there_are_two_states() {
-        assert_eq!(Phase::Seen.after(Sight::Unseen, at(1.0), 0.0, 0), Phase::Lost { since: at(1.0) });
-        assert_eq!(Phase::Lost { since: at(1.0) }.after(Sight::Seen, at(2.0), 0.0, 0), Phase::Seen);
+        assert_eq!(
+            Phase::Tracking.after(Visibility::NotVisible, at(1.0), 0.0, 0),
+            Phase::Lost { since: at(1.0) }
+        );
+        assert_eq!(
+            Phase::Lost { since: at(1.0) }.after(Visibility::Visible, at(2.0), 0.0, 0),
+            Phase::Tracking
+        );
     }
 }

@@ -1,221 +1,258 @@
-//! Looking for a lost target everywhere, a bounded number of looks per frame.
+//! Search for a lost target in the whole picture, with a bounded number of observations per frame.
 
 use barrelman_vocab::Picture;
 
-use super::Eyes;
 use super::config::FusedConfig;
-use super::evidence::{Look, TELLING_CONTRAST, confidence_disbelieved};
-use super::target::{Recognition, Target};
+use super::evidence::{MIN_CONTRAST, rejected_confidence};
+use super::loss::RecognitionScore;
+use super::observation::Observation;
+use super::target::Target;
+use super::workspace::Workspace;
 use crate::colour_model::count_colours;
-use crate::features::Place;
-use crate::redetection::{CANDIDATES, Candidate};
+use crate::crop::ColourContrast;
+use crate::features::PatchPose;
+use crate::redetection::{Candidate, MAX_CANDIDATES};
 use crate::silhouette::Silhouette;
 
-/// Candidates told by colour that are looked at in one frame.
-const BY_COLOUR: usize = 2;
-/// Windows of the systematic search lie this share of their side apart.
-const SCAN_SHARE: f32 = 0.4;
-/// The systematic search goes on by so many windows (a prime), so that neighbours are not looked at one after the
-/// other.
+/// Candidates found by colour that are observed in one frame.
+const COLOUR_CANDIDATES: usize = 2;
+/// Distance of neighbouring windows of the systematic search, in sides of the window.
+const SCAN_SPACING: f32 = 0.4;
+/// Strides of the systematic search (primes), so that consecutive windows are not neighbours.
 const SCAN_STRIDES: [u32; 4] = [7, 11, 13, 17];
-/// Least height of the response and contrast of the colour, in what is usual, for a look to be worth a comparison.
-const LEAST_HEIGHT: f32 = 0.3;
-const LEAST_COLOUR: f32 = 0.2;
-/// By how much less alike than when it was found a target may be, on the mean, while it is confirmed.
-const SLACK: f32 = 0.07;
-/// The colour's axis is measured within a circle of this many half lengths around a candidate.
-const REACH: f32 = 1.3;
-/// Sizes that are tried for a target without an outline, in its own.
+/// Minimum relative height of the response and relative contrast of an observation that is compared with the target.
+const MIN_RELATIVE_HEIGHT: f32 = 0.3;
+const MIN_RELATIVE_CONTRAST: f32 = 0.2;
+/// While a candidate is confirmed, its mean score may be lower by this than when it was found.
+const CONFIRMING_SLACK: f32 = 0.07;
+/// Radius of the circle around a candidate in which its silhouette is measured, in half lengths of the target.
+const SILHOUETTE_RADIUS: f32 = 1.3;
+/// Sizes tried for a target without a reference silhouette, relative to its own.
 const OTHER_SIZES: [f32; 2] = [0.75, 1.33];
-/// By what factor a target may have grown or shrunk while it was lost.
-const MOST_GROWTH: f32 = 1.7;
-/// What is rounder than this has no axis.
-const ROUND: f32 = 0.8;
+/// Maximum factor by which a target may grow or shrink while it is lost.
+const MAX_GROWTH: f32 = 1.7;
+/// A silhouette with a larger ratio of minor to major axis gives no axis.
+const MAX_ROUNDNESS: f32 = 0.8;
+/// Upper bound of the target probability around a candidate, as a share of that inside.
+const MAX_RING_SHARE: f32 = 0.5;
 
-impl Eyes {
-    /// The best look that may be the target, if there is one.
-    pub(super) fn search_everywhere(
+/// The best observation so far and its evidence.
+type Best = Option<(Observation, f32)>;
+
+impl Workspace {
+    /// The observation with the most evidence among those that are recognised as the lost target.
+    pub(super) fn search_picture(
         &mut self,
         config: &FusedConfig,
         target: &mut Target,
         picture: &Picture,
-    ) -> Option<Look> {
-        let place = target.place(config);
-        let bounds = target.bounds();
-        target.motion.0.slow_down(bounds.0);
-        target.motion.1.slow_down(bounds.1);
+    ) -> Option<Observation> {
+        let pose = target.patch_pose(config);
+        target.motion.decay(target.geometry.picture_size());
         target.confidence = 0.0;
         let mut best = None;
-        for centre in
-            [(target.motion.0.place as f32, target.motion.1.place as f32), next_window(target, place.side())]
-        {
-            let look = self.look(target, picture, Place { centre, ..place });
-            self.consider(config, target, picture, look, &mut best);
+        for centre in [target.motion.position_f32(), next_scan_centre(target, pose.side_px())] {
+            self.consider(config, target, picture, PatchPose { centre, ..pose }, &mut best);
         }
-        if target.contrast > TELLING_CONTRAST {
-            let upright = target.extent.upright(target.scale, target.axis);
-            let found = self.redetection.look(picture, &target.colours, upright);
-            let mut candidates = [Candidate::default(); CANDIDATES];
-            let count = found.len();
-            candidates[..count].copy_from_slice(found);
-            let half = target.half_axes();
-            for candidate in &mut candidates[..count] {
-                let half = (half.0 * candidate.growth, half.1 * candidate.growth);
-                self.layout.count(picture, candidate.centre, half, target.axis);
-                candidate.worth = self.layout.overlap(&target.layout);
-            }
-            candidates[..count].sort_unstable_by(|a, b| b.worth.total_cmp(&a.worth));
-            // The best is looked at in every frame, the others take turns: things of its colour must not stand in
-            // its way.
-            let other = OTHER_SIZES[target.searched as usize / count.max(1) % OTHER_SIZES.len()];
-            if count > 2 {
-                candidates.swap(1, 1 + target.searched as usize % (count - 1));
-            }
-            target.searched = target.searched.wrapping_add(1);
-            let count = count.min(BY_COLOUR);
-            for candidate in &candidates[..count] {
-                let first = Place { centre: candidate.centre, ..place };
-                let look = self.look(target, picture, first);
-                self.consider(config, target, picture, look, &mut best);
-                if let Some(guess) = self.guess(target, &first) {
-                    for half_turn in [0.0, core::f32::consts::PI] {
-                        let look =
-                            self.look(target, picture, Place { angle: guess.angle + half_turn, ..guess });
-                        self.consider(config, target, picture, look, &mut best);
-                    }
-                } else {
-                    // It is as large as what has its colour there; where that is as large as expected, another size
-                    // is tried in each frame.
-                    let size = if candidate.growth == 1.0 { other } else { candidate.growth };
-                    let look = self.look(target, picture, Place { step: first.step * size, ..first });
-                    self.consider(config, target, picture, look, &mut best);
-                }
-            }
+        if target.appearance.usual.contrast > MIN_CONTRAST {
+            self.search_by_colour(config, target, picture, pose, &mut best);
         }
-        best.map(|(look, _)| look)
+        best.map(|(observation, _)| observation)
     }
 
-    /// Keeps the look with the most evidence of those that may be at the target.
+    /// Observes the best places by colour.
+    fn search_by_colour(
+        &mut self,
+        config: &FusedConfig,
+        target: &mut Target,
+        picture: &Picture,
+        pose: PatchPose,
+        best: &mut Best,
+    ) {
+        let (candidates, count) = self.rank_candidates(target, picture);
+        let other_size = OTHER_SIZES[target.loss.frames_searched as usize / count.max(1) % OTHER_SIZES.len()];
+        let mut candidates = candidates;
+        // The best candidate is observed in every frame, the others take turns, so that objects of the target's colour
+        // do not keep the target from being observed.
+        if count > 2 {
+            candidates.swap(1, 1 + target.loss.frames_searched as usize % (count - 1));
+        }
+        target.loss.frames_searched = target.loss.frames_searched.wrapping_add(1);
+        for candidate in &candidates[..count.min(COLOUR_CANDIDATES)] {
+            let first = PatchPose { centre: candidate.centre, ..pose };
+            self.consider(config, target, picture, first, best);
+            if let Some(guess) = self.pose_from_silhouette(target, &first) {
+                for half_turn in [0.0, core::f32::consts::PI] {
+                    let pose = PatchPose { angle: guess.angle + half_turn, ..guess };
+                    self.consider(config, target, picture, pose, best);
+                }
+            } else {
+                // The candidate's own size; where that is the expected one, another size in each frame.
+                let size = if candidate.scale == 1.0 { other_size } else { candidate.scale };
+                let pose = PatchPose { step: first.step * size, ..first };
+                self.consider(config, target, picture, pose, best);
+            }
+        }
+    }
+
+    /// Candidates found by colour, sorted by the similarity of their layout to the target's, and their number.
+    fn rank_candidates(
+        &mut self,
+        target: &Target,
+        picture: &Picture,
+    ) -> ([Candidate; MAX_CANDIDATES], usize) {
+        let upright_box = target.geometry.upright_box();
+        let found = self.redetector.find_candidates(picture, &target.appearance.colours, upright_box);
+        let mut candidates = [Candidate::default(); MAX_CANDIDATES];
+        let count = found.len();
+        candidates[..count].copy_from_slice(found);
+        let half = target.geometry.half_axes();
+        for candidate in &mut candidates[..count] {
+            let half = (half.0 * candidate.scale, half.1 * candidate.scale);
+            self.layout.count(picture, candidate.centre, half, target.geometry.axis);
+            candidate.layout_similarity = self.layout.similarity(&target.appearance.layout);
+        }
+        candidates[..count].sort_unstable_by(|a, b| b.layout_similarity.total_cmp(&a.layout_similarity));
+        (candidates, count)
+    }
+
+    /// Observes a search window, and keeps the observation if it has more evidence than the best so far and is
+    /// recognised as the target.
     fn consider(
         &mut self,
         config: &FusedConfig,
         target: &mut Target,
         picture: &Picture,
-        look: Look,
-        best: &mut Option<(Look, f32)>,
+        pose: PatchPose,
+        best: &mut Best,
     ) {
-        target.confidence = target.confidence.max(confidence_disbelieved(&look, target));
-        let evidence = look.evidence(config, target);
+        let observation = self.observe(target, picture, pose);
+        target.confidence = target.confidence.max(rejected_confidence(&observation, target));
+        let evidence = observation.evidence(config, target);
         if best.is_none_or(|(_, most)| evidence > most)
-            && let Some(alike) = self.alike(config, target, picture, &look)
-            && alike >= target.alike_enough(&look)
+            && let Some(score) = self.recognition_score(config, target, picture, &observation)
+            && score >= target.min_recognition_score(&observation)
         {
-            target.recognition = Recognition::default().with(alike);
-            *best = Some((look, evidence));
+            target.loss.recognition = RecognitionScore::default().with(score);
+            *best = Some((observation, evidence));
         }
     }
 
-    /// A hull looks much the same from bow to stern as from stern to bow: takes the way round that fits better.
-    pub(super) fn better_way_round(
+    /// Observes a candidate in both directions of its axis, since a hull looks similar from either end; the observation
+    /// with more evidence.
+    pub(super) fn resolve_axis_direction(
         &mut self,
         config: &FusedConfig,
         target: &mut Target,
         picture: &Picture,
-        look: Look,
-    ) -> Look {
-        if target.outline.is_none() {
-            return look;
+        observation: Observation,
+    ) -> Observation {
+        if target.reference.is_none() {
+            return observation;
         }
-        let turned = Place { angle: look.place.angle + core::f32::consts::PI, ..look.place };
-        let other = self.look(target, picture, turned);
-        if other.evidence(config, target) > look.evidence(config, target) {
-            target.turn_about();
-            return other;
+        let angle = observation.pose.angle + core::f32::consts::PI;
+        let reversed = self.observe(target, picture, PatchPose { angle, ..observation.pose });
+        if reversed.evidence(config, target) > observation.evidence(config, target) {
+            target.geometry.reverse_axis();
+            return reversed;
         }
-        // What comes after samples the crop of the look that is taken.
-        self.look(target, picture, look.place)
+        // The following steps sample the crop of the observation that is returned.
+        self.observe(target, picture, observation.pose)
     }
 
-    /// Whether a target that was perhaps found again still is what it was taken for: all looks together must say so,
-    /// where one may be worse than another.
-    pub(super) fn still_recognises(
+    /// Whether a candidate is still recognised: judged by the mean of its observations, so that a single one may be
+    /// worse.
+    pub(super) fn is_still_recognised(
         &mut self,
         config: &FusedConfig,
         target: &mut Target,
         picture: &Picture,
-        look: &Look,
+        observation: &Observation,
     ) -> bool {
-        let Some(alike) = self.alike(config, target, picture, look) else { return false };
-        target.recognition = target.recognition.with(alike);
-        target.recognition.alike >= target.alike_enough(look) - SLACK
+        let Some(score) = self.recognition_score(config, target, picture, observation) else { return false };
+        target.loss.recognition = target.loss.recognition.with(score);
+        target.loss.recognition.mean >= target.min_recognition_score(observation) - CONFIRMING_SLACK
     }
 
-    /// How alike to the target what a look shows is: by the pattern, by its colours, and by where they lie, each in
-    /// what is usual. None where too little speaks for it to be worth a comparison.
-    fn alike(
+    /// How well an observation matches the target: relative height of the response, relative similarity of the colours
+    /// and relative similarity of their layout, in sum about 3 for the target. `None` if the evidence is too weak for a
+    /// comparison.
+    fn recognition_score(
         &mut self,
         config: &FusedConfig,
         target: &Target,
         picture: &Picture,
-        look: &Look,
+        observation: &Observation,
     ) -> Option<f32> {
-        let height = look.height(target);
-        let worth = look.evidence(config, target) >= config.again as f32
-            && height >= LEAST_HEIGHT
-            && look.colour(target).is_none_or(|share| share >= LEAST_COLOUR);
-        worth.then(|| height.min(1.0) + self.kinship(config, target, picture, look))
+        let height = observation.relative_height(target);
+        let is_strong = observation.evidence(config, target) >= config.again as f32
+            && height >= MIN_RELATIVE_HEIGHT
+            && observation.relative_contrast(target).is_none_or(|share| share >= MIN_RELATIVE_CONTRAST);
+        is_strong.then(|| height.min(1.0) + self.relative_similarity(config, target, picture, observation))
     }
 
-    /// How alike the colours at a look's place are to the target's, all together and part by part, each in what is
-    /// usual: about 2 for the target.
-    fn kinship(&mut self, config: &FusedConfig, target: &Target, picture: &Picture, look: &Look) -> f32 {
-        let [inside, around] = &mut self.colours;
-        let axis = target.axis_at(&look.place);
-        let scale = target.scale * look.place.step / target.place(config).step;
-        count_colours(picture, look.centre, &target.extent.region(scale, axis), inside, around);
-        self.layout.count(picture, look.centre, target.extent.half_axes(scale), axis);
-        inside.overlap(&target.colours.target) / target.kinship
-            + self.layout.overlap(&target.layout) / target.layout_kinship
+    /// Similarity (Bhattacharyya coefficient) of the colours at an observation to the target's, in all and part by
+    /// part, each relative to its usual value: in sum about 2 for the target.
+    fn relative_similarity(
+        &mut self,
+        config: &FusedConfig,
+        target: &Target,
+        picture: &Picture,
+        observation: &Observation,
+    ) -> f32 {
+        let (geometry, appearance) = (&target.geometry, &target.appearance);
+        let [inside, ring] = &mut self.histograms;
+        let axis = geometry.axis_in(&observation.pose);
+        let scale = geometry.scale * observation.pose.step / target.patch_pose(config).step;
+        let ellipse = geometry.extent.ellipse(scale, axis);
+        count_colours(picture, observation.centre, &ellipse, inside, ring);
+        self.layout.count(picture, observation.centre, geometry.extent.half_axes(scale), axis);
+        inside.similarity(&appearance.colours.target) / appearance.usual.similarity
+            + self.layout.similarity(&appearance.layout) / appearance.usual.layout_similarity
     }
 
-    /// How a patch must be turned and scaled for the target to lie as what has its colour there, one way round.
-    fn guess(&self, target: &Target, place: &Place) -> Option<Place> {
-        let outline = target.outline.as_ref()?;
-        let (along, across) = target.half_axes();
+    /// The pose in which the target would lie as the silhouette at the pose's centre does; the direction of the axis is
+    /// arbitrary. `None` where there is no reference silhouette or no elongated silhouette of a plausible size.
+    fn pose_from_silhouette(&self, target: &Target, pose: &PatchPose) -> Option<PatchPose> {
+        let reference = target.reference.as_ref()?;
+        let (along, across) = target.geometry.half_axes();
         let long = along.max(across);
-        let bounds = target.bounds();
-        let (u, v) = place.centre;
-        if u < long || v < long || u > bounds.0 - long || v > bounds.1 - long {
-            // Of what is cut off by the border, neither size nor axis can be told.
+        let picture = target.geometry.picture_size();
+        let (u, v) = pose.centre;
+        if u < long || v < long || u > picture.0 - long || v > picture.1 - long {
+            // The border may cut the silhouette off: neither size nor axis can be measured.
             return None;
         }
-        let (inside, ring) = self.crop.contrast(place.centre, (across, across), 0.0);
-        let round = REACH * long;
-        let seen =
-            Silhouette::of(&self.crop, place.centre, (round, round), 0.0, (inside, ring.min(0.5 * inside)))?;
-        if seen.roundness() > ROUND {
+        let ColourContrast { inside, ring } = self.crop.contrast(pose.centre, (across, across), 0.0);
+        let contrast = ColourContrast { inside, ring: ring.min(MAX_RING_SHARE * inside) };
+        let radius = SILHOUETTE_RADIUS * long;
+        let seen = Silhouette::measure(&self.crop, pose.centre, (radius, radius), 0.0, contrast)?;
+        if seen.roundness() > MAX_ROUNDNESS {
             return None;
         }
-        let known =
-            (2.0 * along * outline.major / outline.length, 2.0 * across * outline.minor / outline.breadth);
-        let factor = (seen.major * seen.minor / (known.0 * known.1)).sqrt();
-        (1.0 / MOST_GROWTH..=MOST_GROWTH).contains(&factor).then_some(Place {
+        let expected = (
+            2.0 * along * reference.major / reference.length,
+            2.0 * across * reference.minor / reference.breadth,
+        );
+        let factor = (seen.major * seen.minor / (expected.0 * expected.1)).sqrt();
+        (1.0 / MAX_GROWTH..=MAX_GROWTH).contains(&factor).then_some(PatchPose {
             centre: seen.centroid,
-            step: place.step * factor,
-            angle: target.angle + seen.axis - target.axis,
+            step: pose.step * factor,
+            angle: target.geometry.patch_angle + seen.axis - target.geometry.axis,
         })
     }
 }
 
-/// The next window of the search over the whole picture.
-fn next_window(target: &mut Target, side: f32) -> (f32, f32) {
-    let bounds = target.bounds();
-    let count = |length: f32| ((length / (SCAN_SHARE * side)).ceil() as u32).max(1);
-    let (across, down) = (count(bounds.0), count(bounds.1));
+/// Centre of the next window of the systematic search over the whole picture, pixels.
+fn next_scan_centre(target: &mut Target, side: f32) -> (f32, f32) {
+    let picture = target.geometry.picture_size();
+    let count = |length: f32| ((length / (SCAN_SPACING * side)).ceil() as u32).max(1);
+    let (across, down) = (count(picture.0), count(picture.1));
     let all = across * down;
-    // A stride that shares no factor with the count comes by every window.
+    // A stride that is coprime to the number of windows visits all of them.
     let stride = SCAN_STRIDES.into_iter().find(|stride| !all.is_multiple_of(*stride)).unwrap_or(1);
-    target.scan = target.scan.wrapping_add(stride) % all;
+    let index = target.loss.scan_index.wrapping_add(stride) % all;
+    target.loss.scan_index = index;
     let at = |index: u32, count: u32, length: f32| (index as f32 + 0.5) * length / count as f32;
-    (at(target.scan % across, across, bounds.0), at(target.scan / across, down, bounds.1))
+    (at(index % across, across, picture.0), at(index / across, down, picture.1))
 }

@@ -1,213 +1,225 @@
-//! Size, turn, place and direction of a target that was seen.
+//! Size, rotation, centre and heading of a target that was found in the frame.
 
 use barrelman_vocab::{Picture, VideoFrame};
 
-use super::Eyes;
 use super::config::FusedConfig;
-use super::evidence::Look;
+use super::observation::Observation;
 use super::target::Target;
-use crate::correlation::parabola;
-use crate::features::Place;
+use super::workspace::Workspace;
+use crate::correlation::parabola_vertex;
+use crate::crop::ColourContrast;
+use crate::features::PatchPose;
 use crate::silhouette::Silhouette;
 
-/// Deviation of a measured place, in sizes of the target.
-const PLACE_DEVIATION: f64 = 0.05;
-/// Within this time the axis follows the silhouette's, seconds.
-const AXIS_S: f64 = 0.15;
-/// Within this time the place follows the silhouette's, seconds.
-const PLACE_S: f64 = 0.3;
-/// Within this time the size follows the silhouette's, seconds.
-const SIZE_S: f64 = 1.0;
-/// The silhouette is looked for in the target's ellipse, this many times as large.
+/// Standard deviation of a measured position, in sizes of the target.
+const POSITION_STD_DEV_SIZES: f64 = 0.05;
+/// Time constants with which axis, centre and size follow the silhouette's, seconds.
+const AXIS_TIME_S: f64 = 0.15;
+const CENTRE_TIME_S: f64 = 0.3;
+const SIZE_TIME_S: f64 = 1.0;
+/// The silhouette is measured in the target's ellipse enlarged by this factor.
 const SILHOUETTE_REACH: f32 = 1.35;
-/// A silhouette whose length or breadth differs by more than this factor is of something else, too.
-const MISFIT: f32 = 1.5;
+/// A silhouette whose length or breadth differs by a larger factor includes something else.
+const MAX_MISFIT: f32 = 1.5;
 
-impl Eyes {
-    /// Measures the target where it was just seen and takes it in.
+/// The colour blob is measured in every so many frames in which the target is found, ...
+const BLOB_INTERVAL: u32 = 8;
+/// ... in this many steps, in ellipses with half axes of at least this many pixels, ...
+const BLOB_STEPS: usize = 5;
+const MIN_BLOB_HALF_PX: f32 = 6.0;
+/// ... from the pixels whose target probability is nearer to this one than to that around the box.
+const BLOB_PROBABILITY: f32 = 0.95;
+/// Minimum contrast of a blob.
+const MIN_BLOB_CONTRAST: f32 = 0.4;
+/// A box with less contrast than this share of the blob's has slipped off, ...
+const SLIPPED_SHARE: f32 = 0.6;
+/// ... and is corrected after this many consecutive checks.
+const SLIPPED_CHECKS: u32 = 4;
+
+impl Workspace {
+    /// Measures the target at an accepted observation, `seconds` after the last frame, and updates its state.
     pub(super) fn refine(
         &mut self,
         config: &FusedConfig,
         target: &mut Target,
-        look: &Look,
+        observation: &Observation,
         frame: &VideoFrame,
         seconds: f64,
     ) {
-        let bounds = target.bounds();
-        let before = target.centre;
-        let place = Place { centre: look.centre, ..look.place };
-        let middle = self.features.score(&mut self.crop, &place, &target.filter, target.reach, bounds);
+        let before = target.geometry.centre;
+        let pose = PatchPose { centre: observation.centre, ..observation.pose };
+        let present = self.response_at(target, &pose);
         let gain = config.change_gain as f32;
-        let rung = self.best_rung(target, bounds, middle, gain, |rung| Place {
-            step: place.step * libm::powf(config.scale_step as f32, rung),
-            ..place
+        let scale_steps = self.best_step(target, present, gain, |steps| PatchPose {
+            step: pose.step * libm::powf(config.scale_step as f32, steps),
+            ..pose
         });
         let turn_step = config.turn_step_deg.to_radians() as f32;
-        let turn = self.best_rung(target, bounds, middle, gain, |rung| Place {
-            angle: place.angle + rung * turn_step,
-            ..place
+        let turn_steps = self.best_step(target, present, gain, |steps| PatchPose {
+            angle: pose.angle + steps * turn_step,
+            ..pose
         });
-        target.centre = look.centre;
-        // Of a target that is partly out of the picture, size and turn cannot be told.
-        if !target.touches_border() {
-            target.rescale(libm::powf(config.scale_step as f32, rung));
-            target.angle += turn * turn_step;
-            target.axis += turn * turn_step;
-            self.follow_silhouette(target, look, seconds as f32);
-            self.come_back(config, target, &frame.picture);
+        target.geometry.centre = observation.centre;
+        // Size and rotation of a target that is partly outside the picture cannot be measured.
+        if !target.geometry.touches_border() {
+            target.geometry.rescale(libm::powf(config.scale_step as f32, scale_steps));
+            target.geometry.patch_angle += turn_steps * turn_step;
+            target.geometry.axis += turn_steps * turn_step;
+            self.follow_silhouette(target, observation, seconds as f32);
+            self.correct_slipped_box(config, target, &frame.picture);
         }
 
-        let size = f64::from(target.size_px());
-        target.motion.0.correct(f64::from(target.centre.0), PLACE_DEVIATION * size);
-        target.motion.1.correct(f64::from(target.centre.1), PLACE_DEVIATION * size);
-        let (du, dv) = (
-            target.centre.0 - before.0 - target.camera_shift.0,
-            target.centre.1 - before.1 - target.camera_shift.1,
-        );
-        let length = 2.0 * f64::from(target.half_axes().0.max(target.half_axes().1));
-        let moved = (f64::from(du), f64::from(dv));
-        if target.camera_known {
-            let at_s = frame.capture.at.as_secs_f64();
-            target.heading.moved(at_s, seconds, moved, f64::from(target.axis), length);
-        } else {
-            target.heading.interrupt();
-        }
-        if !target.prior_known {
-            let (centre, blank) = (target.centre, target.blank());
-            self.background.remember(frame.picture.y(), &mut self.features.fourier, centre, blank);
+        let size = f64::from(target.geometry.size_px());
+        target.motion.correct(target.geometry.centre, POSITION_STD_DEV_SIZES * size);
+        update_heading(target, before, frame.capture.at.as_secs_f64(), seconds);
+        if !target.motion.has_precise_prior {
+            self.set_background_reference(target, &frame.picture);
         }
     }
 
-    /// Which of some changes fits best, in steps, between steps by a parabola; 0 unless another is clearly better.
-    fn best_rung(
+    /// The filter's response without shift at a pose.
+    fn response_at(&mut self, target: &Target, pose: &PatchPose) -> f32 {
+        self.features.response_at(
+            &mut self.crop,
+            pose,
+            &target.appearance.filter,
+            target.appearance.mask_half_cells,
+            target.geometry.picture_size(),
+        )
+    }
+
+    /// Number of steps, -2 to 2, at which the response is highest, interpolated by a parabola. `present` is the
+    /// response without a step; the others are multiplied by `gain`.
+    fn best_step(
         &mut self,
         target: &Target,
-        bounds: (f32, f32),
-        middle: f32,
+        present: f32,
         gain: f32,
-        place_of: impl Fn(f32) -> Place,
+        pose_after: impl Fn(f32) -> PatchPose,
     ) -> f32 {
-        let mut score = |rung: f32| {
-            gain * self.features.score(&mut self.crop, &place_of(rung), &target.filter, target.reach, bounds)
-        };
+        let mut score = |steps: f32| gain * self.response_at(target, &pose_after(steps));
         let (below, above) = (score(-1.0), score(1.0));
-        if below <= middle && above <= middle {
-            return parabola(below, middle, above);
+        if below <= present && above <= present {
+            return parabola_vertex(below, present, above);
         }
-        // One step is better: perhaps two are.
+        // One step is better; two may be better still.
         let (side, near) = if above > below { (1.0, above) } else { (-1.0, below) };
         let far = score(2.0 * side);
-        if far > near { 2.0 * side } else { side * (1.0 + parabola(middle, near, far)) }
+        if far > near { 2.0 * side } else { side * (1.0 + parabola_vertex(present, near, far)) }
     }
 
-    /// Lets the moments of the colour correct what drifts: axis, place, length and breadth.
-    fn follow_silhouette(&mut self, target: &mut Target, look: &Look, seconds: f32) {
-        let Some(outline) = target.outline else { return };
-        let (along, across) = target.half_axes();
+    /// Corrects the drift of axis, centre, length and breadth by the silhouette.
+    fn follow_silhouette(&mut self, target: &mut Target, observation: &Observation, seconds: f32) {
+        let Some(reference) = target.reference else { return };
+        let geometry = &mut target.geometry;
+        let (along, across) = geometry.half_axes();
         let half = (SILHOUETTE_REACH * along, SILHOUETTE_REACH * across);
         let Some(seen) =
-            Silhouette::of(&self.crop, target.centre, half, target.axis, (look.inside, look.ring))
+            Silhouette::measure(&self.crop, geometry.centre, half, geometry.axis, observation.contrast)
         else {
             return;
         };
-        let (longer, wider) = outline.stretch_of(&seen);
-        let (long, wide) = (outline.length * longer, outline.breadth * wider);
-        let fits = |measured: f32, known: f32| (1.0 / MISFIT..=MISFIT).contains(&(measured / known));
-        if !(fits(long, 2.0 * along) && fits(wide, 2.0 * across)) || target.touches_border() {
+        let (longer, wider) = reference.stretch_of(&seen);
+        let (length, breadth) = (reference.length * longer, reference.breadth * wider);
+        let fits = |measured: f32, known: f32| (1.0 / MAX_MISFIT..=MAX_MISFIT).contains(&(measured / known));
+        if !(fits(length, 2.0 * along) && fits(breadth, 2.0 * across)) || geometry.touches_border() {
             return;
         }
-        let share = |time_s: f64| (1.0 - libm::exp(-f64::from(seconds) / time_s)) as f32;
-        // The clearer the axis, the more it counts.
-        let clear = (1.0 - seen.roundness()).clamp(0.0, 1.0);
-        target.axis += share(AXIS_S) * clear * half_turn_apart(seen.axis, target.axis);
-        let (c, s) = (libm::cosf(target.axis), libm::sinf(target.axis));
-        let (ahead, aside) = (outline.offset.0 * longer, outline.offset.1 * wider);
-        let centre = (seen.centroid.0 + ahead * c - aside * s, seen.centroid.1 + ahead * s + aside * c);
-        let part = share(PLACE_S);
-        target.centre.0 += part * (centre.0 - target.centre.0);
-        target.centre.1 += part * (centre.1 - target.centre.1);
-        target.stretch_to(long, wide, share(SIZE_S));
+        let rate = |time_s: f64| (1.0 - libm::exp(-f64::from(seconds) / time_s)) as f32;
+        // The more elongated the silhouette, the more its axis counts.
+        let elongation = (1.0 - seen.roundness()).clamp(0.0, 1.0);
+        geometry.axis += rate(AXIS_TIME_S) * elongation * axis_difference(seen.axis, geometry.axis);
+        let (c, s) = (libm::cosf(geometry.axis), libm::sinf(geometry.axis));
+        let (forward, aside) =
+            (reference.box_from_centroid.0 * longer, reference.box_from_centroid.1 * wider);
+        let centre = (seen.centroid.0 + forward * c - aside * s, seen.centroid.1 + forward * s + aside * c);
+        let centre_rate = rate(CENTRE_TIME_S);
+        geometry.centre.0 += centre_rate * (centre.0 - geometry.centre.0);
+        geometry.centre.1 += centre_rate * (centre.1 - geometry.centre.1);
+        geometry.stretch_to(length, breadth, rate(SIZE_TIME_S));
     }
-}
 
-impl Eyes {
-    /// Brings a box back that slipped off its target while the filter learned along.
+    /// Moves a box back that slipped off its target while the filter adapted.
     ///
-    /// The filter and the silhouette both look where the target is taken to be: once the box covers a part of it, or
-    /// its wake, they agree with each other on that. So now and then the blob of colour is followed to where it ends,
-    /// beginning with the box. Where the box stands out from its surroundings much less than that blob does, several
-    /// times in a row, the blob is the target, and the filter is taught anew. A thing of its colour beside the target
-    /// does not count: the target's own box stands out as before.
-    fn come_back(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) {
-        target.refined = target.refined.wrapping_add(1);
-        if !target.refined.is_multiple_of(BLOB_EVERY) {
+    /// Filter and silhouette are evaluated at the box. Once the box covers a part of the target, or its wake, both
+    /// confirm that. Therefore the blob of the target's colour is followed at intervals from the box to its ends. If the
+    /// box has much less contrast than the blob in several consecutive checks, the blob is the target: the box is moved
+    /// onto it and the filter is retrained. Another object of the same colour beside the target has no effect, since
+    /// the target's own box keeps its contrast.
+    fn correct_slipped_box(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) {
+        target.drift.frames = target.drift.frames.wrapping_add(1);
+        if !target.drift.frames.is_multiple_of(BLOB_INTERVAL) {
             return;
         }
-        let (inside, ring) = self.crop.contrast(target.centre, target.half_axes(), target.axis);
-        let slipped = |(_, stands_out): &(Silhouette, f32)| inside - ring < SLIPPED * stands_out;
-        let Some((seen, _)) = self.blob(target, ring).filter(slipped) else {
-            target.astray = 0;
+        let geometry = &target.geometry;
+        let contrast = self.crop.contrast(geometry.centre, geometry.half_axes(), geometry.axis);
+        let has_slipped =
+            |(_, blob_contrast): &(Silhouette, f32)| contrast.difference() < SLIPPED_SHARE * blob_contrast;
+        let Some((seen, _)) = self.find_colour_blob(target, contrast.ring).filter(has_slipped) else {
+            target.drift.misfits = 0;
             return;
         };
-        target.astray += 1;
-        if target.astray < ASTRAY_BLOBS {
+        target.drift.misfits += 1;
+        if target.drift.misfits < SLIPPED_CHECKS {
             return;
         }
-        target.astray = 0;
-        target.axis += half_turn_apart(seen.axis, target.axis);
-        target.centre = seen.centroid;
-        // Where nothing is known of how the colour fills the hull, it is taken to fill it.
-        let (long, wide) = target.outline.map_or((seen.major, seen.minor), |outline| {
-            let (longer, wider) = outline.stretch_of(&seen);
-            (outline.length * longer, outline.breadth * wider)
+        target.drift.misfits = 0;
+        let geometry = &mut target.geometry;
+        geometry.axis += axis_difference(seen.axis, geometry.axis);
+        geometry.centre = seen.centroid;
+        // Without a reference silhouette, the colour is assumed to fill the hull.
+        let (length, breadth) = target.reference.map_or((seen.major, seen.minor), |reference| {
+            let (longer, wider) = reference.stretch_of(&seen);
+            (reference.length * longer, reference.breadth * wider)
         });
-        target.stretch_to(long, wide, 1.0);
-        let place = target.place(config);
-        self.teach(target, picture, place);
+        geometry.stretch_to(length, breadth, 1.0);
+        let pose = target.patch_pose(config);
+        self.retrain(target, picture, pose);
     }
 
-    /// The blob of the target's colour that begins in its box, and how much it stands out; none where nothing stands out
-    /// from the likeness around the box.
-    fn blob(&self, target: &Target, ring: f32) -> Option<(Silhouette, f32)> {
-        let (along, across) = target.half_axes();
-        let least = BLOB_LEAST_PX;
-        let mut centre = target.centre;
-        let mut half = ((2.0 * along).max(least), (2.0 * along.max(across)).max(least));
-        let mut angle = target.axis;
+    /// The blob of the target's colour that starts in the target's box, and its contrast. `ring` is the target
+    /// probability around the box. `None` where the blob has too little contrast.
+    fn find_colour_blob(&self, target: &Target, ring: f32) -> Option<(Silhouette, f32)> {
+        let (along, across) = target.geometry.half_axes();
+        let at_least = |half: f32| half.max(MIN_BLOB_HALF_PX);
+        let mut centre = target.geometry.centre;
+        let mut half = (at_least(2.0 * along), at_least(2.0 * along.max(across)));
+        let mut angle = target.geometry.axis;
+        let contrast = ColourContrast { inside: BLOB_PROBABILITY, ring };
         let mut found: Option<Silhouette> = None;
         for _ in 0..BLOB_STEPS {
-            let seen = Silhouette::of(&self.crop, centre, half, angle, (BLOB_LIKENESS, ring))?;
+            let seen = Silhouette::measure(&self.crop, centre, half, angle, contrast)?;
             centre = seen.centroid;
             half = (
-                (0.5 * SILHOUETTE_REACH * seen.major).max(least),
-                (0.5 * SILHOUETTE_REACH * seen.minor).max(least),
+                at_least(0.5 * SILHOUETTE_REACH * seen.major),
+                at_least(0.5 * SILHOUETTE_REACH * seen.minor),
             );
             angle = seen.axis;
             found = Some(seen);
         }
         let seen = found?;
-        let (inside, ring) =
-            self.crop.contrast(seen.centroid, (0.5 * seen.major, 0.5 * seen.minor), seen.axis);
-        (inside - ring >= BLOB_CONTRAST).then_some((seen, inside - ring))
+        let own = (0.5 * seen.major, 0.5 * seen.minor);
+        let contrast = self.crop.contrast(seen.centroid, own, seen.axis).difference();
+        (contrast >= MIN_BLOB_CONTRAST).then_some((seen, contrast))
     }
 }
 
-/// The blob is looked for in each so many frames in which the target is seen ...
-const BLOB_EVERY: u32 = 8;
-/// ... in so many steps, from ellipses no smaller than this on, pixels ...
-const BLOB_STEPS: usize = 5;
-const BLOB_LEAST_PX: f32 = 6.0;
-/// ... among what is nearer to this likeness than to that around the box, ...
-const BLOB_LIKENESS: f32 = 0.95;
-/// ... and is one only if it stands out so far.
-const BLOB_CONTRAST: f32 = 0.4;
-/// A box slipped off that stands out by less than this share of what the blob does, ...
-const SLIPPED: f32 = 0.6;
-/// ... so many times in a row.
-const ASTRAY_BLOBS: u32 = 4;
+/// Adds the target's motion over the water since its centre was at `before` to the heading's path.
+fn update_heading(target: &mut Target, before: (f32, f32), at_s: f64, seconds: f64) {
+    if !target.motion.is_camera_shift_known {
+        target.heading.clear_path();
+        return;
+    }
+    let (geometry, shift) = (&target.geometry, target.motion.camera_shift);
+    let (du, dv) = (geometry.centre.0 - before.0 - shift.0, geometry.centre.1 - before.1 - shift.1);
+    let half = geometry.half_axes();
+    let length = 2.0 * f64::from(half.0.max(half.1));
+    let moved = (f64::from(du), f64::from(dv));
+    target.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length);
+}
 
-/// From one axis to another, -pi/2 to pi/2.
-fn half_turn_apart(to: f32, from: f32) -> f32 {
+/// Difference of two axes, -pi/2 to pi/2.
+fn axis_difference(to: f32, from: f32) -> f32 {
     let pi = core::f32::consts::PI;
     let turns = (to - from) / pi;
     (turns - (turns + 0.5).floor()) * pi

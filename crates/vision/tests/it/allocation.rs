@@ -29,7 +29,7 @@ fn tracking_and_explaining_allocate_nothing_after_the_first_frames() {
     assert_eq!(allocations.count_total, 0);
 }
 
-/// A boat that goes to the right out of the picture, stays away for a while, and comes back in another place.
+/// A boat that leaves the picture to the right, stays away for a while, and returns elsewhere.
 fn voyage() -> Vec<VideoFrame> {
     let hull = Hull {
         paint: Paint { colour: RED, contrast: 50.0, pattern: 2 },
@@ -57,13 +57,17 @@ fn voyage() -> Vec<VideoFrame> {
 #[test]
 fn following_losing_and_finding_again_allocate_nothing_after_the_first_frames() {
     let voyage = voyage();
-    let prior =
-        MotionPrior { shift_u_px: 0.0, shift_v_px: 0.0, deviation_px: 1.0, over: Duration::from_millis(33) };
+    let prior = MotionPrior {
+        shift_u_px: 0.0,
+        shift_v_px: 0.0,
+        std_dev_px: 1.0,
+        interval: Duration::from_millis(33),
+    };
     let mut tracker = FusedTracker::new(FusedConfig::default()).unwrap();
     let mut explanation = Explanation::default();
     let mut lost = 0;
     for round in 0..3 {
-        // The first round gives the buffers their size; in the last the motion comes from the camera.
+        // The first round gives the buffers their size. In the last round the motion comes from a prior.
         tracker.select(&voyage[0], pixels(129.0, 100.0, 62.0, 40.0)).unwrap();
         let prior = (round == 2).then_some(&prior);
         tracker.track(&voyage[1], prior);

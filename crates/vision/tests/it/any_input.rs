@@ -1,4 +1,4 @@
-//! No input makes the tracker panic, and whatever it says is in order.
+//! No input makes CamShift panic, and every answer is valid.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use barrelman_vocab::{
 };
 use proptest::prelude::*;
 
-/// A picture of one colour, or of noise, up to 70 x 50 pixels, also of no pixels at all.
+/// A picture of one colour or of noise, 0 to 70 x 0 to 50 pixels.
 fn any_frame() -> impl Strategy<Value = VideoFrame> {
     let encoding = (any::<bool>(), any::<bool>()).prop_map(|(high, full)| ColourEncoding {
         matrix: if high { ColourMatrix::Bt709 } else { ColourMatrix::Bt601 },
@@ -31,7 +31,7 @@ fn any_frame() -> impl Strategy<Value = VideoFrame> {
     )
 }
 
-/// Numbers around a picture, now and then ones that no box should have.
+/// Numbers around a picture, and occasionally invalid ones.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         8 => -20.0..90.0f64,
@@ -44,10 +44,10 @@ fn any_box() -> impl Strategy<Value = PixelBox> {
     (any_number(), any_number(), any_number(), any_number()).prop_map(|(u, v, w, h)| PixelBox { u, v, w, h })
 }
 
-fn in_order(here: &Localisation) {
+fn check_localisation(here: &Localisation) {
     let picture = here.picture.bounds();
     assert!(!here.bounds.is_empty(), "{here:?}");
-    // A box is stored as a corner and a size: their sum may be off by the last bit.
+    // A box is stored as corner and size, so that their sum may be off by the last bit.
     let outside = here.bounds.area() - here.bounds.intersection(picture).area();
     assert!(outside.abs() < 1e-9, "{here:?}");
     assert!((0.0..=picture.w).contains(&here.centre.u), "{here:?}");
@@ -62,7 +62,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_selection_on_any_frames_gives_an_answer_in_order(
+    fn any_selection_on_any_frames_gives_a_valid_answer(
         frames in prop::collection::vec(any_frame(), 1..6),
         selection in any_box(),
         shift in (any_number(), any_number()),
@@ -74,19 +74,19 @@ proptest! {
         let mut explanation = Explanation::default();
         let seeded = tracker.select(&frames[0], selection);
         if let Ok(report) = &seeded {
-            in_order(&report.localisation);
-            prop_assert!((0.0..=1.0).contains(&report.coloured) && (0.0..=1.0).contains(&report.surroundings));
+            check_localisation(&report.localisation);
+            prop_assert!((0.0..=1.0).contains(&report.coloured_share) && (0.0..=1.0).contains(&report.surroundings_probability));
         }
         let prior = MotionPrior {
             shift_u_px: shift.0,
             shift_v_px: shift.1,
-            deviation_px: 1.0,
-            over: core::time::Duration::ZERO,
+            std_dev_px: 1.0,
+            interval: core::time::Duration::ZERO,
         };
         for (i, frame) in frames.iter().enumerate() {
             let track = tracker.track(frame, (i % 2 == 1).then_some(&prior));
             match &track {
-                Track::Tracking(here) => in_order(here),
+                Track::Tracking(here) => check_localisation(here),
                 Track::Lost { .. } => prop_assert!(seeded.is_ok()),
                 other => prop_assert!(seeded.is_err() && *other == Track::Unseeded),
             }

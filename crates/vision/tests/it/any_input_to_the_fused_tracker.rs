@@ -1,4 +1,4 @@
-//! No input makes the fused tracker panic, and whatever it says is in order.
+//! No input makes the fused tracker panic, and every answer is valid.
 
 use core::time::Duration;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use proptest::prelude::*;
 
 use crate::scenes::pixels;
 
-/// What a picture shows.
+/// Content of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Content {
-    One([u8; 3]),
+    Uniform([u8; 3]),
     Noise(u32),
     /// A red box (left, top, side) on noise.
     Boat(i32, i32, i32),
@@ -34,7 +34,7 @@ fn frame((width, height): (u32, u32), content: Content, at_ms: u64, colour: Colo
             let at = |k: usize| k as i32 * pixels_a_sample;
             let (column, row) = (at(index % row_length), at(index / row_length));
             *slot = match content {
-                Content::One(yuv) => yuv[plane],
+                Content::Uniform(yuv) => yuv[plane],
                 Content::Noise(_) => noise,
                 Content::Boat(left, top, side) => {
                     let inside = (left..left + side).contains(&column) && (top..top + side).contains(&row);
@@ -54,12 +54,12 @@ fn tracker() -> FusedTracker {
     FusedTracker::new(FusedConfig::default()).unwrap()
 }
 
-fn in_order(here: &Localisation, frame: &VideoFrame) {
+fn check_localisation(here: &Localisation, frame: &VideoFrame) {
     assert_eq!((here.captured, here.picture), (frame.capture.at, frame.picture.size()));
     let picture = here.picture.bounds();
     assert!(here.centre.u.is_finite() && here.centre.v.is_finite(), "{here:?}");
     let box_ = here.bounds;
-    // A box is stored as a corner and a size: their sum may be off by the last bit.
+    // A box is stored as corner and size, so that their sum may be off by the last bit.
     let inside =
         |from: f64, length: f64, whole: f64| from >= 0.0 && length >= 0.0 && from + length <= whole + 1e-9;
     assert!(inside(box_.u, box_.w, picture.w) && inside(box_.v, box_.h, picture.h), "{here:?}");
@@ -76,13 +76,13 @@ fn in_order(here: &Localisation, frame: &VideoFrame) {
     }
 }
 
-/// Shows a frame to a tracker that has a target and looks at all that it says.
-fn show(tracker: &mut FusedTracker, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
+/// Passes a frame to a tracker with a target and checks all of its answers.
+fn track_and_check(tracker: &mut FusedTracker, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
     let track = tracker.track(frame, prior);
     match &track {
-        Track::Tracking(here) | Track::Coasting(here) => in_order(here, frame),
+        Track::Tracking(here) | Track::Coasting(here) => check_localisation(here, frame),
         Track::Lost { confidence, .. } => assert!((0.0..=1.0).contains(confidence), "{track:?}"),
-        Track::Unseeded => panic!("something was selected"),
+        Track::Unseeded => panic!("unseeded after a selection"),
     }
     let mut explanation = Explanation::default();
     tracker.explain(&mut explanation);
@@ -95,19 +95,22 @@ fn show(tracker: &mut FusedTracker, frame: &VideoFrame, prior: Option<&MotionPri
 
 fn select(tracker: &mut FusedTracker, frame: &VideoFrame, selection: PixelBox) -> Result<(), SelectionError> {
     let report = tracker.select(frame, selection)?;
-    in_order(&report.localisation, frame);
+    check_localisation(&report.localisation, frame);
     assert_eq!(report.localisation.bounds, report.used);
     let (right, bottom) = (selection.u + selection.w, selection.v + selection.h);
     let size = frame.picture.size();
     let beyond = right > f64::from(size.width) || bottom > f64::from(size.height);
-    assert_eq!(report.clipped, selection.u < 0.0 || selection.v < 0.0 || beyond);
-    assert!((0.0..=1.0).contains(&report.coloured) && (0.0..=1.0).contains(&report.surroundings));
+    assert_eq!(report.is_clipped, selection.u < 0.0 || selection.v < 0.0 || beyond);
+    assert!(
+        (0.0..=1.0).contains(&report.coloured_share)
+            && (0.0..=1.0).contains(&report.surroundings_probability)
+    );
     Ok(())
 }
 
 const PATTERNED: [Content; 3] = [Content::Noise(5), Content::Boat(20, 12, 14), Content::Noise(6)];
 const FLAT: [Content; 3] =
-    [Content::One([16, 128, 128]), Content::One([81, 90, 240]), Content::One([255, 255, 255])];
+    [Content::Uniform([16, 128, 128]), Content::Uniform([81, 90, 240]), Content::Uniform([255, 255, 255])];
 
 #[test]
 fn any_part_of_a_picture_can_be_selected_and_tracked() {
@@ -121,7 +124,7 @@ fn any_part_of_a_picture_can_be_selected_and_tracked() {
         pixels(0.0, 0.0, 1e300, 1e300),
     ];
     for side in [1.0, 3.0, 14.0] {
-        // Within, at every border and corner, and half outside.
+        // Inside, at each border and corner, and half outside.
         for u in [-0.5 * side, 0.0, 20.0, width - side, width - 0.5 * side] {
             for v in [-0.5 * side, 0.0, 12.0, height - side, height - 0.5 * side] {
                 selections.push(pixels(u, v, side, side));
@@ -133,7 +136,7 @@ fn any_part_of_a_picture_can_be_selected_and_tracked() {
         let mut tracker = tracker();
         select(&mut tracker, &frame((60, 44), content, 0, SD), selection).unwrap();
         for (step, content) in [content, content, flat, Content::Noise(7), content].into_iter().enumerate() {
-            show(&mut tracker, &frame((60, 44), content, 33 * (step as u64 + 1), SD), None);
+            track_and_check(&mut tracker, &frame((60, 44), content, 33 * (step as u64 + 1), SD), None);
         }
     }
 }
@@ -183,10 +186,10 @@ fn pictures_of_a_few_pixels_are_pictures() {
             let whole = pixels(0.0, 0.0, f64::from(size.0), f64::from(size.1));
             select(&mut tracker, &frame(size, content, 0, SD), whole).unwrap();
             for step in 1..4 {
-                show(&mut tracker, &frame(size, content, 33 * step, SD), None);
+                track_and_check(&mut tracker, &frame(size, content, 33 * step, SD), None);
             }
-            show(&mut tracker, &frame(size, FLAT[1], 133, SD), None);
-            show(&mut tracker, &frame(size, content, 166, SD), None);
+            track_and_check(&mut tracker, &frame(size, FLAT[1], 133, SD), None);
+            track_and_check(&mut tracker, &frame(size, content, 166, SD), None);
         }
     }
 }
@@ -201,7 +204,7 @@ fn what_has_no_pattern_can_be_selected() {
             select(&mut tracker, &frame((60, 44), content, 0, SD), selection).unwrap();
             for (step, content) in [content, content, FLAT[0], PATTERNED[0], content].into_iter().enumerate()
             {
-                show(&mut tracker, &frame((60, 44), content, 33 * (step as u64 + 1), SD), None);
+                track_and_check(&mut tracker, &frame((60, 44), content, 33 * (step as u64 + 1), SD), None);
             }
         }
     }
@@ -216,11 +219,11 @@ fn a_sliver_of_a_pixel_is_taken_for_the_pixel() {
         let mut tracker = tracker();
         let report = tracker.select(&scene, selection).unwrap();
         assert_eq!((report.used.w, report.used.h), (1.0, 1.0), "{selection}");
-        show(&mut tracker, &scene, None);
+        track_and_check(&mut tracker, &scene, None);
     }
     let mut tracker = tracker();
     select(&mut tracker, &scene, pixels(-1.0 + 1e-9, 3.0, 1.0, 20.0)).unwrap();
-    show(&mut tracker, &scene, None);
+    track_and_check(&mut tracker, &scene, None);
 }
 
 #[test]
@@ -236,7 +239,7 @@ fn a_target_may_become_ten_times_as_large_or_as_small() {
         select(&mut tracker, &boat(side, 0), selection).unwrap();
         for step in 1..=30 {
             side *= factor;
-            show(&mut tracker, &boat(side, 33 * step), None);
+            track_and_check(&mut tracker, &boat(side, 33 * step), None);
         }
     }
 }
@@ -251,7 +254,7 @@ fn a_picture_may_become_one_of_any_other_size() {
             let selection = pixels(0.3 * w, 0.3 * h, 0.3 * w, 0.3 * h);
             select(&mut tracker, &frame(from, PATTERNED[0], 0, SD), selection).unwrap();
             for (step, size) in [from, to, to, from].into_iter().enumerate() {
-                show(&mut tracker, &frame(size, PATTERNED[0], 33 * step as u64 + 33, SD), None);
+                track_and_check(&mut tracker, &frame(size, PATTERNED[0], 33 * step as u64 + 33, SD), None);
             }
         }
     }
@@ -270,14 +273,14 @@ fn time_may_stand_still_leap_and_run_backwards() {
             select(&mut tracker, &frame((60, 44), content, 50, SD), pixels(20.0, 12.0, 14.0, 14.0)).unwrap();
             for (step, at_ms) in times_ms.into_iter().enumerate() {
                 let content = if step == 3 { Content::Noise(77) } else { content };
-                show(&mut tracker, &frame((60, 44), content, at_ms, SD), None);
+                track_and_check(&mut tracker, &frame((60, 44), content, at_ms, SD), None);
             }
         }
     }
 }
 
 #[test]
-fn a_prior_of_no_number_counts_as_none_and_the_target_is_tracked_all_the_same() {
+fn a_prior_that_is_not_a_number_is_ignored() {
     let boat = |at_ms| frame((120, 90), Content::Boat(40, 30, 24), at_ms, SD);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for which in 0..3 {
@@ -286,28 +289,29 @@ fn a_prior_of_no_number_counts_as_none_and_the_target_is_tracked_all_the_same() 
             for step in 1..6 {
                 let mut numbers = [0.0, 0.0, 1.0];
                 numbers[which] = bad;
-                let track = show(&mut tracker, &boat(33 * step), Some(&prior(numbers)));
+                let track = track_and_check(&mut tracker, &boat(33 * step), Some(&prior(numbers)));
                 assert!(matches!(track, Track::Tracking(_)), "{bad} {which}: {track:?}");
             }
         }
     }
 }
 
-fn prior([shift_u_px, shift_v_px, deviation_px]: [f64; 3]) -> MotionPrior {
-    MotionPrior { shift_u_px, shift_v_px, deviation_px, over: Duration::ZERO }
+fn prior([shift_u_px, shift_v_px, std_dev_px]: [f64; 3]) -> MotionPrior {
+    MotionPrior { shift_u_px, shift_v_px, std_dev_px, interval: Duration::ZERO }
 }
 
 #[test]
-fn a_wrong_prior_of_any_size_is_got_over() {
+fn the_tracker_recovers_from_a_wrong_prior_of_any_size() {
     let boat = |at_ms| frame((120, 90), Content::Boat(40, 30, 24), at_ms, SD);
     for huge in [1e3, -1e3, 1e6, -1e9, 1e100, -1e150, 1e160, f64::MAX, f64::MIN] {
         for numbers in [[huge, 0.0, 1.0], [0.0, huge, 0.0], [0.0, 0.0, huge], [huge, huge, huge]] {
             let mut tracker = tracker();
             select(&mut tracker, &boat(0), pixels(40.0, 30.0, 24.0, 24.0)).unwrap();
-            show(&mut tracker, &boat(33), None);
-            show(&mut tracker, &boat(66), Some(&prior(numbers)));
-            let found =
-                (3..90).any(|step| matches!(show(&mut tracker, &boat(33 * step), None), Track::Tracking(_)));
+            track_and_check(&mut tracker, &boat(33), None);
+            track_and_check(&mut tracker, &boat(66), Some(&prior(numbers)));
+            let found = (3..90).any(|step| {
+                matches!(track_and_check(&mut tracker, &boat(33 * step), None), Track::Tracking(_))
+            });
             assert!(found, "{numbers:?}");
         }
     }
@@ -315,7 +319,7 @@ fn a_wrong_prior_of_any_size_is_got_over() {
 
 fn any_content() -> impl Strategy<Value = Content> {
     prop_oneof![
-        any::<[u8; 3]>().prop_map(Content::One),
+        any::<[u8; 3]>().prop_map(Content::Uniform),
         any::<u32>().prop_map(Content::Noise),
         (-20..70i32, -20..50i32, 1..60i32).prop_map(|(left, top, side)| Content::Boat(left, top, side)),
     ]
@@ -331,7 +335,7 @@ fn any_frame() -> impl Strategy<Value = VideoFrame> {
         .prop_map(|(size, content, at_ms, encoding)| frame(size, content, at_ms, encoding))
 }
 
-/// Numbers around a picture, now and then ones that nothing should have.
+/// Numbers around a picture, and occasionally invalid ones.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         8 => -20.0..90.0f64,
@@ -344,7 +348,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_selection_on_any_frames_gives_an_answer_in_order(
+    fn any_selection_on_any_frames_gives_a_valid_answer(
         frames in prop::collection::vec(any_frame(), 1..8),
         selections in prop::array::uniform2((any_number(), any_number(), any_number(), any_number())),
         numbers in prop::array::uniform3(any_number()),
@@ -359,7 +363,7 @@ proptest! {
             let prior = prior(numbers);
             let prior = (index % 2 == 1).then_some(&prior);
             if seeded {
-                show(&mut tracker, frame, prior);
+                track_and_check(&mut tracker, frame, prior);
             } else {
                 prop_assert_eq!(tracker.track(frame, prior), Track::Unseeded);
             }

@@ -1,9 +1,9 @@
-//! What the tracker says of frame after frame.
+//! Tracks of CamShift over several frames.
 
 use core::time::Duration;
 use std::sync::Arc;
 
-use barrelman_vision::{BELOW_FLOORS, CamShift, CamShiftConfig, Explanation, Floors, HueOfYuv, Tracker};
+use barrelman_vision::{BELOW_FLOORS, CamShift, CamShiftConfig, Explanation, Floors, Tracker, YuvToHue};
 use barrelman_vocab::{Localisation, MotionPrior, PixelBox, Timestamp, Track, VideoFrame};
 
 use crate::scenes::{BLACK, BLUE, GREY, ORANGE_RED, RED, Yuv, at_ms, frame, pixels};
@@ -20,7 +20,7 @@ fn boat(colour: Yuv, left: usize, top: usize) -> VideoFrame {
     frame(SIZE, BLUE, &[(colour, [left, top, 40, 20])])
 }
 
-fn seen(track: Track) -> Localisation {
+fn tracked(track: Track) -> Localisation {
     match track {
         Track::Tracking(localisation) => localisation,
         other => panic!("not tracking: {other:?}"),
@@ -32,7 +32,7 @@ fn a_boat_is_followed_across_the_picture() {
     let mut tracker = seeded(&boat(RED, 20, 30), pixels(20.0, 30.0, 40.0, 20.0));
     for step in 1..20 {
         let (left, top) = (20 + 12 * step, 30 + 8 * step);
-        let here = seen(tracker.track(&boat(RED, left, top), None));
+        let here = tracked(tracker.track(&boat(RED, left, top), None));
         assert!((here.centre.u - (left as f64 + 20.0)).abs() < 0.01, "{step}: {:?}", here.centre);
         assert!((here.centre.v - (top as f64 + 10.0)).abs() < 0.01, "{step}: {:?}", here.centre);
         // A uniform box of length l has an axis of 4 l / sqrt(12), 1.155 l.
@@ -54,7 +54,7 @@ fn red_is_one_hue_on_both_sides_of_the_wrap() {
     tracker.explain(&mut out);
     assert_eq!(out.histogram[0], 255);
     assert_eq!(out.histogram[15], 255);
-    let here = seen(tracker.track(&both(110), None));
+    let here = tracked(tracker.track(&both(110), None));
     assert!((here.centre.u - 130.0).abs() < 0.01, "{:?}", here.centre);
 }
 
@@ -74,13 +74,13 @@ fn a_lost_target_is_found_again_as_the_window_grows() {
     let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
     tracker.track(&frame(SIZE, BLUE, &[]), None);
     let frames = (0..30).find(|_| tracker.track(&boat(RED, 240, 180), None).localisation().is_some());
-    // 100 px to the right of the window, 10 px a frame.
+    // 100 px to the right of the window, 10 px per frame.
     assert!(frames.is_some_and(|frames| (5..15).contains(&frames)), "{frames:?}");
-    // Once met, the rest of the boat comes into the window within a few frames.
+    // Once the window reaches the boat, it covers all of it within a few frames.
     for _ in 0..5 {
         tracker.track(&boat(RED, 240, 180), None);
     }
-    let here = seen(tracker.track(&boat(RED, 240, 180), None));
+    let here = tracked(tracker.track(&boat(RED, 240, 180), None));
     assert!((here.centre.u - 260.0).abs() < 0.01, "{:?}", here.centre);
 }
 
@@ -89,15 +89,15 @@ fn a_jump_with_the_camera_is_followed_by_the_prior_alone() {
     let prior = |shift_u_px| MotionPrior {
         shift_u_px,
         shift_v_px: 0.0,
-        deviation_px: 2.0,
-        over: Duration::from_millis(33),
+        std_dev_px: 2.0,
+        interval: Duration::from_millis(33),
     };
     let selection = pixels(20.0, 60.0, 40.0, 20.0);
     let (before, after) = (boat(RED, 20, 60), boat(RED, 220, 60));
     assert!(matches!(seeded(&before, selection).track(&after, None), Track::Lost { .. }));
     let nonsense = prior(f64::NAN);
     assert!(matches!(seeded(&before, selection).track(&after, Some(&nonsense)), Track::Lost { .. }));
-    let here = seen(seeded(&before, selection).track(&after, Some(&prior(195.0))));
+    let here = tracked(seeded(&before, selection).track(&after, Some(&prior(195.0))));
     assert!((here.centre.u - 240.0).abs() < 0.01, "{:?}", here.centre);
 }
 
@@ -105,14 +105,14 @@ fn a_jump_with_the_camera_is_followed_by_the_prior_alone() {
 fn a_picture_of_another_size_shows_the_boat_in_the_same_place() {
     let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
     let doubled = frame((640, 480), BLUE, &[(RED, [200, 120, 80, 40])]);
-    let here = seen(tracker.track(&doubled, None));
+    let here = tracked(tracker.track(&doubled, None));
     assert_eq!((here.picture.width, here.picture.height), (640, 480));
     assert!((here.centre.u - 240.0).abs() < 0.01 && (here.centre.v - 140.0).abs() < 0.01);
 }
 
 #[test]
 fn the_box_of_a_slanting_boat_holds_all_of_it_and_little_more() {
-    // A staircase of 20 x 8 boxes: 4 right and 2 down at every step.
+    // A staircase of 20 x 8 boxes, 4 right and 2 down per step.
     let steps: Vec<_> = (0..16).map(|i| (RED, [100 + 4 * i, 60 + 2 * i, 20, 8])).collect();
     let scene = frame(SIZE, GREY, &steps);
     let whole = pixels(100.0, 60.0, 80.0, 38.0);
@@ -120,20 +120,20 @@ fn the_box_of_a_slanting_boat_holds_all_of_it_and_little_more() {
     for _ in 0..5 {
         tracker.track(&scene, None);
     }
-    let here = seen(tracker.track(&scene, None));
-    // A slab's axes come out 4 / sqrt(12) = 1.155 of its length; measured overlap 0.79.
+    let here = tracked(tracker.track(&scene, None));
+    // The axes of a slab are 4 / sqrt(12) = 1.155 of its length; measured IoU 0.79.
     assert_eq!(here.bounds.intersection(whole), whole);
-    assert!(here.bounds.overlap(whole) > 0.75, "{} of {whole}", here.bounds);
+    assert!(here.bounds.iou(whole) > 0.75, "{} of {whole}", here.bounds);
     let axis = here.shape.unwrap().axis.degrees();
-    // Downwards to the right: 180 degrees less a little under atan(2/4).
+    // Downwards to the right: slightly less than 180 degrees - atan(2/4).
     assert!((152.0..157.0).contains(&axis), "{axis}");
 }
 
 #[test]
-fn confidence_is_the_mean_likeness_in_the_box() {
+fn confidence_is_the_mean_weight_in_the_box() {
     let mut tracker = seeded(&boat(RED, 100, 60), pixels(100.0, 60.0, 40.0, 20.0));
-    let here = seen(tracker.track(&boat(RED, 100, 60), None));
-    // The box is 46.2 + 3 by 23.1 + 3 pixels, on whole pixels 49 or 50 by 26, of which the boat fills 40 by 20.
+    let here = tracked(tracker.track(&boat(RED, 100, 60), None));
+    // The box is 46.2 + 3 by 23.1 + 3 pixels, rounded 49 or 50 by 26, of which the boat fills 40 by 20.
     assert!((0.61..0.64).contains(&here.confidence), "{}", here.confidence);
     assert!((here.confidence * here.bounds.area() / 800.0 - 1.0).abs() < 0.02, "{}", here.confidence);
 }
@@ -155,11 +155,11 @@ fn the_margin_of_the_search_changes_no_answer() {
 fn an_explanation_shows_the_window_the_back_projection_and_the_histogram() {
     let scene = frame(SIZE, GREY, &[(RED, [100, 60, 40, 20])]);
     let mut tracker = seeded(&scene, pixels(100.0, 60.0, 40.0, 20.0));
-    let here = seen(tracker.track(&scene, None));
+    let here = tracked(tracker.track(&scene, None));
     let mut out = Explanation::default();
     tracker.explain(&mut out);
     let window = out.search_window.unwrap();
-    assert!(window.overlap(here.bounds) > 0.9, "{window} and {}", here.bounds);
+    assert!(window.iou(here.bounds) > 0.9, "{window} and {}", here.bounds);
     assert_eq!(out.histogram.len(), 16);
     let grey = &out.back_projection;
     assert_eq!(grey.samples.len(), grey.width * grey.height);
@@ -173,7 +173,7 @@ fn an_explanation_shows_the_window_the_back_projection_and_the_histogram() {
 
 #[test]
 fn every_pixel_weighs_what_its_hue_weighs_in_the_histogram() {
-    // Odd sides, so that the last column and the last row are half a block each, and samples of every kind.
+    // Odd sides, so that the last column and row are half a block each, with samples of every kind.
     let mut scene = frame((61, 45), RED, &[]);
     let mut picture = (*scene.picture).clone();
     let mut state = 1u32;
@@ -191,12 +191,12 @@ fn every_pixel_weighs_what_its_hue_weighs_in_the_histogram() {
 
     let config = CamShiftConfig::default();
     let floors = Floors { saturation: config.saturation_floor, value: config.value_floor };
-    let hue = HueOfYuv::new(scene.picture.colour());
+    let hue = YuvToHue::new(scene.picture.colour());
     let (y, u, v) = (scene.picture.y(), scene.picture.u(), scene.picture.v());
     for row in 0..45 {
         for column in 0..61 {
             let yuv = [y.row(row)[column], u.row(row / 2)[column / 2], v.row(row / 2)[column / 2]];
-            let weight = match hue.code(yuv, floors) {
+            let weight = match hue.hue_code(yuv, floors) {
                 BELOW_FLOORS => 0,
                 code => out.histogram[usize::from(code) * 16 / 180],
             };

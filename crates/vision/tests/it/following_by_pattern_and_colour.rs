@@ -1,13 +1,13 @@
-//! What the fused tracker says of frame after frame.
+//! Tracks of the fused tracker over several frames.
 
 use core::time::Duration;
 
-use barrelman_vision::{Explanation, FusedConfig, FusedTracker, Stage, Tracker};
+use barrelman_vision::{Explanation, FusedConfig, FusedTracker, Tracker, TrackerState};
 use barrelman_vocab::{Localisation, MotionPrior, Track};
 
 use crate::scenes::{BLUE, GREY, Hull, ORANGE_RED, Paint, RED, Scene, Yuv};
 
-/// Milliseconds from frame to frame.
+/// Frame interval, milliseconds.
 const FRAME_MS: u64 = 33;
 
 fn paint(colour: Yuv, contrast: f64, pattern: u32) -> Paint {
@@ -31,7 +31,7 @@ fn scene(water: Yuv, boat: Yuv) -> Scene {
     }
 }
 
-/// A scene that changes, its tracker and the clock.
+/// A changing scene with its tracker and time.
 struct Trial {
     scene: Scene,
     tracker: FusedTracker,
@@ -39,42 +39,43 @@ struct Trial {
 }
 
 impl Trial {
-    /// The first hull is selected.
-    fn of(scene: Scene) -> Self {
+    /// Selects the first hull.
+    fn new(scene: Scene) -> Self {
         let mut tracker = FusedTracker::new(FusedConfig::default()).unwrap();
         tracker.select(&scene.at_ms(0), scene.hulls[0].bounds()).unwrap();
         Self { scene, tracker, now_ms: 0 }
     }
 
-    /// The next frame, after a change of the scene.
+    /// Changes the scene and tracks the next frame.
     fn next(&mut self, prior: Option<&MotionPrior>, change: impl FnOnce(&mut Scene)) -> Track {
         change(&mut self.scene);
         self.now_ms += FRAME_MS;
         self.tracker.track(&self.scene.at_ms(self.now_ms), prior)
     }
 
-    /// The next frame, in which the first hull must be seen, by its box at least by this overlap.
-    fn seen(&mut self, overlap: f64, change: impl FnOnce(&mut Scene)) -> Localisation {
+    /// Changes the scene and tracks the next frame, in which the first hull must be tracked with at least this IoU.
+    fn next_tracked(&mut self, min_iou: f64, change: impl FnOnce(&mut Scene)) -> Localisation {
         let track = self.next(None, change);
-        self.is_at_the_hull(track, overlap)
+        self.check_hull(track, min_iou)
     }
 
-    fn is_at_the_hull(&self, track: Track, overlap: f64) -> Localisation {
+    /// Checks that the first hull is tracked with at least this IoU.
+    fn check_hull(&self, track: Track, min_iou: f64) -> Localisation {
         let Track::Tracking(here) = track else {
             panic!("at {} ms: {track:?}", self.now_ms);
         };
         let truth = self.scene.hulls[0].bounds();
-        let reached = here.bounds.overlap(truth);
-        assert!(reached >= overlap, "at {} ms: {} for {truth}, {reached:.2}", self.now_ms, here.bounds);
+        let iou = here.bounds.iou(truth);
+        assert!(iou >= min_iou, "at {} ms: {} for {truth}, {iou:.2}", self.now_ms, here.bounds);
         here
     }
 }
 
 #[test]
 fn a_grey_thing_on_grey_ground_is_followed_by_its_pattern() {
-    let mut trial = Trial::of(scene(GREY, GREY));
+    let mut trial = Trial::new(scene(GREY, GREY));
     for step in 0..60 {
-        trial.seen(0.7, |scene| {
+        trial.next_tracked(0.7, |scene| {
             scene.hulls[0].centre.0 = 160.0 + 1.5 * f64::from(step);
             scene.hulls[0].centre.1 = 120.0 - f64::from(step);
         });
@@ -89,19 +90,19 @@ fn a_red_thing_is_followed_past_others_of_its_colour() {
         let left = 90.0 + 50.0 * index as f64;
         scene.clutter.push((paint(RED, 20.0, 5 + index as u32), [left, top, 36.0, 22.0]));
     }
-    let mut trial = Trial::of(scene);
+    let mut trial = Trial::new(scene);
     for step in 0..80 {
-        trial.seen(0.6, |scene| scene.hulls[0].centre.0 = 60.0 + 2.5 * f64::from(step));
+        trial.next_tracked(0.6, |scene| scene.hulls[0].centre.0 = 60.0 + 2.5 * f64::from(step));
     }
 }
 
 #[test]
 fn a_thing_that_comes_nearer_is_followed_to_twice_its_size() {
     for (water, boat) in [(BLUE, RED), (GREY, GREY)] {
-        let mut trial = Trial::of(scene(water, boat));
+        let mut trial = Trial::new(scene(water, boat));
         for step in 0..=90 {
             let growth = libm::exp2(f64::from(step) / 90.0);
-            trial.seen(0.6, |scene| {
+            trial.next_tracked(0.6, |scene| {
                 scene.hulls[0].length = 56.0 * growth;
                 scene.hulls[0].breadth = 30.0 * growth;
             });
@@ -111,38 +112,38 @@ fn a_thing_that_comes_nearer_is_followed_to_twice_its_size() {
 
 #[test]
 fn the_axis_follows_a_boat_that_turns_about() {
-    let mut trial = Trial::of(scene(BLUE, RED));
+    let mut trial = Trial::new(scene(BLUE, RED));
     for step in 0..=120 {
         let turned_deg = 1.5 * f64::from(step);
-        let here = trial.seen(0.6, |scene| scene.hulls[0].turned_deg = turned_deg);
+        let here = trial.next_tracked(0.6, |scene| scene.hulls[0].turned_deg = turned_deg);
         let off = (here.shape.unwrap().axis.degrees() - turned_deg).rem_euclid(180.0);
         let off = off.min(180.0 - off);
-        // It turns by 45 degrees a second; measured 1.6 at most.
+        // It turns at 45 degrees per second; measured 1.6 at most.
         assert!(off < 4.0, "{off} degrees off at {turned_deg}");
     }
 }
 
 #[test]
 fn a_jump_with_the_camera_is_followed_by_the_prior() {
-    let mut trial = Trial::of(scene(BLUE, RED));
+    let mut trial = Trial::new(scene(BLUE, RED));
     let prior = |shift_u_px| MotionPrior {
         shift_u_px,
         shift_v_px: 0.0,
-        deviation_px: 2.0,
-        over: Duration::from_millis(FRAME_MS),
+        std_dev_px: 2.0,
+        interval: Duration::from_millis(FRAME_MS),
     };
     for step in 0..20 {
-        // To and fro by twice the boat's length a frame.
+        // Back and forth by twice the boat's length per frame.
         let shift = if step % 2 == 0 { 110.0 } else { -110.0 };
         let track = trial.next(Some(&prior(shift)), |scene| {
             scene.shift.0 += shift;
             scene.hulls[0].centre.0 += shift;
         });
-        trial.is_at_the_hull(track, 0.6);
+        trial.check_hull(track, 0.6);
     }
 }
 
-/// Lets the first hull go to the right until it is out of the picture; the track of the last frame.
+/// Moves the first hull to the right until it is outside the picture; the track of the last frame.
 fn leave(trial: &mut Trial, speed_px: f64) -> Track {
     loop {
         let track = trial.next(None, |scene| scene.hulls[0].centre.0 += speed_px);
@@ -157,7 +158,7 @@ fn leave(trial: &mut Trial, speed_px: f64) -> Track {
 fn a_thing_that_leaves_is_lost_within_half_a_second_and_tracked_again_within_a_second_of_its_return() {
     for (water, boat) in [(BLUE, RED), (GREY, GREY)] {
         for speed_px in [4.0, 10.0] {
-            let mut trial = Trial::of(scene(water, boat));
+            let mut trial = Trial::new(scene(water, boat));
             let mut track = leave(&mut trial, speed_px);
             let left_ms = trial.now_ms;
             while !matches!(track, Track::Lost { .. }) {
@@ -169,16 +170,16 @@ fn a_thing_that_leaves_is_lost_within_half_a_second_and_tracked_again_within_a_s
                 let track = trial.next(None, |_| ());
                 assert!(matches!(track, Track::Lost { since: same, .. } if same == since), "{track:?}");
             }
-            // It comes back elsewhere, at once wholly in the picture.
+            // It returns elsewhere, at once wholly in the picture.
             let mut track = trial.next(None, |scene| scene.hulls[0].centre = (80.0, 70.0));
             let back_ms = trial.now_ms;
             while !matches!(track, Track::Tracking(_)) {
                 track = trial.next(None, |_| ());
                 assert!(trial.now_ms - back_ms <= 1000, "{track:?}");
             }
-            trial.is_at_the_hull(track, 0.5);
+            trial.check_hull(track, 0.5);
             for _ in 0..10 {
-                trial.seen(0.5, |_| ());
+                trial.next_tracked(0.5, |_| ());
             }
         }
     }
@@ -186,8 +187,8 @@ fn a_thing_that_leaves_is_lost_within_half_a_second_and_tracked_again_within_a_s
 
 #[test]
 fn a_thing_that_goes_under_in_moving_water_is_carried_on_for_a_while_and_then_lost() {
-    let mut trial = Trial::of(scene(BLUE, RED));
-    let mut stages = Vec::new();
+    let mut trial = Trial::new(scene(BLUE, RED));
+    let mut states = Vec::new();
     let mut out = Explanation::default();
     for step in 0..45 {
         let track = trial.next(None, |scene| {
@@ -199,15 +200,15 @@ fn a_thing_that_goes_under_in_moving_water_is_carried_on_for_a_while_and_then_lo
         trial.tracker.explain(&mut out);
         let expected = match track {
             Track::Unseeded => None,
-            Track::Tracking(_) => Some(Stage::Tracking),
-            Track::Coasting(_) => Some(Stage::Coasting),
-            Track::Lost { .. } => Some(Stage::Lost),
+            Track::Tracking(_) => Some(TrackerState::Tracking),
+            Track::Coasting(_) => Some(TrackerState::Coasting),
+            Track::Lost { .. } => Some(TrackerState::Lost),
         };
-        assert_eq!(out.stage, expected);
-        stages.extend(out.stage);
+        assert_eq!(out.state, expected);
+        states.extend(out.state);
     }
-    stages.dedup();
-    assert_eq!(stages, [Stage::Tracking, Stage::Coasting, Stage::Lost]);
+    states.dedup();
+    assert_eq!(states, [TrackerState::Tracking, TrackerState::Coasting, TrackerState::Lost]);
 }
 
 #[test]
@@ -215,7 +216,7 @@ fn a_thing_of_the_same_colour_that_stays_is_not_taken_for_one_that_left() {
     let mut scene = scene(BLUE, RED);
     scene.clutter.push((paint(RED, 20.0, 9), [40.0, 40.0, 50.0, 50.0]));
     scene.clutter.push((paint(ORANGE_RED, 20.0, 10), [240.0, 170.0, 30.0, 60.0]));
-    let mut trial = Trial::of(scene);
+    let mut trial = Trial::new(scene);
     leave(&mut trial, 8.0);
     for _ in 0..15 {
         trial.next(None, |_| ());
@@ -228,9 +229,9 @@ fn a_thing_of_the_same_colour_that_stays_is_not_taken_for_one_that_left() {
 
 #[test]
 fn a_boat_that_lies_still_has_an_axis_and_no_heading() {
-    let mut trial = Trial::of(scene(BLUE, RED));
+    let mut trial = Trial::new(scene(BLUE, RED));
     for _ in 0..60 {
-        let here = trial.seen(0.8, |_| ());
+        let here = trial.next_tracked(0.8, |_| ());
         assert_eq!(here.heading, None);
         let axis = here.shape.unwrap().axis.degrees();
         assert!(axis.min(180.0 - axis) < 3.0, "{axis}");
@@ -242,12 +243,12 @@ fn a_boat_that_went_has_its_heading_the_way_it_went_and_keeps_it() {
     for (turned_deg, expected_deg) in [(0.0, 0.0), (0.0, 180.0), (30.0, 30.0), (30.0, 210.0)] {
         let mut scene = scene(BLUE, RED);
         scene.hulls[0].turned_deg = turned_deg;
-        let mut trial = Trial::of(scene);
+        let mut trial = Trial::new(scene);
         let (sin, cos) = libm::sincos(f64::to_radians(expected_deg));
         let mut heading = None;
         for step in 0..60 {
             let speed = if step < 40 { 2.0 } else { 0.0 };
-            let here = trial.seen(0.6, |scene| {
+            let here = trial.next_tracked(0.6, |scene| {
                 scene.hulls[0].centre.0 += speed * cos;
                 scene.hulls[0].centre.1 -= speed * sin;
             });
@@ -265,43 +266,43 @@ fn a_moving_camera_gives_a_boat_that_lies_still_no_heading() {
     let prior = MotionPrior {
         shift_u_px: 1.5,
         shift_v_px: 0.5,
-        deviation_px: 0.5,
-        over: Duration::from_millis(FRAME_MS),
+        std_dev_px: 0.5,
+        interval: Duration::from_millis(FRAME_MS),
     };
-    let mut trial = Trial::of(scene(BLUE, RED));
+    let mut trial = Trial::new(scene(BLUE, RED));
     for _ in 0..60 {
         let track = trial.next(Some(&prior), |scene| {
             scene.shift = (scene.shift.0 + 1.5, scene.shift.1 + 0.5);
             let centre = &mut scene.hulls[0].centre;
             *centre = (centre.0 + 1.5, centre.1 + 0.5);
         });
-        assert_eq!(trial.is_at_the_hull(track, 0.7).heading, None);
+        assert_eq!(trial.check_hull(track, 0.7).heading, None);
     }
 }
 
 #[test]
 fn a_picture_of_another_size_shows_the_thing_in_the_same_place() {
-    let mut trial = Trial::of(scene(BLUE, RED));
+    let mut trial = Trial::new(scene(BLUE, RED));
     for _ in 0..5 {
-        trial.seen(0.7, |_| ());
+        trial.next_tracked(0.7, |_| ());
     }
-    let here = trial.seen(0.6, |scene| {
+    let here = trial.next_tracked(0.6, |scene| {
         scene.size = (640, 480);
         let hull = &mut scene.hulls[0];
         *hull = Hull { centre: (320.0, 240.0), length: 112.0, breadth: 60.0, ..*hull };
     });
     assert_eq!((here.picture.width, here.picture.height), (640, 480));
     for _ in 0..10 {
-        trial.seen(0.6, |_| ());
+        trial.next_tracked(0.6, |_| ());
     }
 }
 
 #[test]
 fn the_same_frames_give_the_same_track_to_the_bit() {
     let tracks = || -> Vec<Track> {
-        let mut trial = Trial::of(scene(BLUE, RED));
-        let goes = |trial: &mut Trial| trial.next(None, |scene| scene.hulls[0].centre.0 += 9.0);
-        (0..45).map(|_| goes(&mut trial)).collect()
+        let mut trial = Trial::new(scene(BLUE, RED));
+        let move_right = |trial: &mut Trial| trial.next(None, |scene| scene.hulls[0].centre.0 += 9.0);
+        (0..45).map(|_| move_right(&mut trial)).collect()
     };
     let once = tracks();
     assert!(matches!(once[0], Track::Tracking(_)) && matches!(once[44], Track::Lost { .. }));
@@ -309,14 +310,14 @@ fn the_same_frames_give_the_same_track_to_the_bit() {
 }
 
 #[test]
-fn an_explanation_shows_the_window_the_response_the_likeness_and_the_stage() {
-    let mut trial = Trial::of(scene(BLUE, RED));
+fn an_explanation_shows_the_window_the_response_the_probability_and_the_state() {
+    let mut trial = Trial::new(scene(BLUE, RED));
     let mut out = Explanation::default();
-    let here = trial.seen(0.7, |_| ());
-    // A second one is not added to the first.
+    let here = trial.next_tracked(0.7, |_| ());
+    // The second explanation replaces the first.
     for _ in 0..2 {
         trial.tracker.explain(&mut out);
-        assert_eq!(out.stage, Some(Stage::Tracking));
+        assert_eq!(out.state, Some(TrackerState::Tracking));
         assert_eq!(out.confidence, here.confidence);
         let window = out.search_window.unwrap();
         assert_eq!(window.intersection(here.bounds), here.bounds);

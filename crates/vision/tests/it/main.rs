@@ -1,4 +1,4 @@
-//! What the tracker promises.
+//! Tests of the trackers through their public interface.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
 
 mod agreement_with_opencv;

@@ -1,4 +1,4 @@
-//! Small painted frames to track on.
+//! Small synthetic video frames.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
-/// Y, U and V of a colour, BT.601 in limited range.
+/// Y, U and V of a colour, BT.601 limited range.
 pub(crate) type Yuv = [u8; 3];
 
 pub(crate) const RED: Yuv = [81, 90, 240];
@@ -16,7 +16,7 @@ pub(crate) const BLUE: Yuv = [70, 190, 100];
 pub(crate) const GREY: Yuv = [120, 128, 128];
 pub(crate) const BLACK: Yuv = [16, 128, 128];
 
-/// A frame of one colour with boxes of others painted over it in order; chroma goes by blocks of 2 x 2.
+/// A frame of one colour with boxes of other colours painted over it in order; chroma in blocks of 2 x 2.
 pub(crate) fn frame(size: (u32, u32), water: Yuv, boats: &[(Yuv, [usize; 4])]) -> VideoFrame {
     let size = PictureSize::new(size.0, size.1);
     let mut picture = Picture::black(size, ColourEncoding::assumed_for(PictureSize::new(640, 480)));
@@ -37,7 +37,7 @@ pub(crate) fn frame(size: (u32, u32), water: Yuv, boats: &[(Yuv, [usize; 4])]) -
     VideoFrame { sequence: 0, capture, picture: Arc::new(picture) }
 }
 
-/// The same frame, captured so many milliseconds after the start.
+/// The same frame, captured at this time.
 pub(crate) fn at_ms(mut frame: VideoFrame, milliseconds: u64) -> VideoFrame {
     frame.capture.at = Timestamp::from_nanos(milliseconds * 1_000_000);
     frame
@@ -47,25 +47,25 @@ pub(crate) const fn pixels(u: f64, v: f64, w: f64, h: f64) -> PixelBox {
     PixelBox { u, v, w, h }
 }
 
-/// A picture of patterned water and of patterned hulls on it.
+/// A picture of patterned water with patterned hulls.
 #[derive(Clone)]
 pub(crate) struct Scene {
     pub(crate) size: (u32, u32),
     pub(crate) water: Paint,
-    /// How far the camera shifted the water since the start, pixels right and down.
+    /// Shift of the water by the camera since the start, pixels right and down.
     pub(crate) shift: (f64, f64),
     /// Boxes (left, top, width, height) of one paint each, which lie on the water and shift with it.
     pub(crate) clutter: Vec<(Paint, [f64; 4])>,
-    /// Painted in order.
+    /// Painted in this order.
     pub(crate) hulls: Vec<Hull>,
 }
 
-/// A colour and how much its brightness varies (grey levels, to either side).
+/// A colour and the amplitude of its brightness pattern, grey levels.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Paint {
     pub(crate) colour: Yuv,
     pub(crate) contrast: f64,
-    /// Which pattern.
+    /// Seed of the pattern.
     pub(crate) pattern: u32,
 }
 
@@ -81,14 +81,14 @@ pub(crate) struct Hull {
 }
 
 impl Hull {
-    /// Right and down of its middle, as shares of its half axes along and across.
-    fn own(&self, u: f64, v: f64) -> (f64, f64) {
+    /// Position relative to the centre, along and across, in half axes.
+    fn local_coordinates(&self, u: f64, v: f64) -> (f64, f64) {
         let (right, down) = (u - self.centre.0, v - self.centre.1);
         let (sin, cos) = libm::sincos(-self.turned_deg.to_radians());
         ((right * cos + down * sin) * 2.0 / self.length, (down * cos - right * sin) * 2.0 / self.breadth)
     }
 
-    /// The upright box around it.
+    /// The upright box around the hull.
     pub(crate) fn bounds(&self) -> PixelBox {
         let (sin, cos) = libm::sincos(self.turned_deg.to_radians());
         let w = libm::hypot(self.length * cos, self.breadth * sin);
@@ -98,7 +98,7 @@ impl Hull {
 }
 
 impl Paint {
-    /// Brightness at a place that counts in blocks of the pattern.
+    /// Brightness at a position in blocks of the pattern.
     fn luma(&self, across: f64, down: f64) -> u8 {
         let corner = |column: f64, row: f64| {
             let mut state = (column as i32 as u32).wrapping_mul(73_856_093)
@@ -117,23 +117,23 @@ impl Paint {
     }
 }
 
-/// Pixels a side of a block of the water's pattern.
+/// Side of a block of the water's pattern, pixels.
 const BLOCK_PX: f64 = 7.0;
-/// Blocks of a hull's pattern along its half length.
+/// Blocks of a hull's pattern per half length.
 const HULL_BLOCKS: f64 = 4.0;
-/// Side of the square after which the water's pattern comes again, pixels.
+/// Period of the water's pattern, pixels.
 const TILE: usize = 448;
 
-/// Brightness of painted water, square after square.
+/// Brightness of one period of the water.
 struct Water(Vec<u8>);
 
 thread_local! {
-    /// What was worked out once is used again.
+    /// Computed patterns are reused.
     static WATERS: RefCell<Vec<(Paint, Rc<Water>)>> = const { RefCell::new(Vec::new()) };
 }
 
 impl Water {
-    fn of(paint: &Paint) -> Rc<Self> {
+    fn cached(paint: &Paint) -> Rc<Self> {
         WATERS.with_borrow_mut(|waters| {
             if let Some((_, water)) = waters.iter().find(|(known, _)| known == paint) {
                 return Rc::clone(water);
@@ -153,7 +153,7 @@ impl Water {
 }
 
 impl Scene {
-    /// The picture, captured so many milliseconds after the start.
+    /// Renders the picture, captured at this time.
     pub(crate) fn at_ms(&self, milliseconds: u64) -> VideoFrame {
         let size = PictureSize::new(self.size.0, self.size.1);
         let mut picture = Picture::black(size, ColourEncoding::assumed_for(PictureSize::new(640, 480)));
@@ -161,11 +161,11 @@ impl Scene {
         let [y, u, v] = picture.planes_mut();
         let chroma_width = width.div_ceil(2);
         let mut paint = |[left, top, right, bottom]: [f64; 4],
-                         look: &dyn Fn(f64, f64) -> Option<(u8, Yuv)>| {
+                         sample: &dyn Fn(f64, f64) -> Option<(u8, Yuv)>| {
             let whole = |at: f64, length: usize| (at.max(0.0) as usize).min(length);
             for row in whole(top, height)..whole(bottom + 1.0, height) {
                 for column in whole(left, width)..whole(right + 1.0, width) {
-                    if let Some((luma, [_, cb, cr])) = look(column as f64 + 0.5, row as f64 + 0.5) {
+                    if let Some((luma, [_, cb, cr])) = sample(column as f64 + 0.5, row as f64 + 0.5) {
                         y[row * width + column] = luma;
                         u[row / 2 * chroma_width + column / 2] = cb;
                         v[row / 2 * chroma_width + column / 2] = cr;
@@ -177,7 +177,7 @@ impl Scene {
         let whole = |at: f64| at.floor() as i32;
         let everything = [-right, -down, width as f64, height as f64];
         for (colour, [left, top, w, h]) in core::iter::once(&(self.water, everything)).chain(&self.clutter) {
-            let water = Water::of(colour);
+            let water = Water::cached(colour);
             let (left, top) = (left + right, top + down);
             let inside = |u: f64, v: f64| (left..left + w).contains(&u) && (top..top + h).contains(&v);
             paint([left, top, left + w, top + h], &|u, v| {
@@ -187,7 +187,7 @@ impl Scene {
         for hull in &self.hulls {
             let box_ = hull.bounds();
             paint([box_.u, box_.v, box_.u + box_.w, box_.v + box_.h], &|u, v| {
-                let (a, b) = hull.own(u, v);
+                let (a, b) = hull.local_coordinates(u, v);
                 let slender = hull.breadth / hull.length;
                 (a * a + b * b <= 1.0)
                     .then(|| (hull.paint.luma(HULL_BLOCKS * a, HULL_BLOCKS * slender * b), hull.paint.colour))

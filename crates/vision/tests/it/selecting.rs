@@ -1,4 +1,4 @@
-//! What a selection is told.
+//! Reports and errors of CamShift's selections.
 
 use barrelman_vision::{CamShift, CamShiftConfig, Explanation, SelectionError, Tracker};
 use barrelman_vocab::{PixelBox, Track};
@@ -54,7 +54,7 @@ fn a_refused_selection_keeps_the_earlier_target() {
 fn the_part_of_a_box_outside_the_picture_is_cut_off_and_said() {
     let scene = frame((64, 48), GREY, &[(RED, [54, 20, 10, 10])]);
     let report = tracker().select(&scene, pixels(54.0, 20.0, 20.0, 10.0)).unwrap();
-    assert!(report.clipped);
+    assert!(report.is_clipped);
     assert_eq!(report.used, pixels(54.0, 20.0, 10.0, 10.0));
     assert_eq!(report.localisation.bounds, report.used);
 }
@@ -63,13 +63,13 @@ fn the_part_of_a_box_outside_the_picture_is_cut_off_and_said() {
 fn the_report_says_how_much_of_the_box_has_colour_and_how_like_it_the_surroundings_are() {
     let scene = frame((64, 48), BLUE, &[(GREY, [20, 20, 20, 10]), (RED, [20, 20, 10, 10])]);
     let report = tracker().select(&scene, pixels(20.0, 20.0, 20.0, 10.0)).unwrap();
-    assert!(!report.clipped);
-    assert_eq!((report.coloured, report.surroundings), (0.5, 0.0));
+    assert!(!report.is_clipped);
+    assert_eq!((report.coloured_share, report.surroundings_probability), (0.5, 0.0));
     assert_eq!(report.localisation.confidence, 0.5);
 
     let lost_in_red = frame((64, 48), RED, &[]);
     let report = tracker().select(&lost_in_red, pixels(20.0, 20.0, 20.0, 10.0)).unwrap();
-    assert_eq!(report.surroundings, 1.0);
+    assert_eq!(report.surroundings_probability, 1.0);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What a selection is told by the fused tracker.
+//! Reports and errors of the fused tracker's selections.
 
 use barrelman_vision::{Explanation, FusedConfig, FusedTracker, SelectionError, SelectionReport, Tracker};
 use barrelman_vocab::{PixelBox, Track};
@@ -27,30 +27,30 @@ fn scene(water: Yuv, hulls: &[Hull]) -> Scene {
     }
 }
 
-/// What the first hull's own box is told.
+/// The report on a selection of the first hull's own box.
 fn report(scene: &Scene) -> SelectionReport {
     tracker().select(&scene.at_ms(0), scene.hulls[0].bounds()).unwrap()
 }
 
 #[test]
-fn a_thing_of_a_colour_of_its_own_is_said_to_be_distinct() {
+fn a_target_with_a_distinct_colour_is_reported_as_such() {
     let report = report(&scene(BLUE, &[hull(RED, 2, (120.0, 90.0), (70.0, 40.0))]));
-    assert!(!report.clipped);
-    // An ellipse fills 0.785 of its box; the corners hold water.
-    assert!((0.72..0.82).contains(&report.coloured), "{report:?}");
-    assert!(report.surroundings < 0.02, "{report:?}");
+    assert!(!report.is_clipped);
+    // An ellipse fills 0.785 of its box; the corners contain water.
+    assert!((0.72..0.82).contains(&report.coloured_share), "{report:?}");
+    assert!(report.surroundings_probability < 0.02, "{report:?}");
     assert_eq!(report.localisation.confidence, 1.0);
 }
 
 #[test]
-fn a_thing_alike_to_its_surroundings_is_said_to_be_so() {
-    let alike = report(&scene(GREY, &[hull(GREY, 2, (120.0, 90.0), (70.0, 40.0))]));
-    // A colour as common around the target as in it is likely to one half.
-    assert!((0.4..0.6).contains(&alike.surroundings), "{alike:?}");
+fn a_target_like_its_surroundings_is_reported_as_such() {
+    let similar = report(&scene(GREY, &[hull(GREY, 2, (120.0, 90.0), (70.0, 40.0))]));
+    // A colour as frequent around the target as on it has a probability of one half.
+    assert!((0.4..0.6).contains(&similar.surroundings_probability), "{similar:?}");
 }
 
 #[test]
-fn an_elongated_thing_has_an_axis_from_the_start_and_a_round_one_has_none() {
+fn an_elongated_target_has_an_axis_from_the_start_and_a_round_one_has_none() {
     for turned_deg in [0.0, 30.0, 90.0, 150.0] {
         let slanting = Hull { turned_deg, ..hull(RED, 2, (120.0, 90.0), (80.0, 30.0)) };
         let here = report(&scene(BLUE, &[slanting])).localisation;
@@ -67,7 +67,7 @@ fn an_elongated_thing_has_an_axis_from_the_start_and_a_round_one_has_none() {
 fn the_part_of_a_box_outside_the_picture_is_cut_off_and_said() {
     let scene = scene(BLUE, &[hull(RED, 2, (230.0, 90.0), (60.0, 40.0))]);
     let report = report(&scene);
-    assert!(report.clipped);
+    assert!(report.is_clipped);
     assert_eq!(report.used, pixels(200.0, 70.0, 40.0, 40.0));
     assert_eq!(report.localisation.bounds, report.used);
 }
@@ -76,7 +76,7 @@ fn the_part_of_a_box_outside_the_picture_is_cut_off_and_said() {
 fn a_box_in_the_picture_is_not_said_to_be_cut_off_because_of_rounding() {
     let frame = frame((320, 180), BLUE, &[(RED, [142, 62, 20, 56])]);
     let report = tracker().select(&frame, pixels(142.2, 63.2, 20.2, 55.2)).unwrap();
-    assert!(!report.clipped, "{report:?}");
+    assert!(!report.is_clipped, "{report:?}");
 }
 
 #[test]
@@ -92,11 +92,11 @@ fn a_second_selection_forgets_the_first() {
             let Track::Tracking(here) = tracker.track(&scene.at_ms(33 * step), None) else {
                 panic!("the second selection is tracked");
             };
-            assert!(here.bounds.overlap(bounds) > 0.7, "{}", here.bounds);
-            assert_eq!(here.bounds.overlap(scene.hulls[other].bounds()), 0.0);
+            assert!(here.bounds.iou(bounds) > 0.7, "{}", here.bounds);
+            assert_eq!(here.bounds.iou(scene.hulls[other].bounds()), 0.0);
         }
     }
-    // One that has forgotten another is as if it had never known it.
+    // A tracker that forgot a target is equal to a new one.
     let mut fresh = self::tracker();
     fresh.select(&scene.at_ms(0), scene.hulls[1].bounds()).unwrap();
     tracker.select(&scene.at_ms(0), scene.hulls[1].bounds()).unwrap();

@@ -1,23 +1,23 @@
-//! Boxes: what is empty, what lies in a picture, how well two agree.
+//! Boxes: emptiness, clipping, and intersection over union.
 
 use barrelman_vocab::{PictureSize, PixelBox, PixelPoint};
 use proptest::prelude::*;
 
 const PICTURE: PictureSize = PictureSize::new(640, 480);
 
-fn of(u: f64, v: f64, w: f64, h: f64) -> PixelBox {
+fn pixel_box(u: f64, v: f64, w: f64, h: f64) -> PixelBox {
     PixelBox { u, v, w, h }
 }
 
 #[test]
 fn the_middle_of_a_box_is_its_centre() {
-    assert_eq!(of(10.0, 20.0, 4.0, 8.0).centre(), PixelPoint { u: 12.0, v: 24.0 });
+    assert_eq!(pixel_box(10.0, 20.0, 4.0, 8.0).centre(), PixelPoint { u: 12.0, v: 24.0 });
     assert_eq!(PICTURE.bounds().centre(), PICTURE.centre());
 }
 
 #[test]
 fn a_box_without_a_width_a_height_or_a_number_is_empty() {
-    let check = |w: f64, h: f64, expected: bool| assert_eq!(of(1.0, 1.0, w, h).is_empty(), expected);
+    let check = |w: f64, h: f64, expected: bool| assert_eq!(pixel_box(1.0, 1.0, w, h).is_empty(), expected);
     check(1.0, 1.0, false);
     check(1e-9, 1.0, false);
     check(0.0, 1.0, true);
@@ -26,56 +26,60 @@ fn a_box_without_a_width_a_height_or_a_number_is_empty() {
     check(-3.0, -3.0, true);
     check(f64::NAN, 1.0, true);
     check(1.0, f64::INFINITY, true);
-    assert!(of(f64::NAN, 1.0, 1.0, 1.0).is_empty());
-    assert!(of(1.0, f64::NEG_INFINITY, 1.0, 1.0).is_empty());
+    assert!(pixel_box(f64::NAN, 1.0, 1.0, 1.0).is_empty());
+    assert!(pixel_box(1.0, f64::NEG_INFINITY, 1.0, 1.0).is_empty());
 }
 
 #[test]
 fn an_empty_box_covers_nothing() {
-    for empty in [of(0.0, 0.0, -2.0, -2.0), of(0.0, 0.0, f64::NAN, 2.0), of(0.0, f64::NAN, 2.0, 2.0)] {
+    for empty in [
+        pixel_box(0.0, 0.0, -2.0, -2.0),
+        pixel_box(0.0, 0.0, f64::NAN, 2.0),
+        pixel_box(0.0, f64::NAN, 2.0, 2.0),
+    ] {
         assert_eq!(empty.area(), 0.0);
-        assert_eq!(empty.overlap(PICTURE.bounds()), 0.0);
-        assert_eq!(PICTURE.bounds().overlap(empty), 0.0);
-        assert_eq!(empty.overlap(empty), 0.0);
+        assert_eq!(empty.iou(PICTURE.bounds()), 0.0);
+        assert_eq!(PICTURE.bounds().iou(empty), 0.0);
+        assert_eq!(empty.iou(empty), 0.0);
     }
 }
 
 #[test]
 fn clipping_keeps_what_lies_in_the_picture() {
     let check = |whole: PixelBox, expected: PixelBox| assert_eq!(whole.clipped(PICTURE), expected);
-    check(of(10.0, 20.0, 30.0, 40.0), of(10.0, 20.0, 30.0, 40.0));
-    check(of(-10.0, -20.0, 30.0, 40.0), of(0.0, 0.0, 20.0, 20.0));
-    check(of(630.0, 470.0, 30.0, 40.0), of(630.0, 470.0, 10.0, 10.0));
-    check(of(-10.0, -10.0, 1000.0, 1000.0), PICTURE.bounds());
+    check(pixel_box(10.0, 20.0, 30.0, 40.0), pixel_box(10.0, 20.0, 30.0, 40.0));
+    check(pixel_box(-10.0, -20.0, 30.0, 40.0), pixel_box(0.0, 0.0, 20.0, 20.0));
+    check(pixel_box(630.0, 470.0, 30.0, 40.0), pixel_box(630.0, 470.0, 10.0, 10.0));
+    check(pixel_box(-10.0, -10.0, 1000.0, 1000.0), PICTURE.bounds());
 }
 
 #[test]
 fn what_lies_outside_the_picture_or_nowhere_is_clipped_to_nothing() {
     let check = |whole: PixelBox| assert!(whole.clipped(PICTURE).is_empty(), "{whole}");
-    check(of(640.0, 0.0, 10.0, 10.0));
-    check(of(0.0, 480.0, 10.0, 10.0));
-    check(of(-10.0, 0.0, 10.0, 10.0));
-    check(of(50.0, 50.0, 0.0, 10.0));
-    check(of(50.0, 50.0, -20.0, 10.0));
-    check(of(f64::NAN, 50.0, 10.0, 10.0));
-    check(of(50.0, f64::NAN, 10.0, 10.0));
-    check(of(50.0, 50.0, f64::NAN, 10.0));
-    check(of(50.0, 50.0, 10.0, f64::NAN));
-    check(of(f64::NAN, f64::NAN, f64::NAN, f64::NAN));
-    assert!(of(0.0, 0.0, 10.0, 10.0).clipped(PictureSize::new(0, 480)).is_empty());
+    check(pixel_box(640.0, 0.0, 10.0, 10.0));
+    check(pixel_box(0.0, 480.0, 10.0, 10.0));
+    check(pixel_box(-10.0, 0.0, 10.0, 10.0));
+    check(pixel_box(50.0, 50.0, 0.0, 10.0));
+    check(pixel_box(50.0, 50.0, -20.0, 10.0));
+    check(pixel_box(f64::NAN, 50.0, 10.0, 10.0));
+    check(pixel_box(50.0, f64::NAN, 10.0, 10.0));
+    check(pixel_box(50.0, 50.0, f64::NAN, 10.0));
+    check(pixel_box(50.0, 50.0, 10.0, f64::NAN));
+    check(pixel_box(f64::NAN, f64::NAN, f64::NAN, f64::NAN));
+    assert!(pixel_box(0.0, 0.0, 10.0, 10.0).clipped(PictureSize::new(0, 480)).is_empty());
 }
 
 #[test]
-fn overlap_is_intersection_over_union() {
+fn iou_is_intersection_over_union() {
     let check = |a: PixelBox, b: PixelBox, expected: f64| {
-        assert_eq!(a.overlap(b), expected, "{a} with {b}");
-        assert_eq!(b.overlap(a), expected, "{b} with {a}");
+        assert_eq!(a.iou(b), expected, "{a} with {b}");
+        assert_eq!(b.iou(a), expected, "{b} with {a}");
     };
-    check(of(0.0, 0.0, 2.0, 2.0), of(0.0, 0.0, 2.0, 2.0), 1.0);
-    check(of(0.0, 0.0, 2.0, 2.0), of(1.0, 0.0, 2.0, 2.0), 1.0 / 3.0);
-    check(of(0.0, 0.0, 2.0, 2.0), of(1.0, 1.0, 2.0, 2.0), 1.0 / 7.0);
-    check(of(0.0, 0.0, 2.0, 2.0), of(2.0, 0.0, 2.0, 2.0), 0.0);
-    check(of(0.0, 0.0, 4.0, 4.0), of(1.0, 1.0, 1.0, 1.0), 1.0 / 16.0);
+    check(pixel_box(0.0, 0.0, 2.0, 2.0), pixel_box(0.0, 0.0, 2.0, 2.0), 1.0);
+    check(pixel_box(0.0, 0.0, 2.0, 2.0), pixel_box(1.0, 0.0, 2.0, 2.0), 1.0 / 3.0);
+    check(pixel_box(0.0, 0.0, 2.0, 2.0), pixel_box(1.0, 1.0, 2.0, 2.0), 1.0 / 7.0);
+    check(pixel_box(0.0, 0.0, 2.0, 2.0), pixel_box(2.0, 0.0, 2.0, 2.0), 0.0);
+    check(pixel_box(0.0, 0.0, 4.0, 4.0), pixel_box(1.0, 1.0, 1.0, 1.0), 1.0 / 16.0);
 }
 
 fn any_number() -> impl Strategy<Value = f64> {
@@ -88,10 +92,10 @@ fn any_box() -> impl Strategy<Value = PixelBox> {
 
 proptest! {
     #[test]
-    fn overlap_lies_between_nothing_and_all(a in any_box(), b in any_box()) {
-        let overlap = a.overlap(b);
-        prop_assert!((0.0..=1.0).contains(&overlap), "{overlap}");
-        prop_assert!((0.0..=1.0).contains(&a.overlap(a)), "{}", a.overlap(a));
+    fn iou_lies_between_0_and_1(a in any_box(), b in any_box()) {
+        let iou = a.iou(b);
+        prop_assert!((0.0..=1.0).contains(&iou), "{iou}");
+        prop_assert!((0.0..=1.0).contains(&a.iou(a)), "{}", a.iou(a));
     }
 
     #[test]

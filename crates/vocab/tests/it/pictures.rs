@@ -76,7 +76,7 @@ fn a_video_that_does_not_say_is_taken_by_its_height() {
 #[test]
 fn a_quarter_turn_swaps_width_and_height() {
     let check = |rotation: Rotation, (width, height)| {
-        assert_eq!(rotation.displayed(PictureSize::new(640, 360)), PictureSize::new(width, height));
+        assert_eq!(rotation.displayed_size(PictureSize::new(640, 360)), PictureSize::new(width, height));
     };
     check(Rotation::None, (640, 360));
     check(Rotation::Clockwise90, (360, 640));

@@ -1,4 +1,4 @@
-//! The door between the rates inside and a vehicle's own.
+//! The vehicle boundary: from camera commands to a vehicle's own rates and back.
 
 use barrelman_vocab::profile::{AxisRates, AxisSigns, Sign};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile, VehicleRates};
@@ -23,7 +23,7 @@ fn signed(yaw: Sign, pitch: Sign) -> VehicleProfile {
 #[test]
 fn a_fotokite_pro_counts_both_axes_the_other_way_within_its_limits() {
     let check = |(pan, tilt), (yaw, pitch)| {
-        let out = VehicleProfile::fotokite_pro().outgoing(command(pan, tilt));
+        let out = VehicleProfile::fotokite_pro().to_vehicle(command(pan, tilt));
         assert_eq!(out, rates(yaw, pitch), "pan {pan}, tilt {tilt}");
     };
     check((0.3, 0.0), (-0.3, 0.0));
@@ -40,8 +40,8 @@ fn a_fotokite_pro_counts_both_axes_the_other_way_within_its_limits() {
 fn each_axis_has_its_own_sign() {
     let check = |yaw, pitch, expected| {
         let profile = signed(yaw, pitch);
-        assert_eq!(profile.outgoing(command(0.2, 0.1)), expected);
-        assert_eq!(profile.incoming(expected), command(0.2, 0.1));
+        assert_eq!(profile.to_vehicle(command(0.2, 0.1)), expected);
+        assert_eq!(profile.from_vehicle(expected), command(0.2, 0.1));
     };
     check(Sign::Same, Sign::Same, rates(0.2, 0.1));
     check(Sign::Opposite, Sign::Same, rates(-0.2, 0.1));
@@ -53,7 +53,7 @@ fn each_axis_has_its_own_sign() {
 fn a_vehicle_whose_limit_is_no_number_is_not_moved() {
     let nan = AxisRates { pan: rate(f64::NAN), tilt: rate(f64::NAN) };
     let profile = VehicleProfile { limits: nan, ..VehicleProfile::fotokite_pro() };
-    assert_eq!(profile.outgoing(command(0.3, -0.3)), VehicleRates::REST);
+    assert_eq!(profile.to_vehicle(command(0.3, -0.3)), VehicleRates::REST);
 }
 
 fn any_sign() -> impl Strategy<Value = Sign> {
@@ -74,7 +74,7 @@ proptest! {
         yaw in any_sign(), pitch in any_sign(), pan in -0.4..0.4, tilt in -0.3..0.3,
     ) {
         let profile = signed(yaw, pitch);
-        prop_assert_eq!(profile.incoming(profile.outgoing(command(pan, tilt))), command(pan, tilt));
+        prop_assert_eq!(profile.from_vehicle(profile.to_vehicle(command(pan, tilt))), command(pan, tilt));
     }
 
     #[test]
@@ -83,9 +83,9 @@ proptest! {
     ) {
         let limits = AxisRates { pan: rate(limit), tilt: rate(limit) };
         let profile = VehicleProfile { limits, ..signed(yaw, pitch) };
-        let out = profile.outgoing(command(pan, tilt));
+        let out = profile.to_vehicle(command(pan, tilt));
         prop_assert!(has_no_negative_zero([out.yaw, out.pitch]), "{out:?}");
-        let back = profile.incoming(rates(pan, tilt));
+        let back = profile.from_vehicle(rates(pan, tilt));
         prop_assert!(has_no_negative_zero([back.pan, back.tilt]), "{back:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Angular rates: limits, and the zero without a sign.
+//! Angular rates: limits, and zeros without a sign.
 
 use barrelman_vocab::{Angle, AngularRate, CameraCommand};
 use proptest::prelude::*;

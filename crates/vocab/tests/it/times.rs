@@ -1,4 +1,4 @@
-//! Timestamps: never negative, never beyond their end.
+//! Timestamps: saturating arithmetic and conversions.
 
 use core::time::Duration;
 

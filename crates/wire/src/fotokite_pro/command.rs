@@ -1,34 +1,35 @@
-//! What this program can say to the ground station.
+//! The commands that this program can send to the ground station.
 //!
-//! The enum is the whole of it: there is no take-off, no motor stop and no tether motion in it, so they cannot
-//! be sent. Rates are radians per second in the vehicle's own signs, with six decimals, clamped to the limits
-//! that the vehicle's known clients keep.
+//! [`Command`] contains all of them. Take-off, motor stop and tether motion are not in it, so that they cannot be sent.
+//! Rates are in radians per second in the vehicle's own signs, with six decimals, clamped to the limits that the
+//! vehicle's known clients observe.
 
 use core::fmt::{self, Write as _};
 
 use barrelman_vocab::AngularRate;
+use barrelman_vocab::profile::Protocol;
 
 /// Limit of the yaw rate, rad/s.
-pub const YAW_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.4);
+pub const YAW_LIMIT: AngularRate = Protocol::FotokitePro.rate_limits().pan;
 /// Limit of both gimbal rates, rad/s.
-pub const GIMBAL_LIMIT: AngularRate = AngularRate::from_radians_per_second(0.3);
+pub const GIMBAL_LIMIT: AngularRate = Protocol::FotokitePro.rate_limits().tilt;
 
 /// One line to the ground station.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
-    /// A carriage return, in either framing: asks the shell for its prompt.
-    Nudge,
-    /// Leaves remote control; valid in any state.
+    /// A carriage return, in either framing. The shell answers with its prompt.
+    PromptRequest,
+    /// Leaves remote control. Valid in any state.
     Stop,
     /// Enters remote control.
     RemoteControlStart,
-    /// Commands carry no checksums from here on.
+    /// Switches the checksums of commands off.
     ChecksumsOff,
-    /// Sets the rate of attitude and position telemetry, per second.
+    /// Sets the rate of attitude and position telemetry, messages per second.
     TelemetryRate(f64),
     /// Switches the debug text off.
     DebugTextOff,
-    /// Makes the parameter that was set last take effect.
+    /// Applies the parameter that was set last.
     CommitParameter,
     /// Starts a telemetry stream.
     Stream(Stream),
@@ -40,7 +41,7 @@ pub enum Command {
     GimbalRest,
 }
 
-/// A telemetry stream that can be asked for.
+/// A telemetry stream that the client can request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stream {
     /// `!GSStatus`.
@@ -55,13 +56,13 @@ pub enum Stream {
     Gimbal,
 }
 
-/// What stands around a line.
+/// Line framing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Framing {
-    /// `\r` before and after, as the paper's program sent it.
+    /// `\r` before and after, as the paper's program sent lines.
     #[default]
     CarriageReturns,
-    /// `\n` after, as the client libraries send it.
+    /// `\n` after, as the client libraries send lines.
     LineFeed,
 }
 
@@ -90,7 +91,7 @@ impl Command {
 impl fmt::Display for Command {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nudge => Ok(()),
+            Self::PromptRequest => Ok(()),
             Self::Stop => f.write_str("stop"),
             Self::RemoteControlStart => f.write_str("RemoteControl start"),
             Self::ChecksumsOff => f.write_str("Checksum 0"),
@@ -102,18 +103,18 @@ impl fmt::Display for Command {
             Self::Stream(Stream::Position) => f.write_str("Get_Pos 0"),
             Self::Stream(Stream::FlightStatus) => f.write_str("Get_FlightStatus 0"),
             Self::Stream(Stream::Gimbal) => f.write_str("Get_Gimbal 0"),
-            Self::Yaw(rate) => write!(f, "Yaw {:.6}", sayable(*rate, YAW_LIMIT).radians_per_second()),
+            Self::Yaw(rate) => write!(f, "Yaw {:.6}", encodable(*rate, YAW_LIMIT).radians_per_second()),
             Self::GimbalPitch(rate) => {
-                write!(f, "GimbalPitch {:.6}", sayable(*rate, GIMBAL_LIMIT).radians_per_second())
+                write!(f, "GimbalPitch {:.6}", encodable(*rate, GIMBAL_LIMIT).radians_per_second())
             }
             Self::GimbalRest => f.write_str("Gimbal 0.000000,0.000000"),
         }
     }
 }
 
-/// A rate as the line can say it: within its limit, and everything that six decimals would print as zero made
-/// a plain zero. `-0.000000` must never stand on the line.
-pub(super) fn sayable(rate: AngularRate, limit: AngularRate) -> AngularRate {
+/// The rate that is sent: clamped to the limit, and zero if six decimals would print it as zero. `-0.000000` is never
+/// sent.
+pub(super) fn encodable(rate: AngularRate, limit: AngularRate) -> AngularRate {
     let clamped = rate.clamped(limit);
     if clamped.radians_per_second().abs() <= 0.5e-6 { AngularRate::ZERO } else { clamped }
 }

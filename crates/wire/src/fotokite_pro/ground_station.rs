@@ -1,4 +1,4 @@
-//! The ground station's end, as the emulator and the tests need it: a shell, remote control, telemetry.
+//! The ground station's end of the protocol, for the emulator and the tests: a shell, remote control, telemetry.
 //!
 //! ```text
 //!            RemoteControl start
@@ -6,9 +6,10 @@
 //!   (echo, prompt)    stop          (silent; motion lines count once checksums are off)
 //! ```
 //!
-//! Rates are latched: each holds until the next line for its axis, or (a switch, since nobody knows) until a
-//! time-out. It answers to what `docs/wire/fotokite-pro.md` lists; everything else is
-//! `nsh: X: command not found`. It owns no vehicle: it hands out rates and is handed attitudes.
+//! Rates are latched: each rate stays in force until the next line for its axis, or until a time-out (a setting, since
+//! the real behaviour is unknown). The station answers to the commands in `docs/wire/fotokite-pro.md`; the answer to
+//! any other line is `nsh: X: command not found`. The station contains no vehicle: the caller reads the rates and
+//! supplies the sensor readings.
 
 use core::fmt::Write as _;
 use core::time::Duration;
@@ -17,21 +18,21 @@ use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{AngularRate, Timestamp};
 
 use super::command::{GIMBAL_LIMIT, Stream, YAW_LIMIT};
-use super::lines::LineCutter;
+use super::lines::LineSplitter;
 use super::session::PROMPT;
 use super::telemetry::{MODE_REMOTE_CONTROLLED, TETHER_METRES_PER_COUNT};
 
-/// More lines than this in one second, and the rest of that second is lost.
-pub const FLOOD_LINES_PER_SECOND: u32 = 100;
-/// Telemetry, messages per second, before a client sets another rate.
+/// Lines beyond this number within one second are lost.
+pub const MAX_LINES_PER_SECOND: u32 = 100;
+/// Initial telemetry rate, messages per second.
 pub const DEFAULT_TELEMETRY_PER_SECOND: f64 = 1.0;
 
-/// What is not known of the real ground station, as switches.
+/// Settings for behaviour of the real ground station that is unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroundStationSettings {
-    /// Whether the shell echoes what it is sent.
+    /// Whether the shell echoes received bytes.
     pub echo: bool,
-    /// A rate ends by itself when no line for its axis came for this time; `None`: never, as far as is known.
+    /// Time without a line for an axis after which its rate becomes zero. `None`: no time-out.
     pub rate_timeout: Option<Duration>,
 }
 
@@ -52,37 +53,37 @@ pub struct StationRates {
     pub roll: AngularRate,
 }
 
-/// What the vehicle's sensors say, for the telemetry lines.
+/// Readings of the vehicle's sensors, for the telemetry lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VehicleReading {
+pub struct SensorReadings {
     /// Attitude of the flight unit.
     pub attitude: Quaternion,
     /// Attitude of the gimbal.
     pub gimbal: Quaternion,
-    /// Tether angle from the vertical, rad.
+    /// Angle of the tether from the vertical, rad.
     pub elevation_rad: f64,
-    /// Azimuth, rad, positive to the left of the start.
+    /// Azimuth, rad; positive to the left of the start direction.
     pub azimuth_rad: f64,
     /// Barometric altitude, metres.
     pub altitude_m: f64,
-    /// Tether paid out, metres.
+    /// Length of tether paid out, metres.
     pub tether_m: f64,
-    /// Ground battery, volts.
+    /// Voltage of the ground battery, volts.
     pub ground_battery_v: f64,
-    /// Backup battery, volts.
+    /// Voltage of the backup battery, volts.
     pub backup_battery_v: f64,
     /// Flight mode number.
     pub flight_mode: u32,
-    /// Flag bits.
+    /// Warning bits.
     pub flags: u32,
 }
 
-/// Whether the station is in its shell or under remote control.
+/// State of the station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum StationState {
-    /// The shell, with its prompt.
+    /// The shell with its prompt.
     Shell,
-    /// Remote control: motion lines count.
+    /// Remote control: motion commands are executed.
     RemoteControlled,
 }
 
@@ -94,7 +95,7 @@ pub struct GroundStation {
     checksums: bool,
     rates: StationRates,
     last_motion: LastMotion,
-    lines: LineCutter,
+    lines: LineSplitter,
     last_byte: u8,
     streams: Vec<Stream>,
     telemetry_per_second: f64,
@@ -102,10 +103,10 @@ pub struct GroundStation {
     next_telemetry: Option<Timestamp>,
     booted: Timestamp,
     param_lines: u64,
-    flood: Flood,
+    line_rate: LineRateLimit,
 }
 
-/// When a line for each axis came last, while its rate is in force.
+/// Time of the last line for each axis while its rate is in force.
 #[derive(Debug, Clone, Copy, Default)]
 struct LastMotion {
     yaw: Option<Timestamp>,
@@ -114,29 +115,29 @@ struct LastMotion {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Flood {
+struct LineRateLimit {
     second: u64,
     lines: u32,
     lost: u64,
 }
 
-impl Flood {
-    /// Whether a line that came now is lost in a flood.
-    fn drowns(&mut self, now: Timestamp) -> bool {
+impl LineRateLimit {
+    /// Counts a line. Returns whether the line exceeds the limit and is lost.
+    fn exceeds(&mut self, now: Timestamp) -> bool {
         let second = now.as_nanos() / 1_000_000_000;
         if second != self.second {
             self.second = second;
             self.lines = 0;
         }
         self.lines += 1;
-        let lost = self.lines > FLOOD_LINES_PER_SECOND;
+        let lost = self.lines > MAX_LINES_PER_SECOND;
         self.lost += u64::from(lost);
         lost
     }
 }
 
 impl GroundStation {
-    /// A ground station that was just switched on.
+    /// A ground station that was switched on at `now`.
     pub fn boot(settings: GroundStationSettings, now: Timestamp) -> Self {
         Self {
             settings,
@@ -144,7 +145,7 @@ impl GroundStation {
             checksums: true,
             rates: StationRates::default(),
             last_motion: LastMotion::default(),
-            lines: LineCutter::default(),
+            lines: LineSplitter::default(),
             last_byte: 0,
             streams: Vec::new(),
             telemetry_per_second: DEFAULT_TELEMETRY_PER_SECOND,
@@ -152,14 +153,20 @@ impl GroundStation {
             next_telemetry: None,
             booted: now,
             param_lines: 0,
-            flood: Flood::default(),
+            line_rate: LineRateLimit::default(),
         }
     }
 
-    /// Takes bytes from the client, appends the answer, and hands out each line as it was understood.
-    pub fn received(&mut self, bytes: &[u8], now: Timestamp, out: &mut Vec<u8>, mut heard: impl FnMut(&str)) {
+    /// Processes bytes from the client, appends the answer to `out`, and passes each received line to `on_line`.
+    pub fn receive(
+        &mut self,
+        bytes: &[u8],
+        now: Timestamp,
+        out: &mut Vec<u8>,
+        mut on_line: impl FnMut(&str),
+    ) {
         for &byte in bytes {
-            // The second half of `\r\n` is no line of its own.
+            // The `\n` of `\r\n` does not end another line.
             let second_half = byte == b'\n' && self.last_byte == b'\r';
             self.last_byte = byte;
             if second_half {
@@ -174,9 +181,9 @@ impl GroundStation {
             self.lines.feed(&[byte], |line| complete = Some(line.to_owned()));
             let was = self.state;
             if let Some(line) = &complete {
-                heard(line);
-                if !self.flood.drowns(now) {
-                    self.obey(line, now, out);
+                on_line(line);
+                if !self.line_rate.exceeds(now) {
+                    self.execute(line, now, out);
                 }
             }
             let in_shell = self.state == StationState::Shell;
@@ -192,7 +199,7 @@ impl GroundStation {
         out.push(b' ');
     }
 
-    fn obey(&mut self, line: &str, now: Timestamp, out: &mut Vec<u8>) {
+    fn execute(&mut self, line: &str, now: Timestamp, out: &mut Vec<u8>) {
         let (word, rest) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
         let arguments = rest.trim();
         match (word, arguments) {
@@ -208,7 +215,7 @@ impl GroundStation {
             }
             ("Checksum", "0") => self.checksums = false,
             ("Checksum", "1") => self.checksums = true,
-            ("Pset", _) => self.stage(arguments),
+            ("Pset", _) => self.stage_parameter(arguments),
             ("Pcommit", "") => {
                 if let Some(per_second) = self.staged_per_second.take() {
                     self.telemetry_per_second = per_second;
@@ -232,7 +239,7 @@ impl GroundStation {
                 "Yaw" | "GimbalPitch" | "GimbalRoll" | "Gimbal" | "Pos" | "Pos2" | "PosV" | "PosH" | "PosL",
                 _,
             ) => {
-                self.move_by(word, arguments, now);
+                self.execute_motion(word, arguments, now);
             }
             _ if self.state == StationState::Shell => {
                 // Writing to memory cannot fail.
@@ -244,8 +251,8 @@ impl GroundStation {
         }
     }
 
-    /// Parameter 117 is the telemetry rate; others are taken and have no effect here.
-    fn stage(&mut self, arguments: &str) {
+    /// Parameter 117 is the telemetry rate. Other parameters are accepted without effect.
+    fn stage_parameter(&mut self, arguments: &str) {
         if let Some(("117", value)) = arguments.split_once(',')
             && let Ok(per_second) = value.trim().parse::<f64>()
             && per_second > 0.0
@@ -255,9 +262,9 @@ impl GroundStation {
         }
     }
 
-    /// Motion counts only under remote control and without checksums; the kite's own motion (`Pos...`) is taken
-    /// and ignored, since the emulator's kite stands still.
-    fn move_by(&mut self, word: &str, arguments: &str, now: Timestamp) {
+    /// Executes a motion command: only under remote control and without checksums. Motion of the kite itself (`Pos...`)
+    /// is accepted and ignored, since the emulator's kite does not move.
+    fn execute_motion(&mut self, word: &str, arguments: &str, now: Timestamp) {
         if self.state != StationState::RemoteControlled || self.checksums {
             return;
         }
@@ -292,7 +299,7 @@ impl GroundStation {
         }
     }
 
-    /// Lets time pass: rates time out where the switch says so.
+    /// Applies the time-out of rates.
     pub fn tick(&mut self, now: Timestamp) {
         let Some(timeout) = self.settings.rate_timeout else { return };
         let axes = [
@@ -308,8 +315,8 @@ impl GroundStation {
         }
     }
 
-    /// Appends the telemetry lines that are due.
-    pub fn report(&mut self, vehicle: &VehicleReading, now: Timestamp, out: &mut Vec<u8>) {
+    /// Appends the telemetry lines that are due to `out`.
+    pub fn write_telemetry(&mut self, vehicle: &SensorReadings, now: Timestamp, out: &mut Vec<u8>) {
         let Some(due) = self.next_telemetry.filter(|due| *due <= now) else { return };
         let period = Duration::from_secs_f64(1.0 / self.telemetry_per_second);
         let next = due.plus(period);
@@ -317,9 +324,9 @@ impl GroundStation {
         let mut text = String::new();
         for stream in &self.streams {
             // Writing to memory cannot fail.
-            let _ = self.report_line(*stream, vehicle, now, &mut text);
+            let _ = self.write_stream(*stream, vehicle, now, &mut text);
         }
-        // The real station mixes in an undocumented line that clients must tolerate.
+        // The real station also sends an undocumented line that clients must tolerate.
         if self.param_lines.is_multiple_of(10) {
             text.push_str("!Param 117,10.000000\r\n");
         }
@@ -327,10 +334,10 @@ impl GroundStation {
         out.extend_from_slice(text.as_bytes());
     }
 
-    fn report_line(
+    fn write_stream(
         &self,
         stream: Stream,
-        vehicle: &VehicleReading,
+        vehicle: &SensorReadings,
         now: Timestamp,
         text: &mut String,
     ) -> core::fmt::Result {
@@ -359,7 +366,7 @@ impl GroundStation {
         }
     }
 
-    /// When `tick` or `report` next has something to do.
+    /// Time of the next `tick` or `write_telemetry`; `None` if nothing is pending.
     pub fn wake_at(&self) -> Option<Timestamp> {
         let last = [self.last_motion.yaw, self.last_motion.pitch, self.last_motion.roll];
         let times_out = self
@@ -369,7 +376,7 @@ impl GroundStation {
         [self.next_telemetry, times_out].into_iter().flatten().min()
     }
 
-    /// Messages per second of a telemetry stream, if it was asked for.
+    /// Rate of a telemetry stream, messages per second; `None` if the client has not requested it.
     pub fn stream_per_second(&self, stream: Stream) -> Option<f64> {
         self.streams.contains(&stream).then_some(self.telemetry_per_second)
     }
@@ -379,14 +386,14 @@ impl GroundStation {
         self.rates
     }
 
-    /// Shell or remote control.
+    /// The current state.
     pub const fn state(&self) -> StationState {
         self.state
     }
 
-    /// Lines that were lost because the client sent more than the station can take.
-    pub const fn flooded_lines(&self) -> u64 {
-        self.flood.lost
+    /// Number of lines that were lost because the client sent too many.
+    pub const fn dropped_lines(&self) -> u64 {
+        self.line_rate.lost
     }
 }
 

@@ -1,21 +1,20 @@
-//! Cuts received bytes into lines, wherever the reads happened to end.
+//! Splits received bytes into lines, independent of how the bytes were grouped by the reads.
 //!
-//! A line ends at `\r` or `\n`; empty lines (as `\r\n` makes them) are left out. A line that grows beyond
-//! [`MAX_LINE_BYTES`] is not one of this protocol's: it is dropped up to its end. Bytes that are not
-//! ASCII are kept as `?`, so that noise cannot join two lines.
+//! A line ends at `\r` or `\n`. Empty lines (as in `\r\n`) are skipped. Lines longer than [`MAX_LINE_BYTES`] are
+//! dropped. Bytes that are not ASCII are replaced by `?`, so that noise cannot join two lines.
 
-/// Longest line that is kept, bytes. The longest telemetry line known has about 60.
+/// Longest valid line, bytes. The longest known telemetry line has about 60.
 pub const MAX_LINE_BYTES: usize = 512;
 
-/// The line that is being received.
+/// The splitter with the partial line.
 #[derive(Debug, Clone, Default)]
-pub struct LineCutter {
+pub struct LineSplitter {
     partial: String,
     overlong: bool,
 }
 
-impl LineCutter {
-    /// Takes bytes as they were read and hands out each line that they complete, without its end.
+impl LineSplitter {
+    /// Processes received bytes and passes each completed line, without its end, to `line`.
     pub fn feed(&mut self, bytes: &[u8], mut line: impl FnMut(&str)) {
         for &byte in bytes {
             if byte == b'\r' || byte == b'\n' {
@@ -32,12 +31,12 @@ impl LineCutter {
         }
     }
 
-    /// Forgets what was received of the line so far, as after a prompt: what follows begins a line.
-    pub fn begin_line(&mut self) {
+    /// Discards the partial line, for example a prompt. The next byte starts a new line.
+    pub fn discard_partial(&mut self) {
         self.partial.clear();
     }
 
-    /// What was received of a line whose end has not come yet: a shell's prompt is one.
+    /// The partial line, for example a shell's prompt.
     pub fn partial(&self) -> &str {
         &self.partial
     }

@@ -1,22 +1,23 @@
-//! When a rate goes out on the line.
+//! Pacing: when a rate is sent.
 //!
-//! The vehicle keeps a rate until the next one, and a line can get lost, so a zero goes out first and at once,
-//! and twice more 50 ms apart. Other rates coalesce to the newest: at most 20 lines a second over both axes. What
-//! stays, rest too, is said again twice a second: a zero that was lost three times is made good.
+//! The vehicle keeps a rate until the next one, and a line can get lost. A zero is therefore sent first, immediately,
+//! and is repeated twice at intervals of 50 ms. Non-zero rates coalesce to the newest one, with at most 20 lines per
+//! second over both axes. A rate that stays in force, including zero, is repeated every 0.5 s, which corrects even a
+//! zero that was lost three times.
 
 use core::time::Duration;
 
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 
-use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT, sayable};
+use super::command::{Command, GIMBAL_LIMIT, YAW_LIMIT, encodable};
 
-/// From a zero to its repetition.
+/// Interval between a zero and its repetition.
 pub const ZERO_SPACING: Duration = Duration::from_millis(50);
-/// How often a zero is said again.
+/// Number of repetitions of a zero.
 pub const ZERO_REPEATS: u8 = 2;
-/// Least time between two lines that are not zeros: 20 a second.
+/// Smallest interval between two lines with non-zero rates: 20 per second.
 pub const LINE_SPACING: Duration = Duration::from_millis(50);
-/// A rate in force is said again after this time.
+/// A rate in force is repeated after this time.
 pub const REFRESH: Duration = Duration::from_millis(500);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,48 +29,48 @@ enum AxisName {
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     name: AxisName,
-    wanted: AngularRate,
-    /// What the vehicle was told last, and when; `None` before the first line.
-    told: Option<(AngularRate, Timestamp)>,
-    /// Zeros that are still to be repeated.
-    zeros_left: u8,
+    target: AngularRate,
+    /// The last rate that was sent, and its time; `None` before the first line.
+    last_sent: Option<(AngularRate, Timestamp)>,
+    /// Number of pending repetitions of a zero.
+    repeats_left: u8,
 }
 
 impl Axis {
     const fn new(name: AxisName) -> Self {
-        Self { name, wanted: AngularRate::ZERO, told: None, zeros_left: 0 }
+        Self { name, target: AngularRate::ZERO, last_sent: None, repeats_left: 0 }
     }
 
     fn line(&self) -> Command {
         match self.name {
-            AxisName::Yaw => Command::Yaw(self.wanted),
-            AxisName::Pitch => Command::GimbalPitch(self.wanted),
+            AxisName::Yaw => Command::Yaw(self.target),
+            AxisName::Pitch => Command::GimbalPitch(self.target),
         }
     }
 
-    /// When this axis next wants a line, apart from the spacing of lines that are not zeros.
+    /// When the next line of this axis is due, without the spacing of lines with non-zero rates.
     fn due(&self) -> Timestamp {
-        match self.told {
-            Some((rate, at)) if rate == self.wanted => {
-                at.plus(if self.zeros_left > 0 { ZERO_SPACING } else { REFRESH })
+        match self.last_sent {
+            Some((rate, at)) if rate == self.target => {
+                at.plus(if self.repeats_left > 0 { ZERO_SPACING } else { REFRESH })
             }
             _ => Timestamp::ZERO,
         }
     }
 
-    fn tell(&mut self, now: Timestamp, send: &mut impl FnMut(Command)) {
+    fn send_line(&mut self, now: Timestamp, send: &mut impl FnMut(Command)) {
         send(self.line());
-        let again = self.told.is_some_and(|(rate, _)| rate == self.wanted);
-        self.zeros_left = match (self.wanted.is_zero(), again) {
+        let is_repetition = self.last_sent.is_some_and(|(rate, _)| rate == self.target);
+        self.repeats_left = match (self.target.is_zero(), is_repetition) {
             (false, _) => 0,
             (true, false) => ZERO_REPEATS,
-            (true, true) => self.zeros_left.saturating_sub(1),
+            (true, true) => self.repeats_left.saturating_sub(1),
         };
-        self.told = Some((self.wanted, now));
+        self.last_sent = Some((self.target, now));
     }
 }
 
-/// The newest rates wanted, and what was said of them.
+/// The target rates, and what was sent of them.
 #[derive(Debug, Clone)]
 pub struct Pacing {
     axes: [Axis; 2],
@@ -83,57 +84,57 @@ impl Default for Pacing {
 }
 
 impl Pacing {
-    /// Takes the newest rates; what was waiting is forgotten.
-    pub fn want(&mut self, rates: VehicleRates) {
+    /// Sets the target rates. Rates that were not sent yet are dropped.
+    pub fn set_rates(&mut self, rates: VehicleRates) {
         for axis in &mut self.axes {
-            axis.wanted = match axis.name {
-                AxisName::Yaw => sayable(rates.yaw, YAW_LIMIT),
-                AxisName::Pitch => sayable(rates.pitch, GIMBAL_LIMIT),
+            axis.target = match axis.name {
+                AxisName::Yaw => encodable(rates.yaw, YAW_LIMIT),
+                AxisName::Pitch => encodable(rates.pitch, GIMBAL_LIMIT),
             };
         }
     }
 
-    /// Forgets what the vehicle was told, as after its restart: zeros or rates are said anew.
-    pub fn forget_told(&mut self) {
+    /// Forgets what was sent, for a vehicle that restarted: all rates are sent again.
+    pub fn forget_sent(&mut self) {
         for axis in &mut self.axes {
-            axis.told = None;
+            axis.last_sent = None;
         }
     }
 
-    /// Says zeros on both axes before anything that moves, whatever is wanted by now: how a session begins.
-    pub fn rest_first(&mut self, now: Timestamp, send: impl FnMut(Command)) {
-        let wanted = self.axes.map(|axis| axis.wanted);
-        self.want(VehicleRates::REST);
-        self.forget_told();
+    /// Sends zeros on both axes before any non-zero rate, at the start of a session.
+    pub fn send_zeros_first(&mut self, now: Timestamp, send: impl FnMut(Command)) {
+        let target = self.axes.map(|axis| axis.target);
+        self.set_rates(VehicleRates::REST);
+        self.forget_sent();
         self.poll(now, send);
-        for (axis, wanted) in self.axes.iter_mut().zip(wanted) {
-            axis.wanted = wanted;
+        for (axis, target) in self.axes.iter_mut().zip(target) {
+            axis.target = target;
         }
     }
 
-    /// Hands out the lines that are due: zeros first.
+    /// Sends the lines that are due, zeros first.
     pub fn poll(&mut self, now: Timestamp, mut send: impl FnMut(Command)) {
-        for axis in self.axes.iter_mut().filter(|axis| axis.wanted.is_zero()) {
+        for axis in self.axes.iter_mut().filter(|axis| axis.target.is_zero()) {
             if axis.due() <= now {
-                axis.tell(now, &mut send);
+                axis.send_line(now, &mut send);
             }
         }
         if self.moving_line_allowed_at() > now {
             return;
         }
-        // Whoever has waited longest goes first, so that one axis cannot keep the other off the line.
-        let waiting = self.axes.iter_mut().filter(|axis| !axis.wanted.is_zero() && axis.due() <= now);
-        if let Some(axis) = waiting.min_by_key(|axis| axis.told.map(|(_, at)| at)) {
-            axis.tell(now, &mut send);
+        // The axis that has waited longer goes first, so that neither axis can block the other.
+        let waiting = self.axes.iter_mut().filter(|axis| !axis.target.is_zero() && axis.due() <= now);
+        if let Some(axis) = waiting.min_by_key(|axis| axis.last_sent.map(|(_, at)| at)) {
+            axis.send_line(now, &mut send);
             self.last_moving_line = Some(now);
         }
     }
 
-    /// When `poll` next has something to say.
+    /// When the next line is due.
     pub fn wake_at(&self) -> Timestamp {
         let [pitch, yaw] = self.axes.map(|axis| {
             let due = axis.due();
-            if axis.wanted.is_zero() { due } else { due.max(self.moving_line_allowed_at()) }
+            if axis.target.is_zero() { due } else { due.max(self.moving_line_allowed_at()) }
         });
         pitch.min(yaw)
     }

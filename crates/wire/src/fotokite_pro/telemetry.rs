@@ -1,7 +1,6 @@
 //! The ground station's telemetry lines, `!Name v1,v2,...`.
 //!
-//! Lines that are not understood (unknown names, wrong field counts, numbers that are none, shell echo) mean
-//! nothing; none of them can stop the parser.
+//! The parser ignores invalid lines: unknown names, wrong field counts, invalid numbers, shell echo.
 
 use barrelman_vocab::Angle;
 use barrelman_vocab::telemetry::{ControlState, FlightState, Quaternion, Report};
@@ -12,7 +11,7 @@ pub const TETHER_METRES_PER_COUNT: f64 = 0.002_85;
 /// `!GSStatus` mode number of a ground station under remote control.
 pub const MODE_REMOTE_CONTROLLED: u32 = 10;
 
-/// The meaning of one received line, if it has one for us.
+/// Parses one received line. `None` if it is not a known telemetry line.
 pub fn parse(line: &str) -> Option<Report> {
     let (name, fields) = line.strip_prefix('!')?.split_once(' ')?;
     match name {
@@ -63,7 +62,7 @@ fn whole(number: f64) -> Option<u32> {
 
 fn quaternion(fields: &str) -> Option<Quaternion> {
     let [w, x, y, z] = numbers(fields)?;
-    // Four zeros are no rotation: a sensor that has nothing to say yet.
+    // Four zeros are not a rotation: the sensor has no value yet.
     ([w, x, y, z] != [0.0; 4]).then_some(Quaternion { w, x, y, z })
 }
 

@@ -1,16 +1,16 @@
-//! The client's end: start-up, pacing, shut-down, and what fits on the line.
+//! The client's end: start-up, pacing, shut-down, and the load of the line.
 
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::pacing::Pacing;
-use barrelman_wire::fotokite_pro::session::Next;
+use barrelman_wire::fotokite_pro::session::NextAction;
 use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
 
 use crate::transcript::{Case, Event, cases, words};
 
-/// A line may leave this much after its time, as the transcripts' README says.
+/// Permitted delay of a line, as stated in the transcripts' README.
 const ROOM_MS: u64 = 5;
 
 fn at(ms: u64) -> Timestamp {
@@ -23,14 +23,14 @@ fn settings(case: &Case) -> SessionSettings {
     SessionSettings::for_baud(framing, baud)
 }
 
-/// Lines that were sent, each with its time, and whether the client wants the port opened anew.
+/// The lines that were sent, each with its time, and the time at which the client asked to reopen the port.
 #[derive(Default)]
 struct Sent {
     lines: Vec<(u64, Vec<u8>)>,
     reopened_at: Option<u64>,
 }
 
-/// Runs a session through a case, millisecond by millisecond, from `start` on.
+/// Runs a session through a case in steps of 1 ms, from `start` on.
 fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
     let mut sent = Sent::default();
     let end = case.events.last().expect("a case has events").0;
@@ -39,7 +39,7 @@ fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
         let now = at(start + ms);
         let mut poll = |session: &mut Session| {
             let mut out = Vec::new();
-            if session.poll(now, &mut out) == Next::Reopen {
+            if session.poll(now, &mut out) == NextAction::Reopen {
                 sent.reopened_at.get_or_insert(ms);
             }
             if !out.is_empty() {
@@ -48,8 +48,8 @@ fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
         };
         while let Some((_, event)) = events.next_if(|(time, _)| *time == ms) {
             match event {
-                Event::StationSends(bytes) => session.received(bytes, now, |_| {}),
-                Event::Asked(rates) => session.request(*rates),
+                Event::StationSends(bytes) => session.receive(bytes, now, |_| {}),
+                Event::Asked(rates) => session.set_rates(*rates),
                 Event::AskedToEnd => session.close(now),
                 Event::ClientSends(_) | Event::Reopens | Event::Holds(_) | Event::Ends => continue,
             }
@@ -60,7 +60,7 @@ fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
     sent
 }
 
-/// What a case expects the client to send: the bytes due at each time.
+/// The bytes that a case expects from the client at each time.
 fn expected_bytes(case: &Case) -> Vec<(u64, Vec<u8>)> {
     let mut expected: Vec<(u64, Vec<u8>)> = Vec::new();
     for (time, event) in &case.events {
@@ -80,7 +80,7 @@ fn the_start_up_sequence_leaves_byte_for_byte_with_its_waits() {
         for case in cases(name) {
             let mut session = Session::open(settings(&case), at(0));
             let sent = run(&mut session, &case, 0);
-            // Rates go out after the start-up: they are other transcripts' matter.
+            // Other transcripts cover the rates, which are sent after the start-up.
             let start_up: Vec<_> =
                 sent.lines.into_iter().filter(|(_, bytes)| !is_zero_burst(bytes)).collect();
             let expected = expected_bytes(&case);
@@ -110,7 +110,7 @@ fn is_zero_of(axis: &str, line: &str) -> bool {
     line.strip_prefix(axis) == Some(" 0.000000")
 }
 
-/// Compares lines with what a case expects; zeros for an axis that rests may stand between, unless `exact`.
+/// Compares lines with those of a case. Additional zeros for an axis at rest are permitted, unless the case is `exact`.
 fn compare(case: &Case, sent: &[(u64, String)]) {
     let mut expected = case
         .events
@@ -150,7 +150,7 @@ fn rates_asked_for_leave_as_the_transcript_says() {
         for ms in 0..=end {
             while let Some((_, event)) = events.next_if(|(time, _)| *time == ms) {
                 if let Event::Asked(rates) = event {
-                    pacing.want(*rates);
+                    pacing.set_rates(*rates);
                 }
             }
             let before = sent.len();
@@ -172,13 +172,13 @@ fn rates_asked_for_leave_as_the_transcript_says() {
     }
 }
 
-/// Opens a session and answers its start-up, and returns it with the time at which it has settled.
+/// Opens a session, answers its start-up, and returns the running session with the current time.
 fn settled(settings: SessionSettings) -> (Session, u64) {
     let mut session = Session::open(settings, at(0));
     let mut out = Vec::new();
     for ms in 0..10_000 {
         if ms == 510 {
-            session.received(b"\r\nnsh> ", at(ms), |_| {});
+            session.receive(b"\r\nnsh> ", at(ms), |_| {});
         }
         session.poll(at(ms), &mut out);
     }
@@ -207,8 +207,8 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
     let mut lines = Vec::new();
     for ms in 0..4_000 {
         match ms {
-            510 => session.received(b"nsh> ", at(ms), |_| {}),
-            700 => session.request(VehicleRates {
+            510 => session.receive(b"nsh> ", at(ms), |_| {}),
+            700 => session.set_rates(VehicleRates {
                 yaw: AngularRate::from_radians_per_second(0.3),
                 pitch: AngularRate::ZERO,
             }),
@@ -226,7 +226,7 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
 #[test]
 fn a_ground_station_that_left_remote_control_is_started_again() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), |_| {});
+    session.receive(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), |_| {});
     let mut out = Vec::new();
     session.poll(at(start), &mut out);
     assert_eq!((words(&out), session.restarts()), (vec!["stop".to_owned()], 1));
@@ -235,19 +235,20 @@ fn a_ground_station_that_left_remote_control_is_started_again() {
 #[test]
 fn telemetry_that_falls_silent_asks_for_the_port_to_be_opened_anew() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    session.received(b"!GSStatus 10,1.0,11.8,0\r\n", at(start), |_| {});
+    session.receive(b"!GSStatus 10,1.0,11.8,0\r\n", at(start), |_| {});
     let mut out = Vec::new();
-    assert!(matches!(session.poll(at(start + 2_900), &mut out), Next::WaitUntil(_)));
-    assert_eq!(session.poll(at(start + 3_001), &mut out), Next::Reopen);
+    assert!(matches!(session.poll(at(start + 2_900), &mut out), NextAction::WaitUntil(_)));
+    assert_eq!(session.poll(at(start + 3_001), &mut out), NextAction::Reopen);
 }
 
-/// How full a line of `baud` gets: it carries a tenth of that in bytes per second (8 data bits, start, stop).
+/// A serial line. It carries a tenth of its baud rate in bytes per second (8 data bits, start bit, stop bit).
 struct Line {
     bytes_per_ms: f64,
     waiting_bytes: f64,
 }
 
-/// The worst that a pilot can ask for, 30 times a second for ten seconds, with a zero every second.
+/// Load of a line with the highest rate of commands from a pilot: 30 per second for 10 s, with zeros every second.
+/// Returns bytes per second and the longest waiting time in milliseconds.
 fn worst_case(framing: Framing, baud: u32) -> (f64, f64) {
     let (mut session, start) = settled(SessionSettings::for_baud(framing, baud));
     let mut line = Line { bytes_per_ms: f64::from(baud) / 10.0 / 1000.0, waiting_bytes: 0.0 };
@@ -257,7 +258,7 @@ fn worst_case(framing: Framing, baud: u32) -> (f64, f64) {
         if ms % 33 == 0 {
             let wobble = if moving { 0.1 + (ms % 7) as f64 * 0.01 } else { 0.0 };
             let rate = AngularRate::from_radians_per_second(-wobble);
-            session.request(VehicleRates { yaw: rate, pitch: rate });
+            session.set_rates(VehicleRates { yaw: rate, pitch: rate });
         }
         let mut out = Vec::new();
         session.poll(at(start + ms), &mut out);
@@ -279,7 +280,7 @@ fn both_baud_rates_keep_up_with_the_worst_that_can_be_asked_for() {
                 bytes_per_second < 0.75 * budget,
                 "{framing:?} {baud}: {bytes_per_second} of {budget} bytes/s"
             );
-            // Two zeros that leave together, behind one line that was just handed over: 72 bytes at 960 bytes/s.
+            // Two zeros that are sent together, after one line that was just sent: 72 bytes at 960 bytes/s.
             assert!(wait_ms < 80.0, "{framing:?} {baud}: a line waited {wait_ms:.1} ms");
         }
     }
@@ -289,7 +290,7 @@ fn both_baud_rates_keep_up_with_the_worst_that_can_be_asked_for() {
 fn telemetry_at_9600_baud_is_asked_for_at_2_hz_and_fits() {
     let slow = SessionSettings::for_baud(Framing::CarriageReturns, 9_600);
     assert_eq!(slow.telemetry_per_second, 2.0);
-    // Five telemetry lines of some 45 bytes, and a !Param now and then.
+    // Five telemetry lines of about 45 bytes, and occasionally a !Param.
     let bytes_per_second = slow.telemetry_per_second * (5.0 * 45.0 + 22.0);
     assert!(bytes_per_second < 960.0 * 0.75, "{bytes_per_second}");
     assert_eq!(SessionSettings::for_baud(Framing::CarriageReturns, 115_200).telemetry_per_second, 10.0);

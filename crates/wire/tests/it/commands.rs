@@ -13,7 +13,7 @@ fn commands_named(text: &str) -> Vec<Command> {
         ["gimbal-pitch", r] => vec![Command::GimbalPitch(rate(r))],
         ["gimbal", _, _] => vec![Command::GimbalRest],
         ["stop"] => vec![Command::Stop],
-        ["carriage-returns"] => vec![Command::Nudge; 5],
+        ["carriage-returns"] => vec![Command::PromptRequest; 5],
         ["remote-control-start"] => vec![Command::RemoteControlStart],
         ["checksums-off"] => vec![Command::ChecksumsOff],
         ["telemetry-rate", per_second] => {
@@ -60,9 +60,9 @@ fn no_command_begins_with_a_word_that_moves_the_kite() {
     let never: Vec<&str> = meaningful(&text).filter_map(|line| line.strip_prefix("never ")).collect();
     assert!(never.contains(&"StartTakeoff") && never.contains(&"MotorStop") && never.contains(&"Pos"));
     let rate = AngularRate::from_radians_per_second(0.1);
-    // A match without a wildcard: a command that is added must be looked at here.
+    // A match without a wildcard: a new command must be added here.
     let every = |command: Command| match command {
-        Command::Nudge
+        Command::PromptRequest
         | Command::Stop
         | Command::RemoteControlStart
         | Command::ChecksumsOff
@@ -75,7 +75,7 @@ fn no_command_begins_with_a_word_that_moves_the_kite() {
         | Command::GimbalRest => command.to_string(),
     };
     let all = [
-        Command::Nudge,
+        Command::PromptRequest,
         Command::Stop,
         Command::RemoteControlStart,
         Command::ChecksumsOff,

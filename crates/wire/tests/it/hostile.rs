@@ -1,4 +1,4 @@
-//! Bytes from anywhere: nothing panics, nothing moves.
+//! Arbitrary bytes: no panic and no motion.
 
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::telemetry::LinkState;
@@ -16,7 +16,7 @@ proptest! {
         for (bytes, wait_ms) in reads {
             now_ms += wait_ms;
             let now = Timestamp::from_nanos(now_ms * 1_000_000);
-            session.received(&bytes, now, |_| {});
+            session.receive(&bytes, now, |_| {});
             session.poll(now, &mut out);
         }
         prop_assert!(out.len() < 20_000);
@@ -29,7 +29,7 @@ proptest! {
     ) {
         let mut station = GroundStation::boot(GroundStationSettings::default(), Timestamp::ZERO);
         let mut out = Vec::new();
-        station.received(&bytes, Timestamp::ZERO, &mut out, |_| {});
+        station.receive(&bytes, Timestamp::ZERO, &mut out, |_| {});
         if station.state() == StationState::Shell {
             prop_assert_eq!(station.rates(), Default::default());
         }

@@ -1,7 +1,7 @@
-//! Both ends of the Fotokite Pro's protocol against transcripts that no program wrote
-//! (`fixtures/fotokite-pro/README.md` says how they are read).
+//! Both ends of the Fotokite Pro protocol against transcripts that were written by hand
+//! (`fixtures/fotokite-pro/README.md` describes their format).
 
-// Fixtures are files, and a test that cannot go on panics.
+// Tests read fixture files, and fail by panicking.
 #![allow(clippy::disallowed_methods, clippy::panic, clippy::unwrap_used)]
 
 mod transcript;

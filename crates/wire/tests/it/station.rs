@@ -1,4 +1,4 @@
-//! The ground station's end.
+//! The ground station's end of the protocol.
 
 use core::time::Duration;
 
@@ -56,7 +56,7 @@ fn run(file: &str, case: &Case) {
         match event {
             Event::ClientSends(bytes) => {
                 settle(&mut expected, &mut answered, *ms);
-                station.received(bytes, at(*ms), &mut answered, |_| {});
+                station.receive(bytes, at(*ms), &mut answered, |_| {});
             }
             Event::StationSends(bytes) => expected.extend_from_slice(bytes),
             Event::Holds(words) => {
@@ -93,9 +93,9 @@ fn a_flood_of_lines_is_lost_beyond_a_hundred_a_second() {
     let mut station = GroundStation::boot(GroundStationSettings::default(), at(0));
     let mut out = Vec::new();
     for _ in 0..150 {
-        station.received(b"hello\r", at(10), &mut out, |_| {});
+        station.receive(b"hello\r", at(10), &mut out, |_| {});
     }
-    assert_eq!(station.flooded_lines(), 50);
-    station.received(b"RemoteControl start\r", at(1_010), &mut out, |_| {});
+    assert_eq!(station.dropped_lines(), 50);
+    station.receive(b"RemoteControl start\r", at(1_010), &mut out, |_| {});
     assert_eq!(station.state(), StationState::RemoteControlled);
 }

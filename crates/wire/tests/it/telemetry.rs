@@ -1,4 +1,4 @@
-//! What received bytes mean to a session.
+//! The telemetry that a session reads from received bytes.
 
 use barrelman_vocab::telemetry::{ControlState, FlightState, Report};
 use barrelman_vocab::{Angle, Timestamp};
@@ -22,7 +22,7 @@ const FLAGS: [&str; 13] = [
     "FLYAWAY_CANDIDATE",
 ];
 
-/// The meaning that a transcript's words have here; `None` for a prompt, which is no telemetry.
+/// The report that a transcript's words describe; `None` for a prompt, which is not telemetry.
 fn meaning(text: &str) -> Option<Report> {
     let mut words = text.split(' ');
     let kind = words.next().unwrap_or_default();
@@ -99,7 +99,7 @@ fn received_bytes_mean_what_the_transcript_says() {
             Session::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), Timestamp::ZERO);
         let mut heard = Vec::new();
         for read in reads.split(" | ") {
-            session.received(&unescaped(read), Timestamp::ZERO, |telemetry| heard.push(telemetry.report));
+            session.receive(&unescaped(read), Timestamp::ZERO, |telemetry| heard.push(telemetry.report));
         }
         let expected: Vec<Report> = match expected {
             "nothing" => Vec::new(),

@@ -10,7 +10,7 @@ pub(crate) struct Case {
     pub(crate) events: Vec<(u64, Event)>,
 }
 
-/// What happens in a case, at a time in milliseconds.
+/// An event of a case; events have times in milliseconds.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Event {
     ClientSends(Vec<u8>),
@@ -37,12 +37,12 @@ pub(crate) fn fixture(name: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// The lines that mean something.
+/// The lines without empty lines and comments.
 pub(crate) fn meaningful(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'))
 }
 
-/// TEXT with its escapes, as bytes.
+/// A text with escapes, as bytes.
 pub(crate) fn unescaped(text: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut rest = text;
@@ -100,7 +100,7 @@ pub(crate) fn cases(name: &str) -> Vec<Case> {
     cases
 }
 
-/// The words of the lines in some bytes, without what ends them.
+/// The lines in some bytes, without their ends.
 pub(crate) fn words(bytes: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(bytes);
     text.split(['\r', '\n']).filter(|line| !line.is_empty()).map(str::to_owned).collect()

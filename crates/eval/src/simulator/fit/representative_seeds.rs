@@ -11,7 +11,7 @@ const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 /// the times for which the target stands first are evenly spread, too.
 pub(super) fn representative_seeds(count: u64) -> Vec<u64> {
     let mut by_speed: Vec<u64> = (1..SEEDS_END).collect();
-    by_speed.sort_by(|a, b| Pursuit::lot(*a).0.total_cmp(&Pursuit::lot(*b).0));
+    by_speed.sort_by(|a, b| Pursuit::sampled_pace(*a).0.total_cmp(&Pursuit::sampled_pace(*b).0));
     let size = by_speed.len() as f64 / count as f64;
     (0..count)
         .map(|stratum| {
@@ -20,7 +20,7 @@ pub(super) fn representative_seeds(count: u64) -> Vec<u64> {
             let quantile = (stratum as f64 * GOLDEN_RATIO).fract();
             let middle = first + (0.5 * size) as usize;
             // The standing time is exponentially distributed.
-            let distance = |seed: u64| ((1.0 - (-Pursuit::lot(seed).1).exp()) - quantile).abs();
+            let distance = |seed: u64| ((1.0 - (-Pursuit::sampled_pace(seed).1).exp()) - quantile).abs();
             by_speed[first..]
                 .iter()
                 .take(size as usize)

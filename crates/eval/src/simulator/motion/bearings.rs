@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use barrelman_sim::camera_axis::TICK_S;
+use barrelman_sim::tick::TICK_S;
 use barrelman_sim::{CameraMount, Scenario};
 use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::{Angle, ImagePoint, VehicleProfile};
@@ -59,7 +59,7 @@ pub(super) fn bearings(log: &TrialLog, scenario: &Scenario) -> Vec<BearingSample
         let initial = (0.0, -INITIAL_DEPRESSION_DEG.to_radians());
         let (pan, tilt) = history.front().copied().unwrap_or(initial);
         if let Some(rates) = row.rates {
-            mount.command(profile.incoming(rates));
+            mount.command(profile.from_vehicle(rates));
         }
         let Some(at) = row.position else { continue };
         let (azimuth, depression) = direction(at, focal_px, pan, tilt);

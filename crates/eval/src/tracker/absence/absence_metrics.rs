@@ -147,14 +147,14 @@ fn measure_return(frames: &[(FrameTruth, Track)], metrics: &mut AbsenceMetrics) 
 /// Whether a frame is correct. Coasting is a prediction and does not count.
 fn is_correct(truth: &FrameTruth, track: &Track) -> bool {
     let Track::Tracking(localisation) = track else { return false };
-    localisation.bounds.overlap(truth.bounds) >= MIN_CORRECT_IOU
+    localisation.bounds.iou(truth.bounds) >= MIN_CORRECT_IOU
         || contains(truth.bounds, localisation.bounds.centre())
 }
 
 fn is_on_distractor(truth: &FrameTruth, track: &Track) -> bool {
     let Some(localisation) = track.localisation() else { return false };
     let centre = localisation.bounds.centre();
-    localisation.bounds.overlap(truth.bounds) < MIN_TARGET_IOU
+    localisation.bounds.iou(truth.bounds) < MIN_TARGET_IOU
         && truth.distractors.iter().any(|distractor| contains(*distractor, centre))
 }
 

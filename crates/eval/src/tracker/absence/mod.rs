@@ -151,7 +151,7 @@ fn frame_truth(scene: &SceneTruth) -> FrameTruth {
     FrameTruth {
         time_s: scene.time_s,
         bounds: scene.bounds,
-        visible_share: scene.visible,
+        visible_share: scene.visible_share,
         distractors: scene.distractors.into_iter().filter(|bounds| !bounds.is_empty()).collect(),
     }
 }

@@ -8,7 +8,7 @@ use crate::tracker::requirements::Requirements;
 const MIN_AUC: f64 = 0.72;
 const MIN_PRECISION: f64 = 0.93;
 const MAX_LOST: f64 = 0.04;
-/// CSRT may be better on a clip, but not by more than this share of its AUC allows.
+/// On each clip the AUC must be at least this share of CSRT's.
 const MIN_SHARE_OF_CSRT_AUC: f64 = 0.8;
 const MIN_TIMES_CHEAPER: f64 = 20.0;
 /// CPU times of a frame of 1280x720, and of one enlarged to 1920x1080.

@@ -1,16 +1,16 @@
 //! The camera's axes, and the intervals that they are drawn from.
 
 use barrelman_sim::MountPlant;
-use barrelman_sim::camera_axis::{AxisFlaws, AxisPlant};
+use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant};
 use barrelman_sim::scenario::{AxisRanges, PlantRanges};
 use barrelman_vocab::{Angle, AngularRate};
 
-use super::within;
-use crate::scenario::Mistake;
-use crate::scenario::file::{AxisSection, DrawnAxisSection, DrawnSection, ScenarioFile};
+use crate::scenario::ScenarioError;
+use crate::scenario::file::{AxisSection, SampledAxisSection, SampledSection, ScenarioFile};
+use crate::scenario::range::within;
 
 /// The axes as they are nominally.
-pub(super) fn mount(file: &ScenarioFile, latency_s: f64) -> Result<MountPlant, Mistake> {
+pub(super) fn mount(file: &ScenarioFile, latency_s: f64) -> Result<MountPlant, ScenarioError> {
     Ok(MountPlant {
         pan: axis("pan", &file.pan, latency_s)?,
         tilt: axis("tilt", &file.tilt, latency_s)?,
@@ -19,7 +19,7 @@ pub(super) fn mount(file: &ScenarioFile, latency_s: f64) -> Result<MountPlant, M
     })
 }
 
-fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, Mistake> {
+fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, ScenarioError> {
     let dead = |key: &str, value: f64| {
         let key = format!("{name}.{key}");
         let value = within(&key, value, 0.0, 5.0, "seconds")?;
@@ -31,7 +31,7 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
             Some((Angle::from_degrees(low), Angle::from_degrees(high)))
         }
         Some(_) => {
-            return Err(Mistake::value(
+            return Err(ScenarioError::value(
                 format!("{name}.stops_deg"),
                 "use two angles from -180 to 180, the lower first",
             ));
@@ -42,10 +42,10 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
         start_dead_time_s: dead("start_dead_time_s", section.start_dead_time_s)?,
         stop_dead_time_s: dead("stop_dead_time_s", section.stop_dead_time_s)?,
         lag_s: within(&format!("{name}.lag_s"), section.lag_s, 0.0, 5.0, "seconds")?,
-        limit: AngularRate::from_radians_per_second(limit),
-        stops,
-        flaws: AxisFlaws {
-            acceleration_rad_per_s2: section
+        max_rate: AngularRate::from_radians_per_second(limit),
+        end_stops: stops,
+        imperfections: AxisImperfections {
+            max_acceleration_rad_per_s2: section
                 .acceleration_rad_per_s2
                 .map(|most| within(&format!("{name}.acceleration_rad_per_s2"), most, 0.01, 100.0, "rad/s²"))
                 .transpose()?,
@@ -62,9 +62,9 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
 }
 
 /// A dead time as seen in the picture, less the camera's share of it.
-fn past_latency(key: &str, value: f64, latency_s: f64) -> Result<f64, Mistake> {
+fn past_latency(key: &str, value: f64, latency_s: f64) -> Result<f64, ScenarioError> {
     if value < latency_s {
-        return Err(Mistake::value(
+        return Err(ScenarioError::value(
             key,
             format!("{value} s is less than camera.latency_s, {latency_s} s, which is part of it"),
         ));
@@ -73,24 +73,27 @@ fn past_latency(key: &str, value: f64, latency_s: f64) -> Result<f64, Mistake> {
 }
 
 /// What is drawn for each trial.
-pub(super) fn ranges(section: &DrawnSection, latency_s: f64) -> Result<PlantRanges, Mistake> {
+pub(super) fn ranges(section: &SampledSection, latency_s: f64) -> Result<PlantRanges, ScenarioError> {
     let interval = |key: String, [low, high]: [f64; 2], least: f64, most: f64| {
         if low <= high && low >= least && high <= most {
             Ok((low, high))
         } else {
-            Err(Mistake::value(
+            Err(ScenarioError::value(
                 key,
                 format!("{low} to {high}: use two numbers from {least} to {most}, the lower first"),
             ))
         }
     };
-    let axis = |name: &str, section: &DrawnAxisSection| {
+    let axis = |name: &str, section: &SampledAxisSection| {
         let dead = |key: &str, bounds: [f64; 2]| {
             let key = format!("drawn.{name}.{key}");
             let (low, high) = interval(key.clone(), bounds, 0.0, 5.0)?;
-            Ok::<_, Mistake>((past_latency(&key, low, latency_s)?, past_latency(&key, high, latency_s)?))
+            Ok::<_, ScenarioError>((
+                past_latency(&key, low, latency_s)?,
+                past_latency(&key, high, latency_s)?,
+            ))
         };
-        Ok::<_, Mistake>(AxisRanges {
+        Ok::<_, ScenarioError>(AxisRanges {
             start_dead_time_s: dead("start_dead_time_s", section.start_dead_time_s)?,
             stop_dead_time_s: dead("stop_dead_time_s", section.stop_dead_time_s)?,
             lag_s: interval(format!("drawn.{name}.lag_s"), section.lag_s, 0.0, 5.0)?,

@@ -1,27 +1,30 @@
 //! The target and its path.
 
-use barrelman_sim::chance::Wander;
 use barrelman_sim::helmsman::BoatScript;
 use barrelman_sim::path::Path;
 use barrelman_sim::pursuit::PursuitScript;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::TargetScript;
 
-use super::within;
 use crate::scenario::file::{BoatSection, PathFile, ScenarioFile, TargetSection};
-use crate::scenario::{Changes, Mistake, PATHS};
+use crate::scenario::range::within;
+use crate::scenario::{PATHS, ScenarioError, ScenarioOverrides};
 
 /// A path's way-points lie within so many metres of the camera's place.
 pub(super) const WORLD_M: f64 = 5000.0;
 
 /// The target.
-pub(super) fn target(file: &ScenarioFile, changes: &Changes) -> Result<TargetScript, Mistake> {
+pub(super) fn target(
+    file: &ScenarioFile,
+    changes: &ScenarioOverrides,
+) -> Result<TargetScript, ScenarioError> {
     match (&file.target, &file.boat) {
         (Some(section), None) => pursuit(section, changes),
         (None, Some(section)) if file.water.is_some() => boat(section, changes),
-        (None, Some(_)) => Err(Mistake::value("boat", "a boat needs [water]")),
-        (None, None) => Err(Mistake::value("target", "give the scenario a [target] or a [boat]")),
+        (None, Some(_)) => Err(ScenarioError::value("boat", "a boat needs [water]")),
+        (None, None) => Err(ScenarioError::value("target", "give the scenario a [target] or a [boat]")),
         (Some(_), Some(_)) => {
-            Err(Mistake::value("boat", "the scenario has a [target] too: leave one of them out"))
+            Err(ScenarioError::value("boat", "the scenario has a [target] too: leave one of them out"))
         }
     }
 }
@@ -34,35 +37,35 @@ fn way_points(
     start: Option<[f64; 2]>,
     scale: f64,
     breadth: f64,
-) -> Result<Vec<(f64, f64)>, Mistake> {
+) -> Result<Vec<(f64, f64)>, ScenarioError> {
     let scale = within(&format!("{table}.scale"), scale, 0.01, 1000.0, "a factor")?;
     let breadth = within(&format!("{table}.breadth"), breadth, 0.01, 100.0, "a factor")?;
     let path_key = format!("{table}.path");
     let (key, way_points) = match (path, own) {
         (Some(name), None) => (path_key.clone(), built_in_path(&path_key, name)?),
         (None, Some(way_points)) => (format!("{table}.way_points"), way_points.clone()),
-        (None, None) => return Err(Mistake::value(table, "give it a path or way_points")),
+        (None, None) => return Err(ScenarioError::value(table, "give it a path or way_points")),
         (Some(_), Some(_)) => {
-            return Err(Mistake::value(path_key, "it has way_points too: leave one of them out"));
+            return Err(ScenarioError::value(path_key, "it has way_points too: leave one of them out"));
         }
     };
     let way_points: Vec<(f64, f64)> =
         start.iter().chain(&way_points).map(|[x, y]| (scale * breadth * x, scale * y)).collect();
     for (x, y) in &way_points {
         if !(x.abs() <= WORLD_M && y.abs() <= WORLD_M) {
-            return Err(Mistake::value(
+            return Err(ScenarioError::value(
                 key,
                 format!("the way-point {x}, {y} leaves the world, which ends {WORLD_M} m from the camera"),
             ));
         }
     }
-    if Path::through(way_points.iter().copied()).is_err() {
-        return Err(Mistake::value(key, "a path needs two way-points in different places"));
+    if Path::from_way_points(way_points.iter().copied()).is_err() {
+        return Err(ScenarioError::value(key, "a path needs two way-points in different places"));
     }
     Ok(way_points)
 }
 
-fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, Mistake> {
+fn pursuit(section: &TargetSection, changes: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
     let way_points = way_points(
         "target",
         section.path.as_ref(),
@@ -78,20 +81,20 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
     Ok(TargetScript::Pursuit(PursuitScript {
         way_points,
         speed_m_per_s: number("speed_m_per_s", speed, 0.01, 50.0, "m/s")?,
-        speed_spread: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
+        log_speed_std_dev: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
         range_exponent: number("range_exponent", section.range_exponent, 0.0, 1.0, "a power")?,
-        gust: Wander {
-            deviation: number("gust_share", section.gust_share, 0.0, 1.0, "a share")?,
-            time_s: number("gust_time_s", section.gust_time_s, 0.01, 1000.0, "seconds")?,
+        speed_variation: OrnsteinUhlenbeck {
+            std_dev: number("gust_share", section.gust_share, 0.0, 1.0, "a share")?,
+            time_constant_s: number("gust_time_s", section.gust_time_s, 0.01, 1000.0, "seconds")?,
         },
-        weave: Wander {
-            deviation: number("weave_rad", section.weave_rad, 0.0, 3.0, "radians")?,
-            time_s: number("weave_time_s", section.weave_time_s, 0.01, 1000.0, "seconds")?,
+        weave: OrnsteinUhlenbeck {
+            std_dev: number("weave_rad", section.weave_rad, 0.0, 3.0, "radians")?,
+            time_constant_s: number("weave_time_s", section.weave_time_s, 0.01, 1000.0, "seconds")?,
         },
         look_ahead_m: number("look_ahead_m", section.look_ahead_m, 0.01, 1000.0, "metres")?,
         way_point_jitter_m: number("way_point_jitter_m", section.way_point_jitter_m, 0.0, 1000.0, "metres")?,
         heading_gain: number("heading_gain", section.heading_gain, 0.01, 100.0, "1/s")?,
-        most_turn_rad_per_s: number("most_turn_rad_per_s", section.most_turn_rad_per_s, 0.01, 50.0, "rad/s")?,
+        max_turn_rad_per_s: number("most_turn_rad_per_s", section.most_turn_rad_per_s, 0.01, 50.0, "rad/s")?,
         surge_lag_s: number("surge_lag_s", section.surge_lag_s, 0.0, 60.0, "seconds")?,
         turn_lag_s: number("turn_lag_s", section.turn_lag_s, 0.0, 60.0, "seconds")?,
         corner_slow_down: number("corner_slow_down", section.corner_slow_down, 0.0, 0.95, "a share")?,
@@ -99,13 +102,13 @@ fn pursuit(section: &TargetSection, changes: &Changes) -> Result<TargetScript, M
         stand_before_s: number("stand_before_s", section.stand_before_s, 0.0, 600.0, "seconds")?,
         stand_after_s: number("stand_after_s", section.stand_after_s, 0.0, 600.0, "seconds")?,
         pauses_per_s: number("pauses_per_s", section.pauses_per_s, 0.0, 10.0, "1/s")?,
-        leg_rhythm: number("leg_rhythm", section.leg_rhythm, 0.0, 0.95, "a share")?,
+        leg_end_slow_down: number("leg_rhythm", section.leg_rhythm, 0.0, 0.95, "a share")?,
         corner_pauses: number("corner_pauses", section.corner_pauses, 0.0, 1.0, "a share")?,
         pause_s: number("pause_s", section.pause_s, 0.0, 600.0, "seconds")?,
     }))
 }
 
-fn boat(section: &BoatSection, changes: &Changes) -> Result<TargetScript, Mistake> {
+fn boat(section: &BoatSection, changes: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
     let number = |key: &str, value: f64, least: f64, most: f64, unit: &str| {
         within(&format!("boat.{key}"), value, least, most, unit)
     };
@@ -120,21 +123,21 @@ fn boat(section: &BoatSection, changes: &Changes) -> Result<TargetScript, Mistak
             1.0,
         )?,
         speed_m_per_s: number("speed_m_per_s", speed, 0.1, 12.0, "m/s")?,
-        speed_spread: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
-        most_throttle: number("most_throttle", section.most_throttle, 0.05, 1.0, "a share")?,
+        log_speed_std_dev: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
+        max_throttle: number("most_throttle", section.most_throttle, 0.05, 1.0, "a share")?,
         look_ahead_m: number("look_ahead_m", section.look_ahead_m, 0.1, 1000.0, "metres")?,
         way_point_jitter_m: number("way_point_jitter_m", section.way_point_jitter_m, 0.0, 1000.0, "metres")?,
     }))
 }
 
-fn built_in_path(key: &str, name: &str) -> Result<Vec<[f64; 2]>, Mistake> {
+fn built_in_path(key: &str, name: &str) -> Result<Vec<[f64; 2]>, ScenarioError> {
     let Some((_, text)) = PATHS.iter().find(|(known, _)| *known == name) else {
         let names: Vec<&str> = PATHS.iter().map(|(known, _)| *known).collect();
-        return Err(Mistake::value(
+        return Err(ScenarioError::value(
             key,
             format!("there is no path {name:?}: use one of {}, or way_points", names.join(", ")),
         ));
     };
-    let file: PathFile = toml::from_str(text).map_err(|error| Mistake::Form(error.to_string()))?;
+    let file: PathFile = toml::from_str(text).map_err(|error| ScenarioError::Form(error.to_string()))?;
     Ok(file.way_points)
 }

@@ -1,0 +1,16 @@
+//! Behaviour versions of the camera laws: which commands a law gives.
+//!
+//! Recordings, drives and campaigns store the version of the law that made them, so that a replay can tell a change
+//! of the law from a fault. Raise a law's version by 1 in the commit that changes its results: when the same
+//! localisations, the same vehicle profile and the same settings give a command that differs in any bit. The camera
+//! model, the region and the percept count as part of each law that uses them. A change that leaves every command as
+//! it was (speed, names, structure) does not raise the version. `CHANGELOG.md` names each rise.
+
+/// Behaviour version of [`MotorSchema`](crate::MotorSchema).
+pub const MOTOR_SCHEMA: u32 = 1;
+
+/// Behaviour version of [`OptimalLaw`](crate::OptimalLaw), in all its modes.
+pub const OPTIMAL: u32 = 1;
+
+/// Behaviour version of the PID on the picture's centre.
+pub const CENTRE: u32 = 1;

@@ -1,0 +1,99 @@
+//! The prediction that the optimal law decides by: where the target will be in the picture.
+
+use barrelman_vocab::ImagePoint;
+
+use crate::bearing::{Bearing, BearingNoise, Propagation};
+use crate::camera_model::CameraModel;
+use crate::region::Region;
+use crate::transfer::{Pair, Transfer};
+use crate::view::View;
+
+/// The predicted view at one moment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PredictedView {
+    view: View,
+    /// Predicted position of the target in the picture.
+    pub(super) point: ImagePoint,
+    /// Change of the bearing per unit of bearing rate until then, seconds. The rate decays in the meantime.
+    rate_gain_s: f64,
+    sway_decay: f64,
+}
+
+/// The prediction of one step. Durations count from the *effect time*, at which a command given now takes effect.
+pub(super) struct Prediction<'a> {
+    pub(super) camera: &'a CameraModel,
+    /// The camera at the picture's time of capture.
+    pub(super) view: View,
+    pub(super) focal_px: f64,
+    pub(super) region: Region,
+    pub(super) bearing: Bearing,
+    pub(super) noise: BearingNoise,
+    /// From the time of the bearing to the effect time.
+    pub(super) until_effect: Propagation,
+    /// The longer of both axes' start dead times, seconds.
+    pub(super) start_s: f64,
+}
+
+impl Prediction<'_> {
+    /// The view at a time after the effect time if the camera is told to rest now.
+    pub(super) fn view_at_rest(&self, after: &Propagation) -> PredictedView {
+        let angles = self
+            .camera
+            .axes()
+            .map(|axis| axis.angle_if_rested(after.duration_s + self.start_s - axis.start_s()));
+        self.predicted_view(after, angles)
+    }
+
+    /// Turning that moves the target from this view to the centre, relative to the turning that a level camera needs:
+    /// at least 1, and at most 4 where pan has no effect.
+    pub(super) fn turning_effort(&self, PredictedView { view, point, .. }: &PredictedView) -> f64 {
+        const MIN_GAIN: f64 = 0.25;
+        let jacobian = view.jacobian(*point);
+        let across = point.x * self.focal_px / jacobian.pan[0].abs().max(MIN_GAIN * self.focal_px);
+        let along = point.y * self.focal_px / jacobian.tilt[1].abs().max(MIN_GAIN * self.focal_px);
+        let level = (point.x * point.x + point.y * point.y).max(1.0);
+        libm::sqrt(((across * across + along * along) / level).max(1.0))
+    }
+
+    /// Standard deviation of the predicted position due to the target's motion, in semi-axes of the region (the smaller
+    /// one).
+    pub(super) fn position_std_dev(&self, predicted: &PredictedView) -> f64 {
+        let std_dev = self.bearing.predicted_std_dev(predicted.rate_gain_s, predicted.sway_decay);
+        self.focal_px * std_dev / self.region.a_px.min(self.region.b_px)
+    }
+
+    fn predicted_view(&self, after: &Propagation, [pan, tilt]: Pair) -> PredictedView {
+        let Propagation { rate_decay, sway_decay, .. } = self.until_effect.then(after);
+        let rate_gain_s = self.noise.rate_time_constant_s * (1.0 - rate_decay);
+        let view = self.view.with_pointing(self.focal_px, pan, tilt);
+        let point = view.project(self.bearing.apparent_direction_after(rate_gain_s, sway_decay));
+        PredictedView { view, point, rate_gain_s, sway_decay }
+    }
+
+    /// The problem of moving the target into the aim ellipse within the horizon.
+    pub(super) fn transfer(&self, horizon_s: f64, aim: f64, limits: Pair) -> Transfer {
+        let (mut gain_s, mut angles) = ([0.0; 2], [0.0; 2]);
+        let (mut min_rates, mut max_rates) = (limits.map(|limit| -limit), limits);
+        for (index, axis) in self.camera.axes().into_iter().enumerate() {
+            let duration_s = horizon_s + self.start_s - axis.start_s();
+            let decay = axis.rate_decay(duration_s);
+            gain_s[index] = duration_s - axis.lag_s() * (1.0 - decay);
+            angles[index] = axis.angle_coasting(decay);
+            if let Some((below, above)) = axis.range_to_stops(angles[index]) {
+                min_rates[index] = min_rates[index].max(-below / gain_s[index]);
+                max_rates[index] = max_rates[index].min(above / gain_s[index]);
+            }
+        }
+        let coasting = self.predicted_view(&Propagation::new(horizon_s, &self.noise), angles);
+        let jacobian = coasting.view.jacobian(coasting.point);
+        let (a, b) = (self.region.a_px, self.region.b_px);
+        Transfer {
+            offset: [coasting.point.x / a, coasting.point.y / b],
+            pan: [jacobian.pan[0] * gain_s[0] / a, jacobian.pan[1] * gain_s[0] / b],
+            tilt: [jacobian.tilt[0] * gain_s[1] / a, jacobian.tilt[1] * gain_s[1] / b],
+            aim,
+            min_rates,
+            max_rates,
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The scenarios and paths that the program brings along.
+
+/// A built-in scenario.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// Its name.
+    pub name: &'static str,
+    /// Its file.
+    pub text: &'static str,
+}
+
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        [$(BuiltIn {
+            name: $name,
+            text: include_str!(concat!("../../../../config/scenarios/", $name, ".toml")),
+        }),*]
+    };
+}
+
+/// The built-in scenarios, as they are listed.
+pub const BUILT_IN: [BuiltIn; 15] = built_in![
+    "lab1",
+    "lab2",
+    "arena1",
+    "arena2",
+    "field1",
+    "field2",
+    "steep1",
+    "steep2",
+    "open",
+    "glint",
+    "sea3",
+    "distractors",
+    "pier",
+    "exit",
+    "gusts",
+];
+
+/// The built-in paths that a scenario may name.
+pub const PATHS: [(&str, &str); 2] = [
+    ("arena1", include_str!("../../../../config/scenarios/paths/arena1.toml")),
+    ("arena2", include_str!("../../../../config/scenarios/paths/arena2.toml")),
+];

@@ -1,0 +1,67 @@
+//! A scenario that was read, and what differs from its file.
+
+use core::time::Duration;
+
+use anyhow::{Result, anyhow};
+use barrelman_sim::camera_axis::AxisPlant;
+use barrelman_sim::{Scenario, World};
+use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
+use barrelman_vocab::{AngularRate, PictureSize, VehicleProfile};
+
+/// What differs from a scenario's file, by the command line.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ScenarioOverrides {
+    /// Which of its settings; without it the file's own.
+    pub setting: Option<String>,
+    /// Speed of the target, m/s.
+    pub boat_speed_m_per_s: Option<f64>,
+    /// Sea state.
+    pub sea_state: Option<u8>,
+    /// Mean wind, m/s.
+    pub wind_m_per_s: Option<f64>,
+    /// Size of the picture.
+    pub size: Option<PictureSize>,
+}
+
+/// A scenario that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedScenario {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The setting that it has.
+    pub setting: String,
+    /// XXH3-64 of its file.
+    pub hash: u64,
+}
+
+impl LoadedScenario {
+    /// The vehicle that flies in it: the laboratory's, with the scenario's video latency, and its camera as the scenario
+    /// has it before anything is drawn by chance.
+    ///
+    /// # Errors
+    /// If the target's way-points make no path.
+    pub fn profile(&self) -> Result<VehicleProfile> {
+        let camera = &self.scenario.camera;
+        let mount = &self.scenario.mount;
+        let base = VehicleProfile::fotokite_pro();
+        let initial_tilt = World::nominal_tilt(&self.scenario)
+            .map_err(|_| anyhow!("the way-points of {} make no path", self.scenario.name))?;
+        let axis = |plant: &AxisPlant| AxisDynamics {
+            start_dead_time: Duration::from_secs_f64(plant.start_dead_time_s),
+            stop_dead_time: Duration::from_secs_f64(plant.stop_dead_time_s),
+            lag: Duration::from_secs_f64(plant.lag_s),
+            min_rate: AngularRate::from_radians_per_second(plant.imperfections.dead_band_rad_per_s),
+        };
+        Ok(VehicleProfile {
+            video_latency: camera.latency(),
+            camera: CameraDynamics {
+                focal_share: camera.optics.focal_px / f64::from(camera.frame.width),
+                initial_tilt,
+                tilt_stops: mount.tilt.end_stops.unwrap_or(base.camera.tilt_stops),
+                pan: axis(&mount.pan),
+                tilt: axis(&mount.tilt),
+            },
+            ..base
+        })
+    }
+}

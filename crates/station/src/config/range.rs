@@ -1,0 +1,23 @@
+//! Holds a value of a configuration file to its range.
+
+use anyhow::{Result, bail};
+
+/// The value of the file, or else the base, if it lies from `min` to `max`.
+///
+/// # Errors
+/// Names the key, the unit and the range.
+pub(super) fn within(
+    key: &str,
+    value: Option<f64>,
+    base: f64,
+    min: f64,
+    max: f64,
+    unit: &str,
+) -> Result<f64> {
+    let value = value.unwrap_or(base);
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        bail!("{key} = {value}: use {unit} from {min} to {max}")
+    }
+}

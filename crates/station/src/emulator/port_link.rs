@@ -1,0 +1,119 @@
+//! The symbolic link by which clients find a pseudo-terminal.
+//!
+//! Making it never removes what belongs to somebody else. What lies at its path is kept and refused, with two
+//! exceptions: a link to a pseudo-terminal that is gone, as an emulator that was killed leaves it, and with `--force` any
+//! symbolic link. A file, a folder or a device is never replaced.
+
+use std::io;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use rustix::fs::{CWD, RenameFlags, renameat_with};
+use rustix::io::Errno;
+
+/// The folder of pseudo-terminals: each is named by its number.
+const TERMINALS: &str = "/dev/pts";
+/// Attempts to make the link while other programs make and remove theirs at the same path.
+const ATTEMPTS: u32 = 8;
+
+/// A link to a pseudo-terminal, removed when it is dropped.
+#[derive(Debug)]
+pub(super) struct PortLink {
+    path: PathBuf,
+    device: PathBuf,
+}
+
+impl PortLink {
+    /// Links `path` to `device`. With `force`, another symbolic link at `path` is replaced.
+    ///
+    /// # Errors
+    /// If something else is at `path`, or the link cannot be made; the message names it.
+    pub(super) fn make(path: &Path, device: &Path, force: bool) -> Result<Self> {
+        let link = Self { path: path.to_owned(), device: device.to_owned() };
+        let context = || format!("the port's link {} cannot be made", path.display());
+        for attempt in 0..ATTEMPTS {
+            match symlink(device, path) {
+                Ok(()) => return Ok(link),
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error).with_context(context),
+            }
+            let target = match std::fs::read_link(path) {
+                Ok(target) => target,
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) if error.kind() == io::ErrorKind::InvalidInput => {
+                    bail!(
+                        "{} exists and is no symbolic link: choose another path for the port",
+                        path.display()
+                    )
+                }
+                Err(error) => return Err(error).with_context(context),
+            };
+            // Left by an emulator that was killed: the number of its terminal is ours now.
+            if target == device {
+                return Ok(link);
+            }
+            if !force && !is_stale(&target) {
+                bail!(
+                    "{} exists already, as a symbolic link to {}: choose another path for the port, or replace the link \
+                     with --force",
+                    path.display(),
+                    target.display()
+                );
+            }
+            if link.replace(&target, attempt).with_context(context)? {
+                return Ok(link);
+            }
+        }
+        bail!("{} cannot be linked: other programs keep changing it", path.display())
+    }
+
+    /// Where the link is.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Removes the link, if it still leads to our terminal.
+    pub(super) fn remove(&self) {
+        if std::fs::read_link(&self.path).is_ok_and(|target| target == self.device) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+
+    /// Puts our link in the place of the one to `target`. Returns whether that was what it replaced: something else that
+    /// appeared there in between is put back.
+    fn replace(&self, target: &Path, attempt: u32) -> io::Result<bool> {
+        let mut name = self.path.as_os_str().to_owned();
+        name.push(format!(".{}-{attempt}", std::process::id()));
+        let beside = PathBuf::from(name);
+        symlink(&self.device, &beside)?;
+        let exchange = || renameat_with(CWD, &beside, CWD, &self.path, RenameFlags::EXCHANGE);
+        let replaced = match exchange() {
+            Ok(()) if std::fs::read_link(&beside).is_ok_and(|found| found == target) => Ok(true),
+            Ok(()) => exchange().map(|()| false).map_err(io::Error::from),
+            Err(Errno::NOENT) => Ok(false),
+            Err(error) => Err(io::Error::from(error)),
+        };
+        // What lies here now is our own link, or the one that was replaced.
+        let removable =
+            std::fs::read_link(&beside).is_ok_and(|found| found == self.device || found == target);
+        if removable {
+            std::fs::remove_file(&beside)?;
+        }
+        replaced
+    }
+}
+
+impl Drop for PortLink {
+    fn drop(&mut self) {
+        self.remove();
+    }
+}
+
+/// Whether a link's target is a pseudo-terminal that is gone.
+fn is_stale(target: &Path) -> bool {
+    let number = target.strip_prefix(TERMINALS).ok().and_then(Path::to_str);
+    let is_terminal = number.is_some_and(|text| !text.is_empty() && text.bytes().all(|c| c.is_ascii_digit()));
+    let gone = std::fs::symlink_metadata(target).is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
+    is_terminal && gone
+}

@@ -1,0 +1,116 @@
+//! The link to an emulated port: what is not the emulator's is neither replaced nor removed.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+
+use barrelman_station::emulator::host_port::HostPort;
+
+/// A pseudo-terminal that is certainly gone: the kernel gives no such numbers.
+const GONE: &str = "/dev/pts/999999999";
+
+/// The path of a port in an empty folder of that name.
+fn port_in(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("emulated-port-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder.join("port")
+}
+
+#[track_caller]
+fn refused(path: &Path, force: bool, words: &[&str]) {
+    let refusal = format!("{:#}", HostPort::pty(path, force).unwrap_err());
+    for word in words {
+        assert!(refusal.contains(word), "{word:?} is not in {refusal}");
+    }
+}
+
+/// Whether a link leads to a pseudo-terminal that is there.
+fn is_port(path: &Path) -> bool {
+    fs::read_link(path).is_ok_and(|target| target.starts_with("/dev/pts") && target.exists())
+}
+
+#[test]
+fn a_port_has_a_link_for_as_long_as_it_lasts() {
+    let path = port_in("lasts");
+    let port = HostPort::pty(&path, false).unwrap();
+    assert!(is_port(&path));
+    drop(port);
+    assert!(fs::symlink_metadata(&path).is_err());
+}
+
+#[test]
+fn a_link_of_somebody_else_is_refused_and_kept() {
+    let path = port_in("theirs");
+    // A dangling one too, and one to a terminal that is there.
+    for target in ["precious", "/dev/null", "/dev/pts", "/dev/pts/ptmx", "/dev/pts/x", "relative/gone"] {
+        symlink(target, &path).unwrap();
+        refused(&path, false, &["symbolic link", target, "--force"]);
+        assert_eq!(fs::read_link(&path).unwrap(), Path::new(target));
+        fs::remove_file(&path).unwrap();
+    }
+    let other = path.with_file_name("other");
+    let _other = HostPort::pty(&other, false).unwrap();
+    let terminal = fs::read_link(&other).unwrap();
+    refused(&other, false, &["symbolic link", "--force"]);
+    assert_eq!(fs::read_link(&other).unwrap(), terminal);
+}
+
+#[test]
+fn the_link_of_a_killed_emulator_is_replaced() {
+    let path = port_in("killed");
+    symlink(GONE, &path).unwrap();
+    let port = HostPort::pty(&path, false).unwrap();
+    assert!(is_port(&path));
+    drop(port);
+    assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0);
+}
+
+#[test]
+fn with_force_a_link_is_replaced_and_what_it_led_to_is_kept() {
+    let path = port_in("forced");
+    let target = path.with_file_name("precious");
+    fs::write(&target, "precious").unwrap();
+    symlink(&target, &path).unwrap();
+    let port = HostPort::pty(&path, true).unwrap();
+    assert!(is_port(&path));
+    drop(port);
+    assert!(fs::symlink_metadata(&path).is_err());
+    assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
+}
+
+#[test]
+fn no_file_and_no_folder_is_ever_replaced() {
+    let path = port_in("file");
+    fs::write(&path, "precious").unwrap();
+    for force in [false, true] {
+        refused(&path, force, &["port", "no symbolic link", "another path"]);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
+        refused(path.parent().unwrap(), force, &["no symbolic link"]);
+    }
+}
+
+#[test]
+fn a_link_that_was_replaced_meanwhile_is_not_removed() {
+    let path = port_in("replaced");
+    let mut port = HostPort::pty(&path, false).unwrap();
+    fs::remove_file(&path).unwrap();
+    symlink("precious", &path).unwrap();
+    port.unplug();
+    assert_eq!(fs::read_link(&path).unwrap(), Path::new("precious"));
+    assert!(port.plug().is_err());
+    drop(port);
+    assert_eq!(fs::read_link(&path).unwrap(), Path::new("precious"));
+}
+
+#[test]
+fn a_port_that_is_plugged_in_again_has_another_terminal() {
+    let path = port_in("plugged");
+    let mut port = HostPort::pty(&path, false).unwrap();
+    let before = fs::read_link(&path).unwrap();
+    port.unplug();
+    assert!(fs::symlink_metadata(&path).is_err());
+    port.plug().unwrap();
+    assert!(is_port(&path));
+    assert_ne!(fs::read_link(&path).unwrap(), before);
+}

@@ -1,0 +1,173 @@
+//! Output files: what exists is kept, links are not followed, and what has no result leaves nothing behind.
+
+use std::fs;
+use std::io::Write as _;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use barrelman_host::output::{OutputFile, create};
+
+const CLIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+
+/// An empty folder of that name.
+fn scratch(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("output-files-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn barrelman(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_barrelman")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+#[track_caller]
+fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let output = barrelman(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
+    for word in words {
+        assert!(message.contains(word), "{arguments:?}: {word:?} is not in {message}");
+    }
+}
+
+fn files_in(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_file_that_exists_is_kept_unless_it_may_be_overwritten() {
+    let path = scratch("exists").join("there");
+    fs::write(&path, "precious, and longer than what comes").unwrap();
+    let refusal = OutputFile::open(&path, false).unwrap_err().to_string();
+    assert!(refusal.contains("exists already") && refusal.contains("--force"), "{refusal}");
+    assert_eq!(fs::read_to_string(&path).unwrap(), "precious, and longer than what comes");
+    // Opened to be overwritten, but never written: work that failed costs nothing.
+    drop(OutputFile::open(&path, true).unwrap());
+    assert_eq!(fs::read_to_string(&path).unwrap(), "precious, and longer than what comes");
+    OutputFile::open(&path, true).unwrap().write_all(b"new").unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    drop(create(&path, true).unwrap());
+    assert_eq!(fs::read_to_string(&path).unwrap(), "");
+}
+
+#[test]
+fn a_link_is_never_followed() {
+    let folder = scratch("links");
+    let target = folder.join("target");
+    for (link, leads_to) in [("dangling", "target"), ("to-a-file", "file"), ("to-itself", "to-itself")] {
+        let link = folder.join(link);
+        fs::write(folder.join("file"), "precious").unwrap();
+        symlink(leads_to, &link).unwrap();
+        for force in [false, true] {
+            let refusal = OutputFile::open(&link, force).unwrap_err().to_string();
+            assert!(refusal.contains("symbolic link"), "{refusal}");
+        }
+        let refusal = OutputFile::resume(&link).unwrap_err().to_string();
+        assert!(refusal.contains("symbolic link"), "{refusal}");
+    }
+    assert!(!target.exists());
+    assert_eq!(fs::read_to_string(folder.join("file")).unwrap(), "precious");
+}
+
+#[test]
+fn a_file_that_appears_in_between_is_kept() {
+    let folder = scratch("between");
+    let path = folder.join("out");
+    let first = OutputFile::open(&path, false).unwrap();
+    for refusal in [OutputFile::open(&path, false), OutputFile::open(&path, true)] {
+        assert!(refusal.is_err(), "two programs cannot both have it");
+    }
+    let refusal = OutputFile::resume(&path).unwrap_err().to_string();
+    assert!(refusal.contains("being written"), "{refusal}");
+    // Somebody replaces what is open: it is not ours to remove.
+    fs::rename(&path, folder.join("moved")).unwrap();
+    fs::write(&path, "theirs").unwrap();
+    drop(first);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "theirs");
+}
+
+#[test]
+fn a_file_that_was_begun_and_never_written_is_removed() {
+    let path = scratch("unwritten").join("out");
+    drop(OutputFile::open(&path, false).unwrap());
+    assert!(!path.exists());
+    OutputFile::open(&path, false).unwrap().write_all(b"result").unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), "result");
+}
+
+#[test]
+fn a_file_that_is_opened_again_is_appended_to_and_is_the_same() {
+    let path = scratch("again").join("out");
+    let mut file = create(&path, false).unwrap();
+    file.write_all(b"one ").unwrap();
+    let mut file = file.close().unwrap().reopen().unwrap();
+    file.write_all(b"two").unwrap();
+    let closed = file.close().unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), "one two");
+    fs::rename(&path, path.with_extension("moved")).unwrap();
+    fs::write(&path, "theirs").unwrap();
+    let refusal = closed.reopen().unwrap_err().to_string();
+    assert!(refusal.contains("replaced"), "{refusal}");
+}
+
+#[test]
+fn no_command_writes_through_a_link() {
+    let folder = scratch("commands");
+    let recording = ["trials", "lab1", "--perception", "truth", "--trials", "1", "--record", "."];
+    let output = barrelman(&folder, &recording);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(files_in(&folder), ["lab1-1.mcap"], "no film without frames");
+    let targets = folder.join("targets");
+    fs::create_dir(&targets).unwrap();
+    fs::create_dir(folder.join("exported")).unwrap();
+    fs::create_dir(folder.join("film")).unwrap();
+    for link in
+        ["film.mp4", "track.csv", "page.html", "exported/video.mp4", "film/lab1-1.mp4", "campaign.jsonl"]
+    {
+        symlink(targets.join("stolen"), folder.join(link)).unwrap();
+    }
+    let track = ["track", CLIP, "--select", "10,10,20,20"];
+    let render = ["render", "lab1", "--seconds", "0.1", "--truth", "truth.csv", "--output", "film.mp4"];
+    let trials = ["trials", "lab1", "--trials", "1", "--perception", "truth"];
+    for force in [&[][..], &["--force"]] {
+        let check = |arguments: &[&str], options: &[&str], name: &str| {
+            refused(&folder, &[arguments, options, force].concat(), &[name, "symbolic link"]);
+        };
+        check(&track, &["--overlay", "film.mp4"], "film.mp4");
+        check(&track, &["--output", "track.csv"], "track.csv");
+        check(&render, &[], "film.mp4");
+        check(&["run", "--video", "sim:lab1"], &["--overlay", "film.mp4"], "film.mp4");
+        check(&["demo", "lab1", "--seconds", "1"], &["--record", "film.mp4"], "film.mp4");
+        check(&["report", "lab1-1.mcap"], &["--output", "page.html"], "page.html");
+        check(&["export", "lab1-1.mcap"], &["--output", "exported"], "video.mp4");
+        check(&trials, &["--record", "film"], "lab1-1.mp4");
+        check(&trials, &["--output", "campaign.jsonl"], "campaign.jsonl");
+    }
+    let resumed = [&trials[..], &["--output", "campaign.jsonl", "--resume"]].concat();
+    refused(&folder, &resumed, &["campaign.jsonl", "symbolic link"]);
+    assert!(files_in(&targets).is_empty(), "{:?}", files_in(&targets));
+    // What was refused left nothing of its other outputs behind.
+    assert_eq!(files_in(&folder.join("exported")), ["video.mp4"]);
+    assert_eq!(files_in(&folder.join("film")), ["lab1-1.mp4"]);
+    assert!(!folder.join("truth.csv").exists());
+}
+
+#[test]
+fn work_that_fails_leaves_no_empty_outputs_and_keeps_the_old_ones() {
+    let folder = scratch("failed");
+    let outputs = ["--output", "track.csv", "--overlay", "film.mp4"];
+    let outside = [&["track", CLIP, "--select", "9000,9000,20,20"][..], &outputs].concat();
+    refused(&folder, &outside, &["selection"]);
+    assert!(files_in(&folder).is_empty(), "{:?}", files_in(&folder));
+    fs::write(folder.join("track.csv"), "old").unwrap();
+    fs::write(folder.join("film.mp4"), "old").unwrap();
+    refused(&folder, &[&outside[..], &["--force"]].concat(), &["selection"]);
+    for name in ["track.csv", "film.mp4"] {
+        assert_eq!(fs::read_to_string(folder.join(name)).unwrap(), "old", "{name}");
+    }
+}

@@ -1,0 +1,71 @@
+//! Enums without data, to and from their stored forms.
+
+use barrelman_control::Sector;
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_vocab::StopCause;
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
+
+use super::malformed::{Malformed, missing};
+use crate::records::stored;
+
+/// Implements the conversions between an enum and its stored form, from pairs of variants.
+macro_rules! variants {
+    ($ours:ty, $stored:ident, $name:literal, [$($our:path => $theirs:ident),+ $(,)?]) => {
+        impl From<$ours> for stored::$stored {
+            fn from(value: $ours) -> Self {
+                match value { $($our => Self::$theirs),+ }
+            }
+        }
+        impl TryFrom<stored::$stored> for $ours {
+            type Error = Malformed;
+            fn try_from(value: stored::$stored) -> Result<Self, Malformed> {
+                match value {
+                    $(stored::$stored::$theirs => Ok($our),)+
+                    #[allow(unreachable_patterns, reason = "not every stored enum has a variant for unknown")]
+                    _ => Err(missing($name)),
+                }
+            }
+        }
+    };
+}
+
+variants!(CaptureQuality, CaptureQuality, "capture_quality", [
+    CaptureQuality::Sensor => Sensor,
+    CaptureQuality::Sender => Sender,
+    CaptureQuality::Arrival => Arrival,
+]);
+variants!(ColourMatrix, ColourMatrix, "matrix", [
+    ColourMatrix::Bt601 => Bt601,
+    ColourMatrix::Bt709 => Bt709,
+]);
+variants!(SampleRange, SampleRange, "range", [
+    SampleRange::Limited => Limited,
+    SampleRange::Full => Full,
+]);
+variants!(StopCause, StopCause, "stop_cause", [
+    StopCause::Operator => Operator,
+    StopCause::Ending => Ending,
+    StopCause::VideoEnded => VideoEnded,
+    StopCause::Fault => Fault,
+]);
+variants!(LinkState, LinkState, "link", [
+    LinkState::Opening => Opening,
+    LinkState::Starting => Starting,
+    LinkState::Up => Up,
+    LinkState::Closing => Closing,
+    LinkState::Closed => Closed,
+]);
+variants!(HoldCause, HoldCause, "hold_cause", [
+    HoldCause::NoSelection => NoSelection,
+    HoldCause::TrackLost => TrackLost,
+    HoldCause::Coasting => Coasting,
+    HoldCause::VideoStale => VideoStale,
+    HoldCause::VideoSilent => VideoSilent,
+]);
+variants!(Sector, Sector, "sector", [
+    Sector::Right => Right,
+    Sector::Top => Top,
+    Sector::Left => Left,
+    Sector::Bottom => Bottom,
+]);

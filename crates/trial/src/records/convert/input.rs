@@ -1,0 +1,54 @@
+//! Inputs of the pilot from their stored forms.
+
+use barrelman_vocab::{OperatorRequest, Telemetry, Timestamp, Track};
+
+use super::malformed::{Malformed, missing};
+use crate::records::entry::Entry;
+use crate::records::recorded_input::{FrameFingerprint, RecordedInput};
+use crate::records::stored;
+
+fn input(step: u64, now_ns: u64, input: RecordedInput) -> Entry {
+    Entry::Input { step, now: Timestamp::from_nanos(now_ns), input }
+}
+
+impl TryFrom<stored::FrameInput> for Entry {
+    type Error = Malformed;
+
+    fn try_from(frame: stored::FrameInput) -> Result<Self, Malformed> {
+        let fingerprint = FrameFingerprint::try_from(&frame)?;
+        Ok(input(frame.step, frame.now_ns, RecordedInput::Frame(fingerprint)))
+    }
+}
+
+impl TryFrom<stored::LocalisationInput> for Entry {
+    type Error = Malformed;
+
+    fn try_from(message: stored::LocalisationInput) -> Result<Self, Malformed> {
+        let track = Track::try_from(message.track.ok_or_else(|| missing("track"))?)?;
+        Ok(input(message.step, message.now_ns, RecordedInput::Localisation(track)))
+    }
+}
+
+impl From<stored::TickInput> for Entry {
+    fn from(tick: stored::TickInput) -> Self {
+        input(tick.step, tick.now_ns, RecordedInput::Tick)
+    }
+}
+
+impl TryFrom<stored::TelemetryInput> for Entry {
+    type Error = Malformed;
+
+    fn try_from(message: stored::TelemetryInput) -> Result<Self, Malformed> {
+        let (step, now_ns) = (message.step, message.now_ns);
+        Ok(input(step, now_ns, RecordedInput::Telemetry(Telemetry::try_from(message)?)))
+    }
+}
+
+impl TryFrom<stored::RequestInput> for Entry {
+    type Error = Malformed;
+
+    fn try_from(message: stored::RequestInput) -> Result<Self, Malformed> {
+        let (step, now_ns) = (message.step, message.now_ns);
+        Ok(input(step, now_ns, RecordedInput::Request(OperatorRequest::try_from(message)?)))
+    }
+}

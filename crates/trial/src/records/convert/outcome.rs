@@ -1,0 +1,101 @@
+//! Outcomes of steps, to and from their stored form.
+
+use core::time::Duration;
+
+use barrelman_control::Percept;
+use barrelman_pilot::{Advice, Mode};
+use barrelman_vocab::{Angle, AngularRate, CameraCommand, ImagePoint, Timestamp, VehicleRates};
+
+use super::malformed::{Malformed, missing};
+use crate::records::entry::RecordedOutcome;
+use crate::records::stored;
+
+fn nanos(span: Duration) -> u64 {
+    u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
+}
+
+impl From<&RecordedOutcome> for stored::Outcome {
+    fn from(outcome: &RecordedOutcome) -> Self {
+        let (mut hold, mut stop) = (stored::HoldCause::None, stored::StopCause::None);
+        let mode = match outcome.mode {
+            Mode::Idle => stored::Mode::Idle,
+            Mode::Servoing => stored::Mode::Servoing,
+            Mode::Holding(why) => {
+                hold = why.into();
+                stored::Mode::Holding
+            }
+            Mode::Stopped(cause) => {
+                stop = cause.into();
+                stored::Mode::Stopped
+            }
+        };
+        let sector = outcome.advice.and_then(|advice| advice.sector);
+        Self {
+            step: outcome.step,
+            now_ns: outcome.at.as_nanos(),
+            mode: mode as i32,
+            hold_cause: hold as i32,
+            stop_cause: stop as i32,
+            track: Some((&outcome.track).into()),
+            age_ns: outcome.age.map(nanos),
+            percept: outcome.percept.map(|percept| stored::Percept {
+                x: percept.position.x,
+                y: percept.position.y,
+                p: percept.p,
+                r_px: percept.r_px,
+                direction_rad: percept.direction.radians(),
+            }),
+            advised_pan: outcome.advice.map(|advice| advice.command.pan.radians_per_second()),
+            advised_tilt: outcome.advice.map(|advice| advice.command.tilt.radians_per_second()),
+            sector: sector.map_or(stored::Sector::None, Into::into) as i32,
+            pan: outcome.command.pan.radians_per_second(),
+            tilt: outcome.command.tilt.radians_per_second(),
+            yaw_rate: outcome.rates.yaw.radians_per_second(),
+            pitch_rate: outcome.rates.pitch.radians_per_second(),
+            wake_at_ns: outcome.wake_at.map(Timestamp::as_nanos),
+            notice: outcome.notice.clone(),
+        }
+    }
+}
+
+impl TryFrom<stored::Outcome> for RecordedOutcome {
+    type Error = Malformed;
+
+    fn try_from(outcome: stored::Outcome) -> Result<Self, Malformed> {
+        let rate = AngularRate::from_radians_per_second;
+        let mode = match stored::Mode::try_from(outcome.mode).map_err(|_| missing("mode"))? {
+            stored::Mode::Idle => Mode::Idle,
+            stored::Mode::Servoing => Mode::Servoing,
+            stored::Mode::Holding => Mode::Holding(outcome.hold_cause().try_into()?),
+            stored::Mode::Stopped => Mode::Stopped(outcome.stop_cause().try_into()?),
+        };
+        let sector = match stored::Sector::try_from(outcome.sector).map_err(|_| missing("sector"))? {
+            stored::Sector::None => None,
+            sector => Some(sector.try_into()?),
+        };
+        let advice = match (outcome.advised_pan, outcome.advised_tilt) {
+            (Some(pan), Some(tilt)) => {
+                Some(Advice { command: CameraCommand { pan: rate(pan), tilt: rate(tilt) }, sector })
+            }
+            _ => None,
+        };
+        Ok(Self {
+            step: outcome.step,
+            at: Timestamp::from_nanos(outcome.now_ns),
+            mode,
+            age: outcome.age_ns.map(Duration::from_nanos),
+            percept: outcome.percept.as_ref().map(|percept| Percept {
+                position: ImagePoint { x: percept.x, y: percept.y },
+                p: percept.p,
+                r_px: percept.r_px,
+                direction: Angle::from_radians(percept.direction_rad),
+            }),
+            advice,
+            command: CameraCommand { pan: rate(outcome.pan), tilt: rate(outcome.tilt) },
+            rates: VehicleRates { yaw: rate(outcome.yaw_rate), pitch: rate(outcome.pitch_rate) },
+            wake_at: outcome.wake_at_ns.map(Timestamp::from_nanos),
+            track: outcome.track.ok_or_else(|| missing("track"))?.try_into()?,
+            notice: outcome.notice,
+        })
+    }
+}

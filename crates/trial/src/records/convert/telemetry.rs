@@ -1,0 +1,88 @@
+//! Telemetry, to and from its stored form.
+
+use barrelman_vocab::telemetry::{ControlState, FlightState, Quaternion, Report};
+use barrelman_vocab::{Angle, Telemetry, Timestamp};
+
+use super::malformed::{Malformed, missing};
+use crate::records::stored;
+
+fn stored_quaternion(q: Quaternion) -> stored::Quaternion {
+    stored::Quaternion { w: q.w, x: q.x, y: q.y, z: q.z }
+}
+
+fn quaternion(q: stored::Quaternion) -> Quaternion {
+    Quaternion { w: q.w, x: q.x, y: q.y, z: q.z }
+}
+
+impl From<&Telemetry> for stored::TelemetryInput {
+    fn from(telemetry: &Telemetry) -> Self {
+        use stored::telemetry_input::Report as Stored;
+        let report = match telemetry.report {
+            Report::Link(state) => Stored::Link(stored::LinkState::from(state) as i32),
+            Report::Ground { control, uptime_s, battery_v, tether_m } => {
+                let in_control = control == ControlState::Ours;
+                Stored::Ground(stored::GroundReport { in_control, uptime_s, battery_v, tether_m })
+            }
+            Report::VehicleAttitude(q) => Stored::VehicleAttitude(stored_quaternion(q)),
+            Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
+            Report::CameraTilt(tilt) => Stored::CameraTiltRad(tilt.radians()),
+            Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
+            Report::Tether { elevation, azimuth, altitude_m } => Stored::Tether(stored::TetherReport {
+                elevation_rad: elevation.radians(),
+                azimuth_rad: azimuth.radians(),
+                altitude_m,
+            }),
+            Report::Flight { state, on_time_s, backup_battery_v, warnings } => {
+                let (state, mode) = match state {
+                    FlightState::Idle => (stored::FlightState::Idle, 0),
+                    FlightState::Flying => (stored::FlightState::Flying, 0),
+                    FlightState::Emergency => (stored::FlightState::Emergency, 0),
+                    FlightState::Other(mode) => (stored::FlightState::Other, mode),
+                };
+                let state = state as i32;
+                Stored::Flight(stored::FlightReport { state, mode, on_time_s, backup_battery_v, warnings })
+            }
+        };
+        Self { step: 0, now_ns: 0, at_ns: telemetry.at.as_nanos(), report: Some(report) }
+    }
+}
+
+impl TryFrom<stored::TelemetryInput> for Telemetry {
+    type Error = Malformed;
+
+    fn try_from(message: stored::TelemetryInput) -> Result<Self, Malformed> {
+        use stored::telemetry_input::Report as Stored;
+        let report = match message.report.ok_or_else(|| missing("report"))? {
+            Stored::Link(state) => {
+                Report::Link(stored::LinkState::try_from(state).map_err(|_| missing("link"))?.try_into()?)
+            }
+            Stored::Ground(ground) => Report::Ground {
+                control: if ground.in_control { ControlState::Ours } else { ControlState::NotOurs },
+                uptime_s: ground.uptime_s,
+                battery_v: ground.battery_v,
+                tether_m: ground.tether_m,
+            },
+            Stored::VehicleAttitude(q) => Report::VehicleAttitude(quaternion(q)),
+            Stored::GimbalAttitude(q) => Report::GimbalAttitude(quaternion(q)),
+            Stored::CameraTiltRad(tilt) => Report::CameraTilt(Angle::from_radians(tilt)),
+            Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
+            Stored::Tether(tether) => Report::Tether {
+                elevation: Angle::from_radians(tether.elevation_rad),
+                azimuth: Angle::from_radians(tether.azimuth_rad),
+                altitude_m: tether.altitude_m,
+            },
+            Stored::Flight(flight) => Report::Flight {
+                state: match stored::FlightState::try_from(flight.state).map_err(|_| missing("state"))? {
+                    stored::FlightState::Idle => FlightState::Idle,
+                    stored::FlightState::Flying => FlightState::Flying,
+                    stored::FlightState::Emergency => FlightState::Emergency,
+                    stored::FlightState::Other => FlightState::Other(flight.mode),
+                },
+                on_time_s: flight.on_time_s,
+                backup_battery_v: flight.backup_battery_v,
+                warnings: flight.warnings,
+            },
+        };
+        Ok(Self { at: Timestamp::from_nanos(message.at_ns), report })
+    }
+}

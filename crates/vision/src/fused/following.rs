@@ -1,0 +1,149 @@
+//! One frame of the fused tracker: predict, observe, evaluate, refine, learn.
+
+use barrelman_vocab::{MotionPrior, Picture, Track, VideoFrame};
+
+use super::config::FusedConfig;
+use super::evidence::{coasting_confidence, confidence, rejected_confidence};
+use super::observation::Observation;
+use super::phase::{Phase, Visibility};
+use super::target::Target;
+use super::workspace::Workspace;
+use crate::features::PatchPose;
+
+/// Factor on the evidence required of a target that was not visible in the last frame.
+const NOT_TRACKING_FACTOR: f32 = 1.0;
+/// Minimum relative contrast of a frame that is learned from; with less, the target may be hidden.
+const MIN_LEARNED_CONTRAST: f32 = 0.15;
+/// Two standard deviations of the prediction may reach this share of the search window's side; beyond it the
+/// neighbouring windows are evaluated too.
+const MAX_UNCERTAINTY_SHARE: f32 = 0.4;
+
+impl Workspace {
+    /// Processes one frame; the track to report.
+    pub(super) fn advance(
+        &mut self,
+        config: &FusedConfig,
+        target: &mut Target,
+        frame: &VideoFrame,
+        prior: Option<&MotionPrior>,
+    ) -> Track {
+        let picture = &*frame.picture;
+        let now = frame.capture.at;
+        if target.rescale_to_picture(picture.size()) {
+            self.background.clear_reference();
+        }
+        let seconds = target.predict(config, now, prior);
+        let visibility = match target.phase {
+            Phase::Lost { .. } => {
+                let found = self.search_picture(config, target, picture);
+                if let Some(observation) = &found {
+                    target.restart_at(config, observation);
+                }
+                if found.is_some() { Visibility::Visible } else { Visibility::NotVisible }
+            }
+            _ => self.follow(config, target, frame, seconds),
+        };
+        let before = target.phase;
+        target.phase = before.after(visibility, now, config.coast_s, config.confirm);
+        if matches!(target.phase, Phase::Lost { .. }) {
+            match before {
+                Phase::Tracking | Phase::Coasting { .. } => {
+                    target.mark_lost(visibility != Visibility::OutOfPicture);
+                }
+                Phase::Confirming { .. } => target.restore_reliable_size(),
+                Phase::Lost { .. } => {}
+            }
+        }
+        match target.phase {
+            Phase::Tracking => Track::Tracking(target.report(frame)),
+            Phase::Coasting { since } => {
+                target.move_to_prediction();
+                target.confidence = coasting_confidence(now.since(since).as_secs_f64());
+                Track::Coasting(target.report(frame))
+            }
+            Phase::Lost { since } | Phase::Confirming { since, .. } => {
+                Track::Lost { since, confidence: target.confidence }
+            }
+        }
+    }
+
+    /// Looks for the target around its prediction, `seconds` after the last frame, and measures it where it is found.
+    fn follow(
+        &mut self,
+        config: &FusedConfig,
+        target: &mut Target,
+        frame: &VideoFrame,
+        seconds: f64,
+    ) -> Visibility {
+        let picture = &*frame.picture;
+        let mut observation = self.observe_prediction(config, target, picture);
+        if matches!(target.phase, Phase::Confirming { .. }) {
+            observation = self.resolve_axis_direction(config, target, picture, observation);
+        }
+        let state_factor = if target.phase == Phase::Tracking { 1.0 } else { NOT_TRACKING_FACTOR };
+        let distance_factor = target.distance_factor(&observation);
+        let evidence = observation.evidence(config, target);
+        let is_recognised = !matches!(target.phase, Phase::Confirming { .. })
+            || self.is_still_recognised(config, target, picture, &observation);
+        if evidence < config.seen as f32 * state_factor * distance_factor
+            || !is_recognised
+            || observation.is_colour_absent(target)
+        {
+            target.confidence = rejected_confidence(&observation, target);
+            self.background.clear_reference();
+            return if target.is_prediction_in_picture() {
+                Visibility::NotVisible
+            } else {
+                Visibility::OutOfPicture
+            };
+        }
+        target.confidence = confidence(&observation, target);
+        self.refine(config, target, &observation, frame, seconds);
+        let has_its_colour =
+            observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);
+        let is_well_visible = evidence >= config.learn as f32 * distance_factor && has_its_colour;
+        if target.phase == Phase::Tracking && is_well_visible && !target.geometry.touches_border() {
+            self.learn(config, target, picture, &observation);
+        }
+        Visibility::Visible
+    }
+
+    /// Observes the window around the prediction, and its neighbours if the prediction is too uncertain. The best
+    /// observation, whose crop is the one that is kept.
+    fn observe_prediction(
+        &mut self,
+        config: &FusedConfig,
+        target: &mut Target,
+        picture: &Picture,
+    ) -> Observation {
+        let pose = target.patch_pose(config);
+        let side = pose.side_px();
+        let shift = self.background_shift(target, picture);
+        let pose = PatchPose { centre: target.predicted_centre(shift), ..pose };
+        let mut best = self.observe(target, picture, pose);
+        if 2.0 * target.motion.std_dev() > MAX_UNCERTAINTY_SHARE * side
+            && best.evidence(config, target) < config.learn as f32
+        {
+            for (right, down) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
+                let centre = (pose.centre.0 + 0.5 * right * side, pose.centre.1 + 0.5 * down * side);
+                let observation = self.observe(target, picture, PatchPose { centre, ..pose });
+                if observation.evidence(config, target) > best.evidence(config, target) {
+                    best = observation;
+                }
+            }
+            if best.pose != self.pose {
+                // The following steps sample the crop of the best observation.
+                best = self.observe(target, picture, best.pose);
+            }
+        }
+        best
+    }
+
+    /// Shift of the background since the last frame, pixels, where no precise prior gives it.
+    fn background_shift(&mut self, target: &Target, picture: &Picture) -> Option<(f32, f32)> {
+        if target.motion.has_precise_prior {
+            return None;
+        }
+        self.background.measure_shift(picture.y(), &mut self.features.fourier)
+    }
+}

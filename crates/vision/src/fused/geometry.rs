@@ -1,0 +1,151 @@
+//! Where the target is in the picture, how large it is and how it is turned.
+
+use barrelman_vocab::PictureSize;
+
+use super::extent::Extent;
+use crate::colour_model::TargetEllipse;
+use crate::features::PatchPose;
+use crate::fourier::SIDE;
+use crate::gradients::CELL;
+
+/// Minimum side of the target's upright box, pixels.
+const MIN_SIDE_PX: f32 = 3.0;
+/// Minimum side of the search window, in lengths of the target.
+const MIN_WINDOW_LENGTHS: f32 = 2.0;
+/// Minimum side of the search window, pixels. A smaller window gains no resolution.
+const MIN_WINDOW_PX: f32 = 24.0;
+/// Side of the square around the target that background registration leaves out, in half lengths of the target.
+const BLANKED_HALF_LENGTHS: f32 = 2.2;
+
+/// The target's pose and size in the last frame.
+#[derive(Debug)]
+pub(super) struct TargetGeometry {
+    /// Proportions, at the size of the selection.
+    pub(super) extent: Extent,
+    /// Root of the area of the selection's box, pixels.
+    pub(super) initial_size_px: f32,
+    /// Present size over that of the selection.
+    pub(super) scale: f32,
+    /// Rotation of the patches since the selection, radians clockwise.
+    pub(super) patch_angle: f32,
+    /// One end of the target's axis, radians clockwise from image right. It turns with `patch_angle` unless the
+    /// silhouette gives a better axis.
+    pub(super) axis: f32,
+    /// Centre of the target's box, pixels.
+    pub(super) centre: (f32, f32),
+    /// Size of the picture that the pixel coordinates belong to.
+    pub(super) picture: PictureSize,
+}
+
+impl TargetGeometry {
+    /// The geometry of a selection with this centre and size (width, height), pixels.
+    pub(super) fn new(centre: (f32, f32), (width, height): (f32, f32), picture: PictureSize) -> Self {
+        Self {
+            extent: Extent::Box { width, height },
+            initial_size_px: (width * height).sqrt(),
+            scale: 1.0,
+            patch_angle: 0.0,
+            axis: 0.0,
+            centre,
+            picture,
+        }
+    }
+
+    /// The target's size: root of the area of its box, pixels.
+    pub(super) fn size_px(&self) -> f32 {
+        self.initial_size_px * self.scale
+    }
+
+    /// Width and height of the picture, pixels.
+    pub(super) fn picture_size(&self) -> (f32, f32) {
+        (self.picture.width as f32, self.picture.height as f32)
+    }
+
+    /// Half axes of the target's ellipse, along and across its axis, pixels.
+    pub(super) fn half_axes(&self) -> (f32, f32) {
+        self.extent.half_axes(self.scale)
+    }
+
+    /// Width and height of the target's upright box, pixels.
+    pub(super) fn upright_box(&self) -> (f32, f32) {
+        self.extent.upright_box(self.scale, self.axis)
+    }
+
+    /// The ellipse in which the target's colours are counted.
+    pub(super) fn ellipse(&self) -> TargetEllipse {
+        self.extent.ellipse(self.scale, self.axis)
+    }
+
+    /// Pose of the search window around the target, for a side of `padding` sizes.
+    pub(super) fn patch_pose(&self, padding: f64) -> PatchPose {
+        let half = self.extent.half_axes(1.0);
+        let side = (padding as f32 * self.initial_size_px)
+            .max(MIN_WINDOW_LENGTHS * 2.0 * half.0.max(half.1))
+            .max(MIN_WINDOW_PX);
+        PatchPose {
+            centre: self.centre,
+            step: self.scale * side / (SIDE * CELL) as f32,
+            angle: self.patch_angle,
+        }
+    }
+
+    /// The target's axis if the target is turned as the patch is.
+    pub(super) fn axis_in(&self, pose: &PatchPose) -> f32 {
+        self.axis + pose.angle - self.patch_angle
+    }
+
+    /// Side of the square that background registration leaves out, pixels.
+    pub(super) fn blanked_side_px(&self) -> f32 {
+        let half = self.half_axes();
+        BLANKED_HALF_LENGTHS * half.0.max(half.1)
+    }
+
+    /// Multiplies the size by `factor`, unless the box would become too small or larger than the picture.
+    pub(super) fn rescale(&mut self, factor: f32) {
+        let scale = self.scale * factor;
+        let (w, h) = self.extent.upright_box(scale, self.axis);
+        let picture = self.picture_size();
+        if factor.is_finite() && w.min(h) >= MIN_SIDE_PX && w <= picture.0 && h <= picture.1
+            || (factor - 1.0) * (scale - 1.0) < 0.0
+        {
+            self.scale = scale;
+        }
+    }
+
+    /// Moves length and breadth towards measured ones (pixels) by the share `rate` of the logarithm.
+    pub(super) fn stretch_to(&mut self, length: f32, breadth: f32, rate: f32) {
+        let half = self.half_axes();
+        let factor = |measured: f32, known: f32| libm::powf(measured / known, rate);
+        let (longer, wider) = (factor(length, 2.0 * half.0), factor(breadth, 2.0 * half.1));
+        // The geometric mean is a change of size, the rest a change of proportions.
+        let common = (longer * wider).sqrt();
+        self.rescale(common);
+        self.extent.stretch(longer / common, wider / common);
+    }
+
+    /// Whether part of the target's box lies outside the picture.
+    pub(super) fn touches_border(&self) -> bool {
+        let (w, h) = self.upright_box();
+        let picture = self.picture_size();
+        let (u, v) = self.centre;
+        u < 0.5 * w || v < 0.5 * h || u > picture.0 - 0.5 * w || v > picture.1 - 0.5 * h
+    }
+
+    /// Converts to pixels of a picture of another size with the same field of view. The factors along u and v.
+    pub(super) fn rescale_to_picture(&mut self, picture: PictureSize) -> (f32, f32) {
+        let (u, v) = (
+            picture.width as f32 / self.picture.width as f32,
+            picture.height as f32 / self.picture.height as f32,
+        );
+        self.centre = (self.centre.0 * u, self.centre.1 * v);
+        self.scale *= (u * v).sqrt();
+        self.picture = picture;
+        (u, v)
+    }
+
+    /// Turns the target by half a revolution: exchanges the ends of its axis.
+    pub(super) fn reverse_axis(&mut self) {
+        self.patch_angle += core::f32::consts::PI;
+        self.axis += core::f32::consts::PI;
+    }
+}

@@ -1,0 +1,111 @@
+//! The working memory of the fused tracker, and one observation with it.
+
+use barrelman_vocab::{Picture, PixelBox};
+
+use super::config::FusedConfig;
+use super::observation::Observation;
+use super::phase::Phase;
+use super::target::Target;
+use crate::background::BackgroundMotion;
+use crate::colour_model::ColourHistogram;
+use crate::correlation::Peak;
+use crate::crop::Crop;
+use crate::explanation::{Explanation, GreyMap, TrackerState};
+use crate::features::{FeatureExtractor, PatchPose};
+use crate::fourier::{AREA, Map, SIDE, Spectrum};
+use crate::gradients::CELL;
+use crate::layout::ColourLayout;
+use crate::redetection::Redetector;
+
+/// The crop exceeds the search window by this factor: it also serves the patch that is learned from.
+const CROP_MARGIN: f32 = 1.15;
+
+/// What evaluates pictures, with its buffers.
+#[derive(Debug)]
+pub(super) struct Workspace {
+    pub(super) crop: Crop,
+    pub(super) features: FeatureExtractor,
+    response_spectrum: Spectrum,
+    response: Box<Map>,
+    pub(super) redetector: Redetector,
+    pub(super) background: BackgroundMotion,
+    /// Colours inside the target's ellipse and in the ring around it, in one frame.
+    pub(super) histograms: [ColourHistogram; 2],
+    /// Layout of the colours in one frame.
+    pub(super) layout: ColourLayout,
+    /// Pose of the last search window.
+    pub(super) pose: PatchPose,
+}
+
+impl Workspace {
+    /// Buffers for a tracker with these settings.
+    pub(super) fn new(config: &FusedConfig) -> Self {
+        Self {
+            crop: Crop::default(),
+            features: FeatureExtractor::new(config.brightness_gain as f32, config.colour_gain as f32),
+            response_spectrum: Spectrum::default(),
+            response: Box::new([0.0; AREA]),
+            redetector: Redetector::default(),
+            background: BackgroundMotion::new(),
+            histograms: [ColourHistogram::default(), ColourHistogram::default()],
+            layout: ColourLayout::default(),
+            pose: PatchPose { centre: (0.0, 0.0), step: 1.0, angle: 0.0 },
+        }
+    }
+
+    /// Evaluates filter and colour in one search window.
+    pub(super) fn observe(&mut self, target: &Target, picture: &Picture, pose: PatchPose) -> Observation {
+        self.extract_crop(target, picture, &pose);
+        let size = target.geometry.picture_size();
+        self.features.extract(&mut self.crop, &pose, size);
+        target.appearance.filter.correlate(&self.features.spectra, &mut self.response_spectrum);
+        self.features.fourier.inverse(&self.response_spectrum, &mut self.response);
+        let peak = Peak::find(&self.response);
+        let (u, v) = pose.to_picture(peak.right * CELL as f32, peak.down * CELL as f32);
+        let centre = (u.clamp(0.0, size.0), v.clamp(0.0, size.1));
+        let geometry = &target.geometry;
+        let contrast = self.crop.contrast(centre, geometry.half_axes(), geometry.axis_in(&pose));
+        self.pose = pose;
+        Observation { pose, centre, peak, contrast }
+    }
+
+    /// Extracts the crop that contains a search window.
+    pub(super) fn extract_crop(&mut self, target: &Target, picture: &Picture, pose: &PatchPose) {
+        let turn = libm::cosf(pose.angle).abs() + libm::sinf(pose.angle).abs();
+        let reach = 0.5 * pose.step * (SIDE * CELL + 2) as f32 * turn * CROP_MARGIN;
+        self.crop.extract(picture, &target.appearance.colours, pose.centre, reach, pose.step);
+    }
+
+    /// Writes what the last answer is based on; `out` is empty.
+    pub(super) fn explain(&self, target: &Target, out: &mut Explanation) {
+        let side = f64::from(self.pose.side_px());
+        let corner = |middle: f32| f64::from(middle) - 0.5 * side;
+        let (u, v) = self.pose.centre;
+        let window = PixelBox { u: corner(u), v: corner(v), w: side, h: side };
+        out.search_window = Some(window);
+        out.response.bounds = window;
+        self.crop.write_probability_map(&mut out.back_projection);
+        write_response(&self.response, self.pose.angle, &mut out.response);
+        out.state = Some(match target.phase {
+            Phase::Tracking => TrackerState::Tracking,
+            Phase::Coasting { .. } => TrackerState::Coasting,
+            Phase::Lost { .. } => TrackerState::Lost,
+            Phase::Confirming { .. } => TrackerState::Confirming,
+        });
+        out.confidence = target.confidence;
+    }
+}
+
+/// Writes the response of a search window that is rotated by `angle`, as an upright map with values 0 to 255.
+fn write_response(response: &Map, angle: f32, out: &mut GreyMap) {
+    (out.width, out.height) = (SIDE, SIDE);
+    let highest = response.iter().fold(f32::MIN_POSITIVE, |highest, &value| highest.max(value));
+    let (cos, sin) = (libm::cosf(angle), libm::sinf(angle));
+    let middle = (SIDE / 2) as f32;
+    out.samples.extend((0..AREA).map(|index| {
+        let (right, down) = ((index % SIDE) as f32 + 0.5 - middle, (index / SIDE) as f32 + 0.5 - middle);
+        let (column, row) = (right * cos + down * sin, down * cos - right * sin);
+        let wrapped = |shift: f32| (shift.floor() as i32).rem_euclid(SIDE as i32) as usize;
+        (255.0 * response[wrapped(row) * SIDE + wrapped(column)] / highest).clamp(0.0, 255.0) as u8
+    }));
+}

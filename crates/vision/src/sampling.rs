@@ -1,0 +1,111 @@
+//! Bilinear sampling of a map on a rotated and scaled grid.
+
+use crate::simd::simd_kernel;
+
+/// A greyscale map, rows tightly packed.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SampleMap {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) values: Vec<u8>,
+    /// Each sample with its right, lower and lower right neighbours, one byte each: one load per bilinear sample.
+    quads: Vec<u32>,
+}
+
+impl SampleMap {
+    /// Prepares the map for [`sample_bilinear`]; to be called after `values` changed. The map must not be empty.
+    pub(crate) fn pack(&mut self) {
+        pack_quads(self);
+    }
+}
+
+simd_kernel! {
+fn pack_quads(map: &mut SampleMap) {
+    map.quads.clear();
+    for row in 0..map.height {
+        let here = &map.values[row * map.width..][..map.width];
+        let below = &map.values[(row + 1).min(map.height - 1) * map.width..][..map.width];
+        let quad = |a: u8, b: u8, c: u8, d: u8| u32::from_le_bytes([a, b, c, d]);
+        let pairs = here.windows(2).zip(below.windows(2));
+        map.quads.extend(pairs.map(|(h, b)| quad(h[0], h[1], b[0], b[1])));
+        let (h, b) = (here[map.width - 1], below[map.width - 1]);
+        map.quads.push(quad(h, h, b, b));
+    }
+}
+}
+
+/// A rectangular grid of samples, rotated and scaled, placed on a picture or a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SamplingGrid {
+    /// Centre of the grid, pixels.
+    pub(crate) centre: (f32, f32),
+    /// Distance of neighbouring samples, pixels.
+    pub(crate) step: f32,
+    /// Cosine and sine of the rotation, clockwise as seen.
+    pub(crate) turn: (f32, f32),
+    /// Samples per row.
+    pub(crate) width: usize,
+    /// Rows.
+    pub(crate) height: usize,
+}
+
+/// Scratch space for one row of samples: the four neighbours of each, and the position between them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SampleRow {
+    quads: Vec<u32>,
+    /// Fractions to the right (low half) and downwards (high half), 0 to 255 each.
+    fraction: Vec<u32>,
+}
+
+simd_kernel! {
+/// Samples `map` at the points of `grid` (in samples of the map) by bilinear interpolation, with positions rounded to
+/// 1/256 sample. Outside the map the border samples are replicated.
+pub(crate) fn sample_bilinear(map: &SampleMap, grid: SamplingGrid, line: &mut SampleRow, out: &mut Vec<f32>) {
+    const ONE: f32 = 65_536.0;
+    out.resize(grid.width * grid.height, 0.0);
+    line.quads.resize(grid.width, 0);
+    line.fraction.resize(grid.width, 0);
+    let right = (grid.turn.0 * grid.step, grid.turn.1 * grid.step);
+    let down = (-right.1, right.0);
+    let (half_w, half_h) = (0.5 * (grid.width as f32 - 1.0), 0.5 * (grid.height as f32 - 1.0));
+    let step = ((right.0 * ONE) as i32, (right.1 * ONE) as i32);
+    let limit = (((map.width as i32 - 1) << 16) | 0xff00, ((map.height as i32 - 1) << 16) | 0xff00);
+    let last = grid.width as i32 - 1;
+    for (row, out) in out.chunks_exact_mut(grid.width).enumerate() {
+        let off = row as f32 - half_h;
+        // The centre of sample (0, 0) is at (0.5, 0.5).
+        let x = ((grid.centre.0 - 0.5 + off * down.0 - half_w * right.0) * ONE) as i32;
+        let y = ((grid.centre.1 - 0.5 + off * down.1 - half_w * right.1) * ONE) as i32;
+        let end = (x.saturating_add(step.0.saturating_mul(last)), y.saturating_add(step.1.saturating_mul(last)));
+        let inside = |from: i32, to: i32, limit: i32| from.min(to) >= 0 && from.max(to) <= limit;
+        let SampleRow { quads, fraction } = line;
+        if inside(x, end.0, limit.0) && inside(y, end.1, limit.1) {
+            let (mut x, mut y) = (x as u32, y as u32);
+            for (quad, fraction) in quads.iter_mut().zip(fraction.iter_mut()) {
+                *quad = map.quads[(y >> 16) as usize * map.width + (x >> 16) as usize];
+                *fraction = ((x >> 8) & 0xff) | ((y & 0xff00) << 8);
+                x = x.wrapping_add(step.0 as u32);
+                y = y.wrapping_add(step.1 as u32);
+            }
+        } else {
+            let (mut x, mut y) = (x, y);
+            for (quad, fraction) in quads.iter_mut().zip(fraction.iter_mut()) {
+                let (cx, cy) = (x.clamp(0, limit.0), y.clamp(0, limit.1));
+                *quad = map.quads[(cy >> 16) as usize * map.width + (cx >> 16) as usize];
+                *fraction = (((cx >> 8) & 0xff) | ((cy & 0xff00) << 8)) as u32;
+                x = x.saturating_add(step.0);
+                y = y.saturating_add(step.1);
+            }
+        }
+        for ((out, &quad), &fraction) in out.iter_mut().zip(quads.iter()).zip(fraction.iter()) {
+            // Bytes and half words: the casts are lossless. Signed conversions are the fast ones.
+            let byte = |shift: u32| ((quad >> shift) & 0xff) as i32 as f32;
+            let (fx, fy) = ((fraction & 0xffff) as i32 as f32 * (1.0 / 256.0), (fraction >> 16) as i32 as f32 * (1.0 / 256.0));
+            let (a, b, c, d) = (byte(0), byte(8), byte(16), byte(24));
+            let upper = a + (b - a) * fx;
+            let lower = c + (d - c) * fx;
+            *out = upper + (lower - upper) * fy;
+        }
+    }
+}
+}
