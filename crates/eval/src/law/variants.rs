@@ -1,5 +1,5 @@
-//! Tables of variants: the laboratory's trials in a changed world or with a changed profile, the motor schema beside the
-//! optimal law in each.
+//! Tables of variants: the laboratory's trials in a changed world or with a changed profile, the motor schema beside
+//! the optimal law in each.
 
 use anyhow::Result;
 use barrelman_control::optimal::Tuning;

@@ -1,8 +1,8 @@
 //! The table `noise`: the noise of the tracked position, recorded and simulated.
 //!
-//! Over a third of a second a slow target moves along a parabola; the residuals of the positions are noise and rounding.
-//! The error of the recorded positions lasts longer than one picture: noise that is independent from picture to picture
-//! (the last row of each arena) leaves about twice as much. Nothing is judged.
+//! Over a third of a second a slow target moves along a parabola; the residuals of the positions are noise and
+//! rounding. The error of the recorded positions lasts longer than one picture: noise that is independent from picture
+//! to picture (the last row of each arena) leaves about twice as much. Nothing is judged.
 
 use std::path::Path;
 
@@ -17,7 +17,8 @@ use super::position_jump::is_jump;
 use crate::output::print_line;
 use crate::statistics::quantile;
 
-/// Upper bounds of the two classes of speed, pixels per second; for faster targets the rows' times are not exact enough.
+/// Upper bounds of the two classes of speed, pixels per second; for faster targets the rows' times are not exact
+/// enough.
 const MAX_SPEEDS: [f64; 2] = [10.0, 40.0];
 /// Half of the interval that a parabola is fitted to, seconds, and the rows that it needs.
 const HALF_INTERVAL_S: f64 = 0.17;
@@ -28,7 +29,8 @@ const TRIALS: u64 = 24;
 /// Prints the table.
 pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
     print_line(
-        "\nWhat places of a slow target leave of a parabola over a third of a second, pixels: median (across, up and down)",
+        "\nWhat places of a slow target leave of a parabola over a third of a second, pixels: median (across, up and \
+         down)",
     );
     print_line(&format!("{:44} {:>20} {:>20}", "", "below 10 px/s", "10 to 40 px/s"));
     for arena in [1, 2] {

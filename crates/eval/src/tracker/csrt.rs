@@ -1,7 +1,7 @@
 //! OpenCV's trackers on the same clips, through `scripts/acceptance/csrt.py`.
 //!
-//! The script reads one job per line and answers each with one line, so that both trackers run alternately, clip by clip:
-//! a machine that is busy for a while slows both.
+//! The script reads one job per line and answers each with one line, so that both trackers run alternately, clip by
+//! clip: a machine that is busy for a while slows both.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;

@@ -2,7 +2,7 @@
 //!
 //! | part | data | what is measured |
 //! |---|---|---|
-//! | clip table | labelled real clips | success, precision, share lost, reliability of the confidence, CPU time, each also beside OpenCV's CSRT |
+//! | clip table | labelled real clips | success, precision, share lost, confidence, CPU time; also beside CSRT |
 //! | absence | sequences cropped from clips, generated scenes | targets that leave the picture and return |
 //! | orientation | generated scenes | axis and heading of manoeuvring boats |
 //! | leave one out | labelled real clips | how well settings chosen on other recordings do |

@@ -1,10 +1,10 @@
 //! The accuracy of axis and heading, on generated scenes of boats that turn, stop and go.
 //!
 //! The *axis error* is the angle between the reported major axis and the hull's centre line, at most 90 degrees. The
-//! *heading error* is the angle between the reported and the true heading, at most 180 degrees. A heading error above 90
-//! degrees confuses bow and stern: the *wrong end*. The share of frames with a heading counts frames in which the boat
-//! has been under way for 3 s without interruption, because the motion tells bow from stern. Judged are the figures over
-//! all scenes, for a tracker with a motion prior.
+//! *heading error* is the angle between the reported and the true heading, at most 180 degrees. A heading error above
+//! 90 degrees confuses bow and stern: the *wrong end*. The share of frames with a heading counts frames in which the
+//! boat has been under way for 3 s without interruption, because the motion tells bow from stern. Judged are the
+//! figures over all scenes, for a tracker with a motion prior.
 
 use anyhow::Result;
 use barrelman_sim::water_scene::{SceneKind, SceneScript, SceneTruth};
@@ -176,7 +176,8 @@ pub(crate) fn run(
         for ((by_boat, measured), has_motion_prior) in by_boat.iter_mut().zip(&measured).zip([true, false]) {
             by_boat[boat].add(measured);
             scenes.push(json!({
-                "seed": seed, "boat_px": BOATS_PX[boat], "paint": name, "told": has_motion_prior, "figures": figures_json(measured)
+                "seed": seed, "boat_px": BOATS_PX[boat], "paint": name, "told": has_motion_prior,
+                "figures": figures_json(measured),
             }));
         }
     }
@@ -216,7 +217,8 @@ fn print_table(
         json.push(json!({ "boat_px": name, "figures": figures_json(measured) }));
     }
     table.print(&format!(
-        "Generated boats that manoeuvre, the tracker {prior} ({seeds} scenes of each size; axes of hulls from {MIN_AXIS_LENGTH_PX} px on)"
+        "Generated boats that manoeuvre, the tracker {prior} ({seeds} scenes of each size; axes of hulls from \
+         {MIN_AXIS_LENGTH_PX} px on)"
     ));
     print_line("");
     let Some(requirements) = requirements else { return Value::Array(json) };

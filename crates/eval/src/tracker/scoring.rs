@@ -1,11 +1,11 @@
 //! How well a tracker's boxes agree with the labels of a clip.
 //!
 //! Scored are all labelled frames with the target, except the selection's. Both boxes are clipped to the picture; their
-//! IoU is the intersection over the union. The *success AUC* is the mean over the 21 thresholds 0, 0.05 .. 1 of the share
-//! of scored frames with an IoU strictly above the threshold: the area under the success curve of Wu, Lim and Yang
-//! (Online object tracking: a benchmark, 2013). The *precision* is the share with a centre error of at most 20 px, the
-//! *lost* share that with an IoU below 0.1. Where the tracker reports no box, the IoU is 0 and the centre imprecise.
-//! Frames labelled as without the target count only in the share of them in which a box was reported.
+//! IoU is the intersection over the union. The *success AUC* is the mean over the 21 thresholds 0, 0.05 .. 1 of the
+//! share of scored frames with an IoU strictly above the threshold: the area under the success curve of Wu, Lim and
+//! Yang (Online object tracking: a benchmark, 2013). The *precision* is the share with a centre error of at most 20 px,
+//! the *lost* share that with an IoU below 0.1. Where the tracker reports no box, the IoU is 0 and the centre
+//! imprecise. Frames labelled as without the target count only in the share of them in which a box was reported.
 
 use barrelman_vocab::{PictureSize, PixelBox};
 

@@ -1,5 +1,5 @@
-//! How much the score depends on the operator's selection: spatial robustness (Wu, Lim and Yang, Online object tracking:
-//! a benchmark, 2013) with slightly moved and scaled selections.
+//! How much the score depends on the operator's selection: spatial robustness (Wu, Lim and Yang, Online object
+//! tracking: a benchmark, 2013) with slightly moved and scaled selections.
 
 use barrelman_vocab::PixelBox;
 

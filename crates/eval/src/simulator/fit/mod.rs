@@ -10,8 +10,9 @@
 //! stay.
 //!
 //! The search is a separable CMA-ES, started several times from different points. All random numbers follow from fixed
-//! seeds, so that the same call gives the same fit. All candidates are simulated with the same seeds, below 10,000; they
-//! represent the speeds and standing times of many trials, because a few dozen consecutive seeds may happen to be slow.
+//! seeds, so that the same call gives the same fit. All candidates are simulated with the same seeds, below 10,000;
+//! they represent the speeds and standing times of many trials, because a few dozen consecutive seeds may happen to be
+//! slow.
 
 mod evolution_strategy;
 mod objective;

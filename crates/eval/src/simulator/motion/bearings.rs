@@ -35,8 +35,8 @@ pub(super) struct BearingSample {
 
 /// The direction at each row that has a position. The plant is the scenario's nominal one.
 ///
-/// Stretches without a valid position are interpolated linearly. Between jumps they stay invalid. Beyond the border they
-/// become valid: the target crossed them at a speed whose mean is that of the interpolation.
+/// Stretches without a valid position are interpolated linearly. Between jumps they stay invalid. Beyond the border
+/// they become valid: the target crossed them at a speed whose mean is that of the interpolation.
 pub(super) fn bearings(log: &TrialLog, scenario: &Scenario) -> Vec<BearingSample> {
     let profile = VehicleProfile::fotokite_pro();
     let mut mount = CameraMount::at_rest(scenario.mount, Angle::from_degrees(INITIAL_DEPRESSION_DEG));

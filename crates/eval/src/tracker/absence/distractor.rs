@@ -82,8 +82,8 @@ impl Distractor {
         self.fill(v, chroma.width as usize, 0.5, |_, _, _| self.paint.v);
     }
 
-    /// Fills the distractor's part of a plane that has `scale` samples per pixel. The arguments of `value` are the place
-    /// across and along the distractor, each -1 to 1, and column and row counted from the distractor's corner.
+    /// Fills the distractor's part of a plane that has `scale` samples per pixel. The arguments of `value` are the
+    /// place across and along the distractor, each -1 to 1, and column and row counted from the distractor's corner.
     fn fill(&self, plane: &mut [u8], width: usize, scale: f64, value: impl Fn(f64, f64, [i64; 2]) -> f64) {
         let centre = self.bounds.centre();
         let (left, top) = ((self.bounds.u * scale).floor(), (self.bounds.v * scale).floor());

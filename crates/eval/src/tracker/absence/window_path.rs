@@ -1,5 +1,5 @@
-//! The path of the window that is cropped from a clip: it follows the target, slides aside until the target is out of the
-//! window, rests there, and slides back.
+//! The path of the window that is cropped from a clip: it follows the target, slides aside until the target is out of
+//! the window, rests there, and slides back.
 
 use barrelman_vocab::{PictureSize, PixelBox, PixelPoint};
 

@@ -1,7 +1,7 @@
 //! The table of clips: quality, confidence and CPU time of the tracker on labelled real clips.
 //!
-//! Judged are the means of success AUC, precision and share lost over all clips, the AUC of each clip beside CSRT's, the
-//! CPU times at 1280x720 and 1920x1080, also beside CSRT's, and the reliability of the confidence.
+//! Judged are the means of success AUC, precision and share lost over all clips, the AUC of each clip beside CSRT's,
+//! the CPU times at 1280x720 and 1920x1080, also beside CSRT's, and the reliability of the confidence.
 
 mod clip_json;
 mod frames_json;

@@ -1,7 +1,7 @@
 //! Whether the confidence is calibrated: of the frames reported with a confidence of 0.7, about 70 % should be correct.
 //!
-//! Measured on the labelled frames of all clips in which the tracker reports a box. A frame is correct where the box has
-//! an IoU of at least 0.5 with the label, and incorrect where the target is absent. Judged is the share of correct
+//! Measured on the labelled frames of all clips in which the tracker reports a box. A frame is correct where the box
+//! has an IoU of at least 0.5 with the label, and incorrect where the target is absent. Judged is the share of correct
 //! frames around a confidence of 0.7.
 
 mod curve;
