@@ -8,8 +8,15 @@
 //! ```
 //! [`run_loop`] is the only place that steps the pilot. The other threads hold no decisions.
 
+pub mod session;
+
 pub mod event;
 pub mod run_loop;
+
+mod open_link;
+mod recording_start;
+pub mod source;
+mod video_sink;
 
 pub mod overlay_video;
 pub mod recorder;
