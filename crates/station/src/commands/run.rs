@@ -72,7 +72,7 @@ pub fn run_into(args: &RunArgs, open: impl FnOnce() -> Result<Outputs>, clock: C
             tracing::info!("the video has ended");
             ExitCode::SUCCESS
         }
-        RunEnd::Asked(why) => {
+        RunEnd::Requested(why) => {
             tracing::info!("stopped: {why}");
             ExitCode::SUCCESS
         }

@@ -20,5 +20,5 @@ mod vehicle_link;
 
 pub use camera_link::CameraLink;
 pub use url::{LinkUrl, LinkUrlError};
-pub use vehicle_link::Link;
+pub use vehicle_link::{Link, VehicleLink};
 pub use worker::{LinkHandle, LinkReport};

@@ -20,6 +20,7 @@ mod video_sink;
 
 pub mod overlay_video;
 pub mod recorder;
-pub mod status;
+pub mod status_line;
+pub mod status_writer;
 pub mod terminal;
 pub mod threads;

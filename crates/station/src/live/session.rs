@@ -5,11 +5,12 @@
 //! 3. The loop runs until something ends it.
 //! 4. The link is closed first: zeros and the vehicle's own stop. The other parts follow.
 
+use std::io::stdout;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
 use barrelman_host::output::OutputFile;
@@ -18,19 +19,20 @@ use barrelman_video::VideoHandle;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{OperatorRequest, PixelBox};
 
-use super::event::Event;
+use super::event::{Event, EventQueue};
 use super::open_link::open_link;
 use super::overlay_video::OverlayVideo;
 use super::recorder::Recorder;
 use super::recording_start::recording_start;
-use super::run_loop::{FrameObserver, RunEnd, RunLoop};
+use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
 use super::source::Source;
-use super::status::Status;
+use super::status_line::StatusLine;
+use super::status_writer::{LineStyle, StatusWriter};
 use super::terminal::Terminal;
 use super::threads::FaultInjector;
 use super::video_sink::LiveVideoSink;
 use crate::config::Configuration;
-use crate::link::{Link, LinkUrl};
+use crate::link::{Link, LinkUrl, VehicleLink};
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
 const EVENT_QUEUE_CAPACITY: usize = 1024;
@@ -110,7 +112,9 @@ impl Session<'_> {
         let recorder = match outputs.record {
             Some(file) => {
                 let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
-                Some(Recorder::begin(file, &start, clock, fault_injector.clone(), events.clone())?)
+                let context = format!("the recording {} cannot be written", file.path().display());
+                let recorder = Recorder::begin(file, &start, clock, fault_injector.clone(), events.clone());
+                Some(recorder.context(context)?)
             }
             None => None,
         };
@@ -128,28 +132,31 @@ impl Session<'_> {
         let source = source.start(profile, is_recorded, clock, sink)?;
         let parts = OpenParts { link, recorder, overlay, source };
         let link_state = parts.link.as_ref().map(|_| LinkState::Opening);
-        let status = Status::start(link_state, clock, fault_injector.clone(), events)?;
+        let style = LineStyle::for_stdout();
+        let status_output = StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events)?;
         let requests = first_requests(self.selection, self.engage);
         let run_loop = RunLoop {
             pilot,
             profile: profile.clone(),
-            clock,
+            events: &mut EventQueue { queue, clock },
             latest,
-            link: parts.link.as_ref(),
-            recorder: parts.recorder.as_ref().map(Recorder::input),
-            status,
-            selects_once: true,
-            observer: parts
-                .overlay
-                .as_ref()
-                .map(|overlay| Box::new(overlay.input()) as Box<dyn FrameObserver>),
+            link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
+            recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
+            status: StatusLine::new(link_state, style.interval()),
+            status_output: Box::new(status_output),
+            ends_on_refused_selection: true,
+            overlay: parts.overlay.as_ref().map(|overlay| observer(overlay.input())),
             fault_injector,
         };
         // A panic in the pilot must not unwind past the link's shutdown.
-        let end = catch_unwind(AssertUnwindSafe(|| run_loop.run(queue, &requests)))
+        let end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&requests)))
             .unwrap_or_else(|_| RunEnd::Failed("the pilot's thread panicked".to_owned()));
         Ok(parts.close(end))
     }
+}
+
+fn observer<'a>(observer: impl LiveStepObserver + 'a) -> Box<dyn LiveStepObserver + 'a> {
+    Box::new(observer)
 }
 
 /// The requests that the pilot receives before the first event.
