@@ -3,7 +3,7 @@
 use barrelman_vocab::{Timestamp, VehicleRates};
 
 use super::camera_link::CameraLink;
-use super::worker::LinkHandle;
+use super::handle::LinkHandle;
 
 /// Sends camera rates to a vehicle.
 pub trait VehicleLink {

@@ -67,7 +67,7 @@ struct EndGuard<'a> {
 impl Drop for EndGuard<'_> {
     fn drop(&mut self) {
         self.moments.close(thread::panicking());
-        self.link.world_ended();
+        self.link.end_world();
     }
 }
 
@@ -94,12 +94,12 @@ impl Ticking<'_> {
             if stop.wait_until(clock.instant(due)) || world.is_over() || moments.newest.is_closed() {
                 return;
             }
-            let rates = link.take(clock.now());
+            let rates = link.read_rates(clock.now());
             if std::mem::replace(&mut commanded, rates) != rates {
                 world.command(profile.from_vehicle(rates));
             }
             let pose = world.camera_pose();
-            link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });
+            link.set_pointing(Pointing { pan: pose.pan, tilt: pose.tilt });
             if world.takes_picture() {
                 match video.send(world.tick()) {
                     Passage::Lost => {}
