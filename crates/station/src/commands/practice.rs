@@ -78,7 +78,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     )?;
     out.flush()?;
     let selection = practice.truth(0).selection;
-    let code = run::run_into(
+    let code = run::run_with_outputs(
         &RunArgs {
             config: None,
             video: Some(format!("file:{}", clip.display())),

@@ -25,30 +25,36 @@ use barrelman_video::url::VideoSource;
 /// # Errors
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
-    run_into(args, || open_outputs(args), clock)
+    run_with_outputs(args, || open_outputs(args), clock)
 }
 
-/// Runs the command with outputs that `open` gives, in place of those that the arguments name.
+/// Runs the command with the outputs of `open`, instead of those that the arguments name.
 ///
 /// # Errors
 /// If the configuration, the video, the link or an output cannot be used.
-pub fn run_into(args: &RunArgs, open: impl FnOnce() -> Result<Outputs>, clock: Clock) -> Result<ExitCode> {
-    let (mut configuration, latency_is_known) = effective(args)?;
+pub fn run_with_outputs(
+    args: &RunArgs,
+    open: impl FnOnce() -> Result<Outputs>,
+    clock: Clock,
+) -> Result<ExitCode> {
+    let (mut configuration, latency_is_known) = effective_configuration(args)?;
     let Some(video) = &configuration.video else {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
         return Err(WrongUse(format!("no video source: {remedy}")).into());
     };
     let source = secrets::source_url(video, configuration.video_login.as_ref())?;
-    let takes_login =
+    let uses_login =
         matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
-    if args.video_login_file.is_some() && !takes_login {
+    if args.video_login_file.is_some() && !uses_login {
         return Err(
-            WrongUse(format!("--video-login-file is for rtsp:// alone: {source} takes no login")).into()
+            WrongUse(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
         );
     }
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
     let source = Source::load(source)?;
-    if source.world().is_none() && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::World) {
+    if source.world().is_none()
+        && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::SimulatedCamera)
+    {
         bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
     }
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
@@ -90,21 +96,21 @@ fn open_outputs(args: &RunArgs) -> Result<Outputs> {
     Ok(Outputs { record: open(&args.record)?, overlay: open(&args.overlay)? })
 }
 
-/// The configuration of a run: the file, and over it what the command line says; and whether it says how late the
-/// video comes.
-fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
+/// The configuration of a run: the file, overridden by the command line. The flag tells whether the file states the
+/// latency of the video.
+fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     let mut file = match &args.config {
         Some(path) => config::read(path)?,
         None => ConfigFile::default(),
     };
-    let over = |key: &mut Option<String>, value: &Option<String>| {
+    let override_key = |key: &mut Option<String>, value: &Option<String>| {
         if let Some(value) = value {
             *key = Some(value.clone());
         }
     };
-    over(&mut file.video.url, &args.video);
-    over(&mut file.link.url, &args.link);
-    over(&mut file.vehicle.profile, &args.profile);
+    override_key(&mut file.video.url, &args.video);
+    override_key(&mut file.link.url, &args.link);
+    override_key(&mut file.vehicle.profile, &args.profile);
     if let Some(path) = &args.video_login_file {
         (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
     }

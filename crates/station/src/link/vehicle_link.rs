@@ -19,14 +19,14 @@ pub enum Link {
     /// A ground station at a port.
     Port(LinkHandle),
     /// The camera of a simulated world.
-    World(CameraLink),
+    SimulatedCamera(CameraLink),
 }
 
 impl VehicleLink for Link {
     fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
         match self {
             Self::Port(link) => link.send(rates, renew_by),
-            Self::World(link) => link.send(rates, renew_by),
+            Self::SimulatedCamera(link) => link.send(rates, renew_by),
         }
     }
 }
@@ -36,7 +36,7 @@ impl Link {
     pub fn close(self) -> bool {
         match self {
             Self::Port(link) => link.close(),
-            Self::World(link) => link.close(),
+            Self::SimulatedCamera(link) => link.close(),
         }
     }
 }

@@ -26,12 +26,12 @@ pub(super) fn open_link(
 ) -> Result<Option<Link>> {
     let events = events.clone();
     match (url, world) {
-        (Some(url), Some(world)) if url.endpoint == Endpoint::World => {
+        (Some(url), Some(world)) if url.endpoint == Endpoint::SimulatedCamera => {
             open_camera_link(url, world, clock, events).map(Some)
         }
         (Some(url), _) => {
             let link = LinkHandle::open(url, framing, clock, move |report| forward(&events, report))
-                .context("the link cannot be used")?;
+                .context("the link cannot be opened")?;
             Ok(Some(Link::Port(link)))
         }
         (None, _) => {
@@ -56,7 +56,7 @@ fn open_camera_link(
         // The world does not wait for a loop that is held up: without room in the queue, the report is dropped.
         let _ = events.try_send(Event::Link(LinkReport::Telemetry(report)));
     });
-    Ok(Link::World(link))
+    Ok(Link::SimulatedCamera(link))
 }
 
 /// Passes a report of the link thread to the loop. Blocks for the last report of the thread only: without room in the
