@@ -15,36 +15,17 @@
 //!
 //! The crate shields its users from openh264 and retina.
 
-pub mod sink;
-pub mod url;
-
-pub mod live;
-
-pub mod feed;
-
-pub mod file;
-
-pub mod demux;
-mod fault;
-mod rtp_clock;
-mod rtsp;
-pub mod supervision;
-
-pub mod annexb;
-pub mod decoder;
-pub mod pool;
-mod sps;
-mod still;
-
-pub mod encoder;
-mod encoder_log;
-mod mp4_mux;
-pub mod writer;
+mod codec;
+mod mp4;
+mod source;
 
 pub mod error;
 
+pub use codec::{annexb, decoder, encoder, pool};
 pub use error::{DecodeError, VideoError};
-pub use file::FileFrames;
-pub use live::{StopError, VideoHandle, spawn};
-pub use sink::{VideoSink, VideoState};
-pub use url::{VideoUrl, VideoUrlError};
+pub use mp4::writer;
+pub use source::file::FileFrames;
+pub use source::live::{StopError, VideoHandle, spawn};
+pub use source::sink::{VideoSink, VideoState};
+pub use source::url::{VideoUrl, VideoUrlError};
+pub use source::{demux, feed, file, live, sink, supervision, url};

@@ -4,7 +4,7 @@ use barrelman_vocab::PixelBox;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
-use super::error::{DecodeError, VideoError};
+use crate::error::{DecodeError, VideoError};
 
 /// Takes what a source delivers. Called on the video thread; must not block.
 pub trait VideoSink: Send {

@@ -13,11 +13,11 @@ use std::time::{Duration, Instant};
 use barrelman_vocab::time::Timestamp;
 
 use super::demux::FileReader;
-use super::error::{DecodeError, VideoError};
 use super::feed::{Feed, StopSignal};
 use super::rtsp;
 use super::sink::{VideoSink, VideoState};
 use super::url::{VideoSource, VideoUrl};
+use crate::error::{DecodeError, VideoError};
 use barrelman_host::clock::Clock;
 
 /// A running source.

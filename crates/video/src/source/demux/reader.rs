@@ -9,7 +9,7 @@ use barrelman_vocab::unit::EncodedUnit;
 use super::kind::{self, FileKind};
 use super::{folder, mp4, y4m};
 use crate::error::{VideoError, cannot_read};
-use crate::url::{VideoSource, VideoUrl};
+use crate::source::url::{VideoSource, VideoUrl};
 
 /// Reads the units of a recording, in the order in which they are decoded.
 pub struct FileReader {

@@ -9,11 +9,11 @@ use std::time::Duration;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::video::Picture;
 
-use super::annexb::{self, NalKind};
-use super::encoder::{EncoderSettings, H264Encoder};
-use super::error::VideoError;
-use super::mp4_mux::{Mp4Muxer, TrackFormat};
-use super::sps::StreamFormat;
+use super::muxer::{Mp4Muxer, TrackFormat};
+use crate::codec::annexb::{self, NalKind};
+use crate::codec::encoder::{EncoderSettings, H264Encoder};
+use crate::codec::sps::StreamFormat;
+use crate::error::VideoError;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Writes one MP4 file with H.264.

@@ -12,7 +12,7 @@ use std::time::Duration;
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
 
-use super::annexb::{self, NalKind};
+use crate::codec::annexb::{self, NalKind};
 use barrelman_vocab::unit::Rotation;
 
 /// Ticks per second of the track and of the film.

@@ -17,12 +17,12 @@ use tokio::runtime::{Builder, Runtime};
 use tokio::time::{Instant, timeout_at};
 use url::Url;
 
-use super::error::VideoError;
 use super::feed::{Feed, StopSignal};
 use super::rtp_clock::RtpClock;
 use super::sink::{VideoSink, VideoState};
 use super::supervision::{Action, Event, Loss, State, Supervision};
 use super::url::Login;
+use crate::error::VideoError;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// How often the thread looks whether it must end, and whether a fault is due.

@@ -7,10 +7,10 @@ use std::time::Instant;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
-use super::decoder::{DecodeMode, UnitDecoder};
-use super::error::{DecodeError, VideoError};
-use super::fault::FaultFilter;
+use super::fault_filter::FaultFilter;
 use super::sink::{VideoSink, VideoState};
+use crate::codec::decoder::{DecodeMode, UnitDecoder};
+use crate::error::{DecodeError, VideoError};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
 
@@ -59,9 +59,9 @@ pub struct Feed<S> {
     pub sink: S,
     /// The program's clock.
     pub clock: Clock,
-    pub(crate) place: String,
-    pub(crate) faults: FaultFilter,
-    pub(crate) decoder: UnitDecoder,
+    pub(super) place: String,
+    pub(super) faults: FaultFilter,
+    pub(super) decoder: UnitDecoder,
 }
 
 /// The result of one call of [`Feed::decode`].
@@ -109,7 +109,7 @@ impl<S: VideoSink> Feed<S> {
     }
 
     /// The decoder found that the stream can never be shown.
-    pub(crate) fn fail_to_decode(&mut self, cause: DecodeError) {
+    pub(super) fn fail_to_decode(&mut self, cause: DecodeError) {
         let place = self.place.clone();
         self.fail(VideoError::Decode { place, cause });
     }
@@ -120,8 +120,8 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::demux::FileReader;
-    use crate::url::VideoUrl;
+    use crate::source::demux::FileReader;
+    use crate::source::url::VideoUrl;
 
     struct NoSink;
 

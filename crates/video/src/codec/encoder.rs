@@ -18,7 +18,7 @@ use openh264::encoder::{
 use openh264::formats::YUVSource;
 
 use super::encoder_log;
-use super::error::VideoError;
+use crate::error::VideoError;
 
 /// How a video is to be encoded.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 
 use barrelman_vocab::video::VideoFrame;
 
-use super::decoder::{DecodeMode, UnitDecoder};
 use super::demux::FileReader;
-use super::error::{DecodeError, VideoError};
 use super::url::VideoUrl;
+use crate::codec::decoder::{DecodeMode, UnitDecoder};
+use crate::error::{DecodeError, VideoError};
 
 /// The frames of a file or a folder, in the order of display.
 pub struct FileFrames {

@@ -9,26 +9,26 @@ use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use h264_reader::nal::sps::{ChromaFormat, FrameMbsFlags, SeqParameterSet, VuiParameters};
 use h264_reader::rbsp::{BitReader, decode_nal};
 
-use super::error::DecodeError;
+use crate::error::DecodeError;
 
 /// Widest and highest picture decoded: the limit of the decoder's highest level, 5.2.
 const MAX_SIDE: u32 = 4096;
 
 /// What a sequence parameter set says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct StreamFormat {
+pub(crate) struct StreamFormat {
     /// Size of the picture, cropped.
-    pub(super) size: PictureSize,
+    pub(crate) size: PictureSize,
     /// How the samples stand for colours.
-    pub(super) colour: ColourEncoding,
+    pub(crate) colour: ColourEncoding,
     /// Whether it announces pictures that are shown in another order than they are sent. Not every stream that
     /// has such pictures announces them.
-    pub(super) reorders: bool,
+    pub(crate) reorders: bool,
 }
 
 impl StreamFormat {
     /// Reads a sequence parameter set (a NAL unit with its header).
-    pub(super) fn parse(sps_nal: &[u8]) -> Result<Self, DecodeError> {
+    pub(crate) fn parse(sps_nal: &[u8]) -> Result<Self, DecodeError> {
         let unreadable = |what: &str| refuse(format!("H.264 with parameters that cannot be read ({what})"));
         let rbsp = decode_nal(sps_nal).map_err(|error| unreadable(&error.to_string()))?;
         let sps = SeqParameterSet::from_bits(BitReader::new(&*rbsp))

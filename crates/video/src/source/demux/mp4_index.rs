@@ -5,8 +5,8 @@
 //! are appended. An edit list may begin with a pause and holds one piece of the track: more pieces, or another
 //! speed, are refused by name, and so are pictures that are mirrored.
 
-use super::super::annexb::AvcConfiguration;
 use super::mp4_boxes::{BoxKind, Boxes, Fields};
+use crate::codec::annexb::AvcConfiguration;
 use barrelman_vocab::unit::Rotation;
 
 /// Most pictures in a file: 37 hours at 30 per second. More is taken for damage.

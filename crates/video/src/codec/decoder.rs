@@ -26,10 +26,10 @@ use openh264::decoder::{DecodeOptions, DecodedYUV, Decoder, DecoderConfig, Flush
 use openh264::formats::YUVSource;
 
 use super::annexb::{self, NalKind};
-use super::error::DecodeError;
 use super::pool::PicturePool;
 use super::sps::StreamFormat;
 use super::still::StillDecoder;
+use crate::error::DecodeError;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// What matters more: time or completeness.

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use url::Url;
 
-use super::decoder::DecodeMode;
 use super::feed::FeedSettings;
+use crate::codec::decoder::DecodeMode;
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
 use barrelman_host::redaction::without_logins;
 
@@ -182,7 +182,7 @@ impl VideoUrl {
     }
 
     /// The settings of the feed of this source.
-    pub(crate) fn feed_settings(&self) -> FeedSettings {
+    pub(super) fn feed_settings(&self) -> FeedSettings {
         let mode = if self.is_live() { DecodeMode::Live } else { DecodeMode::File };
         FeedSettings { place: self.to_string(), faults: self.faults.clone(), mode }
     }
