@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
 use barrelman_sim::render::{RenderSettings, Renderer, Serial, WaterColour};
-use barrelman_sim::snapshot::{Boat, Ground, Light, SensorState, Target, Thing, ThingKind};
+use barrelman_sim::snapshot::{Boat, Ground, Light, ObjectKind, SceneObject, SensorState, Target};
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::{BodyPose, CameraPose, Optics, Sea, SeaState, Snapshot, Wind, WorldPoint};
 use barrelman_vocab::{Angle, Picture, PictureSize};
 
@@ -129,12 +129,12 @@ pub(crate) fn render(options: &Options) -> Result<bool> {
         let mut picture = Picture::black(size, barrelman_sim::render::ENCODING);
         let end = u64::from(TICKS_PER_SECOND) * 20;
         for tick in (0..end).step_by(4) {
-            renderer.observe(&snapshot(view, &sea, tick));
+            renderer.advance_wake(&snapshot(view, &sea, tick));
         }
         let last = snapshot(view, &sea, end);
-        renderer.draw(&last, &mut picture, &Serial);
+        renderer.render(&last, &mut picture, &Serial);
         let started = Instant::now();
-        let truth = renderer.draw(&last, &mut picture, &Serial);
+        let truth = renderer.render(&last, &mut picture, &Serial);
         let took = started.elapsed();
         let path = options.output.join(format!("{}.png", view.name));
         write(&path, &picture).with_context(|| path.display().to_string())?;
@@ -143,7 +143,7 @@ pub(crate) fn render(options: &Options) -> Result<bool> {
             view.name,
             1e3 * took.as_secs_f64(),
             truth.mask.count(),
-            100.0 * truth.visible,
+            100.0 * truth.visible_share,
             truth.heading.map_or("none".into(), |heading| format!("{:.0}", heading.degrees())),
             truth.range_m,
         );
@@ -157,13 +157,13 @@ fn place(x: f64, y: f64, z: f64) -> WorldPoint {
 }
 
 fn afloat(sea: &Sea, x: f64, y: f64, heading_deg: f64, tick: u64) -> BodyPose {
-    let surface = sea.at(x, y, tick);
+    let surface = sea.surface_at(x, y, tick);
     let heading = Angle::from_degrees(heading_deg);
     let (sin, cos) = (heading.radians().sin(), heading.radians().cos());
     let along = surface.slope.0 * cos + surface.slope.1 * sin;
     let across = surface.slope.1 * cos - surface.slope.0 * sin;
     BodyPose {
-        place: place(x, y, surface.elevation),
+        position: place(x, y, surface.elevation),
         heading,
         pitch: Angle::from_radians(0.6 * along),
         roll: Angle::from_radians(0.6 * across),
@@ -192,12 +192,12 @@ fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
     let ahead = view.height_m / view.down_deg.to_radians().tan();
     let ahead = if view.down_deg < 10.0 { 9.0 } else { ahead.min(18.0) };
     let camera = |turn: f64| CameraPose {
-        place: eye,
+        position: eye,
         pan: Angle::from_radians(turn),
         tilt: Angle::from_degrees(-view.down_deg),
         roll: Angle::ZERO,
     };
-    let thing = |kind, x: f64, y: f64, heading: f64, seed| Thing {
+    let thing = |kind, x: f64, y: f64, heading: f64, seed| SceneObject {
         kind,
         pose: afloat(sea, x, ahead + y, heading, tick),
         seed,
@@ -207,26 +207,26 @@ fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
     let mut ground = Ground::Water;
     match view.crowd {
         Crowd::People | Crowd::PierAndShore => {
-            things.push(thing(ThingKind::LifeJacket, 2.4, -1.1, 70.0, 1));
-            things.push(thing(ThingKind::LifeJacket, -1.9, 2.4, -100.0, 2));
-            things.push(thing(ThingKind::LifeJacket, -0.6, 9.5, 20.0, 3));
-            things.push(thing(ThingKind::Swimmer, -3.0, 1.3, -60.0, 1));
-            things.push(thing(ThingKind::Swimmer, 1.7, 2.9, -120.0, 0));
-            things.push(thing(ThingKind::Buoy, 4.2, 4.6, 0.0, 0));
-            things.push(thing(ThingKind::Buoy, -4.6, 6.4, 0.0, 1));
+            things.push(thing(ObjectKind::LifeJacket, 2.4, -1.1, 70.0, 1));
+            things.push(thing(ObjectKind::LifeJacket, -1.9, 2.4, -100.0, 2));
+            things.push(thing(ObjectKind::LifeJacket, -0.6, 9.5, 20.0, 3));
+            things.push(thing(ObjectKind::Swimmer, -3.0, 1.3, -60.0, 1));
+            things.push(thing(ObjectKind::Swimmer, 1.7, 2.9, -120.0, 0));
+            things.push(thing(ObjectKind::Buoy, 4.2, 4.6, 0.0, 0));
+            things.push(thing(ObjectKind::Buoy, -4.6, 6.4, 0.0, 1));
         }
         Crowd::Arena => {
             for (index, (x, y)) in
                 [(-3.2, -3.0), (3.0, -2.6), (-3.6, 3.6), (3.8, 3.4), (0.2, 6.5)].into_iter().enumerate()
             {
-                things.push(thing(ThingKind::Buoy, x, y, 0.0, [1, 2, 1, 2, 1][index]));
+                things.push(thing(ObjectKind::Buoy, x, y, 0.0, [1, 2, 1, 2, 1][index]));
             }
-            things.push(thing(ThingKind::RedCraft, -2.4, 9.0, 30.0, 0));
+            things.push(thing(ObjectKind::RedCraft, -2.4, 9.0, 30.0, 0));
         }
         Crowd::Floor => {
             ground = Ground::Floor;
             target = Target::FloorTarget(BodyPose {
-                place: place(0.3, ahead, 0.0),
+                position: place(0.3, ahead, 0.0),
                 heading: Angle::from_degrees(140.0),
                 pitch: Angle::ZERO,
                 roll: Angle::ZERO,
@@ -236,9 +236,9 @@ fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
                     .into_iter()
                     .enumerate()
             {
-                let mut mark = thing(ThingKind::FloorMark, x, y, 0.0, index as u64);
+                let mut mark = thing(ObjectKind::FloorMark, x, y, 0.0, index as u64);
                 mark.pose = BodyPose {
-                    place: place(x, ahead + y, 0.0),
+                    position: place(x, ahead + y, 0.0),
                     pitch: Angle::ZERO,
                     roll: Angle::ZERO,
                     ..mark.pose
@@ -248,16 +248,16 @@ fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
         }
     }
     if matches!(view.crowd, Crowd::PierAndShore) {
-        let pier = ThingKind::Pier { length_m: 9.0, breadth_m: 1.8 };
+        let pier = ObjectKind::Pier { length_m: 9.0, breadth_m: 1.8 };
         let level = |x: f64, y: f64, heading: f64| BodyPose {
-            place: place(x, y, 0.0),
+            position: place(x, y, 0.0),
             heading: Angle::from_degrees(heading),
             pitch: Angle::ZERO,
             roll: Angle::ZERO,
         };
-        things.push(Thing { kind: pier, pose: level(-8.5, 19.0, 8.0), seed: 3 });
-        things.push(Thing { kind: ThingKind::Shore, pose: level(-6.0, 17.0, 84.0), seed: 5 });
-        things.push(Thing { kind: ThingKind::Shore, pose: level(0.0, 300.0, 3.0), seed: 8 });
+        things.push(SceneObject { kind: pier, pose: level(-8.5, 19.0, 8.0), seed: 3 });
+        things.push(SceneObject { kind: ObjectKind::Shore, pose: level(-6.0, 17.0, 84.0), seed: 5 });
+        things.push(SceneObject { kind: ObjectKind::Shore, pose: level(0.0, 300.0, 3.0), seed: 8 });
     }
     let turn = (view.pan_deg_per_s * 0.018).to_radians();
     Snapshot {
@@ -271,7 +271,7 @@ fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
         },
         ground,
         target,
-        things,
+        objects: things,
         sensor: SensorState { exposure: 1.0, red: 1.0, blue: 1.0, exposure_s: 0.006 },
     }
 }

@@ -1,7 +1,7 @@
 //! The threads that draw a world's pictures.
 
 use anyhow::{Context, Result};
-use barrelman_sim::render::Bands;
+use barrelman_sim::render::ParallelFor;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 /// A few threads that share the work of a picture. The picture is the same for any number of them.
@@ -23,7 +23,7 @@ impl RenderThreads {
     }
 }
 
-impl Bands for RenderThreads {
+impl ParallelFor for RenderThreads {
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
         self.0.install(|| (0..count).into_par_iter().for_each(work));
     }

@@ -31,7 +31,7 @@ fn draw(bencher: Bencher<'_, '_>, size: PictureSize, number: u32) {
     let profile = VehicleProfile::fotokite_pro();
     let clip = PracticeClip::new(size, 3);
     let mut picture = Picture::black(size, clip.colour());
-    clip.draw(number, &mut picture);
+    clip.render(number, &mut picture);
     let capture = Capture { at: Timestamp::from_secs_f64(3.6), quality: CaptureQuality::Sensor };
     let frame = VideoFrame { sequence: u64::from(number), capture, picture: Arc::new(picture) };
 

@@ -1,11 +1,11 @@
-//! What a frame costs on one thread, as a whole and stage by stage, by size of picture: an arena on the water (boat, five
-//! buoys, 5.5 m up, looking 24 degrees down, sea state 1), a low view of a pier before a shore, and the laboratory's
+//! Cost of a frame on one thread, as a whole and stage by stage, by picture size: an arena on the water (boat, five
+//! buoys, 5.5 m up, looking 24 degrees down, sea state 1), a low view of a pier and a shore, and the laboratory's
 //! floor.
 //!
-//! `cargo bench -p barrelman-sim --bench render`; an argument picks benches by name.
+//! `cargo bench -p barrelman-sim --bench render`; an argument selects benchmarks by name.
 
-use barrelman_sim::render::{ENCODING, Effects, RenderSettings, Renderer, Serial, Stage, WaveGrid};
-use barrelman_sim::snapshot::{Boat, Ground, Light, SensorState, Target, Thing, ThingKind};
+use barrelman_sim::render::{ENCODING, Effects, RenderSettings, RenderStage, Renderer, Serial, WaveGrid};
+use barrelman_sim::snapshot::{Boat, Ground, Light, ObjectKind, SceneObject, SensorState, Target};
 use barrelman_sim::{BodyPose, CameraPose, Optics, Sea, SeaState, Snapshot, Wind, WorldPoint};
 use barrelman_vocab::{Angle, Picture, PictureSize};
 
@@ -39,22 +39,22 @@ fn bench(
     scene: Scene,
     size: (u32, u32),
     (grid, effects): (WaveGrid, Effects),
-    stage: Option<Stage>,
+    stage: Option<RenderStage>,
 ) {
     let (mut renderer, mut picture) = renderer(size, grid, effects);
     let mut tick = 0;
     // A wake needs a while.
     for _ in 0..60 {
         tick += 4;
-        renderer.observe(&snapshot(scene, tick));
+        renderer.advance_wake(&snapshot(scene, tick));
     }
-    renderer.draw(&snapshot(scene, tick), &mut picture, &Serial);
+    renderer.render(&snapshot(scene, tick), &mut picture, &Serial);
     bencher.bench_local(|| {
         tick += 4;
         let snapshot = divan::black_box(snapshot(scene, tick));
         match stage {
-            Some(stage) => renderer.draw_stage(stage, &snapshot, &mut picture, &Serial),
-            None => drop(divan::black_box(renderer.draw(&snapshot, &mut picture, &Serial).visible)),
+            Some(stage) => renderer.render_stage(stage, &snapshot, &mut picture, &Serial),
+            None => drop(divan::black_box(renderer.render(&snapshot, &mut picture, &Serial).visible_share)),
         }
     });
 }
@@ -69,7 +69,7 @@ macro_rules! stages {
                 #[doc = $what]
                 #[divan::bench(args = LARGE)]
                 fn $name(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
-                    bench(bencher, Scene::Arena, size, USUAL, Some(Stage::$stage));
+                    bench(bencher, Scene::Arena, size, USUAL, Some(RenderStage::$stage));
                 }
             )*
             /// All stages.
@@ -84,7 +84,7 @@ macro_rules! stages {
                 #[doc = $what]
                 #[divan::bench(args = LARGE)]
                 fn $name(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
-                    bench(bencher, Scene::Pier, size, USUAL, Some(Stage::$stage));
+                    bench(bencher, Scene::Pier, size, USUAL, Some(RenderStage::$stage));
                 }
             )*
             /// All stages.
@@ -99,9 +99,9 @@ macro_rules! stages {
 stages! {
     waves: Waves, "Tiles of slopes by Fourier transforms.";
     wake: Wake, "One step of the wake.";
-    projection_and_mirror_images: Images, "Camera, light, mirror images and shadows.";
+    projection_and_mirror_images: ReflectionsAndShadows, "Camera, light, mirror images and shadows.";
     water_and_sky: Water, "Rays, surface, light.";
-    objects: Things, "Things, drawn and laid over.";
+    objects: Objects, "Things, drawn and laid over.";
     sensor: Sensor, "From light to samples.";
 }
 
@@ -125,26 +125,26 @@ fn floor(bencher: divan::Bencher<'_, '_>, size: (u32, u32)) {
 
 fn snapshot(scene: Scene, tick: u64) -> Snapshot {
     let lies = |x: f64, y: f64, heading: f64| BodyPose {
-        place: WorldPoint { x, y, z: 0.0 },
+        position: WorldPoint { x, y, z: 0.0 },
         heading: Angle::from_degrees(heading),
         pitch: Angle::ZERO,
         roll: Angle::ZERO,
     };
     let ground = if scene == Scene::Floor { Ground::Floor } else { Ground::Water };
-    let kind = if scene == Scene::Floor { ThingKind::FloorMark } else { ThingKind::Buoy };
-    let mut things: Vec<Thing> = [(-3.2, 9.0), (3.0, 9.5), (-3.6, 15.6), (3.8, 15.4), (0.2, 18.5)]
+    let kind = if scene == Scene::Floor { ObjectKind::FloorMark } else { ObjectKind::Buoy };
+    let mut objects: Vec<SceneObject> = [(-3.2, 9.0), (3.0, 9.5), (-3.6, 15.6), (3.8, 15.4), (0.2, 18.5)]
         .into_iter()
-        .map(|(x, y)| Thing { kind, pose: lies(x, y, 0.0), seed: 1 })
+        .map(|(x, y)| SceneObject { kind, pose: lies(x, y, 0.0), seed: 1 })
         .collect();
     let (mut height, mut down) = (5.5, 24.0);
     if scene == Scene::Pier {
         (height, down) = (3.0, 8.0);
-        let pier = ThingKind::Pier { length_m: 24.0, breadth_m: 1.6 };
-        things.push(Thing { kind: pier, pose: lies(-9.0, 16.0, 10.0), seed: 1 });
-        things.push(Thing { kind: ThingKind::Shore, pose: lies(-6.0, 40.0, 5.0), seed: 1 });
+        let pier = ObjectKind::Pier { length_m: 24.0, breadth_m: 1.6 };
+        objects.push(SceneObject { kind: pier, pose: lies(-9.0, 16.0, 10.0), seed: 1 });
+        objects.push(SceneObject { kind: ObjectKind::Shore, pose: lies(-6.0, 40.0, 5.0), seed: 1 });
     }
     let camera = CameraPose {
-        place: WorldPoint { x: 0.0, y: 0.0, z: height },
+        position: WorldPoint { x: 0.0, y: 0.0, z: height },
         pan: Angle::ZERO,
         tilt: Angle::from_degrees(-down),
         roll: Angle::ZERO,
@@ -162,7 +162,7 @@ fn snapshot(scene: Scene, tick: u64) -> Snapshot {
         },
         ground,
         target: if ground == Ground::Water { Target::Boat(boat) } else { Target::FloorTarget(pose) },
-        things,
+        objects,
         sensor: SensorState { exposure: 1.0, red: 1.0, blue: 1.0, exposure_s: 0.004 },
     }
 }

@@ -1,61 +1,58 @@
-//! One axis that turns a camera: dead time, first-order lag, end stops.
+//! One axis of a camera: dead time, first-order lag, end stops.
 //!
 //! ```text
 //! command --> dead time --> clip to limit --> lag: w' = (u - w)/tau, |w'| limited --> angle' = w --> end stops
 //! ```
-//! The dead time of a start and of a stop differ, as they do on the recorded vehicle. Time advances in ticks of
-//! [`TICK`]; dead times are whole numbers of ticks.
+//! The dead times of a start and of a stop differ, as on the recorded vehicle. Time advances in ticks of [`TICK_S`];
+//! dead times are rounded to whole ticks.
 
 use std::collections::VecDeque;
 
 use barrelman_vocab::{Angle, AngularRate};
 
-/// Ticks of simulated time per second.
-pub const TICKS_PER_SECOND: u32 = 120;
-/// One tick, seconds.
-pub const TICK_S: f64 = 1.0 / TICKS_PER_SECOND as f64;
+use crate::tick::{TICK_S, lag_share};
 
-/// What an axis is like.
+/// Dynamics of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisPlant {
-    /// From a command that moves to the start of its effect, seconds.
+    /// From a non-zero command to the start of its effect, seconds.
     pub start_dead_time_s: f64,
-    /// From a zero to the start of its effect, seconds.
+    /// From a zero command to the start of its effect, seconds.
     pub stop_dead_time_s: f64,
     /// Time constant of the rate, seconds.
     pub lag_s: f64,
     /// Largest rate.
-    pub limit: AngularRate,
-    /// End stops, lower and upper; `None` where the axis turns freely.
-    pub stops: Option<(Angle, Angle)>,
-    /// What else is imperfect about it.
-    pub flaws: AxisFlaws,
+    pub max_rate: AngularRate,
+    /// Lower and upper end stop; `None` where the axis turns freely.
+    pub end_stops: Option<(Angle, Angle)>,
+    /// Deviations from an ideal axis.
+    pub imperfections: AxisImperfections,
 }
 
-/// In what a real axis differs from an ideal one. The default is none.
+/// Deviations of a real axis from an ideal one; none by default.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxisFlaws {
-    /// Largest change of the rate, rad/s²; `None`: the lag alone limits it.
-    pub acceleration_rad_per_s2: Option<f64>,
-    /// A rate asked for that is smaller than this moves nothing, rad/s.
+pub struct AxisImperfections {
+    /// Largest change of the rate, rad/s²; `None`: limited by the lag only.
+    pub max_acceleration_rad_per_s2: Option<f64>,
+    /// Commands smaller than this have no effect, rad/s.
     pub dead_band_rad_per_s: f64,
-    /// What share of the rate asked for it turns at.
+    /// Achieved share of the commanded rate.
     pub gain: f64,
 }
 
-impl Default for AxisFlaws {
+impl Default for AxisImperfections {
     fn default() -> Self {
-        Self { acceleration_rad_per_s2: None, dead_band_rad_per_s: 0.0, gain: 1.0 }
+        Self { max_acceleration_rad_per_s2: None, dead_band_rad_per_s: 0.0, gain: 1.0 }
     }
 }
 
-/// The axis with its state.
+/// An axis with its state.
 #[derive(Debug, Clone)]
 pub struct CameraAxis {
     plant: AxisPlant,
-    /// Commands on their way: the tick at which each takes effect.
-    on_their_way: VecDeque<(u64, AngularRate)>,
-    in_effect: AngularRate,
+    /// Commands that have not taken effect, each with the tick at which it will.
+    pending: VecDeque<(u64, AngularRate)>,
+    active_rate: AngularRate,
     rate: AngularRate,
     angle: Angle,
 }
@@ -65,50 +62,52 @@ impl CameraAxis {
     pub fn at_rest(plant: AxisPlant, angle: Angle) -> Self {
         Self {
             plant,
-            on_their_way: VecDeque::new(),
-            in_effect: AngularRate::ZERO,
+            pending: VecDeque::new(),
+            active_rate: AngularRate::ZERO,
             rate: AngularRate::ZERO,
             angle,
         }
     }
 
-    /// A command arrives at `tick`.
+    /// Passes a command at `tick`; it is clipped to the largest rate.
     pub fn command(&mut self, rate: AngularRate, tick: u64) {
-        let rate = rate.clamped(self.plant.limit);
-        let newest = self.on_their_way.back().map_or(self.in_effect, |(_, rate)| *rate);
+        let rate = rate.clamped(self.plant.max_rate);
+        let newest = self.pending.back().map_or(self.active_rate, |(_, rate)| *rate);
         if rate == newest {
             return;
         }
         let dead_time_s =
             if rate.is_zero() { self.plant.stop_dead_time_s } else { self.plant.start_dead_time_s };
         let effective = tick + (dead_time_s / TICK_S + 0.5) as u64;
-        // A later command overrules an earlier one that has not taken effect by then.
-        while self.on_their_way.back().is_some_and(|(at, _)| *at >= effective) {
-            self.on_their_way.pop_back();
+        // A later command replaces earlier ones that have not taken effect by then.
+        while self.pending.back().is_some_and(|(at, _)| *at >= effective) {
+            self.pending.pop_back();
         }
-        self.on_their_way.push_back((effective, rate));
+        self.pending.push_back((effective, rate));
     }
 
-    /// Advances through `tick`.
+    /// Advances by a tick.
     pub fn advance(&mut self, tick: u64) {
-        self.advance_pushed(tick, 0.0);
+        self.advance_with_disturbance(tick, 0.0);
     }
 
-    /// Advances through `tick` while something else turns it, too, at `push` rad/s.
-    pub fn advance_pushed(&mut self, tick: u64, push: f64) {
-        while let Some((_, rate)) = self.on_their_way.pop_front_if(|(at, _)| *at <= tick) {
-            self.in_effect = rate;
+    /// Advances by a tick, with an additional rate of `disturbance` rad/s from elsewhere.
+    pub fn advance_with_disturbance(&mut self, tick: u64, disturbance: f64) {
+        while let Some((_, rate)) = self.pending.pop_front_if(|(at, _)| *at <= tick) {
+            self.active_rate = rate;
         }
-        let share = if self.plant.lag_s > 0.0 { 1.0 - libm::exp(-TICK_S / self.plant.lag_s) } else { 1.0 };
-        let (asked, had) = (self.in_effect.radians_per_second(), self.rate.radians_per_second());
-        let flaws = &self.plant.flaws;
-        let asked = if asked.abs() < flaws.dead_band_rad_per_s { 0.0 } else { asked * flaws.gain };
+        let share = lag_share(self.plant.lag_s);
+        let (asked, had) = (self.active_rate.radians_per_second(), self.rate.radians_per_second());
+        let imperfections = &self.plant.imperfections;
+        let asked =
+            if asked.abs() < imperfections.dead_band_rad_per_s { 0.0 } else { asked * imperfections.gain };
         let change = share * (asked - had);
-        let change =
-            flaws.acceleration_rad_per_s2.map_or(change, |most| change.clamp(-most * TICK_S, most * TICK_S));
+        let change = imperfections
+            .max_acceleration_rad_per_s2
+            .map_or(change, |max| change.clamp(-max * TICK_S, max * TICK_S));
         let rate = had + change;
-        let angle = self.angle.radians() + (rate + push) * TICK_S;
-        let stopped = self.plant.stops.map(|(low, high)| angle.clamp(low.radians(), high.radians()));
+        let angle = self.angle.radians() + (rate + disturbance) * TICK_S;
+        let stopped = self.plant.end_stops.map(|(low, high)| angle.clamp(low.radians(), high.radians()));
         match stopped {
             Some(held) if held != angle => {
                 self.rate = AngularRate::ZERO;
@@ -121,17 +120,17 @@ impl CameraAxis {
         }
     }
 
-    /// Whether it is told to move.
+    /// Whether a non-zero command is in effect.
     pub fn is_commanded(&self) -> bool {
-        !self.in_effect.is_zero()
+        !self.active_rate.is_zero()
     }
 
-    /// The angle now.
+    /// Present angle.
     pub const fn angle(&self) -> Angle {
         self.angle
     }
 
-    /// The rate that was achieved.
+    /// Present rate.
     pub const fn rate(&self) -> AngularRate {
         self.rate
     }

@@ -1,47 +1,49 @@
-//! Both axes of a vehicle's camera: pan (the kite's yaw) and tilt (the gimbal's pitch).
+//! Both axes of a vehicle's camera: pan (yaw of the flight unit) and tilt (pitch of the gimbal).
 
 use barrelman_vocab::{Angle, AngularRate, CameraCommand};
 
-use crate::camera_axis::{AxisFlaws, AxisPlant, CameraAxis, TICKS_PER_SECOND};
+use crate::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
+use crate::tick::TICKS_PER_SECOND;
 
-/// From one report of the tilt to the next, where the gimbal reports it.
-pub const TICKS_PER_REPORT: u32 = TICKS_PER_SECOND / 10;
+/// Ticks from one report of the tilt to the next, where the gimbal reports its tilt: 10 Hz.
+pub const TICKS_PER_TILT_REPORT: u32 = TICKS_PER_SECOND / 10;
 
-/// What both axes are like.
+/// Dynamics of both axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MountPlant {
     /// Pan.
     pub pan: AxisPlant,
     /// Tilt.
     pub tilt: AxisPlant,
-    /// Share of each axis's rate that turns the other one too.
+    /// Share of each axis's rate that is added to the other axis.
     pub cross_talk: f64,
-    /// How fast the tilt sinks by itself, rad/s.
+    /// Rate at which the tilt sinks by itself, rad/s.
     pub droop_rad_per_s: f64,
 }
 
 impl MountPlant {
-    /// The laboratory's Fotokite Pro as identified from its recorded trials, less the 0.10 s that the camera
-    /// takes for its share of the measured dead times: yaw 0.30 s to start, 0.50 s to stop, lag 0.42 s; pitch
-    /// 0.20 s, 0.50 s, 0.10 s. The gimbal's travel is not known: straight down to 10 degrees above level.
+    /// The laboratory's Fotokite Pro, identified from its recorded trials. The identified values are: yaw 0.30 s dead
+    /// time to start, 0.50 s to stop, lag 0.42 s; pitch 0.20 s, 0.50 s, 0.10 s. The plant's dead times are these less
+    /// 0.10 s, the camera's share of the measurement. The travel of the gimbal is not known; assumed: straight down
+    /// to 10 degrees above level.
     pub fn laboratory() -> Self {
-        let limit = AngularRate::from_radians_per_second;
+        let max_rate = AngularRate::from_radians_per_second;
         Self {
             pan: AxisPlant {
                 start_dead_time_s: 0.20,
                 stop_dead_time_s: 0.40,
                 lag_s: 0.42,
-                limit: limit(0.4),
-                stops: None,
-                flaws: AxisFlaws::default(),
+                max_rate: max_rate(0.4),
+                end_stops: None,
+                imperfections: AxisImperfections::default(),
             },
             tilt: AxisPlant {
                 start_dead_time_s: 0.10,
                 stop_dead_time_s: 0.40,
                 lag_s: 0.10,
-                limit: limit(0.3),
-                stops: Some((Angle::from_degrees(-90.0), Angle::from_degrees(10.0))),
-                flaws: AxisFlaws::default(),
+                max_rate: max_rate(0.3),
+                end_stops: Some((Angle::from_degrees(-90.0), Angle::from_degrees(10.0))),
+                imperfections: AxisImperfections::default(),
             },
             cross_talk: 0.0,
             droop_rad_per_s: 0.0,
@@ -49,7 +51,7 @@ impl MountPlant {
     }
 }
 
-/// A camera on its two axes, advanced tick by tick.
+/// A camera on its two axes.
 #[derive(Debug, Clone)]
 pub struct CameraMount {
     /// Pan: 0 at the start, positive to the right.
@@ -64,11 +66,11 @@ pub struct CameraMount {
 impl CameraMount {
     /// A camera at rest that looks straight ahead and down by `depression`.
     pub fn at_rest(plant: MountPlant, depression: Angle) -> Self {
-        Self::looking(plant, Angle::ZERO, Angle::from_radians(-depression.radians()))
+        Self::at_angles(plant, Angle::ZERO, Angle::from_radians(-depression.radians()))
     }
 
-    /// A camera at rest that looks there.
-    pub fn looking(plant: MountPlant, pan: Angle, tilt: Angle) -> Self {
+    /// A camera at rest at these angles.
+    pub fn at_angles(plant: MountPlant, pan: Angle, tilt: Angle) -> Self {
         Self {
             pan: CameraAxis::at_rest(plant.pan, pan),
             tilt: CameraAxis::at_rest(plant.tilt, tilt),
@@ -78,7 +80,7 @@ impl CameraMount {
         }
     }
 
-    /// A command arrives now.
+    /// Passes a command to both axes, at the present tick.
     pub fn command(&mut self, command: CameraCommand) {
         self.pan.command(command.pan, self.tick);
         self.tilt.command(command.tilt, self.tick);
@@ -87,12 +89,12 @@ impl CameraMount {
     /// Advances by one tick.
     pub fn advance(&mut self) {
         let (pan, tilt) = (self.pan.rate().radians_per_second(), self.tilt.rate().radians_per_second());
-        self.pan.advance_pushed(self.tick, self.cross_talk * tilt);
-        self.tilt.advance_pushed(self.tick, self.cross_talk * pan - self.droop_rad_per_s);
+        self.pan.advance_with_disturbance(self.tick, self.cross_talk * tilt);
+        self.tilt.advance_with_disturbance(self.tick, self.cross_talk * pan - self.droop_rad_per_s);
         self.tick += 1;
     }
 
-    /// Ticks advanced so far.
+    /// Ticks so far.
     pub const fn tick(&self) -> u64 {
         self.tick
     }

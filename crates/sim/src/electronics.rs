@@ -1,50 +1,53 @@
-//! How the camera's electronics drift: brightness and the gains of red and blue wander while it runs.
+//! Drift of the camera's electronics: brightness and the gains of red and blue vary during a trial.
 
-use crate::chance::{Draws, Stream, Wander, Wandering};
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::snapshot::SensorState;
 
-/// How much they drift.
+/// Parameters of the drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ElectronicsScript {
-    /// Of the logarithm of the brightness.
-    pub brightness: Wander,
-    /// Of the logarithms of the gains of red and of blue.
-    pub white_balance: Wander,
-    /// How long each row is exposed, seconds.
+pub struct ElectronicsModel {
+    /// Logarithm of the brightness factor.
+    pub brightness: OrnsteinUhlenbeck,
+    /// Logarithms of the gains of red and of blue.
+    pub white_balance: OrnsteinUhlenbeck,
+    /// Exposure time of each row, seconds.
     pub exposure_s: f64,
 }
 
-/// Electronics that drift.
+/// Drifting electronics.
 #[derive(Debug, Clone)]
 pub struct Electronics {
-    brightness: Wandering,
-    red: Wandering,
-    blue: Wandering,
+    brightness: OrnsteinUhlenbeckProcess,
+    red: OrnsteinUhlenbeckProcess,
+    blue: OrnsteinUhlenbeckProcess,
     exposure_s: f64,
 }
 
 impl Electronics {
-    /// Those of a trial.
-    pub fn new(script: &ElectronicsScript, seed: u64) -> Self {
-        let wandering = |wander, which: u64| {
-            Wandering::new(wander, Draws::of(seed.wrapping_add(which << 48), Stream::Electronics))
+    /// The electronics of a trial.
+    pub fn new(script: &ElectronicsModel, seed: u64) -> Self {
+        let process = |model, which: u64| {
+            OrnsteinUhlenbeckProcess::new(
+                model,
+                CounterRng::new(seed.wrapping_add(which << 48), Stream::Electronics),
+            )
         };
         Self {
-            brightness: wandering(script.brightness, 0),
-            red: wandering(script.white_balance, 1),
-            blue: wandering(script.white_balance, 2),
+            brightness: process(script.brightness, 0),
+            red: process(script.white_balance, 1),
+            blue: process(script.white_balance, 2),
             exposure_s: script.exposure_s,
         }
     }
 
-    /// Advances through a tick.
+    /// Advances by a tick.
     pub fn advance(&mut self, tick: u64) {
         self.brightness.advance(tick);
         self.red.advance(tick);
         self.blue.advance(tick);
     }
 
-    /// As they are now.
+    /// Present state.
     pub fn state(&self) -> SensorState {
         SensorState {
             exposure: libm::exp(self.brightness.value()),

@@ -1,8 +1,8 @@
-//! A world to servo in: the camera's axes of a kite, a practice clip of a boat on water, and test scenes for
-//! a tracker.
+//! A simulated world to servo in: the camera's axes on a swaying or flying platform, a target on water or on a floor,
+//! a renderer, a practice clip, and test scenes for a tracker.
 //!
-//! What must not be here: clocks, threads, files, the tracker, and any chance that does not come from a seed.
-//! The same seed gives the same bits on every machine: transcendental functions come from `libm`, noise from
+//! What must not be here: clocks, threads, files, the tracker, and any randomness that does not come from a seed. The
+//! same seed gives the same bits on every machine: transcendental functions come from `libm`, random numbers from
 //! integer hashes.
 #![deny(unsafe_code)]
 
@@ -16,6 +16,8 @@ pub mod world;
 
 pub mod render;
 pub mod sea;
+
+pub mod tick;
 
 pub mod camera_axis;
 pub mod camera_mount;
@@ -34,8 +36,8 @@ pub mod electronics;
 pub mod sensor;
 pub mod video_link;
 
-pub mod chance;
 pub mod noise;
+pub mod random;
 
 pub mod practice;
 pub mod water_scene;
@@ -46,7 +48,7 @@ pub use optics::Optics;
 pub use pose::{BodyPose, CameraPose, WorldPoint};
 pub use scenario::Scenario;
 pub use sea::{Sea, SeaState, Wind};
-pub use sensor::Sensor;
+pub use sensor::LocalisationSensor;
 pub use snapshot::Snapshot;
 pub use water_scene::{SceneKind, SceneScript, SceneTruth, TargetPaint, WaterScene};
 pub use world::{Truth, World};

@@ -1,6 +1,10 @@
-//! Noise from integer hashes: the same for the same seed, stream and index, on every machine and in any order.
+//! Random numbers from an integer hash: a function of seed, stream and index only, the same on every machine and in
+//! any order.
+//!
+//! The hash is the finaliser of SplitMix64 (Steele, Lea and Flood, 2014) over the sum of the seed and odd multiples
+//! of stream and index.
 
-/// A well-mixed 64-bit number for this seed, stream and index.
+/// A well-mixed 64-bit number for a seed, a stream and an index.
 pub fn hash(seed: u64, stream: u64, index: u64) -> u64 {
     let mut z = seed
         .wrapping_add(stream.wrapping_mul(0x9E37_79B9_7F4A_7C15))
@@ -10,28 +14,28 @@ pub fn hash(seed: u64, stream: u64, index: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A number in [0, 1).
+/// Uniform sample in [0, 1).
 pub fn unit(seed: u64, stream: u64, index: u64) -> f64 {
     (hash(seed, stream, index) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// A number from the standard normal distribution.
+/// Sample of the standard normal distribution.
 pub fn normal(seed: u64, stream: u64, index: u64) -> f64 {
-    // Box and Muller; the first number lies in (0, 1], so that its logarithm is finite.
+    // Box-Muller transform; the first number lies in (0, 1], so that its logarithm is finite.
     let radius = libm::sqrt(-2.0 * libm::log(1.0 - unit(seed, stream, 2 * index)));
     radius * libm::cos(core::f64::consts::TAU * unit(seed, stream, 2 * index + 1))
 }
 
-/// A number from the exponential distribution of mean 1.
+/// Sample of the exponential distribution of mean 1.
 pub fn exponential(seed: u64, stream: u64, index: u64) -> f64 {
     -libm::log(1.0 - unit(seed, stream, index))
 }
 
-/// Side of the tile that [`tile`] makes.
+/// Side of the tile that [`tile`] makes, pixels.
 pub const TILE_SIDE: usize = 512;
 
-/// A square tile of smooth noise, 0..=255, that repeats without a seam: value noise with cells of `cell` pixels
-/// (a divisor of [`TILE_SIDE`]) and two octaves below it.
+/// A square, periodic tile of value noise, 0 to 255: cells of `cell` pixels (a divisor of [`TILE_SIDE`]) and two
+/// finer octaves.
 pub fn tile(seed: u64, cell: usize) -> Vec<u8> {
     let octaves = [(cell, 0.57), ((cell / 2).max(1), 0.29), ((cell / 4).max(1), 0.14)];
     let value = |cell: usize, octave: u64, column: usize, row: usize| {

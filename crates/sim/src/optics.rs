@@ -1,13 +1,13 @@
-//! A camera's lens: from the directions of things to places in the picture, and back.
+//! The camera's optics: projection of points into the picture, and the rays of pixels.
 //!
-//! A pinhole of focal length f with radial distortion given by its inverse model,
-//! `r_pinhole = r (1 + k r²)` with r the distance from the picture's centre in focal lengths: `k` > 0 is a barrel.
-//! The inverse model is what a renderer needs for every pixel; the forward direction, needed for single points,
-//! solves the cubic by Newton's method.
+//! A pinhole of focal length f with radial distortion, given by its inverse model `r_pinhole = r (1 + k r²)`, where r
+//! is the distance from the centre of the picture in focal lengths; k > 0 is barrel distortion. A renderer needs the
+//! inverse model for every pixel. The forward direction, needed for single points, solves the cubic by Newton's
+//! method.
 
 use barrelman_vocab::{PictureSize, PixelPoint};
 
-/// A lens and the picture behind it.
+/// A lens and the picture size behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optics {
     /// Size of the picture.
@@ -18,16 +18,16 @@ pub struct Optics {
     pub barrel: f64,
 }
 
-/// Newton steps: from the undistorted radius the cubic is solved to the last bits within six.
+/// Newton steps; from the undistorted radius, six solve the cubic to the last bits.
 const STEPS: usize = 8;
-/// Share of the pinhole's radius at which they end sooner: a ten-millionth of a pixel.
-const CLOSE_ENOUGH: f64 = 1e-10;
+/// The iteration ends early below this share of the pinhole radius: a ten-millionth of a pixel.
+const MAX_RELATIVE_EXCESS: f64 = 1e-10;
 
 impl Optics {
-    /// Where a thing is seen that lies so far right, down and ahead of the optical centre (metres); `None` behind
-    /// the camera.
-    pub fn seen_at(&self, (right, down, ahead): (f64, f64, f64)) -> Option<PixelPoint> {
-        if ahead <= NEAREST_M {
+    /// Projects a point given right, down and ahead of the optical centre (metres). `None` nearer than 0.05 m ahead,
+    /// or behind the camera.
+    pub fn project(&self, (right, down, ahead): (f64, f64, f64)) -> Option<PixelPoint> {
+        if ahead <= MIN_DEPTH_M {
             return None;
         }
         let (x, y) = (right / ahead, down / ahead);
@@ -36,7 +36,7 @@ impl Optics {
         if self.barrel > 0.0 {
             for _ in 0..STEPS {
                 let excess = r * (1.0 + self.barrel * r * r) - pinhole;
-                if excess <= CLOSE_ENOUGH * pinhole {
+                if excess <= MAX_RELATIVE_EXCESS * pinhole {
                     break;
                 }
                 r -= excess / (1.0 + 3.0 * self.barrel * r * r);
@@ -49,8 +49,8 @@ impl Optics {
         })
     }
 
-    /// The direction in which a place of the picture looks: right and down for each unit ahead.
-    pub fn direction_of(&self, point: PixelPoint) -> (f64, f64) {
+    /// The direction of a pixel's line of sight: right and down for each unit ahead.
+    pub fn ray_direction(&self, point: PixelPoint) -> (f64, f64) {
         let x = (point.u - 0.5 * f64::from(self.picture.width)) / self.focal_px;
         let y = (point.v - 0.5 * f64::from(self.picture.height)) / self.focal_px;
         let stretch = 1.0 + self.barrel * (x * x + y * y);
@@ -58,5 +58,5 @@ impl Optics {
     }
 }
 
-/// What lies nearer than this is not seen, metres.
-const NEAREST_M: f64 = 0.05;
+/// Points less far ahead than this are not projected, metres.
+const MIN_DEPTH_M: f64 = 0.05;

@@ -1,6 +1,6 @@
-//! A path over the floor or the water: way-points joined by straight lines.
+//! A path on the floor or the water: way-points joined by straight legs.
 
-/// A path with at least two way-points, no two neighbours in one place.
+/// A path of at least two way-points; neighbouring way-points differ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
     points: Vec<(f64, f64)>,
@@ -8,24 +8,24 @@ pub struct Path {
     lengths: Vec<f64>,
 }
 
-/// Way-points make no path.
+/// The way-points make no path: fewer than two differ, or a coordinate is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NoPath;
+pub struct InvalidPath;
 
-/// Way-points nearer to each other than this are one, metres.
+/// Neighbouring way-points nearer than this are one, metres.
 const SAME_PLACE_M: f64 = 1.0e-6;
 
 impl Path {
-    /// The path through these way-points, metres.
+    /// The path through way-points, metres.
     ///
     /// # Errors
-    /// [`NoPath`] where there are not two of them in different places, or one is not a number.
-    pub fn through(way_points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, NoPath> {
+    /// [`InvalidPath`] where fewer than two way-points differ, or a coordinate is not finite.
+    pub fn from_way_points(way_points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, InvalidPath> {
         let mut points: Vec<(f64, f64)> = Vec::new();
         let mut lengths: Vec<f64> = Vec::new();
         for point in way_points {
             if !(point.0.is_finite() && point.1.is_finite()) {
-                return Err(NoPath);
+                return Err(InvalidPath);
             }
             let Some(last) = points.last() else {
                 points.push(point);
@@ -38,21 +38,21 @@ impl Path {
                 points.push(point);
             }
         }
-        if points.len() < 2 { Err(NoPath) } else { Ok(Self { points, lengths }) }
+        if points.len() < 2 { Err(InvalidPath) } else { Ok(Self { points, lengths }) }
     }
 
-    /// Its way-points, metres.
+    /// Way-points, metres.
     pub fn points(&self) -> &[(f64, f64)] {
         &self.points
     }
 
-    /// Its length, metres.
+    /// Length of the path, metres.
     pub fn length(&self) -> f64 {
         self.lengths.last().copied().unwrap_or_default()
     }
 
-    /// The place that lies so far from its start along it; its ends beyond them.
-    pub fn at(&self, along_m: f64) -> (f64, f64) {
+    /// The point at an arc length from the start, metres; clamped to the ends of the path.
+    pub fn point_at(&self, along_m: f64) -> (f64, f64) {
         let leg = self.leg_at(along_m);
         let (from, to) = (self.points[leg], self.points[leg + 1]);
         let share =
@@ -60,13 +60,13 @@ impl Path {
         (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))
     }
 
-    /// Its direction there: radians anticlockwise from x.
+    /// Direction of the path at an arc length, radians anticlockwise from x.
     pub fn direction_at(&self, along_m: f64) -> f64 {
         let (x, y) = self.leg(self.leg_at(along_m));
         libm::atan2(y, x)
     }
 
-    /// How far along it the way-points lie at which it turns by more than so many radians.
+    /// Arc lengths of the way-points at which the path turns by more than an angle, metres.
     pub fn corners(&self, radians: f64) -> impl Iterator<Item = f64> + '_ {
         (1..self.points.len() - 1).filter_map(move |index| {
             let (a, b) = (self.leg(index - 1), self.leg(index));
@@ -75,9 +75,9 @@ impl Path {
         })
     }
 
-    /// How far along it the place lies that is nearest to `place`, looked for from `from_m` on over the next
-    /// `reach_m`: a path may cross itself.
-    pub fn nearest(&self, place: (f64, f64), from_m: f64, reach_m: f64) -> f64 {
+    /// Arc length of the point of the path nearest to `position`, searched from `from_m` over the next `reach_m`: a
+    /// path may cross itself.
+    pub fn nearest_arc_length(&self, position: (f64, f64), from_m: f64, reach_m: f64) -> f64 {
         let mut best = (f64::INFINITY, from_m);
         for leg in self.leg_at(from_m)..self.points.len() - 1 {
             let (start, end) = (self.lengths[leg], self.lengths[leg + 1]);
@@ -86,10 +86,10 @@ impl Path {
             }
             let (a, b) = (self.points[leg], self.points[leg + 1]);
             let (dx, dy) = ((b.0 - a.0) / (end - start), (b.1 - a.1) / (end - start));
-            let along = (start + (place.0 - a.0) * dx + (place.1 - a.1) * dy)
+            let along = (start + (position.0 - a.0) * dx + (position.1 - a.1) * dy)
                 .clamp(start.max(from_m), end.min(from_m + reach_m));
             let (x, y) = (a.0 + (along - start) * dx, a.1 + (along - start) * dy);
-            let distance = libm::hypot(place.0 - x, place.1 - y);
+            let distance = libm::hypot(position.0 - x, position.1 - y);
             if distance < best.0 {
                 best = (distance, along);
             }
@@ -97,7 +97,7 @@ impl Path {
         best.1
     }
 
-    /// From a way-point to the next, metres.
+    /// Vector of a leg, metres.
     fn leg(&self, index: usize) -> (f64, f64) {
         let (from, to) = (self.points[index], self.points[index + 1]);
         (to.0 - from.0, to.1 - from.1)

@@ -1,13 +1,13 @@
-//! Places and attitudes in the world.
+//! Positions and attitudes in the world.
 //!
-//! The *world* is a right-handed frame of reference that does not move: x to the right and y ahead of where the camera
-//! hangs, z up, metres; z = 0 is the floor, or the water at rest. *Headings* of bodies grow
-//! anticlockwise as seen from above and are 0 along x. The *camera's* angles are those of the whole program: pan
-//! is 0 along y and grows to the right (clockwise as seen from above), tilt is 0 at level and grows upwards.
+//! The *world* is a right-handed frame of reference at rest: x to the right and y ahead of the camera's first view, z
+//! up, metres; z = 0 is the floor, or the water at rest. *Headings* of bodies are 0 along x and grow anticlockwise as
+//! seen from above. *Camera angles* are those of the whole program: pan is 0 along y and grows to the right
+//! (clockwise as seen from above), tilt is 0 at level and grows upwards.
 
 use barrelman_vocab::Angle;
 
-/// A place in the world, or a difference of two, metres.
+/// A point of the world, or the difference of two points, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WorldPoint {
     /// To the right of the first view.
@@ -19,37 +19,37 @@ pub struct WorldPoint {
 }
 
 impl WorldPoint {
-    /// From one place to another.
-    pub fn to(self, other: Self) -> Self {
+    /// The vector from this point to another.
+    pub fn vector_to(self, other: Self) -> Self {
         Self { x: other.x - self.x, y: other.y - self.y, z: other.z - self.z }
     }
 
-    /// The scalar product of two differences.
+    /// Scalar product.
     pub fn dot(self, other: Self) -> f64 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// The length of a difference, metres.
-    pub fn length(self) -> f64 {
+    /// Euclidean norm, metres.
+    pub fn norm(self) -> f64 {
         libm::sqrt(self.dot(self))
     }
 }
 
-/// Where the camera is and how it looks.
+/// Position and attitude of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPose {
-    /// Its optical centre.
-    pub place: WorldPoint,
+    /// Optical centre.
+    pub position: WorldPoint,
     /// 0 along the world's y, positive to the right.
     pub pan: Angle,
     /// 0 level, positive upwards.
     pub tilt: Angle,
-    /// About the line of sight, positive where the camera's right side sinks: the horizon then climbs to the
-    /// right in the picture.
+    /// About the line of sight; positive where the camera's right side sinks, so that the horizon climbs to the right
+    /// in the picture.
     pub roll: Angle,
 }
 
-/// The axes of a camera in the world: unit vectors.
+/// Axes of the camera: unit vectors in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraAxes {
     /// Right in the picture.
@@ -61,7 +61,7 @@ pub struct CameraAxes {
 }
 
 impl CameraPose {
-    /// The camera's axes in the world.
+    /// The axes of the camera.
     pub fn axes(&self) -> CameraAxes {
         let (sp, cp) = (libm::sin(self.pan.radians()), libm::cos(self.pan.radians()));
         let (st, ct) = (libm::sin(self.tilt.radians()), libm::cos(self.tilt.radians()));
@@ -77,23 +77,23 @@ impl CameraPose {
         CameraAxes { right: mix(cr, sr), down: mix(-sr, cr), ahead }
     }
 
-    /// A place as the camera has it: to the right, down, and ahead of the optical centre, metres.
-    pub fn in_camera(&self, place: WorldPoint) -> (f64, f64, f64) {
+    /// A point of the world in the camera's frame of reference: right, down and ahead of the optical centre, metres.
+    pub fn camera_from_world(&self, position: WorldPoint) -> (f64, f64, f64) {
         let axes = self.axes();
-        let from_camera = self.place.to(place);
+        let from_camera = self.position.vector_to(position);
         (from_camera.dot(axes.right), from_camera.dot(axes.down), from_camera.dot(axes.ahead))
     }
 }
 
-/// Where a body is and how it lies.
+/// Position and attitude of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyPose {
-    /// Its origin: for a boat, the middle of its waterline.
-    pub place: WorldPoint,
-    /// Of its bow: 0 along the world's x, anticlockwise as seen from above.
+    /// Origin of the body: for a boat, the middle of its waterline.
+    pub position: WorldPoint,
+    /// Direction of the bow: 0 along the world's x, anticlockwise as seen from above.
     pub heading: Angle,
-    /// Bow up is positive.
+    /// Positive where the bow rises.
     pub pitch: Angle,
-    /// Positive where its right side sinks.
+    /// Positive where the right side sinks.
     pub roll: Angle,
 }

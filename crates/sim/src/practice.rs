@@ -1,19 +1,19 @@
-//! The practice clip: a red boat that crosses all four sectors of a picture of water, with its exact truth.
+//! The practice clip: a red boat that crosses all four sectors of a picture of water, with exact truth.
 //!
-//! It stands in for a camera where none is attached, and it is what the loop is tested on. The camera rests in
-//! it: what the pilot commands does not change the picture. It does not simulate waves, light or optics.
+//! The clip stands in for a camera where none is attached, and tests of the control loop use it. Its camera rests:
+//! commands do not change the picture. Waves, light and optics are not simulated.
 
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{Angle, ImagePoint, Picture, PictureSize, PixelBox, PixelPoint};
 
 use crate::noise;
 
-/// Pictures per second.
+/// Frames per second.
 pub const FRAMES_PER_SECOND: u32 = 30;
 
-/// The boat's way as (time in seconds, x, y), in shares of half the picture's width and height: out to the
-/// right, top, left and bottom, and from the bottom into the right sector without coming inside.
-const WAY: [(f64, f64, f64); 14] = [
+/// Way-points as (time in seconds, x, y), x and y in shares of half the picture's width and height: out to the right,
+/// top, left and bottom, and from the bottom into the right sector without returning to the centre.
+const WAY_POINTS: [(f64, f64, f64); 14] = [
     (0.0, 0.05, 0.00),
     (1.5, 0.10, 0.02),
     (4.0, 0.80, 0.05),
@@ -30,16 +30,16 @@ const WAY: [(f64, f64, f64); 14] = [
     (24.0, 0.02, 0.02),
 ];
 
-/// Where the boat is in one frame.
+/// The boat in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoatTruth {
-    /// Centre of the hull, image coordinates.
+    /// Centre of the hull in image coordinates, pixels.
     pub centre: ImagePoint,
     /// Direction of the bow, anticlockwise from image right.
     pub heading: Angle,
-    /// Upright box around the hull, pixel coordinates.
+    /// Upright box around the hull, clipped to the picture.
     pub bounds: PixelBox,
-    /// Box that lies within the hull, whichever way it points: what an operator selects.
+    /// A box within the hull whatever its heading, for the operator's selection.
     pub selection: PixelBox,
 }
 
@@ -51,44 +51,44 @@ pub struct PracticeClip {
     coarse: Vec<u8>,
 }
 
-/// Share of the picture's width that the hull is long.
+/// Hull length as a share of the picture's width.
 const HULL_LENGTH_SHARE: f64 = 0.062;
-/// Beam over length of the hull.
+/// Beam over hull length.
 const BEAM_OVER_LENGTH: f64 = 0.42;
-/// How fast the heading follows the way, 1/s.
+/// The heading is the direction from the position this long before to that this long after, seconds.
 const HEADING_SMOOTHING_S: f64 = 0.35;
 
 impl PracticeClip {
-    /// A clip of pictures of that size; the water's pattern comes from the seed.
+    /// A clip of this picture size; the seed determines the pattern of the water.
     pub fn new(size: PictureSize, seed: u64) -> Self {
         Self { size, fine: noise::tile(seed, 16), coarse: noise::tile(seed.wrapping_add(1), 64) }
     }
 
-    /// Frames in the clip.
+    /// Number of frames.
     pub fn frames(&self) -> u32 {
-        (WAY[WAY.len() - 1].0 * f64::from(FRAMES_PER_SECOND)) as u32
+        (WAY_POINTS[WAY_POINTS.len() - 1].0 * f64::from(FRAMES_PER_SECOND)) as u32
     }
 
-    /// The pictures' size.
+    /// Picture size.
     pub const fn size(&self) -> PictureSize {
         self.size
     }
 
-    /// How the pictures' samples stand for colours.
+    /// Colour encoding of the pictures.
     pub const fn colour(&self) -> ColourEncoding {
         ColourEncoding { matrix: ColourMatrix::Bt709, range: SampleRange::Limited }
     }
 
-    /// Where the boat is in a frame.
+    /// The boat in a frame.
     pub fn truth(&self, frame: u32) -> BoatTruth {
         let t = f64::from(frame) / f64::from(FRAMES_PER_SECOND);
-        let centre = self.way(t);
-        let ahead = self.way(t + HEADING_SMOOTHING_S);
-        let behind = self.way(t - HEADING_SMOOTHING_S);
+        let centre = self.position_at(t);
+        let ahead = self.position_at(t + HEADING_SMOOTHING_S);
+        let behind = self.position_at(t - HEADING_SMOOTHING_S);
         let heading = libm::atan2(ahead.y - behind.y, ahead.x - behind.x);
         let (half_length, half_beam) = self.half_hull();
         let (s, c) = (libm::sin(heading), libm::cos(heading));
-        // The hull is a superellipse that an ellipse's box holds.
+        // The box of an ellipse contains the superellipse of the hull.
         let half_w = libm::hypot(half_length * c, half_beam * s);
         let half_h = libm::hypot(half_length * s, half_beam * c);
         let middle = centre.in_pixels(self.size);
@@ -109,14 +109,15 @@ impl PracticeClip {
         (half_length, half_length * BEAM_OVER_LENGTH)
     }
 
-    /// Monotone cubic between the way-points' coordinates, so that the boat never overshoots one.
-    fn way(&self, t: f64) -> ImagePoint {
-        let t = t.clamp(0.0, WAY[WAY.len() - 1].0);
-        let next = WAY.iter().position(|point| point.0 > t).unwrap_or(WAY.len() - 1).max(1);
-        let (from, to) = (WAY[next - 1], WAY[next]);
+    /// Position at a time (s), interpolated monotonically between the way-points so that the boat does not overshoot
+    /// them.
+    fn position_at(&self, t: f64) -> ImagePoint {
+        let t = t.clamp(0.0, WAY_POINTS[WAY_POINTS.len() - 1].0);
+        let next = WAY_POINTS.iter().position(|point| point.0 > t).unwrap_or(WAY_POINTS.len() - 1).max(1);
+        let (from, to) = (WAY_POINTS[next - 1], WAY_POINTS[next]);
         let s = (t - from.0) / (to.0 - from.0);
         let ease = s * s * (3.0 - 2.0 * s);
-        // Half linear, half eased: the boat slows at the way-points without stopping there.
+        // Half linear, half eased: the boat slows down at the way-points without stopping.
         let share = 0.5 * (s + ease);
         let at = |a: f64, b: f64| a + (b - a) * share;
         ImagePoint {
@@ -125,8 +126,8 @@ impl PracticeClip {
         }
     }
 
-    /// Draws a frame. The picture is made to fit.
-    pub fn draw(&self, frame: u32, picture: &mut Picture) {
+    /// Renders a frame; the picture takes the clip's size and encoding.
+    pub fn render(&self, frame: u32, picture: &mut Picture) {
         picture.reshape(self.size, self.colour());
         let (width, height) = (self.size.width as usize, self.size.height as usize);
         let drift = frame as usize;
@@ -135,7 +136,7 @@ impl PracticeClip {
             let fine_row = ((row * 2 + drift) % noise::TILE_SIDE) * noise::TILE_SIDE;
             let coarse_row = ((row + noise::TILE_SIDE - drift / 3 % noise::TILE_SIDE) % noise::TILE_SIDE)
                 * noise::TILE_SIDE;
-            // Nearer water is a little lighter.
+            // Nearer water is slightly lighter.
             let base = 62 + (row * 14 / height) as i32;
             for (column, sample) in line.iter_mut().enumerate() {
                 let fine = i32::from(self.fine[fine_row + (column + drift / 2) % noise::TILE_SIDE]);
@@ -147,11 +148,11 @@ impl PracticeClip {
         }
         planes[1].fill(138);
         planes[2].fill(112);
-        self.draw_wake(frame, &mut planes);
-        self.draw_boat(frame, &mut planes);
+        self.render_wake(frame, &mut planes);
+        self.render_boat(frame, &mut planes);
     }
 
-    fn draw_wake(&self, frame: u32, planes: &mut [&mut [u8]; 3]) {
+    fn render_wake(&self, frame: u32, planes: &mut [&mut [u8]; 3]) {
         let (_, half_beam) = self.half_hull();
         let age_frames = 36_u32;
         for age in (3..age_frames).rev() {
@@ -167,26 +168,26 @@ impl PracticeClip {
         }
     }
 
-    fn draw_boat(&self, frame: u32, planes: &mut [&mut [u8]; 3]) {
+    fn render_boat(&self, frame: u32, planes: &mut [&mut [u8]; 3]) {
         let truth = self.truth(frame);
         let (half_length, half_beam) = self.half_hull();
         let centre = truth.centre.in_pixels(self.size);
         let (s, c) = (libm::sin(truth.heading.radians()), libm::cos(truth.heading.radians()));
         self.blend(planes, centre, half_length + 2.0, |du, dv| {
-            // Along the bow, and across it; v counts downwards.
+            // Along and across the hull; v counts downwards.
             let along = (du * c - dv * s) / half_length;
             let across = (du * s + dv * c) / half_beam;
-            // The bow is drawn in, the stern stays blunt.
+            // The bow is pointed, the stern blunt.
             let width = if along > 0.2 { 1.0 - 0.75 * (along - 0.2) * (along - 0.2) / 0.64 } else { 1.0 };
             let edge = (along * along * along * along + (across / width.max(0.2)).powi(4)).sqrt();
-            let cover = ((1.0 - edge) * half_beam * 0.5 + 0.5).clamp(0.0, 1.0);
+            let opacity = ((1.0 - edge) * half_beam * 0.5 + 0.5).clamp(0.0, 1.0);
             let cockpit = along > -0.55 && along < 0.15 && across.abs() < 0.42;
             let colour = if cockpit { [96.0, 118.0, 168.0] } else { [74.0, 102.0, 214.0] };
-            (colour, cover)
+            (colour, opacity)
         });
     }
 
-    /// Mixes a colour into the pixels around a centre, by the cover that `paint` gives for each offset.
+    /// Blends a colour into the pixels around a centre. `paint` gives colour and opacity for each offset, pixels.
     fn blend(
         &self,
         planes: &mut [&mut [u8]; 3],
@@ -203,17 +204,17 @@ impl PracticeClip {
         let chroma_width = width.div_ceil(2);
         for row in span(centre.v, self.size.height) {
             for column in span(centre.u, self.size.width) {
-                let (colour, cover) = paint(column as f64 + 0.5 - centre.u, row as f64 + 0.5 - centre.v);
-                if cover <= 0.0 {
+                let (colour, opacity) = paint(column as f64 + 0.5 - centre.u, row as f64 + 0.5 - centre.v);
+                if opacity <= 0.0 {
                     continue;
                 }
-                let mix = |sample: &mut u8, value: f64, cover: f64| {
-                    *sample = (f64::from(*sample) + cover * (value - f64::from(*sample)) + 0.5) as u8;
+                let mix = |sample: &mut u8, value: f64, opacity: f64| {
+                    *sample = (f64::from(*sample) + opacity * (value - f64::from(*sample)) + 0.5) as u8;
                 };
-                mix(&mut planes[0][row * width + column], colour[0], cover);
-                // One chroma sample serves four pixels: each brings a quarter of its cover.
+                mix(&mut planes[0][row * width + column], colour[0], opacity);
+                // Four pixels share a chroma sample: four blends with this opacity equal one with the whole opacity.
                 let chroma = (row / 2) * chroma_width + column / 2;
-                let share = 1.0 - libm::sqrt(libm::sqrt(1.0 - cover));
+                let share = 1.0 - libm::sqrt(libm::sqrt(1.0 - opacity));
                 mix(&mut planes[1][chroma], colour[1], share);
                 mix(&mut planes[2][chroma], colour[2], share);
             }

@@ -1,90 +1,91 @@
-//! A scenario: everything that a trial is made of, but its seed.
+//! A scenario: all parameters of a trial except its seed.
 //!
-//! Plain values, checked where they are read from a file; nothing here knows the file. Lengths are metres, times
-//! seconds, angles radians, places those of the world ([`crate::pose`]).
+//! Plain values; they are checked where they are read from a file, and nothing here knows the file format. Lengths
+//! are metres, times seconds, angles radians, positions those of the world ([`crate::pose`]).
 
 use core::time::Duration;
 
 use barrelman_vocab::{Angle, PictureSize};
 
-use crate::camera_axis::{AxisPlant, TICKS_PER_SECOND};
+use crate::camera_axis::AxisPlant;
 use crate::camera_mount::MountPlant;
-use crate::chance::{Draws, Stream, Wander};
-use crate::electronics::ElectronicsScript;
+use crate::electronics::ElectronicsModel;
 use crate::helmsman::BoatScript;
 use crate::optics::Optics;
 use crate::pursuit::PursuitScript;
-use crate::scenery::ThingScript;
+use crate::random::{CounterRng, OrnsteinUhlenbeck, Stream};
+use crate::scenery::ObjectScript;
 use crate::sea::{SeaState, Wind};
 use crate::snapshot::Light;
 use crate::sway::Sway;
-use crate::video_link::VideoLinkScript;
+use crate::tick::TICKS_PER_SECOND;
+use crate::video_link::VideoLinkModel;
 
-/// Everything that a trial is made of, but its seed.
+/// All parameters of a trial except its seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
-    /// What it is called.
+    /// Name of the scenario.
     pub name: String,
-    /// The camera: where it hangs and what it sees.
+    /// Position, optics and video of the camera.
     pub camera: CameraSetup,
-    /// How its axes turn.
+    /// Nominal dynamics of the camera's axes.
     pub mount: MountPlant,
-    /// What of it is drawn anew for each trial, where that is asked for.
+    /// Ranges from which the plant is sampled for each trial, where that is asked for.
     pub ranges: PlantRanges,
-    /// What the camera hangs on.
+    /// What carries the camera.
     pub platform: Platform,
-    /// The water; `None`: the laboratory's floor.
+    /// The water; `None` for the laboratory's floor.
     pub water: Option<Water>,
-    /// The light.
+    /// Sun and sky.
     pub light: Light,
     /// The target.
     pub target: TargetScript,
-    /// What else there is.
-    pub things: Vec<ThingScript>,
-    /// What a localisation without pixels is like.
-    pub sensing: Sensing,
-    /// No trial lasts longer than this, seconds.
-    pub most_s: f64,
+    /// Objects beside the target.
+    pub objects: Vec<ObjectScript>,
+    /// Model of localisations without pixels.
+    pub sensing: SensorModel,
+    /// Longest duration of a trial, seconds.
+    pub max_s: f64,
 }
 
 /// The camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraSetup {
-    /// Height of its optical centre above floor or water, metres.
+    /// Height of the optical centre above floor or water, metres.
     pub height_m: f64,
-    /// Its lens and picture.
+    /// Lens and picture size.
     pub optics: Optics,
-    /// The frame that the picture lies in the middle of: larger than the picture where it is letter-boxed.
+    /// Size of the frame with the picture at its centre; larger than the picture where the video is letter-boxed.
     pub frame: PictureSize,
-    /// Pictures per second: a divisor of the ticks per second.
+    /// Frame rate; a divisor of the ticks per second.
     pub pictures_per_second: u32,
-    /// From its first row to its last, seconds.
+    /// From the exposure of the first row to that of the last, seconds.
     pub rolling_shutter_s: f64,
-    /// How the pictures come to the pilot.
-    pub video: VideoLinkScript,
-    /// How far the first view points past the target.
+    /// Delays and losses of the video.
+    pub video: VideoLinkModel,
+    /// Offset of the first view from the target.
     pub first_view: FirstView,
-    /// How its electronics drift.
-    pub electronics: ElectronicsScript,
+    /// Drift of the camera's electronics.
+    pub electronics: ElectronicsModel,
 }
 
-/// How far the first view points past the target, pan and tilt, radians.
+/// Offset of the first view from the target: pan and tilt, radians.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FirstView {
     /// Mean over the trials.
     pub mean: (f64, f64),
-    /// Standard deviation.
-    pub deviation: (f64, f64),
+    /// Standard deviation over the trials.
+    pub std_dev: (f64, f64),
 }
 
-/// What the camera hangs on.
+/// What carries the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Platform {
-    /// Something whose angles and place wander, each by itself.
+    /// A platform whose angles and position are independent random processes.
     Swaying(Sway),
-    /// A kite on its line, in the wind.
+    /// A kite on its tether, in the wind.
     Kite {
-        /// How often gusts come and how strong they are: 1 as usual.
+        /// Factor of the rate and the strength of gusts; nominally 1.
         gustiness: f64,
     },
 }
@@ -92,13 +93,13 @@ pub enum Platform {
 /// The water and the wind over it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Water {
-    /// How rough it is.
+    /// Sea state.
     pub state: SeaState,
-    /// The wind, 10 m above it.
+    /// Wind 10 m above the water.
     pub wind: Wind,
 }
 
-/// Intervals in which the plant lies.
+/// Ranges of the plant's parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantRanges {
     /// Focal length, pixels.
@@ -113,7 +114,7 @@ pub struct PlantRanges {
     pub droop_rad_per_s: (f64, f64),
 }
 
-/// Intervals in which an axis lies.
+/// Ranges of an axis's parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisRanges {
     /// Dead time before a start, seconds.
@@ -122,37 +123,36 @@ pub struct AxisRanges {
     pub stop_dead_time_s: (f64, f64),
     /// Lag, seconds.
     pub lag_s: (f64, f64),
-    /// What share of the rate asked for it turns at.
+    /// Achieved share of the commanded rate.
     pub gain: (f64, f64),
 }
 
 /// The target.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TargetScript {
-    /// Moved along a path whatever floor or water do.
+    /// A target that moves along a path regardless of floor or water.
     Pursuit(PursuitScript),
     /// A boat that is driven along a path.
     Boat(BoatScript),
 }
 
-/// What a localisation without pixels is like.
+/// Model of localisations without pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensing {
-    /// How far each coordinate is off, pixels.
-    pub noise: Wander,
-    /// Whether coordinates are whole pixels.
-    pub rounded: bool,
-    /// What is said of a target that is out of the picture.
+pub struct SensorModel {
+    /// Error of each coordinate, pixels.
+    pub noise: OrnsteinUhlenbeck,
+    /// Whether coordinates are rounded to whole pixels.
+    pub is_rounded: bool,
+    /// What is reported of a target outside the picture.
     pub beyond_border: BeyondBorder,
     /// Length and breadth of the target, metres.
     pub target_size_m: (f64, f64),
 }
 
-/// What is said of a target that is out of the picture.
+/// What is reported of a target outside the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BeyondBorder {
-    /// That it is at the border: each image coordinate is clamped to these, pixels. So did the tracker of the
-    /// recorded trials.
+    /// Each image coordinate is clamped, as by the tracker of the recorded trials.
     Clamped {
         /// Largest |x|.
         x_px: f64,
@@ -164,48 +164,47 @@ pub enum BeyondBorder {
 }
 
 impl Scenario {
-    /// The same scenario with a plant drawn for a trial from its ranges, each value evenly over its interval.
+    /// The same scenario with a plant sampled uniformly from its ranges.
     #[must_use]
-    pub fn with_plant_drawn(&self, seed: u64) -> Self {
-        let draws = Draws::of(seed, Stream::Plant);
-        let mut drawn = self.clone();
-        drawn.camera.optics.focal_px = draws.between(0, self.ranges.focal_px);
+    pub fn with_sampled_plant(&self, seed: u64) -> Self {
+        let rng = CounterRng::new(seed, Stream::Plant);
+        let mut sampled = self.clone();
+        sampled.camera.optics.focal_px = rng.between(0, self.ranges.focal_px);
         let axis = |nominal: &AxisPlant, ranges: &AxisRanges, first: u64| {
             let mut axis = *nominal;
-            axis.start_dead_time_s = draws.between(first, ranges.start_dead_time_s);
-            axis.stop_dead_time_s = draws.between(first + 1, ranges.stop_dead_time_s);
-            axis.lag_s = draws.between(first + 2, ranges.lag_s);
-            axis.flaws.gain = draws.between(first + 3, ranges.gain);
+            axis.start_dead_time_s = rng.between(first, ranges.start_dead_time_s);
+            axis.stop_dead_time_s = rng.between(first + 1, ranges.stop_dead_time_s);
+            axis.lag_s = rng.between(first + 2, ranges.lag_s);
+            axis.imperfections.gain = rng.between(first + 3, ranges.gain);
             axis
         };
-        drawn.mount = MountPlant {
+        sampled.mount = MountPlant {
             pan: axis(&self.mount.pan, &self.ranges.pan, 1),
             tilt: axis(&self.mount.tilt, &self.ranges.tilt, 5),
-            cross_talk: draws.between(9, self.ranges.cross_talk),
-            droop_rad_per_s: draws.between(10, self.ranges.droop_rad_per_s),
+            cross_talk: rng.between(9, self.ranges.cross_talk),
+            droop_rad_per_s: rng.between(10, self.ranges.droop_rad_per_s),
         };
-        drawn
+        sampled
     }
 }
 
 impl CameraSetup {
-    /// Ticks from one picture to the next.
+    /// Ticks from one video frame to the next.
     pub const fn ticks_per_picture(&self) -> u64 {
         (TICKS_PER_SECOND / self.pictures_per_second) as u64
     }
 
-    /// What a picture takes to the pilot at least.
+    /// Least latency of the video.
     pub fn latency(&self) -> Duration {
         Duration::from_secs_f64(self.video.latency_s)
     }
 }
 
 impl FirstView {
-    /// By what the first view of a trial is off: pan and tilt.
-    pub(crate) fn off(&self, seed: u64) -> (Angle, Angle) {
-        let draws = Draws::of(seed, Stream::FirstView);
-        let off =
-            |mean: f64, deviation: f64, index| Angle::from_radians(mean + deviation * draws.normal(index));
-        (off(self.mean.0, self.deviation.0, 0), off(self.mean.1, self.deviation.1, 1))
+    /// Offset of a trial's first view: pan and tilt.
+    pub(crate) fn sampled_offset(&self, seed: u64) -> (Angle, Angle) {
+        let rng = CounterRng::new(seed, Stream::FirstView);
+        let off = |mean: f64, std_dev: f64, index| Angle::from_radians(mean + std_dev * rng.normal(index));
+        (off(self.mean.0, self.std_dev.0, 0), off(self.mean.1, self.std_dev.1, 1))
     }
 }

@@ -1,70 +1,72 @@
-//! What lies or drifts beside the target, and where it is at any tick.
+//! The objects beside the target: where they are at any tick.
 
 use barrelman_vocab::Angle;
 
-use crate::camera_axis::TICK_S;
-use crate::chance::{Draws, Stream};
 use crate::pose::{BodyPose, WorldPoint};
+use crate::random::{CounterRng, Stream};
 use crate::sea::Sea;
-use crate::snapshot::{Thing, ThingKind};
+use crate::snapshot::{ObjectKind, SceneObject};
+use crate::tick::TICK_S;
 
-/// A thing and how it moves.
+/// An object and its motion.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ThingScript {
-    /// What it is.
-    pub kind: ThingKind,
-    /// Where it is at the start, metres.
+pub struct ObjectScript {
+    /// Kind of the object.
+    pub kind: ObjectKind,
+    /// Initial position along x and y, metres.
     pub at: (f64, f64),
-    /// Standard deviation of that place from trial to trial, metres.
+    /// Standard deviation of each initial coordinate from trial to trial, metres.
     pub jitter_m: f64,
-    /// How it lies: 0 along x, anticlockwise.
+    /// Heading: 0 along x, anticlockwise.
     pub heading: Angle,
-    /// Its velocity along x and y, m/s.
+    /// Initial velocity along x and y, m/s.
     pub velocity_m_per_s: (f64, f64),
-    /// It goes to and fro: after so many seconds it turns round. `None`: it goes on for ever.
+    /// Time after which the object reverses, again and again, seconds; `None`: never.
     pub turns_after_s: Option<f64>,
 }
 
-/// All things of a trial.
+/// All objects of a trial beside the target.
 #[derive(Debug, Clone)]
 pub struct Scenery {
-    things: Vec<(ThingScript, (f64, f64), u64)>,
+    objects: Vec<(ObjectScript, (f64, f64), u64)>,
 }
 
 impl Scenery {
-    /// Those of a trial.
-    pub fn new(scripts: &[ThingScript], seed: u64) -> Self {
-        let draws = Draws::of(seed, Stream::Scenery);
-        let things = scripts.iter().enumerate().map(|(index, script)| {
-            let off = |which: u64| script.jitter_m * draws.normal(4 * index as u64 + which);
+    /// The objects of a trial.
+    pub fn new(scripts: &[ObjectScript], seed: u64) -> Self {
+        let rng = CounterRng::new(seed, Stream::Scenery);
+        let objects = scripts.iter().enumerate().map(|(index, script)| {
+            let off = |which: u64| script.jitter_m * rng.normal(4 * index as u64 + which);
             let own_seed = seed.wrapping_mul(0x9E37_79B9).wrapping_add(index as u64);
             (script.clone(), (script.at.0 + off(0), script.at.1 + off(1)), own_seed)
         });
-        Self { things: things.collect() }
+        Self { objects: objects.collect() }
     }
 
-    /// Puts them into `out` as they are at a tick; what floats rides the waves.
-    pub fn show(&self, tick: u64, sea: Option<&Sea>, out: &mut Vec<Thing>) {
+    /// Writes the objects at a tick into `out`, reusing its memory; floating objects follow the waves.
+    pub fn write_objects(&self, tick: u64, sea: Option<&Sea>, out: &mut Vec<SceneObject>) {
         out.clear();
-        out.extend(self.things.iter().map(|(script, start, seed)| {
+        out.extend(self.objects.iter().map(|(script, start, seed)| {
             let at_s = tick as f64 * TICK_S;
-            // There and back again: a triangle of the time.
-            let gone_s = script.turns_after_s.map_or(at_s, |turn_s| {
+            // There and back: a triangle wave of the time.
+            let elapsed_s = script.turns_after_s.map_or(at_s, |turn_s| {
                 let phase = at_s % (2.0 * turn_s);
                 if phase < turn_s { phase } else { 2.0 * turn_s - phase }
             });
-            let (x, y) =
-                (start.0 + gone_s * script.velocity_m_per_s.0, start.1 + gone_s * script.velocity_m_per_s.1);
+            let (x, y) = (
+                start.0 + elapsed_s * script.velocity_m_per_s.0,
+                start.1 + elapsed_s * script.velocity_m_per_s.1,
+            );
             let fixed =
-                matches!(script.kind, ThingKind::Pier { .. } | ThingKind::Shore | ThingKind::FloorMark);
-            let surface = sea.filter(|_| !fixed).map(|sea| sea.at(x, y, tick)).unwrap_or_default();
+                matches!(script.kind, ObjectKind::Pier { .. } | ObjectKind::Shore | ObjectKind::FloorMark);
+            let surface = sea.filter(|_| !fixed).map(|sea| sea.surface_at(x, y, tick)).unwrap_or_default();
             let (s, c) = libm::sincos(script.heading.radians());
             let (along, to_left) =
                 (surface.slope.0 * c + surface.slope.1 * s, -surface.slope.0 * s + surface.slope.1 * c);
-            Thing {
+            SceneObject {
                 kind: script.kind,
                 pose: BodyPose {
-                    place: WorldPoint { x, y, z: surface.elevation },
+                    position: WorldPoint { x, y, z: surface.elevation },
                     heading: script.heading,
                     pitch: Angle::from_radians(along),
                     roll: Angle::from_radians(to_left),

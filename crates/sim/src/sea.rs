@@ -1,47 +1,47 @@
-//! The sea: a sum of travelling waves that is the same for the boat that rides it and for the picture that shows it.
+//! The sea: a sum of travelling waves, the same for the boat that rides it and for the picture that shows it.
 //!
-//! The elevation of the surface over water at rest is
+//! The elevation of the surface above water at rest is
 //!
 //! ```text
 //! eta(x, y, t) = sum a_i cos(k_i . (x, y) - w_i t + p_i)        w_i^2 = g |k_i|   (deep water)
 //! ```
 //!
 //! with amplitudes a_i (m) from the JONSWAP spectrum of a sea state (`hasselmann1973`), directions spread as cos^4
-//! about the wind, and phases p_i from the seed. The wave vectors k_i (rad/m) lie on the lattice of a square tile:
-//! whole waves fit into its side, so that a renderer can draw the very same surface on a grid by a Fourier transform.
-//! The side is eight lengths of the peak's waves, so that it grows with them.
+//! about the wind, and phases p_i from the seed. The wave vectors k_i (rad/m) lie on the lattice of a square tile, so
+//! that a renderer can compute the same surface on a grid by a Fourier transform. The tile's side is eight
+//! wavelengths of the spectrum's peak.
 //!
-//! Phases are turns counted in `u32`, and a wave advances by a whole number of them in each tick: any moment can be
-//! asked for directly and is exact. What is not in here: ripples shorter than the tile's grid (they do not move a
-//! boat; the renderer adds them), breaking, currents, shallow water.
+//! Phases are `u32` fractions of a turn, and the phase of a wave changes by a whole number of them in each tick: the
+//! surface at any tick is exact. Not modelled: ripples shorter than the tile's grid (they do not move a boat; the
+//! renderer adds them), breaking, currents, shallow water.
 
 use barrelman_vocab::Angle;
 
-use crate::camera_axis::TICKS_PER_SECOND;
 use crate::noise;
+use crate::tick::TICKS_PER_SECOND;
 
 /// Gravity, m/s².
 const GRAVITY: f64 = 9.81;
-/// Peakedness of the spectrum.
+/// Peak enhancement factor of the spectrum.
 const GAMMA: f64 = 3.3;
-/// Waves of the peak along the tile's side.
+/// Wavelengths of the peak along the tile's side.
 const PEAK_WAVES: f64 = 8.0;
-/// Frequencies of the first and the last wave, in peak frequencies. The last fits a grid of 128 points.
+/// Lowest and highest frequency, in peak frequencies; the highest fits a grid of 128 points.
 const BAND: (f64, f64) = (0.6, 2.7);
-/// Steps of frequency, and waves for each.
+/// Steps of frequency, and waves for each step.
 const STEPS: u64 = 32;
 const WAVES_PER_STEP: u64 = 2;
 
-/// How rough the sea is, by the World Meteorological Organization's table: 0 glassy to 4 moderate.
+/// Sea state by the World Meteorological Organization's table: 0 (glassy) to 4 (moderate).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SeaState(u8);
 
-/// Significant height (m), peak period (s) and the wind that goes with it (m/s, 10 m above the water).
+/// Significant wave height (m), peak period (s) and associated wind (m/s, 10 m above the water).
 const STATES: [(f64, f64, f64); 5] =
     [(0.03, 1.1, 1.5), (0.08, 1.4, 3.0), (0.30, 2.4, 5.0), (0.88, 4.0, 8.0), (1.88, 5.6, 10.5)];
 
 impl SeaState {
-    /// All states that there are waves for.
+    /// All supported states.
     pub const ALL: [Self; 5] = [Self(0), Self(1), Self(2), Self(3), Self(4)];
 
     /// The state of this number, 0 to 4.
@@ -49,7 +49,7 @@ impl SeaState {
         Self::ALL.get(usize::from(number)).copied()
     }
 
-    /// Its number.
+    /// Number of the state.
     pub const fn number(self) -> u8 {
         self.0
     }
@@ -64,60 +64,60 @@ impl SeaState {
         STATES[usize::from(self.0)].1
     }
 
-    /// The wind that raises such a sea on a short fetch, m/s.
+    /// Wind that raises such a sea on a short fetch, m/s.
     pub fn wind_mps(self) -> f64 {
         STATES[usize::from(self.0)].2
     }
 }
 
-/// The wind over the water.
+/// Mean wind over the water.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wind {
-    /// 10 m above the water, m/s.
+    /// Speed 10 m above the water, m/s.
     pub speed_mps: f64,
-    /// Where it blows to: 0 along the world's x, anticlockwise as seen from above.
+    /// Direction the wind blows to: 0 along the world's x, anticlockwise as seen from above.
     pub towards: Angle,
 }
 
 /// One travelling wave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Wave {
-    /// Whole waves along the tile's sides.
+    /// Whole wavelengths along the tile's sides.
     pub(crate) lattice: (i32, i32),
     /// Wave vector in the world, rad/m.
     pub(crate) vector: (f64, f64),
-    /// Metres.
+    /// Amplitude, metres.
     pub(crate) amplitude: f64,
-    /// rad/s.
+    /// Angular frequency, rad/s.
     pub(crate) frequency: f64,
-    /// By how much the phase falls in a tick, turns of 2^32.
+    /// Decrease of the phase in a tick, in turns of 2^32.
     pub(crate) rate: u32,
-    /// Phase at tick 0 in the world's origin, turns of 2^32.
+    /// Phase at tick 0 at the world's origin, in turns of 2^32.
     pub(crate) phase: u32,
 }
 
 impl Wave {
-    /// Its phase there, radians.
+    /// Phase at a point and a tick, radians.
     pub(crate) fn phase_at(&self, x: f64, y: f64, tick: u64) -> f64 {
         let turns = self.phase.wrapping_sub(self.rate.wrapping_mul(tick as u32));
         f64::from(turns) * RADIANS_PER_TURN + self.vector.0 * x + self.vector.1 * y
     }
 
-    /// How fast the water under its crest goes along x and y, m/s.
-    pub(crate) fn drift(&self) -> (f64, f64) {
+    /// Velocity of the water under the crest along x and y, m/s.
+    pub(crate) fn crest_velocity(&self) -> (f64, f64) {
         let share = self.amplitude * self.frequency / libm::hypot(self.vector.0, self.vector.1);
         (share * self.vector.0, share * self.vector.1)
     }
 }
 
-/// The surface at one place and moment.
+/// The surface at one point and tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surface {
-    /// Over water at rest, metres.
+    /// Elevation above water at rest, metres.
     pub elevation: f64,
-    /// How the elevation grows along the world's x and y.
+    /// Gradient of the elevation along the world's x and y.
     pub slope: (f64, f64),
-    /// Velocity of the water at the surface along x, y and z, m/s: it circles as waves pass.
+    /// Velocity of the water at the surface along x, y and z, m/s (orbital motion).
     pub velocity: (f64, f64, f64),
 }
 
@@ -132,7 +132,7 @@ pub struct Sea {
 }
 
 impl Sea {
-    /// The sea of this state under this wind. The same arguments give the same waves.
+    /// The sea of a state under a wind. Equal arguments give equal waves.
     pub fn new(state: SeaState, wind: Wind, seed: u64) -> Self {
         let peak = core::f64::consts::TAU / state.peak_period_s();
         let peak_length = core::f64::consts::TAU * GRAVITY / (peak * peak);
@@ -145,11 +145,14 @@ impl Sea {
             for of_step in 0..WAVES_PER_STEP {
                 let index = step * WAVES_PER_STEP + of_step;
                 let found = (0..TRIES).find_map(|attempt| {
-                    let draw = |stream| noise::unit(seed, stream, index * TRIES + attempt);
-                    let relative = lower + width * draw(FREQUENCY);
-                    let lattice = on_lattice(relative, wind.towards.radians() + spread(seed, index, attempt));
-                    let taken = waves.iter().any(|wave| wave.lattice == lattice);
-                    (lattice != (0, 0) && !taken).then_some((lattice, relative))
+                    let sample = |stream| noise::unit(seed, stream, index * TRIES + attempt);
+                    let relative = lower + width * sample(FREQUENCY);
+                    let lattice = lattice_point(
+                        relative,
+                        wind.towards.radians() + sampled_direction(seed, index, attempt),
+                    );
+                    let is_taken = waves.iter().any(|wave| wave.lattice == lattice);
+                    (lattice != (0, 0) && !is_taken).then_some((lattice, relative))
                 });
                 if let Some((lattice, relative)) = found {
                     let variance = jonswap(relative) * width / WAVES_PER_STEP as f64;
@@ -158,14 +161,14 @@ impl Sea {
             }
         }
         let variance: f64 = waves.iter().map(|wave| 0.5 * wave.amplitude * wave.amplitude).sum();
-        let wanted = state.significant_height_m() / 4.0;
-        let scale = wanted / libm::sqrt(variance);
+        let std_dev = state.significant_height_m() / 4.0;
+        let scale = std_dev / libm::sqrt(variance);
         waves.iter_mut().for_each(|wave| wave.amplitude *= scale);
         Self { state, wind, seed, side_m, waves }
     }
 
-    /// The surface at this place of the world at this tick.
-    pub fn at(&self, x: f64, y: f64, tick: u64) -> Surface {
+    /// The surface at a point of the world and a tick.
+    pub fn surface_at(&self, x: f64, y: f64, tick: u64) -> Surface {
         let mut surface = Surface::default();
         for wave in &self.waves {
             let turns = wave.phase.wrapping_sub(wave.rate.wrapping_mul(tick as u32));
@@ -183,18 +186,18 @@ impl Sea {
         surface
     }
 
-    /// Its state.
+    /// Sea state.
     pub fn state(&self) -> SeaState {
         self.state
     }
 
-    /// The wind over it.
+    /// Mean wind.
     pub fn wind(&self) -> Wind {
         self.wind
     }
 
-    /// Side of the square after which the waves repeat themselves, metres.
-    pub fn side_m(&self) -> f64 {
+    /// Period of the waves along x and y, metres.
+    pub fn tile_side_m(&self) -> f64 {
         self.side_m
     }
 
@@ -207,16 +210,16 @@ impl Sea {
     }
 }
 
-/// Streams of chance.
+/// Streams of random numbers.
 const FREQUENCY: u64 = 0x5EA0;
 const DIRECTION: u64 = 0x5EA1;
 const PHASE: u64 = 0x5EA2;
-/// Draws for a wave whose place on the lattice is taken.
+/// Attempts to find a free lattice point for a wave, and to sample a direction.
 const TRIES: u64 = 64;
 const RADIANS_PER_TURN: f64 = core::f64::consts::TAU / 4_294_967_296.0;
 
-/// A direction about the wind, radians, with density cos^4: drawn by rejection.
-fn spread(seed: u64, index: u64, attempt: u64) -> f64 {
+/// A direction relative to the wind, radians, with density cos^4: sampled by rejection.
+fn sampled_direction(seed: u64, index: u64, attempt: u64) -> f64 {
     for round in 0..TRIES {
         let at = ((index * TRIES + attempt) * TRIES + round) * 2;
         let angle = (noise::unit(seed, DIRECTION, at) - 0.5) * core::f64::consts::PI;
@@ -228,14 +231,14 @@ fn spread(seed: u64, index: u64, attempt: u64) -> f64 {
     0.0
 }
 
-/// The lattice point next to a wave of this frequency (in peak frequencies) and direction (radians from x).
-fn on_lattice(relative: f64, direction: f64) -> (i32, i32) {
+/// The lattice point nearest to a wave of this frequency (in peak frequencies) and direction (radians from x).
+fn lattice_point(relative: f64, direction: f64) -> (i32, i32) {
     let waves = PEAK_WAVES * relative * relative;
     let (sin, cos) = libm::sincos(direction);
     (libm::rint(waves * cos) as i32, libm::rint(waves * sin) as i32)
 }
 
-/// The JONSWAP spectrum in units of its own, over the frequency in peak frequencies.
+/// The JONSWAP spectrum without its scale, over the frequency in peak frequencies.
 fn jonswap(w: f64) -> f64 {
     let s = if w <= 1.0 { 0.07 } else { 0.09 };
     let d = (w - 1.0) / s;
@@ -243,15 +246,16 @@ fn jonswap(w: f64) -> f64 {
     libm::exp(-1.25 / w4) / (w4 * w) * libm::pow(GAMMA, libm::exp(-0.5 * d * d))
 }
 
-fn wave(lattice: (i32, i32), side_m: f64, variance: f64, chance: u64) -> Wave {
+fn wave(lattice: (i32, i32), side_m: f64, variance: f64, random: u64) -> Wave {
     let unit = core::f64::consts::TAU / side_m;
     let vector = (unit * f64::from(lattice.0), unit * f64::from(lattice.1));
     let (frequency, rate) = deep_water(libm::hypot(vector.0, vector.1));
     let amplitude = libm::sqrt(2.0 * variance);
-    Wave { lattice, vector, amplitude, frequency, rate, phase: (chance >> 32) as u32 }
+    Wave { lattice, vector, amplitude, frequency, rate, phase: (random >> 32) as u32 }
 }
 
-/// Frequency (rad/s) of a wave in deep water by its wave number (rad/m), and its phase in a tick, turns of 2^32.
+/// Angular frequency (rad/s) of a deep-water wave of this wave number (rad/m), and its phase change in a tick, in
+/// turns of 2^32.
 pub(crate) fn deep_water(wave_number: f64) -> (f64, u32) {
     let exact = libm::sqrt(GRAVITY * wave_number);
     let per_tick = exact / RADIANS_PER_TURN / f64::from(TICKS_PER_SECOND);

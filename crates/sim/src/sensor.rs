@@ -1,39 +1,38 @@
-//! Truth as a noisy localisation, for trials without pixels.
+//! Localisations made from the truth with noise, for trials without pixels.
 
 use barrelman_vocab::{ImagePoint, Localisation, PixelBox};
 
-use crate::chance::{Draws, Stream, Wandering};
-use crate::scenario::{BeyondBorder, CameraSetup, Sensing};
+use crate::random::{CounterRng, OrnsteinUhlenbeckProcess, Stream};
+use crate::scenario::{BeyondBorder, CameraSetup, SensorModel};
 use crate::world::Truth;
 
-/// Measures truth.
+/// Measures the target's place in the picture.
 #[derive(Debug, Clone)]
-pub struct Sensor {
-    sensing: Sensing,
+pub struct LocalisationSensor {
+    sensing: SensorModel,
     camera: CameraSetup,
-    across: Wandering,
-    upward: Wandering,
+    across: OrnsteinUhlenbeckProcess,
+    upward: OrnsteinUhlenbeckProcess,
     tick: u64,
 }
 
-impl Sensor {
+impl LocalisationSensor {
     /// The sensor of a trial.
-    pub fn new(sensing: Sensing, camera: CameraSetup, seed: u64) -> Self {
-        let noise = |stream| Wandering::new(sensing.noise, Draws::of(seed, stream));
+    pub fn new(sensing: SensorModel, camera: CameraSetup, seed: u64) -> Self {
+        let noise = |stream| OrnsteinUhlenbeckProcess::new(sensing.noise, CounterRng::new(seed, stream));
         Self { sensing, camera, across: noise(Stream::Sensor), upward: noise(Stream::SensorUpward), tick: 0 }
     }
 
-    /// What is measured of that truth, which is not older than the one before; `None` where the target is not to be
-    /// seen.
-    pub fn sense(&mut self, truth: &Truth) -> Option<Localisation> {
+    /// Measures a truth, which must not be older than the one before. `None` where the target is not visible.
+    pub fn measure(&mut self, truth: &Truth) -> Option<Localisation> {
         while self.tick < truth.tick {
             self.across.advance(self.tick);
             self.upward.advance(self.tick);
             self.tick += 1;
         }
-        let measured = |true_px: f64, noise: Wandering| {
+        let measured = |true_px: f64, noise: OrnsteinUhlenbeckProcess| {
             let noisy = true_px + noise.value();
-            if self.sensing.rounded { libm::rint(noisy) } else { noisy }
+            if self.sensing.is_rounded { libm::rint(noisy) } else { noisy }
         };
         let (x, y) = (measured(truth.image.x, self.across), measured(truth.image.y, self.upward));
         let (x, y) = match self.sensing.beyond_border {

@@ -1,47 +1,47 @@
-//! What there is to see at one moment: the seam between the world, which moves, and the renderer, which draws.
+//! What is visible at one moment: the interface between the world and the renderer.
 
 use barrelman_vocab::Angle;
 
 use crate::pose::{BodyPose, CameraPose, WorldPoint};
 
-/// The world at one moment.
+/// The visible world at one moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
-    /// Ticks since the trial's start ([`crate::camera_axis::TICKS_PER_SECOND`] in a second).
+    /// Ticks since the start of the trial ([`crate::tick::TICKS_PER_SECOND`]).
     pub tick: u64,
-    /// The camera as the picture's first row is taken.
+    /// Camera pose when the first row is exposed.
     pub first_row: CameraPose,
-    /// The camera as its last row is taken: a rolling shutter takes one after the other.
+    /// Camera pose when the last row is exposed (rolling shutter).
     pub last_row: CameraPose,
-    /// How the light falls.
+    /// Sun and sky.
     pub light: Light,
-    /// What is under everything.
+    /// The ground under all objects.
     pub ground: Ground,
-    /// The target that the trial is about.
+    /// The target of the trial.
     pub target: Target,
-    /// Everything else.
-    pub things: Vec<Thing>,
-    /// How the camera's electronics have it at the moment.
+    /// All other objects.
+    pub objects: Vec<SceneObject>,
+    /// Present state of the camera's electronics.
     pub sensor: SensorState,
 }
 
-/// The light.
+/// Sun and sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    /// Where the sun stands: 0 along the world's y, positive to the right.
+    /// Bearing of the sun: 0 along the world's y, positive to the right.
     pub sun_bearing: Angle,
-    /// Its height above the horizon.
+    /// Elevation of the sun above the horizon.
     pub sun_elevation: Angle,
     /// 0: a clear sky; 1: overcast, no sun.
     pub overcast: f64,
 }
 
-/// What is under everything.
+/// The ground under all objects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ground {
-    /// The laboratory's floor, on which the arena's marks are drawn.
+    /// The laboratory's floor with the marks of its arena.
     Floor,
-    /// Open water; its waves are those of the scenario's sea.
+    /// Open water; the renderer's settings hold its waves.
     Water,
 }
 
@@ -50,37 +50,37 @@ pub enum Ground {
 pub enum Target {
     /// A rescue boat.
     Boat(Boat),
-    /// The red thing that was moved over the laboratory's floor by hand.
+    /// The red target that was moved over the laboratory's floor by hand.
     FloorTarget(BodyPose),
 }
 
-/// A rescue boat, as it is seen.
+/// Visible state of a rescue boat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Boat {
-    /// Where it lies and how.
+    /// Position and attitude.
     pub pose: BodyPose,
-    /// Its velocity over ground along the world's x and y, m/s.
+    /// Velocity over ground along the world's x and y, m/s.
     pub velocity: (f64, f64),
-    /// Thrust of its jet as a share of the largest, -1 to 1.
+    /// Thrust of the jet as a share of full thrust, -1 to 1.
     pub thrust: f64,
-    /// How its jet is turned, positive to the left.
+    /// Angle of the nozzle, positive to the left.
     pub nozzle: Angle,
 }
 
-/// A thing that is not the target.
+/// An object other than the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Thing {
-    /// What it is.
-    pub kind: ThingKind,
-    /// Where it lies and how.
+pub struct SceneObject {
+    /// What the object is.
+    pub kind: ObjectKind,
+    /// Position and attitude.
     pub pose: BodyPose,
-    /// What tells it from others of its kind: its paint, its shape.
+    /// Seed of the object's individual appearance.
     pub seed: u64,
 }
 
-/// What there may be beside the target.
+/// Kinds of objects beside the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ThingKind {
+pub enum ObjectKind {
     /// A mark of the arena, painted on the floor.
     FloorMark,
     /// A buoy.
@@ -91,39 +91,39 @@ pub enum ThingKind {
     LifeJacket,
     /// A person in the water.
     Swimmer,
-    /// Another craft in the boat's colour, without its deck.
+    /// Another craft in the boat's colour, without deck gear.
     RedCraft,
-    /// A pier of this length and breadth, metres, along its heading, its deck 1.2 m above the water.
+    /// A pier along its heading, its deck 1.2 m above the water.
     Pier {
-        /// Along its heading.
+        /// Length along the heading, metres.
         length_m: f64,
-        /// Across.
+        /// Breadth, metres.
         breadth_m: f64,
     },
-    /// A shore that begins at its place and lies to the left of its heading, with trees, huts, and red and orange
-    /// things on it.
+    /// A shore that begins at its position and lies to the left of its heading, with trees, huts, and red and orange
+    /// crates.
     Shore,
 }
 
-/// Gains that drift while the camera runs.
+/// Drifting gains of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorState {
-    /// Brightness, as a factor; 1 is as it should be.
+    /// Brightness factor; nominally 1.
     pub exposure: f64,
-    /// Red and blue, as factors; 1 is as it should be.
+    /// Gain of red; nominally 1.
     pub red: f64,
-    /// As `red`.
+    /// Gain of blue; nominally 1.
     pub blue: f64,
-    /// How long each row is exposed, seconds.
+    /// Exposure time of each row, seconds.
     pub exposure_s: f64,
 }
 
 impl Target {
-    /// The middle of its waterline, or where it touches the floor.
-    pub fn place(&self) -> WorldPoint {
+    /// Middle of the waterline, or the point of contact with the floor.
+    pub fn position(&self) -> WorldPoint {
         match self {
-            Self::Boat(boat) => boat.pose.place,
-            Self::FloorTarget(pose) => pose.place,
+            Self::Boat(boat) => boat.pose.position,
+            Self::FloorTarget(pose) => pose.position,
         }
     }
 }

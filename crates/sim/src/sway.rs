@@ -1,71 +1,71 @@
-//! How a kite that is not commanded moves all the same, as far as the recorded trials tell: each of its angles
-//! and each coordinate of its place wanders by itself.
+//! The sway of a platform that is not commanded, as far as the recorded trials tell: each angle and each coordinate
+//! is an independent random process.
 //!
-//! No physics stand behind it: for a kite on its tether in the wind see [`crate::kite`].
+//! This is a description, not physics; for a kite on its tether in the wind see [`crate::kite`].
 
 use barrelman_vocab::Angle;
 
-use crate::chance::{Draws, Stream, Wander, Wandering};
 use crate::pose::WorldPoint;
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 
-/// How much it sways.
+/// Parameters of the sway.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sway {
     /// About the vertical, radians.
-    pub yaw: Wander,
-    /// Up and down, radians.
-    pub pitch: Wander,
+    pub yaw: OrnsteinUhlenbeck,
+    /// Upwards, radians.
+    pub pitch: OrnsteinUhlenbeck,
     /// About the line of sight, radians.
-    pub roll: Wander,
-    /// In each coordinate, metres.
-    pub place: Wander,
+    pub roll: OrnsteinUhlenbeck,
+    /// Of each coordinate, metres.
+    pub position: OrnsteinUhlenbeck,
 }
 
 impl Sway {
-    /// None at all.
+    /// No sway.
     pub const STILL: Self = {
-        let none = Wander { deviation: 0.0, time_s: 1.0 };
-        Self { yaw: none, pitch: none, roll: none, place: none }
+        let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
+        Self { yaw: none, pitch: none, roll: none, position: none }
     };
 }
 
-/// A kite that sways.
+/// A platform that sways.
 #[derive(Debug, Clone)]
-pub struct Swaying {
-    yaw: Wandering,
-    pitch: Wandering,
-    roll: Wandering,
-    place: [Wandering; 3],
+pub struct SwayingPlatform {
+    yaw: OrnsteinUhlenbeckProcess,
+    pitch: OrnsteinUhlenbeckProcess,
+    roll: OrnsteinUhlenbeckProcess,
+    position: [OrnsteinUhlenbeckProcess; 3],
 }
 
-impl Swaying {
+impl SwayingPlatform {
     /// The sway of a trial.
     pub fn new(sway: &Sway, seed: u64) -> Self {
-        let wandering = |wander, stream| Wandering::new(wander, Draws::of(seed, stream));
+        let process = |model, stream| OrnsteinUhlenbeckProcess::new(model, CounterRng::new(seed, stream));
         Self {
-            yaw: wandering(sway.yaw, Stream::SwayYaw),
-            pitch: wandering(sway.pitch, Stream::SwayPitch),
-            roll: wandering(sway.roll, Stream::SwayRoll),
-            place: [
-                wandering(sway.place, Stream::SwayX),
-                wandering(sway.place, Stream::SwayY),
-                wandering(sway.place, Stream::SwayZ),
+            yaw: process(sway.yaw, Stream::SwayYaw),
+            pitch: process(sway.pitch, Stream::SwayPitch),
+            roll: process(sway.roll, Stream::SwayRoll),
+            position: [
+                process(sway.position, Stream::SwayX),
+                process(sway.position, Stream::SwayY),
+                process(sway.position, Stream::SwayZ),
             ],
         }
     }
 
-    /// Advances through a tick.
+    /// Advances by a tick.
     pub fn advance(&mut self, tick: u64) {
         self.yaw.advance(tick);
         self.pitch.advance(tick);
         self.roll.advance(tick);
-        for coordinate in &mut self.place {
+        for coordinate in &mut self.position {
             coordinate.advance(tick);
         }
     }
 
-    /// By what the camera is turned: yaw to the right, pitch upwards, roll with its right side sinking.
-    pub const fn turns(&self) -> (Angle, Angle, Angle) {
+    /// Offset of the camera's attitude: yaw to the right, pitch upwards, roll with the right side sinking.
+    pub const fn attitude_offset(&self) -> (Angle, Angle, Angle) {
         (
             Angle::from_radians(self.yaw.value()),
             Angle::from_radians(self.pitch.value()),
@@ -73,9 +73,9 @@ impl Swaying {
         )
     }
 
-    /// By what it is displaced.
+    /// Displacement of the camera.
     pub const fn displacement(&self) -> WorldPoint {
-        let [x, y, z] = &self.place;
+        let [x, y, z] = &self.position;
         WorldPoint { x: x.value(), y: y.value(), z: z.value() }
     }
 }

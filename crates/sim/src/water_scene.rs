@@ -1,140 +1,101 @@
 //! Test scenes for a tracker: a boat on rough water under a moving camera, with the exact truth of each frame.
 //!
-//! A scene is a stand-in for video from 15 to 60 m above the water: the boat is under way, turns and stops; the
-//! camera follows it with pans and sway, and may lose it. It is a pure function of its script and seed, the same
-//! to the bit on every machine, and every frame can be drawn by itself. The water is a flat plane (`view.rs`) that
-//! a camera sees at a fixed depression of 40 to 80 degrees, drawn from the seed like the water's colour and
-//! roughness, the light, the lens's blur, the exposure and the sensor's noise.
+//! A scene stands in for video from 15 to 60 m above the water: the boat moves, turns and stops; the camera follows
+//! with pans and sway, and may lose the boat. A scene is a pure function of its script and seed, with the same bits
+//! on every machine, and each frame can be rendered on its own. The water is a flat plane (`view.rs`) seen at a fixed
+//! depression of 40 to 80 degrees. The seed determines the depression, the colour and roughness of the water, the
+//! light, the lens blur, the exposure and the sensor noise.
 //!
 //! Not handled: perspective within a picture, roll, rolling shutter, reflections, spray over the hull, rain,
 //! compression.
 
+mod script;
+
+mod boat_motion;
+mod camera_motion;
 mod canvas;
-mod chance;
 mod colour;
 mod conditions;
 mod framing;
-mod helm;
+mod object;
 mod outline;
+mod placement;
+mod rng;
 mod scenery;
 mod shore;
-mod thing;
+mod trajectory;
 mod view;
-mod voyage;
 mod wake;
 mod water;
 mod waves;
 
+pub use self::script::{SceneKind, SceneScript, TargetPaint};
+
 use barrelman_vocab::{Angle, Picture, PictureSize, PixelBox, PixelPoint};
 
 use self::canvas::{Canvas, Sensor};
-use self::chance::Chance;
 use self::conditions::{Conditions, REFERENCE};
+use self::object::{Body, ObjectExposure, PaintScheme, PlanePose, SceneObject};
 use self::outline::{Outline, Shape};
-use self::scenery::{MOST_DISTRACTORS, Site};
+use self::placement::{MAX_DISTRACTORS, PlacementContext};
+use self::rng::Rng;
+use self::script::FRAMES_PER_SECOND;
 use self::shore::Shore;
-use self::thing::{Berth, Body, Livery, Shot, Thing};
-use self::voyage::Voyage;
+use self::trajectory::Trajectory;
 use self::wake::Wake;
 use self::water::Water;
 use crate::noise;
 
-/// Frames per second of every scene.
-const FRAMES_PER_SECOND: u32 = 30;
-/// The hull's length is held to this share of the picture's shorter side, so that the boat has room to move.
-const LONGEST_HULL_SHARE: f64 = 0.3;
-/// The hull's length is at least this, px: below, bow and stern cannot be told apart.
-const SHORTEST_HULL_PX: f64 = 8.0;
-/// From this speed on the boat counts as under way, hull lengths per second.
-const UNDER_WAY: f64 = 0.3;
+/// Upper bound of the hull's length as a share of the picture's shorter side, so that the boat has room to move.
+const MAX_HULL_SHARE: f64 = 0.3;
+/// Lower bound of the hull's length, px: below it, bow and stern cannot be told apart.
+const MIN_HULL_PX: f64 = 8.0;
+/// A boat at this speed or more is under way, hull lengths per second.
+const MIN_UNDER_WAY_SPEED: f64 = 0.3;
 
-/// Streams of chance: what is drawn for one part of a scene does not change another.
+/// Random streams: what is sampled for one part of a scene does not change another part.
 mod stream {
     pub(super) const CONDITIONS: u64 = 1;
     pub(super) const BOAT: u64 = 2;
-    pub(super) const VOYAGE: u64 = 3;
+    pub(super) const TRAJECTORY: u64 = 3;
     pub(super) const SHORE: u64 = 4;
     pub(super) const DISTRACTORS: u64 = 5;
     pub(super) const CLUTTER: u64 = 6;
     pub(super) const SENSOR: u64 = 7;
-    /// And the three that follow.
+    /// This stream and the three that follow.
     pub(super) const WATER: u64 = 10;
 }
 
-/// What happens in a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SceneKind {
-    /// The boat is under way, turns, stops, shrinks and grows (by a factor of up to 2); always in view.
-    Manoeuvre,
-    /// The boat leaves the picture and comes back, at the same or another border, because the camera pans or the
-    /// boat drives; nothing of it shows for 3 to 8 s, and after that it is back for 3 s at least. As often as the
-    /// length allows: a clip of less than 15 s may have no exit. Nothing else has the boat's colour.
-    ExitAndReturn,
-    /// The same with things of the boat's very paint, of half to twice its area: buoys, rafts, roofs that pass
-    /// through the picture or stay in it, some where the boat leaves or comes back. At most two in view at once.
-    ExitAndReturnWithDistractor,
-}
-
-/// The hull's paint. Every boat has a darker cockpit, a stripe across the bow (light, or blue on a white hull) and
-/// a dark engine at the stern.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum TargetPaint {
-    /// Signal red.
-    Red,
-    /// Lifeboat orange.
-    Orange,
-    /// White, like foam.
-    White,
-    /// Grey, like much water.
-    Grey,
-}
-
-/// What is asked of a scene; the rest is drawn from the seed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SceneScript {
-    /// What happens.
-    pub kind: SceneKind,
-    /// Size of the pictures; 1280 x 720 is what lengths and speeds are made for, others scale with the width.
-    pub size: PictureSize,
-    /// Length of the hull when the clip begins and the boat lies across the picture, px, 20 to 200; held to 0.3 of
-    /// the picture's shorter side.
-    pub boat_px: f64,
-    /// Length of the clip, s.
-    pub seconds: f64,
-    /// The hull's paint.
-    pub target: TargetPaint,
-}
-
-/// Where everything is in one frame, at the middle of its exposure. Shapes are those of the drawn silhouette before
-/// blur.
+/// Where everything is in one frame, at the middle of its exposure. Shapes are those of the rendered silhouette
+/// before blur.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneTruth {
-    /// Time since the clip's beginning, s.
+    /// Time since the start of the clip, s.
     pub time_s: f64,
-    /// Upright box around what of the boat is in the picture (the wake is not the boat); empty when nothing is.
+    /// Upright box around the boat's part in the picture, without the wake; empty where the boat is outside.
     pub bounds: PixelBox,
-    /// Share of the boat's silhouette that is in the picture, 0..=1.
-    pub visible: f64,
+    /// Share of the boat's silhouette in the picture, 0 to 1.
+    pub visible_share: f64,
     /// Middle of the hull's centre line, halfway from stern to bow; may lie outside the picture.
     pub centre: PixelPoint,
-    /// Direction in the picture of the hull's centre line, towards the bow, anticlockwise from image right, within
-    /// +-180 degrees.
-    /// A squashed hull is not symmetric about it: for the principal axis see [`WaterScene::silhouette_axis`].
+    /// Direction of the hull's centre line in the picture, towards the bow, anticlockwise from image right, within
+    /// +-180 degrees. A foreshortened hull is not symmetric about it; for the principal axis see
+    /// [`WaterScene::silhouette_axis`].
     pub heading: Angle,
     /// Length of the hull's centre line in the picture, px.
     pub major_px: f64,
-    /// Extent of the silhouette across the centre line's direction in the picture, px.
+    /// Extent of the silhouette across the centre line, px.
     pub minor_px: f64,
     /// Whether the boat moves over the water at more than 0.3 hull lengths per second.
-    pub under_way: bool,
-    /// How a resting thing at the picture's centre shifted since the frame before, px (u right, v down). Where the
-    /// camera zooms, others shift by up to 1.5 px more.
+    pub is_under_way: bool,
+    /// Shift of a resting point at the centre of the picture since the frame before, px (u right, v down). Where the
+    /// camera zooms, other points shift by up to 1.5 px more.
     pub camera_shift: (f64, f64),
-    /// Boxes around what of the distractors is in the picture; empty where there is none.
-    pub distractors: [PixelBox; MOST_DISTRACTORS],
+    /// Boxes around the distractors' parts in the picture; empty boxes where there are fewer.
+    pub distractors: [PixelBox; MAX_DISTRACTORS],
 }
 
-/// A scene, ready to be drawn.
+/// A scene, ready to be rendered.
 #[derive(Debug, Clone)]
 pub struct WaterScene {
     script: SceneScript,
@@ -143,64 +104,64 @@ pub struct WaterScene {
     conditions: Conditions,
     boat: Body,
     wake_strength: f64,
-    voyage: Voyage,
+    trajectory: Trajectory,
     shore: Option<Shore>,
-    clutter: Vec<Thing>,
-    distractors: Vec<Thing>,
+    clutter: Vec<SceneObject>,
+    distractors: Vec<SceneObject>,
     water: Water,
     wake: Wake,
     canvas: Canvas,
 }
 
 impl WaterScene {
-    /// Plans the whole clip. Takes as long as drawing a few frames.
+    /// Plans the whole clip, which takes as long as rendering a few frames.
     pub fn new(script: SceneScript, seed: u64) -> Self {
         let shorter = f64::from(script.size.width.min(script.size.height));
         let relative = f64::from(script.size.width) / f64::from(REFERENCE.width);
-        let hull = script.boat_px.min(LONGEST_HULL_SHARE * shorter).max(SHORTEST_HULL_PX);
+        let hull = script.boat_px.min(MAX_HULL_SHARE * shorter).max(MIN_HULL_PX);
         let frames = ((script.seconds * f64::from(FRAMES_PER_SECOND)).round() as u64).max(1);
         let conditions = Conditions::new(&script, hull, seed, stream::CONDITIONS);
 
-        let mut chance = Chance::new(seed, stream::BOAT);
-        let fullness = chance.between(1.6, 2.8);
-        let outline = Outline::new(Shape::Hull { fullness }, hull, hull * chance.between(0.3, 0.46));
-        let paint = colour::yuv(colour::hull(script.target, &mut chance));
-        let cockpit = [chance.between(34.0, 80.0), chance.between(36.0, 80.0), chance.between(40.0, 84.0)];
+        let mut rng = Rng::new(seed, stream::BOAT);
+        let fullness = rng.uniform(1.6, 2.8);
+        let outline = Outline::new(Shape::Hull { fullness }, hull, hull * rng.uniform(0.3, 0.46));
+        let paint = colour::yuv(colour::hull(script.target, &mut rng));
+        let cockpit = [rng.uniform(34.0, 80.0), rng.uniform(36.0, 80.0), rng.uniform(40.0, 84.0)];
         let stripe = match script.target {
             TargetPaint::White => [60.0, 90.0, 160.0],
             _ => [222.0, 222.0, 214.0],
         };
-        let livery = Livery::Boat {
+        let paint_scheme = PaintScheme::Boat {
             hull: paint,
             cockpit: colour::yuv(cockpit),
             stripe: colour::yuv(stripe),
             engine: colour::yuv([28.0, 28.0, 32.0]),
         };
-        let wake_strength = chance.between(0.3, 1.3);
+        let wake_strength = rng.uniform(0.3, 1.3);
 
         let count = frames as usize;
-        let voyage = Voyage::new(&script, count, &outline, &conditions, Chance::new(seed, stream::VOYAGE));
-        let site = Site {
-            voyage: &voyage,
+        let trajectory =
+            Trajectory::new(&script, count, &outline, &conditions, Rng::new(seed, stream::TRAJECTORY));
+        let context = PlacementContext {
+            trajectory: &trajectory,
             frames: count,
             outline: &outline,
             paint: script.target,
-            shore: None,
             relative,
         };
-        let shore = Shore::new(&site, Chance::new(seed, stream::SHORE));
-        let site = Site { shore: shore.as_ref(), ..site };
+        let shore = Shore::new(&context, Rng::new(seed, stream::SHORE));
         let distractors = if script.kind == SceneKind::ExitAndReturnWithDistractor {
-            scenery::distractors(&site, paint, Chance::new(seed, stream::DISTRACTORS))
+            scenery::distractors(&context, shore.as_ref(), paint, Rng::new(seed, stream::DISTRACTORS))
         } else {
             Vec::new()
         };
-        let clutter = scenery::clutter(&site, &distractors, Chance::new(seed, stream::CLUTTER));
+        let clutter =
+            scenery::clutter(&context, shore.as_ref(), &distractors, Rng::new(seed, stream::CLUTTER));
 
         let canvas = Canvas::new(script.size, noise::hash(seed, stream::SENSOR, 0));
         let water = Water::new(&conditions, relative, canvas.y.width, seed, stream::WATER);
         let wake = Wake::new(&canvas.u);
-        let boat = Body { outline, livery };
+        let boat = Body { outline, paint_scheme };
         Self {
             script,
             seed,
@@ -208,7 +169,7 @@ impl WaterScene {
             conditions,
             boat,
             wake_strength,
-            voyage,
+            trajectory,
             shore,
             clutter,
             distractors,
@@ -218,44 +179,44 @@ impl WaterScene {
         }
     }
 
-    /// Frames in the clip, at least one.
+    /// Number of frames, at least one.
     pub const fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Frames per second: 30.
+    /// Frame rate: 30.
     pub const fn frames_per_second(&self) -> u32 {
         FRAMES_PER_SECOND
     }
 
-    /// The pictures' size.
+    /// Picture size.
     pub const fn size(&self) -> PictureSize {
         self.script.size
     }
 
-    /// What an operator selects in the first frame: the box around the boat. It lies within the inner 90 % of the
+    /// The operator's selection in the first frame: the box around the boat. It lies within the inner 90 % of the
     /// picture's width and height.
     pub fn selection(&self) -> PixelBox {
         self.truth(0).bounds
     }
 
-    /// Draws a frame and says where everything is in it. Frames beyond the last are like the last. The picture is
-    /// made to fit (BT.709, limited range).
-    pub fn draw(&mut self, frame: u64, out: &mut Picture) -> SceneTruth {
-        self.render(frame, true, out);
+    /// Renders a frame and returns its truth. Frames beyond the last equal the last. The picture takes the scene's
+    /// size and encoding (BT.709, limited range).
+    pub fn render(&mut self, frame: u64, out: &mut Picture) -> SceneTruth {
+        self.render_frame(frame, true, out);
         self.truth(frame)
     }
 
-    /// Draws the same picture without the boat, its wake included: what differs from [`Self::draw`] is the boat.
-    pub fn draw_without_target(&mut self, frame: u64, out: &mut Picture) {
-        self.render(frame, false, out);
+    /// Renders the same picture without the boat and its wake: the difference to [`Self::render`] is the boat.
+    pub fn render_without_target(&mut self, frame: u64, out: &mut Picture) {
+        self.render_frame(frame, false, out);
     }
 
-    /// Where everything is in a frame.
+    /// The truth of a frame.
     pub fn truth(&self, frame: u64) -> SceneTruth {
-        let frame = self.held(frame);
+        let frame = self.clamped_frame(frame);
         let time_s = frame as f64 / f64::from(FRAMES_PER_SECOND);
-        let pose = self.voyage.pose(frame);
+        let pose = self.trajectory.pose(frame);
         let view = &pose.view;
         let whole = self.boat.outline.silhouette(pose.boat, pose.heading, view);
         let (x, y) = (libm::cos(pose.heading), libm::sin(pose.heading));
@@ -264,50 +225,49 @@ impl WaterScene {
         let minor_px = whole.extent((-dv / length, du / length));
         let area = whole.area();
         let inside = whole.clipped(view.size);
-        let bounds = present(inside.bounds().clipped(view.size));
-        let mut distractors = [PixelBox::default(); MOST_DISTRACTORS];
-        let seen = self.distractors.iter().map(|thing| thing.bounds(time_s, view));
+        let bounds = canonical_box(inside.bounds().clipped(view.size));
+        let mut distractors = [PixelBox::default(); MAX_DISTRACTORS];
+        let seen = self.distractors.iter().map(|object| object.bounds(time_s, view));
         for (slot, bounds) in distractors.iter_mut().zip(seen.filter(|bounds| !bounds.is_empty())) {
             *slot = bounds;
         }
         SceneTruth {
             time_s,
             bounds,
-            visible: if bounds.is_empty() { 0.0 } else { (inside.area() / area).min(1.0) },
+            visible_share: if bounds.is_empty() { 0.0 } else { (inside.area() / area).min(1.0) },
             centre: view.picture(pose.boat),
             heading: Angle::from_radians(libm::atan2(-dv, du)),
             major_px: 2.0 * self.boat.outline.half_length * length,
             minor_px,
-            under_way: pose.speed > UNDER_WAY,
+            is_under_way: pose.speed > MIN_UNDER_WAY_SPEED,
             camera_shift: self.camera_shift(frame),
             distractors,
         }
     }
 
-    /// Direction of the principal axis of the whole hull's silhouette (second moments of area) in a frame,
-    /// anticlockwise from image right, within +-90 degrees. It differs from the heading's line by up to 9 degrees,
-    /// by 1 on average.
+    /// Direction of the principal axis of the whole hull's silhouette (second moments of area), anticlockwise from
+    /// image right, within +-90 degrees. It differs from the heading's line by up to 9 degrees, by 1 on average.
     pub fn silhouette_axis(&self, frame: u64) -> Angle {
-        let pose = self.voyage.pose(self.held(frame));
+        let pose = self.trajectory.pose(self.clamped_frame(frame));
         let silhouette = self.boat.outline.silhouette(pose.boat, pose.heading, &pose.view);
         Angle::from_radians(silhouette.axis())
     }
 
-    fn held(&self, frame: u64) -> i64 {
+    fn clamped_frame(&self, frame: u64) -> i64 {
         frame.min(self.frames - 1) as i64
     }
 
-    /// What the picture's centre shows now was how far from it in the frame before.
+    /// Where the point at the centre of the picture was in the frame before, relative to the centre.
     fn camera_shift(&self, frame: i64) -> (f64, f64) {
-        let (before, now) = (self.voyage.pose(frame - 1).view, self.voyage.pose(frame).view);
+        let (before, now) = (self.trajectory.pose(frame - 1).view, self.trajectory.pose(frame).view);
         let (was, centre) = (before.picture(now.camera), now.size.centre());
         (centre.u - was.u, centre.v - was.v)
     }
 
-    fn render(&mut self, frame: u64, with_target: bool, out: &mut Picture) {
-        let frame = self.held(frame);
+    fn render_frame(&mut self, frame: u64, with_target: bool, out: &mut Picture) {
+        let frame = self.clamped_frame(frame);
         let time_s = frame as f64 / f64::from(FRAMES_PER_SECOND);
-        let pose = *self.voyage.pose(frame);
+        let pose = *self.trajectory.pose(frame);
         let view = &pose.view;
         // Share of the time from frame to frame during which the picture is exposed.
         let open = self.conditions.exposure_s * f64::from(FRAMES_PER_SECOND);
@@ -315,35 +275,39 @@ impl WaterScene {
         let (before, after) = (self.camera_shift(frame), self.camera_shift(frame + 1));
         let camera = (open * (before.0 + after.0) / 2.0, open * (before.1 + after.1) / 2.0);
 
-        self.wake.lay(&self.voyage, frame, &self.boat.outline, self.wake_strength);
-        self.water.draw(&mut self.canvas, view, &self.conditions, time_s, &self.wake);
+        self.wake.update(&self.trajectory, frame, &self.boat.outline, self.wake_strength);
+        self.water.render(&mut self.canvas, view, &self.conditions, time_s, &self.wake);
         if let Some(shore) = &self.shore {
             let relative = f64::from(self.script.size.width) / f64::from(REFERENCE.width);
-            shore.draw(&mut self.canvas, view, &self.water, relative);
+            shore.render(&mut self.canvas, view, &self.water, relative);
         }
-        self.canvas.smear(camera);
-        for thing in self.clutter.iter().chain(&self.distractors) {
-            let (du, dv) = view.picture_offset(thing.velocity.0, thing.velocity.1);
+        self.canvas.motion_blur(camera);
+        for object in self.clutter.iter().chain(&self.distractors) {
+            let (du, dv) = view.picture_offset(object.velocity.0, object.velocity.1);
             let own_s = self.conditions.exposure_s;
             let motion = (camera.0 + du * own_s, camera.1 + dv * own_s);
-            thing.body.draw(&mut self.canvas, thing.berth(time_s), Shot { view, motion, sun });
+            object.body.render(
+                &mut self.canvas,
+                object.pose_at(time_s),
+                ObjectExposure { view, motion, sun },
+            );
         }
         if with_target {
-            let (was, is_next) = (self.voyage.pose(frame - 1), self.voyage.pose(frame + 1));
+            let (was, is_next) = (self.trajectory.pose(frame - 1), self.trajectory.pose(frame + 1));
             let (from, to) = (was.view.picture(was.boat), is_next.view.picture(is_next.boat));
             let motion = (open * (to.u - from.u) / 2.0, open * (to.v - from.v) / 2.0);
-            let berth = Berth { at: pose.boat, heading: pose.heading };
-            self.boat.draw(&mut self.canvas, berth, Shot { view, motion, sun });
+            let plane_pose = PlanePose { at: pose.boat, heading: pose.heading };
+            self.boat.render(&mut self.canvas, plane_pose, ObjectExposure { view, motion, sun });
         }
         self.canvas.blur(self.conditions.blur_px);
-        let grain = noise::hash(self.seed, stream::SENSOR, frame as u64 + 1);
+        let noise_seed = noise::hash(self.seed, stream::SENSOR, frame as u64 + 1);
         let Conditions { saturation, noise, .. } = self.conditions;
         let sensor = Sensor { light: self.conditions.light(time_s), saturation, noise };
-        self.canvas.expose(sensor, grain, out);
+        self.canvas.expose(sensor, noise_seed, out);
     }
 }
 
-/// A box that is exactly empty if it covers nothing.
-fn present(bounds: PixelBox) -> PixelBox {
+/// The box, or the default box where it is empty.
+fn canonical_box(bounds: PixelBox) -> PixelBox {
     if bounds.is_empty() { PixelBox::default() } else { bounds }
 }

@@ -1,93 +1,97 @@
-//! The wind at a place above the water: a mean, turbulence and gusts.
+//! The wind at a height above the water: mean, turbulence and gusts.
 //!
-//! Turbulence is Dryden's at low altitude (`milf8785c`): with h the height in feet (10 to 1000) and W the mean wind,
-//! the vertical length scale is h, the horizontal one `h / (0.177 + 0.000823 h)^1.2`; the vertical deviation is
-//! 0.1 W, the horizontal one `0.1 W / (0.177 + 0.000823 h)^0.4`. Each component is an Ornstein-Uhlenbeck process of
-//! its length over the mean wind: the first-order form for all three, which has the deviations and the time scales
-//! and lacks the small overshoot of the transverse spectra.
-//! Gusts come by chance, each a whole period of (1 - cos). What is not in here: direction changes, shear.
+//! Turbulence follows Dryden's model at low altitude (`milf8785c`). With the height h in feet (10 to 1000) and the
+//! mean wind W, the vertical length scale is h and the horizontal one `h / (0.177 + 0.000823 h)^1.2`; the standard
+//! deviation is 0.1 W vertically and `0.1 W / (0.177 + 0.000823 h)^0.4` horizontally. Each component is an
+//! Ornstein-Uhlenbeck process whose time constant is its length scale over the mean wind. This first-order form has
+//! the model's deviations and time scales, but not the small overshoot of the transverse spectra. Gusts arrive at
+//! random; each is one period of (1 - cos). Not modelled: changes of direction, shear.
 
-use crate::camera_axis::{TICK_S, TICKS_PER_SECOND};
-use crate::chance::{Draws, Stream, Wander, Wandering};
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::sea::Wind;
+use crate::tick::{TICK_S, TICKS_PER_SECOND};
 
 /// Feet in a metre.
 const FEET: f64 = 1.0 / 0.3048;
 /// Mean time between two gusts, seconds.
 const GUST_EVERY_S: f64 = 30.0;
-/// Bounds of a gust's strength, m/s, and of its duration, seconds, in a wind of 5 m/s; the strength grows with it.
+/// Range of a gust's strength, m/s, in a wind of [`GUST_AT_MPS`], in proportion to which it grows; and range of its
+/// duration, seconds.
 const GUST_MPS: (f64, f64) = (2.0, 3.0);
 const GUST_S: (f64, f64) = (2.0, 4.0);
 const GUST_AT_MPS: f64 = 5.0;
-/// The slowest wind that turbulence is carried by, m/s.
-const SLOWEST_MPS: f64 = 1.0;
+/// Lower bound of the speed with which turbulence is carried past, m/s.
+const MIN_ADVECTION_MPS: f64 = 1.0;
 
 /// The wind of a trial at one height.
 #[derive(Debug, Clone)]
 pub struct TurbulentWind {
     mean: Wind,
-    along: Wandering,
-    across: Wandering,
-    up: Wandering,
-    gusts: Draws,
-    /// The gust that blows.
+    along: OrnsteinUhlenbeckProcess,
+    across: OrnsteinUhlenbeckProcess,
+    up: OrnsteinUhlenbeckProcess,
+    gusts: CounterRng,
+    /// The present gust.
     gust: Option<Gust>,
     gustiness: f64,
     now: (f64, f64, f64),
 }
 
-/// A gust under way.
+/// A gust in progress.
 #[derive(Debug, Clone, Copy)]
 struct Gust {
-    /// m/s.
+    /// Peak, m/s.
     strength: f64,
     age_ticks: u64,
     lasts_ticks: u64,
 }
 
 impl Gust {
-    /// A tick later; `None` where it is over.
-    fn later(self) -> Option<Self> {
+    /// The gust one tick later; `None` when it is over.
+    fn next_tick(self) -> Option<Self> {
         (self.age_ticks < self.lasts_ticks).then(|| Self { age_ticks: self.age_ticks + 1, ..self })
     }
 }
 
 impl TurbulentWind {
-    /// The wind at a height above the water, metres. `gustiness` multiplies how often gusts come and how strong they
-    /// are: 0 for none, 1 as usual.
+    /// The wind at a height above the water, metres. `gustiness` is a factor of the rate and the strength of gusts: 0
+    /// for none, nominally 1.
     pub fn new(mean: Wind, height_m: f64, gustiness: f64, seed: u64) -> Self {
         let h = (height_m * FEET).clamp(10.0, 1000.0);
         let shape = 0.177 + 0.000_823 * h;
-        let carried = mean.speed_mps.max(SLOWEST_MPS);
+        let advection_mps = mean.speed_mps.max(MIN_ADVECTION_MPS);
         let vertical = 0.1 * mean.speed_mps;
-        let horizontal = Wander {
-            deviation: vertical / libm::pow(shape, 0.4),
-            time_s: h / libm::pow(shape, 1.2) / FEET / carried,
+        let horizontal = OrnsteinUhlenbeck {
+            std_dev: vertical / libm::pow(shape, 0.4),
+            time_constant_s: h / libm::pow(shape, 1.2) / FEET / advection_mps,
         };
-        let upright = Wander { deviation: vertical, time_s: h / FEET / carried };
-        // Three processes of one stream, told apart by the seed.
-        let wandering = |wander, which: u64| {
-            Wandering::new(wander, Draws::of(seed.wrapping_add(which << 48), Stream::Wind))
+        let upright = OrnsteinUhlenbeck { std_dev: vertical, time_constant_s: h / FEET / advection_mps };
+        // Three processes of one stream, with different seeds.
+        let process = |model, which: u64| {
+            OrnsteinUhlenbeckProcess::new(
+                model,
+                CounterRng::new(seed.wrapping_add(which << 48), Stream::Wind),
+            )
         };
         Self {
             mean,
-            along: wandering(horizontal, 0),
-            across: wandering(horizontal, 1),
-            up: wandering(upright, 2),
-            gusts: Draws::of(seed, Stream::WindGusts),
+            along: process(horizontal, 0),
+            across: process(horizontal, 1),
+            up: process(upright, 2),
+            gusts: CounterRng::new(seed, Stream::WindGusts),
             gust: None,
             gustiness,
             now: (0.0, 0.0, 0.0),
         }
     }
 
-    /// Advances through a tick.
+    /// Advances by a tick.
     pub fn advance(&mut self, tick: u64) {
         self.along.advance(tick);
         self.across.advance(tick);
         self.up.advance(tick);
-        // A gust counts its own ticks: the world's begin anew where a trial begins, and it may blow across that.
-        self.gust = self.gust.and_then(Gust::later);
+        // A gust counts its own ticks, because the world's tick number jumps where the trial begins.
+        self.gust = self.gust.and_then(Gust::next_tick);
         if self.gust.is_none() && self.gusts.unit(3 * tick) < self.gustiness * TICK_S / GUST_EVERY_S {
             let strength = self.gustiness * self.gusts.between(3 * tick + 1, GUST_MPS) * self.mean.speed_mps
                 / GUST_AT_MPS;
@@ -104,12 +108,12 @@ impl TurbulentWind {
         self.now = (along * cos - across * sin, along * sin + across * cos, self.up.value());
     }
 
-    /// What it differs from its mean by, along the world's x, y and z, m/s.
+    /// Difference from the mean wind along the world's x, y and z, m/s.
     pub const fn turbulence(&self) -> (f64, f64, f64) {
         self.now
     }
 
-    /// Its velocity along the world's x and y, m/s.
+    /// Wind velocity along the world's x and y, m/s.
     pub fn velocity(&self) -> (f64, f64) {
         let (sin, cos) = libm::sincos(self.mean.towards.radians());
         (self.mean.speed_mps * cos + self.now.0, self.mean.speed_mps * sin + self.now.1)

@@ -1,46 +1,47 @@
 //! The world of a trial, advanced in ticks.
 //!
-//! In each tick the kite sways, the camera's axes turn as they were told, and the target moves. What is seen of it
-//! is looked up at any tick ([`World::truth`], [`World::show`]); who looks, how late it arrives and what comes of it
-//! is not the world's business.
+//! In each tick the platform sways, the camera's axes turn as commanded, and the target moves. [`World::truth`] and
+//! [`World::write_snapshot`] describe the state at the present tick. Rendering, latency and control are not part of
+//! the world.
 
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Timestamp};
 
-use crate::boat::{Helm, JetBoat};
-use crate::camera_axis::{CameraAxis, TICKS_PER_SECOND};
+use crate::boat::{HelmCommand, JetBoat};
+use crate::camera_axis::CameraAxis;
 use crate::camera_mount::CameraMount;
 use crate::electronics::Electronics;
 use crate::helmsman::Helmsman;
-use crate::kite::{Kite, SETTLES_TICKS};
-use crate::path::NoPath;
+use crate::kite::{Kite, SETTLING_TICKS};
+use crate::path::InvalidPath;
 use crate::pose::{BodyPose, CameraPose, WorldPoint};
-use crate::pursuit::{Pursuit, wrapped};
+use crate::pursuit::{Pursuit, wrap_angle};
 use crate::scenario::{CameraSetup, Platform, Scenario, TargetScript};
 use crate::scenery::Scenery;
 use crate::sea::Sea;
 use crate::snapshot::{Boat, Ground, Light, Snapshot, Target};
-use crate::sway::Swaying;
+use crate::sway::SwayingPlatform;
+use crate::tick::TICKS_PER_SECOND;
 use crate::wind::TurbulentWind;
 
-/// What is true at one tick.
+/// The true state at one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
     /// The tick.
     pub tick: u64,
-    /// Its time since the trial's start.
+    /// Time since the start of the trial.
     pub at: Timestamp,
     /// The camera.
     pub camera: CameraPose,
     /// The target.
     pub target: BodyPose,
-    /// Where the target is in the picture, also where that is beyond its border; a target behind the camera is put
-    /// far out on its side.
+    /// Projection of the target's position, also beyond the border of the picture. A target behind the camera is
+    /// projected far out on its side.
     pub image: ImagePoint,
-    /// Whether it is within the picture.
+    /// Whether the projection lies within the picture.
     pub in_picture: bool,
     /// From the camera to the target, metres.
     pub range_m: f64,
-    /// The rates that the camera's axes have, rad/s: pan, tilt.
+    /// Rates of the camera's axes, rad/s: pan, tilt.
     pub rates: (f64, f64),
 }
 
@@ -57,14 +58,15 @@ pub struct World {
     target: MovingTarget,
     scenery: Scenery,
     electronics: Electronics,
-    steered: Option<Helm>,
+    /// Steers the boat instead of the helmsman.
+    helm_override: Option<HelmCommand>,
     tick: u64,
     last_tick: u64,
 }
 
 #[derive(Debug, Clone)]
 enum MovingPlatform {
-    Swaying(Box<Swaying>),
+    Swaying(Box<SwayingPlatform>),
     Kite(Box<Kite>),
 }
 
@@ -74,83 +76,82 @@ enum MovingTarget {
     Boat { boat: Box<JetBoat>, helmsman: Helmsman },
 }
 
-/// Ticks before the trial's own have these numbers.
-const BEFORE_THE_TRIAL: u64 = 1 << 40;
-/// The wind at the water is that at so many metres.
-const WIND_AT_WATER_M: f64 = 3.0;
+/// Ticks before the start of the trial have numbers from here on.
+const SETTLING_TICK_OFFSET: u64 = 1 << 40;
+/// Reference height of the surface wind, m.
+const SURFACE_WIND_HEIGHT_M: f64 = 3.0;
 
 impl World {
-    /// The world as a trial begins.
+    /// The world at the start of a trial.
     ///
     /// # Errors
-    /// [`NoPath`] where the target's way-points make no path.
-    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, NoPath> {
+    /// [`InvalidPath`] where the target's way-points make no path.
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, InvalidPath> {
         let water = scenario.water;
         let target = MovingTarget::new(scenario, seed)?;
         let camera = scenario.camera.clone();
-        let place = target.pose().place;
-        let (pan_off, tilt_off) = camera.first_view.off(seed);
-        let pan = Angle::from_radians(wrapped(libm::atan2(place.x, place.y) + pan_off.radians()));
-        let tilt = Angle::from_radians(tilt_off.radians() - depression(camera.height_m, place));
+        let position = target.pose().position;
+        let (pan_off, tilt_off) = camera.first_view.sampled_offset(seed);
+        let pan = Angle::from_radians(wrap_angle(libm::atan2(position.x, position.y) + pan_off.radians()));
+        let tilt = Angle::from_radians(tilt_off.radians() - depression(camera.height_m, position));
         let calm = crate::sea::Wind { speed_mps: 0.0, towards: Angle::ZERO };
         let mean = water.map_or(calm, |water| water.wind);
         let platform = match scenario.platform {
-            Platform::Swaying(sway) => MovingPlatform::Swaying(Box::new(Swaying::new(&sway, seed))),
+            Platform::Swaying(sway) => MovingPlatform::Swaying(Box::new(SwayingPlatform::new(&sway, seed))),
             Platform::Kite { gustiness } => {
                 let wind = TurbulentWind::new(mean, camera.height_m, gustiness, seed);
                 let mut kite = Kite::new(camera.height_m, wind, mean.towards, seed);
-                // A trial begins with a kite that has long been aloft: before its own ticks come others.
-                for tick in 0..SETTLES_TICKS {
-                    kite.advance(BEFORE_THE_TRIAL + tick, false);
+                // The kite has settled in the wind when the trial begins.
+                for tick in 0..SETTLING_TICKS {
+                    kite.advance(SETTLING_TICK_OFFSET + tick, false);
                 }
                 MovingPlatform::Kite(Box::new(kite))
             }
         };
         Ok(Self {
-            mount: CameraMount::looking(scenario.mount, pan, tilt),
+            mount: CameraMount::at_angles(scenario.mount, pan, tilt),
             platform,
             sea: water.map(|water| Sea::new(water.state, water.wind, seed)),
             wind: water.map(|water| {
-                TurbulentWind::new(water.wind, WIND_AT_WATER_M, 1.0, seed.wrapping_add(1 << 40))
+                TurbulentWind::new(water.wind, SURFACE_WIND_HEIGHT_M, 1.0, seed.wrapping_add(1 << 40))
             }),
             target,
-            scenery: Scenery::new(&scenario.things, seed),
+            scenery: Scenery::new(&scenario.objects, seed),
             electronics: Electronics::new(&camera.electronics, seed),
             light: scenario.light,
             camera,
-            steered: None,
+            helm_override: None,
             tick: 0,
-            last_tick: (scenario.most_s * f64::from(TICKS_PER_SECOND)) as u64,
+            last_tick: (scenario.max_s * f64::from(TICKS_PER_SECOND)) as u64,
         })
     }
 
-    /// How the camera looks up or down as a trial of a scenario begins, before chance has its say: what is known of
-    /// it beforehand.
+    /// The camera's tilt at the start of a scenario's trials without random offsets.
     ///
     /// # Errors
-    /// [`NoPath`] where the target's way-points make no path.
-    pub fn nominal_tilt(scenario: &Scenario) -> Result<Angle, NoPath> {
-        let place = MovingTarget::new(scenario, 0)?.pose().place;
+    /// [`InvalidPath`] where the target's way-points make no path.
+    pub fn nominal_tilt(scenario: &Scenario) -> Result<Angle, InvalidPath> {
+        let position = MovingTarget::new(scenario, 0)?.pose().position;
         let (_, off) = scenario.camera.first_view.mean;
-        Ok(Angle::from_radians(off - depression(scenario.camera.height_m, place)))
+        Ok(Angle::from_radians(off - depression(scenario.camera.height_m, position)))
     }
 
-    /// A command reaches the camera now.
+    /// Passes a command to the camera, at the present tick.
     pub fn command(&mut self, command: CameraCommand) {
         self.mount.command(command);
     }
 
-    /// From now on somebody else steers the boat, or nobody but the helmsman again.
-    pub fn steer(&mut self, helm: Option<Helm>) {
-        self.steered = helm;
+    /// Steers the boat from now on; `None` returns control to the helmsman.
+    pub fn override_helm(&mut self, helm: Option<HelmCommand>) {
+        self.helm_override = helm;
     }
 
-    /// Whether the target is a boat that can be steered; others are moved along their path whatever is asked.
-    pub const fn can_be_steered(&self) -> bool {
+    /// Whether the target is a boat that can be steered. Other targets follow their path regardless.
+    pub const fn is_steerable(&self) -> bool {
         matches!(self.target, MovingTarget::Boat { .. })
     }
 
-    /// How fast the target goes ahead, m/s.
+    /// Speed of the target ahead, m/s.
     pub const fn target_speed_m_per_s(&self) -> f64 {
         match &self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.speed_m_per_s(),
@@ -170,10 +171,10 @@ impl World {
         match &mut self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.advance(self.tick),
             MovingTarget::Boat { boat, helmsman } => {
-                let own = helmsman.steer(boat);
+                let own = helmsman.helm_command(boat);
                 if let Some(sea) = &self.sea {
                     let wind = self.wind.as_ref().map_or((0.0, 0.0), TurbulentWind::velocity);
-                    boat.advance(self.steered.unwrap_or(own), sea, wind, self.tick);
+                    boat.advance(self.helm_override.unwrap_or(own), sea, wind, self.tick);
                 }
             }
         }
@@ -182,51 +183,51 @@ impl World {
         self.tick += 1;
     }
 
-    /// The rates that the camera's axes have, rad/s: pan, tilt.
+    /// Rates of the camera's axes, rad/s: pan, tilt.
     pub const fn camera_rates(&self) -> (f64, f64) {
         (self.mount.pan.rate().radians_per_second(), self.mount.tilt.rate().radians_per_second())
     }
 
-    /// Ticks since the trial's start.
+    /// Ticks since the start of the trial.
     pub const fn tick(&self) -> u64 {
         self.tick
     }
 
-    /// The time of a tick since the trial's start.
+    /// Time of a tick since the start of the trial.
     pub const fn time_of(tick: u64) -> Timestamp {
         // Whole nanoseconds, rounded down: 25 ms are three ticks to the nanosecond.
         Timestamp::from_nanos(tick * 1_000_000_000 / TICKS_PER_SECOND as u64)
     }
 
-    /// The time now.
+    /// Present time.
     pub const fn now(&self) -> Timestamp {
         Self::time_of(self.tick)
     }
 
-    /// Whether a picture is taken at this tick.
-    pub const fn takes_picture(&self) -> bool {
+    /// Whether the camera takes a video frame at this tick.
+    pub const fn is_frame_due(&self) -> bool {
         self.tick.is_multiple_of(self.camera.ticks_per_picture())
     }
 
-    /// Whether the trial is over. A boat that somebody steers is not at the end of its path.
+    /// Whether the trial is over. A boat whose helm is overridden does not arrive.
     pub fn is_over(&self) -> bool {
         let arrived = match &self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.is_over(),
-            MovingTarget::Boat { helmsman, .. } => self.steered.is_none() && helmsman.has_arrived(),
+            MovingTarget::Boat { helmsman, .. } => self.helm_override.is_none() && helmsman.has_arrived(),
         };
         arrived || self.tick >= self.last_tick
     }
 
-    /// The sea, where there is one.
+    /// The sea, if there is one.
     pub const fn sea(&self) -> Option<&Sea> {
         self.sea.as_ref()
     }
 
-    /// The camera now.
+    /// The camera's present pose.
     pub fn camera_pose(&self) -> CameraPose {
         let (yaw, pitch, roll) = match &self.platform {
-            MovingPlatform::Swaying(swaying) => swaying.turns(),
-            MovingPlatform::Kite(kite) => kite.turns(self.mount.pan.angle()),
+            MovingPlatform::Swaying(swaying) => swaying.attitude_offset(),
+            MovingPlatform::Kite(kite) => kite.attitude_offset(self.mount.pan.angle()),
         };
         let off = match &self.platform {
             MovingPlatform::Swaying(swaying) => swaying.displacement(),
@@ -235,24 +236,24 @@ impl World {
         let turned =
             |axis: &CameraAxis, by: Angle| Angle::from_radians(axis.angle().radians() + by.radians());
         CameraPose {
-            place: WorldPoint { x: off.x, y: off.y, z: self.camera.height_m + off.z },
+            position: WorldPoint { x: off.x, y: off.y, z: self.camera.height_m + off.z },
             pan: turned(&self.mount.pan, yaw),
             tilt: turned(&self.mount.tilt, pitch),
             roll,
         }
     }
 
-    /// The target now.
+    /// The target's present pose.
     pub fn target_pose(&self) -> BodyPose {
         self.target.pose()
     }
 
-    /// What is true now.
+    /// The true state now.
     pub fn truth(&self) -> Truth {
         let (camera, target) = (self.camera_pose(), self.target_pose());
-        let (right, down, ahead) = camera.in_camera(target.place);
+        let (right, down, ahead) = camera.camera_from_world(target.position);
         let picture = self.camera.optics.picture;
-        let seen = self.camera.optics.seen_at((right, down, ahead.max(BEHIND_M)));
+        let seen = self.camera.optics.project((right, down, ahead.max(MIN_AHEAD_M)));
         let image = seen.map_or(ImagePoint { x: 0.0, y: 0.0 }, |seen| seen.in_image(picture));
         let (half_width, half_height) = (0.5 * f64::from(picture.width), 0.5 * f64::from(picture.height));
         Truth {
@@ -261,14 +262,14 @@ impl World {
             camera,
             target,
             image,
-            in_picture: ahead > BEHIND_M && image.x.abs() < half_width && image.y.abs() < half_height,
-            range_m: camera.place.to(target.place).length(),
+            in_picture: ahead > MIN_AHEAD_M && image.x.abs() < half_width && image.y.abs() < half_height,
+            range_m: camera.position.vector_to(target.position).norm(),
             rates: self.camera_rates(),
         }
     }
 
-    /// What there is to see now.
-    pub fn show(&self, snapshot: &mut Snapshot) {
+    /// Writes what is visible now into `snapshot`, reusing its memory.
+    pub fn write_snapshot(&self, snapshot: &mut Snapshot) {
         let first_row = self.camera_pose();
         let (pan, tilt) = self.camera_rates();
         let turned = |angle: Angle, rate: f64| {
@@ -280,12 +281,12 @@ impl World {
             CameraPose { pan: turned(first_row.pan, pan), tilt: turned(first_row.tilt, tilt), ..first_row };
         snapshot.light = self.light;
         snapshot.ground = if self.sea.is_some() { Ground::Water } else { Ground::Floor };
-        snapshot.target = self.target.shown();
+        snapshot.target = self.target.to_snapshot();
         snapshot.sensor = self.electronics.state();
-        self.scenery.show(self.tick, self.sea.as_ref(), &mut snapshot.things);
+        self.scenery.write_objects(self.tick, self.sea.as_ref(), &mut snapshot.objects);
     }
 
-    /// A snapshot of now.
+    /// A snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
         let mut snapshot = Snapshot {
             tick: self.tick,
@@ -293,22 +294,22 @@ impl World {
             last_row: self.camera_pose(),
             light: self.light,
             ground: Ground::Floor,
-            target: self.target.shown(),
-            things: Vec::new(),
+            target: self.target.to_snapshot(),
+            objects: Vec::new(),
             sensor: self.electronics.state(),
         };
-        self.show(&mut snapshot);
+        self.write_snapshot(&mut snapshot);
         snapshot
     }
 }
 
-/// How far below the horizon a place on the water is, seen from that high above the origin, radians.
-fn depression(height_m: f64, place: WorldPoint) -> f64 {
-    libm::atan2(height_m, libm::hypot(place.x, place.y))
+/// Angle below the horizon of a point on the water, seen from this height above the origin, radians.
+fn depression(height_m: f64, position: WorldPoint) -> f64 {
+    libm::atan2(height_m, libm::hypot(position.x, position.y))
 }
 
 impl MovingTarget {
-    fn new(scenario: &Scenario, seed: u64) -> Result<Self, NoPath> {
+    fn new(scenario: &Scenario, seed: u64) -> Result<Self, InvalidPath> {
         Ok(match &scenario.target {
             TargetScript::Pursuit(script) => {
                 let pursuit = Box::new(Pursuit::new(script.clone(), seed)?);
@@ -324,9 +325,9 @@ impl MovingTarget {
     fn pose(&self) -> BodyPose {
         match self {
             Self::Pursuit { pursuit, .. } => {
-                let (x, y) = pursuit.place();
+                let (x, y) = pursuit.position();
                 BodyPose {
-                    place: WorldPoint { x, y, z: 0.0 },
+                    position: WorldPoint { x, y, z: 0.0 },
                     heading: pursuit.heading(),
                     pitch: Angle::ZERO,
                     roll: Angle::ZERO,
@@ -336,14 +337,14 @@ impl MovingTarget {
         }
     }
 
-    fn shown(&self) -> Target {
+    fn to_snapshot(&self) -> Target {
         let pose = self.pose();
         match self {
             Self::Pursuit { on_water: false, .. } => Target::FloorTarget(pose),
             Self::Pursuit { pursuit, on_water: true } => {
                 let (s, c) = libm::sincos(pose.heading.radians());
                 let speed = pursuit.speed_m_per_s();
-                let thrust = crate::boat::throttle_for(speed);
+                let thrust = crate::boat::throttle_for_speed(speed);
                 Target::Boat(Boat { pose, velocity: (speed * c, speed * s), thrust, nozzle: Angle::ZERO })
             }
             Self::Boat { boat, .. } => {
@@ -354,5 +355,5 @@ impl MovingTarget {
     }
 }
 
-/// What lies less far ahead of the camera than this counts as beside it, metres.
-const BEHIND_M: f64 = 0.06;
+/// A target less far ahead of the camera than this is treated as beside it, metres.
+const MIN_AHEAD_M: f64 = 0.06;

@@ -29,7 +29,7 @@ fn at(frame: u32) -> Timestamp {
 fn frames(clip: &PracticeClip) -> Vec<VideoFrame> {
     let frame = |index| {
         let mut picture = Picture::black(SIZE, clip.colour());
-        clip.draw(index, &mut picture);
+        clip.render(index, &mut picture);
         let capture = Capture { at: at(index), quality: CaptureQuality::Sensor };
         VideoFrame { sequence: u64::from(index), capture, picture: Arc::new(picture) }
     };

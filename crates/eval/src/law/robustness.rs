@@ -7,7 +7,7 @@ use anyhow::Result;
 use barrelman_control::optimal::Tuning;
 use barrelman_sim::Scenario;
 use barrelman_sim::camera_axis::AxisPlant;
-use barrelman_sim::video_link::VideoLinkScript;
+use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_trial::campaign::compare::CampaignComparison;
 use barrelman_trial::campaign::statistics::Bootstrap;
 use barrelman_vocab::profile::AxisRates;
@@ -101,11 +101,11 @@ impl Vehicle {
             (axis.start_dead_time_s, axis.stop_dead_time_s) =
                 (self.dead_time_s[index], self.dead_time_s[index]);
             axis.lag_s = self.lag_s[index];
-            axis.limit = AngularRate::from_radians_per_second(self.limit_deg_per_s.to_radians());
-            axis.flaws.dead_band_rad_per_s = self.least_deg_per_s.to_radians();
-            axis.flaws.acceleration_rad_per_s2 = self.acceleration_rad_per_s2;
+            axis.max_rate = AngularRate::from_radians_per_second(self.limit_deg_per_s.to_radians());
+            axis.imperfections.dead_band_rad_per_s = self.least_deg_per_s.to_radians();
+            axis.imperfections.max_acceleration_rad_per_s2 = self.acceleration_rad_per_s2;
         }
-        world.camera.video = VideoLinkScript::steady(self.video_s);
+        world.camera.video = VideoLinkModel::steady(self.video_s);
     }
 
     fn describe(&self, profile: &mut VehicleProfile) {
@@ -155,8 +155,8 @@ fn slower(world: &mut Scenario) {
 fn dropping(world: &mut Scenario, mean_s: f64) {
     let pictures = f64::from(world.camera.pictures_per_second);
     let video = &mut world.camera.video;
-    (video.to_bad, video.to_good) = (6.0 / 60.0 / pictures, 1.0 / (mean_s * pictures));
-    (video.spoilt, video.frozen) = (1.0, 0.0);
+    (video.good_to_bad, video.bad_to_good) = (6.0 / 60.0 / pictures, 1.0 / (mean_s * pictures));
+    (video.impaired_share, video.frozen_share) = (1.0, 0.0);
 }
 
 fn everything(world: &mut Scenario) {

@@ -53,12 +53,12 @@ const PARAMETERS: [Parameter; 20] = [
     ("scale", 0.6, 1.4, |s| &mut s.scale),
     ("breadth", 0.6, 1.4, |s| &mut s.breadth),
     ("speed_m_per_s", 0.5, 3.0, |s| &mut s.pursuit.speed_m_per_s),
-    ("speed_spread", 0.05, 0.4, |s| &mut s.pursuit.speed_spread),
+    ("speed_spread", 0.05, 0.4, |s| &mut s.pursuit.log_speed_std_dev),
     ("range_exponent", 0.0, 1.0, |s| &mut s.pursuit.range_exponent),
-    ("gust_share", 0.0, 0.8, |s| &mut s.pursuit.gust.deviation),
-    ("gust_time_s", 0.1, 5.0, |s| &mut s.pursuit.gust.time_s),
-    ("weave_rad", 0.0, 1.0, |s| &mut s.pursuit.weave.deviation),
-    ("weave_time_s", 0.2, 3.0, |s| &mut s.pursuit.weave.time_s),
+    ("gust_share", 0.0, 0.8, |s| &mut s.pursuit.speed_variation.std_dev),
+    ("gust_time_s", 0.1, 5.0, |s| &mut s.pursuit.speed_variation.time_constant_s),
+    ("weave_rad", 0.0, 1.0, |s| &mut s.pursuit.weave.std_dev),
+    ("weave_time_s", 0.2, 3.0, |s| &mut s.pursuit.weave.time_constant_s),
     ("look_ahead_m", 0.15, 1.0, |s| &mut s.pursuit.look_ahead_m),
     ("way_point_jitter_m", 0.0, 0.4, |s| &mut s.pursuit.way_point_jitter_m),
     ("surge_lag_s", 0.02, 1.0, |s| &mut s.pursuit.surge_lag_s),
@@ -67,7 +67,7 @@ const PARAMETERS: [Parameter; 20] = [
     ("stand_before_s", 0.0, 15.0, |s| &mut s.pursuit.stand_before_s),
     ("stand_after_s", 0.0, 3.0, |s| &mut s.pursuit.stand_after_s),
     ("pauses_per_s", 0.0, 0.5, |s| &mut s.pursuit.pauses_per_s),
-    ("leg_rhythm", 0.0, 0.95, |s| &mut s.pursuit.leg_rhythm),
+    ("leg_rhythm", 0.0, 0.95, |s| &mut s.pursuit.leg_end_slow_down),
     ("corner_pauses", 0.0, 1.0, |s| &mut s.pursuit.corner_pauses),
     ("pause_s", 0.2, 3.0, |s| &mut s.pursuit.pause_s),
 ];
@@ -137,7 +137,7 @@ struct Judge {
 /// their standing spread evenly, too.
 fn representative(count: u64) -> Vec<u64> {
     let mut by_speed: Vec<u64> = (1..SEEDS_END).collect();
-    by_speed.sort_by(|a, b| Pursuit::lot(*a).0.total_cmp(&Pursuit::lot(*b).0));
+    by_speed.sort_by(|a, b| Pursuit::sampled_pace(*a).0.total_cmp(&Pursuit::sampled_pace(*b).0));
     let size = by_speed.len() as f64 / count as f64;
     (0..count)
         .map(|stratum| {
@@ -145,7 +145,7 @@ fn representative(count: u64) -> Vec<u64> {
             // A share that no two strata have in common and that does not go with the speed.
             let share = (stratum as f64 * GOLDEN).fract();
             let middle = from + (0.5 * size) as usize;
-            let off = |seed: u64| ((1.0 - (-Pursuit::lot(seed).1).exp()) - share).abs();
+            let off = |seed: u64| ((1.0 - (-Pursuit::sampled_pace(seed).1).exp()) - share).abs();
             by_speed[from..]
                 .iter()
                 .take(size as usize)

@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use barrelman_sim::camera_axis::TICK_S;
+use barrelman_sim::tick::TICK_S;
 use barrelman_sim::{CameraMount, Scenario};
 use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::{Angle, VehicleProfile};

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use barrelman_sim::Scenario;
-use barrelman_sim::chance::Wander;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_trial::logs::TrialLog;
 
 use super::Options;
@@ -33,7 +33,7 @@ pub(super) fn run(folder: &Path, options: &Options) -> Result<()> {
     for arena in [1, 2] {
         let scenario = scenario(arena, options.scenarios.as_deref())?;
         let mut anew = scenario.clone();
-        anew.sensing.noise = Wander { time_s: 0.0, ..scenario.sensing.noise };
+        anew.sensing.noise = OrnsteinUhlenbeck { time_constant_s: 0.0, ..scenario.sensing.noise };
         let trials = |scenario: &Scenario| simulated_from(scenario, options.first_seed, TRIALS);
         let recorded: Vec<_> = read(folder, arena, false)?.into_iter().map(|trial| trial.log).collect();
         row(&format!("arena {arena}, recorded"), &recorded);

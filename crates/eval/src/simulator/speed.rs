@@ -68,7 +68,7 @@ fn plan(arena: &str, law: LawName, speed: f64) -> Result<CampaignPlan> {
     let TargetScript::Boat(_) = plan.scenario().target else { bail!("{arena} has no boat") };
     Ok(plan.with_changed_scenario(|world| {
         if let TargetScript::Boat(script) = &mut world.target {
-            script.most_throttle = 1.0;
+            script.max_throttle = 1.0;
         }
     }))
 }

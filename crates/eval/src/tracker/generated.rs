@@ -63,7 +63,7 @@ pub(crate) fn watch_together(
     let mut chance = Chance::named("motion prior", seed);
     let over = Duration::from_secs_f64(1.0 / f64::from(scene.frames_per_second()));
     for index in 0..scene.frames() {
-        let truth = scene.draw(index, Arc::make_mut(&mut picture));
+        let truth = scene.render(index, Arc::make_mut(&mut picture));
         let capture = Capture { at: Timestamp::from_secs_f64(truth.time_s), quality: CaptureQuality::Sensor };
         let frame = VideoFrame { sequence: index, capture, picture: Arc::clone(&picture) };
         let prior = MotionPrior {

@@ -60,7 +60,7 @@ impl Measured {
         let mut measured = Self::default();
         let mut under_way_since_s = None;
         for (truth, track) in frames {
-            let since_s = truth.under_way.then(|| *under_way_since_s.get_or_insert(truth.time_s));
+            let since_s = truth.is_under_way.then(|| *under_way_since_s.get_or_insert(truth.time_s));
             if since_s.is_none() {
                 under_way_since_s = None;
             }
@@ -222,12 +222,12 @@ mod tests {
         let truth = SceneTruth {
             time_s,
             bounds: BOUNDS,
-            visible: 1.0,
+            visible_share: 1.0,
             centre: BOUNDS.centre(),
             heading: Angle::from_degrees(-170.0),
             major_px: 80.0,
             minor_px: 30.0,
-            under_way,
+            is_under_way: under_way,
             camera_shift: (0.0, 0.0),
             distractors: Default::default(),
         };

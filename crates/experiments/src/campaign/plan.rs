@@ -99,7 +99,7 @@ impl CampaignPlan {
             // The sweep over rates is about the rate: the simulated vehicle, too, is made able to turn so fast.
             profile = profile.with_motor_schema_rate(AngularRate::from_radians_per_second(rate));
             let mount = &mut loaded.scenario.mount;
-            (mount.pan.limit, mount.tilt.limit) = (profile.limits.pan, profile.limits.tilt);
+            (mount.pan.max_rate, mount.tilt.max_rate) = (profile.limits.pan, profile.limits.tilt);
         }
         let (perception, tracker) = match request.perception {
             Perception::Truth => ("truth", None),
@@ -178,7 +178,7 @@ impl CampaignPlan {
     /// The same plan with trials that last so long, unless the target is at the end of its path before.
     #[must_use]
     pub fn with_max_duration(mut self, seconds: f64) -> Self {
-        self.loaded.scenario.most_s = seconds;
+        self.loaded.scenario.max_s = seconds;
         self
     }
 
@@ -231,7 +231,7 @@ impl CampaignPlan {
     ) -> Result<TrialLog> {
         let scenario = match self.plant {
             PlantName::Nominal => self.loaded.scenario.clone(),
-            PlantName::Drawn => self.loaded.scenario.with_plant_drawn(seed),
+            PlantName::Drawn => self.loaded.scenario.with_sampled_plant(seed),
         };
         let Ok(world) = World::new(&scenario, seed) else {
             bail!("the way-points of {} make no path in trial {seed}", scenario.name);

@@ -47,7 +47,7 @@ impl StepObserver for DriveHash {
     }
 
     fn on_truth(&mut self, truth: &Truth) {
-        let place = truth.target.place;
+        let place = truth.target.position;
         for value in [truth.image.x, truth.image.y, place.x, place.y, place.z, truth.rates.0, truth.rates.1] {
             self.0.update(&value.to_bits().to_le_bytes());
         }

@@ -1,6 +1,6 @@
 //! The inputs of a drive: what a person does, each before a tick.
 
-use barrelman_sim::boat::Helm;
+use barrelman_sim::boat::HelmCommand;
 use barrelman_trial::campaign::{Simulation, StepObserver};
 use barrelman_vocab::{OperatorRequest, StopCause};
 use serde::{Deserialize, Serialize};
@@ -30,11 +30,11 @@ pub enum DriveInput {
 
 impl DriveInput {
     /// What it does to the helm: somebody steers so, or nobody but the helmsman; `None` where it stays as it is.
-    pub(super) fn helm(self) -> Option<Option<Helm>> {
+    pub(super) fn helm(self) -> Option<Option<HelmCommand>> {
         let share = |percent: i8| f64::from(percent.clamp(-100, 100)) / 100.0;
         match self {
             Self::Helm { thrust, rudder } => {
-                Some(Some(Helm { throttle: share(thrust), rudder: share(rudder) }))
+                Some(Some(HelmCommand { throttle: share(thrust), rudder: share(rudder) }))
             }
             Self::Helmsman => Some(None),
             Self::Engage | Self::Stop | Self::Pause | Self::Resume => None,

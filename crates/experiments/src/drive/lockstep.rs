@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use anyhow::{Result, anyhow};
 use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
-use barrelman_sim::boat::Helm;
+use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
@@ -22,7 +22,7 @@ pub struct Drive<'a> {
     simulation: Simulation<'a>,
     camera: Box<dyn FrameSource + 'a>,
     units: Receiver<EncodedUnit>,
-    helm: Option<Helm>,
+    helm: Option<HelmCommand>,
 }
 
 impl<'a> Drive<'a> {
@@ -56,7 +56,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Who steers, if it is not the helmsman.
-    pub const fn helm(&self) -> Option<Helm> {
+    pub const fn helm(&self) -> Option<HelmCommand> {
         self.helm
     }
 

@@ -36,7 +36,7 @@ impl DriveSetup {
     pub fn new(url: WorldUrl, tracker: TrackerName, law: LawChoice, coded: bool) -> Result<Self> {
         let changes = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
         let mut loaded = scenario::load(&url.scenario, &changes)?;
-        loaded.scenario.most_s = MAX_S;
+        loaded.scenario.max_s = MAX_S;
         let profile = loaded.profile()?;
         Ok(Self { url, loaded, profile, tracker, law, coded })
     }

@@ -50,14 +50,14 @@ impl LoadedScenario {
             start_dead_time: Duration::from_secs_f64(plant.start_dead_time_s),
             stop_dead_time: Duration::from_secs_f64(plant.stop_dead_time_s),
             lag: Duration::from_secs_f64(plant.lag_s),
-            min_rate: AngularRate::from_radians_per_second(plant.flaws.dead_band_rad_per_s),
+            min_rate: AngularRate::from_radians_per_second(plant.imperfections.dead_band_rad_per_s),
         };
         Ok(VehicleProfile {
             video_latency: camera.latency(),
             camera: CameraDynamics {
                 focal_share: camera.optics.focal_px / f64::from(camera.frame.width),
                 initial_tilt,
-                tilt_stops: mount.tilt.stops.unwrap_or(base.camera.tilt_stops),
+                tilt_stops: mount.tilt.end_stops.unwrap_or(base.camera.tilt_stops),
                 pan: axis(&mount.pan),
                 tilt: axis(&mount.tilt),
             },

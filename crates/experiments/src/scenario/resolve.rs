@@ -4,17 +4,17 @@ mod axes;
 mod target;
 
 use barrelman_sim::Optics;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
-use barrelman_sim::chance::Wander;
-use barrelman_sim::electronics::ElectronicsScript;
+use barrelman_sim::electronics::ElectronicsModel;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
-    BeyondBorder, CameraSetup, FirstView, Platform, Scenario, Sensing, TargetScript, Water,
+    BeyondBorder, CameraSetup, FirstView, Platform, Scenario, SensorModel, TargetScript, Water,
 };
-use barrelman_sim::scenery::ThingScript;
+use barrelman_sim::scenery::ObjectScript;
 use barrelman_sim::sea::{SeaState, Wind};
-use barrelman_sim::snapshot::{Light, ThingKind};
+use barrelman_sim::snapshot::{Light, ObjectKind};
 use barrelman_sim::sway::Sway;
-use barrelman_sim::video_link::VideoLinkScript;
+use barrelman_sim::tick::TICKS_PER_SECOND;
+use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_vocab::{Angle, PictureSize};
 
 use super::error::ScenarioError;
@@ -55,10 +55,10 @@ fn resolve(file: &ScenarioFile, changes: &ScenarioOverrides) -> Result<(Scenario
         platform,
         water,
         light: light(&file.light)?,
-        things: things(file, &target)?,
+        objects: things(file, &target)?,
         target,
         sensing: sensing(&file.sensing)?,
-        most_s: within("longest_s", file.longest_s, 1.0, 3600.0, "seconds")?,
+        max_s: within("longest_s", file.longest_s, 1.0, 3600.0, "seconds")?,
     };
     Ok((scenario, setting))
 }
@@ -107,23 +107,23 @@ fn camera(section: &CameraSection, changes: &ScenarioOverrides) -> Result<Camera
         ))
     };
     let drift = |what: &str, deviation: f64, time_s: f64| {
-        Ok::<_, ScenarioError>(Wander {
-            deviation: within(&format!("camera.{what}_drift"), deviation, 0.0, 0.5, "a share")?,
-            time_s: within(&format!("camera.{what}_time_s"), time_s, 0.01, 1000.0, "seconds")?,
+        Ok::<_, ScenarioError>(OrnsteinUhlenbeck {
+            std_dev: within(&format!("camera.{what}_drift"), deviation, 0.0, 0.5, "a share")?,
+            time_constant_s: within(&format!("camera.{what}_time_s"), time_s, 0.01, 1000.0, "seconds")?,
         })
     };
     let share = |key: &str, value: f64| within(&format!("camera.loss.{key}"), value, 0.0, 1.0, "a share");
-    let steady = VideoLinkScript {
+    let steady = VideoLinkModel {
         jitter_s: 0.5 * within("camera.latency_jitter_s", section.latency_jitter_s, 0.0, 1.0, "seconds")?,
-        ..VideoLinkScript::steady(within("camera.latency_s", section.latency_s, 0.0, 5.0, "seconds")?)
+        ..VideoLinkModel::steady(within("camera.latency_s", section.latency_s, 0.0, 5.0, "seconds")?)
     };
     let video = match &section.loss {
         None => steady,
-        Some(loss) => VideoLinkScript {
-            to_bad: share("to_bad", loss.to_bad)?,
-            to_good: share("to_good", loss.to_good)?,
-            spoilt: share("spoilt", loss.spoilt)?,
-            frozen: share("frozen", loss.frozen)?,
+        Some(loss) => VideoLinkModel {
+            good_to_bad: share("to_bad", loss.to_bad)?,
+            bad_to_good: share("to_good", loss.to_good)?,
+            impaired_share: share("spoilt", loss.spoilt)?,
+            frozen_share: share("frozen", loss.frozen)?,
             ..steady
         },
     };
@@ -146,9 +146,9 @@ fn camera(section: &CameraSection, changes: &ScenarioOverrides) -> Result<Camera
         video,
         first_view: FirstView {
             mean: first_view("first_view_rad", section.first_view_rad, -1.5)?,
-            deviation: first_view("first_view_deviation_rad", section.first_view_deviation_rad, 0.0)?,
+            std_dev: first_view("first_view_deviation_rad", section.first_view_deviation_rad, 0.0)?,
         },
-        electronics: ElectronicsScript {
+        electronics: ElectronicsModel {
             brightness: drift("brightness", section.brightness_drift, section.brightness_time_s)?,
             white_balance: drift("white_balance", section.white_balance_drift, section.white_balance_time_s)?,
             exposure_s: within("camera.exposure_s", section.exposure_s, 0.0, 0.1, "seconds")?,
@@ -183,17 +183,17 @@ fn sway(name: &str, section: &SwaySection) -> Result<Sway, ScenarioError> {
     let wander = |what: &str, unit: &str, deviation: f64, most: f64, time_s: f64| {
         let deviation = within(&format!("sway.{name}.{what}_{unit}"), deviation, 0.0, most, unit)?;
         let time_s = within(&format!("sway.{name}.{what}_time_s"), time_s, 0.01, 1000.0, "seconds")?;
-        Ok::<_, ScenarioError>(Wander { deviation, time_s })
+        Ok::<_, ScenarioError>(OrnsteinUhlenbeck { std_dev: deviation, time_constant_s: time_s })
     };
     let turn = |what: &str, deg: f64, time_s: f64| {
         let wander = wander(what, "deg", deg, 45.0, time_s)?;
-        Ok::<_, ScenarioError>(Wander { deviation: wander.deviation.to_radians(), ..wander })
+        Ok::<_, ScenarioError>(OrnsteinUhlenbeck { std_dev: wander.std_dev.to_radians(), ..wander })
     };
     Ok(Sway {
         yaw: turn("yaw", section.yaw_deg, section.yaw_time_s)?,
         pitch: turn("pitch", section.pitch_deg, section.pitch_time_s)?,
         roll: turn("roll", section.roll_deg, section.roll_time_s)?,
-        place: wander("place", "m", section.place_m, 50.0, section.place_time_s)?,
+        position: wander("place", "m", section.place_m, 50.0, section.place_time_s)?,
     })
 }
 
@@ -236,7 +236,7 @@ fn light(section: &LightSection) -> Result<Light, ScenarioError> {
 }
 
 /// The things of a scenario, and the marks of its path.
-fn things(file: &ScenarioFile, target: &TargetScript) -> Result<Vec<ThingScript>, ScenarioError> {
+fn things(file: &ScenarioFile, target: &TargetScript) -> Result<Vec<ObjectScript>, ScenarioError> {
     let way_points = match target {
         TargetScript::Pursuit(script) => &script.way_points,
         TargetScript::Boat(script) => &script.way_points,
@@ -250,8 +250,8 @@ fn things(file: &ScenarioFile, target: &TargetScript) -> Result<Vec<ThingScript>
 
 /// The marks of a path: painted on a floor at each way-point; on water, where a boat must not run over them, small
 /// buoys beside the path, no closer to each other than makes sense.
-fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ThingScript> {
-    let mark = |kind, at| ThingScript {
+fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ObjectScript> {
+    let mark = |kind, at| ObjectScript {
         kind,
         at,
         jitter_m: 0.0,
@@ -260,18 +260,19 @@ fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ThingScript> {
         turns_after_s: None,
     };
     if !on_water {
-        return way_points.iter().map(|at| mark(ThingKind::FloorMark, *at)).collect();
+        return way_points.iter().map(|at| mark(ObjectKind::FloorMark, *at)).collect();
     }
-    let mut marks: Vec<ThingScript> = Vec::new();
+    let mut marks: Vec<ObjectScript> = Vec::new();
     for (index, at) in way_points.iter().enumerate() {
         let (before, after) =
             (way_points[index.saturating_sub(1)], way_points[(index + 1).min(way_points.len() - 1)]);
         let (dx, dy) = (after.0 - before.0, after.1 - before.1);
         let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
         let beside = (at.0 - MARKS_ASIDE_M * dy / length, at.1 + MARKS_ASIDE_M * dx / length);
-        let is_near = |mark: &ThingScript| (mark.at.0 - beside.0).hypot(mark.at.1 - beside.1) < MARKS_APART_M;
+        let is_near =
+            |mark: &ObjectScript| (mark.at.0 - beside.0).hypot(mark.at.1 - beside.1) < MARKS_APART_M;
         if !marks.iter().any(is_near) {
-            marks.push(mark(ThingKind::MarkBuoy, beside));
+            marks.push(mark(ObjectKind::MarkBuoy, beside));
         }
     }
     marks
@@ -281,25 +282,25 @@ fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ThingScript> {
 const MARKS_ASIDE_M: f64 = 2.0;
 const MARKS_APART_M: f64 = 5.0;
 
-fn thing(at: &str, section: &SceneObjectSection) -> Result<ThingScript, ScenarioError> {
+fn thing(at: &str, section: &SceneObjectSection) -> Result<ObjectScript, ScenarioError> {
     let key = |name: &str| format!("{at}.{name}");
     let kind = match (section.kind, section.size_m) {
-        (SceneObjectName::Pier, Some([length, breadth])) => ThingKind::Pier {
+        (SceneObjectName::Pier, Some([length, breadth])) => ObjectKind::Pier {
             length_m: within(&key("size_m"), length, 1.0, 500.0, "metres")?,
             breadth_m: within(&key("size_m"), breadth, 0.5, 50.0, "metres")?,
         },
         (SceneObjectName::Pier, None) => return Err(ScenarioError::value(key("size_m"), "a pier needs one")),
         (_, Some(_)) => return Err(ScenarioError::value(key("size_m"), "only a pier has one")),
-        (SceneObjectName::Buoy, None) => ThingKind::Buoy,
-        (SceneObjectName::LifeJacket, None) => ThingKind::LifeJacket,
-        (SceneObjectName::Swimmer, None) => ThingKind::Swimmer,
-        (SceneObjectName::RedCraft, None) => ThingKind::RedCraft,
-        (SceneObjectName::Shore, None) => ThingKind::Shore,
+        (SceneObjectName::Buoy, None) => ObjectKind::Buoy,
+        (SceneObjectName::LifeJacket, None) => ObjectKind::LifeJacket,
+        (SceneObjectName::Swimmer, None) => ObjectKind::Swimmer,
+        (SceneObjectName::RedCraft, None) => ObjectKind::RedCraft,
+        (SceneObjectName::Shore, None) => ObjectKind::Shore,
     };
     let place = |value: f64| within(&key("at"), value, -target::WORLD_M, target::WORLD_M, "metres");
     let speed = |value: f64| within(&key("velocity_m_per_s"), value, -20.0, 20.0, "m/s");
     let ([x, y], [vx, vy]) = (section.at, section.velocity_m_per_s);
-    Ok(ThingScript {
+    Ok(ObjectScript {
         kind,
         at: (place(x)?, place(y)?),
         jitter_m: within(&key("jitter_m"), section.jitter_m, 0.0, 1000.0, "metres")?,
@@ -312,15 +313,15 @@ fn thing(at: &str, section: &SceneObjectSection) -> Result<ThingScript, Scenario
     })
 }
 
-fn sensing(section: &SensingSection) -> Result<Sensing, ScenarioError> {
+fn sensing(section: &SensingSection) -> Result<SensorModel, ScenarioError> {
     let [length, breadth] = section.target_size_m;
     let size = |value: f64| within("sensing.target_size_m", value, 0.01, 100.0, "metres");
-    Ok(Sensing {
-        noise: Wander {
-            deviation: within("sensing.noise_px", section.noise_px, 0.0, 100.0, "pixels")?,
-            time_s: within("sensing.noise_time_s", section.noise_time_s, 0.0, 3600.0, "seconds")?,
+    Ok(SensorModel {
+        noise: OrnsteinUhlenbeck {
+            std_dev: within("sensing.noise_px", section.noise_px, 0.0, 100.0, "pixels")?,
+            time_constant_s: within("sensing.noise_time_s", section.noise_time_s, 0.0, 3600.0, "seconds")?,
         },
-        rounded: section.rounded,
+        is_rounded: section.rounded,
         beyond_border: match section.clamped_at_px {
             None => BeyondBorder::Absent,
             Some([x_px, y_px]) => BeyondBorder::Clamped {

@@ -48,16 +48,19 @@ fn the_laboratory_has_the_plant_and_the_optics_as_identified() {
         assert_eq!(scenario.camera.frame, PictureSize::new(640, 480), "{name}");
         assert_eq!(scenario.camera.optics.picture, PictureSize::new(640, 360), "{name}");
         assert_eq!(scenario.camera.pictures_per_second, 30, "{name}");
-        assert_eq!(pan.flaws, Default::default(), "{name}: no flaws were identified");
+        assert_eq!(pan.imperfections, Default::default(), "{name}: no flaws were identified");
         let clamped = BeyondBorder::Clamped { x_px: 316.0, y_px: 177.0 };
         let expected = if name.starts_with("lab") { clamped } else { BeyondBorder::Absent };
         assert_eq!(scenario.sensing.beyond_border, expected, "{name}");
     }
     let indoor = load("lab1", &ScenarioOverrides::default()).unwrap().scenario;
     let Platform::Swaying(sway) = indoor.platform else { panic!("it sways") };
-    assert!((sway.yaw.deviation.to_degrees() - 0.3).abs() < 1e-9 && sway.yaw.time_s == 1.5, "{sway:?}");
+    assert!(
+        (sway.yaw.std_dev.to_degrees() - 0.3).abs() < 1e-9 && sway.yaw.time_constant_s == 1.5,
+        "{sway:?}"
+    );
     assert_eq!(
-        (indoor.camera.height_m, indoor.sensing.noise.deviation, indoor.sensing.rounded),
+        (indoor.camera.height_m, indoor.sensing.noise.std_dev, indoor.sensing.is_rounded),
         (1.83, 0.6, true)
     );
 }

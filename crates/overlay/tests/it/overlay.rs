@@ -136,7 +136,7 @@ const MODES: [Option<Mode>; 6] = [
 fn the_frame_itself_keeps_its_samples() {
     let clip = PracticeClip::new(HD, 5);
     let mut picture = Picture::black(HD, clip.colour());
-    clip.draw(100, &mut picture);
+    clip.render(100, &mut picture);
     let untouched = picture.clone();
     let frame = framed(picture);
     let track = Track::Tracking(target_at(HD, 0.8, 0.1));
@@ -150,7 +150,7 @@ fn the_frame_itself_keeps_its_samples() {
 fn samples_far_from_anything_drawn_keep_their_bits() {
     let clip = PracticeClip::new(HD, 5);
     let mut picture = Picture::black(HD, clip.colour());
-    clip.draw(100, &mut picture);
+    clip.render(100, &mut picture);
     let frame = framed(picture);
     // Within the region at the centre's right: the left half of the region holds no line and no label.
     let track = Track::Tracking(target_at(HD, 0.3, -0.1));

@@ -21,7 +21,7 @@ const SIZE: PictureSize = PictureSize::new(640, 480);
 
 fn drawn(clip: &PracticeClip, index: u32, sequence: u64, captured: Timestamp) -> VideoFrame {
     let mut picture = Picture::black(SIZE, clip.colour());
-    clip.draw(index, &mut picture);
+    clip.render(index, &mut picture);
     let capture = Capture { at: captured, quality: CaptureQuality::Sensor };
     VideoFrame { sequence, capture, picture: Arc::new(picture) }
 }

@@ -1,39 +1,39 @@
-//! The pixels that are shaded together: 64 neighbours in a row, each quantity an array of its own, so that every stage
-//! is a plain loop that a compiler turns into vector instructions.
+//! A chunk: 64 neighbouring pixels of a row that are shaded together. Each quantity is an array of its own, so that
+//! every step is a plain loop that the compiler vectorises.
 
 /// Pixels in a chunk.
 pub(super) const CHUNK: usize = 64;
-/// A quantity of all pixels.
+/// One quantity of all pixels of a chunk.
 pub(super) type Lane = [f32; CHUNK];
 
-/// Directions, surface and light of 64 pixels.
+/// Directions, surface and light of a chunk.
 #[derive(Debug, Clone)]
 pub(super) struct Chunk {
-    /// Line of sight in the world, not normalised: one unit along the optical axis.
+    /// Line of sight in the world, with length 1 along the optical axis.
     pub(super) dx: Lane,
     pub(super) dy: Lane,
     pub(super) dz: Lane,
-    /// Where it meets the water or the floor, metres from below the camera along the world's x and y.
+    /// Where the line meets the water or the floor, along the world's x and y from below the camera, metres.
     pub(super) px: Lane,
     pub(super) py: Lane,
     /// Length of the line in units of the direction.
     pub(super) t: Lane,
-    /// Width of the pixel's footprint, metres, a mean of along and across.
+    /// Width of the pixel's footprint, metres: geometric mean of along and across.
     pub(super) footprint: Lane,
-    /// Slopes.
+    /// Slope of the surface along x and y.
     pub(super) sx: Lane,
     pub(super) sy: Lane,
     /// Elevation of the swell, metres.
     pub(super) elevation: Lane,
-    /// How much of the surface is foam, 0 to 1, and how much air is in the water below.
+    /// Foam cover of the surface, 0 to 1, and air in the water below.
     pub(super) foam: Lane,
     pub(super) air: Lane,
-    /// Part of the sun that is left.
+    /// Remaining share of the sun's light.
     pub(super) lit: Lane,
-    /// Mirror image of a thing: its colour times its opacity, and what of the sky is left.
-    pub(super) mirror: [Lane; 3],
+    /// Reflection of objects, colour times opacity; and the remaining share of the sky's reflection.
+    pub(super) reflection: [Lane; 3],
     pub(super) sky_left: Lane,
-    /// The result, linear.
+    /// Resulting linear colour.
     pub(super) colour: [Lane; 3],
 }
 
@@ -54,7 +54,7 @@ impl Chunk {
             foam: ZERO,
             air: ZERO,
             lit: ZERO,
-            mirror: [ZERO; 3],
+            reflection: [ZERO; 3],
             sky_left: ZERO,
             colour: [ZERO; 3],
         }

@@ -8,7 +8,7 @@
 
 use barrelman_simd::{Simd, multiversion};
 
-/// A complex map of `n` x `n`, its parts apart.
+/// A complex map of `n` x `n`: real and imaginary parts.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Map {
     pub(super) re: Vec<f32>,
@@ -21,7 +21,7 @@ impl Map {
     }
 }
 
-/// Twiddle factors for one size.
+/// The transform of one size, with its twiddle factors.
 #[derive(Debug, Clone)]
 pub(super) struct Fourier {
     n: usize,
@@ -41,7 +41,7 @@ impl Fourier {
         Self { n, twiddles }
     }
 
-    /// Transforms `map`, indexed [i][j], in place to [y][x]: rows are y afterwards. `other` is working space.
+    /// Transforms `map` in place, from index [i][j] to index [y][x]. `other` is working memory.
     pub(super) fn inverse(&self, simd: Simd, map: &mut Map, other: &mut Map) {
         columns(simd, self.n, &self.twiddles, map, other);
         transpose(simd, self.n, &map.re, &mut other.re);
@@ -52,7 +52,7 @@ impl Fourier {
 }
 
 multiversion! { simd;
-    /// Transforms every column; the result is in `map` again.
+    /// Transforms every column in place.
     fn columns(simd: Simd, n: usize, twiddles: &[(f32, f32)], map: &mut Map, other: &mut Map) {
         let mut stride = 1;
         let mut length = n;

@@ -1,4 +1,4 @@
-//! Sun, sky and haze. Colours are linear, red, green, blue; white paper in the sun is about 1.
+//! Sun, sky and haze. Colours are linear red, green and blue; white paper in the sun is about 1.
 
 use super::texture::Texture;
 use crate::snapshot::Light;
@@ -11,26 +11,26 @@ pub(super) type Colour = [f32; 3];
 pub(super) struct Lighting {
     /// Unit vector to the sun.
     pub(super) to_sun: [f32; 3],
-    /// What the sun sends onto a surface that faces it, over pi.
+    /// Irradiance by the sun on a surface that faces it, over pi.
     pub(super) sun: Colour,
-    /// What the sky sends onto a surface that faces up, over pi.
+    /// Irradiance by the sky on a surface that faces up, over pi.
     pub(super) ambient: Colour,
-    /// The clear part of the sky overhead and at the horizon.
+    /// Colour of the clear sky overhead and at the horizon.
     pub(super) zenith: Colour,
     pub(super) horizon: Colour,
-    /// The bright side of clouds.
+    /// Colour of the bright side of clouds.
     pub(super) cloud: Colour,
     /// Cloud values below this are clear sky, 0 to 255.
     pub(super) cloud_floor: f32,
-    /// Opacity of cloud for each step above the floor.
+    /// Opacity of clouds for each step above the floor.
     pub(super) cloud_gain: f32,
     /// Drift of the clouds, texels.
     pub(super) drift: f32,
-    /// What far things fade into.
+    /// Colour that distant surfaces fade into.
     pub(super) haze: Colour,
 }
 
-/// Texels of cloud for a ray's horizontal part, over its vertical one.
+/// Texels of cloud for the horizontal over the vertical part of a ray.
 const CLOUD_SCALE: f32 = 26.0;
 
 pub(super) fn mix(a: Colour, b: Colour, part: f32) -> Colour {
@@ -61,12 +61,12 @@ impl Lighting {
         }
     }
 
-    /// The sky in a direction (unit vector), its elevation widened by `blur` (rad).
+    /// The sky in a direction (unit vector); `blur` (rad) widens its elevation.
     #[inline(always)]
     pub(super) fn sky(&self, clouds: &Texture, x: f32, y: f32, z: f32, blur: f32) -> Colour {
         let height = if z < 0.0 { -0.4 * z } else { z };
         let over = 1.0 / (height + 0.16 + 0.5 * blur);
-        let value = clouds.at(
+        let value = clouds.sample(
             x * over * CLOUD_SCALE + self.drift + 1024.0,
             y * over * CLOUD_SCALE * 1.3 + 0.6 * self.drift + 1024.0,
         );

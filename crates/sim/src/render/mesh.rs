@@ -1,7 +1,7 @@
-//! Solid shapes made of triangles, in the frame of reference of a body: x forward, y to the left, z up, metres, the
-//! origin in the middle of the waterline. What a place on the shape looks like is a matter of [`Part`] and paint.
+//! Triangle meshes in the frame of reference of a body: x forward, y to the left, z up, metres, the origin in the
+//! middle of the waterline. [`Part`] determines the paint of a triangle.
 
-/// Which part of a thing a triangle belongs to: what paint it has.
+/// The part of an object that a triangle belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
     /// A boat's hull with its deck.
@@ -10,7 +10,7 @@ pub(super) enum Part {
     PlainHull,
     /// Black rubber and plastics.
     Black,
-    /// The part that a jet is steered by.
+    /// Steering nozzle of a jet.
     Nozzle,
     /// White plastics.
     White,
@@ -34,33 +34,33 @@ pub(super) enum Part {
     Wall,
     /// A roof.
     Roof,
-    /// The red thing of the laboratory.
+    /// The red target of the laboratory.
     FloorRed,
     /// Paint on the floor.
     Mark,
 }
 
 impl Part {
-    /// Sheets have no back of their own.
+    /// Whether the part is a sheet without a back of its own.
     pub(super) fn is_seen_from_both_sides(self) -> bool {
         matches!(self, Self::Flag | Self::Roof | Self::Mark)
     }
 }
 
-/// A corner with its normal.
+/// A vertex with its normal.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vertex {
-    pub(super) place: [f32; 3],
+    pub(super) position: [f32; 3],
     pub(super) normal: [f32; 3],
     pub(super) part: Part,
 }
 
-/// Triangles.
+/// A triangle mesh.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Mesh {
     pub(super) vertices: Vec<Vertex>,
     pub(super) triangles: Vec<([u32; 3], Part)>,
-    /// Distance of the farthest corner from the origin; [`Mesh::measured`] finds it.
+    /// Largest distance of a vertex from the origin; [`Mesh::measured`] computes it.
     pub(super) radius_m: f32,
 }
 
@@ -77,22 +77,22 @@ fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// Sine and cosine for shapes, in single precision.
-pub(super) fn turn(radians: f64) -> (f32, f32) {
+/// Sine and cosine in single precision.
+pub(super) fn sin_cos_f32(radians: f64) -> (f32, f32) {
     let (sin, cos) = libm::sincos(radians);
     (sin as f32, cos as f32)
 }
 
 impl Mesh {
-    /// The finished shape.
+    /// The mesh with its radius computed.
     pub(super) fn measured(mut self) -> Self {
         let square = |p: [f32; 3]| p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-        let farthest = self.vertices.iter().fold(0.0_f32, |most, vertex| most.max(square(vertex.place)));
-        self.radius_m = farthest.sqrt();
+        let max_square = self.vertices.iter().fold(0.0_f32, |max, vertex| max.max(square(vertex.position)));
+        self.radius_m = max_square.sqrt();
         self
     }
 
-    /// A skin over rings of equally many points each, `point(ring, k)`; closed around, open at its ends.
+    /// A surface over rings of `around` points each, given by `point(ring, k)`; closed around, open at its ends.
     pub(super) fn skin(
         &mut self,
         part: Part,
@@ -107,7 +107,7 @@ impl Mesh {
                 let (before, after) = (point(ring, (k + around - 1) % around), point(ring, (k + 1) % around));
                 let along = minus(point((ring + 1).min(rings - 1), k), point(ring.saturating_sub(1), k));
                 let normal = normalised(cross(minus(after, before), along));
-                self.vertices.push(Vertex { place: here, normal, part });
+                self.vertices.push(Vertex { position: here, normal, part });
             }
         }
         for ring in 0..rings - 1 {
@@ -125,15 +125,15 @@ impl Mesh {
         let around = 2 * rings;
         let first = self.vertices.len();
         let unit = |ring: usize, k: usize| {
-            let (sin_p, cos_p) = turn(core::f64::consts::PI * ring as f64 / rings as f64);
-            let (sin_a, cos_a) = turn(core::f64::consts::TAU * k as f64 / around as f64);
+            let (sin_p, cos_p) = sin_cos_f32(core::f64::consts::PI * ring as f64 / rings as f64);
+            let (sin_a, cos_a) = sin_cos_f32(core::f64::consts::TAU * k as f64 / around as f64);
             [sin_p * cos_a, sin_p * sin_a, cos_p]
         };
         for ring in 0..=rings {
             for k in 0..around {
                 let n = unit(ring, k);
                 self.vertices.push(Vertex {
-                    place: [
+                    position: [
                         centre[0] + half[0] * n[0],
                         centre[1] + half[1] * n[1],
                         centre[2] + half[2] * n[2],
@@ -152,7 +152,7 @@ impl Mesh {
         }
     }
 
-    /// A tube through points, of one radius (m), its ends open.
+    /// A tube of constant radius (m) through points, its ends open.
     pub(super) fn tube(&mut self, part: Part, radius: f32, sides: usize, points: &[[f32; 3]]) {
         self.skin(part, points.len(), sides, |ring, k| {
             let (before, after) = (points[ring.saturating_sub(1)], points[(ring + 1).min(points.len() - 1)]);
@@ -160,14 +160,14 @@ impl Mesh {
             let helper = if along[2].abs() > 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] };
             let side = normalised(cross(helper, along));
             let up = cross(along, side);
-            let (sin, cos) = turn(core::f64::consts::TAU * k as f64 / sides as f64);
+            let (sin, cos) = sin_cos_f32(core::f64::consts::TAU * k as f64 / sides as f64);
             let at = points[ring];
             core::array::from_fn(|i| at[i] + radius * (cos * side[i] + sin * up[i]))
         });
     }
 
-    /// A box from its lower to its upper corner, cut into pieces no longer than `piece` along x, so that a lens may
-    /// bend it.
+    /// A box from its lower to its upper corner, divided along x into pieces of about `piece` metres, so that a lens
+    /// can bend it.
     pub(super) fn cuboid(&mut self, part: Part, low: [f32; 3], high: [f32; 3], piece: f32) {
         let count = ((high[0] - low[0]) / piece).max(1.0) as usize;
         for index in 0..count {
@@ -184,9 +184,9 @@ impl Mesh {
                 let mut normal = [0.0; 3];
                 normal[axis] = sign;
                 for (a, b) in [(low[u], low[v]), (high[u], low[v]), (high[u], high[v]), (low[u], high[v])] {
-                    let mut place = [0.0; 3];
-                    (place[axis], place[u], place[v]) = (level, a, b);
-                    self.vertices.push(Vertex { place, normal, part });
+                    let mut position = [0.0; 3];
+                    (position[axis], position[u], position[v]) = (level, a, b);
+                    self.vertices.push(Vertex { position, normal, part });
                 }
                 self.triangles.push(([first, first + 1, first + 2], part));
                 self.triangles.push(([first, first + 2, first + 3], part));
@@ -197,7 +197,7 @@ impl Mesh {
     /// A flat polygon, seen from both sides, as a fan about its first corner.
     pub(super) fn sheet(&mut self, part: Part, normal: [f32; 3], corners: &[[f32; 3]]) {
         let first = self.vertices.len() as u32;
-        self.vertices.extend(corners.iter().map(|&place| Vertex { place, normal, part }));
+        self.vertices.extend(corners.iter().map(|&position| Vertex { position, normal, part }));
         for k in 1..corners.len() as u32 - 1 {
             self.triangles.push(([first, first + k, first + k + 1], part));
         }

@@ -1,4 +1,4 @@
-//! Sine and cosine of a phase that is counted in turns of 2^32: polynomials, the same bits everywhere.
+//! Sine and cosine of a phase in turns of 2^32, by polynomials: the same bits everywhere.
 
 /// Sine and cosine of `turns / 2^32` turns, to 2e-6.
 ///

@@ -1,16 +1,15 @@
-//! Tiles of values that a shader looks up between their grid points, at several scales.
+//! Tiles of values for bilinear look-up at several scales.
 //!
 //! A *texel* holds 16 bits: two signed bytes, or one signed number. A *quad* packs a texel with its neighbours to the
-//! right, below, and both into one `u64`, so that a bilinear look-up is one load. *Level* l averages 2^l x 2^l texels of
-//! level 0. The quads of the level with `n` texels along its side lie at `n*n .. 2*n*n`: the place of a level is
-//! its own size squared.
+//! right, below, and both into one `u64`, so that a bilinear look-up is one load. *Level* l averages 2^l x 2^l texels
+//! of level 0. The quads of the level with `n` texels along its side lie at `n*n .. 2*n*n`.
 
 use barrelman_simd::{Simd, multiversion};
 
 use super::texture::ROUNDING;
 
-/// Quads in a map, of whatever size: enough for 256 x 256 and all its levels. A fixed number, so that a masked index
-/// needs no check.
+/// Quads of a map of any size: enough for 256 x 256 with all levels. The size is fixed so that a masked index needs
+/// no bounds check.
 pub(super) const QUADS: usize = 1 << 17;
 
 /// A tile at all its scales.
@@ -21,24 +20,24 @@ pub(super) struct QuadMap {
     n: usize,
 }
 
-/// What 16 bits mean.
+/// Meaning of a texel's 16 bits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Texel {
     /// Two signed bytes, the first map in the lower one, in steps of this.
     Pair(f32),
-    /// One signed number, of the first map alone, in steps of this.
+    /// One signed number, of the first map only, in steps of this.
     Single(f32),
 }
 
 impl QuadMap {
-    /// An empty map for tiles of `n` x `n` texels, a power of two up to [`LARGEST`].
+    /// An empty map for tiles of `n` x `n` texels; `n` is a power of two, at most 256.
     pub(super) fn new(n: usize) -> Self {
         let zeros = vec![0_u64; QUADS].into_boxed_slice();
         let quads = zeros.try_into().unwrap_or_else(|_| Box::new([0; QUADS]));
         Self { quads, texels: vec![0; (n + 1) * n], n }
     }
 
-    /// Fills all levels from two maps of `n` x `n`, which are spoilt.
+    /// Fills all levels from two maps of `n` x `n`, which are overwritten.
     pub(super) fn fill(&mut self, simd: Simd, first: &mut [f32], second: &mut [f32], texel: Texel) {
         let mut n = self.n;
         loop {
@@ -55,7 +54,7 @@ impl QuadMap {
 }
 
 multiversion! { simd;
-    /// Rows of `n + 1` texels: the first column stands again behind the last.
+    /// Quantises to rows of `n + 1` texels; the last column repeats the first.
     fn quantise(simd: Simd, n: usize, first: &[f32], second: &[f32], texel: Texel, texels: &mut [u16]) {
         for row in 0..n {
             let a = &first[row * n..][..n];
@@ -100,7 +99,7 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// Averages 2 x 2 values, to a map of `n` x `n` at the front of the same memory.
+    /// Averages 2 x 2 values to a map of `n` x `n` at the start of the same memory.
     fn halve(simd: Simd, n: usize, map: &mut [f32]) {
         for row in 0..n {
             for column in 0..n {

@@ -1,4 +1,4 @@
-//! Lines of sight of a row's pixels, through the lens, and where they meet the plane of the water or the floor.
+//! Rays of a row's pixels through the lens, and where they meet the plane of the water or the floor.
 
 use barrelman_simd::{Simd, multiversion};
 
@@ -7,10 +7,10 @@ use super::chunk::{CHUNK, Chunk};
 use super::nodes::{Nodes, STEP};
 use crate::optics::Optics;
 
-/// A line of sight that sinks less than this for one unit ahead looks at the sky.
+/// A ray that sinks less than this for one unit ahead looks at the sky.
 pub(super) const HORIZON: f32 = 2e-4;
-/// The length of a line of sight at most, metres.
-const FARTHEST_M: f32 = 6_000.0;
+/// Upper bound of a ray's length, metres.
+const MAX_RAY_M: f32 = 6_000.0;
 
 /// One row's rays in single precision.
 #[derive(Debug, Clone, Copy)]
@@ -18,9 +18,9 @@ pub(super) struct Rays {
     right: [f32; 3],
     down: [f32; 3],
     ahead: [f32; 3],
-    /// Of the camera over the plane, metres.
+    /// Height of the camera above the plane, metres.
     height: f32,
-    /// Right and down of the row's first pixel in focal lengths, and a pixel's step.
+    /// Right and down of the row's first pixel in focal lengths, and the step from pixel to pixel.
     x0: f32,
     y: f32,
     step: f32,
@@ -34,7 +34,7 @@ impl Rays {
             right: single(pose.axes.right),
             down: single(pose.axes.down),
             ahead: single(pose.axes.ahead),
-            height: pose.place.z as f32,
+            height: pose.position.z as f32,
             x0: ((0.5 - 0.5 * f64::from(optics.picture.width)) / optics.focal_px) as f32,
             y: ((row as f64 + 0.5 - 0.5 * f64::from(optics.picture.height)) / optics.focal_px) as f32,
             step: (1.0 / optics.focal_px) as f32,
@@ -43,7 +43,7 @@ impl Rays {
     }
 }
 
-/// A line of sight that is one unit long along the optical axis, and the part of its length down to the plane.
+/// A direction with length 1 along the optical axis, and how many times its length it is down to the plane.
 struct Ray {
     dx: f32,
     dy: f32,
@@ -54,7 +54,7 @@ struct Ray {
 
 impl Rays {
     #[inline(always)]
-    fn of(&self, column: usize) -> Ray {
+    fn ray_at(&self, column: usize) -> Ray {
         let x = self.x0 + column as i32 as f32 * self.step;
         let y = self.y;
         let stretch = 1.0 + self.barrel * (x * x + y * y);
@@ -64,13 +64,13 @@ impl Rays {
         let dz = self.ahead[2] + right * self.right[2] + down * self.down[2];
         let sink = if -dz > HORIZON { -dz } else { HORIZON };
         let t = self.height / sink;
-        Ray { dx, dy, dz, sink, t: if t < FARTHEST_M { t } else { FARTHEST_M } }
+        Ray { dx, dy, dz, sink, t: if t < MAX_RAY_M { t } else { MAX_RAY_M } }
     }
 }
 
 multiversion! { simd;
-    /// Fills in what the nodes of a row know of its rays.
-    pub(super) fn survey(simd: Simd, rays: &Rays, nodes: &mut Nodes) {
+    /// Fills the nodes' geometry of a row.
+    pub(super) fn cast_nodes(simd: Simd, rays: &Rays, nodes: &mut Nodes) {
         let count = nodes.count();
         let (vx, vy, vz) = (&mut nodes.vx.0[..count], &mut nodes.vy.0[..count], &mut nodes.vz.0[..count]);
         let (px, py) = (&mut nodes.px.0[..count], &mut nodes.py.0[..count]);
@@ -78,7 +78,7 @@ multiversion! { simd;
         let (per_length, haze) = (&mut nodes.per_length.0[..count], &mut nodes.haze.0[..count]);
         let footprint = &mut nodes.footprint.0[..count];
         for i in 0..count {
-            let ray = rays.of(STEP * i);
+            let ray = rays.ray_at(STEP * i);
             let (dx, dy, dz) = (ray.dx, ray.dy, ray.dz);
             let length = (dx * dx + dy * dy + dz * dz).sqrt();
             let shorten = 1.0 / length;
@@ -92,17 +92,17 @@ multiversion! { simd;
             // Across the line of sight a pixel is t * length * step wide, along the water 1/sin(grazing) of that.
             let grazing = (ray.sink * shorten).sqrt();
             footprint[i] = ray.t * length * rays.step / (grazing * grazing.sqrt());
-            let hazy = ray.t / (ray.t + 1_800.0);
-            haze[i] = hazy * hazy;
+            let share = ray.t / (ray.t + 1_800.0);
+            haze[i] = share * share;
         }
     }
 }
 
 multiversion! { simd;
-    /// Fills directions, lengths, places and footprints of the pixels from `column` on.
-    pub(super) fn cast(simd: Simd, rays: &Rays, nodes: &Nodes, column: usize, chunk: &mut Chunk) {
+    /// Fills directions, lengths, positions and footprints of a chunk's pixels from `column` on.
+    pub(super) fn cast_pixels(simd: Simd, rays: &Rays, nodes: &Nodes, column: usize, chunk: &mut Chunk) {
         for i in 0..CHUNK {
-            let ray = rays.of(column + i);
+            let ray = rays.ray_at(column + i);
             chunk.dx[i] = ray.dx;
             chunk.dy[i] = ray.dy;
             chunk.dz[i] = ray.dz;

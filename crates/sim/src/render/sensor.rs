@@ -1,21 +1,21 @@
-//! From light to samples: lens softness, motion blur, exposure and white balance, vignetting, the tone curve, noise,
-//! and planar YUV 4:2:0 by BT.709 in limited range.
+//! From light to samples: lens softness, motion blur, exposure and white balance, vignetting, tone curve, noise, and
+//! planar YUV 4:2:0 by BT.709 in limited range.
 //!
-//! *Motion blur* is the mean of up to 12 taps along the way that the picture moves during the exposure, one way for a
-//! row; it comes from the camera's turning alone. *Noise* is Gaussian with the standard deviation
-//! `1.2 + 0.012 Y` (8 bit), drawn from a table at a place that a hash of seed, tick and row gives.
+//! *Motion blur* is the mean of up to 12 taps along the motion of the picture during the exposure; the motion is the
+//! same for the whole picture and comes from the turning of the camera only. *Noise* is Gaussian with standard
+//! deviation `1.2 + 0.012 Y` (8 bit), read from a table at a position given by a hash of seed, tick and row.
 
 use barrelman_simd::{Simd, multiversion};
 
 use super::texture::ROUNDING;
 use crate::noise;
 
-/// Numbers in the table of noise.
+/// Size of the noise table.
 const TABLE: usize = 1 << 16;
-/// Taps of the motion blur at most.
-pub(super) const TAPS: usize = 12;
+/// Upper bound of the motion blur's taps.
+pub(super) const MAX_TAPS: usize = 12;
 
-/// Gaussian numbers, standard deviation 1.
+/// Gaussian numbers of standard deviation 1.
 #[derive(Debug)]
 pub(super) struct NoiseTable(Vec<f32>);
 
@@ -29,9 +29,9 @@ impl NoiseTable {
         Self((0..TABLE).map(gauss).collect())
     }
 
-    /// As many numbers as a row has pixels, from a place that a hash gives.
-    pub(super) fn row(&self, chance: u64, width: usize) -> &[f32] {
-        &self.0[chance as usize % (TABLE - width)..][..width]
+    /// Numbers for a row of pixels, from a position given by a hash.
+    pub(super) fn row(&self, random: u64, width: usize) -> &[f32] {
+        &self.0[random as usize % (TABLE - width)..][..width]
     }
 }
 
@@ -40,7 +40,8 @@ impl NoiseTable {
 pub(super) struct Development {
     /// Gains of red, green and blue.
     pub(super) gains: [f32; 3],
-    /// The row's distance from the middle over half the picture's diagonal, and a column's step.
+    /// Vertical distance of the row, and horizontal distance of its first pixel, from the centre over half the
+    /// diagonal; step from pixel to pixel.
     pub(super) y: f32,
     pub(super) x0: f32,
     pub(super) step: f32,
@@ -48,7 +49,7 @@ pub(super) struct Development {
     pub(super) noise: f32,
 }
 
-/// Brightness that is lost in the corners.
+/// Loss of brightness in the corners.
 const VIGNETTE: f32 = 0.30;
 
 multiversion! { simd;
@@ -82,7 +83,7 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// Chroma of two rows: the mean of 2 x 2 pixels. `sums` holds their red, green and blue, summed.
+    /// Chroma of two rows, the mean of 2 x 2 pixels. `sums` holds the rows' red, green and blue, summed.
     pub(super) fn chroma(
         simd: Simd,
         how: &Development,
@@ -109,7 +110,7 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// Adds `weight` times a row to `out`, shifted so that `out[i]` takes `from[i + shift]`, the border repeated.
+    /// Adds `weight` times a row to `out`: `out[i]` takes `from[i + shift]`; the border repeats.
     pub(super) fn add_shifted(simd: Simd, from: &[f32], shift: i32, weight: f32, out: &mut [f32]) {
         let width = out.len();
         let from = &from[..width];
@@ -131,8 +132,7 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// The lens: each pixel takes a little of its neighbours. `out` = `side` (up + down) + `centre` here, then the same
-    /// along the row.
+    /// Softness of the lens: weights `side`, 1 - 2 `side`, `side` across the rows, then along the row.
     pub(super) fn soften(
         simd: Simd,
         rows: [&[f32]; 3],

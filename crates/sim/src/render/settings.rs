@@ -1,34 +1,34 @@
-//! What a renderer is made for.
+//! Settings of a renderer.
 
 use barrelman_simd::Simd;
 
 use crate::optics::Optics;
 use crate::sea::Sea;
 
-/// What a renderer is made for; none of it changes from frame to frame.
+/// Settings of a renderer; constant from frame to frame.
 #[derive(Debug, Clone)]
 pub struct RenderSettings {
-    /// Lens and picture. Sides are even, 16 to 4096 pixels.
+    /// Lens and picture size. Sides are even, 16 to 4096 pixels.
     pub optics: Optics,
-    /// The sea; `None` draws calm water where there is water at all.
+    /// The sea; `None` renders calm water where there is water.
     pub sea: Option<Sea>,
-    /// Where textures, ripples and noise come from.
+    /// Seed of textures, ripples and noise.
     pub seed: u64,
-    /// Which vector instructions to use: the bits are the same with all.
+    /// Vector instructions to use; the bits are the same with all.
     pub simd: Simd,
-    /// How finely waves are computed.
+    /// Resolution of the waves.
     pub grid: WaveGrid,
-    /// What the water looks like below its surface.
+    /// Colour of the water.
     pub water: WaterColour,
-    /// From the first row's exposure to the last one's, seconds: what turns the difference of their poses into the
-    /// rate that blurs the picture.
+    /// From the exposure of the first row to that of the last, seconds: converts the difference of their poses into
+    /// the rate that blurs the picture.
     pub readout_s: f64,
-    /// What may be left out.
+    /// Effects to render.
     pub effects: Effects,
 }
 
 impl RenderSettings {
-    /// Everything drawn, by what this machine has, with a rolling shutter of 18 ms.
+    /// All effects, the widest vector instructions of this machine, and a rolling shutter of 18 ms.
     pub fn new(optics: Optics, sea: Option<Sea>, seed: u64) -> Self {
         Self {
             optics,
@@ -46,14 +46,14 @@ impl RenderSettings {
 /// Grid points along the sides of the tiles of waves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WaveGrid {
-    /// 128: what trials want.
+    /// 128 points: for trials.
     Coarse,
-    /// 256: finer crests, a few milliseconds more for each frame.
+    /// 256 points: finer crests, a few milliseconds more for each frame.
     Fine,
 }
 
 impl WaveGrid {
-    /// The number.
+    /// Number of grid points.
     pub const fn points(self) -> usize {
         match self {
             Self::Coarse => 128,
@@ -62,7 +62,7 @@ impl WaveGrid {
     }
 }
 
-/// The water's own colour.
+/// Colour of the water.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WaterColour {
     /// Teal.
@@ -73,24 +73,24 @@ pub enum WaterColour {
     Green,
 }
 
-/// What may be left out of the picture.
+/// Effects that can be left out of the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effects {
     /// The boat's wake.
     pub wake: bool,
-    /// Mirror images of things in the water.
-    pub mirror: bool,
-    /// Shadows of things.
+    /// Reflections of objects in the water.
+    pub reflection: bool,
+    /// Shadows of objects.
     pub shadow: bool,
-    /// The sensor's noise.
+    /// Noise of the sensor.
     pub noise: bool,
-    /// Motion blur and the softness of the lens.
+    /// Motion blur and softness of the lens.
     pub blur: bool,
 }
 
 impl Effects {
-    /// All of it.
-    pub const ALL: Self = Self { wake: true, mirror: true, shadow: true, noise: true, blur: true };
-    /// Nothing but surfaces and things: what a comparison of pictures wants.
-    pub const NONE: Self = Self { wake: false, mirror: false, shadow: false, noise: false, blur: false };
+    /// All effects.
+    pub const ALL: Self = Self { wake: true, reflection: true, shadow: true, noise: true, blur: true };
+    /// Surfaces and objects only, for comparing pictures.
+    pub const NONE: Self = Self { wake: false, reflection: false, shadow: false, noise: false, blur: false };
 }

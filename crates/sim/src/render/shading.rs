@@ -1,10 +1,9 @@
-//! The light that comes from water: the sky mirrored by its facets, the sun's glitter, the body of the water below,
-//! foam, and the haze in between.
+//! Light from water: the sky reflected by facets, the sun's glitter, the body of the water, foam, and haze.
 //!
-//! Reflection follows Schlick's form of Fresnel's law, weakened by the facets' spread sigma as in `bruneton2010`:
-//! `F = 0.02 + 0.98 (1 - cos)^5 / (1 + 22.7 sigma^1.5)`. At grazing angles the facets that are seen are those that
-//! lean towards the viewer; their mean is shifted by `sigma^2 vh / (vz + 0.6 sigma vh)`. The glitter is a Gaussian
-//! lobe in the space of slopes about the slope that would mirror the sun, as an eighth power.
+//! Reflection follows Schlick's form of Fresnel's law, reduced by the standard deviation sigma of the facets' slopes
+//! as in `bruneton2010`: `F = 0.02 + 0.98 (1 - cos)^5 / (1 + 22.7 sigma^1.5)`. At grazing angles mostly facets that
+//! lean towards the viewer are visible; their mean slope is shifted by `sigma^2 vh / (vz + 0.6 sigma vh)`. The
+//! glitter is a Gaussian lobe in the space of slopes about the slope that would reflect the sun, as an eighth power.
 
 use barrelman_simd::{Simd, multiversion};
 
@@ -13,40 +12,40 @@ use super::light::{Colour, Lighting};
 use super::nodes::Nodes;
 use super::texture::Texture;
 
-/// The colour of the water's body and of what floats in it.
+/// Colours of the water's body.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Body {
-    /// Light from the depth.
+pub(super) struct WaterBody {
+    /// Light scattered back from the depth.
     pub(super) deep: Colour,
-    /// Light from thin crests that face away from the viewer.
+    /// Light through thin crests that face away from the viewer.
     pub(super) crest: Colour,
-    /// Water that is full of air.
+    /// Water full of air.
     pub(super) aerated: Colour,
 }
 
-/// Half of the sun's disc as a spread of slopes, squared, so that calm water does not show a point.
+/// Half of the sun's disc as a standard deviation of slopes, squared, so that calm water shows more than a point.
 const SUN_VARIANCE: f32 = 2.5e-4;
 
-/// What foam is broken up by.
-pub(super) struct FoamLook<'a> {
+/// Texture that breaks foam up.
+pub(super) struct FoamTexture<'a> {
     pub(super) lace: &'a Texture,
-    /// Below the camera, metres modulo the texture's size, along the wind and across it.
+    /// Position below the camera, metres modulo the texture's period, along and across the wind.
     pub(super) origin: (f32, f32),
-    /// Cosine and sine of where the wind blows to.
+    /// Cosine and sine of the direction the wind blows to.
     pub(super) wind: (f32, f32),
 }
 
 multiversion! { simd;
-    /// Breaks the cover of foam up into lace at two scales, streaked along the crests.
-    pub(super) fn break_up(simd: Simd, look: &FoamLook<'_>, chunk: &mut Chunk) {
+    /// Breaks the foam's cover up into lace at two scales, streaked along the crests.
+    pub(super) fn texture_foam(simd: Simd, lookup: &FoamTexture<'_>, chunk: &mut Chunk) {
         for i in 0..CHUNK {
             let (x, y) = (chunk.px[i] , chunk.py[i]);
-            let along = look.origin.0 + x * look.wind.0 + y * look.wind.1;
-            let across = look.origin.1 + y * look.wind.0 - x * look.wind.1;
+            let along = lookup.origin.0 + x * lookup.wind.0 + y * lookup.wind.1;
+            let across = lookup.origin.1 + y * lookup.wind.0 - x * lookup.wind.1;
             // 256 texels along: coarse lace of about 0.6 m, 0.2 m along the wind; fine lace of a third.
-            let coarse = look.lace.at(along * 64.0, across * 24.0);
-            let fine = look.lace.at(along * 160.0 + 77.0, across * 96.0 + 31.0);
-            let patch = look.lace.at(along * 16.0 + 19.0, across * 8.0);
+            let coarse = lookup.lace.sample(along * 64.0, across * 24.0);
+            let fine = lookup.lace.sample(along * 160.0 + 77.0, across * 96.0 + 31.0);
+            let patch = lookup.lace.sample(along * 16.0 + 19.0, across * 8.0);
             let near = 1.0 / (1.0 + 6.0 * chunk.footprint[i]);
             let lace = (0.55 * coarse + 0.45 * fine) * (1.0 / 255.0);
             let value = 0.45 + 0.7 * near * (lace - 0.45) + (0.2 + 0.2 * near) * (patch * (1.0 / 255.0) - 0.45);
@@ -59,12 +58,12 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// What the spread of the facets makes of reflections, at the nodes of a row.
-    pub(super) fn polish(simd: Simd, light: &Lighting, nodes: &mut Nodes) {
+    /// Computes what the variance of slopes means for reflections, at the nodes of a row.
+    pub(super) fn prepare_reflection(simd: Simd, light: &Lighting, nodes: &mut Nodes) {
         let count = nodes.count();
         let (vx, vy, vz) = (&nodes.vx.0[..count], &nodes.vy.0[..count], &nodes.vz.0[..count]);
         let variance = &nodes.variance.0[..count];
-        let (deviation, lean) = (&mut nodes.deviation.0[..count], &mut nodes.lean.0[..count]);
+        let (std_dev, lean) = (&mut nodes.std_dev.0[..count], &mut nodes.lean.0[..count]);
         let grazing = &mut nodes.grazing.0[..count];
         let (glint_x, glint_y) = (&mut nodes.glint_x.0[..count], &mut nodes.glint_y.0[..count]);
         let (fall, peak) = (&mut nodes.glint_fall.0[..count], &mut nodes.glint_peak.0[..count]);
@@ -72,10 +71,10 @@ multiversion! { simd;
             let variance = variance[i] + 1e-6;
             let sigma = variance.sqrt();
             let level = (vx[i] * vx[i] + vy[i] * vy[i]).sqrt();
-            deviation[i] = sigma;
+            std_dev[i] = sigma;
             lean[i] = variance / (vz[i] + 0.6 * sigma * level);
             grazing[i] = 0.98 / (1.0 + 22.7 * sigma * sigma.sqrt());
-            // The slope that would mirror the sun into this line of sight.
+            // The slope that would reflect the sun into this line of sight.
             let (hx, hy, hz) = (light.to_sun[0] + vx[i], light.to_sun[1] + vy[i], light.to_sun[2] + vz[i]);
             let per_hz = -1.0 / hz;
             glint_x[i] = hx * per_hz;
@@ -87,7 +86,7 @@ multiversion! { simd;
     }
 }
 
-/// 1 / sqrt(1 + q) of squared slopes, to a thousandth below q = 1: a cubic, and one step of Newton's method.
+/// 1 / sqrt(1 + q), to a thousandth below q = 1: a cubic, and one Newton step.
 #[inline(always)]
 fn per_root(q: f32) -> f32 {
     let p = if q < 1.5 { q } else { 1.5 };
@@ -96,24 +95,24 @@ fn per_root(q: f32) -> f32 {
 }
 
 multiversion! { simd;
-    /// The colour of a chunk of water. `place` is the column that it begins with, and whether it is bare: in plain
-    /// light, without foam, wake and images.
-    pub(super) fn light_water(
+    /// Shades a chunk of water. `start` is its first column, and whether the water is bare: in full light, without
+    /// foam, wake and images of objects.
+    pub(super) fn shade_water(
         simd: Simd,
         light: &Lighting,
-        body: &Body,
+        body: &WaterBody,
         clouds: &Texture,
         nodes: &Nodes,
-        place: (usize, bool),
+        start: (usize, bool),
         chunk: &mut Chunk,
     ) {
-        let (column, is_bare) = place;
+        let (column, is_bare) = start;
         let mut reflect = [[0.0_f32; CHUNK]; 3];
         let mut fresnel = [0.0_f32; CHUNK];
         let mut glint = [0.0_f32; CHUNK];
         let mut thin = [0.0_f32; CHUNK];
         let per_length = nodes.per_length.lane(column);
-        let (deviation, lean) = (nodes.deviation.lane(column), nodes.lean.lane(column));
+        let (std_dev, lean) = (nodes.std_dev.lane(column), nodes.lean.lane(column));
         let grazing = nodes.grazing.lane(column);
         let (glint_x, glint_y) = (nodes.glint_x.lane(column), nodes.glint_y.lane(column));
         let (fall, peak) = (nodes.glint_fall.lane(column), nodes.glint_peak.lane(column));
@@ -130,7 +129,7 @@ multiversion! { simd;
             fresnel[i] = 0.02 + grazing[i] * (away2 * away2 * away);
             let twice = 2.0 * cos * steep;
             let (rx, ry, rz) = (-twice * sx - vx, -twice * sy - vy, twice - vz);
-            let sky = light.sky(clouds, rx, ry, rz, 1.4 * deviation[i]);
+            let sky = light.sky(clouds, rx, ry, rz, 1.4 * std_dev[i]);
             for c in 0..3 {
                 reflect[c][i] = sky[c];
             }
@@ -162,7 +161,7 @@ multiversion! { simd;
                 let air = chunk.air[i];
                 let below = body.deep[c] + thin[i] * body.crest[c];
                 let below = day * (below + air * (body.aerated[c] - below));
-                let mirrored = reflect[c][i] * chunk.sky_left[i] + chunk.mirror[c][i];
+                let mirrored = reflect[c][i] * chunk.sky_left[i] + chunk.reflection[c][i];
                 let water = below + fresnel[i] * (mirrored - below) + glint[i] * shone * chunk.sky_left[i];
                 let white = 0.86 * ambient + 0.731 * shone;
                 let seen = water + chunk.foam[i] * (white - water);
@@ -173,8 +172,8 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// The sky, for the pixels of a chunk that look above the horizon.
-    pub(super) fn light_sky(
+    /// Shades the pixels of a chunk above the horizon.
+    pub(super) fn shade_sky(
         simd: Simd,
         light: &Lighting,
         clouds: &Texture,
@@ -186,7 +185,7 @@ multiversion! { simd;
             let (dx, dy, dz) = (chunk.dx[i], chunk.dy[i], chunk.dz[i]);
             let per_length = 1.0 / (dx * dx + dy * dy + dz * dz).sqrt();
             let sky = light.sky(clouds, dx * per_length, dy * per_length, dz * per_length, 0.0);
-            // The horizon runs through pixels: those it crosses show both.
+            // Pixels that the horizon crosses show both.
             let part = (0.5 + (dz + horizon) * per_pixel).max(0.0).min(1.0);
             for c in 0..3 {
                 let water = chunk.colour[c][i];

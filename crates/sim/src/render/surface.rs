@@ -1,9 +1,9 @@
-//! Where a line of sight meets the waves, and how they lie there: slopes from three tiles, each at the level that fits
-//! the pixel's footprint. What a level has averaged away is kept as variance, which later widens reflections and the
-//! sun's glitter: far water neither sparkles by chance nor turns into a mirror (`bruneton2010`).
+//! Where rays meet the waves, and the slopes there: from three tiles, each at the level that fits the pixel's
+//! footprint. Slopes that a level has averaged away are kept as variance, which later widens reflections and glitter.
+//! Distant water therefore neither aliases nor turns into a mirror (`bruneton2010`).
 //!
-//! *Relief*: the line of sight is followed to the elevation found where it meets the plane, twice, so that crests stand
-//! before troughs. A crest that hides what lies behind it is beyond this.
+//! *Relief*: the ray is followed twice to the elevation found where it meets the plane, so that crests stand in front
+//! of troughs. A crest that hides what lies behind it is not handled.
 
 use barrelman_simd::{Simd, multiversion};
 
@@ -12,58 +12,58 @@ use super::nodes::{GROUP, Nodes};
 use super::quad_map::{QUADS, QuadMap};
 use super::rays::HORIZON;
 use super::texture::{ROUNDING, Texture};
-use super::waves::{LEVELS, Tile};
+use super::waves::{LEVELS, WaveTile};
 
-/// What the surface is looked up in.
+/// The data that the surface is looked up in.
 #[derive(Clone, Copy)]
-pub(super) struct Water<'a> {
-    pub(super) tiles: [Look<'a>; 3],
-    /// Elevation of the swell, on tile 0's grid; `None` where the sea is too flat for relief.
-    pub(super) elevation: Option<Values<'a>>,
+pub(super) struct WaterSurface<'a> {
+    pub(super) tiles: [TileLookup<'a>; 3],
+    /// Elevation of the swell on tile 0's grid; `None` where the sea is too flat for relief.
+    pub(super) elevation: Option<ElevationMap<'a>>,
     /// Foam of breaking crests on tile 0's grid.
     pub(super) foam: Option<&'a QuadMap>,
-    /// Patches of wind.
+    /// Pattern of gusts.
     pub(super) gusts: &'a Texture,
-    /// Below the camera, texels of `gusts`.
+    /// Position below the camera, texels of `gusts`.
     pub(super) gust_origin: (f32, f32),
     /// Variance of slope that no tile carries.
-    pub(super) rough: f32,
+    pub(super) unresolved_variance: f32,
 }
 
-/// One tile as seen from a row's camera.
+/// One tile, looked up relative to a camera.
 #[derive(Clone, Copy)]
-pub(super) struct Look<'a> {
+pub(super) struct TileLookup<'a> {
     quads: &'a [u64; QUADS],
     n: f32,
-    /// Tiles for a metre along the world's x: cosine and sine of the turn over the side.
+    /// Cosine and sine of the tile's rotation over its side, 1/m.
     along: (f32, f32),
-    /// Below the camera, tiles.
+    /// Position below the camera, tile sides.
     origin: (f32, f32),
     slope_step: f32,
     texels_per_metre: f32,
-    /// Footprints from here on see nothing of its slopes, metres.
+    /// From this footprint on, a pixel sees nothing of the tile's slopes, metres.
     flat_from_m: f32,
     lost: &'a [f32; LEVELS],
 }
 
 /// A tile of single numbers.
 #[derive(Clone, Copy)]
-pub(super) struct Values<'a> {
+pub(super) struct ElevationMap<'a> {
     pub(super) quads: &'a [u64; QUADS],
     pub(super) step: f32,
 }
 
-impl Water<'_> {
-    /// By how much relief moves a place at most, metres.
-    pub(super) fn relief_m(&self) -> f32 {
-        // Elevation in whole steps, over what it is held to.
+impl WaterSurface<'_> {
+    /// Upper bound of the shift of a point by relief, metres.
+    pub(super) fn max_relief_m(&self) -> f32 {
+        // The largest elevation over the limit of the sink.
         self.elevation.map_or(0.0, |values| 32_767.0 * values.step / 0.10 * 1.5)
     }
 }
 
-impl<'a> Look<'a> {
-    /// From a camera over this place of the world.
-    pub(super) fn new(tile: &'a Tile, x: f64, y: f64) -> Self {
+impl<'a> TileLookup<'a> {
+    /// For a camera above this point of the world.
+    pub(super) fn new(tile: &'a WaveTile, x: f64, y: f64) -> Self {
         let (cos, sin) = tile.turn;
         let (u, v) = ((x * cos + y * sin) / tile.side_m, (y * cos - x * sin) / tile.side_m);
         let texels_per_metre = (tile.n as f64 / tile.side_m) as f32;
@@ -71,7 +71,7 @@ impl<'a> Look<'a> {
             quads: &tile.slopes.quads,
             n: tile.n as f32,
             texels_per_metre,
-            flat_from_m: (1_u32 << tile.flat_level) as f32 / texels_per_metre,
+            flat_from_m: (1_u32 << tile.flmultiversion) as f32 / texels_per_metre,
             along: ((cos / tile.side_m) as f32, (sin / tile.side_m) as f32),
             origin: ((u - libm::floor(u)) as f32, (v - libm::floor(v)) as f32),
             slope_step: tile.slope_step,
@@ -79,10 +79,10 @@ impl<'a> Look<'a> {
         }
     }
 
-    /// Levels, indices of quads and places within them, for all pixels; then the quads themselves. The steps are loops of
-    /// their own, so that all but the look-up itself becomes vector instructions.
+    /// Computes levels, indices of quads and positions within them for all pixels. The quads are loaded in a loop of
+    /// their own, so that all but the loads is vectorised.
     #[inline(always)]
-    fn find(&self, chunk: &Chunk, footprint: &Lane, found: &mut Found) {
+    fn find(&self, chunk: &Chunk, footprint: &Lane, found: &mut QuadLookup) {
         let coarsest = self.coarsest();
         for i in 0..CHUNK {
             let texels = footprint[i] * self.texels_per_metre;
@@ -109,9 +109,9 @@ impl<'a> Look<'a> {
         (self.n.to_bits() >> 23) as i32 - 127
     }
 
-    /// The variance that is lost at a footprint, between those of the levels on both sides.
+    /// The variance lost at a footprint, interpolated between levels.
     #[inline(always)]
-    fn lost(&self, footprint: f32) -> f32 {
+    fn lost_variance(&self, footprint: f32) -> f32 {
         let texels = (footprint * self.texels_per_metre).max(1.0).min(self.n);
         let level = (texels.to_bits() >> 23) as usize - 127;
         let part = f32::from_bits(texels.to_bits() & 0x7F_FFFF | 0x3F80_0000) - 1.0;
@@ -120,8 +120,8 @@ impl<'a> Look<'a> {
     }
 }
 
-/// Quads for all pixels, and where in them each pixel lies.
-struct Found {
+/// Quads of all pixels, and each pixel's position in its quad.
+struct QuadLookup {
     index: [u32; CHUNK],
     fu: Lane,
     fv: Lane,
@@ -129,9 +129,9 @@ struct Found {
     lower: [u32; CHUNK],
 }
 
-impl Found {
+impl QuadLookup {
     #[inline(always)]
-    fn nothing() -> Self {
+    fn empty() -> Self {
         Self { index: [0; CHUNK], fu: [0.0; CHUNK], fv: [0.0; CHUNK], upper: [0; CHUNK], lower: [0; CHUNK] }
     }
 
@@ -144,7 +144,7 @@ impl Found {
         }
     }
 
-    /// Both bytes between the texels.
+    /// Both bytes, interpolated.
     #[inline(always)]
     fn pair(&self, i: usize) -> (f32, f32) {
         let (upper, lower, fu, fv) = (self.upper[i], self.lower[i], self.fu[i], self.fv[i]);
@@ -161,7 +161,7 @@ impl Found {
         (value(0, 16), value(8, 24))
     }
 
-    /// The number between the texels.
+    /// The number, interpolated.
     #[inline(always)]
     fn single(&self, i: usize) -> f32 {
         let low = |bits: u32| ((bits << 16) as i32 >> 16) as f32;
@@ -182,8 +182,8 @@ fn bilinear(a: f32, b: f32, c: f32, d: f32, fu: f32, fv: f32) -> f32 {
     upper + fv * (lower - upper)
 }
 
-/// Spreads the change from level to level over neighbouring pixels without a pattern: factors from 1 to 2, the same
-/// order in every row, begun elsewhere. Twice in a row, so that it can begin anywhere.
+/// Factors from 1 to 2 that spread the change of level over neighbouring pixels without a visible pattern. Rows use
+/// the same order with different starts; the order is stored twice so that it can start anywhere.
 const DITHER: [f32; 2 * CHUNK] = {
     let mut factors = [0.0; 2 * CHUNK];
     let mut i = 0;
@@ -199,24 +199,24 @@ const DITHER: [f32; 2 * CHUNK] = {
 };
 
 multiversion! { simd;
-    /// Gusts, and the variance below the pixels' resolution, at the nodes of a row.
-    pub(super) fn settle(simd: Simd, water: &Water<'_>, nodes: &mut Nodes) {
+    /// Computes gusts and the variance below the pixels' resolution at the nodes of a row.
+    pub(super) fn fill_node_variance(simd: Simd, water: &WaterSurface<'_>, nodes: &mut Nodes) {
         let [swell, longer, shorter] = &water.tiles;
         for first in (0..nodes.count()).step_by(GROUP) {
             let group = first..first + GROUP;
             let (px, py) = (&nodes.px.0[group.clone()], &nodes.py.0[group.clone()]);
             let footprint = &nodes.footprint.0[group.clone()];
-            // Memory of its own: what is written is not what is looked up.
+            // Separate memory for the results, so that the compiler need not assume aliasing.
             let mut gust = [0.0_f32; GROUP];
             for i in 0..GROUP {
                 let (u, v) =
                     (water.gust_origin.0 + 2.1 * px[i], water.gust_origin.1 + 2.1 * py[i]);
-                gust[i] = 0.45 + (1.1 / 255.0) * water.gusts.at(u, v);
+                gust[i] = 0.45 + (1.1 / 255.0) * water.gusts.sample(u, v);
             }
             let mut variance = [0.0_f32; GROUP];
             for i in 0..GROUP {
-                let short = water.rough + longer.lost(footprint[i]) + shorter.lost(footprint[i]);
-                variance[i] = swell.lost(footprint[i]) + gust[i] * gust[i] * short;
+                let short = water.unresolved_variance + longer.lost_variance(footprint[i]) + shorter.lost_variance(footprint[i]);
+                variance[i] = swell.lost_variance(footprint[i]) + gust[i] * gust[i] * short;
             }
             nodes.gust.0[group.clone()].copy_from_slice(&gust);
             nodes.variance.0[group].copy_from_slice(&variance);
@@ -225,25 +225,25 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// Slopes, elevation and whitecaps for a chunk whose rays are cast.
-    pub(super) fn meet(
+    /// Computes slopes, elevation and whitecaps of a chunk whose rays are cast. `start` is its row and first column.
+    pub(super) fn sample_surface(
         simd: Simd,
-        water: &Water<'_>,
+        water: &WaterSurface<'_>,
         nodes: &Nodes,
-        place: (usize, usize),
+        start: (usize, usize),
         chunk: &mut Chunk,
     ) {
-        let (row, column) = place;
+        let (row, column) = start;
         let mut sized = [0.0_f32; CHUNK];
         let dither = &DITHER[(23 * row) % CHUNK..][..CHUNK];
         for i in 0..CHUNK {
             sized[i] = chunk.footprint[i] * dither[i];
         }
-        let (least, _) = nodes.footprint.range(column);
+        let (min_footprint, _) = nodes.footprint.range(column);
         let swell = &water.tiles[0];
-        let mut found = Found::nothing();
+        let mut found = QuadLookup::empty();
         if let Some(elevation) = water.elevation {
-            // No dither here: a height that jumps from pixel to pixel would tear the picture.
+            // No dither here: an elevation that jumps from pixel to pixel would tear the picture.
             let footprint = chunk.footprint;
             for _ in 0..2 {
                 swell.find(chunk, &footprint, &mut found);
@@ -251,7 +251,7 @@ multiversion! { simd;
                 for i in 0..CHUNK {
                     let eta = found.single(i) * elevation.step;
                     let sink = if -chunk.dz[i] > HORIZON { -chunk.dz[i] } else { HORIZON };
-                    // Seen at a grazing angle the shift would fold the picture: it is held to what a crest hides.
+                    // At grazing angles the full shift would fold the picture; it is limited to what a crest hides.
                     let length = chunk.t[i] - eta / (sink + 0.10);
                     chunk.elevation[i] = eta;
                     chunk.px[i] = length * chunk.dx[i];
@@ -260,7 +260,7 @@ multiversion! { simd;
             }
         }
         chunk.foam = [0.0; CHUNK];
-        if least < swell.flat_from_m || water.foam.is_some() {
+        if min_footprint < swell.flat_from_m || water.foam.is_some() {
             swell.find(chunk, &sized, &mut found);
             found.load(swell.quads);
             for i in 0..CHUNK {
@@ -279,13 +279,13 @@ multiversion! { simd;
             chunk.sy = [0.0; CHUNK];
         }
         let gust = nodes.gust.lane(column);
-        for look in &water.tiles[1..] {
-            if least < look.flat_from_m {
-                look.find(chunk, &sized, &mut found);
-                found.load(look.quads);
+        for lookup in &water.tiles[1..] {
+            if min_footprint < lookup.flat_from_m {
+                lookup.find(chunk, &sized, &mut found);
+                found.load(lookup.quads);
                 for i in 0..CHUNK {
                     let (sx, sy) = found.pair(i);
-                    let step = gust[i] * look.slope_step;
+                    let step = gust[i] * lookup.slope_step;
                     chunk.sx[i] += step * sx;
                     chunk.sy[i] += step * sy;
                 }
@@ -294,6 +294,6 @@ multiversion! { simd;
         chunk.air = [0.0; CHUNK];
         chunk.lit = [1.0; CHUNK];
         chunk.sky_left = [1.0; CHUNK];
-        chunk.mirror = [[0.0; CHUNK]; 3];
+        chunk.reflection = [[0.0; CHUNK]; 3];
     }
 }

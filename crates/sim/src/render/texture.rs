@@ -1,5 +1,5 @@
-//! Textures made from noise: clouds, grain, and the lace of foam. All are square, repeat without a seam, and are looked
-//! up bilinearly with one load.
+//! Textures made from noise: clouds, gusts, grain, and the lace of foam. All are square and periodic, and a bilinear
+//! look-up is one load.
 
 use crate::noise;
 
@@ -8,13 +8,39 @@ pub(super) const SIDE: usize = 256;
 const MASK: u32 = SIDE as u32 - 1;
 const TEXELS: usize = SIDE * SIDE;
 
-/// A texture: each texel with its neighbours to the right, below, and both, a byte each.
+/// A texture: each texel packed with its neighbours to the right, below, and both, a byte each.
 #[derive(Debug, Clone)]
 pub(super) struct Texture {
     quads: Box<[u32; TEXELS]>,
 }
 
-/// Adds to a float of less than 2^22 in size so that its nearest whole number stands in the lowest bits.
+/// The textures of a renderer.
+#[derive(Debug)]
+pub(super) struct Textures {
+    pub(super) clouds: Texture,
+    pub(super) gusts: Texture,
+    pub(super) grain: Texture,
+    pub(super) lace: Texture,
+}
+
+impl Textures {
+    /// All textures, from the renderer's seed.
+    pub(super) fn new(seed: u64) -> Self {
+        Self {
+            clouds: Texture::fractal(seed ^ 0xC1, 64, 1, 0.52),
+            gusts: Texture::fractal(seed ^ 0x65, 64, 4, 0.55),
+            grain: Texture::fractal(seed ^ 0x62, 16, 1, 0.75),
+            lace: Texture::lace(seed ^ 0x1A, 16),
+        }
+    }
+}
+
+/// The nearest whole number of a float of less than 2^22 in size.
+pub(super) fn round_to_i32(v: f32) -> i32 {
+    ((v + ROUNDING) - ROUNDING) as i32
+}
+
+/// Added to a float of less than 2^22 in size, this leaves the nearest whole number in the lowest bits.
 pub(super) const ROUNDING: f32 = 12_582_912.0;
 
 impl Texture {
@@ -33,8 +59,8 @@ impl Texture {
         Self { quads }
     }
 
-    /// Fractal noise: octaves from cells of `coarsest` texels down to `finest`, each weaker by `fall`, stretched to
-    /// fill 0..1.
+    /// Fractal noise: octaves from cells of `coarsest` down to `finest` texels, each `fall` times the one before,
+    /// scaled to fill 0..1.
     pub(super) fn fractal(seed: u64, coarsest: usize, finest: usize, fall: f64) -> Self {
         let mut sums = vec![0.0; TEXELS];
         let (mut cell, mut weight, mut stream) = (coarsest, 1.0, 0);
@@ -78,9 +104,9 @@ impl Texture {
         })
     }
 
-    /// The value at a place in texels, 0 to 255.
+    /// The value at a position in texels, 0 to 255.
     #[inline(always)]
-    pub(super) fn at(&self, u: f32, v: f32) -> f32 {
+    pub(super) fn sample(&self, u: f32, v: f32) -> f32 {
         let (mu, mv) = ((u - 0.5) + ROUNDING, (v - 0.5) + ROUNDING);
         let (fu, fv) = (u - (mu - ROUNDING), v - (mv - ROUNDING));
         let index = (mv.to_bits() & MASK) * SIDE as u32 + (mu.to_bits() & MASK);
@@ -92,7 +118,7 @@ impl Texture {
     }
 }
 
-/// One random point in each square cell.
+/// A random point in each square cell.
 struct Cells {
     seed: u64,
     cell: usize,

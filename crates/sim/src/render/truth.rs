@@ -1,45 +1,44 @@
-//! What is true of a drawn picture: which pixels show the target, how much of it, where its waterline's middle lies,
-//! and where its bow points.
+//! The truth about a rendered picture: which pixels show the target, how much of it is visible, where the middle of
+//! its waterline is projected to, and its heading in the picture.
 
 use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
 use super::camera::Camera;
-use super::raster::Tile;
+use super::image_tile::ImageTile;
 use crate::pose::WorldPoint;
 use crate::snapshot::{Snapshot, Target};
 
 /// The truth about one picture.
 #[derive(Debug, Clone, Default)]
-pub struct DrawnTruth {
-    /// The pixels that show the target: at least half covered by what of it is not hidden.
+pub struct RenderedTruth {
+    /// Pixels of which the unhidden target covers at least half.
     pub mask: TargetMask,
-    /// The smallest upright box about the mask; `None` where no pixel shows it.
+    /// Smallest upright box around the mask; `None` where the mask is empty.
     pub bounds: Option<PixelBox>,
-    /// Which part of the target is seen, 0 to 1: of what would be seen of it on still water, with nothing before it
-    /// and wholly within the picture.
-    pub visible: f64,
-    /// Where the middle of its waterline is projected to, within the picture or not; `None` behind the camera.
+    /// Visible share of the target, 0 to 1: of what would be seen on still water, unhidden and wholly in the picture.
+    pub visible_share: f64,
+    /// Projection of the middle of the waterline, inside the picture or not; `None` behind the camera.
     pub waterline: Option<PixelPoint>,
-    /// Where its bow points in the picture: 0 along image right, anticlockwise as seen, up to 360 degrees. `None`
-    /// where it points along the line of sight, or behind the camera.
+    /// Heading in the picture: 0 along image right, anticlockwise as seen, below 360 degrees. `None` along the line
+    /// of sight, or behind the camera.
     pub heading: Option<Angle>,
-    /// From the optical centre to the middle of its waterline, metres.
+    /// From the optical centre to the middle of the waterline, metres.
     pub range_m: f64,
 }
 
-/// The pixels that show the target, as a part of the picture.
+/// The pixels that show the target, within a part of the picture.
 #[derive(Debug, Clone, Default)]
 pub struct TargetMask {
-    /// First column and row of the part.
+    /// First column of the part.
     pub left: usize,
-    /// First row.
+    /// First row of the part.
     pub top: usize,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Row by row, whether a pixel of the part shows the target.
-    pub shows: Vec<bool>,
+    /// Row by row, whether each pixel of the part shows the target.
+    pub is_target: Vec<bool>,
 }
 
 impl TargetMask {
@@ -47,31 +46,31 @@ impl TargetMask {
     pub fn at(&self, column: usize, row: usize) -> bool {
         let inside = (self.left..self.left + self.width).contains(&column)
             && (self.top..self.top + self.height).contains(&row);
-        inside && self.shows[(row - self.top) * self.width + column - self.left]
+        inside && self.is_target[(row - self.top) * self.width + column - self.left]
     }
 
-    /// How many pixels show it.
+    /// Number of pixels that show the target.
     pub fn count(&self) -> usize {
-        self.shows.iter().filter(|shows| **shows).count()
+        self.is_target.iter().filter(|is_target| **is_target).count()
     }
 }
 
-/// The bow is looked for so far ahead of the middle, metres.
+/// Distance of the point used for the heading ahead of the middle, metres.
 const BOW_M: f64 = 0.3;
 
-impl DrawnTruth {
-    /// What the geometry alone says.
+impl RenderedTruth {
+    /// Computes what follows from the geometry.
     pub(super) fn measure(&mut self, camera: &Camera, snapshot: &Snapshot) {
-        let place = snapshot.target.place();
-        let seen = camera.seen(place);
+        let position = snapshot.target.position();
+        let seen = camera.project(position);
         self.waterline = seen.map(|(point, _)| point);
         let heading = match snapshot.target {
             Target::Boat(boat) => boat.pose.heading,
             Target::FloorTarget(pose) => pose.heading,
         };
         let (sin, cos) = libm::sincos(heading.radians());
-        let bow = WorldPoint { x: place.x + BOW_M * cos, y: place.y + BOW_M * sin, z: place.z };
-        self.heading = self.waterline.zip(camera.seen(bow)).and_then(|(from, (to, _))| {
+        let bow = WorldPoint { x: position.x + BOW_M * cos, y: position.y + BOW_M * sin, z: position.z };
+        self.heading = self.waterline.zip(camera.project(bow)).and_then(|(from, (to, _))| {
             let (du, dv) = (to.u - from.u, to.v - from.v);
             (libm::hypot(du, dv) > 1e-6).then(|| {
                 let angle = libm::atan2(-dv, du);
@@ -83,15 +82,15 @@ impl DrawnTruth {
         let row = seen.map_or(0, |(point, _)| {
             (point.v.max(0.0) as usize).min(camera.optics.picture.height as usize - 1)
         });
-        self.range_m = camera.row(row).place.to(place).length();
+        self.range_m = camera.row(row).position.vector_to(position).norm();
     }
 
-    /// What the drawn tiles say: the target's, and those of things before it.
+    /// Computes what follows from the rendered tiles: the target's, and those of the objects in front of it.
     pub(super) fn cover<'a>(
         &mut self,
         camera: &Camera,
-        target: &Tile,
-        before: impl Iterator<Item = &'a Tile> + Clone,
+        target: &ImageTile,
+        before: impl Iterator<Item = &'a ImageTile> + Clone,
     ) {
         let size = camera.optics.picture;
         let clip = |at: i32, limit: u32| at.clamp(0, limit as i32) as usize;
@@ -100,7 +99,7 @@ impl DrawnTruth {
         let bottom = clip(target.top + target.height as i32, size.height);
         let mask = &mut self.mask;
         (mask.left, mask.top, mask.width, mask.height) = (left, top, right - left, bottom - top);
-        mask.shows.clear();
+        mask.is_target.clear();
         let mut seen = 0.0;
         let (mut low, mut high) = ((usize::MAX, usize::MAX), (0, 0));
         for row in top..bottom {
@@ -112,9 +111,9 @@ impl DrawnTruth {
                     }
                 }
                 seen += f64::from(opacity);
-                let shows = opacity >= 0.499;
-                mask.shows.push(shows);
-                if shows {
+                let is_target = opacity >= 0.499;
+                mask.is_target.push(is_target);
+                if is_target {
                     low = (low.0.min(column), low.1.min(row));
                     high = (high.0.max(column + 1), high.1.max(row + 1));
                 }
@@ -126,7 +125,8 @@ impl DrawnTruth {
             w: (high.0 - low.0) as f64,
             h: (high.1 - low.1) as f64,
         });
-        let whole = target.afloat as f64 / (target.per_pixel * target.per_pixel) as f64;
-        self.visible = if whole > 0.0 { (seen / whole).min(1.0) } else { 0.0 };
+        let whole =
+            target.still_water_samples as f64 / (target.samples_per_side * target.samples_per_side) as f64;
+        self.visible_share = if whole > 0.0 { (seen / whole).min(1.0) } else { 0.0 };
     }
 }

@@ -1,22 +1,23 @@
-//! The boat's wake: waves that it pushes up and foam that its jet leaves, on a grid that goes with it.
+//! The boat's wake: the waves it raises and the foam its jet leaves, on a grid that moves with the boat.
 //!
-//! The height h (m) follows a damped wave equation, `h'' = c^2 laplace(h) - d h'`, at fixed steps of [`STEP_TICKS`]; the
-//! boat presses the water up before its bow and down behind its stern. One speed c stands for all of the wake's
-//! waves: the arms of its V lie right at the speeds of trials; a real wake's inner pattern is missing. Foam decays and
-//! spreads. Where the boat was between two snapshots is interpolated, so that the wake does not depend on the frame rate.
+//! The elevation h (m) follows a damped wave equation, `h'' = c^2 laplace(h) - d h'`, at fixed steps of
+//! [`STEP_TICKS`]; the boat raises the water at its bow and lowers it at its stern. One speed c stands for all waves
+//! of the wake: the arms of the V lie right at the speeds of the trials, but the inner pattern of a real wake is
+//! missing. Foam decays and spreads. The boat's position is interpolated between snapshots, so that the wake does not
+//! depend on the frame rate.
 //!
-//! The grid is a torus: a cell of the world has one slot for good, and slots of cells that the window leaves are
-//! cleared for those that it enters.
+//! The grid is a torus: each cell of the world has a fixed slot. Slots of cells that leave the window are cleared for
+//! those that enter it.
 
 use barrelman_simd::{Simd, multiversion};
 
 use super::chunk::{CHUNK, Chunk};
 use super::nodes::Nodes;
 use super::texture::ROUNDING;
-use crate::camera_axis::TICKS_PER_SECOND;
 use crate::snapshot::{Boat, Snapshot, Target};
+use crate::tick::TICKS_PER_SECOND;
 
-/// Slots along the grid's side.
+/// Slots along the side of the grid.
 const SIDE: usize = 512;
 const MASK: i64 = SIDE as i64 - 1;
 /// Cells along the side of a block, and blocks along the grid's side.
@@ -24,18 +25,18 @@ const BLOCK: usize = 16;
 const BLOCKS: usize = SIDE / BLOCK;
 /// Side of a cell, metres.
 const CELL_M: f64 = 0.075;
-/// Ticks of a step.
+/// Ticks of a simulation step.
 const STEP_TICKS: u64 = 4;
-/// Steps that a snapshot may leave to be caught up; more is a new scene.
-const LONGEST_PAUSE: u64 = 300;
-/// Speed of the wake's waves, m/s.
+/// Snapshots more steps apart than this start a new wake.
+const MAX_GAP_STEPS: u64 = 300;
+/// Speed of the waves, m/s.
 const WAVE_SPEED: f64 = 1.3;
-/// Share of the motion that is lost in a step.
+/// Share of the motion lost in a step.
 const DAMPING: f32 = 0.014;
-/// Steps in which foam falls to 1/e, as a share for one step; and how it spreads.
+/// Decay of foam in a step, from the number of steps to 1/e; and its diffusion.
 const FOAM_DECAY: f32 = 1.0 / (3.0 * 30.0);
 const FOAM_SPREAD: f32 = 0.012;
-/// Slope for one step of a byte.
+/// Slope of one step of a byte.
 const SLOPE_STEP: f32 = 0.45 / 127.0;
 
 /// The grid.
@@ -47,9 +48,9 @@ pub(super) struct Wake {
     foam_before: Vec<f32>,
     /// Slopes (two signed bytes), foam and air (a byte each).
     packed: Box<[u32; SIDE * SIDE]>,
-    /// Blocks of cells where there is anything, a bit each, row by row.
+    /// Blocks with anything in them, a bit each, row by row.
     occupied: [u32; BLOCKS],
-    /// Cell of the window's lower corner.
+    /// Cell at the lower corner of the window.
     window: Option<(i64, i64)>,
     last: Option<(u64, Boat)>,
     stepped: u64,
@@ -72,19 +73,19 @@ impl Wake {
         }
     }
 
-    /// Goes on to a snapshot.
-    pub(super) fn follow(&mut self, simd: Simd, snapshot: &Snapshot) {
+    /// Advances to a snapshot.
+    pub(super) fn advance_to(&mut self, simd: Simd, snapshot: &Snapshot) {
         let Target::Boat(boat) = snapshot.target else {
-            self.forget();
+            self.reset();
             return;
         };
         let now = snapshot.tick / STEP_TICKS;
         let (from_tick, from) = match self.last {
-            Some((tick, from)) if tick <= snapshot.tick && now - self.stepped <= LONGEST_PAUSE => {
+            Some((tick, from)) if tick <= snapshot.tick && now - self.stepped <= MAX_GAP_STEPS => {
                 (tick, from)
             }
             _ => {
-                self.forget();
+                self.reset();
                 self.stepped = now;
                 (snapshot.tick, boat)
             }
@@ -95,15 +96,15 @@ impl Wake {
             let tick = self.stepped * STEP_TICKS;
             let part = ((tick.saturating_sub(from_tick)) as f64 / span).min(1.0);
             let mix = |a: f64, b: f64| a + part * (b - a);
-            let x = mix(from.pose.place.x, boat.pose.place.x);
-            let y = mix(from.pose.place.y, boat.pose.place.y);
+            let x = mix(from.pose.position.x, boat.pose.position.x);
+            let y = mix(from.pose.position.y, boat.pose.position.y);
             self.step(simd, x, y, &boat);
         }
         self.last = Some((snapshot.tick, boat));
         pack(simd, &self.height, &self.foam, &mut self.packed, &mut self.occupied);
     }
 
-    fn forget(&mut self) {
+    fn reset(&mut self) {
         if self.window.is_some() {
             for grid in [&mut self.height, &mut self.before, &mut self.foam] {
                 grid.fill(0.0);
@@ -113,43 +114,43 @@ impl Wake {
     }
 
     fn step(&mut self, simd: Simd, x: f64, y: f64, boat: &Boat) {
-        // The window lies farther behind the boat than before it.
+        // The window extends farther behind the boat than ahead of it.
         let speed = libm::hypot(boat.velocity.0, boat.velocity.1);
         let back = 9.0 * (speed / 1.5).min(1.0) / speed.max(1e-6);
         let half = 0.5 * SIDE as f64;
         let corner = |at: f64, v: f64| libm::floor((at - back * v) / CELL_M - half) as i64;
         self.move_window(corner(x, boat.velocity.0), corner(y, boat.velocity.1));
         let courant = (WAVE_SPEED * STEP_TICKS as f64 / f64::from(TICKS_PER_SECOND) / CELL_M) as f32;
-        spread(simd, courant * courant, &self.height, &mut self.before);
+        step_heights(simd, courant * courant, &self.height, &mut self.before);
         core::mem::swap(&mut self.height, &mut self.before);
-        fade(simd, &self.foam, &mut self.foam_before);
+        step_foam(simd, &self.foam, &mut self.foam_before);
         core::mem::swap(&mut self.foam, &mut self.foam_before);
-        self.press(x, y, boat, speed);
+        self.apply_boat(x, y, boat, speed);
     }
 
-    /// The boat's own doing in a step.
-    fn press(&mut self, x: f64, y: f64, boat: &Boat, speed: f64) {
+    /// Adds the boat's effect in a step.
+    fn apply_boat(&mut self, x: f64, y: f64, boat: &Boat, speed: f64) {
         let (sin, cos) = libm::sincos(boat.pose.heading.radians());
         let seconds = STEP_TICKS as f64 / f64::from(TICKS_PER_SECOND);
         let push = (speed * speed / (1.0 + 0.4 * speed) * 0.0020).min(0.007);
-        self.blob(x + 0.45 * cos, y + 0.45 * sin, 0.16, |slot, weight| slot.0 += (push * weight) as f32);
-        self.blob(x - 0.45 * cos, y - 0.45 * sin, 0.17, |slot, weight| slot.0 -= (push * weight) as f32);
+        self.splat(x + 0.45 * cos, y + 0.45 * sin, 0.16, |slot, weight| slot.0 += (push * weight) as f32);
+        self.splat(x - 0.45 * cos, y - 0.45 * sin, 0.17, |slot, weight| slot.0 -= (push * weight) as f32);
         let jet = boat.thrust.abs().min(1.0);
         let foam = ((0.20 + 0.45 * jet) * (speed / 1.2).min(1.0) + 0.5 * jet) * 5.2 * seconds;
-        self.blob(x - 0.80 * cos, y - 0.80 * sin, 0.13, |slot, weight| {
+        self.splat(x - 0.80 * cos, y - 0.80 * sin, 0.13, |slot, weight| {
             slot.1 = (slot.1 + (foam * weight) as f32).min(1.15);
         });
         if speed > 0.8 {
             let spray = 0.7 * (speed - 0.8) * seconds;
             for side in [-1.0, 1.0] {
                 let (bx, by) = (x + 0.30 * cos - 0.2 * side * sin, y + 0.30 * sin + 0.2 * side * cos);
-                self.blob(bx, by, 0.09, |slot, weight| slot.1 = (slot.1 + (spray * weight) as f32).min(0.8));
+                self.splat(bx, by, 0.09, |slot, weight| slot.1 = (slot.1 + (spray * weight) as f32).min(0.8));
             }
         }
     }
 
-    /// Does something to height and foam about a place, with a weight that falls as a Gaussian of this radius (m).
-    fn blob(&mut self, x: f64, y: f64, radius: f64, act: impl Fn(&mut (f32, f32), f64)) {
+    /// Changes elevation and foam around a position, with Gaussian weights of this radius (m).
+    fn splat(&mut self, x: f64, y: f64, radius: f64, act: impl Fn(&mut (f32, f32), f64)) {
         let reach = libm::ceil(2.5 * radius / CELL_M) as i64;
         let (cx, cy) = (libm::floor(x / CELL_M) as i64, libm::floor(y / CELL_M) as i64);
         for j in cy - reach..=cy + reach {
@@ -176,7 +177,7 @@ impl Wake {
                 new..old
             }
         };
-        // One cell more stays empty: waves do not run through the seam of the torus.
+        // One more cell stays empty, so that waves do not cross the seam of the torus.
         for column in entered(ox, x).chain([x]) {
             for row in 0..SIDE {
                 self.clear(row * SIDE + (column & MASK) as usize);
@@ -192,15 +193,15 @@ impl Wake {
         (self.height[at], self.before[at], self.foam[at]) = (0.0, 0.0, 0.0);
     }
 
-    /// How a row's camera over this place of the world sees it; `None` where there is no wake.
-    pub(super) fn look(&self, x: f64, y: f64) -> Option<WakeLook<'_>> {
+    /// The wake relative to a camera above this position; `None` without wake.
+    pub(super) fn lookup(&self, x: f64, y: f64) -> Option<WakeLookup<'_>> {
         let (left, low) = self.window?;
         let cells = |at: f64| at / CELL_M;
         let base = |at: f64| libm::floor(cells(at)) as i64;
         let slot = |at: f64| (base(at) & MASK) as f64 + (cells(at) - libm::floor(cells(at)));
         let from = |corner: i64, at: f64| ((corner as f64 + 2.0) * CELL_M - at) as f32;
         let reach = ((SIDE as f64 - 4.0) * CELL_M) as f32;
-        Some(WakeLook {
+        Some(WakeLookup {
             packed: &self.packed,
             occupied: &self.occupied,
             origin: (slot(x) as f32, slot(y) as f32),
@@ -211,8 +212,8 @@ impl Wake {
 }
 
 multiversion! { simd;
-    /// One step of the wave equation: `before` becomes the height after `height`.
-    fn spread(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
+    /// A step of the wave equation: `before` becomes the elevation after `height`.
+    fn step_heights(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
         for row in 0..SIDE {
             let here = &height[row * SIDE..][..SIDE];
             let upper = &height[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
@@ -233,7 +234,7 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    fn fade(simd: Simd, foam: &[f32], after: &mut [f32]) {
+    fn step_foam(simd: Simd, foam: &[f32], after: &mut [f32]) {
         for row in 0..SIDE {
             let here = &foam[row * SIDE..][..SIDE];
             let upper = &foam[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
@@ -242,7 +243,7 @@ multiversion! { simd;
             let mut update = |left: usize, at: usize, right: usize| {
                 let laplace = upper[at] + lower[at] + here[left] + here[right] - 4.0 * here[at];
                 let kept = here[at] * (1.0 - FOAM_DECAY) + FOAM_SPREAD * laplace;
-                // Below a thousandth nothing is seen; numbers must not become subnormal.
+                // Foam below a thousandth is invisible; numbers must not become subnormal.
                 out[at] = if kept > 1e-3 { kept } else { 0.0 };
             };
             update(SIDE - 1, 0, 1);
@@ -286,20 +287,20 @@ multiversion! { simd;
     }
 }
 
-/// The wake as a row's camera sees it.
+/// The wake, relative to a camera.
 #[derive(Clone, Copy)]
-pub(super) struct WakeLook<'a> {
+pub(super) struct WakeLookup<'a> {
     packed: &'a [u32; SIDE * SIDE],
     occupied: &'a [u32; BLOCKS],
     /// Slot below the camera.
     origin: (f32, f32),
-    /// The window's corners from below the camera, metres.
+    /// Corners of the window, from below the camera, metres.
     low: (f32, f32),
     high: (f32, f32),
 }
 
-impl WakeLook<'_> {
-    /// Whether a chunk sees anything of it, if relief moves its places by no more than `moved` metres.
+impl WakeLookup<'_> {
+    /// Whether a chunk sees any of the wake, if relief moves its points by at most `moved` metres.
     pub(super) fn meets(&self, nodes: &Nodes, column: usize, moved: f32) -> bool {
         let wider = |(low, high): (f32, f32)| (low - moved, high + moved);
         let (x, y) = (wider(nodes.px.range(column)), wider(nodes.py.range(column)));
@@ -310,7 +311,7 @@ impl WakeLook<'_> {
     }
 }
 
-/// The blocks that look-ups from `low` to `high` metres may touch, within the window's borders.
+/// The blocks that look-ups from `low` to `high` metres may touch, within the window.
 fn blocks((low, high): (f32, f32), window: (f32, f32), origin: f32) -> std::ops::Range<i32> {
     if high <= window.0 || low >= window.1 {
         return 0..0;
@@ -322,20 +323,20 @@ fn blocks((low, high): (f32, f32), window: (f32, f32), origin: f32) -> std::ops:
 }
 
 multiversion! { simd;
-    /// Adds the wake's slopes, foam and air.
-    pub(super) fn add_wake(simd: Simd, look: &WakeLook<'_>, chunk: &mut Chunk) {
+    /// Adds slopes, foam and air of the wake.
+    pub(super) fn add_wake(simd: Simd, lookup: &WakeLookup<'_>, chunk: &mut Chunk) {
         const PER_CELL: f32 = (1.0 / CELL_M) as f32;
         for i in 0..CHUNK {
             let (px, py) = (chunk.px[i], chunk.py[i]);
-            let inside = px > look.low.0 && px < look.high.0 && py > look.low.1 && py < look.high.1;
-            let (px, py) = if inside { (px, py) } else { (look.low.0, look.low.1) };
-            let (u, v) = (look.origin.0 + px * PER_CELL, look.origin.1 + py * PER_CELL);
+            let inside = px > lookup.low.0 && px < lookup.high.0 && py > lookup.low.1 && py < lookup.high.1;
+            let (px, py) = if inside { (px, py) } else { (lookup.low.0, lookup.low.1) };
+            let (u, v) = (lookup.origin.0 + px * PER_CELL, lookup.origin.1 + py * PER_CELL);
             let (mu, mv) = ((u - 1.0) + ROUNDING, (v - 1.0) + ROUNDING);
             let (fu, fv) = (u - 0.5 - (mu - ROUNDING), v - 0.5 - (mv - ROUNDING));
             const WRAP: u32 = SIDE as u32 - 1;
             let (iu, iv) = (mu.to_bits() & WRAP, mv.to_bits() & WRAP);
             let (ju, jv) = ((iu + 1) & WRAP, (iv + 1) & WRAP);
-            let texel = |u: u32, v: u32| look.packed[(v * SIDE as u32 + u) as usize & (SIDE * SIDE - 1)];
+            let texel = |u: u32, v: u32| lookup.packed[(v * SIDE as u32 + u) as usize & (SIDE * SIDE - 1)];
             let four = [texel(iu, iv), texel(ju, iv), texel(iu, jv), texel(ju, jv)];
             let blend = |value: fn(u32) -> f32| {
                 let (a, b, c, d) = (value(four[0]), value(four[1]), value(four[2]), value(four[3]));

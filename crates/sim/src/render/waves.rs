@@ -1,14 +1,14 @@
-//! The surface of the water as the picture needs it: slopes on three tiles of growing fineness.
+//! The surface of the water for rendering: slopes on three tiles of increasing fineness.
 //!
-//! Tile 0 carries the waves of the [`Sea`], the very ones that move the boat, on the sea's own lattice. Tiles 1 and 2 carry
-//! ripples: random waves whose curvature spectrum is flat, `S(k) = B D(angle) / k^4` (the saturation range, as in
-//! `elfouhaily1997`), with B such that all slopes together have the variance that `cox1954` measured under this wind.
-//! What is shorter than tile 2's grid is roughness. Each tile is turned by an angle of its own, so that their
+//! Tile 0 carries the waves of the [`Sea`], the same that move the boat, on the sea's own lattice. Tiles 1 and 2
+//! carry ripples: random waves with a flat curvature spectrum, `S(k) = B D(angle) / k^4` (the saturation range, as in
+//! `elfouhaily1997`), with B such that all slopes together have the variance measured by `cox1954` under this wind.
+//! Waves shorter than tile 2's grid are unresolved variance. Each tile is rotated by a different angle, so that the
 //! repetition does not show.
 //!
-//! Each frame, a spectrum at its tick goes through one inverse Fourier transform for both slopes (as real and
+//! In each frame, the spectrum at its tick goes through one inverse Fourier transform for both slopes (as real and
 //! imaginary part), and tile 0 through two more: elevation with the crests that break now, and crests that broke
-//! earlier, from which whitecaps come. Nothing is remembered from frame to frame: any tick can be drawn.
+//! earlier, from which whitecaps come. Nothing carries over from frame to frame: any tick can be rendered.
 
 use barrelman_simd::{Simd, multiversion};
 
@@ -18,34 +18,34 @@ use super::quad_map::{QuadMap, Texel};
 use crate::noise;
 use crate::sea::{Sea, Wave, deep_water};
 
-/// Levels of a tile, at most.
+/// Upper bound of a tile's levels.
 pub(super) const LEVELS: usize = 16;
-/// How long ago the crests broke whose foam is still there, ticks.
-const EARLIER: [u64; 2] = [70, 190];
-/// Sea states from here on break.
-const BREAKING: u8 = 2;
-/// Part of the ripples' variance that is left to roughness.
-const ROUGH_PART: f64 = 0.22;
-/// Largest lattice number that a tile of 128 carries.
-const FINEST: f64 = 58.0;
+/// Ages of earlier crests whose foam is still visible, ticks.
+const EARLIER_CREST_TICKS: [u64; 2] = [70, 190];
+/// Sea states from this number on have breaking waves.
+const MIN_BREAKING_STATE: u8 = 2;
+/// Share of the ripples' variance that stays unresolved.
+const UNRESOLVED_SHARE: f64 = 0.22;
+/// Largest lattice number on a tile of 128.
+const MAX_LATTICE: f64 = 58.0;
 
-/// What one tile shows.
+/// One tile.
 #[derive(Debug)]
-pub(super) struct Tile {
-    /// Metres.
+pub(super) struct WaveTile {
+    /// Side, metres.
     pub(super) side_m: f64,
     /// Grid points along the side.
     pub(super) n: usize,
-    /// Cosine and sine of the tile's turn against the world, anticlockwise.
+    /// Cosine and sine of the tile's rotation against the world, anticlockwise.
     pub(super) turn: (f64, f64),
     /// Slopes along the world's x and y.
     pub(super) slopes: QuadMap,
-    /// Slope for one step of a byte.
+    /// Slope of one step of a byte.
     pub(super) slope_step: f32,
-    /// Variance of the slope along one axis that each level has lost; the flat ones have lost all.
+    /// Variance of slope along one axis that each level has lost; flat levels have lost all.
     pub(super) lost: [f32; LEVELS],
-    /// Levels from here on are as good as flat.
-    pub(super) flat_level: usize,
+    /// Levels from here on count as flat.
+    pub(super) flmultiversion: usize,
     spectrum: Spectrum,
     fourier: Fourier,
     maps: [Map; 2],
@@ -57,7 +57,7 @@ enum Spectrum {
     Ripples(Ripples),
 }
 
-/// What tile 0 shows beside slopes.
+/// Further data of tile 0.
 #[derive(Debug)]
 pub(super) struct Swell {
     sea: Sea,
@@ -66,10 +66,10 @@ pub(super) struct Swell {
     pub(super) step_m: f32,
     /// Elevation on the grid, metres: row by row along the tile's x.
     pub(super) grid_m: Vec<f32>,
-    /// Foam of breaking crests, 0 to 127 in the lower byte; `None` where nothing breaks.
+    /// Foam of breaking crests, 0 to 127 in the lower byte; `None` where no waves break.
     pub(super) foam: Option<QuadMap>,
     /// Standard deviation of the measure of crests.
-    crest_deviation: f32,
+    crest_std_dev: f32,
     crests: Vec<f32>,
 }
 
@@ -82,9 +82,9 @@ struct Ripples {
     vector: (Vec<f32>, Vec<f32>),
 }
 
-/// The three tiles of a sea, and the variance of slope left to roughness.
-pub(super) fn tiles(sea: &Sea, n: usize) -> ([Tile; 3], f32) {
-    let side = sea.side_m();
+/// The three tiles of a sea, and the unresolved variance of slope.
+pub(super) fn tiles(sea: &Sea, n: usize) -> ([WaveTile; 3], f32) {
+    let side = sea.tile_side_m();
     let ratio = libm::sqrt(side / 1.3).clamp(3.6, 9.0);
     let wind = sea.wind();
     let of_swell: f64 = sea
@@ -99,13 +99,13 @@ pub(super) fn tiles(sea: &Sea, n: usize) -> ([Tile; 3], f32) {
     let short = (measured - of_swell).max(0.45 * measured);
     let tile = |index: u64| {
         let scale = libm::pow(ratio, index as f64);
-        let range = (FINEST / ratio, FINEST);
-        ripples(sea, side / scale, n, index, range, 0.5 * (1.0 - ROUGH_PART) * short)
+        let range = (MAX_LATTICE / ratio, MAX_LATTICE);
+        ripples(sea, side / scale, n, index, range, 0.5 * (1.0 - UNRESOLVED_SHARE) * short)
     };
-    ([swell(sea, n), tile(1), tile(2)], (0.5 * ROUGH_PART * short) as f32)
+    ([swell(sea, n), tile(1), tile(2)], (0.5 * UNRESOLVED_SHARE * short) as f32)
 }
 
-fn swell(sea: &Sea, n: usize) -> Tile {
+fn swell(sea: &Sea, n: usize) -> WaveTile {
     let mut lost = [0.0_f64; LEVELS];
     let (mut sx2, mut sy2, mut crest2) = (0.0, 0.0, 0.0);
     for wave in sea.waves() {
@@ -117,23 +117,23 @@ fn swell(sea: &Sea, n: usize) -> Tile {
         add_lost(&mut lost, 0.5 * a2 * k2, (wave.lattice.0, wave.lattice.1), n);
     }
     let significant = sea.state().significant_height_m();
-    let (flat_level, lost) = flattened(lost, 0.5 * crest2, n);
-    let foam = (sea.state().number() >= BREAKING).then(|| QuadMap::new(n));
-    Tile {
-        side_m: sea.side_m(),
+    let (flmultiversion, lost) = flattened(lost, 0.5 * crest2, n);
+    let foam = (sea.state().number() >= MIN_BREAKING_STATE).then(|| QuadMap::new(n));
+    WaveTile {
+        side_m: sea.tile_side_m(),
         n,
         turn: (1.0, 0.0),
         slopes: QuadMap::new(n),
         slope_step: (4.5 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
         lost,
-        flat_level,
+        flmultiversion,
         spectrum: Spectrum::Sea(Box::new(Swell {
             sea: sea.clone(),
             elevation: QuadMap::new(n),
             step_m: (1.5 * significant / 32_767.0) as f32,
             grid_m: vec![0.0; n * n],
             foam,
-            crest_deviation: libm::sqrt(crest2) as f32,
+            crest_std_dev: libm::sqrt(crest2) as f32,
             crests: vec![0.0; n * n],
         })),
         fourier: Fourier::new(n),
@@ -141,7 +141,7 @@ fn swell(sea: &Sea, n: usize) -> Tile {
     }
 }
 
-/// Adds what each level loses of a wave's variance: a level averages squares of 2^l grid points.
+/// Adds what each level loses of a wave's variance; a level averages squares of 2^l grid points.
 fn add_lost(lost: &mut [f64; LEVELS], variance: f64, lattice: (i32, i32), n: usize) {
     for (level, slot) in lost.iter_mut().enumerate() {
         let width = (1_u32 << level) as f64 / n as f64;
@@ -155,47 +155,47 @@ fn add_lost(lost: &mut [f64; LEVELS], variance: f64, lattice: (i32, i32), n: usi
 }
 
 /// A level that keeps less than this share of the variance is flat.
-const KEPT_BY_FLAT: f64 = 0.01;
+const MIN_KEPT_SHARE: f64 = 0.01;
 
 /// The first flat level, and what each level has lost; `all` is the variance along one axis.
 fn flattened(lost: [f64; LEVELS], all: f64, n: usize) -> (usize, [f32; LEVELS]) {
     let coarsest = n.ilog2() as usize;
-    let flat = (0..=coarsest).find(|&level| all - lost[level] < KEPT_BY_FLAT * all).unwrap_or(coarsest);
+    let flat = (0..=coarsest).find(|&level| all - lost[level] < MIN_KEPT_SHARE * all).unwrap_or(coarsest);
     let flat_or_lost = |level| if level < flat { lost[level] } else { all } as f32;
     (flat, core::array::from_fn(flat_or_lost))
 }
 
-fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), variance: f64) -> Tile {
+fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), variance: f64) -> WaveTile {
     let angle = [0.0, 0.61, -0.47][index as usize % 3];
     let turn = (libm::cos(angle), libm::sin(angle));
     let unit = core::f64::consts::TAU / side_m;
     let wind = sea.wind().towards.radians();
-    let wrapped = |at: usize| if at <= n / 2 { at as i32 } else { at as i32 - n as i32 };
+    let wrap_angle = |at: usize| if at <= n / 2 { at as i32 } else { at as i32 - n as i32 };
     let finest = range.1.min(0.46 * n as f64);
     let mut amplitudes = vec![0.0_f64; n * n];
     let mut all = Ripples::default();
     let mut total = 0.0;
     for i in 0..n {
         for j in 0..n {
-            let (a, b) = (f64::from(wrapped(i)), f64::from(wrapped(j)));
+            let (a, b) = (f64::from(wrap_angle(i)), f64::from(wrap_angle(j)));
             let (x, y) = (unit * (a * turn.0 - b * turn.1), unit * (a * turn.1 + b * turn.0));
             all.vector.0.push(x as f32);
             all.vector.1.push(y as f32);
             let waves = libm::hypot(a, b);
             let k = unit * waves;
-            let chance = noise::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
+            let random = noise::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
             let inside = waves >= range.0 && waves <= finest;
             let amplitude = if inside {
                 let cos = libm::cos(libm::atan2(y, x) - wind);
                 let spread = cos.max(0.0) * cos.max(0.0) + 0.05 + 0.07 * index as f64;
-                let u = ((chance >> 40) as f64 + 0.5) / 16_777_216.0;
+                let u = ((random >> 40) as f64 + 0.5) / 16_777_216.0;
                 libm::sqrt(2.0 * spread * -libm::log(u)) / (k * k)
             } else {
                 0.0
             };
             amplitudes[i * n + j] = amplitude;
             total += 0.5 * amplitude * amplitude * k * k;
-            all.ahead.1.push(chance as u32);
+            all.ahead.1.push(random as u32);
             all.ahead.2.push(if k > 0.0 { deep_water(k).1 } else { 0 });
         }
     }
@@ -211,7 +211,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
             sy2 += 0.5 * amplitude * amplitude * y * y;
             if amplitude > 0.0 {
                 let half = 0.25 * amplitude * amplitude * (x * x + y * y);
-                add_lost(&mut lost, half, (wrapped(i), wrapped(j)), n);
+                add_lost(&mut lost, half, (wrap_angle(i), wrap_angle(j)), n);
             }
             let opposite = ((n - i) % n) * n + (n - j) % n;
             all.ahead.0.push((0.5 * amplitude) as f32);
@@ -220,23 +220,23 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
             all.back.2.push(all.ahead.2[opposite]);
         }
     }
-    let (flat_level, lost) = flattened(lost, 0.5 * (sx2 + sy2), n);
-    Tile {
+    let (flmultiversion, lost) = flattened(lost, 0.5 * (sx2 + sy2), n);
+    WaveTile {
         side_m,
         n,
         turn,
         slopes: QuadMap::new(n),
         slope_step: (4.0 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
         lost,
-        flat_level,
+        flmultiversion,
         spectrum: Spectrum::Ripples(all),
         fourier: Fourier::new(n),
         maps: [Map::zeros(n), Map::zeros(n)],
     }
 }
 
-impl Tile {
-    /// Brings the tile to this tick.
+impl WaveTile {
+    /// Advances the tile to a tick.
     pub(super) fn advance(&mut self, simd: Simd, tick: u64) {
         let [map, other] = &mut self.maps;
         match &mut self.spectrum {
@@ -244,7 +244,7 @@ impl Tile {
                 ripple_spectrum(simd, ripples, tick as u32, map);
             }
             Spectrum::Sea(swell) => {
-                splat(&swell.sea, self.n, [tick, tick], map, |wave| {
+                add_waves(&swell.sea, self.n, [tick, tick], map, |wave| {
                     [(0.0, wave.vector.0), (0.0, wave.vector.1)]
                 });
             }
@@ -256,7 +256,7 @@ impl Tile {
         }
     }
 
-    /// What tile 0 shows beside slopes.
+    /// The further data of tile 0.
     pub(super) fn swell(&self) -> Option<&Swell> {
         match &self.spectrum {
             Spectrum::Sea(swell) => Some(swell),
@@ -275,28 +275,28 @@ impl Swell {
         map: &mut Map,
         other: &mut Map,
     ) {
-        // A crest is where the sum of a |k| cos(phase) is high.
+        // The crest measure is the sum of a |k| cos(phase).
         let crest = |wave: &Wave| (libm::hypot(wave.vector.0, wave.vector.1), 0.0);
-        splat(&self.sea, n, [tick, tick], map, |wave| [(1.0, 0.0), crest(wave)]);
+        add_waves(&self.sea, n, [tick, tick], map, |wave| [(1.0, 0.0), crest(wave)]);
         fourier.inverse(simd, map, other);
         self.grid_m.copy_from_slice(&map.re);
         self.crests.copy_from_slice(&map.im);
         self.elevation.fill(simd, &mut map.re, &mut map.im, Texel::Single(self.step_m));
         let Some(foam) = &mut self.foam else { return };
-        let before = EARLIER.map(|ticks| tick.wrapping_sub(ticks));
-        splat(&self.sea, n, before, map, |wave| [crest(wave), crest(wave)]);
+        let before = EARLIER_CREST_TICKS.map(|ticks| tick.wrapping_sub(ticks));
+        add_waves(&self.sea, n, before, map, |wave| [crest(wave), crest(wave)]);
         fourier.inverse(simd, map, other);
         let wind = self.sea.wind().speed_mps as f32;
-        // Crests higher than this many standard deviations break: more of them under more wind.
-        let threshold = self.crest_deviation * (3.05 - 0.12 * wind);
-        whiten(simd, threshold, self.crest_deviation, &self.crests, &mut map.re, &mut map.im);
+        // Crests above this many standard deviations break; more of them in stronger wind.
+        let threshold = self.crest_std_dev * (3.05 - 0.12 * wind);
+        whitecaps(simd, threshold, self.crest_std_dev, &self.crests, &mut map.re, &mut map.im);
         foam.fill(simd, &mut map.re, &mut map.im, Texel::Pair(1.0));
     }
 }
 
-/// Puts waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their transform. For
-/// each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at the tick of its own.
-fn splat(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&Wave) -> [(f64, f64); 2]) {
+/// Writes waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their transform. For
+/// each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at its own tick.
+fn add_waves(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&Wave) -> [(f64, f64); 2]) {
     map.re.fill(0.0);
     map.im.fill(0.0);
     let wrap = |waves: i32| waves.rem_euclid(n as i32) as usize;
@@ -319,7 +319,7 @@ fn splat(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&W
 }
 
 multiversion! { simd;
-    /// The spectrum of both slopes: `(i kx - ky) H`, H that of the elevation.
+    /// The spectrum of both slopes: `(i kx - ky) H`, with H the spectrum of the elevation.
     fn ripple_spectrum(simd: Simd, ripples: &Ripples, tick: u32, map: &mut Map) {
         let count = map.re.len();
         let (re, im) = (&mut map.re[..count], &mut map.im[..count]);
@@ -338,21 +338,21 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// Foam from crests now and at two earlier moments (`first`, `second`): its cover, 0 to 127, into `first`, and
-    /// into `second` how fresh it is.
-    fn whiten(
+    /// Foam from crests now and at two earlier ticks (`first`, `second`): writes its cover, 0 to 127, into `first`,
+    /// and its freshness into `second`.
+    fn whitecaps(
         simd: Simd,
         threshold: f32,
-        deviation: f32,
+        std_dev: f32,
         crests: &[f32],
         first: &mut [f32],
         second: &mut [f32],
     ) {
-        let per_deviation = 1.0 / (0.5 * deviation);
+        let per_std_dev = 1.0 / (0.5 * std_dev);
         for i in 0..crests.len().min(first.len()).min(second.len()) {
-            let now = ((crests[i] - threshold) * per_deviation).clamp(0.0, 1.0);
-            let a_while_ago = ((first[i] - threshold) * per_deviation).clamp(0.0, 1.0);
-            let long_ago = ((second[i] - threshold) * per_deviation).clamp(0.0, 1.0);
+            let now = ((crests[i] - threshold) * per_std_dev).clamp(0.0, 1.0);
+            let a_while_ago = ((first[i] - threshold) * per_std_dev).clamp(0.0, 1.0);
+            let long_ago = ((second[i] - threshold) * per_std_dev).clamp(0.0, 1.0);
             let cover = now.max(0.75 * a_while_ago).max(0.5 * long_ago);
             first[i] = 127.0 * cover;
             second[i] = 127.0 * now;
@@ -380,11 +380,11 @@ mod tests {
                 let grid = &tile.swell().expect("tile 0 carries the sea").grid_m;
                 for (row, column) in [(0, 0), (3, 100), (77, 12), (127, 127)] {
                     let at = |index: usize| index as f64 * tile.side_m / n as f64;
-                    let exact = sea.at(at(column), at(row), tick).elevation;
-                    let drawn = f64::from(grid[row * n + column]);
+                    let exact = sea.surface_at(at(column), at(row), tick).elevation;
+                    let rendered = f64::from(grid[row * n + column]);
                     // Single precision against double: millionths of the wave height.
                     let tolerance = 2e-5 * state.significant_height_m();
-                    assert!((drawn - exact).abs() < tolerance, "{state:?} {tick}: {drawn} and {exact}");
+                    assert!((rendered - exact).abs() < tolerance, "{state:?} {tick}: {rendered} and {exact}");
                 }
             }
         }

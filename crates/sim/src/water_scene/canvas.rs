@@ -1,5 +1,5 @@
-//! What is drawn on before it becomes a picture: three planes of numbers with a margin all around, so that blur
-//! needs no care at the borders, and what optics and sensor do to them.
+//! The canvas of a scene: three planes of numbers with a margin, so that blur needs no border cases, and the effects
+//! of optics and sensor on them.
 
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
@@ -7,19 +7,19 @@ use barrelman_vocab::{Picture, PictureSize, PixelBox};
 use super::colour::Yuv;
 use crate::noise;
 
-/// Margin in luma px: room for half of the longest motion blur and the widest optical blur.
+/// Margin in luma px: room for half of the longest motion blur and for the widest lens blur.
 pub(super) const MARGIN: usize = 16;
-/// Longest motion blur, px: at 25 px a frame, open for 0.4 of it.
-const LONGEST_BLUR_PX: f64 = 12.0;
-/// Farthest pixel that the optical blur takes in: 2.6 standard deviations of the widest.
+/// Longest motion blur, px: 25 px a frame with the shutter open for 0.4 of it.
+const MAX_BLUR_PX: f64 = 12.0;
+/// Reach of the lens blur, px: 2.6 standard deviations of the widest.
 const BLUR_REACH: usize = 4;
-/// Samples per pixel and axis of a thing's silhouette.
+/// Samples per pixel and axis of an object's silhouette.
 const SAMPLES: usize = 4;
-/// The order in which a pixel's samples are taken during the exposure: neighbours at different times.
-const TIMES: [u8; SAMPLES * SAMPLES] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
-/// Numbers of ready-made noise; each row begins somewhere else in them.
+/// Times of a pixel's samples during the exposure; neighbours have different times.
+const EXPOSURE_ORDER: [u8; SAMPLES * SAMPLES] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
+/// Length of the noise table; each row starts at another position.
 const NOISE_LENGTH: usize = 1 << 16;
-/// How the samples stand for colours.
+/// Colour encoding of the pictures.
 pub(super) const COLOUR: ColourEncoding =
     ColourEncoding { matrix: ColourMatrix::Bt709, range: SampleRange::Limited };
 
@@ -37,10 +37,10 @@ impl Field {
     }
 }
 
-/// What light becomes in the sensor.
+/// Properties of the sensor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sensor {
-    /// The light there is, about 1.
+    /// Brightness of the scene, about 1.
     pub(super) light: f32,
     /// Factor of the chroma.
     pub(super) saturation: f32,
@@ -52,7 +52,7 @@ pub(super) struct Sensor {
 pub(super) struct Canvas {
     size: PictureSize,
     pub(super) y: Field,
-    /// Half as wide and high, as the margin is.
+    /// Half as wide and high as `y`, margin included.
     pub(super) u: Field,
     pub(super) v: Field,
     scratch: Vec<f32>,
@@ -65,7 +65,7 @@ impl Canvas {
         let (width, height) = (even(size.width), even(size.height));
         let chroma = Field::new(width / 2, height / 2);
         let normal = |at: usize| {
-            // The sum of four bytes' halves is near enough to a normal distribution for a sensor.
+            // The sum of four uniform numbers is close enough to a normal distribution.
             let bits = noise::hash(seed, 0, at as u64);
             let sum: u64 = (0..4).map(|part| (bits >> (16 * part)) & 0xFFFF).sum();
             ((sum as f64 / 65_535.0 - 2.0) * libm::sqrt(3.0)) as f32
@@ -81,8 +81,8 @@ impl Canvas {
         }
     }
 
-    /// Draws a thing: `colour` says for a point of the picture (u, v) which colour the thing has there, if it is
-    /// there. The thing moves by `motion` px while the picture is exposed; `around` holds it in the middle of it.
+    /// Paints an object. `colour` gives the object's colour at a point of the picture (u, v), if the object covers
+    /// it. The object moves by `motion` px during the exposure; `around` contains it at the middle of the exposure.
     pub(super) fn paint(
         &mut self,
         around: PixelBox,
@@ -102,7 +102,8 @@ impl Canvas {
                 let mut chroma = [0.0_f32; 3];
                 for (du, dv) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                     let (x, y) = (2 * column + du, 2 * row + dv);
-                    let [luma, u, v, cover] = sampled(x as f64 - margin, y as f64 - margin, motion, &colour);
+                    let [luma, u, v, cover] =
+                        pixel_mean(x as f64 - margin, y as f64 - margin, motion, &colour);
                     let sample = &mut self.y.samples[y * self.y.width + x];
                     *sample += luma - *sample * cover;
                     chroma[0] += u / 4.0;
@@ -117,17 +118,18 @@ impl Canvas {
         }
     }
 
-    /// Smears everything drawn so far along a motion of so many px.
-    pub(super) fn smear(&mut self, motion: (f64, f64)) {
+    /// Blurs everything painted so far along a motion, px.
+    pub(super) fn motion_blur(&mut self, motion: (f64, f64)) {
         let length = libm::hypot(motion.0, motion.1);
-        let held = (LONGEST_BLUR_PX / length.max(1e-9)).min(1.0);
-        for (field, scale) in [(&mut self.y, held), (&mut self.u, held / 2.0), (&mut self.v, held / 2.0)] {
-            smear(field, &mut self.scratch, (motion.0 * scale, motion.1 * scale));
+        let scale_limit = (MAX_BLUR_PX / length.max(1e-9)).min(1.0);
+        for (field, scale) in
+            [(&mut self.y, scale_limit), (&mut self.u, scale_limit / 2.0), (&mut self.v, scale_limit / 2.0)]
+        {
+            motion_blur(field, &mut self.scratch, (motion.0 * scale, motion.1 * scale));
         }
     }
 
-    /// The lens's blur, with that standard deviation in luma px. Chroma is blurred once more by the filter that
-    /// goes before taking every second sample.
+    /// Lens blur with this standard deviation in luma px. Chroma is blurred again by the filter before subsampling.
     pub(super) fn blur(&mut self, sigma_px: f64) {
         blur(&mut self.y, &mut self.scratch, sigma_px);
         let chroma = libm::hypot(sigma_px / 2.0, 0.5);
@@ -135,7 +137,7 @@ impl Canvas {
         blur(&mut self.v, &mut self.scratch, chroma);
     }
 
-    /// The picture that the sensor gives; `seed` is another one for each frame.
+    /// The sensor's picture; `seed` differs from frame to frame.
     pub(super) fn expose(&self, sensor: Sensor, seed: u64, out: &mut Picture) {
         out.reshape(self.size, COLOUR);
         let chroma = out.chroma_size();
@@ -144,14 +146,14 @@ impl Canvas {
         for (plane, samples) in out.planes_mut().into_iter().enumerate() {
             let (field, size) = (fields[plane], sizes[plane]);
             let (zero, low, high) = if plane == 0 { (16.0, 16.0, 235.0) } else { (128.0, 16.0, 240.0) };
-            let (margin, deviation) =
+            let (margin, std_dev) =
                 if plane == 0 { (MARGIN, sensor.noise[0]) } else { (MARGIN / 2, sensor.noise[1]) };
             let gain = if plane == 0 { sensor.light } else { sensor.light * sensor.saturation };
             for (row, line) in samples.chunks_exact_mut(size.width as usize).enumerate() {
                 let from = &field.samples[(row + margin) * field.width + margin..];
-                let grains = noise::hash(seed, plane as u64, row as u64) as usize % NOISE_LENGTH;
-                for ((sample, drawn), grain) in line.iter_mut().zip(from).zip(&self.noise[grains..]) {
-                    let value = zero + (drawn - zero) * gain + deviation * grain;
+                let noise_start = noise::hash(seed, plane as u64, row as u64) as usize % NOISE_LENGTH;
+                for ((sample, rendered), grain) in line.iter_mut().zip(from).zip(&self.noise[noise_start..]) {
+                    let value = zero + (rendered - zero) * gain + std_dev * grain;
                     *sample = (value.clamp(low, high) + 0.5) as u8;
                 }
             }
@@ -159,11 +161,11 @@ impl Canvas {
     }
 }
 
-/// Mean of a pixel's samples over its area and the exposure: Y, U, V times the cover, and the cover.
-fn sampled(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> Option<Yuv>) -> [f32; 4] {
+/// Mean of a pixel's samples over its area and the exposure: Y, U, V times the opacity, and the opacity.
+fn pixel_mean(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> Option<Yuv>) -> [f32; 4] {
     let mut sum = [0.0_f32; 4];
     let step = 1.0 / SAMPLES as f64;
-    for (sample, time) in TIMES.iter().enumerate() {
+    for (sample, time) in EXPOSURE_ORDER.iter().enumerate() {
         let (column, row) = (sample % SAMPLES, sample / SAMPLES);
         let elapsed = (f64::from(*time) + 0.5) / (SAMPLES * SAMPLES) as f64 - 0.5;
         let u = u + (column as f64 + 0.5) * step - motion.0 * elapsed;
@@ -177,15 +179,15 @@ fn sampled(u: f64, v: f64, motion: (f64, f64), colour: &impl Fn(f64, f64) -> Opt
     sum.map(|sum| sum / (SAMPLES * SAMPLES) as f32)
 }
 
-/// Mean of copies shifted by whole px along the motion. The outermost rows and columns stay as they are.
-fn smear(field: &mut Field, scratch: &mut [f32], motion: (f64, f64)) {
-    let longest = motion.0.abs().max(motion.1.abs());
-    if longest < 0.5 {
+/// Mean of copies shifted by whole px along the motion. The outermost rows and columns stay.
+fn motion_blur(field: &mut Field, scratch: &mut [f32], motion: (f64, f64)) {
+    let extent = motion.0.abs().max(motion.1.abs());
+    if extent < 0.5 {
         return;
     }
-    let copies = longest.ceil() as usize + 1;
+    let copies = extent.ceil() as usize + 1;
     let (width, height) = (field.width, field.height);
-    let edge = (longest / 2.0).ceil() as usize + 1;
+    let edge = (extent / 2.0).ceil() as usize + 1;
     scratch[..width * height].copy_from_slice(&field.samples);
     let share = 1.0 / copies as f32;
     for row in edge..height - edge {
@@ -202,7 +204,7 @@ fn smear(field: &mut Field, scratch: &mut [f32], motion: (f64, f64)) {
     }
 }
 
-/// A separable Gaussian. The outermost rows and columns stay as they are.
+/// A separable Gaussian. The outermost rows and columns stay.
 fn blur(field: &mut Field, scratch: &mut [f32], sigma: f64) {
     let mut weights = [0.0_f32; BLUR_REACH + 1];
     for (at, weight) in weights.iter_mut().enumerate() {

@@ -1,12 +1,12 @@
-//! Paints: red, green and blue, and how they are stored (BT.709, limited range).
+//! Paints in red, green and blue, and their samples (BT.709, limited range).
 
-use super::TargetPaint;
-use super::chance::Chance;
+use super::rng::Rng;
+use super::script::TargetPaint;
 
 /// Y, U and V as samples, not yet rounded.
 pub(super) type Yuv = [f32; 3];
 
-/// From red, green and blue of 0..=255 (gamma-coded, as a camera gives them).
+/// From gamma-coded red, green and blue of 0..=255.
 pub(super) fn yuv(rgb: [f64; 3]) -> Yuv {
     let [r, g, b] = rgb.map(|sample| sample / 255.0);
     let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -15,25 +15,25 @@ pub(super) fn yuv(rgb: [f64; 3]) -> Yuv {
     [(16.0 + 219.0 * y) as f32, u as f32, v as f32]
 }
 
-/// The same colour under more (or less) light.
+/// The same colour under light of another brightness.
 pub(super) fn lit(colour: Yuv, gain: f32) -> Yuv {
     let [y, u, v] = colour;
     [16.0 + (y - 16.0) * gain, 128.0 + (u - 128.0) * gain, 128.0 + (v - 128.0) * gain]
 }
 
-/// The hull's red, green and blue, a little different each time.
-pub(super) fn hull(paint: TargetPaint, chance: &mut Chance) -> [f64; 3] {
+/// Red, green and blue of the hull, slightly different each time.
+pub(super) fn hull(paint: TargetPaint, rng: &mut Rng) -> [f64; 3] {
     let (rgb, spread) = match paint {
         TargetPaint::Red => ([190.0, 38.0, 40.0], 14.0),
         TargetPaint::Orange => ([226.0, 104.0, 32.0], 14.0),
         TargetPaint::White => ([222.0, 224.0, 222.0], 6.0),
         TargetPaint::Grey => ([128.0, 132.0, 136.0], 6.0),
     };
-    rgb.map(|sample| sample + chance.between(-spread, spread))
+    rgb.map(|sample| sample + rng.uniform(-spread, spread))
 }
 
-/// Paints for things that must not have the hull's colour: hues at least 50 degrees from red and orange; and for
-/// hulls without a hue, paints with one.
+/// Paints that differ from the hull's colour: hues at least 50 degrees from red and orange; beside hulls without a
+/// hue, paints with one.
 pub(super) const OTHER_PAINTS: [[f64; 3]; 5] = [
     [38.0, 78.0, 160.0],
     [150.0, 196.0, 60.0],

@@ -1,10 +1,10 @@
-//! What a clip is taken in: light, water, camera. Drawn once from the seed.
+//! Conditions of a clip: light, water and camera, sampled once from the seed.
 
 use barrelman_vocab::PictureSize;
 
-use super::chance::Chance;
 use super::colour::{self, Yuv};
-use super::{FRAMES_PER_SECOND, SceneScript};
+use super::rng::Rng;
+use super::script::{FRAMES_PER_SECOND, SceneScript};
 
 /// Water as red, green, blue: blue-green, grey, brown, dark, green, bright blue.
 const WATERS: [[f64; 3]; 6] = [
@@ -19,29 +19,29 @@ const WATERS: [[f64; 3]; 6] = [
 #[derive(Debug, Clone)]
 pub(super) struct Conditions {
     /// Sine of the camera's depression of 40 to 80 degrees.
-    pub(super) squash: f64,
-    /// How long each picture is exposed, s.
+    pub(super) foreshortening: f64,
+    /// Exposure time of each picture, s.
     pub(super) exposure_s: f64,
     /// Standard deviation of the lens's blur, px.
     pub(super) blur_px: f64,
     /// Standard deviation of the sensor's noise in luma and chroma, sample values.
     pub(super) noise: [f32; 2],
     pub(super) water: Yuv,
-    /// Haze and sensor: how much of the paints' saturation is left.
+    /// Remaining saturation of the paints after haze and sensor.
     pub(super) saturation: f32,
-    /// Luma that one standard deviation of the waves makes.
+    /// Luma of one standard deviation of the waves.
     pub(super) contrast: f32,
-    /// How many standard deviations a wave's slope must reach to glint, and its height to break.
-    pub(super) glint_from: f32,
-    pub(super) crest_from: f32,
-    pub(super) fleck_from: f32,
+    /// Standard deviations that a wave's slope must reach to glint, its height to break, and a fleck of foam to show.
+    pub(super) glint_threshold: f32,
+    pub(super) crest_threshold: f32,
+    pub(super) fleck_threshold: f32,
     /// Direction of the wind in the plane, radians.
     pub(super) wind: f64,
     /// Picture pixels (at zoom 1) per texel of the wave tiles.
     pub(super) wave_scale: f64,
-    /// Share of the luma by which the picture's top is brighter than its middle.
+    /// Share of the luma by which the top of the picture is brighter than its middle.
     pub(super) gradient: f32,
-    /// Slow change of the light: share, rad/s, radians.
+    /// Slow variation of the light: share, rad/s, radians.
     light: [f64; 3],
     /// Direction of the sun in the plane, radians.
     pub(super) sun: f64,
@@ -49,35 +49,35 @@ pub(super) struct Conditions {
 
 impl Conditions {
     pub(super) fn new(script: &SceneScript, hull: f64, seed: u64, stream: u64) -> Self {
-        let mut chance = Chance::new(seed, stream);
-        let depression = chance.between(40.0, 80.0).to_radians();
-        let brightness = chance.between(0.85, 1.2);
-        let water = chance.pick(&WATERS).map(|sample| sample * brightness + chance.between(-8.0, 8.0));
+        let mut rng = Rng::new(seed, stream);
+        let depression = rng.uniform(40.0, 80.0).to_radians();
+        let brightness = rng.uniform(0.85, 1.2);
+        let water = rng.choose(&WATERS).map(|sample| sample * brightness + rng.uniform(-8.0, 8.0));
         let water = colour::yuv(water);
-        // Dark water shows less of its waves, and all water more in a low sun.
-        let contrast = chance.between(0.06, 0.14) * f64::from(water[0] - 16.0) + chance.between(1.0, 3.0);
+        // Dark water shows less of its waves; a low sun shows more of them.
+        let contrast = rng.uniform(0.06, 0.14) * f64::from(water[0] - 16.0) + rng.uniform(1.0, 3.0);
         let relative = f64::from(script.size.width) / f64::from(REFERENCE.width);
         Self {
-            squash: libm::sin(depression),
-            exposure_s: chance.between(0.05, 0.4) / f64::from(FRAMES_PER_SECOND),
-            blur_px: chance.between(0.6, 1.5),
-            noise: [chance.between(0.8, 3.2) as f32, chance.between(0.6, 2.0) as f32],
+            foreshortening: libm::sin(depression),
+            exposure_s: rng.uniform(0.05, 0.4) / f64::from(FRAMES_PER_SECOND),
+            blur_px: rng.uniform(0.6, 1.5),
+            noise: [rng.uniform(0.8, 3.2) as f32, rng.uniform(0.6, 2.0) as f32],
             water,
-            saturation: chance.between(0.6, 1.0) as f32,
+            saturation: rng.uniform(0.6, 1.0) as f32,
             contrast: contrast as f32,
-            glint_from: chance.between(3.0, 5.2) as f32,
-            crest_from: chance.between(2.6, 4.2) as f32,
-            fleck_from: chance.between(2.8, 4.0) as f32,
-            wind: chance.between(-core::f64::consts::PI, core::f64::consts::PI),
-            // The nearer the camera, the longer the hull and the waves; short waves are there at any distance.
-            wave_scale: libm::sqrt(hull / (60.0 * relative)) * relative * chance.between(0.8, 1.3),
-            gradient: chance.between(0.0, 0.18) as f32,
-            light: [chance.between(0.02, 0.1), chance.between(0.1, 0.5), chance.between(0.0, 6.0)],
-            sun: chance.between(-core::f64::consts::PI, core::f64::consts::PI),
+            glint_threshold: rng.uniform(3.0, 5.2) as f32,
+            crest_threshold: rng.uniform(2.6, 4.2) as f32,
+            fleck_threshold: rng.uniform(2.8, 4.0) as f32,
+            wind: rng.uniform(-core::f64::consts::PI, core::f64::consts::PI),
+            // A nearer camera sees a longer hull and longer waves; short waves exist at any distance.
+            wave_scale: libm::sqrt(hull / (60.0 * relative)) * relative * rng.uniform(0.8, 1.3),
+            gradient: rng.uniform(0.0, 0.18) as f32,
+            light: [rng.uniform(0.02, 0.1), rng.uniform(0.1, 0.5), rng.uniform(0.0, 6.0)],
+            sun: rng.uniform(-core::f64::consts::PI, core::f64::consts::PI),
         }
     }
 
-    /// How bright everything is at a time, about 1.
+    /// Brightness at a time, about 1.
     pub(super) fn light(&self, time_s: f64) -> f32 {
         let [share, rate, phase] = self.light;
         let slow = libm::sin(rate * time_s + phase) + 0.4 * libm::sin(2.7 * rate * time_s + 1.3 * phase);
@@ -85,5 +85,5 @@ impl Conditions {
     }
 }
 
-/// The size for which lengths in pixels are given; they go with the width of other pictures.
+/// The picture size for which lengths in pixels are given; they scale with the width.
 pub(super) const REFERENCE: PictureSize = PictureSize::new(1280, 720);

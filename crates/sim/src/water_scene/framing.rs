@@ -1,41 +1,41 @@
-//! Where in the picture the boat is to stand: the plan that a camera operator (and the boat) follow.
+//! The plan of where the boat is in the picture, which the camera and the boat follow.
 //!
-//! Places are offsets from the picture's centre, u to the right and v downwards, px. The phases stand in
-//! `voyage.rs`. A place *seeks* a goal like a critically damped spring, or *rides* along with the boat.
+//! Positions are offsets from the picture's centre, u to the right and v downwards, px. The phases are drawn in
+//! `trajectory.rs`. A position *seeks* a goal like a critically damped spring, or *rides* along with the boat.
 
-use super::SceneKind;
-use super::chance::Chance;
+use super::rng::Rng;
+use super::script::SceneKind;
 
-/// How long the boat stays in view at first, s.
+/// First stay in view, s.
 const FIRST_STAY_S: (f64, f64) = (2.5, 4.0);
-/// How long it stays in view between two absences, from when it is well inside, s.
+/// Stay in view between two absences, from when the boat is well inside, s.
 const STAY_S: (f64, f64) = (3.4, 7.0);
-/// How long the camera or the boat waits outside, s. The way back to the border adds 0.5 to 1.5 s.
+/// Wait outside, s. The way back to the border adds 0.5 to 1.5 s.
 const WAIT_S: (f64, f64) = (2.7, 6.3);
-/// What must be left of the clip when the boat begins to leave, s: 3.5 to leave, 3.2 outside, 1.5 to come back
-/// and 4 to be seen again.
+/// Least rest of the clip when the boat starts to leave, s: 3.5 to leave, 3.2 outside, 1.5 to return and 4 to be seen
+/// again.
 const ROUND_S: f64 = 12.2;
-/// What must be left of the clip when the wait ends, s.
+/// Least rest of the clip when the wait ends, s.
 const RETURN_S: f64 = 5.0;
-/// A pan's greatest speed, px/s in the reference picture: 15 to 21 px from frame to frame.
+/// Largest speed of a pan, px/s in the reference picture: 15 to 21 px from frame to frame.
 const PAN_PX_S: (f64, f64) = (450.0, 640.0);
 /// Share of the boat's own speed by which a pan is slower.
-const PAN_SPARES: f64 = 0.6;
-/// The greatest speed of the place while the boat is inside, px/s in the reference picture.
-const WANDER_PX_S: f64 = 220.0;
-/// How long the boat takes to cross the border when it drives, s.
+const PAN_SPEED_REDUCTION: f64 = 0.6;
+/// Largest speed of the position while the boat is inside, px/s in the reference picture.
+const MAX_INSIDE_PX_S: f64 = 220.0;
+/// Time in which the boat crosses the border when it drives, s.
 const DRIVE_S: f64 = 2.6;
-/// How long before it drives out (or in) the boat turns that way, s.
+/// The boat turns towards the border this long before it drives out or in, s.
 const TURN_AHEAD_S: f64 = 1.4;
-/// How fast the place takes on the boat's velocity, s.
+/// Time constant with which the position takes on the boat's velocity, s.
 const RIDE_LAG_S: f64 = 0.3;
 
-/// How far places reach, half extents in px.
+/// Limits of positions: half extents in px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Within these the boat is in view, whatever sway and lag do.
     pub(super) inner: (f64, f64),
-    /// Beyond one of these nothing of it is.
+    /// Beyond one of these the boat is wholly outside.
     pub(super) outer: (f64, f64),
     /// The picture's width over the reference picture's.
     pub(super) relative: f64,
@@ -43,7 +43,7 @@ pub(super) struct Limits {
 
 /// What the plan wants of the boat.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Wish {
+pub(super) enum BoatGoal {
     Roam,
     Loiter,
     /// Drive in a direction of the picture (du, dv).
@@ -51,18 +51,18 @@ pub(super) enum Wish {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Means {
+enum CrossingMode {
     Pan { omega: f64 },
     Drive,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Exit {
-    means: Means,
-    /// Unit vector across the border, outwards.
+    mode: CrossingMode,
+    /// Unit vector outwards across the border.
     outwards: (f64, f64),
     begin_s: f64,
-    /// Where on the outer limits a pan brings the boat.
+    /// Goal of a pan on the outer limits.
     goal: (f64, f64),
 }
 
@@ -77,16 +77,16 @@ enum Phase {
         exit: Exit,
         speed: f64,
     },
-    /// Goes along the outer limits, from one place on their circumference to another.
+    /// Moves along the circumference of the outer limits, from one position to another.
     Away {
         since_s: f64,
         until_s: f64,
         from: f64,
         to: f64,
-        means: Means,
+        mode: CrossingMode,
     },
     Returning {
-        means: Means,
+        mode: CrossingMode,
         goal: (f64, f64),
         speed: f64,
     },
@@ -94,7 +94,7 @@ enum Phase {
 
 #[derive(Debug, Clone)]
 pub(super) struct Framing {
-    chance: Chance,
+    rng: Rng,
     limits: Limits,
     kind: SceneKind,
     end_s: f64,
@@ -105,18 +105,18 @@ pub(super) struct Framing {
 }
 
 impl Framing {
-    pub(super) fn new(mut chance: Chance, limits: Limits, kind: SceneKind, end_s: f64) -> Self {
-        let pan_px_s = chance.between(PAN_PX_S.0, PAN_PX_S.1) * limits.relative;
-        let at = inside(&mut chance, limits);
+    pub(super) fn new(mut rng: Rng, limits: Limits, kind: SceneKind, end_s: f64) -> Self {
+        let pan_px_s = rng.uniform(PAN_PX_S.0, PAN_PX_S.1) * limits.relative;
+        let at = sampled_inside(&mut rng, limits);
         let phase = Phase::Inside { goal: at, next_goal_s: 0.0, exit: None };
-        let mut framing = Self { chance, limits, kind, end_s, pan_px_s, phase, at, velocity: (0.0, 0.0) };
-        let stay_s = framing.chance.between(FIRST_STAY_S.0, FIRST_STAY_S.1);
+        let mut framing = Self { rng, limits, kind, end_s, pan_px_s, phase, at, velocity: (0.0, 0.0) };
+        let stay_s = framing.rng.uniform(FIRST_STAY_S.0, FIRST_STAY_S.1);
         let exit = framing.plan_exit(stay_s.min(end_s - ROUND_S));
         framing.phase = Phase::Inside { goal: at, next_goal_s: 1.0, exit };
         framing
     }
 
-    pub(super) fn place(&self) -> (f64, f64) {
+    pub(super) fn position(&self) -> (f64, f64) {
         self.at
     }
 
@@ -125,57 +125,59 @@ impl Framing {
         matches!(self.phase, Phase::Leaving { .. } | Phase::Returning { .. })
     }
 
-    /// Goes on for a short time. `visible`: something of the boat shows; `boat`: its velocity over the water as
-    /// it looks in the picture, px/s.
-    pub(super) fn step(&mut self, now_s: f64, dt_s: f64, visible: bool, boat: (f64, f64)) -> Wish {
-        // The camera goes with the boat and pans on top of that: not faster than a pan, both together.
-        let pan_px_s = self.pan_px_s - PAN_SPARES * libm::hypot(boat.0, boat.1);
+    /// Advances by a short time. `visible`: some of the boat is in the picture; `boat`: its velocity over the water
+    /// in the picture, px/s.
+    pub(super) fn step(&mut self, now_s: f64, dt_s: f64, visible: bool, boat: (f64, f64)) -> BoatGoal {
+        // The camera follows the boat and pans in addition; together they are not faster than a pan.
+        let pan_px_s = self.pan_px_s - PAN_SPEED_REDUCTION * libm::hypot(boat.0, boat.1);
         match self.phase {
             Phase::Inside { goal, next_goal_s, exit } => self.stay(goal, next_goal_s, exit, now_s, dt_s),
             Phase::Leaving { exit, speed } => {
-                match exit.means {
-                    Means::Pan { omega } => self.seek(exit.goal, omega, pan_px_s, dt_s),
-                    Means::Drive => self.ride(exit.outwards, speed, boat, dt_s),
+                match exit.mode {
+                    CrossingMode::Pan { omega } => self.seek(exit.goal, omega, pan_px_s, dt_s),
+                    CrossingMode::Drive => self.ride_with_boat(exit.outwards, speed, boat, dt_s),
                 }
                 if !visible {
-                    self.wait(now_s);
+                    self.start_absence(now_s);
                 }
-                match exit.means {
-                    Means::Pan { .. } => Wish::Loiter,
-                    Means::Drive => Wish::Towards(exit.outwards.0, exit.outwards.1),
+                match exit.mode {
+                    CrossingMode::Pan { .. } => BoatGoal::Loiter,
+                    CrossingMode::Drive => BoatGoal::Towards(exit.outwards.0, exit.outwards.1),
                 }
             }
-            Phase::Away { since_s, until_s, from, to, means } => {
-                // Half a second to come to rest outside, then the way round.
+            Phase::Away { since_s, until_s, from, to, mode } => {
+                // Half a second to come to rest outside, then along the circumference.
                 let share = ((now_s - since_s - 0.5) / (until_s - since_s - 0.5)).clamp(0.0, 1.0);
                 let eased = share * share * (3.0 - 2.0 * share);
                 let omega = 2.5 + 4.5 * ((now_s - since_s) / 0.6).min(1.0);
-                let goal = self.on_circumference(from + (to - from) * eased);
+                let goal = self.point_on_circumference(from + (to - from) * eased);
                 self.seek(goal, omega, pan_px_s, dt_s);
                 let inwards = self.inwards();
                 if now_s >= until_s {
-                    self.come_back(means);
+                    self.start_return(mode);
                 }
-                match means {
-                    Means::Drive if now_s >= until_s - TURN_AHEAD_S => Wish::Towards(inwards.0, inwards.1),
-                    _ => Wish::Loiter,
+                match mode {
+                    CrossingMode::Drive if now_s >= until_s - TURN_AHEAD_S => {
+                        BoatGoal::Towards(inwards.0, inwards.1)
+                    }
+                    _ => BoatGoal::Loiter,
                 }
             }
-            Phase::Returning { means, goal, speed } => {
+            Phase::Returning { mode, goal, speed } => {
                 let inwards = self.inwards();
-                match means {
-                    Means::Pan { omega } => self.seek(goal, omega, pan_px_s, dt_s),
-                    Means::Drive => self.ride(inwards, speed, boat, dt_s),
+                match mode {
+                    CrossingMode::Pan { omega } => self.seek(goal, omega, pan_px_s, dt_s),
+                    CrossingMode::Drive => self.ride_with_boat(inwards, speed, boat, dt_s),
                 }
                 let (u, v) = self.limits.inner;
                 if self.at.0.abs() <= u && self.at.1.abs() <= v {
-                    let stay_s = self.chance.between(STAY_S.0, STAY_S.1);
+                    let stay_s = self.rng.uniform(STAY_S.0, STAY_S.1);
                     let exit = self.plan_exit(now_s + stay_s);
                     self.phase = Phase::Inside { goal, next_goal_s: now_s + 1.0, exit };
                 }
-                match means {
-                    Means::Pan { .. } => Wish::Loiter,
-                    Means::Drive => Wish::Towards(inwards.0, inwards.1),
+                match mode {
+                    CrossingMode::Pan { .. } => BoatGoal::Loiter,
+                    CrossingMode::Drive => BoatGoal::Towards(inwards.0, inwards.1),
                 }
             }
         }
@@ -188,14 +190,14 @@ impl Framing {
         exit: Option<Exit>,
         now_s: f64,
         dt_s: f64,
-    ) -> Wish {
-        let drive = exit.filter(|exit| exit.means == Means::Drive);
+    ) -> BoatGoal {
+        let drive = exit.filter(|exit| exit.mode == CrossingMode::Drive);
         let (mut goal, mut next_goal_s) = (goal, next_goal_s);
         if now_s >= next_goal_s {
-            goal = inside(&mut self.chance, self.limits);
-            next_goal_s = now_s + self.chance.between(2.0, 4.0);
+            goal = sampled_inside(&mut self.rng, self.limits);
+            next_goal_s = now_s + self.rng.uniform(2.0, 4.0);
         }
-        // Who is going to drive out goes near that border first.
+        // A boat that will drive out approaches the border first.
         if let Some(exit) = drive.filter(|exit| now_s >= exit.begin_s - 2.5) {
             let (u, v) = self.limits.inner;
             goal = (
@@ -204,7 +206,7 @@ impl Framing {
             );
         }
         self.phase = Phase::Inside { goal, next_goal_s, exit };
-        self.seek(goal, 1.2, WANDER_PX_S * self.limits.relative, dt_s);
+        self.seek(goal, 1.2, MAX_INSIDE_PX_S * self.limits.relative, dt_s);
         if let Some(exit) = exit.filter(|exit| now_s >= exit.begin_s) {
             let outer = (self.limits.outer.0 * exit.outwards.0, self.limits.outer.1 * exit.outwards.1);
             let (du, dv) = ((outer.0 - self.at.0) * exit.outwards.0, (outer.1 - self.at.1) * exit.outwards.1);
@@ -212,13 +214,13 @@ impl Framing {
         }
         match drive {
             Some(exit) if now_s >= exit.begin_s - TURN_AHEAD_S => {
-                Wish::Towards(exit.outwards.0, exit.outwards.1)
+                BoatGoal::Towards(exit.outwards.0, exit.outwards.1)
             }
-            _ => Wish::Roam,
+            _ => BoatGoal::Roam,
         }
     }
 
-    /// The next way out, if the clip is long enough for it and for coming back.
+    /// The next exit, if the clip is long enough for it and for the return.
     fn plan_exit(&mut self, begin_s: f64) -> Option<Exit> {
         if self.kind == SceneKind::Manoeuvre
             || begin_s < FIRST_STAY_S.0 - 1.0
@@ -226,46 +228,46 @@ impl Framing {
         {
             return None;
         }
-        let outwards = self.chance.pick(&[(1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)]);
+        let outwards = self.rng.choose(&[(1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)]);
         let (u, v) = self.limits.outer;
-        let along = self.chance.between(-0.6, 0.6);
+        let along = self.rng.uniform(-0.6, 0.6);
         let goal = (
             if outwards.0 == 0.0 { along * u } else { outwards.0 * u },
             if outwards.1 == 0.0 { along * v } else { outwards.1 * v },
         );
-        Some(Exit { means: self.means(), outwards, begin_s, goal })
+        Some(Exit { mode: self.mode(), outwards, begin_s, goal })
     }
 
-    fn means(&mut self) -> Means {
-        let omega = self.chance.between(1.8, 2.6);
-        if self.chance.happens(0.5) { Means::Pan { omega } } else { Means::Drive }
+    fn mode(&mut self) -> CrossingMode {
+        let omega = self.rng.uniform(1.8, 2.6);
+        if self.rng.chance(0.5) { CrossingMode::Pan { omega } } else { CrossingMode::Drive }
     }
 
-    fn wait(&mut self, now_s: f64) {
-        let longest_s = (self.end_s - RETURN_S - now_s).clamp(WAIT_S.0, WAIT_S.1);
-        let wait_s = self.chance.between(WAIT_S.0, longest_s);
-        let from = self.along_circumference();
-        // Other things can stay in view only if the camera does not go far.
-        let farthest = match self.kind {
+    fn start_absence(&mut self, now_s: f64) {
+        let max_wait_s = (self.end_s - RETURN_S - now_s).clamp(WAIT_S.0, WAIT_S.1);
+        let wait_s = self.rng.uniform(WAIT_S.0, max_wait_s);
+        let from = self.circumference_position();
+        // Distractors stay in view only if the camera does not go far.
+        let max_distance = match self.kind {
             SceneKind::ExitAndReturnWithDistractor => 400.0,
             _ => 260.0 * wait_s,
         };
-        let to = from + self.chance.between(-1.0, 1.0) * farthest * self.limits.relative;
-        let means = self.means();
-        self.phase = Phase::Away { since_s: now_s, until_s: now_s + wait_s, from, to, means };
+        let to = from + self.rng.uniform(-1.0, 1.0) * max_distance * self.limits.relative;
+        let mode = self.mode();
+        self.phase = Phase::Away { since_s: now_s, until_s: now_s + wait_s, from, to, mode };
     }
 
-    fn come_back(&mut self, means: Means) {
+    fn start_return(&mut self, mode: CrossingMode) {
         let (u, v) = self.limits.inner;
-        let goal = match means {
-            Means::Pan { .. } => inside(&mut self.chance, self.limits),
-            Means::Drive => (self.at.0.clamp(-u, u), self.at.1.clamp(-v, v)),
+        let goal = match mode {
+            CrossingMode::Pan { .. } => sampled_inside(&mut self.rng, self.limits),
+            CrossingMode::Drive => (self.at.0.clamp(-u, u), self.at.1.clamp(-v, v)),
         };
         let distance = libm::hypot(goal.0 - self.at.0, goal.1 - self.at.1);
-        self.phase = Phase::Returning { means, goal, speed: distance / DRIVE_S };
+        self.phase = Phase::Returning { mode, goal, speed: distance / DRIVE_S };
     }
 
-    /// Unit vector to the nearest place well inside.
+    /// Unit vector to the nearest position well inside.
     fn inwards(&self) -> (f64, f64) {
         let (u, v) = self.limits.inner;
         let to =
@@ -274,18 +276,18 @@ impl Framing {
         (to.0 / distance, to.1 / distance)
     }
 
-    /// A critically damped spring with a greatest speed.
-    fn seek(&mut self, goal: (f64, f64), omega: f64, fastest: f64, dt_s: f64) {
+    /// A critically damped spring with a largest speed.
+    fn seek(&mut self, goal: (f64, f64), omega: f64, max_speed: f64, dt_s: f64) {
         let pull = |at: f64, velocity: f64, goal: f64| {
             velocity + (omega * omega * (goal - at) - 2.0 * omega * velocity) * dt_s
         };
         let (vu, vv) = (pull(self.at.0, self.velocity.0, goal.0), pull(self.at.1, self.velocity.1, goal.1));
-        let held = (fastest / libm::hypot(vu, vv).max(1e-9)).min(1.0);
-        self.go((vu * held, vv * held), dt_s);
+        let speed_limit = (max_speed / libm::hypot(vu, vv).max(1e-9)).min(1.0);
+        self.advance((vu * speed_limit, vv * speed_limit), dt_s);
     }
 
-    /// Along with the boat, but at `speed` in that direction at least.
-    fn ride(&mut self, direction: (f64, f64), speed: f64, boat: (f64, f64), dt_s: f64) {
+    /// Moves with the boat, but at least at `speed` in a direction.
+    fn ride_with_boat(&mut self, direction: (f64, f64), speed: f64, boat: (f64, f64), dt_s: f64) {
         let along = boat.0 * direction.0 + boat.1 * direction.1;
         let aside = (boat.0 - along * direction.0, boat.1 - along * direction.1);
         let forward = along.max(speed);
@@ -295,16 +297,16 @@ impl Framing {
             self.velocity.0 + (wanted.0 - self.velocity.0) * share,
             self.velocity.1 + (wanted.1 - self.velocity.1) * share,
         );
-        self.go(velocity, dt_s);
+        self.advance(velocity, dt_s);
     }
 
-    fn go(&mut self, velocity: (f64, f64), dt_s: f64) {
+    fn advance(&mut self, velocity: (f64, f64), dt_s: f64) {
         self.velocity = velocity;
         self.at = (self.at.0 + velocity.0 * dt_s, self.at.1 + velocity.1 * dt_s);
     }
 
-    /// The place `along` px on the outer limits' circumference, from their top right corner downwards.
-    fn on_circumference(&self, along: f64) -> (f64, f64) {
+    /// The point `along` px on the circumference of the outer limits, from the top right corner downwards.
+    fn point_on_circumference(&self, along: f64) -> (f64, f64) {
         let (u, v) = self.limits.outer;
         let (right, bottom, left) = (2.0 * v, 2.0 * (u + v), 4.0 * v + 2.0 * u);
         let along = along.rem_euclid(4.0 * (u + v));
@@ -319,8 +321,8 @@ impl Framing {
         }
     }
 
-    /// Where on the circumference of the outer limits the present place is nearest.
-    fn along_circumference(&self) -> f64 {
+    /// The position on the circumference of the outer limits nearest to the present position.
+    fn circumference_position(&self) -> f64 {
         let (u, v) = self.limits.outer;
         let (at_u, at_v) = (self.at.0.clamp(-u, u), self.at.1.clamp(-v, v));
         if self.at.0.abs() - u > self.at.1.abs() - v {
@@ -333,6 +335,6 @@ impl Framing {
     }
 }
 
-fn inside(chance: &mut Chance, limits: Limits) -> (f64, f64) {
-    (chance.between(-0.8, 0.8) * limits.inner.0, chance.between(-0.8, 0.8) * limits.inner.1)
+fn sampled_inside(rng: &mut Rng, limits: Limits) -> (f64, f64) {
+    (rng.uniform(-0.8, 0.8) * limits.inner.0, rng.uniform(-0.8, 0.8) * limits.inner.1)
 }

@@ -1,19 +1,19 @@
-//! Outlines of floating things, and what of them shows in a picture.
+//! Outlines of floating objects, and their silhouettes in a picture.
 //!
-//! An outline is symmetric about its centre line, with a half-width given at equidistant stations from stern to
-//! bow and straight between them, so that the drawn thing and the polygon of its truth are the same.
+//! An outline is symmetric about its centre line. Its half-width is given at equidistant stations from stern to bow
+//! and is linear between them, so that the rendered object and the polygon of the truth are the same.
 
 use barrelman_vocab::{PictureSize, PixelBox, PixelPoint};
 
 use super::view::{PlanePoint, View};
 
-/// Stations from stern to bow: straight pieces between them leave a curve of 200 px by less than 0.1 px.
+/// Stations from stern to bow: linear pieces differ from a curve of 200 px by less than 0.1 px.
 const STATIONS: usize = 65;
 
-/// What a thing looks like from above.
+/// Shape of an object from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shape {
-    /// Blunt at the stern, pointed at the bow; the exponent (1.5..=3) says how full the bow is.
+    /// Blunt at the stern, pointed at the bow; the exponent (1.5..=3) is the fullness of the bow.
     Hull {
         fullness: f64,
     },
@@ -40,7 +40,7 @@ impl Shape {
     }
 }
 
-/// A thing's outline in its own coordinates: along the bow and across it, origin in the middle.
+/// Outline in the object's coordinates: along and across the centre line, origin in the middle.
 #[derive(Debug, Clone)]
 pub(super) struct Outline {
     /// Half of the length, in the plane's unit.
@@ -62,13 +62,13 @@ impl Outline {
         sum * self.half_beam * 2.0 * self.half_length / (STATIONS - 1) as f64
     }
 
-    /// The greatest distance of the outline from its middle, in the plane's unit.
+    /// Largest distance of the outline from its middle, in the plane's unit.
     pub(super) fn reach(&self) -> f64 {
         libm::hypot(self.half_length, self.half_beam)
     }
 
-    /// Where an offset from the middle lies, in shares of half length and half beam, if it is on the thing.
-    pub(super) fn locate(&self, along: f64, across: f64) -> Option<(f64, f64)> {
+    /// An offset from the middle in shares of half length and half beam, if it lies on the object.
+    pub(super) fn normalised_offset(&self, along: f64, across: f64) -> Option<(f64, f64)> {
         let (along, across) = (along / self.half_length, across / self.half_beam);
         if !(along.abs() < 1.0 && across.abs() <= 1.0) {
             return None;
@@ -113,8 +113,8 @@ impl Silhouette {
         twice.abs() / 2.0
     }
 
-    /// Direction of its longest spread, radians anticlockwise from image right, within +-90 degrees: the first
-    /// principal axis of its second moments of area, summed over the triangles that its edges make with a corner.
+    /// Direction of the principal axis, radians anticlockwise from image right, within +-90 degrees: from the second
+    /// moments of area, summed over the triangles of the edges with a corner.
     pub(super) fn axis(&self) -> f64 {
         let Some(origin) = self.corners.first() else { return 0.0 };
         // Upwards is positive here; moments about the corner, and then about the centroid.
@@ -136,7 +136,7 @@ impl Silhouette {
         0.5 * libm::atan2(2.0 * xy, xx - yy)
     }
 
-    /// The upright box around it; empty if there is nothing.
+    /// The upright box around the polygon; empty for an empty polygon.
     pub(super) fn bounds(&self) -> PixelBox {
         let Some(first) = self.corners.first() else { return PixelBox::default() };
         let (mut low, mut high) = (*first, *first);
@@ -147,7 +147,7 @@ impl Silhouette {
         PixelBox { u: low.u, v: low.v, w: high.u - low.u, h: high.v - low.v }
     }
 
-    /// How far it reaches in a direction of the picture, given as a unit vector: the full extent.
+    /// Extent along a direction of the picture, given as a unit vector.
     pub(super) fn extent(&self, direction: (f64, f64)) -> f64 {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for corner in &self.corners {
@@ -158,7 +158,7 @@ impl Silhouette {
         (high - low).max(0.0)
     }
 
-    /// The part inside a picture: the polygon cut at each border in turn (Sutherland and Hodgman).
+    /// The part inside a picture, by the algorithm of Sutherland and Hodgman.
     pub(super) fn clipped(mut self, size: PictureSize) -> Self {
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         let insides: [&dyn Fn(&PixelPoint) -> f64; 4] =

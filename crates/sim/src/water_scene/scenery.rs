@@ -1,220 +1,186 @@
-//! What else is on the water: things that look like the boat, things that do not, and land.
+//! Objects beside the boat: distractors, which look like the boat, and clutter, which does not.
 //!
-//! All of it rests on the water or moves straight on, and is placed so that the camera's way passes it and the
-//! boat's way does not.
+//! All of them rest on the water or move uniformly. They are placed so that the camera passes them and the boat does
+//! not.
 
 use barrelman_vocab::PixelPoint;
 
-use super::chance::Chance;
 use super::colour::{self, Yuv};
+use super::object::{Body, PaintScheme, PlanePose, SceneObject};
 use super::outline::{Outline, Shape};
+use super::placement::{CHECK_EVERY, MAX_DISTRACTORS, PlacementContext};
+use super::rng::Rng;
+use super::script::FRAMES_PER_SECOND;
 use super::shore::{self, Shore};
-use super::thing::{Berth, Body, Livery, Thing};
 use super::view::PlanePoint;
-use super::voyage::Voyage;
-use super::{FRAMES_PER_SECOND, TargetPaint};
 
-/// Places tried for each thing.
+/// Positions tried for each object.
 const TRIES: usize = 60;
-/// Frames from one check of a place to the next; a thing counts as in view a little beyond the border.
-const CHECK_EVERY: usize = 3;
-/// That much beyond, as a share of the picture's width: as far as a pan takes a thing between two checks.
-const BORDER_SHARE: f64 = 0.07;
-/// Distractors in view at the same time, at most.
-pub(super) const MOST_DISTRACTORS: usize = 2;
-/// Share of an absence during which a distractor must be in view to be worth placing.
-const WORTH_PLACING: f64 = 0.25;
-/// A thing comes no nearer to the boat than this, in shares of both their reaches.
-const BERTH_SHARE: f64 = 1.15;
-
-/// What placing must know.
-pub(super) struct Site<'a> {
-    pub(super) voyage: &'a Voyage,
-    pub(super) frames: usize,
-    pub(super) outline: &'a Outline,
-    pub(super) paint: TargetPaint,
-    pub(super) shore: Option<&'a Shore>,
-    /// Picture width over the reference picture's.
-    pub(super) relative: f64,
+/// Share of an absence during which a distractor must be in view to be placed.
+const MIN_PLACING_SHARE: f64 = 0.25;
+/// Whether an object keeps clear of the shore's line: moving objects are afloat throughout, resting ones may stand on
+/// land.
+fn is_clear_of_shore(context: &PlacementContext<'_>, shore: Option<&Shore>, object: &SceneObject) -> bool {
+    let Some(shore) = shore else { return true };
+    let clear = object.body.outline.reach() + shore::MAX_EDGE_OFFSET * context.relative;
+    let inland = |frame: usize| shore.inland(object.pose_at(frame as f64 / f64::from(FRAMES_PER_SECOND)).at);
+    let rests_on_land = object.velocity == (0.0, 0.0) && inland(0) > clear;
+    rests_on_land || context.checks().all(|frame| inland(frame) < -clear)
 }
 
-impl Site<'_> {
-    fn checks(&self) -> impl Iterator<Item = usize> {
-        (0..self.frames).step_by(CHECK_EVERY)
-    }
-
-    /// The frames (of those checked) in which a thing may be in view; none if it comes too near to the boat.
-    fn appearances(&self, thing: &Thing) -> Option<Vec<bool>> {
-        let reach = thing.body.outline.reach();
-        let clear = BERTH_SHARE * (reach + self.outline.reach());
-        self.checks()
-            .map(|frame| {
-                let pose = self.voyage.pose(frame as i64);
-                let at = thing.berth(frame as f64 / f64::from(FRAMES_PER_SECOND)).at;
-                let middle = pose.view.picture(at);
-                let (width, height) = (f64::from(pose.view.size.width), f64::from(pose.view.size.height));
-                let beyond = reach * pose.view.zoom + BORDER_SHARE * width;
-                let seen = middle.u > -beyond
-                    && middle.u < width + beyond
-                    && middle.v > -beyond
-                    && middle.v < height + beyond;
-                (at.distance(pose.boat) > clear).then_some(seen)
-            })
-            .collect()
-    }
-
-    /// Whether a thing keeps off the shore's line: what moves is afloat throughout, what rests may stand on land.
-    fn keeps_off_the_shore(&self, thing: &Thing) -> bool {
-        let Some(shore) = self.shore else { return true };
-        let clear = thing.body.outline.reach() + shore::MOST_RAGGED * self.relative;
-        let inland = |frame: usize| shore.inland(thing.berth(frame as f64 / f64::from(FRAMES_PER_SECOND)).at);
-        let rests_on_land = thing.velocity == (0.0, 0.0) && inland(0) > clear;
-        rests_on_land || self.checks().all(|frame| inland(frame) < -clear)
-    }
-
-    /// The place of the plane that a frame shows at a share of its width and height.
-    fn shown(&self, frame: usize, share: (f64, f64)) -> PlanePoint {
-        let view = self.voyage.pose(frame as i64).view;
-        view.plane(share.0 * f64::from(view.size.width), share.1 * f64::from(view.size.height))
-    }
-}
-
-/// Things of the hull's very paint: one that is in view for as long as possible, and one for each absence.
-pub(super) fn distractors(site: &Site<'_>, hull: Yuv, mut chance: Chance) -> Vec<Thing> {
-    let mut placed: Vec<Thing> = Vec::new();
-    let mut in_view: Vec<usize> = site.checks().map(|_| 0).collect();
-    let spans = site.voyage.absences.iter().map(|absence| (absence.from, absence.until, Some(*absence)));
-    let whole = core::iter::once((0, site.frames, None));
+/// Objects in exactly the hull's paint: one for each absence, and one that is in view for as long as possible.
+pub(super) fn distractors(
+    context: &PlacementContext<'_>,
+    shore: Option<&Shore>,
+    hull: Yuv,
+    mut rng: Rng,
+) -> Vec<SceneObject> {
+    let mut placed: Vec<SceneObject> = Vec::new();
+    let mut in_view: Vec<usize> = context.checks().map(|_| 0).collect();
+    let spans =
+        context.trajectory.absences.iter().map(|absence| (absence.from, absence.until, Some(*absence)));
+    let whole = core::iter::once((0, context.frames, None));
     for (from, until, absence) in spans.chain(whole) {
-        let mut best: Option<(f64, Thing, Vec<bool>)> = None;
+        let mut best: Option<(f64, SceneObject, Vec<bool>)> = None;
         for _ in 0..TRIES {
-            let frame = from + (chance.unit() * (until - from) as f64) as usize;
-            let near =
-                absence.map(|absence| if chance.happens(0.5) { absence.left_at } else { absence.back_at });
+            let frame = from + (rng.unit() * (until - from) as f64) as usize;
+            let near = absence.map(|absence| if rng.chance(0.5) { absence.left_at } else { absence.back_at });
             let share = match near {
-                Some(border) if chance.happens(0.6) => near_border(site, border, &mut chance),
-                _ => (chance.between(0.08, 0.92), chance.between(0.08, 0.92)),
+                Some(border) if rng.chance(0.6) => near_border(context, border, &mut rng),
+                _ => (rng.uniform(0.08, 0.92), rng.uniform(0.08, 0.92)),
             };
-            let thing = lookalike(site, hull, site.shown(frame, share), frame, &mut chance);
-            if !site.keeps_off_the_shore(&thing) {
+            let object =
+                sampled_distractor(context, hull, context.plane_point_at(frame, share), frame, &mut rng);
+            if !is_clear_of_shore(context, shore, &object) {
                 continue;
             }
-            let Some(seen) = site.appearances(&thing) else { continue };
-            if seen.iter().zip(&in_view).any(|(seen, others)| *seen && *others >= MOST_DISTRACTORS) {
+            let Some(seen) = context.appearances(&object) else { continue };
+            if seen.iter().zip(&in_view).any(|(seen, others)| *seen && *others >= MAX_DISTRACTORS) {
                 continue;
             }
             let span = &seen
                 [from.div_ceil(CHECK_EVERY).min(seen.len())..until.div_ceil(CHECK_EVERY).min(seen.len())];
             let score = span.iter().filter(|seen| **seen).count() as f64 / span.len().max(1) as f64;
-            if score > best.as_ref().map_or(WORTH_PLACING, |best| best.0) {
-                best = Some((score, thing, seen));
+            if score > best.as_ref().map_or(MIN_PLACING_SHARE, |best| best.0) {
+                best = Some((score, object, seen));
             }
         }
-        if let Some((_, thing, seen)) = best {
+        if let Some((_, object, seen)) = best {
             in_view.iter_mut().zip(seen).for_each(|(count, seen)| *count += usize::from(seen));
-            placed.push(thing);
+            placed.push(object);
         }
     }
     placed
 }
 
-/// A place in the picture, as shares of its sides, not far from where the boat crossed the border.
-fn near_border(site: &Site<'_>, border: PixelPoint, chance: &mut Chance) -> (f64, f64) {
-    let size = site.voyage.pose(0).view.size;
+/// A position in the picture, as shares of its sides, near where the boat crossed the border.
+fn near_border(context: &PlacementContext<'_>, border: PixelPoint, rng: &mut Rng) -> (f64, f64) {
+    let size = context.trajectory.pose(0).view.size;
     let (u, v) = (border.u / f64::from(size.width), border.v / f64::from(size.height));
     let inside = |share: f64, off: f64| (share + off).clamp(0.06, 0.94);
-    (inside(u, chance.between(-0.15, 0.15)), inside(v, chance.between(-0.2, 0.2)))
+    (inside(u, rng.uniform(-0.15, 0.15)), inside(v, rng.uniform(-0.2, 0.2)))
 }
 
 /// A buoy, a raft or a roof of half to twice the boat's area.
-fn lookalike(site: &Site<'_>, hull: Yuv, at: PlanePoint, frame: usize, chance: &mut Chance) -> Thing {
-    let area = site.outline.area() * chance.between(0.55, 1.9);
-    let buoy = chance.happens(0.35);
-    let aspect = if buoy { 1.0 } else { chance.between(0.5, 1.0) };
+fn sampled_distractor(
+    context: &PlacementContext<'_>,
+    hull: Yuv,
+    at: PlanePoint,
+    frame: usize,
+    rng: &mut Rng,
+) -> SceneObject {
+    let area = context.outline.area() * rng.uniform(0.55, 1.9);
+    let buoy = rng.chance(0.35);
+    let aspect = if buoy { 1.0 } else { rng.uniform(0.5, 1.0) };
     let shape = if buoy { Shape::Round } else { Shape::Raft };
     let unit = Outline::new(shape, 1.0, aspect);
     let length = libm::sqrt(area / unit.area());
-    let livery = if buoy {
-        Livery::Spotted { paint: hull, spot: colour::lit(hull, 0.55) }
-    } else if chance.happens(0.4) {
-        Livery::Planks { paint: hull, joints: 3.0 }
+    let paint_scheme = if buoy {
+        PaintScheme::Spotted { paint: hull, spot: colour::lit(hull, 0.55) }
+    } else if rng.chance(0.4) {
+        PaintScheme::Planks { paint: hull, joints: 3.0 }
     } else {
-        Livery::Plain(hull)
+        PaintScheme::Plain(hull)
     };
-    let speed = if !buoy && chance.happens(0.4) { chance.between(10.0, 60.0) * site.relative } else { 0.0 };
-    let course = chance.between(0.0, core::f64::consts::TAU);
+    let speed = if !buoy && rng.chance(0.4) { rng.uniform(10.0, 60.0) * context.relative } else { 0.0 };
+    let course = rng.uniform(0.0, core::f64::consts::TAU);
     let velocity = (speed * libm::cos(course), speed * libm::sin(course));
-    // It is at the place in that frame.
+    // The object is at the position in that frame.
     let time_s = frame as f64 / f64::from(FRAMES_PER_SECOND);
     let at = at.offset(-velocity.0 * time_s, -velocity.1 * time_s);
-    let heading = if speed > 0.0 { course } else { chance.between(0.0, core::f64::consts::TAU) };
+    let heading = if speed > 0.0 { course } else { rng.uniform(0.0, core::f64::consts::TAU) };
     let outline = Outline::new(shape, length, length * aspect);
-    Thing { body: Body { outline, livery }, berth: Berth { at, heading }, velocity }
+    SceneObject { body: Body { outline, paint_scheme }, plane_pose: PlanePose { at, heading }, velocity }
 }
 
-/// Things of other colours. They keep off the boat's way, the distractors and the shore.
-pub(super) fn clutter(site: &Site<'_>, distractors: &[Thing], mut chance: Chance) -> Vec<Thing> {
-    let wanted = chance.between(2.0, 14.0) as usize;
-    let mut placed: Vec<Thing> = Vec::new();
+/// Objects of other colours, clear of the boat's way, the distractors and the shore.
+pub(super) fn clutter(
+    context: &PlacementContext<'_>,
+    shore: Option<&Shore>,
+    distractors: &[SceneObject],
+    mut rng: Rng,
+) -> Vec<SceneObject> {
+    let wanted = rng.uniform(2.0, 14.0) as usize;
+    let mut placed: Vec<SceneObject> = Vec::new();
     for _ in 0..3 * wanted {
         if placed.len() >= wanted {
             break;
         }
-        let frame = (chance.unit() * site.frames as f64) as usize;
-        let at = site.shown(frame, (chance.between(-0.1, 1.1), chance.between(-0.1, 1.1)));
-        let thing = flotsam(site, at, &mut chance);
-        let reach = thing.body.outline.reach();
+        let frame = (rng.unit() * context.frames as f64) as usize;
+        let at = context.plane_point_at(frame, (rng.uniform(-0.1, 1.1), rng.uniform(-0.1, 1.1)));
+        let object = sampled_clutter(context, at, &mut rng);
+        let reach = object.body.outline.reach();
         let apart = distractors.iter().all(|other| {
             let gap = reach + other.body.outline.reach();
-            site.checks().all(|frame| {
+            context.checks().all(|frame| {
                 let time_s = frame as f64 / f64::from(FRAMES_PER_SECOND);
-                thing.berth(time_s).at.distance(other.berth(time_s).at) > gap
+                object.pose_at(time_s).at.distance(other.pose_at(time_s).at) > gap
             })
         });
-        if apart && site.keeps_off_the_shore(&thing) && site.appearances(&thing).is_some() {
-            placed.push(thing);
+        if apart && is_clear_of_shore(context, shore, &object) && context.appearances(&object).is_some() {
+            placed.push(object);
         }
     }
     placed
 }
 
-/// Driftwood, a swimmer's cap, a jetty, another boat or buoy.
-fn flotsam(site: &Site<'_>, at: PlanePoint, chance: &mut Chance) -> Thing {
-    let hull = 2.0 * site.outline.half_length;
-    let timber = colour::lit(colour::yuv(colour::timber(site.paint)), chance.between(0.5, 1.1) as f32);
-    let paint = colour::yuv(chance.pick(&colour::OTHER_PAINTS));
+/// Driftwood, a swimmer's cap, a jetty, another boat or a buoy.
+fn sampled_clutter(context: &PlacementContext<'_>, at: PlanePoint, rng: &mut Rng) -> SceneObject {
+    let hull = 2.0 * context.outline.half_length;
+    let timber = colour::lit(colour::yuv(colour::timber(context.paint)), rng.uniform(0.5, 1.1) as f32);
+    let paint = colour::yuv(rng.choose(&colour::OTHER_PAINTS));
     let dark = colour::lit(paint, 0.5);
-    let kind = chance.unit();
-    let (shape, length, aspect, livery) = if kind < 0.4 {
-        (Shape::Bar, chance.between(0.2, 0.9), chance.between(0.06, 0.2), Livery::Plain(timber))
+    let kind = rng.unit();
+    let (shape, length, aspect, paint_scheme) = if kind < 0.4 {
+        (Shape::Bar, rng.uniform(0.2, 0.9), rng.uniform(0.06, 0.2), PaintScheme::Plain(timber))
     } else if kind < 0.6 {
-        (Shape::Round, chance.between(0.08, 0.16), 1.0, Livery::Plain(paint))
+        (Shape::Round, rng.uniform(0.08, 0.16), 1.0, PaintScheme::Plain(paint))
     } else if kind < 0.68 {
         (
             Shape::Bar,
-            chance.between(2.0, 4.0),
-            chance.between(0.1, 0.2),
-            Livery::Planks { paint: timber, joints: 14.0 },
+            rng.uniform(2.0, 4.0),
+            rng.uniform(0.1, 0.2),
+            PaintScheme::Planks { paint: timber, joints: 14.0 },
         )
     } else if kind < 0.85 {
-        let fullness = chance.between(1.6, 2.6);
-        let livery =
-            Livery::Boat { hull: paint, cockpit: dark, stripe: colour::lit(paint, 1.3), engine: dark };
-        (Shape::Hull { fullness }, chance.between(0.6, 1.3), chance.between(0.28, 0.45), livery)
+        let fullness = rng.uniform(1.6, 2.6);
+        let paint_scheme =
+            PaintScheme::Boat { hull: paint, cockpit: dark, stripe: colour::lit(paint, 1.3), engine: dark };
+        (Shape::Hull { fullness }, rng.uniform(0.6, 1.3), rng.uniform(0.28, 0.45), paint_scheme)
     } else {
-        (Shape::Round, chance.between(0.2, 0.5), 1.0, Livery::Spotted { paint, spot: dark })
+        (Shape::Round, rng.uniform(0.2, 0.5), 1.0, PaintScheme::Spotted { paint, spot: dark })
     };
     let velocity = if matches!(shape, Shape::Hull { .. }) {
-        (chance.between(-30.0, 30.0) * site.relative, chance.between(-30.0, 30.0) * site.relative)
+        (rng.uniform(-30.0, 30.0) * context.relative, rng.uniform(-30.0, 30.0) * context.relative)
     } else {
         (0.0, 0.0)
     };
     let heading = if velocity == (0.0, 0.0) {
-        chance.between(0.0, core::f64::consts::TAU)
+        rng.uniform(0.0, core::f64::consts::TAU)
     } else {
         libm::atan2(velocity.1, velocity.0)
     };
     let length = length * hull;
     let outline = Outline::new(shape, length, length * aspect);
-    Thing { body: Body { outline, livery }, berth: Berth { at, heading }, velocity }
+    SceneObject { body: Body { outline, paint_scheme }, plane_pose: PlanePose { at, heading }, velocity }
 }

@@ -1,22 +1,22 @@
-//! Land at one side of the boat's way, with a ragged edge and a line of surf.
+//! Land on one side of the boat's way, with a ragged edge and a line of surf.
 
 use super::canvas::{Canvas, MARGIN};
-use super::chance::Chance;
 use super::colour::{self, Yuv};
-use super::scenery::Site;
+use super::placement::PlacementContext;
+use super::rng::Rng;
 use super::view::{PlanePoint, View};
 use super::water::Water;
 use super::waves::{Layer, SIDE};
 
 /// Directions tried.
 const TRIES: usize = 12;
-/// How far the shore keeps from the boat's way, in hull lengths.
+/// Distance of the shore from the boat's way, hull lengths.
 const CLEAR_HULLS: f64 = 1.4;
-/// Share of the clip in which the shore must be in view to be worth it.
-const WORTH_PLACING: f64 = 0.03;
-/// How far the edge swings about its line, in px of the plane per standard deviation, and at the most.
-const RAGGED: f64 = 9.0;
-pub(super) const MOST_RAGGED: f64 = 32.0;
+/// Share of the clip in which the shore must be in view to be placed.
+const MIN_PLACING_SHARE: f64 = 0.03;
+/// Deviation of the edge from its line: standard deviation and largest value, px of the plane.
+const EDGE_STD_DEV: f64 = 9.0;
+pub(super) const MAX_EDGE_OFFSET: f64 = 32.0;
 /// Width of the surf, px of the plane.
 const SURF: f32 = 7.0;
 const SURF_COLOUR: Yuv = [196.0, 128.0, 127.0];
@@ -38,22 +38,22 @@ pub(super) struct Shore {
 }
 
 impl Shore {
-    /// A shore in some of the clips.
-    pub(super) fn new(site: &Site<'_>, mut chance: Chance) -> Option<Self> {
-        if chance.happens(0.6) {
+    /// A shore, in some of the clips.
+    pub(super) fn new(context: &PlacementContext<'_>, mut rng: Rng) -> Option<Self> {
+        if rng.chance(0.6) {
             return None;
         }
-        let hull = 2.0 * site.outline.half_length;
+        let hull = 2.0 * context.outline.half_length;
         let mut best: Option<(f64, (f64, f64), f64)> = None;
         for _ in 0..TRIES {
-            let direction = chance.between(0.0, core::f64::consts::TAU);
+            let direction = rng.uniform(0.0, core::f64::consts::TAU);
             let inland = (libm::cos(direction), libm::sin(direction));
             let ahead = |at: PlanePoint| at.x * inland.0 + at.y * inland.1;
-            let poses = || (0..site.frames as i64).map(|frame| site.voyage.pose(frame));
+            let poses = || (0..context.frames as i64).map(|frame| context.trajectory.pose(frame));
             let line = poses().map(|pose| ahead(pose.boat)).fold(f64::NEG_INFINITY, f64::max)
                 + CLEAR_HULLS * hull
-                + MOST_RAGGED * site.relative;
-            // The middle of the picture is never on land, and corners are as often as possible.
+                + MAX_EDGE_OFFSET * context.relative;
+            // The middle of the picture is never on land; corners are, as often as possible.
             if poses().any(|pose| ahead(pose.view.camera) > line) {
                 continue;
             }
@@ -63,43 +63,43 @@ impl Shore {
                 ahead(view.camera) + (half.0 * inland.0).abs() + (half.1 * inland.1).abs()
             };
             let seen = poses().filter(|pose| corner(&pose.view) > line).count();
-            let share = seen as f64 / site.frames as f64;
-            if share > best.map_or(WORTH_PLACING, |best| best.0) {
+            let share = seen as f64 / context.frames as f64;
+            if share > best.map_or(MIN_PLACING_SHARE, |best| best.0) {
                 best = Some((share, inland, line));
             }
         }
         let (_, inland, line) = best?;
-        let brightness = chance.between(0.85, 1.15);
-        let land = colour::yuv(chance.pick(&LANDS).map(|sample| sample * brightness));
+        let brightness = rng.uniform(0.85, 1.15);
+        let land = colour::yuv(rng.choose(&LANDS).map(|sample| sample * brightness));
         let mut layer = |scale: f64| Layer {
-            scale: scale * site.relative,
+            scale: scale * context.relative,
             drift: (0.0, 0.0),
-            offset: (chance.between(0.0, SIDE as f64), chance.between(0.0, SIDE as f64)),
+            offset: (rng.uniform(0.0, SIDE as f64), rng.uniform(0.0, SIDE as f64)),
         };
         Some(Self { inland, line, land, edge: layer(0.55), grain: layer(0.6), patch: layer(0.9) })
     }
 
-    /// How far a place is from the shore's line, inland positive, in the plane's unit.
+    /// Distance from the shore's line, inland positive, in the plane's unit.
     pub(super) fn inland(&self, at: PlanePoint) -> f64 {
         at.x * self.inland.0 + at.y * self.inland.1 - self.line
     }
 
-    pub(super) fn draw(&self, canvas: &mut Canvas, view: &View, water: &Water, relative: f64) {
+    pub(super) fn render(&self, canvas: &mut Canvas, view: &View, water: &Water, relative: f64) {
         let first = 0.5 - MARGIN as f64;
-        let edge = self.edge.lay(&water.gusts, view, 0.0, (first, first));
-        let grain = self.grain.lay(&water.ripple, view, 0.0, (first, first));
-        let patch = self.patch.lay(&water.gusts, view, 0.0, (first, first));
+        let edge = self.edge.view_from(&water.gusts, view, 0.0, (first, first));
+        let grain = self.grain.view_from(&water.ripple, view, 0.0, (first, first));
+        let patch = self.patch.view_from(&water.gusts, view, 0.0, (first, first));
         let width = canvas.y.width;
         let mut scratch = [0.0; SIDE + 1];
         let mut edges = vec![0.0; width];
         let mut grains = vec![0.0; width];
         let mut patches = vec![0.0; width];
         let across = view.plane_offset(1.0, 0.0).0 * self.inland.0;
-        let ragged = (RAGGED * relative) as f32;
-        let most_ragged = MOST_RAGGED * relative;
+        let edge_std_dev = (EDGE_STD_DEV * relative) as f32;
+        let max_edge_offset = MAX_EDGE_OFFSET * relative;
         let surf = SURF * relative as f32;
         // Farther out there is neither land nor surf.
-        let nearest = -(most_ragged as f32) - 2.0 * surf;
+        let nearest = -(max_edge_offset as f32) - 2.0 * surf;
         for row in 0..canvas.y.height {
             let left = self.inland(view.plane(first, first + row as f64));
             let right = left + across * width as f64;
@@ -114,8 +114,8 @@ impl Shore {
                 if straight < nearest {
                     continue;
                 }
-                let inland =
-                    straight + (ragged * edges[column]).clamp(-most_ragged as f32, most_ragged as f32);
+                let inland = straight
+                    + (edge_std_dev * edges[column]).clamp(-max_edge_offset as f32, max_edge_offset as f32);
                 let land = (inland * 0.7 + 0.5).clamp(0.0, 1.0);
                 let foam = (1.0 - (inland + surf).abs() / surf).max(0.0)
                     * (0.6 + 0.3 * grains[column]).clamp(0.0, 1.0);
@@ -125,7 +125,7 @@ impl Shore {
                 let sample = &mut canvas.y.samples[row * width + column];
                 *sample += (SURF_COLOUR[0] - *sample) * foam;
                 *sample += (level - *sample) * land;
-                // Every chroma sample is mixed by the pixel at its top left.
+                // Each chroma sample is blended with the opacity at its top left pixel.
                 if row % 2 == 0 && column % 2 == 0 {
                     let at = row / 2 * canvas.u.width + column / 2;
                     for (plane, part) in [(&mut canvas.u, 1), (&mut canvas.v, 2)] {

@@ -1,9 +1,8 @@
-//! From the water to the picture: a flat plane, seen from a camera that looks down at a fixed angle.
+//! From the water to the picture: a flat plane, seen by a camera that looks down at a fixed angle.
 //!
-//! The *plane* has x to the picture's right and y away from the camera, in picture pixels at zoom 1. The picture
-//! is its affine image: u = W/2 + z (x - cx), v = H/2 - z s (y - cy), with the zoom z, the point (cx, cy) that
-//! the camera looks at, and the squash s = sin(depression). Not handled: the perspective within one picture,
-//! and roll.
+//! The *plane* has x to the picture's right and y away from the camera, in picture pixels at zoom 1. The picture is
+//! its affine image: u = W/2 + z (x - cx), v = H/2 - z s (y - cy), with the zoom z, the point (cx, cy) that the
+//! camera looks at, and the foreshortening s = sin(depression). Not handled: perspective within a picture, and roll.
 
 use barrelman_vocab::{PictureSize, PixelPoint};
 
@@ -26,15 +25,15 @@ impl PlanePoint {
     }
 }
 
-/// How the plane lies in one picture.
+/// The mapping between the plane and one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct View {
-    /// What the picture's centre shows.
+    /// The point at the centre of the picture.
     pub(super) camera: PlanePoint,
     /// Picture pixels per unit of the plane's x.
     pub(super) zoom: f64,
     /// Sine of the camera's depression, 0..=1.
-    pub(super) squash: f64,
+    pub(super) foreshortening: f64,
     pub(super) size: PictureSize,
 }
 
@@ -45,9 +44,9 @@ impl View {
         PixelPoint { u: centre.u + du, v: centre.v + dv }
     }
 
-    /// The offset (du, dv) in the picture that an offset in the plane makes.
+    /// The offset (du, dv) in the picture of an offset in the plane.
     pub(super) fn picture_offset(&self, x: f64, y: f64) -> (f64, f64) {
-        (self.zoom * x, -self.zoom * self.squash * y)
+        (self.zoom * x, -self.zoom * self.foreshortening * y)
     }
 
     pub(super) fn plane(&self, u: f64, v: f64) -> PlanePoint {
@@ -57,6 +56,6 @@ impl View {
     }
 
     pub(super) fn plane_offset(&self, du: f64, dv: f64) -> (f64, f64) {
-        (du / self.zoom, -dv / (self.zoom * self.squash))
+        (du / self.zoom, -dv / (self.zoom * self.foreshortening))
     }
 }

@@ -1,8 +1,8 @@
-//! The water's look: waves, gusts, glints, breaking crests, flecks of foam.
+//! Appearance of the water: waves, gusts, glints, breaking crests, flecks of foam.
 //!
-//! Six layers of wave tiles drift over each other at different speeds. Their sum h is the luma's ripple; where the
-//! short ones add up, the water glints for a moment; where the long ones do, crests break. With the thresholds
-//! g, c and f of the conditions (standard deviations):
+//! Six layers of wave tiles drift over each other at different speeds. Their sum h is the ripple of the luma. Where
+//! the short layers add up, the water glints; where the long ones do, crests break. With the thresholds g, c and f of
+//! the conditions (standard deviations):
 //!
 //! ```text
 //! h     = 0.5 long + 0.8 chop + 0.45 (short + shorter)(1 + 0.3 gust), skewed: h + 0.18 (h^2 - 1)
@@ -11,16 +11,16 @@
 //! fleck = resting + 0.4 gust - f
 //! ```
 //!
-//! Not handled: waves that change their shape, reflections of things, refraction.
+//! Not handled: waves that change their shape, reflections of objects, refraction.
 
 use super::canvas::{Canvas, MARGIN};
-use super::chance::Chance;
 use super::conditions::Conditions;
+use super::rng::Rng;
 use super::view::View;
 use super::wake::Wake;
-use super::waves::{Laid, Layer, SIDE, Spectrum, Tile};
+use super::waves::{Layer, LayerView, SIDE, Spectrum, Tile};
 
-/// Luma of foam and of the sun in the water; the sensor clips the latter.
+/// Luma of foam, and of the sun's glints; the sensor clips the latter.
 const FOAM_LUMA: f32 = 206.0;
 const GLINT_LUMA: f32 = 262.0;
 
@@ -43,7 +43,7 @@ struct Layers {
     resting: Layer,
 }
 
-/// One row of each layer, and what two rows of luma give their row of chroma.
+/// One row of each layer, and what two rows of luma contribute to their row of chroma.
 #[derive(Debug, Clone)]
 struct Rows {
     tile: [f32; SIDE + 1],
@@ -59,10 +59,10 @@ struct Rows {
 
 impl Water {
     pub(super) fn new(conditions: &Conditions, relative: f64, width: usize, seed: u64, stream: u64) -> Self {
-        let mut chance = Chance::new(seed, stream);
+        let mut rng = Rng::new(seed, stream);
         let tile = |waves, cycles, spread, stream| {
             let spectrum = Spectrum { waves, cycles, direction: conditions.wind, spread };
-            Tile::new(spectrum, Chance::new(seed, stream))
+            Tile::new(spectrum, Rng::new(seed, stream))
         };
         let mut layer = |scale: f64, speed: f64, aside: f64| {
             let direction = conditions.wind + aside;
@@ -70,7 +70,7 @@ impl Water {
             Layer {
                 scale: scale * conditions.wave_scale,
                 drift: (speed * libm::cos(direction), speed * libm::sin(direction)),
-                offset: (chance.between(0.0, SIDE as f64), chance.between(0.0, SIDE as f64)),
+                offset: (rng.uniform(0.0, SIDE as f64), rng.uniform(0.0, SIDE as f64)),
             }
         };
         let layers = Layers {
@@ -102,8 +102,8 @@ impl Water {
         }
     }
 
-    /// Draws all of the canvas anew.
-    pub(super) fn draw(
+    /// Renders the whole canvas anew.
+    pub(super) fn render(
         &mut self,
         canvas: &mut Canvas,
         view: &View,
@@ -112,14 +112,13 @@ impl Water {
         wake: &Wake,
     ) {
         let middle = 0.5 - MARGIN as f64;
-        let lay = |layer: &Layer, tile| -> Laid<'_> { layer.lay(tile, view, time_s, (middle, middle)) };
+        let view_from =
+            |layer: &Layer, tile| -> LayerView<'_> { layer.view_from(tile, view, time_s, (middle, middle)) };
         let Layers { long, chop, short, shorter, gust, resting } = &self.layers;
-        let (long, chop) = (lay(long, &self.chop), lay(chop, &self.chop));
-        let (short, shorter) = (lay(short, &self.ripple), lay(shorter, &self.ripple));
-        let (gust, resting) = (lay(gust, &self.gusts), lay(resting, &self.ripple));
+        let (long, chop) = (view_from(long, &self.chop), view_from(chop, &self.chop));
+        let (short, shorter) = (view_from(short, &self.ripple), view_from(shorter, &self.ripple));
+        let (gust, resting) = (view_from(gust, &self.gusts), view_from(resting, &self.ripple));
         let rows = &mut self.rows;
-        let [base, base_u, base_v] = conditions.water;
-        let contrast = conditions.contrast;
         let width = canvas.y.width;
         let chroma_width = canvas.u.width;
         for row in 0..canvas.y.height {
@@ -134,54 +133,73 @@ impl Water {
                 rows.tint.fill(0.0);
             }
             let from_middle = 0.5 - row as f32 / canvas.y.height as f32;
-            let level = base * (1.0 + 2.0 * conditions.gradient * from_middle);
-            let foam_of_wake = wake.row(row / 2);
+            let level = conditions.water[0] * (1.0 + 2.0 * conditions.gradient * from_middle);
             let line = &mut canvas.y.samples[row * width..][..width];
-            // Slices of one length, so that the loop needs no checks.
-            let (long, chop) = (&rows.long[..width], &rows.chop[..width]);
-            let (short, shorter) = (&rows.short[..width], &rows.shorter[..width]);
-            let (gust, resting) = (&rows.gust[..width], &rows.resting[..width]);
-            let (whites, tints) = (&mut rows.white[..width], &mut rows.tint[..width]);
-            for at in 0..width {
-                let (long, chop, gust) = (long[at], chop[at], gust[at]);
-                let (short, shorter) = (short[at], shorter[at]);
-                let both = short + shorter;
-                let height = 0.5 * long + 0.8 * chop + 0.45 * both * (1.0 + 0.3 * gust);
-                let skewed = height + 0.18 * (height * height - 1.0);
-                let glint = both + 0.5 * chop + 0.4 * gust - conditions.glint_from;
-                let glint = glint.clamp(0.0, 1.0);
-                let crest = 0.9 * long + 0.6 * chop + 0.5 * gust + 0.3 * shorter - conditions.crest_from;
-                let fleck = resting[at] + 0.4 * gust - conditions.fleck_from;
-                let foam = (0.9 * crest).max(1.4 * fleck).clamp(0.0, 0.85);
-                let water = level + contrast * (skewed + 0.5 * gust);
-                let white = water + (FOAM_LUMA - water) * foam;
-                line[at] = white + (GLINT_LUMA - white) * glint;
-                whites[at] += foam.max(glint);
-                tints[at] += skewed;
-            }
-            if let Some(foam_of_wake) = foam_of_wake {
-                for (at, sample) in line.iter_mut().enumerate() {
-                    let dense = foam_of_wake[at / 2];
-                    if dense > 0.0 {
-                        let grain = 0.62 + 0.28 * shorter[at] + 0.2 * short[at] + 0.15 * resting[at];
-                        let foam = (dense * grain.max(0.0)).min(0.92);
-                        *sample += (FOAM_LUMA - *sample) * foam;
-                        whites[at] = whites[at].max(foam);
-                    }
-                }
+            rows.luma(conditions, level, line);
+            if let Some(wake_foam) = wake.row(row / 2) {
+                rows.add_wake_foam(wake_foam, line);
             }
             if row % 2 == 1 {
-                let line = row / 2 * chroma_width;
-                let us = &mut canvas.u.samples[line..][..chroma_width];
-                let vs = &mut canvas.v.samples[line..][..chroma_width];
-                let pairs = whites.chunks_exact(2).zip(tints.chunks_exact(2));
-                for ((u, v), (white, tint)) in us.iter_mut().zip(vs).zip(pairs) {
-                    let coloured = 1.0 - (0.25 * (white[0] + white[1])).min(1.0);
-                    let share = coloured * (1.0 - 0.02 * (tint[0] + tint[1]));
-                    *u = 128.0 + (base_u - 128.0) * share;
-                    *v = 128.0 + (base_v - 128.0) * share;
-                }
+                let start = row / 2 * chroma_width;
+                let us = &mut canvas.u.samples[start..][..chroma_width];
+                let vs = &mut canvas.v.samples[start..][..chroma_width];
+                rows.chroma(conditions, us, vs);
             }
+        }
+    }
+}
+
+impl Rows {
+    /// Luma of a row without the wake, from a base level; adds what the row's chroma is made from.
+    fn luma(&mut self, conditions: &Conditions, level: f32, line: &mut [f32]) {
+        let contrast = conditions.contrast;
+        let width = line.len();
+        // Slices of one length, so that the loop needs no bounds checks.
+        let (long, chop) = (&self.long[..width], &self.chop[..width]);
+        let (short, shorter) = (&self.short[..width], &self.shorter[..width]);
+        let (gust, resting) = (&self.gust[..width], &self.resting[..width]);
+        let (whites, tints) = (&mut self.white[..width], &mut self.tint[..width]);
+        for at in 0..width {
+            let (long, chop, gust) = (long[at], chop[at], gust[at]);
+            let (short, shorter) = (short[at], shorter[at]);
+            let both = short + shorter;
+            let height = 0.5 * long + 0.8 * chop + 0.45 * both * (1.0 + 0.3 * gust);
+            let skewed = height + 0.18 * (height * height - 1.0);
+            let glint = both + 0.5 * chop + 0.4 * gust - conditions.glint_threshold;
+            let glint = glint.clamp(0.0, 1.0);
+            let crest = 0.9 * long + 0.6 * chop + 0.5 * gust + 0.3 * shorter - conditions.crest_threshold;
+            let fleck = resting[at] + 0.4 * gust - conditions.fleck_threshold;
+            let foam = (0.9 * crest).max(1.4 * fleck).clamp(0.0, 0.85);
+            let water = level + contrast * (skewed + 0.5 * gust);
+            let white = water + (FOAM_LUMA - water) * foam;
+            line[at] = white + (GLINT_LUMA - white) * glint;
+            whites[at] += foam.max(glint);
+            tints[at] += skewed;
+        }
+    }
+
+    /// Adds the wake's foam to a row of luma. `wake_foam` is its density on the chroma grid, 0 to 1.
+    fn add_wake_foam(&mut self, wake_foam: &[f32], line: &mut [f32]) {
+        for (at, sample) in line.iter_mut().enumerate() {
+            let density = wake_foam[at / 2];
+            if density > 0.0 {
+                let grain = 0.62 + 0.28 * self.shorter[at] + 0.2 * self.short[at] + 0.15 * self.resting[at];
+                let foam = (density * grain.max(0.0)).min(0.92);
+                *sample += (FOAM_LUMA - *sample) * foam;
+                self.white[at] = self.white[at].max(foam);
+            }
+        }
+    }
+
+    /// Chroma of two rows.
+    fn chroma(&self, conditions: &Conditions, us: &mut [f32], vs: &mut [f32]) {
+        let [_, base_u, base_v] = conditions.water;
+        let pairs = self.white.chunks_exact(2).zip(self.tint.chunks_exact(2));
+        for ((u, v), (white, tint)) in us.iter_mut().zip(vs).zip(pairs) {
+            let coloured = 1.0 - (0.25 * (white[0] + white[1])).min(1.0);
+            let share = coloured * (1.0 - 0.02 * (tint[0] + tint[1]));
+            *u = 128.0 + (base_u - 128.0) * share;
+            *v = 128.0 + (base_v - 128.0) * share;
         }
     }
 }

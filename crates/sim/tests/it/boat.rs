@@ -1,6 +1,6 @@
-//! The boat against the table that its parameters come from, and what a jet cannot do.
+//! The boat against the table its parameters come from, and the limits of a jet.
 
-use barrelman_sim::boat::{Helm, JetBoat, throttle_for};
+use barrelman_sim::boat::{HelmCommand, JetBoat, throttle_for_speed};
 use barrelman_sim::sea::{Sea, SeaState, Wind};
 use barrelman_vocab::Angle;
 
@@ -11,8 +11,7 @@ fn glassy() -> Sea {
     Sea::new(SeaState::new(0).expect("a state"), wind, 1)
 }
 
-/// Speed ahead (mean over the last 5 s), and turn rate, after 40 s with this throttle; the rudder as told, or such that
-/// the course is held.
+/// Speed ahead (mean over the last 5 s) and turn rate after 40 s with this throttle. `rudder: None` holds the course.
 fn steady(throttle: f64, rudder: Option<f64>) -> (f64, f64) {
     let sea = glassy();
     let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::ZERO);
@@ -20,7 +19,7 @@ fn steady(throttle: f64, rudder: Option<f64>) -> (f64, f64) {
     for tick in 0..40 * TICKS_PER_S {
         let held = -3.0 * boat.pose().heading.radians() - 0.8 * boat.turn_rad_per_s();
         let rudder = rudder.unwrap_or(held.clamp(-1.0, 1.0));
-        boat.advance(Helm { throttle, rudder }, &sea, (0.0, 0.0), tick);
+        boat.advance(HelmCommand { throttle, rudder }, &sea, (0.0, 0.0), tick);
         if tick >= 35 * TICKS_PER_S {
             speed += boat.speed_ahead_mps() / (5 * TICKS_PER_S) as f64;
             turn += boat.turn_rad_per_s() / (5 * TICKS_PER_S) as f64;
@@ -35,8 +34,8 @@ fn straight_ahead_it_reaches_the_speeds_of_the_table() {
         [(0.15, 0.35), (0.25, 0.76), (0.40, 1.41), (0.60, 2.29), (0.80, 4.12), (1.0, 9.05)]
     {
         let (speed, turn) = steady(throttle, None);
-        // Small waves carry it a little to and fro. The table has 9.54 m/s at full throttle, without the air, which
-        // holds it back by 1.5 N there.
+        // Small waves move the boat to and fro. The table has 9.54 m/s at full throttle without air drag, which is
+        // 1.5 N there.
         assert!(
             (speed - expected).abs() < 0.03 + 0.04 * expected,
             "{throttle}: {speed}, expected {expected}"
@@ -55,7 +54,7 @@ fn with_the_nozzle_hard_over_it_turns_as_the_table_says() {
             (found_turn - turn).abs() < 0.07 * turn + 0.02,
             "{throttle}: {found_turn} rad/s, expected {turn}"
         );
-        // The table gives the speed over ground, of which some is sideways.
+        // The table gives the speed over ground, which is partly sideways.
         assert!(
             found_speed < speed + 0.05 && found_speed > 0.8 * speed,
             "{throttle}: {found_speed}, {speed}"
@@ -68,14 +67,14 @@ fn a_boat_that_coasts_does_not_answer_its_helm() {
     let sea = glassy();
     let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::ZERO);
     for tick in 0..10 * TICKS_PER_S {
-        boat.advance(Helm { throttle: 0.4, rudder: 0.0 }, &sea, (0.0, 0.0), tick);
+        boat.advance(HelmCommand { throttle: 0.4, rudder: 0.0 }, &sea, (0.0, 0.0), tick);
     }
     let before = boat.pose().heading.radians();
     for tick in 10 * TICKS_PER_S..13 * TICKS_PER_S {
-        boat.advance(Helm { throttle: 0.0, rudder: 1.0 }, &sea, (0.0, 0.0), tick);
+        boat.advance(HelmCommand { throttle: 0.0, rudder: 1.0 }, &sea, (0.0, 0.0), tick);
     }
     let turned = boat.pose().heading.radians() - before;
-    // While the throttle closes, the jet still pushes for a quarter of a second.
+    // The jet still pushes for a quarter of a second while the throttle closes.
     assert!(turned.abs() < 0.12, "{turned} rad");
     assert!(boat.speed_ahead_mps() > 0.3, "it still runs: {}", boat.speed_ahead_mps());
 }
@@ -89,7 +88,7 @@ fn astern_it_goes_backwards() {
 #[test]
 fn the_throttle_for_a_speed_gives_that_speed() {
     for speed in [0.5, 1.0, 1.9, 4.0] {
-        let (found, _) = steady(throttle_for(speed), None);
+        let (found, _) = steady(throttle_for_speed(speed), None);
         assert!((found - speed).abs() < 0.03 + 0.04 * speed, "{speed}: {found}");
     }
 }
@@ -102,9 +101,9 @@ fn it_rides_rougher_seas_more_than_smooth_ones() {
         let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::from_degrees(180.0));
         let (mut heave, mut pitch, ticks) = (0.0, 0.0, 120 * TICKS_PER_S);
         for tick in 0..ticks {
-            boat.advance(Helm::default(), &sea, (0.0, 0.0), tick);
+            boat.advance(HelmCommand::default(), &sea, (0.0, 0.0), tick);
             let pose = boat.pose();
-            heave += pose.place.z * pose.place.z / ticks as f64;
+            heave += pose.position.z * pose.position.z / ticks as f64;
             pitch += pose.pitch.degrees() * pose.pitch.degrees() / ticks as f64;
         }
         (heave.sqrt(), pitch.sqrt())

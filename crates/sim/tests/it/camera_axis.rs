@@ -1,6 +1,6 @@
-//! Dead times, lag and stops of a camera axis.
+//! Dead times, lag and end stops of a camera axis.
 
-use barrelman_sim::camera_axis::{TICK_S, TICKS_PER_SECOND};
+use barrelman_sim::tick::{TICK_S, TICKS_PER_SECOND};
 use barrelman_sim::{AxisPlant, CameraAxis};
 use barrelman_vocab::{Angle, AngularRate};
 
@@ -9,9 +9,9 @@ fn plant() -> AxisPlant {
         start_dead_time_s: 0.25,
         stop_dead_time_s: 0.5,
         lag_s: 0.1,
-        limit: AngularRate::from_radians_per_second(0.3),
-        stops: Some((Angle::from_radians(-0.5), Angle::from_radians(0.5))),
-        flaws: barrelman_sim::camera_axis::AxisFlaws::default(),
+        max_rate: AngularRate::from_radians_per_second(0.3),
+        end_stops: Some((Angle::from_radians(-0.5), Angle::from_radians(0.5))),
+        imperfections: barrelman_sim::camera_axis::AxisImperfections::default(),
     }
 }
 

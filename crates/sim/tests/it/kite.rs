@@ -11,7 +11,7 @@ const TICKS: u64 = 120 * 1200;
 fn turbulence_has_the_deviation_of_its_model() {
     let mean = Wind { speed_mps: 5.0, towards: Angle::ZERO };
     let (mut along, mut up) = (0.0, 0.0);
-    // Slow: a time constant of 13 s; the mean over ten winds of 20 minutes.
+    // The time constant is 13 s; the mean is over ten winds of 20 minutes.
     for seed in 0..10 {
         let mut wind = TurbulentWind::new(mean, 10.0, 0.0, seed);
         for tick in 0..TICKS {
@@ -54,7 +54,7 @@ fn a_commanded_yaw_drifts_and_a_resting_one_only_wanders() {
         for tick in 0..120 * 60 {
             kite.advance(tick, commanded);
         }
-        kite.turns(Angle::ZERO).0.degrees()
+        kite.attitude_offset(Angle::ZERO).0.degrees()
     };
     let off = (drift(true) - drift(false)).abs();
     assert!((off - 12.0).abs() < 0.1, "0.2 degrees per second for a minute: {off}");
@@ -66,7 +66,7 @@ fn a_gust_blows_on_where_the_count_of_ticks_begins_anew() {
     for seed in 0..200 {
         let mut wind = TurbulentWind::new(mean, 5.5, 1.0, seed);
         let mut before = None;
-        // As a kite settles before a trial: ticks far up, then those of the trial.
+        // As when a kite settles before a trial: high tick numbers first, then those of the trial.
         for tick in (1 << 40..(1 << 40) + 1200).chain(0..600) {
             wind.advance(tick);
             let (along, ..) = wind.turbulence();

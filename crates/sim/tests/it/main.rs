@@ -1,4 +1,4 @@
-//! The simulated world, by tables.
+//! Integration tests of the simulated world.
 
 mod boat;
 mod camera_axis;

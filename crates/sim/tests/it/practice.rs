@@ -6,9 +6,9 @@ use barrelman_vocab::{Picture, PictureSize};
 
 const SIZE: PictureSize = PictureSize::new(320, 180);
 
-fn drawn(clip: &PracticeClip, frame: u32) -> Picture {
+fn rendered(clip: &PracticeClip, frame: u32) -> Picture {
     let mut picture = Picture::black(SIZE, ColourEncoding::JPEG);
-    clip.draw(frame, &mut picture);
+    clip.render(frame, &mut picture);
     picture
 }
 
@@ -35,7 +35,7 @@ fn the_boat_crosses_all_four_sectors_and_comes_back_inside() {
 fn the_truth_is_where_the_red_pixels_are() {
     let clip = PracticeClip::new(SIZE, 1);
     for frame in (0..clip.frames()).step_by(17) {
-        let picture = drawn(&clip, frame);
+        let picture = rendered(&clip, frame);
         let (mut count, mut sum_u, mut sum_v) = (0.0, 0.0, 0.0);
         for row in 0..picture.v().height {
             for (column, red) in picture.v().row(row).iter().enumerate() {
@@ -55,7 +55,7 @@ fn the_truth_is_where_the_red_pixels_are() {
 
 #[test]
 fn the_same_seed_draws_the_same_bits() {
-    let one = drawn(&PracticeClip::new(SIZE, 3), 100);
-    assert_eq!(one, drawn(&PracticeClip::new(SIZE, 3), 100));
-    assert_ne!(one, drawn(&PracticeClip::new(SIZE, 4), 100));
+    let one = rendered(&PracticeClip::new(SIZE, 3), 100);
+    assert_eq!(one, rendered(&PracticeClip::new(SIZE, 3), 100));
+    assert_ne!(one, rendered(&PracticeClip::new(SIZE, 4), 100));
 }

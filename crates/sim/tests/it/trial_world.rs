@@ -1,21 +1,22 @@
 //! A small scenario for tests of the world.
 
 use barrelman_sim::boat::LENGTH_M;
-use barrelman_sim::chance::Wander;
-use barrelman_sim::electronics::ElectronicsScript;
+use barrelman_sim::electronics::ElectronicsModel;
 use barrelman_sim::pursuit::PursuitScript;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
-    AxisRanges, BeyondBorder, CameraSetup, FirstView, PlantRanges, Platform, Scenario, Sensing, TargetScript,
+    AxisRanges, BeyondBorder, CameraSetup, FirstView, PlantRanges, Platform, Scenario, SensorModel,
+    TargetScript,
 };
 use barrelman_sim::snapshot::Light;
 use barrelman_sim::sway::Sway;
-use barrelman_sim::video_link::VideoLinkScript;
+use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_sim::{MountPlant, Optics};
 use barrelman_vocab::{Angle, PictureSize};
 
-/// A target that crosses the floor at 1 m/s, 4 m ahead of a camera 2 m high, without any chance in it.
+/// A target that crosses the floor at 1 m/s, 4 m ahead of a camera 2 m high, without any randomness.
 pub(crate) fn plain() -> Scenario {
-    let none = Wander { deviation: 0.0, time_s: 1.0 };
+    let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
     let picture = PictureSize::new(640, 360);
     let axis = AxisRanges {
         start_dead_time_s: (0.1, 0.2),
@@ -31,9 +32,9 @@ pub(crate) fn plain() -> Scenario {
             frame: picture,
             pictures_per_second: 30,
             rolling_shutter_s: 0.0,
-            video: VideoLinkScript::steady(0.1),
+            video: VideoLinkModel::steady(0.1),
             first_view: FirstView::default(),
-            electronics: ElectronicsScript { brightness: none, white_balance: none, exposure_s: 0.0 },
+            electronics: ElectronicsModel { brightness: none, white_balance: none, exposure_s: 0.0 },
         },
         mount: MountPlant::laboratory(),
         ranges: PlantRanges {
@@ -47,14 +48,14 @@ pub(crate) fn plain() -> Scenario {
         water: None,
         light: Light { sun_bearing: Angle::ZERO, sun_elevation: Angle::from_degrees(45.0), overcast: 1.0 },
         target: TargetScript::Pursuit(pursuit()),
-        things: Vec::new(),
-        sensing: Sensing {
-            noise: Wander::default(),
-            rounded: false,
+        objects: Vec::new(),
+        sensing: SensorModel {
+            noise: OrnsteinUhlenbeck::default(),
+            is_rounded: false,
             beyond_border: BeyondBorder::Absent,
             target_size_m: (LENGTH_M, 0.3),
         },
-        most_s: 60.0,
+        max_s: 60.0,
     }
 }
 
@@ -63,13 +64,13 @@ pub(crate) fn pursuit() -> PursuitScript {
     PursuitScript {
         way_points: vec![(-4.0, 4.0), (0.0, 4.0), (4.0, 4.0)],
         speed_m_per_s: 1.0,
-        speed_spread: 0.0,
-        gust: Wander { deviation: 0.0, time_s: 1.0 },
-        weave: Wander { deviation: 0.0, time_s: 1.0 },
+        log_speed_std_dev: 0.0,
+        speed_variation: OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 },
+        weave: OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 },
         look_ahead_m: 0.3,
         way_point_jitter_m: 0.0,
         heading_gain: 3.5,
-        most_turn_rad_per_s: 2.5,
+        max_turn_rad_per_s: 2.5,
         surge_lag_s: 0.1,
         turn_lag_s: 0.1,
         corner_slow_down: 0.5,
@@ -78,7 +79,7 @@ pub(crate) fn pursuit() -> PursuitScript {
         stand_after_s: 0.0,
         pauses_per_s: 0.0,
         range_exponent: 0.0,
-        leg_rhythm: 0.0,
+        leg_end_slow_down: 0.0,
         corner_pauses: 0.0,
         pause_s: 0.0,
     }

@@ -1,24 +1,24 @@
-//! What befalls the video.
+//! Delays and losses of the video link.
 
-use barrelman_sim::video_link::{Passage, VideoLink, VideoLinkScript};
+use barrelman_sim::video_link::{Delivery, VideoLink, VideoLinkModel};
 
 #[test]
 fn a_steady_link_delays_every_picture_alike() {
-    let mut link = VideoLink::new(VideoLinkScript::steady(0.1), 1);
+    let mut link = VideoLink::new(VideoLinkModel::steady(0.1), 1);
     for tick in (0..1200).step_by(4) {
-        assert_eq!(link.send(tick), Passage::Arrives { at: tick + 12 });
+        assert_eq!(link.send(tick), Delivery::Arrives { at: tick + 12 });
     }
 }
 
 #[test]
 fn a_poor_link_spoils_its_share_in_bursts_and_never_lets_pictures_overtake() {
-    let script = VideoLinkScript {
+    let script = VideoLinkModel {
         latency_s: 0.18,
         jitter_s: 0.005,
-        to_bad: 0.02,
-        to_good: 0.15,
-        spoilt: 0.7,
-        frozen: 0.3,
+        good_to_bad: 0.02,
+        bad_to_good: 0.15,
+        impaired_share: 0.7,
+        frozen_share: 0.3,
     };
     let mut link = VideoLink::new(script, 1);
     let (mut lost, mut frozen, mut last, mut delay) = (0, 0, 0, 0);
@@ -26,13 +26,13 @@ fn a_poor_link_spoils_its_share_in_bursts_and_never_lets_pictures_overtake() {
     for picture in 0..pictures {
         let tick = 4 * picture;
         match link.send(tick) {
-            Passage::Lost => lost += 1,
-            Passage::Arrives { at } | Passage::Frozen { at } if at < last => panic!("{at} after {last}"),
-            Passage::Arrives { at } => {
+            Delivery::Lost => lost += 1,
+            Delivery::Arrives { at } | Delivery::Frozen { at } if at < last => panic!("{at} after {last}"),
+            Delivery::Arrives { at } => {
                 delay += at - tick;
                 last = at;
             }
-            Passage::Frozen { at } => {
+            Delivery::Frozen { at } => {
                 frozen += 1;
                 last = at;
             }

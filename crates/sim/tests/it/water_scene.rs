@@ -30,7 +30,7 @@ fn lies_in(bounds: PixelBox, size: PictureSize) -> bool {
 fn runs(truths: &[SceneTruth]) -> Vec<(bool, usize, usize)> {
     let mut runs: Vec<(bool, usize, usize)> = Vec::new();
     for (frame, truth) in truths.iter().enumerate() {
-        let shows = truth.visible > 0.0;
+        let shows = truth.visible_share > 0.0;
         match runs.last_mut() {
             Some((same, _, frames)) if *same == shows => *frames += 1,
             _ => runs.push((shows, frame, 1)),
@@ -56,13 +56,13 @@ fn the_same_seed_draws_the_same_bits_in_any_order() {
     };
     let (mut one, mut other) = (WaterScene::new(script, 5), WaterScene::new(script, 5));
     let (mut first, mut second) = (blank(), blank());
-    let truth = one.draw(70, &mut first);
-    other.draw(300, &mut second);
+    let truth = one.render(70, &mut first);
+    other.render(300, &mut second);
     assert_ne!(first, second);
-    assert_eq!(other.draw(70, &mut second), truth);
+    assert_eq!(other.render(70, &mut second), truth);
     assert_eq!(first, second);
     assert_eq!(other.truth(70), truth);
-    WaterScene::new(script, 6).draw(70, &mut second);
+    WaterScene::new(script, 6).render(70, &mut second);
     assert_ne!(first, second);
 }
 
@@ -75,7 +75,7 @@ fn a_scene_is_drawn_in_any_size() {
             let mut picture = blank();
             let frames = if width > 1000 { 1 } else { 5 };
             for frame in 0..frames {
-                let truth = scene.draw(frame * 100, &mut picture);
+                let truth = scene.render(frame * 100, &mut picture);
                 assert_eq!(picture.size(), size);
                 assert!(lies_in(truth.bounds, size), "{size} {kind:?}: {truth:?}");
             }
@@ -107,19 +107,19 @@ fn the_first_frame_offers_a_boat_to_select() {
 fn a_manoeuvring_boat_stays_in_view_turns_and_changes_its_size() {
     for (name, scene) in scenes(SceneKind::Manoeuvre) {
         let truths = truths(&scene);
-        assert!(truths.iter().all(|truth| truth.visible > 0.999), "{name}");
+        assert!(truths.iter().all(|truth| truth.visible_share > 0.999), "{name}");
         let turned: f64 = truths
             .windows(2)
-            .map(|pair| wrapped(pair[1].heading.degrees() - pair[0].heading.degrees()).abs())
+            .map(|pair| wrap_angle(pair[1].heading.degrees() - pair[0].heading.degrees()).abs())
             .sum();
-        // The hull looks shorter where it points away from the camera: compare boats across the picture.
+        // A hull that points away from the camera looks shorter: compare hulls across the picture.
         let across = truths.iter().filter(|truth| libm::sin(truth.heading.radians()).abs() < 0.3);
         let lengths: Vec<f64> = across.map(|truth| truth.major_px).collect();
         let longest = lengths.iter().copied().fold(0.0, f64::max);
         let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
         assert!(turned > 180.0 && longest < 2.1 * shortest, "{name}: {turned}, {shortest} to {longest}");
-        let under_way = truths.iter().filter(|truth| truth.under_way).count();
-        assert!(under_way > truths.len() / 2, "{name}: {under_way}");
+        let is_under_way = truths.iter().filter(|truth| truth.is_under_way).count();
+        assert!(is_under_way > truths.len() / 2, "{name}: {is_under_way}");
     }
 }
 
@@ -148,7 +148,7 @@ fn boats_leave_across_every_border_because_they_drive_or_the_camera_pans() {
             let beyond = [-at.u, at.u - 1280.0, -at.v, at.v - 720.0];
             let border = (0..4).max_by(|a, b| beyond[*a].total_cmp(&beyond[*b])).unwrap();
             borders[border] += 1;
-            // How far a resting thing would have gone in the second before.
+            // Shift of a resting object in the second before.
             let shifts = truths[gone - 30..gone].iter().map(|truth| truth.camera_shift);
             let (u, v) = shifts.fold((0.0, 0.0), |sum, shift| (sum.0 + shift.0, sum.1 + shift.1));
             if libm::hypot(u, v) > 250.0 { pans += 1 } else { drives += 1 }
@@ -164,7 +164,7 @@ fn distractors_are_in_view_while_the_boat_is_not() {
     for (name, scene) in scenes(SceneKind::ExitAndReturnWithDistractor) {
         let truths = truths(&scene);
         let mut here = 0;
-        for truth in truths.iter().filter(|truth| truth.visible == 0.0) {
+        for truth in truths.iter().filter(|truth| truth.visible_share == 0.0) {
             absent += 1;
             here += usize::from(!truth.distractors[0].is_empty());
         }
@@ -173,7 +173,7 @@ fn distractors_are_in_view_while_the_boat_is_not() {
         for truth in truths {
             for distractor in truth.distractors {
                 assert!(lies_in(distractor, HD), "{name}: {distractor}");
-                // Boxes of slanted things may meet where the things do not.
+                // Boxes of slanted objects may overlap where the objects do not.
                 assert!(distractor.iou(truth.bounds) < 0.2, "{name} at {} s", truth.time_s);
             }
         }
@@ -190,9 +190,9 @@ fn the_boat_goes_where_its_bow_points() {
     let mut compared = 0;
     for (name, scene) in KINDS.into_iter().flat_map(scenes) {
         let truths = truths(&scene);
-        for pair in truths.windows(2).filter(|pair| pair[1].under_way) {
+        for pair in truths.windows(2).filter(|pair| pair[1].is_under_way) {
             let (before, now) = (pair[0].centre, pair[1].centre);
-            // Near the centre, where the camera's zoom moves nothing.
+            // Near the centre, where the zoom shifts nothing.
             if libm::hypot(now.u - 640.0, now.v - 360.0) > 60.0 {
                 continue;
             }
@@ -202,7 +202,7 @@ fn the_boat_goes_where_its_bow_points() {
                 continue;
             }
             let course = libm::atan2(-dv, du).to_degrees();
-            let off = wrapped(course - pair[1].heading.degrees()).abs();
+            let off = wrap_angle(course - pair[1].heading.degrees()).abs();
             // Waves make the bow yaw by 3 degrees, the squash makes up to 5 of it; the zoom adds 0.3 px, which
             // is 11 degrees of the slowest.
             assert!(off < 16.0, "{name} at {} s: off by {off:.1} degrees", pair[1].time_s);
@@ -213,7 +213,7 @@ fn the_boat_goes_where_its_bow_points() {
 }
 
 /// Degrees in -180..=180.
-fn wrapped(degrees: f64) -> f64 {
+fn wrap_angle(degrees: f64) -> f64 {
     (degrees + 180.0).rem_euclid(360.0) - 180.0
 }
 
@@ -221,14 +221,14 @@ fn wrapped(degrees: f64) -> f64 {
 fn the_truth_is_what_changes_when_the_boat_is_left_out() {
     for (at, kind) in KINDS.into_iter().cycle().take(12).enumerate() {
         let boat_px = 130.0 + 6.0 * at as f64;
-        // Not grey: a grey hull on grey water changes too little to be found again.
+        // Not grey: a grey hull on grey water changes too little.
         let script = SceneScript { target: PAINTS[at % 3], ..script(kind, boat_px) };
         let mut scene = WaterScene::new(script, at as u64);
-        let in_view = |frame: &u64| scene.truth(*frame).visible > 0.5;
+        let in_view = |frame: &u64| scene.truth(*frame).visible_share > 0.5;
         let frame = (0..scene.frames()).skip(37 * at).find(in_view).unwrap();
         let (mut with, mut without) = (blank(), blank());
-        let truth = scene.draw(frame, &mut with);
-        scene.draw_without_target(frame, &mut without);
+        let truth = scene.render(frame, &mut with);
+        scene.render_without_target(frame, &mut without);
         let pixels = changed(&with, &without);
         let (seen, told) = (around(&pixels), truth.bounds);
         // The lens blurs edges by up to 1.5 px and motion by a few more; on a thin side that is more than 5 %.
@@ -242,12 +242,12 @@ fn the_truth_is_what_changes_when_the_boat_is_left_out() {
         let name = format!("seed {at}, {boat_px} px: {seen} for {told}, overlap {overlap}");
         assert!(off.iter().all(|px| px.abs() < 3.0), "{name}");
         assert!(overlap >= if told.w.min(told.h) < 60.0 { 0.9 } else { 0.95 }, "{name}");
-        if truth.visible == 1.0 {
+        if truth.visible_share == 1.0 {
             let told = scene.silhouette_axis(frame).degrees();
             let (off, aslant) = (axis(&pixels) - told, truth.heading.degrees() - told);
-            // Parts of the paint that look like the water are missing from the pixels.
-            assert!(wrapped(2.0 * off).abs() < 6.0, "{name}: axis off by {off} degrees");
-            assert!(wrapped(2.0 * aslant).abs() < 18.0, "{name}: heading off by {aslant} degrees");
+            // Paint in the colour of the water is missing from the changed pixels.
+            assert!(wrap_angle(2.0 * off).abs() < 6.0, "{name}: axis off by {off} degrees");
+            assert!(wrap_angle(2.0 * aslant).abs() < 18.0, "{name}: heading off by {aslant} degrees");
         }
     }
 }
@@ -305,8 +305,8 @@ fn the_water_moves_in_the_picture_as_the_truth_says() {
         let (frame, px) = fastest.unwrap();
         assert!((10.0..32.0).contains(&px), "{px}");
         let (mut before, mut now) = (blank(), blank());
-        scene.draw(frame - 1, &mut before);
-        let truth = scene.draw(frame, &mut now);
+        scene.render(frame - 1, &mut before);
+        let truth = scene.render(frame, &mut now);
         let (u, v) = best_shift(&before, &now, truth.camera_shift);
         // Waves run by 1.5 px from frame to frame, and shifts are tried in whole px.
         let off = libm::hypot(u - truth.camera_shift.0, v - truth.camera_shift.1);

@@ -1,10 +1,10 @@
 //! The world of a trial as a whole.
 
-use barrelman_sim::chance::Wander;
-use barrelman_sim::pursuit::{Pursuit, PursuitScript, RANGE_M};
+use barrelman_sim::pursuit::{Pursuit, PursuitScript, REFERENCE_RANGE_M};
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{BeyondBorder, Platform, TargetScript};
 use barrelman_sim::sway::Sway;
-use barrelman_sim::{Sensor, Truth, World};
+use barrelman_sim::{LocalisationSensor, Truth, World};
 use barrelman_vocab::{AngularRate, CameraCommand};
 
 use crate::trial_world::{plain, pursuit};
@@ -12,9 +12,9 @@ use crate::trial_world::{plain, pursuit};
 fn truths(seed: u64, ticks: u64, swaying: bool) -> Vec<Truth> {
     let mut scenario = plain();
     if swaying {
-        let wander = Wander { deviation: 0.05, time_s: 1.0 };
+        let model = OrnsteinUhlenbeck { std_dev: 0.05, time_constant_s: 1.0 };
         scenario.platform =
-            Platform::Swaying(Sway { yaw: wander, pitch: wander, roll: wander, place: wander });
+            Platform::Swaying(Sway { yaw: model, pitch: model, roll: model, position: model });
     }
     let mut world = World::new(&scenario, seed).expect("a path");
     (0..ticks)
@@ -67,11 +67,11 @@ fn a_trial_is_over_at_the_end_of_the_path_or_of_its_time() {
     while !world.is_over() {
         world.advance();
     }
-    let (x, s) = (world.target_pose().place.x, world.now().as_secs_f64());
+    let (x, s) = (world.target_pose().position.x, world.now().as_secs_f64());
     assert!(x > 3.7, "{x}");
     assert!((7.5..10.0).contains(&s), "8 m at 1 m/s, and a start from rest: {s}");
     let mut short = plain();
-    short.most_s = 2.0;
+    short.max_s = 2.0;
     let mut world = World::new(&short, 1).expect("a path");
     while !world.is_over() {
         world.advance();
@@ -89,10 +89,12 @@ fn a_target_out_of_the_picture_is_absent_or_clamped_as_the_scenario_says() {
         world.truth()
     };
     let truth = away(&mut World::new(&scenario, 1).expect("a path"));
-    let absent = Sensor::new(scenario.sensing, scenario.camera.clone(), 1).sense(&truth);
+    let absent = LocalisationSensor::new(scenario.sensing, scenario.camera.clone(), 1).measure(&truth);
     assert_eq!(absent, None);
     scenario.sensing.beyond_border = BeyondBorder::Clamped { x_px: 316.0, y_px: 177.0 };
-    let clamped = Sensor::new(scenario.sensing, scenario.camera.clone(), 1).sense(&truth).expect("clamped");
+    let clamped = LocalisationSensor::new(scenario.sensing, scenario.camera.clone(), 1)
+        .measure(&truth)
+        .expect("clamped");
     assert_eq!(clamped.centre.in_image(clamped.picture).x, 316.0);
 }
 
@@ -101,8 +103,8 @@ fn a_drawn_plant_lies_in_its_ranges_and_differs_from_seed_to_seed() {
     let scenario = plain();
     let mut focal = Vec::new();
     for seed in 0..200 {
-        let drawn = scenario.with_plant_drawn(seed);
-        assert_eq!(drawn, scenario.with_plant_drawn(seed));
+        let drawn = scenario.with_sampled_plant(seed);
+        assert_eq!(drawn, scenario.with_sampled_plant(seed));
         let pan = drawn.mount.pan;
         assert!((0.1..=0.2).contains(&pan.start_dead_time_s), "{seed}: {pan:?}");
         assert!((0.3..=0.4).contains(&pan.stop_dead_time_s), "{seed}: {pan:?}");
@@ -122,22 +124,22 @@ fn way_points_in_one_place_make_no_world() {
     assert!(World::new(&scenario, 1).is_err());
 }
 
-/// Its way to the end of its path: how long it was, its speed half a metre before the end, and where it ended.
+/// The target's way to the end of its path: its length, the speed half a metre before the end, and the end point.
 fn way(script: PursuitScript) -> (f64, f64, (f64, f64)) {
     let mut target = Pursuit::new(script, 3).expect("the way-points make a path");
     let (mut length, mut before_end, mut tick) = (0.0, 0.0, 0);
     while !target.is_over() {
-        let from = target.place();
+        let from = target.position();
         target.advance(tick);
         tick += 1;
         assert!(tick < 12_000, "it does not arrive");
-        let to = target.place();
+        let to = target.position();
         length += ((to.0 - from.0).powi(2) + (to.1 - from.1).powi(2)).sqrt();
         if to.0 < 3.5 {
             before_end = target.speed_m_per_s();
         }
     }
-    (length, before_end, target.place())
+    (length, before_end, target.position())
 }
 
 #[test]
@@ -152,7 +154,7 @@ fn a_target_comes_to_rest_over_the_last_metres() {
 #[test]
 fn a_target_that_weaves_goes_a_longer_way_to_the_same_end() {
     let (straight, ..) = way(pursuit());
-    let weave = Wander { deviation: 0.5, time_s: 0.5 };
+    let weave = OrnsteinUhlenbeck { std_dev: 0.5, time_constant_s: 0.5 };
     let (weaving, _, end) = way(PursuitScript { weave, ..pursuit() });
     assert!(weaving > 1.03 * straight, "{weaving} m, {straight} m");
     assert!((end.0 - 4.0).abs() < 0.4 && (end.1 - 4.0).abs() < 0.4, "{end:?}");
@@ -174,7 +176,7 @@ fn a_target_pauses_at_the_corners_that_it_is_to_pause_at() {
             target.advance(tick);
             let stands = target.speed_m_per_s() < 0.05;
             if stands && !stood && !target.is_over() {
-                places.push(target.place());
+                places.push(target.position());
             }
             stood = stands;
         }
@@ -197,12 +199,12 @@ fn a_target_pauses_at_the_corners_that_it_is_to_pause_at() {
 
 #[test]
 fn a_target_goes_from_corner_to_corner_with_a_rhythm_and_arrives() {
-    let fastest_near = |leg_rhythm: f64| {
+    let fastest_near = |leg_end_slow_down: f64| {
         let script = PursuitScript {
             way_points: vec![(0.0, 4.0), (6.0, 4.0), (6.0, 10.0)],
             speed_m_per_s: 1.0,
             corner_slow_down: 0.0,
-            leg_rhythm,
+            leg_end_slow_down,
             ..pursuit()
         };
         let mut target = Pursuit::new(script, 1).expect("a path");
@@ -210,14 +212,14 @@ fn a_target_goes_from_corner_to_corner_with_a_rhythm_and_arrives() {
         let mut fastest = places.map(|_| 0.0_f64);
         for tick in 0..120 * 120 {
             target.advance(tick);
-            let (x, y) = target.place();
-            for (fastest, place) in fastest.iter_mut().zip(places) {
-                if libm::hypot(x - place.0, y - place.1) < 0.3 {
+            let (x, y) = target.position();
+            for (fastest, position) in fastest.iter_mut().zip(places) {
+                if libm::hypot(x - position.0, y - position.1) < 0.3 {
                     *fastest = fastest.max(target.speed_m_per_s());
                 }
             }
         }
-        assert!(target.is_over(), "it has not arrived with a rhythm of {leg_rhythm}");
+        assert!(target.is_over(), "it has not arrived with a rhythm of {leg_end_slow_down}");
         fastest
     };
     for fastest in fastest_near(0.0) {
@@ -241,14 +243,17 @@ fn a_target_goes_faster_where_it_is_far_by_the_power_that_it_is_told() {
         let mut target = Pursuit::new(script, 1).expect("a path");
         let mut passes_middle = |tick: u64| {
             target.advance(tick);
-            target.place().0 >= 0.0
+            target.position().0 >= 0.0
         };
         assert!((0..120 * 60).any(&mut passes_middle), "it does not get there");
         target.speed_m_per_s()
     };
-    for (distance_m, range_exponent, speed) in
-        [(8.0, 0.0, 0.8), (RANGE_M, 0.5, 0.8), (4.0 * RANGE_M, 0.5, 1.6), (0.25 * RANGE_M, 1.0, 0.2)]
-    {
+    for (distance_m, range_exponent, speed) in [
+        (8.0, 0.0, 0.8),
+        (REFERENCE_RANGE_M, 0.5, 0.8),
+        (4.0 * REFERENCE_RANGE_M, 0.5, 1.6),
+        (0.25 * REFERENCE_RANGE_M, 1.0, 0.2),
+    ] {
         let found = speed_at(distance_m, range_exponent);
         assert!((found / speed - 1.0).abs() < 0.05, "{found} m/s at {distance_m} m, power {range_exponent}");
     }
@@ -259,13 +264,13 @@ fn a_localisation_is_off_by_as_much_and_for_as_long_as_the_scenario_says() {
     let mut scenario = plain();
     let pictures: Vec<Truth> = truths(1, 120 * 60, false).into_iter().step_by(4).collect();
     let mut errors = |time_s: f64| {
-        scenario.sensing.noise = Wander { deviation: 0.6, time_s };
+        scenario.sensing.noise = OrnsteinUhlenbeck { std_dev: 0.6, time_constant_s: time_s };
         scenario.sensing.beyond_border = BeyondBorder::Clamped { x_px: 1e9, y_px: 1e9 };
         let mut all = Vec::new();
         for seed in 0..20 {
-            let mut sensor = Sensor::new(scenario.sensing, scenario.camera.clone(), seed);
+            let mut sensor = LocalisationSensor::new(scenario.sensing, scenario.camera.clone(), seed);
             let of_trial = pictures.iter().map(|truth| {
-                let seen = sensor.sense(truth).expect("clamped");
+                let seen = sensor.measure(truth).expect("clamped");
                 seen.centre.in_image(seen.picture).y - truth.image.y
             });
             all.push(of_trial.collect::<Vec<f64>>());
@@ -278,11 +283,11 @@ fn a_localisation_is_off_by_as_much_and_for_as_long_as_the_scenario_says() {
         };
         (square.sqrt(), mean(&pairs) / square)
     };
-    let (deviation, after_1_s) = errors(1.0);
+    let (std_dev, after_1_s) = errors(1.0);
     assert!(
-        (deviation - 0.6).abs() < 0.05 && (after_1_s - libm::exp(-1.0)).abs() < 0.1,
-        "{deviation} {after_1_s}"
+        (std_dev - 0.6).abs() < 0.05 && (after_1_s - libm::exp(-1.0)).abs() < 0.1,
+        "{std_dev} {after_1_s}"
     );
-    let (deviation, after_1_s) = errors(0.0);
-    assert!((deviation - 0.6).abs() < 0.02 && after_1_s.abs() < 0.03, "{deviation} {after_1_s}");
+    let (std_dev, after_1_s) = errors(0.0);
+    assert!((std_dev - 0.6).abs() < 0.02 && after_1_s.abs() < 0.03, "{std_dev} {after_1_s}");
 }

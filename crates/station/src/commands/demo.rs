@@ -14,7 +14,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Input, Mode, Outcome};
 use barrelman_sim::Truth;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::campaign::StepObserver;
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PictureSize, Timestamp, Track, VehicleRates};
@@ -477,7 +477,7 @@ impl LiveDrive<'_> {
             achieved: world.camera_rates(),
             speed_m_per_s: world.target_speed_m_per_s(),
             helm: match helm {
-                _ if !world.can_be_steered() => "nobody",
+                _ if !world.is_steerable() => "nobody",
                 Some(_) => "page",
                 None => "helmsman",
             },

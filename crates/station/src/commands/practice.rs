@@ -124,7 +124,7 @@ fn draw_clip(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let progress = ProgressBar::new(u64::from(practice.frames()));
     for frame in 0..practice.frames() {
         progress.inc(1);
-        practice.draw(frame, &mut picture);
+        practice.render(frame, &mut picture);
         writer.write_picture(&picture, Timestamp::from_secs_f64(f64::from(frame) / fps))?;
     }
     progress.finish_and_clear();

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use barrelman_pilot::{Input, Outcome};
-use barrelman_sim::render::{DrawnTruth, Serial};
+use barrelman_sim::render::{RenderedTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::Simd;
@@ -155,9 +155,9 @@ impl StepObserver for TruthFilm {
 
 /// A row of a truth file. A target of which no pixel is seen has visible 0 and a box of no size; where its waterline
 /// would be stays known, but for one behind the camera.
-pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
+pub fn truth_row(frame: u64, at: Timestamp, truth: &RenderedTruth) -> String {
     let (x, y, w, h) = truth.bounds.map_or((0.0, 0.0, 0.0, 0.0), |b| (b.u, b.v, b.w, b.h));
-    let visible = if truth.bounds.is_some() { truth.visible } else { 0.0 };
+    let visible = if truth.bounds.is_some() { truth.visible_share } else { 0.0 };
     let (cx, cy) = truth
         .waterline
         .map_or_else(Default::default, |point| (format!("{:.3}", point.u), format!("{:.3}", point.v)));
@@ -173,14 +173,14 @@ pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
 }
 
 /// The pixels that show the target white, the others black.
-fn write_mask(file: OutputFile, truth: &DrawnTruth, size: PictureSize) -> Result<()> {
+fn write_mask(file: OutputFile, truth: &RenderedTruth, size: PictureSize) -> Result<()> {
     let (width, height) = (size.width as usize, size.height as usize);
     let mut encoder = png::Encoder::new(BufWriter::new(file), size.width, size.height);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Eight);
     let mut samples = vec![0_u8; width * height];
     let mask = &truth.mask;
-    for (index, shows) in mask.shows.iter().enumerate() {
+    for (index, shows) in mask.is_target.iter().enumerate() {
         if *shows && mask.width > 0 {
             let (row, column) = (mask.top + index / mask.width, mask.left + index % mask.width);
             samples[row * width + column] = 255;

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use anyhow::Result;
-use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::{CameraMount, MountPlant};
 use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};

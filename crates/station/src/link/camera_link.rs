@@ -7,7 +7,7 @@ use std::fmt;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
-use barrelman_sim::camera_mount::TICKS_PER_REPORT;
+use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 
 use super::worker::RENEWAL_GRACE;
@@ -96,7 +96,7 @@ impl CameraLink {
         let is_due = {
             let mut asked = self.asked();
             asked.pointing = Some(pointing);
-            asked.told = (asked.told + 1) % TICKS_PER_REPORT;
+            asked.told = (asked.told + 1) % TICKS_PER_TILT_REPORT;
             asked.told == 0
         };
         if let Some(listener) = self.0.listener.get().filter(|_| is_due) {

@@ -8,7 +8,7 @@ use barrelman_video::{VideoError, VideoSink, VideoState};
 use barrelman_vocab::{EncodedUnit, PixelBox, Timestamp};
 
 /// What the thread `render` hands over.
-pub(super) enum Delivery {
+pub(super) enum SourceEvent {
     /// A picture, and the time at which it arrives.
     Picture { at: Timestamp, unit: EncodedUnit, target: Option<PixelBox> },
     /// A picture could not be encoded; no further one comes.
@@ -18,16 +18,16 @@ pub(super) enum Delivery {
 }
 
 /// Delivers until the world is over or the signal is raised.
-pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<Delivery>, feed: &mut Feed<S>, stop: &StopSignal) {
+pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut Feed<S>, stop: &StopSignal) {
     let mut targets: VecDeque<(Timestamp, PixelBox)> = VecDeque::new();
     let mut is_target_told = false;
     // A channel that closes without an end belongs to a thread that panicked.
     while let Ok(delivery) = arriving.recv() {
         let (at, unit, target) = match delivery {
-            Delivery::Picture { at, unit, target } => (at, unit, target),
-            Delivery::Failed(error) => return feed.fail(error),
-            Delivery::End if stop.is_raised() => return,
-            Delivery::End => return feed.sink.state(VideoState::Ended),
+            SourceEvent::Picture { at, unit, target } => (at, unit, target),
+            SourceEvent::Failed(error) => return feed.fail(error),
+            SourceEvent::End if stop.is_raised() => return,
+            SourceEvent::End => return feed.sink.state(VideoState::Ended),
         };
         if stop.wait_until(feed.clock.instant(at)) {
             return;

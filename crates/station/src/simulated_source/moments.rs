@@ -4,14 +4,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use barrelman_host::latest::Latest;
 use barrelman_sim::World;
-use barrelman_sim::video_link::Passage;
+use barrelman_sim::video_link::Delivery;
 
 /// A moment at which a picture was taken.
 pub(super) struct Moment {
     /// The world at that moment.
     pub(super) world: World,
     /// What the video link does with the picture.
-    pub(super) passage: Passage,
+    pub(super) delivery: Delivery,
 }
 
 /// The newest moment at which a picture was taken, and whether a thread failed.

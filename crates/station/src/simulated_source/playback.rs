@@ -6,7 +6,7 @@ use std::thread;
 use barrelman_host::clock::Clock;
 use barrelman_sim::World;
 use barrelman_sim::scenario::CameraSetup;
-use barrelman_sim::video_link::{Passage, VideoLink};
+use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_video::feed::{Feed, StopSignal};
 use barrelman_video::{VideoError, VideoSink, VideoState};
 use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
@@ -100,10 +100,10 @@ impl Ticking<'_> {
             }
             let pose = world.camera_pose();
             link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });
-            if world.takes_picture() {
+            if world.is_frame_due() {
                 match video.send(world.tick()) {
-                    Passage::Lost => {}
-                    passage => drop(moments.newest.put(Moment { world: world.clone(), passage })),
+                    Delivery::Lost => {}
+                    delivery => drop(moments.newest.put(Moment { world: world.clone(), delivery })),
                 }
             }
             world.advance();

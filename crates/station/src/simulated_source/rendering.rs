@@ -5,7 +5,7 @@ use std::sync::mpsc::SyncSender;
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_sim::World;
 use barrelman_sim::scenario::CameraSetup;
-use barrelman_sim::video_link::Passage;
+use barrelman_sim::video_link::Delivery;
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{CapturedFrame, FrameSource as _, RenderedCamera};
 use barrelman_video::VideoError;
@@ -15,7 +15,7 @@ use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{EncodedUnit, Timestamp};
 use bytes::Bytes;
 
-use super::delivery::Delivery;
+use super::delivery::SourceEvent;
 use super::moments::Moments;
 
 /// What pictures are rendered with.
@@ -57,10 +57,10 @@ impl<'a> Rendering<'a> {
     }
 
     /// Renders each newest moment until no further one comes.
-    pub(super) fn run(mut self, moments: &Moments, units: &SyncSender<Delivery>) {
+    pub(super) fn run(mut self, moments: &Moments, units: &SyncSender<SourceEvent>) {
         while let Some(moment) = moments.newest.wait() {
-            let (Passage::Arrives { at } | Passage::Frozen { at }) = moment.passage else { continue };
-            let is_frozen = matches!(moment.passage, Passage::Frozen { .. });
+            let (Delivery::Arrives { at } | Delivery::Frozen { at }) = moment.delivery else { continue };
+            let is_frozen = matches!(moment.delivery, Delivery::Frozen { .. });
             let view = match self.last.take() {
                 Some(last) if is_frozen => last,
                 _ => self.camera.capture(&moment.world),
@@ -69,8 +69,8 @@ impl<'a> Rendering<'a> {
             let target = view.target_bounds;
             self.last = Some(view);
             let delivery = match unit {
-                Ok(unit) => Delivery::Picture { at: self.on_the_clock(at), unit, target },
-                Err(error) => Delivery::Failed(error),
+                Ok(unit) => SourceEvent::Picture { at: self.on_the_clock(at), unit, target },
+                Err(error) => SourceEvent::Failed(error),
             };
             if units.send(delivery).is_err() {
                 return;
@@ -81,7 +81,7 @@ impl<'a> Rendering<'a> {
             tracing::warn!("{left_out} pictures were not rendered in time: use smaller ones (?size=WxH)");
         }
         if !moments.has_failed() {
-            let _ = units.send(Delivery::End);
+            let _ = units.send(SourceEvent::End);
         }
     }
 

@@ -9,7 +9,7 @@ use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_pilot::{Input, Outcome};
-use barrelman_sim::render::{DrawnTruth, Serial};
+use barrelman_sim::render::{RenderedTruth, Serial};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
@@ -121,7 +121,7 @@ struct OwnTruth {
     camera: CameraSetup,
     simd: Simd,
     eye: Option<RenderedCamera<'static>>,
-    truth: Vec<(Timestamp, DrawnTruth)>,
+    truth: Vec<(Timestamp, RenderedTruth)>,
 }
 
 impl StepObserver for OwnTruth {
@@ -196,7 +196,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
             bounds.h,
             waterline.u,
             waterline.v,
-            truth.visible,
+            truth.visible_share,
             truth.heading.unwrap().degrees().rem_euclid(360.0),
             truth.range_m,
         ];

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use barrelman_sim::render::{Bands, DrawnTruth, ENCODING, RenderSettings, Renderer, WaveGrid};
+use barrelman_sim::render::{ENCODING, ParallelFor, RenderSettings, RenderedTruth, Renderer, WaveGrid};
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Snapshot, World};
 use barrelman_vocab::video::{Capture, CaptureQuality};
@@ -14,14 +14,14 @@ use super::frame_source::{CapturedFrame, FrameSource};
 pub struct RenderedCamera<'a> {
     renderer: Renderer,
     camera: CameraSetup,
-    bands: &'a dyn Bands,
+    bands: &'a dyn ParallelFor,
     snapshot: Snapshot,
     /// The picture without letter-box margins; unused where frame and picture have the same size.
     unframed: Picture,
     /// Pictures handed out, reused once all other references to them are dropped.
     pool: Vec<Arc<Picture>>,
     sequence: u64,
-    truth: DrawnTruth,
+    truth: RenderedTruth,
 }
 
 /// Upper bound of the pool, pictures.
@@ -35,7 +35,7 @@ impl<'a> RenderedCamera<'a> {
         camera: CameraSetup,
         seed: u64,
         simd: barrelman_simd::Simd,
-        bands: &'a dyn Bands,
+        bands: &'a dyn ParallelFor,
     ) -> Self {
         let settings = RenderSettings {
             simd,
@@ -51,12 +51,12 @@ impl<'a> RenderedCamera<'a> {
             snapshot: world.snapshot(),
             pool: Vec::new(),
             sequence: 0,
-            truth: DrawnTruth::default(),
+            truth: RenderedTruth::default(),
         }
     }
 
     /// Ground truth of the last picture, in pixels of the picture without margins.
-    pub const fn truth(&self) -> &DrawnTruth {
+    pub const fn truth(&self) -> &RenderedTruth {
         &self.truth
     }
 
@@ -71,14 +71,14 @@ impl<'a> RenderedCamera<'a> {
 
 impl FrameSource for RenderedCamera<'_> {
     fn capture(&mut self, world: &World) -> CapturedFrame {
-        world.show(&mut self.snapshot);
+        world.write_snapshot(&mut self.snapshot);
         let (frame, picture) = (self.camera.frame, self.camera.optics.picture);
         let mut framed = self.free_picture();
         let margins = if frame == picture {
-            self.truth.clone_from(self.renderer.draw(&self.snapshot, &mut framed, self.bands));
+            self.truth.clone_from(self.renderer.render(&self.snapshot, &mut framed, self.bands));
             (0, 0)
         } else {
-            self.truth.clone_from(self.renderer.draw(&self.snapshot, &mut self.unframed, self.bands));
+            self.truth.clone_from(self.renderer.render(&self.snapshot, &mut self.unframed, self.bands));
             // Even numbers of pixels, so that chroma samples stay whole.
             let margin = |frame: u32, picture: u32| ((frame - picture) / 4 * 2) as usize;
             let margins = (margin(frame.width, picture.width), margin(frame.height, picture.height));

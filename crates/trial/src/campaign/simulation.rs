@@ -10,11 +10,11 @@
 use std::collections::VecDeque;
 
 use barrelman_pilot::{Input, Outcome, Pilot};
-use barrelman_sim::boat::Helm;
-use barrelman_sim::camera_mount::TICKS_PER_REPORT;
-use barrelman_sim::video_link::{Passage, VideoLink};
+use barrelman_sim::boat::HelmCommand;
+use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
+use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_sim::world::{Truth, World};
-use barrelman_sim::{Scenario, Sensor};
+use barrelman_sim::{LocalisationSensor, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
     Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
@@ -27,7 +27,7 @@ use crate::logs::{LogRow, RowTruth, TrialLog};
 /// A simulated trial in progress.
 pub struct Simulation<'a> {
     world: World,
-    sensor: Sensor,
+    sensor: LocalisationSensor,
     pilot: Pilot,
     profile: &'a VehicleProfile,
     video: VideoLink,
@@ -88,7 +88,7 @@ impl<'a> Simulation<'a> {
             truth: Some(Vec::new()),
         };
         Self {
-            sensor: Sensor::new(scenario.sensing, camera.clone(), seed),
+            sensor: LocalisationSensor::new(scenario.sensing, camera.clone(), seed),
             world,
             pilot,
             profile,
@@ -134,8 +134,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// Sets the boat's helm from now on; `None` returns control to the scenario's helmsman.
-    pub fn steer(&mut self, helm: Option<Helm>) {
-        self.world.steer(helm);
+    pub fn steer(&mut self, helm: Option<HelmCommand>) {
+        self.world.override_helm(helm);
     }
 
     /// The world in its present state.
@@ -151,24 +151,24 @@ impl<'a> Simulation<'a> {
     /// Simulates one tick: captures a picture where one is due, delivers those that arrive, steps the pilot where it is
     /// due, and advances the world.
     pub fn tick(&mut self, frames: &mut Option<&mut dyn FrameSource>, observer: &mut dyn StepObserver) {
-        if self.world.takes_picture() {
+        if self.world.is_frame_due() {
             let truth = self.world.truth();
             observer.on_truth(&truth);
             observer.on_world(&self.world);
             let output = match frames {
                 Some(frames) => CameraOutput::Frame(Box::new(frames.capture(&self.world))),
-                None => CameraOutput::Localisation(self.sensor.sense(&truth)),
+                None => CameraOutput::Localisation(self.sensor.measure(&truth)),
             };
             match (self.video.send(self.world.tick()), self.last_live.take()) {
-                (Passage::Arrives { at }, _) => {
+                (Delivery::Arrives { at }, _) => {
                     self.last_live = Some(output.clone());
                     self.in_flight.push_back((at, output, truth));
                 }
-                (Passage::Frozen { at }, Some(live)) => {
+                (Delivery::Frozen { at }, Some(live)) => {
                     self.in_flight.push_back((at, output.with_content_of(&live), truth));
                     self.last_live = Some(live);
                 }
-                (Passage::Frozen { .. } | Passage::Lost, live) => self.last_live = live,
+                (Delivery::Frozen { .. } | Delivery::Lost, live) => self.last_live = live,
             }
         }
         while let Some((_, output, truth)) = self.in_flight.pop_front_if(|(at, ..)| *at <= self.world.tick())
@@ -176,7 +176,7 @@ impl<'a> Simulation<'a> {
             self.deliver(&output, &truth, frames, observer);
         }
         let now = self.world.now();
-        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_REPORT)) {
+        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_TILT_REPORT)) {
             let report = Report::CameraTilt(self.world.camera_pose().tilt);
             self.step_pilot(Input::Telemetry(Telemetry { at: now, report }), observer);
         }
@@ -216,7 +216,7 @@ impl<'a> Simulation<'a> {
                 self.step_pilot(Input::Frame(&frame), observer);
             }
         }
-        let (target, camera) = (truth.target.place, truth.camera.place);
+        let (target, camera) = (truth.target.position, truth.camera.position);
         self.push_row(RowTruth {
             out_of_picture: !truth.in_picture,
             achieved_rates: None,

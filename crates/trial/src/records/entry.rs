@@ -85,9 +85,9 @@ impl From<&Truth> for RecordedTruth {
         Self {
             tick: truth.tick,
             at: truth.at,
-            target_m: (target.place.x, target.place.y),
+            target_m: (target.position.x, target.position.y),
             target_heading: target.heading,
-            camera_m: (camera.place.x, camera.place.y, camera.place.z),
+            camera_m: (camera.position.x, camera.position.y, camera.position.z),
             camera_pan: camera.pan,
             camera_tilt: camera.tilt,
             target_position: truth.image,

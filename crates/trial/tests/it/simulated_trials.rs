@@ -2,15 +2,16 @@
 
 use barrelman_control::{CentringGains, LawSettings};
 use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
-use barrelman_sim::chance::Wander;
-use barrelman_sim::electronics::ElectronicsScript;
+use barrelman_sim::electronics::ElectronicsModel;
 use barrelman_sim::pursuit::PursuitScript;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
-    AxisRanges, BeyondBorder, CameraSetup, FirstView, PlantRanges, Platform, Scenario, Sensing, TargetScript,
+    AxisRanges, BeyondBorder, CameraSetup, FirstView, PlantRanges, Platform, Scenario, SensorModel,
+    TargetScript,
 };
 use barrelman_sim::snapshot::Light;
 use barrelman_sim::sway::Sway;
-use barrelman_sim::video_link::VideoLinkScript;
+use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_sim::{MountPlant, Optics, Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{RenderedCamera, Simulation, StepObserver};
@@ -21,7 +22,7 @@ use barrelman_vocab::{Angle, PictureSize, Timestamp, VehicleProfile, VehicleRate
 
 /// A red target that moves to and fro in front of a camera 2 m above ground.
 fn scenario(speed_m_per_s: f64) -> Scenario {
-    let none = Wander { deviation: 0.0, time_s: 1.0 };
+    let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
     let picture = PictureSize::new(320, 180);
     let same = AxisRanges {
         start_dead_time_s: (0.1, 0.1),
@@ -37,9 +38,9 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             frame: PictureSize::new(320, 240),
             pictures_per_second: 30,
             rolling_shutter_s: 0.0,
-            video: VideoLinkScript::steady(0.1),
+            video: VideoLinkModel::steady(0.1),
             first_view: FirstView::default(),
-            electronics: ElectronicsScript { brightness: none, white_balance: none, exposure_s: 0.0 },
+            electronics: ElectronicsModel { brightness: none, white_balance: none, exposure_s: 0.0 },
         },
         mount: MountPlant::laboratory(),
         ranges: PlantRanges {
@@ -49,19 +50,22 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             cross_talk: (0.0, 0.0),
             droop_rad_per_s: (0.0, 0.0),
         },
-        platform: Platform::Swaying(Sway { yaw: Wander { deviation: 0.01, time_s: 1.0 }, ..Sway::STILL }),
+        platform: Platform::Swaying(Sway {
+            yaw: OrnsteinUhlenbeck { std_dev: 0.01, time_constant_s: 1.0 },
+            ..Sway::STILL
+        }),
         water: None,
         light: Light { sun_bearing: Angle::ZERO, sun_elevation: Angle::from_degrees(60.0), overcast: 1.0 },
         target: TargetScript::Pursuit(PursuitScript {
             way_points: vec![(0.0, 4.0), (5.0, 4.0), (-5.0, 4.2), (3.0, 4.4)],
             speed_m_per_s,
-            speed_spread: 0.0,
-            gust: none,
-            weave: Wander { deviation: 0.0, time_s: 1.0 },
+            log_speed_std_dev: 0.0,
+            speed_variation: none,
+            weave: OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 },
             look_ahead_m: 0.4,
             way_point_jitter_m: 0.05,
             heading_gain: 3.5,
-            most_turn_rad_per_s: 2.5,
+            max_turn_rad_per_s: 2.5,
             surge_lag_s: 0.3,
             turn_lag_s: 0.1,
             corner_slow_down: 0.5,
@@ -70,18 +74,18 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
             stand_after_s: 0.5,
             pauses_per_s: 0.0,
             range_exponent: 0.0,
-            leg_rhythm: 0.0,
+            leg_end_slow_down: 0.0,
             corner_pauses: 0.0,
             pause_s: 0.0,
         }),
-        things: Vec::new(),
-        sensing: Sensing {
-            noise: Wander { deviation: 0.3, time_s: 0.0 },
-            rounded: true,
+        objects: Vec::new(),
+        sensing: SensorModel {
+            noise: OrnsteinUhlenbeck { std_dev: 0.3, time_constant_s: 0.0 },
+            is_rounded: true,
             beyond_border: BeyondBorder::Absent,
             target_size_m: (0.3, 0.3),
         },
-        most_s: 40.0,
+        max_s: 40.0,
     }
 }
 
@@ -174,7 +178,7 @@ fn an_observer_is_told_of_every_picture_and_every_step() {
 #[test]
 fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
     let mut scenario = scenario(0.8);
-    scenario.most_s = 4.0;
+    scenario.max_s = 4.0;
     let profile = VehicleProfile::fotokite_pro();
     let pixels = |level| {
         let world = World::new(&scenario, 5).expect("a path");

@@ -118,7 +118,7 @@ fn truth_of(scene: &SceneTruth) -> Truth {
     Truth {
         time_s: scene.time_s,
         bounds: scene.bounds,
-        visible: scene.visible,
+        visible: scene.visible_share,
         distractors: scene.distractors.into_iter().filter(|thing| !thing.is_empty()).collect(),
     }
 }

@@ -1,7 +1,7 @@
 //! The camera's axes, and the intervals that they are drawn from.
 
 use barrelman_sim::MountPlant;
-use barrelman_sim::camera_axis::{AxisFlaws, AxisPlant};
+use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant};
 use barrelman_sim::scenario::{AxisRanges, PlantRanges};
 use barrelman_vocab::{Angle, AngularRate};
 
@@ -42,10 +42,10 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
         start_dead_time_s: dead("start_dead_time_s", section.start_dead_time_s)?,
         stop_dead_time_s: dead("stop_dead_time_s", section.stop_dead_time_s)?,
         lag_s: within(&format!("{name}.lag_s"), section.lag_s, 0.0, 5.0, "seconds")?,
-        limit: AngularRate::from_radians_per_second(limit),
-        stops,
-        flaws: AxisFlaws {
-            acceleration_rad_per_s2: section
+        max_rate: AngularRate::from_radians_per_second(limit),
+        end_stops: stops,
+        imperfections: AxisImperfections {
+            max_acceleration_rad_per_s2: section
                 .acceleration_rad_per_s2
                 .map(|most| within(&format!("{name}.acceleration_rad_per_s2"), most, 0.01, 100.0, "rad/s²"))
                 .transpose()?,

@@ -1,9 +1,9 @@
 //! The target and its path.
 
-use barrelman_sim::chance::Wander;
 use barrelman_sim::helmsman::BoatScript;
 use barrelman_sim::path::Path;
 use barrelman_sim::pursuit::PursuitScript;
+use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::TargetScript;
 
 use crate::scenario::file::{BoatSection, PathFile, ScenarioFile, TargetSection};
@@ -59,7 +59,7 @@ fn way_points(
             ));
         }
     }
-    if Path::through(way_points.iter().copied()).is_err() {
+    if Path::from_way_points(way_points.iter().copied()).is_err() {
         return Err(ScenarioError::value(key, "a path needs two way-points in different places"));
     }
     Ok(way_points)
@@ -81,20 +81,20 @@ fn pursuit(section: &TargetSection, changes: &ScenarioOverrides) -> Result<Targe
     Ok(TargetScript::Pursuit(PursuitScript {
         way_points,
         speed_m_per_s: number("speed_m_per_s", speed, 0.01, 50.0, "m/s")?,
-        speed_spread: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
+        log_speed_std_dev: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
         range_exponent: number("range_exponent", section.range_exponent, 0.0, 1.0, "a power")?,
-        gust: Wander {
-            deviation: number("gust_share", section.gust_share, 0.0, 1.0, "a share")?,
-            time_s: number("gust_time_s", section.gust_time_s, 0.01, 1000.0, "seconds")?,
+        speed_variation: OrnsteinUhlenbeck {
+            std_dev: number("gust_share", section.gust_share, 0.0, 1.0, "a share")?,
+            time_constant_s: number("gust_time_s", section.gust_time_s, 0.01, 1000.0, "seconds")?,
         },
-        weave: Wander {
-            deviation: number("weave_rad", section.weave_rad, 0.0, 3.0, "radians")?,
-            time_s: number("weave_time_s", section.weave_time_s, 0.01, 1000.0, "seconds")?,
+        weave: OrnsteinUhlenbeck {
+            std_dev: number("weave_rad", section.weave_rad, 0.0, 3.0, "radians")?,
+            time_constant_s: number("weave_time_s", section.weave_time_s, 0.01, 1000.0, "seconds")?,
         },
         look_ahead_m: number("look_ahead_m", section.look_ahead_m, 0.01, 1000.0, "metres")?,
         way_point_jitter_m: number("way_point_jitter_m", section.way_point_jitter_m, 0.0, 1000.0, "metres")?,
         heading_gain: number("heading_gain", section.heading_gain, 0.01, 100.0, "1/s")?,
-        most_turn_rad_per_s: number("most_turn_rad_per_s", section.most_turn_rad_per_s, 0.01, 50.0, "rad/s")?,
+        max_turn_rad_per_s: number("most_turn_rad_per_s", section.most_turn_rad_per_s, 0.01, 50.0, "rad/s")?,
         surge_lag_s: number("surge_lag_s", section.surge_lag_s, 0.0, 60.0, "seconds")?,
         turn_lag_s: number("turn_lag_s", section.turn_lag_s, 0.0, 60.0, "seconds")?,
         corner_slow_down: number("corner_slow_down", section.corner_slow_down, 0.0, 0.95, "a share")?,
@@ -102,7 +102,7 @@ fn pursuit(section: &TargetSection, changes: &ScenarioOverrides) -> Result<Targe
         stand_before_s: number("stand_before_s", section.stand_before_s, 0.0, 600.0, "seconds")?,
         stand_after_s: number("stand_after_s", section.stand_after_s, 0.0, 600.0, "seconds")?,
         pauses_per_s: number("pauses_per_s", section.pauses_per_s, 0.0, 10.0, "1/s")?,
-        leg_rhythm: number("leg_rhythm", section.leg_rhythm, 0.0, 0.95, "a share")?,
+        leg_end_slow_down: number("leg_rhythm", section.leg_rhythm, 0.0, 0.95, "a share")?,
         corner_pauses: number("corner_pauses", section.corner_pauses, 0.0, 1.0, "a share")?,
         pause_s: number("pause_s", section.pause_s, 0.0, 600.0, "seconds")?,
     }))
@@ -123,8 +123,8 @@ fn boat(section: &BoatSection, changes: &ScenarioOverrides) -> Result<TargetScri
             1.0,
         )?,
         speed_m_per_s: number("speed_m_per_s", speed, 0.1, 12.0, "m/s")?,
-        speed_spread: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
-        most_throttle: number("most_throttle", section.most_throttle, 0.05, 1.0, "a share")?,
+        log_speed_std_dev: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
+        max_throttle: number("most_throttle", section.most_throttle, 0.05, 1.0, "a share")?,
         look_ahead_m: number("look_ahead_m", section.look_ahead_m, 0.1, 1000.0, "metres")?,
         way_point_jitter_m: number("way_point_jitter_m", section.way_point_jitter_m, 0.0, 1000.0, "metres")?,
     }))

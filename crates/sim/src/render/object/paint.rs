@@ -1,14 +1,14 @@
-//! What each place on a thing looks like: a function of the part, the place in the body's frame of reference, and the
-//! seed, so that detail is as fine as the picture can show.
+//! The paint of objects: a function of part, position in the body's frame of reference, and seed. Detail is as fine
+//! as the picture can show.
 
 use super::super::light::Colour;
 use super::super::mesh::Part;
 use crate::noise;
 
-/// Paint at one place.
+/// Paint at a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Paint {
-    /// Share of light that is scattered back.
+    /// Albedo.
     pub(crate) albedo: Colour,
     /// Strength of highlights, 0 to 1.
     pub(crate) gloss: f32,
@@ -24,7 +24,7 @@ const YELLOW: Colour = [0.80, 0.58, 0.02];
 /// The seed of a yellow buoy.
 pub(crate) const YELLOW_BUOY: u64 = 1;
 
-/// Cells of a 5 x 5 font, one row of bits for each row from the top, for the name on the deck.
+/// A 5 x 5 font for the name on the deck: a row of bits for each row from the top.
 const NAME: [[u8; 5]; 5] = [
     [0b11111, 0b10000, 0b11110, 0b10000, 0b11111],
     [0b10001, 0b11011, 0b10101, 0b10001, 0b10001],
@@ -33,7 +33,7 @@ const NAME: [[u8; 5]; 5] = [
     [0b10001, 0b01010, 0b00100, 0b00100, 0b00100],
 ];
 
-/// Whether the name covers a place of its panel: `u` along the letters, `v` down them, both 0 to 1.
+/// Whether the name covers a point of its panel: `u` along the letters, `v` down, both 0 to 1.
 fn lettered(u: f32, v: f32) -> bool {
     if !(0.0..1.0).contains(&u) || !(0.0..1.0).contains(&v) {
         return false;
@@ -44,13 +44,13 @@ fn lettered(u: f32, v: f32) -> bool {
     bit < 5 && letter < 5 && NAME[letter][(v * 5.0) as usize] >> (4 - bit) & 1 == 1
 }
 
-/// Smooth noise of the place, 0 to 1, with lumps of `size` metres.
-fn mottle(place: [f32; 3], size: f32) -> f32 {
+/// Smooth noise of the position, 0 to 1, with lumps of `size` metres.
+fn mottle(position: [f32; 3], size: f32) -> f32 {
     let lump = |x: f32, y: f32, z: f32| {
         let key = |v: f32| (v as i32 as u32) as u64 & 0xFFFF;
         (noise::hash(7, key(x) << 32 | key(y) << 16 | key(z), 3) >> 40) as f32 / 16_777_216.0
     };
-    let p = place.map(|v| v / size + 1_000.0);
+    let p = position.map(|v| v / size + 1_000.0);
     let base = p.map(|v| v as i32 as f32);
     let part: [f32; 3] = core::array::from_fn(|i| p[i] - base[i]);
     let edge = |dy: f32, dz: f32| {
@@ -68,28 +68,28 @@ fn dimmed(colour: Colour, factor: f32) -> Colour {
     colour.map(|channel| channel * factor)
 }
 
-/// The paint of a part at a place.
-pub(crate) fn paint(part: Part, place: [f32; 3], normal: [f32; 3], seed: u64) -> Paint {
+/// The paint of a part at a position.
+pub(crate) fn paint(part: Part, position: [f32; 3], normal: [f32; 3], seed: u64) -> Paint {
     let plain = |albedo: Colour, gloss: f32| Paint { albedo, gloss };
     match part {
-        Part::Hull => boat_hull(place, normal),
+        Part::Hull => boat_hull(position, normal),
         Part::PlainHull => {
-            let rim = place[2] > 0.10 && normal[2] < 0.5;
+            let rim = position[2] > 0.10 && normal[2] < 0.5;
             plain(if rim { WHITE } else { RED }, 0.5)
         }
         Part::Black => plain(DARK, 0.35),
-        Part::Nozzle => plain(if place[0] < -0.66 { GREY } else { DARK }, 0.5),
+        Part::Nozzle => plain(if position[0] < -0.66 { GREY } else { DARK }, 0.5),
         Part::White => plain(WHITE, 0.6),
         Part::Flag => plain([0.85, 0.42, 0.01], 0.1),
         Part::Float => {
             let colours = [RED, YELLOW, ORANGE, [0.02, 0.28, 0.08]];
-            let band = place[2] > 0.30 && place[2] < 0.36;
+            let band = position[2] > 0.30 && position[2] < 0.36;
             let colour = if band { WHITE } else { colours[(seed % 4) as usize] };
-            plain(dimmed(colour, 0.8 + 0.3 * mottle(place, 0.09)), 0.45)
+            plain(dimmed(colour, 0.8 + 0.3 * mottle(position, 0.09)), 0.45)
         }
         Part::Jacket => {
-            let taped = (place[0] - 0.02).abs() < 0.028;
-            let creased = 0.72 + 0.45 * mottle(place, 0.05);
+            let taped = (position[0] - 0.02).abs() < 0.028;
+            let creased = 0.72 + 0.45 * mottle(position, 0.05);
             plain(
                 if taped { [0.75, 0.77, 0.78] } else { dimmed(ORANGE, creased) },
                 if taped { 0.7 } else { 0.08 },
@@ -99,31 +99,31 @@ pub(crate) fn paint(part: Part, place: [f32; 3], normal: [f32; 3], seed: u64) ->
         Part::Hair => plain([0.03, 0.02, 0.015], 0.25),
         Part::Shirt => {
             let colours = [[0.04, 0.07, 0.30], ORANGE, [0.10, 0.10, 0.11], [0.30, 0.03, 0.04]];
-            plain(dimmed(colours[(seed % 4) as usize], 0.7 + 0.5 * mottle(place, 0.07)), 0.12)
+            plain(dimmed(colours[(seed % 4) as usize], 0.7 + 0.5 * mottle(position, 0.07)), 0.12)
         }
         Part::Boards => {
-            let board = place[0] / 0.14 + 500.0;
+            let board = position[0] / 0.14 + 500.0;
             let gap = board - board as i32 as f32;
-            let tone = 0.7 + 0.5 * mottle([board as i32 as f32 * 0.3, place[1] * 0.3, 0.0], 0.3);
+            let tone = 0.7 + 0.5 * mottle([board as i32 as f32 * 0.3, position[1] * 0.3, 0.0], 0.3);
             plain(dimmed([0.30, 0.25, 0.20], if gap < 0.08 { 0.25 } else { tone }), 0.05)
         }
-        Part::Timber => plain(dimmed([0.10, 0.085, 0.07], 0.6 + 0.8 * mottle(place, 0.1)), 0.1),
+        Part::Timber => plain(dimmed([0.10, 0.085, 0.07], 0.6 + 0.8 * mottle(position, 0.1)), 0.1),
         Part::Wall => {
             let colours = [[0.42, 0.05, 0.04], [0.55, 0.50, 0.42], [0.25, 0.32, 0.36]];
-            let board = place[2] / 0.22;
+            let board = position[2] / 0.22;
             let seam = board - board as i32 as f32 > 0.9;
-            let window = place[0].abs() % 1.7 < 0.45 && place[2] > 1.3 && place[2] < 2.2;
+            let window = position[0].abs() % 1.7 < 0.45 && position[2] > 1.3 && position[2] < 2.2;
             let colour = if window { [0.05, 0.07, 0.09] } else { colours[(seed % 3) as usize] };
             plain(dimmed(colour, if seam { 0.7 } else { 1.0 }), 0.1)
         }
-        Part::Roof => plain(dimmed([0.14, 0.09, 0.08], 0.7 + 0.6 * mottle(place, 0.25)), 0.1),
+        Part::Roof => plain(dimmed([0.14, 0.09, 0.08], 0.7 + 0.6 * mottle(position, 0.25)), 0.1),
         Part::FloorRed => {
-            let front = place[0] > 0.11;
-            let plate = place[0].abs() < 0.05 && place[1].abs() < 0.04 && normal[2] > 0.8;
+            let front = position[0] > 0.11;
+            let plate = position[0].abs() < 0.05 && position[1].abs() < 0.04 && normal[2] > 0.8;
             plain(if front || plate { DARK } else { [0.60, 0.02, 0.03] }, 0.35)
         }
         Part::Mark => {
-            let cross = place[0].abs() < 0.016 || place[1].abs() < 0.016;
+            let cross = position[0].abs() < 0.016 || position[1].abs() < 0.016;
             let colours = [[0.05, 0.10, 0.42], [0.03, 0.03, 0.035], [0.70, 0.62, 0.08]];
             plain(if cross { [0.7, 0.7, 0.7] } else { colours[(seed % 3) as usize] }, 0.1)
         }
@@ -133,7 +133,7 @@ pub(crate) fn paint(part: Part, place: [f32; 3], normal: [f32; 3], seed: u64) ->
 fn boat_hull([x, y, z]: [f32; 3], normal: [f32; 3]) -> Paint {
     let on_deck = normal[2] > 0.55 && z > 0.08;
     let across = y.abs();
-    // A hull of cloth over foam: seams across, faint dirt.
+    // Cloth over foam: seams across the hull, faint dirt.
     let seam = ((x + 2.0) * 5.0) % 1.0 < 0.035 && !on_deck;
     let red = || dimmed(RED, if seam { 0.55 } else { 0.86 + 0.22 * mottle([x, y, z], 0.06) });
     let (albedo, gloss) = if on_deck {
@@ -144,7 +144,7 @@ fn boat_hull([x, y, z]: [f32; 3], normal: [f32; 3]) -> Paint {
         if arrow {
             (WHITE, 0.5)
         } else if panel {
-            // Read from the boat's left side: letters run from the bow aft.
+            // Legible from the boat's left side: letters run from the bow aft.
             let letters = lettered((0.335 - x) / 0.34, (y + 0.055) / 0.11);
             (if letters { DARK } else { WHITE }, 0.5)
         } else if mat {

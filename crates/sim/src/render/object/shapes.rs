@@ -1,13 +1,13 @@
-//! The shapes of everything that floats or stands: each built once.
+//! The meshes of all shapes; each is built once.
 
-use super::super::mesh::{Mesh, Part, turn};
+use super::super::mesh::{Mesh, Part, sin_cos_f32};
 
 /// Half the length of the rescue boat, metres.
 pub(crate) const HALF_LENGTH: f32 = 0.6;
 /// Half its breadth.
 const HALF_BREADTH: f32 = 0.185;
 
-/// How wide the boat is at this share of its length from the stern, as a share of its breadth.
+/// Breadth of the boat at a share of its length from the stern, as a share of its full breadth.
 fn fullness(s: f32) -> f32 {
     let stern = ((s + 0.02) / 0.16).min(1.0);
     let stern = 0.80 + 0.20 * stern * (2.0 - stern);
@@ -16,9 +16,9 @@ fn fullness(s: f32) -> f32 {
     stern * bow.max(0.0).sqrt().min(1.0) * if s > 0.999 { 0.0 } else { 1.0 }
 }
 
-/// Points of a cross section: deck, bilge and keel of a hull, at share `s` of the length.
+/// A point of a hull's cross-section (deck, bilge and keel) at share `s` of the length.
 fn section(s: f32, k: usize, around: usize, breadth: f32, depth: f32) -> [f32; 3] {
-    let (sin, cos) = turn(core::f64::consts::TAU * k as f64 / around as f64);
+    let (sin, cos) = sin_cos_f32(core::f64::consts::TAU * k as f64 / around as f64);
     // A superellipse: rounder than a box, fuller than an ellipse.
     let full = |v: f32| v.signum() * v.abs().sqrt() * (0.62 + 0.38 * v.abs().sqrt());
     let sheer = ((s - 0.45) / 0.55).max(0.0);
@@ -35,7 +35,7 @@ fn section(s: f32, k: usize, around: usize, breadth: f32, depth: f32) -> [f32; 3
 fn hull(mesh: &mut Mesh, part: Part, breadth: f32) {
     const STATIONS: usize = 26;
     const AROUND: usize = 24;
-    // Stations close up towards the bow, where the shape changes.
+    // Stations are closer together towards the bow, where the shape changes.
     let share = |ring: usize| {
         let x = ring as f32 / (STATIONS - 1) as f32;
         1.0 - (1.0 - x) * (1.0 - 0.35 * x)
@@ -63,7 +63,7 @@ pub(crate) fn boat() -> Mesh {
         mesh.tube(Part::Black, 0.009, 5, &line);
         let handle: Vec<[f32; 3]> = (0..=8)
             .map(|i| {
-                let (sin, cos) = turn(core::f64::consts::PI * i as f64 / 8.0);
+                let (sin, cos) = sin_cos_f32(core::f64::consts::PI * i as f64 / 8.0);
                 [-0.22 - 0.11 * cos, side * 0.105, 0.135 + 0.05 * sin]
             })
             .collect();
@@ -81,7 +81,7 @@ pub(crate) fn boat() -> Mesh {
     mesh
 }
 
-/// A craft in the boat's colour, of another shape: no deck gear, a windscreen.
+/// A craft in the boat's colour with another shape: no deck gear, a windscreen.
 pub(crate) fn red_craft() -> Mesh {
     let mut mesh = Mesh::default();
     hull(&mut mesh, Part::PlainHull, 0.27);
@@ -103,7 +103,7 @@ pub(crate) fn life_jacket() -> Mesh {
     let mut mesh = Mesh::default();
     let points: Vec<[f32; 3]> = (0..=20)
         .map(|i| {
-            let (sin, cos) = turn((-0.78 + 1.56 * i as f64 / 20.0) * core::f64::consts::PI);
+            let (sin, cos) = sin_cos_f32((-0.78 + 1.56 * i as f64 / 20.0) * core::f64::consts::PI);
             [0.20 * cos, 0.145 * sin, 0.035]
         })
         .collect();
@@ -129,7 +129,7 @@ pub(crate) fn swimmer() -> Mesh {
     mesh
 }
 
-/// A stretch of pier of this length and breadth, its deck 1.2 m above the water.
+/// A pier section of this length and breadth, its deck 1.2 m above the water.
 pub(crate) fn pier(length: f32, breadth: f32, with_posts: bool) -> Mesh {
     let mut mesh = Mesh::default();
     let half = 0.5 * breadth;
@@ -169,12 +169,12 @@ pub(crate) fn crate_on_beach() -> Mesh {
     mesh
 }
 
-/// The red thing of the laboratory: a low wagon of 0.3 m.
+/// The red target of the laboratory: a low wagon of 0.3 m.
 pub(crate) fn floor_target() -> Mesh {
     let mut mesh = Mesh::default();
     let rings = 8;
     mesh.skin(Part::FloorRed, rings, 16, |ring, k| {
-        let (sin, cos) = turn(core::f64::consts::TAU * k as f64 / 16.0);
+        let (sin, cos) = sin_cos_f32(core::f64::consts::TAU * k as f64 / 16.0);
         let full = |v: f32| v.signum() * v.abs().sqrt();
         let level = [0.0, 0.03, 0.07, 0.10, 0.115, 0.12, 0.12, 0.12][ring];
         let inset = [1.0, 1.0, 0.99, 0.95, 0.88, 0.6, 0.3, 0.0][ring];
@@ -188,7 +188,7 @@ pub(crate) fn floor_mark() -> Mesh {
     let mut mesh = Mesh::default();
     let rim: Vec<[f32; 3]> = (0..20)
         .map(|k| {
-            let (sin, cos) = turn(core::f64::consts::TAU * k as f64 / 20.0);
+            let (sin, cos) = sin_cos_f32(core::f64::consts::TAU * k as f64 / 20.0);
             [0.1 * cos, 0.1 * sin, 0.001]
         })
         .collect();

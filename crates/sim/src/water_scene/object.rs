@@ -1,4 +1,4 @@
-//! Things on the water: what they look like and where they are.
+//! Objects on the water: their paint and their motion.
 
 use barrelman_vocab::PixelBox;
 
@@ -7,9 +7,9 @@ use super::colour::{Yuv, lit};
 use super::outline::Outline;
 use super::view::{PlanePoint, View};
 
-/// How a thing is painted, by place: `along` from -1 (stern) to 1 (bow), `across` from -1 to 1.
+/// The paint of an object by position: `along` from -1 (stern) to 1 (bow), `across` from -1 to 1.
 #[derive(Debug, Clone)]
-pub(super) enum Livery {
+pub(super) enum PaintScheme {
     /// A boat: hull, a darker cockpit, a stripe across the bow, a dark engine at the stern.
     Boat {
         hull: Yuv,
@@ -17,7 +17,7 @@ pub(super) enum Livery {
         stripe: Yuv,
         engine: Yuv,
     },
-    /// All over, with a spot in the middle.
+    /// One paint with a spot in the middle.
     Spotted {
         paint: Yuv,
         spot: Yuv,
@@ -30,7 +30,7 @@ pub(super) enum Livery {
     Plain(Yuv),
 }
 
-impl Livery {
+impl PaintScheme {
     fn colour(&self, along: f64, across: f64) -> Yuv {
         match self {
             Self::Boat { hull, cockpit, stripe, engine } => {
@@ -60,69 +60,70 @@ impl Livery {
     }
 }
 
-/// What floats: its outline and its paint.
+/// Outline and paint of a floating object.
 #[derive(Debug, Clone)]
 pub(super) struct Body {
     pub(super) outline: Outline,
-    pub(super) livery: Livery,
+    pub(super) paint_scheme: PaintScheme,
 }
 
-/// Where a body is: its middle in the plane and its bow's direction there (radians, anticlockwise from x).
+/// Position of a body's middle in the plane, and direction of its bow there (radians, anticlockwise from x).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Berth {
+pub(super) struct PlanePose {
     pub(super) at: PlanePoint,
     pub(super) heading: f64,
 }
 
-/// How one picture is taken of a body.
+/// Conditions under which a body is rendered.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shot<'a> {
+pub(super) struct ObjectExposure<'a> {
     pub(super) view: &'a View,
-    /// How far the body moves in the picture during the exposure, px (u, v).
+    /// Motion of the body in the picture during the exposure, px (u, v).
     pub(super) motion: (f64, f64),
     /// Direction of the sun in the plane, radians.
     pub(super) sun: f64,
 }
 
 impl Body {
-    pub(super) fn draw(&self, canvas: &mut Canvas, berth: Berth, shot: Shot<'_>) {
-        let Shot { view, motion, sun } = shot;
-        let around = self.outline.silhouette(berth.at, berth.heading, view).bounds();
-        let middle = view.picture(berth.at);
-        let (s, c) = (libm::sin(berth.heading), libm::cos(berth.heading));
+    pub(super) fn render(&self, canvas: &mut Canvas, plane_pose: PlanePose, exposure: ObjectExposure<'_>) {
+        let ObjectExposure { view, motion, sun } = exposure;
+        let around = self.outline.silhouette(plane_pose.at, plane_pose.heading, view).bounds();
+        let middle = view.picture(plane_pose.at);
+        let (s, c) = (libm::sin(plane_pose.heading), libm::cos(plane_pose.heading));
         // The side towards the sun is the brighter one.
-        let (sun_along, sun_across) = (libm::cos(sun - berth.heading), libm::sin(sun - berth.heading));
+        let (sun_along, sun_across) =
+            (libm::cos(sun - plane_pose.heading), libm::sin(sun - plane_pose.heading));
         canvas.paint(around, motion, |u, v| {
             let (x, y) = view.plane_offset(u - middle.u, v - middle.v);
-            let (along, across) = self.outline.locate(x * c + y * s, y * c - x * s)?;
+            let (along, across) = self.outline.normalised_offset(x * c + y * s, y * c - x * s)?;
             let gain = 1.0 + SHADING * (0.5 * along * sun_along + across * sun_across);
-            Some(lit(self.livery.colour(along, across), gain as f32))
+            Some(lit(self.paint_scheme.colour(along, across), gain as f32))
         });
     }
 }
 
-/// Share of the light by which the bright side of a thing differs from its middle.
+/// Share of the light by which the sunlit side is brighter than the middle.
 const SHADING: f64 = 0.14;
 
-/// A body that rests on the water or moves straight on.
+/// A body that rests on the water or moves uniformly.
 #[derive(Debug, Clone)]
-pub(super) struct Thing {
+pub(super) struct SceneObject {
     pub(super) body: Body,
-    /// Where it is when the clip begins.
-    pub(super) berth: Berth,
-    /// Units of the plane per second.
+    /// Pose at the start of the clip.
+    pub(super) plane_pose: PlanePose,
+    /// Velocity, in the plane's unit per second.
     pub(super) velocity: (f64, f64),
 }
 
-impl Thing {
-    pub(super) fn berth(&self, time_s: f64) -> Berth {
-        let at = self.berth.at.offset(self.velocity.0 * time_s, self.velocity.1 * time_s);
-        Berth { at, ..self.berth }
+impl SceneObject {
+    pub(super) fn pose_at(&self, time_s: f64) -> PlanePose {
+        let at = self.plane_pose.at.offset(self.velocity.0 * time_s, self.velocity.1 * time_s);
+        PlanePose { at, ..self.plane_pose }
     }
 
-    /// The box around what of it is in the picture; empty if nothing is.
+    /// The box around the object's part in the picture; empty if the object is outside.
     pub(super) fn bounds(&self, time_s: f64, view: &View) -> PixelBox {
-        let Berth { at, heading } = self.berth(time_s);
+        let PlanePose { at, heading } = self.pose_at(time_s);
         self.body.outline.silhouette(at, heading, view).clipped(view.size).bounds().clipped(view.size)
     }
 }
