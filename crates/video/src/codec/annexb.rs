@@ -1,13 +1,22 @@
-//! H.264 access units as bytes: NAL units behind start codes (ITU-T H.264, Annex B), and the form with lengths
-//! in front that MP4 files use (ISO/IEC 14496-15).
+//! H.264 access units as bytes: NAL units behind start codes (ITU-T H.264, Annex B), and NAL units behind their lengths
+//! as in MP4 files (ISO/IEC 14496-15).
 //!
-//! Only what is needed to pass units on and to know what they are: kinds of NAL units, the type of a slice, the
-//! parameter sets of an `avcC` box. Nothing is decoded here.
+//! This module reads only what the crate needs to pass units on: the kinds of NAL units, the type of a slice, and the
+//! parameter sets of an `avcC` box. It decodes no picture. The fields of NAL units are read by `h264-reader`. Two parts
+//! are the module's own:
+//!
+//! - The search for start codes. The units are whole in memory, and [`nals`] borrows them; the `AnnexBReader` of
+//!   `h264-reader` is a parser for a stream in pieces, which hands out copies.
+//! - The `avcC` box. The record of `h264-reader` panics on an empty parameter set, as a damaged file may hold, and
+//!   refuses a file for parameter sets of another kind, which the decoder ignores.
 
-/// A start code, in the long form that is valid everywhere.
+use h264_reader::nal::UnitType;
+use h264_reader::rbsp::{BitRead as _, BitReader, ByteReader};
+
+/// A start code in its long form, which is valid before every NAL unit.
 pub const START_CODE: [u8; 4] = [0, 0, 0, 1];
 
-/// What a NAL unit holds, as far as it matters here (`nal_unit_type`, table 7-1).
+/// The kinds of NAL units that the crate tells apart (`nal_unit_type`, table 7-1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NalKind {
     /// A slice of a picture that is not a key picture.
@@ -24,13 +33,23 @@ pub enum NalKind {
 
 /// The kind of a NAL unit, from its first byte.
 pub fn kind(nal: &[u8]) -> NalKind {
-    match nal.first().map(|header| header & 0x1f) {
-        Some(1..=4) => NalKind::Slice,
-        Some(5) => NalKind::KeySlice,
-        Some(7) => NalKind::Sps,
-        Some(8) => NalKind::Pps,
+    match unit_type(nal) {
+        Some(
+            UnitType::SliceLayerWithoutPartitioningNonIdr
+            | UnitType::SliceDataPartitionALayer
+            | UnitType::SliceDataPartitionBLayer
+            | UnitType::SliceDataPartitionCLayer,
+        ) => NalKind::Slice,
+        Some(UnitType::SliceLayerWithoutPartitioningIdr) => NalKind::KeySlice,
+        Some(UnitType::SeqParameterSet) => NalKind::Sps,
+        Some(UnitType::PicParameterSet) => NalKind::Pps,
         _ => NalKind::Other,
     }
+}
+
+/// `nal_unit_type`, the low five bits of the first byte. The other bits are not checked.
+fn unit_type(nal: &[u8]) -> Option<UnitType> {
+    UnitType::for_id(nal.first()? & 0x1f).ok()
 }
 
 /// The NAL units of an Annex B access unit, without start codes and trailing zeros.
@@ -64,49 +83,23 @@ fn after_start_code(bytes: &[u8]) -> Option<&[u8]> {
     find_start_code(bytes).map(|at| &bytes[at + 3..])
 }
 
-/// Whether a slice is bidirectional (B): its picture is shown before one that was decoded earlier.
+/// Whether a slice is bidirectional (B): its picture is shown before one that was decoded earlier. A slice whose header
+/// cannot be read is not.
 pub fn is_bidirectional(slice: &[u8]) -> bool {
-    // Slice header (7.3.3): first_mb_in_slice ue(v), slice_type ue(v), 1 or 6 for B. Both fit in the first
-    // bytes; an emulation prevention byte cannot come before the third byte of a non-zero field.
-    let Some(header) = slice.get(1..) else { return false };
-    let mut bits = Bits { bytes: header, at: 0 };
-    let slice_type = bits.exp_golomb().and_then(|_| bits.exp_golomb());
-    matches!(slice_type, Some(1 | 6))
+    /// The NAL header, and at most 31 + 7 bits of the two fields with their emulation prevention bytes.
+    const MAX_BYTES: usize = 8;
+    // Slice header (7.3.3). `SliceHeader` of h264-reader reads all of it and needs the parameter sets for that.
+    let header = &slice[..slice.len().min(MAX_BYTES)];
+    let mut bits = BitReader::new(ByteReader::skipping_h264_header(header));
+    let slice_type = bits.read_ue("first_mb_in_slice").and_then(|_| bits.read_ue("slice_type"));
+    // Table 7-6: B is 1, or 6 where all slices of the picture are B.
+    matches!(slice_type, Ok(1 | 6))
 }
 
-struct Bits<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
-impl Bits<'_> {
-    fn bit(&mut self) -> Option<u32> {
-        let byte = self.bytes.get(self.at / 8)?;
-        let bit = (byte >> (7 - self.at % 8)) & 1;
-        self.at += 1;
-        Some(u32::from(bit))
-    }
-
-    fn exp_golomb(&mut self) -> Option<u32> {
-        let mut zeros = 0;
-        while self.bit()? == 0 {
-            zeros += 1;
-            if zeros > 24 {
-                return None;
-            }
-        }
-        let mut value = 1;
-        for _ in 0..zeros {
-            value = value << 1 | self.bit()?;
-        }
-        Some(value - 1)
-    }
-}
-
-/// What an `avcC` box says (ISO/IEC 14496-15, 5.3.3.1).
+/// The content of an `avcC` box (ISO/IEC 14496-15, 5.3.3.1).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AvcConfiguration {
-    /// Bytes of the length in front of each NAL unit: 1, 2 or 4.
+    /// Bytes of the length before each NAL unit: 1, 2 or 4; a damaged box may say 3.
     pub length_size: usize,
     /// The parameter sets, Annex B.
     pub parameter_sets: Vec<u8>,
@@ -131,8 +124,11 @@ impl AvcConfiguration {
         Some(Self { length_size, parameter_sets })
     }
 
-    /// Turns a sample of an MP4 file into an Annex B access unit. Key pictures get the parameter sets in front,
-    /// unless they bring their own.
+    /// Converts a sample of an MP4 file to an Annex B access unit. A key picture without parameter sets of its own gets
+    /// those of the box before it.
+    ///
+    /// # Errors
+    /// A length that reaches past the end of the sample.
     pub fn to_annex_b(&self, sample: &[u8]) -> Result<AnnexBUnit, MalformedSample> {
         let mut nals = Vec::new();
         let mut rest = sample;
@@ -147,14 +143,15 @@ impl AvcConfiguration {
             rest = &rest[end..];
         }
         let key = nals.iter().any(|nal| kind(nal) == NalKind::KeySlice);
-        let brings_own = nals.iter().any(|nal| kind(nal) == NalKind::Sps);
+        let has_parameter_sets = nals.iter().any(|nal| kind(nal) == NalKind::Sps);
         let mut bytes = Vec::with_capacity(sample.len() + 4 * nals.len() + self.parameter_sets.len());
-        // An access unit delimiter, where there is one, must stay in front.
-        let delimiters = nals.iter().take_while(|nal| nal[0] & 0x1f == 9).count();
+        // An access unit delimiter must stay the first NAL unit.
+        let is_delimiter = |nal: &&&[u8]| unit_type(nal) == Some(UnitType::AccessUnitDelimiter);
+        let delimiters = nals.iter().take_while(is_delimiter).count();
         for nal in &nals[..delimiters] {
             push_nal(&mut bytes, nal);
         }
-        if key && !brings_own {
+        if key && !has_parameter_sets {
             bytes.extend_from_slice(&self.parameter_sets);
         }
         for nal in &nals[delimiters..] {
@@ -170,7 +167,7 @@ pub fn push_nal(unit: &mut Vec<u8>, nal: &[u8]) {
     unit.extend_from_slice(nal);
 }
 
-/// An access unit and whether decoding can begin with it.
+/// An access unit, and whether decoding can begin with it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AnnexBUnit {
     /// The bytes.
@@ -179,7 +176,7 @@ pub struct AnnexBUnit {
     pub key: bool,
 }
 
-/// The lengths in a sample do not add up.
+/// A length in a sample reaches past the end of the sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MalformedSample;
 
@@ -211,6 +208,24 @@ mod tests {
         assert!(!is_bidirectional(&[0x41, 0b1100_0000]));
         assert!(!is_bidirectional(&[0x65, 0b1000_1000]));
         assert!(!is_bidirectional(&[0x65]));
+        // first_mb_in_slice = 7 is "0001000": the slice type, 6 ("00111"), reaches into the second byte.
+        assert!(is_bidirectional(&[0x01, 0b0001_0000, 0b0111_0000]));
+    }
+
+    #[test]
+    fn a_damaged_slice_header_is_not_bidirectional() {
+        // Cut short; only zeros; more leading zeros than any value has; a forbidden run of zeros.
+        for slice in
+            [&[][..], &[0x01], &[0x01, 0], &[0x01, 0, 0, 3, 0, 0, 3, 0, 0], &[0x41, 0, 0, 0, 0, 1, 2]]
+        {
+            assert!(!is_bidirectional(slice), "{slice:?}");
+        }
+    }
+
+    #[test]
+    fn an_empty_parameter_set_is_no_panic() {
+        let avc = AvcConfiguration::parse(&[1, 66, 0, 10, 0xff, 0xe1, 0, 0, 1, 0, 0]).unwrap();
+        assert_eq!(nals(&avc.parameter_sets).count(), 0);
     }
 
     const AVCC: [u8; 14] = [1, 66, 0, 10, 0xff, 0xe1, 0, 2, 0x67, 9, 1, 0, 1, 0x68];

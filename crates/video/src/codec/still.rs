@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use barrelman_vocab::image::PictureSize;
-use barrelman_vocab::video::{ColourEncoding, Picture};
+use barrelman_vocab::video::{ColourEncoding, LumaWeights, Picture};
 use zune_core::bytestream::ZCursor;
 use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
@@ -110,25 +110,47 @@ impl StillDecoder {
     }
 }
 
-/// Weights in units of 2^-16.
-fn weighted(weights: [i32; 3], rgb: [u8; 3], offset: i32) -> u8 {
+const WEIGHTS: LumaWeights = ColourEncoding::JPEG.matrix.luma_weights();
+
+/// The rows of the matrix from red, green and blue to Y, Cb and Cr, in units of 2^-16.
+const LUMA: [i32; 3] = [fixed(WEIGHTS.red), fixed(WEIGHTS.green), fixed(WEIGHTS.blue)];
+const CB: [i32; 3] =
+    [fixed(-WEIGHTS.red / WEIGHTS.cb_divisor()), fixed(-WEIGHTS.green / WEIGHTS.cb_divisor()), fixed(0.5)];
+const CR: [i32; 3] =
+    [fixed(0.5), fixed(-WEIGHTS.green / WEIGHTS.cr_divisor()), fixed(-WEIGHTS.blue / WEIGHTS.cr_divisor())];
+
+/// A weight in units of 2^-16, rounded half away from zero.
+const fn fixed(weight: f64) -> i32 {
+    let scaled = weight * 65_536.0;
+    if scaled < 0.0 { (scaled - 0.5) as i32 } else { (scaled + 0.5) as i32 }
+}
+
+fn weighted_sum(weights: [i32; 3], rgb: [u8; 3], offset: i32) -> u8 {
     let sum: i32 = weights.iter().zip(rgb).map(|(weight, sample)| weight * i32::from(sample)).sum();
     (((sum + (1 << 15)) >> 16) + offset).clamp(0, 255) as u8
 }
 
 fn luma_of(r: u8, g: u8, b: u8) -> u8 {
-    weighted([19_595, 38_470, 7_471], [r, g, b], 0)
+    weighted_sum(LUMA, [r, g, b], 0)
 }
 
 fn chroma_of(r: u8, g: u8, b: u8) -> (u8, u8) {
-    let u = weighted([-11_058, -21_710, 32_768], [r, g, b], 128);
-    let v = weighted([32_768, -27_439, -5_329], [r, g, b], 128);
+    let u = weighted_sum(CB, [r, g, b], 128);
+    let v = weighted_sum(CR, [r, g, b], 128);
     (u, v)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_rows_of_the_matrix_are_those_of_jfif() {
+        // JFIF 1.02, in units of 2^-16.
+        assert_eq!(LUMA, [19_595, 38_470, 7_471]);
+        assert_eq!(CB, [-11_058, -21_710, 32_768]);
+        assert_eq!(CR, [32_768, -27_439, -5_329]);
+    }
 
     #[test]
     fn primaries_become_the_values_of_jfif() {
