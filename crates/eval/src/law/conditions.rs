@@ -47,7 +47,7 @@ impl Condition {
 
     /// Trials of it with a plant that is drawn for each.
     pub(super) fn plan(&self) -> Result<CampaignPlan> {
-        self.plan_with(PlantName::Drawn)
+        self.plan_with(PlantName::Sampled)
     }
 
     /// The same with the scenario's plant.
@@ -60,8 +60,8 @@ impl Condition {
             ScenarioOverrides { setting: Some(self.setting.to_owned()), ..ScenarioOverrides::default() };
         CampaignPlan::new(&CampaignRequest {
             scenario: self.scenario.to_owned(),
-            changes,
-            law: LawChoice::SCHEMA,
+            overrides: changes,
+            law: LawChoice::MOTOR_SCHEMA,
             rate: None,
             perception: Perception::Truth,
             plant,

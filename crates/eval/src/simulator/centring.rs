@@ -29,12 +29,12 @@ pub(super) fn run(options: &Options) -> Result<()> {
             let plan = plan(arena, options.scenarios.as_deref(), law, None)?;
             (options.first_seed..options.first_seed + options.seeds)
                 .map(|seed| {
-                    let log = plan.log(seed, &mut ())?;
+                    let log = plan.simulate(seed, &mut ())?;
                     Ok(measure(&log, region(&log), log.picture))
                 })
                 .collect()
         };
-        let (schema, centre) = (trials(LawChoice::SCHEMA)?, trials(LawChoice::of(LawName::Centre))?);
+        let (schema, centre) = (trials(LawChoice::MOTOR_SCHEMA)?, trials(LawChoice::new(LawName::Centring))?);
         say(&format!(
             "\n{:34} {:>10} {:>10} {:>34}",
             format!("arena {arena}, {} pairs", schema.len()),

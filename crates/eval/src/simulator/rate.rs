@@ -33,10 +33,10 @@ pub(super) fn run(options: &Options) -> Result<()> {
         }
         say(&header);
         for rate in RATES {
-            let plan = plan(arena, options.scenarios.as_deref(), LawChoice::SCHEMA, Some(rate))?;
+            let plan = plan(arena, options.scenarios.as_deref(), LawChoice::MOTOR_SCHEMA, Some(rate))?;
             let metrics: Vec<TrialMetrics> = (options.first_seed..options.first_seed + options.seeds)
                 .map(|seed| {
-                    let log = plan.log(seed, &mut ())?;
+                    let log = plan.simulate(seed, &mut ())?;
                     Ok(measure(&log, region(&log), log.picture))
                 })
                 .collect::<Result<_>>()?;

@@ -66,7 +66,7 @@ pub(super) fn plan(
 ) -> Result<CampaignPlan> {
     CampaignPlan::new(&CampaignRequest {
         scenario: scenario_name(arena, folder),
-        changes: ScenarioOverrides::default(),
+        overrides: ScenarioOverrides::default(),
         law,
         rate,
         perception: Perception::Truth,
@@ -81,7 +81,7 @@ pub(super) fn simulated(scenario: &Scenario, seed: u64) -> Result<TrialLog> {
     profile.video_latency = scenario.camera.latency();
     let world = World::new(scenario, seed).ok().context("the way-points make no path")?;
     let settings = PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema };
-    let pilot = Pilot::new(settings, TrackerSettings::of(TrackerName::Camshift).tracker()?);
+    let pilot = Pilot::new(settings, TrackerSettings::new(TrackerName::Camshift).build()?);
     Ok(Simulation::new(scenario, world, seed, pilot, &profile).run(None, &mut ()))
 }
 

@@ -15,7 +15,7 @@ use crate::svg::{self, Svg};
 
 /// Speeds that the helmsman is asked for, m/s. In turns he is slower.
 const SPEEDS: [f64; 8] = [1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
-const LAWS: [(LawName, &str); 2] = [(LawName::Schema, "schema"), (LawName::Optimal, "minimum-energy")];
+const LAWS: [(LawName, &str); 2] = [(LawName::MotorSchema, "schema"), (LawName::Optimal, "minimum-energy")];
 const ARENAS: [&str; 2] = ["arena1", "arena2"];
 
 /// Prints the table, and draws the curves to `target/acceptance/speed.svg` in the workspace.
@@ -35,7 +35,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
             for speed in SPEEDS {
                 let plan = plan(arena, law, speed)?;
                 let metrics: Vec<TrialMetrics> = (options.first_seed..options.first_seed + options.seeds)
-                    .map(|seed| Ok(plan.entry(seed, &plan.log(seed, &mut ())?).metrics))
+                    .map(|seed| Ok(plan.entry(seed, &plan.simulate(seed, &mut ())?).metrics))
                     .collect::<Result<_>>()?;
                 let mean =
                     |of: fn(&TrialMetrics) -> f64| metrics.iter().map(of).sum::<f64>() / metrics.len() as f64;
@@ -58,8 +58,8 @@ pub(super) fn run(options: &Options) -> Result<()> {
 fn plan(arena: &str, law: LawName, speed: f64) -> Result<CampaignPlan> {
     let plan = CampaignPlan::new(&CampaignRequest {
         scenario: arena.to_owned(),
-        changes: ScenarioOverrides { boat_speed_m_per_s: Some(speed), ..ScenarioOverrides::default() },
-        law: LawChoice::of(law),
+        overrides: ScenarioOverrides { boat_speed_m_per_s: Some(speed), ..ScenarioOverrides::default() },
+        law: LawChoice::new(law),
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

@@ -12,7 +12,7 @@ pub(super) fn within(key: &str, value: f64, min: f64, max: f64, unit: &str) -> R
     if (min..=max).contains(&value) {
         Ok(value)
     } else {
-        Err(ScenarioError::value(key, format!("{value}: use {unit} from {min} to {max}")))
+        Err(ScenarioError::invalid(key, format!("{value}: use {unit} from {min} to {max}")))
     }
 }
 

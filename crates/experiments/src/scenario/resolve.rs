@@ -20,24 +20,25 @@ use super::range::{angle_within, within};
 ///
 /// # Errors
 /// If the text is not a scenario, or a value lies outside its range.
-pub fn read(text: &str, changes: &ScenarioOverrides) -> Result<LoadedScenario, ScenarioError> {
-    let file: ScenarioFile = toml::from_str(text).map_err(|error| ScenarioError::Form(error.to_string()))?;
-    let (scenario, setting) = resolve(&file, changes)?;
+pub fn read(text: &str, overrides: &ScenarioOverrides) -> Result<LoadedScenario, ScenarioError> {
+    let file: ScenarioFile =
+        toml::from_str(text).map_err(|error| ScenarioError::Syntax(error.to_string()))?;
+    let (scenario, setting) = resolve(&file, overrides)?;
     Ok(LoadedScenario { scenario, setting, hash: xxhash_rust::xxh3::xxh3_64(text.as_bytes()) })
 }
 
-fn resolve(file: &ScenarioFile, changes: &ScenarioOverrides) -> Result<(Scenario, String), ScenarioError> {
+fn resolve(file: &ScenarioFile, overrides: &ScenarioOverrides) -> Result<(Scenario, String), ScenarioError> {
     if file.name.is_empty() || !file.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
-        return Err(ScenarioError::value(
+        return Err(ScenarioError::invalid(
             "name",
             "use letters, digits, - and _ only: it becomes part of file names",
         ));
     }
-    let camera = camera::camera(&file.camera, changes)?;
+    let camera = camera::camera(&file.camera, overrides)?;
     let latency_s = camera.video.latency_s;
-    let (setting, platform) = platform(file, changes)?;
-    let water = water(file.water.as_ref(), changes)?;
-    let target = target::target(file, changes)?;
+    let (setting, platform) = platform(file, overrides)?;
+    let water = water(file.water.as_ref(), overrides)?;
+    let target = target::target(file, overrides)?;
     let scenario = Scenario {
         name: file.name.clone(),
         mount: axes::mount(file, latency_s)?,
@@ -54,22 +55,22 @@ fn resolve(file: &ScenarioFile, changes: &ScenarioOverrides) -> Result<(Scenario
     Ok((scenario, setting))
 }
 
-/// The carrier of the camera, chosen by the name of a setting: that of `changes`, else the file's own. Returns the name
+/// The carrier of the camera, chosen by the name of a setting: that of `overrides`, else the file's own. Returns the name
 /// too.
-fn platform(file: &ScenarioFile, changes: &ScenarioOverrides) -> Result<(String, Platform), ScenarioError> {
-    let name = changes.setting.as_ref().unwrap_or(&file.setting);
+fn platform(file: &ScenarioFile, overrides: &ScenarioOverrides) -> Result<(String, Platform), ScenarioError> {
+    let name = overrides.setting.as_ref().unwrap_or(&file.setting);
     let platform = match (file.sway.get(name), file.kite.get(name)) {
         (Some(section), None) => Platform::Swaying(sway(name, section)?),
         (None, Some(section)) if file.water.is_some() => Platform::Kite {
             gustiness: within(&format!("kite.{name}.gustiness"), section.gustiness, 0.0, 10.0, "a factor")?,
         },
-        (None, Some(_)) => return Err(ScenarioError::value("kite", "a kite in the wind needs [water]")),
+        (None, Some(_)) => return Err(ScenarioError::invalid("kite", "a kite in the wind needs [water]")),
         (Some(_), Some(_)) => {
-            return Err(ScenarioError::value(format!("kite.{name}"), "there is a sway of that name too"));
+            return Err(ScenarioError::invalid(format!("kite.{name}"), "there is a sway of that name too"));
         }
         (None, None) => {
             let names: Vec<&str> = file.sway.keys().chain(file.kite.keys()).map(String::as_str).collect();
-            return Err(ScenarioError::value(
+            return Err(ScenarioError::invalid(
                 "setting",
                 format!("{} has no setting {name:?}: use one of {}", file.name, names.join(", ")),
             ));
@@ -98,25 +99,25 @@ fn sway(name: &str, section: &SwaySection) -> Result<Sway, ScenarioError> {
 
 fn water(
     section: Option<&WaterSection>,
-    changes: &ScenarioOverrides,
+    overrides: &ScenarioOverrides,
 ) -> Result<Option<Water>, ScenarioError> {
     let Some(section) = section else {
-        if changes.sea_state.is_some() || changes.wind_m_per_s.is_some() {
-            return Err(ScenarioError::value(
+        if overrides.sea_state.is_some() || overrides.wind_m_per_s.is_some() {
+            return Err(ScenarioError::invalid(
                 "water",
                 "there is no water in this scenario: it has no sea and no wind",
             ));
         }
         return Ok(None);
     };
-    let number = changes.sea_state.unwrap_or(section.sea_state);
+    let number = overrides.sea_state.unwrap_or(section.sea_state);
     let Some(state) = SeaState::new(number) else {
-        return Err(ScenarioError::value(
+        return Err(ScenarioError::invalid(
             "water.sea_state",
             format!("{number}: use 0 (glassy) to 4 (moderate); rougher seas are not simulated"),
         ));
     };
-    let wind = changes.wind_m_per_s.or(section.wind_m_per_s).unwrap_or_else(|| state.wind_mps());
+    let wind = overrides.wind_m_per_s.or(section.wind_m_per_s).unwrap_or_else(|| state.wind_mps());
     Ok(Some(Water {
         state,
         wind: Wind {

@@ -175,7 +175,7 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
 pub fn build_pilot(configuration: &Configuration) -> Result<Pilot> {
     let settings =
         PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
-    Ok(Pilot::new(settings, configuration.tracker.tracker()?))
+    Ok(Pilot::new(settings, configuration.tracker.build()?))
 }
 
 fn live(
@@ -339,30 +339,30 @@ struct Sink {
 }
 
 impl VideoSink for Sink {
-    fn unit(&mut self, unit: &EncodedUnit) {
+    fn on_unit(&mut self, unit: &EncodedUnit) {
         if let Some(recording) = &self.recording {
             recording.unit(unit);
         }
     }
 
-    fn frame(&mut self, frame: VideoFrame) {
+    fn on_frame(&mut self, frame: VideoFrame) {
         if self.latest.put(frame) {
             let _ = self.events.send(Event::Frame);
         }
     }
 
-    fn target(&mut self, target: PixelBox) {
+    fn on_target(&mut self, target: PixelBox) {
         if self.selects {
             tracing::info!("no --select: the simulated world says where the boat is, {target}");
             let _ = self.events.send(Event::Request(OperatorRequest::Select(target)));
         }
     }
 
-    fn state(&mut self, state: VideoState) {
+    fn on_state(&mut self, state: VideoState) {
         let _ = self.events.send(Event::Video(state));
     }
 
-    fn damaged(&mut self, error: &DecodeError) {
+    fn on_damage(&mut self, error: &DecodeError) {
         self.damaged += 1;
         if self.damaged == 1 {
             tracing::warn!("damaged video: {error}; further damage is counted");

@@ -121,7 +121,7 @@ impl CameraLink {
     pub fn take(&self, now: Timestamp) -> VehicleRates {
         let mut asked = self.asked();
         let deaf = [FaultKind::Drop, FaultKind::Stall, FaultKind::Disconnect];
-        if deaf.into_iter().any(|kind| asked.faults.active(kind, now)) {
+        if deaf.into_iter().any(|kind| asked.faults.is_active(kind, now)) {
             return asked.in_force;
         }
         let moves = !asked.rates.is_rest();

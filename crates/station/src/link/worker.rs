@@ -184,7 +184,7 @@ impl<R: Fn(LinkReport)> Worker<R> {
     }
 
     fn reopen(&self) -> Result<Port, PortError> {
-        if self.url.faults.active(FaultKind::Disconnect, self.clock.now()) {
+        if self.url.faults.is_active(FaultKind::Disconnect, self.clock.now()) {
             let source = io::Error::new(io::ErrorKind::NotConnected, "disconnected on purpose");
             return Err(PortError::Unreachable { address: self.url.to_string(), source });
         }
@@ -217,7 +217,7 @@ impl<R: Fn(LinkReport)> Worker<R> {
             }
             out.clear();
             let next = session.poll(now, &mut out);
-            if !out.is_empty() && !self.url.faults.active(FaultKind::Drop, now) {
+            if !out.is_empty() && !self.url.faults.is_active(FaultKind::Drop, now) {
                 port.write_all(&out)?;
             }
             self.show(session.link_state(), shown);
@@ -252,10 +252,10 @@ impl<R: Fn(LinkReport)> Worker<R> {
     fn apply_faults(&self, now: Timestamp) -> io::Result<()> {
         let faults = &self.url.faults;
         #[allow(clippy::panic, reason = "asked for on the command line, to test the last will")]
-        if faults.active(FaultKind::Panic, now) {
+        if faults.is_active(FaultKind::Panic, now) {
             panic!("the link thread panics on purpose");
         }
-        if faults.active(FaultKind::Disconnect, now) {
+        if faults.is_active(FaultKind::Disconnect, now) {
             return Err(io::Error::new(io::ErrorKind::NotConnected, "disconnected on purpose"));
         }
         Ok(())

@@ -1,18 +1,18 @@
-//! Encoded units to video frames.
+//! Decodes encoded units to video frames.
 //!
-//! A [`UnitDecoder`] is a plain struct without a thread or a clock: the same units give the same frames with the
-//! same sequence numbers, live and in a replay.
+//! A [`UnitDecoder`] has no thread and no clock: the same units give the same frames with the same sequence numbers, live
+//! and in a replay.
 //!
-//! A picture that is not known to be intact is not delivered: the decoder's own concealment of errors is off,
-//! and after damage, or at the start of an epoch, everything up to the next key frame is passed over.
-//! In [`DecodeMode::Live`] each unit gives its picture at once. Pictures that are shown in another order than
-//! they are sent (B-frames) come with the delay that they need, as soon as the stream announces them or the first
-//! one is seen (which then may cost the pictures up to the next key frame). In
-//! [`DecodeMode::File`] the order of display is always kept. Pictures and times are matched by order: the
-//! pictures come out in the order of display, so each gets the smallest time not yet given.
+//! Only intact pictures are delivered. The decoder's own concealment of errors is off, and after damage, or at the start
+//! of an epoch, all units up to the next key frame are skipped.
 //!
-//! Not handled: streams without key frames (periodic intra refresh), which never start; changed bits that leave
-//! a slice readable, which no H.264 decoder can notice (TCP does, on the way here).
+//! In [`DecodeMode::Live`] each unit gives its picture at once. Where the display order differs from the decoding order
+//! (B-frames), pictures come with the delay that they need, as soon as the stream announces this or the first B-frame
+//! arrives (which may cost the pictures up to the next key frame). In [`DecodeMode::File`] frames always come in display
+//! order. The decoder returns pictures in display order, so each picture gets the smallest time that is still pending.
+//!
+//! Not handled: streams without key frames (periodic intra refresh), which never start; bit errors that leave a slice
+//! readable, which an H.264 decoder cannot notice (TCP does, on the way).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -27,17 +27,17 @@ use openh264::formats::YUVSource;
 
 use super::annexb::{self, NalKind};
 use super::pool::PicturePool;
-use super::sps::StreamFormat;
+use super::sps::SequenceParameters;
 use super::still::StillDecoder;
 use crate::error::DecodeError;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
-/// What matters more: time or completeness.
+/// The priority of the decoder: low latency or all frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DecodeMode {
-    /// Each picture as soon as its unit is there.
+    /// Each picture as soon as its unit arrives.
     Live,
-    /// Every picture, in the order of display.
+    /// All pictures, in display order.
     File,
 }
 
@@ -46,22 +46,23 @@ pub struct UnitDecoder {
     pool: PicturePool,
     still: StillDecoder,
     h264: Option<Decoder>,
-    /// The sequence parameter set in force, and what it says.
+    /// The active sequence parameter set as bytes, and its values.
     sps: Vec<u8>,
-    format: Option<StreamFormat>,
-    waits_for_key: bool,
+    parameters: Option<SequenceParameters>,
+    is_awaiting_key: bool,
+    /// Whether the display order may differ from the decoding order.
     reorders: bool,
-    /// Times of units whose pictures are still to come.
+    /// Times of the units whose pictures are still in the decoder.
     pending: BinaryHeap<Reverse<Pending>>,
     epoch: Option<u32>,
     delivered: u64,
 }
 
-/// The part of a unit that its picture will need, ordered by time of display.
+/// The properties of a unit that its picture needs, ordered by display time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Pending {
     at: Timestamp,
-    /// What an edit list hides before the start of the film has the time 0 too, and comes first.
+    /// Pictures that an edit list hides before the start of the video have the time 0 too, and come first.
     shown: bool,
     index: u64,
     quality: CaptureQuality,
@@ -69,15 +70,15 @@ struct Pending {
 }
 
 impl UnitDecoder {
-    /// A decoder that has seen nothing.
+    /// A decoder without a stream.
     pub fn new(mode: DecodeMode) -> Self {
         Self {
             pool: PicturePool::default(),
             still: StillDecoder::default(),
             h264: None,
             sps: Vec::new(),
-            format: None,
-            waits_for_key: true,
+            parameters: None,
+            is_awaiting_key: true,
             reorders: mode == DecodeMode::File,
             pending: BinaryHeap::new(),
             epoch: None,
@@ -85,17 +86,17 @@ impl UnitDecoder {
         }
     }
 
-    /// Whether units are passed over until the next key frame.
-    pub const fn waits_for_key(&self) -> bool {
-        self.waits_for_key
+    /// Whether units are skipped until the next key frame.
+    pub const fn is_awaiting_key(&self) -> bool {
+        self.is_awaiting_key
     }
 
-    /// Decodes a unit, and hands over the frames that are ready: none or one, and at the start of an epoch, or
-    /// where the size changes, all that were held back before it.
+    /// Decodes a unit and passes the frames that are ready to `out`: none or one; at the start of an epoch or at a change
+    /// of the size, all frames still in the decoder.
     ///
     /// # Errors
-    /// [`DecodeError::Unsupported`] for a stream that is not decoded here, [`DecodeError::Damaged`] for a unit
-    /// that gives no intact picture. After the latter the units up to the next key frame are passed over.
+    /// [`DecodeError::Unsupported`] for an unsupported stream, [`DecodeError::Damaged`] for a unit without an intact
+    /// picture. After the latter the units up to the next key frame are skipped.
     pub fn decode(
         &mut self,
         unit: &EncodedUnit,
@@ -113,19 +114,20 @@ impl UnitDecoder {
             UnitCodec::Jpeg => self.still.jpeg(&unit.payload, &mut self.pool).map_err(damaged)?,
             UnitCodec::Png => self.still.png(&unit.payload, &mut self.pool).map_err(damaged)?,
             UnitCodec::RawYuv420 { size, colour } => {
-                let planes = raw_planes(&unit.payload, size)
-                    .ok_or_else(|| damaged(format!("{} bytes are no {size} picture", unit.payload.len())))?;
+                let planes = raw_planes(&unit.payload, size).ok_or_else(|| {
+                    damaged(format!("{} bytes are not a {size} picture", unit.payload.len()))
+                })?;
                 self.pool.copy(planes, colour, unit.rotation)
             }
         };
-        self.waits_for_key = false;
+        self.is_awaiting_key = false;
         if unit.shown {
             self.deliver(unit.capture, picture, out);
         }
         Ok(())
     }
 
-    /// Hands over the frames that are still held back, at the end of a video.
+    /// Passes the frames still in the decoder to `out`, at the end of a video.
     pub fn finish(&mut self, out: &mut impl FnMut(VideoFrame)) {
         self.restart(out);
     }
@@ -149,34 +151,34 @@ impl UnitDecoder {
             }
         }
         if let Some(sps) = changed {
-            // What was held back is of the old kind, and the decoder loses it when the size changes. A decoder that
-            // was flushed keeps some of its memory for ever, so a new one goes on.
+            // The decoder loses its pending pictures when the size changes, so they are flushed. A flushed decoder keeps
+            // some of its memory, so a new one continues.
             self.flush(out);
             self.pending.clear();
             self.h264 = None;
-            let format = StreamFormat::parse(sps)?;
-            self.reorders |= format.reorders;
-            self.format = Some(format);
+            let parameters = SequenceParameters::parse(sps)?;
+            self.reorders |= parameters.reorders;
+            self.parameters = Some(parameters);
             self.sps = sps.to_vec();
         }
-        if self.waits_for_key && !unit.key {
+        if self.is_awaiting_key && !unit.key {
             return Ok(());
         }
         self.reorders |= bidirectional;
         if has_picture {
-            self.pending.push(Reverse(Pending::of(unit)));
+            self.pending.push(Reverse(Pending::from_unit(unit)));
         }
         let flush = if self.reorders { Flush::NoFlush } else { Flush::Flush };
         let decoder = match &mut self.h264 {
             Some(decoder) => decoder,
-            none => none.insert(new_decoder()?),
+            empty => empty.insert(new_decoder()?),
         };
         let options = DecodeOptions::new().flush_after_decode(flush);
         let damage = match decoder.decode_with_options(&unit.payload, options) {
             Ok(None) => None,
             Ok(Some(yuv)) => {
-                let frame = emit(&yuv, &mut self.pending, self.format, &mut self.pool);
-                self.waits_for_key = false;
+                let frame = take_picture(&yuv, &mut self.pending, self.parameters, &mut self.pool);
+                self.is_awaiting_key = false;
                 if let Some((capture, picture)) = frame {
                     self.deliver(capture, picture, out);
                 }
@@ -186,7 +188,7 @@ impl UnitDecoder {
         };
         match damage {
             None if self.reorders || !has_picture => {
-                self.waits_for_key &= !has_picture;
+                self.is_awaiting_key &= !has_picture;
                 Ok(())
             }
             damage => {
@@ -198,20 +200,22 @@ impl UnitDecoder {
         }
     }
 
-    /// Gives up what the decoder refers to, and waits for a key frame.
+    /// Delivers the pending frames, then discards the decoder's state and waits for a key frame.
     fn restart(&mut self, out: &mut impl FnMut(VideoFrame)) {
         self.flush(out);
         self.pending.clear();
         self.h264 = None;
-        self.waits_for_key = true;
+        self.is_awaiting_key = true;
     }
 
     fn flush(&mut self, out: &mut impl FnMut(VideoFrame)) {
         let Some(decoder) = &mut self.h264 else { return };
-        // Each picture came of a unit that was decoded without an error; a decoder that fails now has none.
+        // A decoder that fails here has no pending pictures.
         let Ok(pictures) = decoder.flush_remaining() else { return };
         for yuv in pictures {
-            if let Some((capture, picture)) = emit(&yuv, &mut self.pending, self.format, &mut self.pool) {
+            if let Some((capture, picture)) =
+                take_picture(&yuv, &mut self.pending, self.parameters, &mut self.pool)
+            {
                 out(VideoFrame { sequence: self.delivered, capture, picture });
                 self.delivered += 1;
             }
@@ -225,7 +229,7 @@ impl UnitDecoder {
 }
 
 impl Pending {
-    fn of(unit: &EncodedUnit) -> Self {
+    fn from_unit(unit: &EncodedUnit) -> Self {
         let Capture { at, quality } = unit.capture;
         Self { at, index: unit.index, quality, shown: unit.shown, rotation: unit.rotation }
     }
@@ -236,11 +240,12 @@ fn new_decoder() -> Result<Decoder, DecodeError> {
         .map_err(|error| DecodeError::NoDecoder(error.to_string()))
 }
 
-/// Copies a decoded picture out of the decoder, and gives it the smallest time that is not yet given.
-fn emit(
+/// Copies a decoded picture out of the decoder and pairs it with the smallest pending time. `None` for a picture that is
+/// not shown.
+fn take_picture(
     yuv: &DecodedYUV<'_>,
     pending: &mut BinaryHeap<Reverse<Pending>>,
-    format: Option<StreamFormat>,
+    parameters: Option<SequenceParameters>,
     pool: &mut PicturePool,
 ) -> Option<(Capture, Arc<Picture>)> {
     let Reverse(unit) = pending.pop()?;
@@ -256,7 +261,7 @@ fn emit(
         plane(yuv.v(), width.div_ceil(2), height.div_ceil(2), v_stride),
     ];
     let size = PictureSize::new(width as u32, height as u32);
-    let colour = format.map_or_else(|| ColourEncoding::assumed_for(size), |format| format.colour);
+    let colour = parameters.map_or_else(|| ColourEncoding::assumed_for(size), |parameters| parameters.colour);
     let picture = pool.copy(planes, colour, unit.rotation);
     Some((Capture { at: unit.at, quality: unit.quality }, picture))
 }

@@ -1,9 +1,9 @@
-//! Pictures to H.264 access units, for clips and for viewers.
+//! Encodes pictures as H.264 access units.
 //!
-//! One thread, so that the same pictures give the same bytes. The stream names its colour matrix and range, has
-//! no B-frames, and begins a new group with a key frame (and parameter sets) every second of the pictures'
-//! own time and whenever the size changes. H.264 in 4:2:0 has even sizes only: the last column or row of an odd
-//! picture is left out. Not handled: pictures above 3840x2160, and below 16x16.
+//! The encoder uses one thread, so that the same pictures give the same bytes. The stream states its colour matrix and
+//! range, has no B-frames, and has a key frame (with parameter sets) every second of the pictures' times and at each
+//! change of the size. H.264 in 4:2:0 has even sizes only: the last column or row of an odd picture is left out. Not
+//! handled: pictures above 3840x2160 or below 16x16.
 
 use std::time::Duration;
 
@@ -20,18 +20,18 @@ use openh264::formats::YUVSource;
 use super::encoder_log;
 use crate::error::VideoError;
 
-/// How a video is to be encoded.
+/// Settings of an encoder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderSettings {
-    /// Pictures per second that are expected; only a hint, the times of the pictures count.
+    /// Expected pictures per second: a hint for the rate control. The times of the pictures may differ.
     pub fps: f64,
-    /// Bits per second to aim at.
+    /// Target bit rate, bits per second.
     pub bits_per_second: u32,
 }
 
 impl EncoderSettings {
-    /// A bit rate at which the pictures of a tracker's overlay stay sharp: 0.15 bit per pixel, at least 300 kbit/s
-    /// (4.1 Mbit/s at 1280x720 and 30 per second).
+    /// Settings with a bit rate that keeps an overlay sharp: 0.15 bit per pixel, 300 kbit/s to 50 Mbit/s (4.1 Mbit/s at
+    /// 1280x720 and 30 pictures per second).
     pub fn for_pictures(size: PictureSize, fps: f64) -> Self {
         let bits = size.area() as f64 * fps * 0.15;
         Self { fps, bits_per_second: bits.clamp(300e3, 50e6) as u32 }
@@ -50,24 +50,24 @@ pub struct EncodedPicture {
 /// Encodes the pictures of one video, one after the other.
 pub struct H264Encoder {
     settings: EncoderSettings,
-    /// Made for the first picture, and again when size or colours change.
+    /// Created for the first picture, and again when size or colour encoding change.
     encoder: Option<(Encoder, PictureSize, ColourEncoding)>,
     last_key: Timestamp,
 }
 
-/// Longest stretch without a key frame.
+/// Maximum interval of key frames.
 const KEY_FRAME_INTERVAL: Duration = Duration::from_secs(1);
 
 impl H264Encoder {
-    /// An encoder that has seen nothing.
+    /// An encoder without a stream.
     pub const fn new(settings: EncoderSettings) -> Self {
         Self { settings, encoder: None, last_key: Timestamp::ZERO }
     }
 
-    /// Encodes the next picture, which was taken at `at`.
+    /// Encodes the next picture, which was captured at `at`.
     ///
     /// # Errors
-    /// A size that H.264 (level 5.2) does not have.
+    /// A size that H.264 (level 5.2) does not allow.
     pub fn encode(&mut self, picture: &Picture, at: Timestamp) -> Result<EncodedPicture, VideoError> {
         self.encode_with(picture, at, false)
     }
@@ -76,7 +76,11 @@ impl H264Encoder {
     ///
     /// # Errors
     /// As [`Self::encode`].
-    pub fn encode_key(&mut self, picture: &Picture, at: Timestamp) -> Result<EncodedPicture, VideoError> {
+    pub fn encode_key_frame(
+        &mut self,
+        picture: &Picture,
+        at: Timestamp,
+    ) -> Result<EncodedPicture, VideoError> {
         self.encode_with(picture, at, true)
     }
 
@@ -89,13 +93,13 @@ impl H264Encoder {
         let (size, colour) = (picture.size(), picture.colour());
         let failed = |reason: String| VideoError::Encode { size, reason };
         if size.width < 16 || size.height < 16 {
-            return Err(failed("H.264 begins at 16x16".to_owned()));
+            return Err(failed("H.264 needs at least 16x16".to_owned()));
         }
-        let is_as_before = |made: &(Encoder, PictureSize, ColourEncoding)| (made.1, made.2) == (size, colour);
-        let kept = self.encoder.take().filter(is_as_before);
+        let is_usable = |entry: &(Encoder, PictureSize, ColourEncoding)| (entry.1, entry.2) == (size, colour);
+        let kept = self.encoder.take().filter(is_usable);
         let is_first = kept.is_none();
-        let made = match kept {
-            Some(made) => made,
+        let entry = match kept {
+            Some(entry) => entry,
             None => {
                 let config = config(&self.settings, colour);
                 let mut encoder = Encoder::with_api_config(OpenH264API::from_source(), config)
@@ -104,7 +108,7 @@ impl H264Encoder {
                 (encoder, size, colour)
             }
         };
-        let (encoder, ..) = self.encoder.insert(made);
+        let (encoder, ..) = self.encoder.insert(entry);
         if !is_first && (key || at.since(self.last_key) >= KEY_FRAME_INTERVAL) {
             encoder.force_intra_frame();
         }
@@ -113,7 +117,7 @@ impl H264Encoder {
             encoder.encode_at(&Source { picture }, millis).map_err(|error| failed(error.to_string()))?;
         let key = match stream.frame_type() {
             FrameType::IDR => true,
-            FrameType::Skip | FrameType::Invalid => return Err(failed("the encoder left it out".to_owned())),
+            FrameType::Skip | FrameType::Invalid => return Err(failed("the encoder skipped it".to_owned())),
             _ => false,
         };
         if key {
@@ -142,7 +146,7 @@ fn config(settings: &EncoderSettings, colour: ColourEncoding) -> EncoderConfig {
         .vui(vui.full_range(colour.range == SampleRange::Full))
 }
 
-/// A picture as the encoder wants to see it: of even size.
+/// A picture cropped to even sides.
 struct Source<'a> {
     picture: &'a Picture,
 }

@@ -1,9 +1,7 @@
-//! Pictures that are used again: a frame is copied once out of its decoder, into memory that an earlier frame
-//! has left.
+//! A pool of pictures: a frame is copied once out of its decoder, into the memory of an earlier frame.
 //!
-//! The pool keeps a reference to every picture that it handed out; one to which nobody else refers any more is
-//! free. It holds at most [`PicturePool::LIMIT`] pictures. Whoever keeps more frames than that (a test, a
-//! slow viewer) gets new memory, which the pool does not keep.
+//! The pool keeps a reference to each of its pictures. A picture without another reference is free. The pool holds at most
+//! [`PicturePool::MAX_PICTURES`] pictures; while more frames are in use, the further ones get memory of their own.
 
 use std::sync::Arc;
 
@@ -12,18 +10,21 @@ use barrelman_vocab::video::{ColourEncoding, Picture, Plane};
 
 use barrelman_vocab::unit::Rotation;
 
-/// Recycled pictures.
+/// A pool of pictures.
 #[derive(Debug, Default)]
 pub struct PicturePool {
     pictures: Vec<Arc<Picture>>,
 }
 
 impl PicturePool {
-    /// Most pictures kept: one being decoded, one waiting, one in the tracker, and some for recorder, overlay and
-    /// console. At 1280x720 they take 11 MB.
-    pub const LIMIT: usize = 8;
+    /// Maximum number of pictures in the pool: one in the decoder, one waiting, one in the tracker, and some in recorder,
+    /// overlay and console. At 1280x720 they take 11 MB.
+    pub const MAX_PICTURES: usize = 8;
 
-    /// A picture of that size, filled by `fill`, which must write all three planes.
+    /// A picture of this size, filled by `fill`, which must write all samples of the three planes.
+    ///
+    /// # Errors
+    /// The error of `fill`.
     pub fn fill<E>(
         &mut self,
         size: PictureSize,
@@ -40,21 +41,27 @@ impl PicturePool {
         let mut picture = Picture::black(size, colour);
         fill(&mut picture)?;
         let shared = Arc::new(picture);
-        if self.pictures.len() < Self::LIMIT {
+        if self.pictures.len() < Self::MAX_PICTURES {
             self.pictures.push(Arc::clone(&shared));
         }
         Ok(shared)
     }
 
-    /// A picture with the samples of three planes, turned upright.
-    pub fn copy(&mut self, planes: [Plane<'_>; 3], colour: ColourEncoding, turn: Rotation) -> Arc<Picture> {
+    /// A copy of three planes, rotated for display.
+    pub fn copy(
+        &mut self,
+        planes: [Plane<'_>; 3],
+        colour: ColourEncoding,
+        rotation: Rotation,
+    ) -> Arc<Picture> {
         let stored = PictureSize::new(planes[0].width as u32, planes[0].height as u32);
-        let filled = self.fill::<std::convert::Infallible>(turn.displayed_size(stored), colour, |picture| {
-            for (plane, samples) in planes.iter().zip(picture.planes_mut()) {
-                copy_plane(plane, turn, samples);
-            }
-            Ok(())
-        });
+        let filled =
+            self.fill::<std::convert::Infallible>(rotation.displayed_size(stored), colour, |picture| {
+                for (plane, samples) in planes.iter().zip(picture.planes_mut()) {
+                    copy_plane(plane, rotation, samples);
+                }
+                Ok(())
+            });
         match filled {
             Ok(picture) => picture,
             Err(never) => match never {},
@@ -62,10 +69,10 @@ impl PicturePool {
     }
 }
 
-/// Copies a plane, turned, into tightly packed rows.
-fn copy_plane(plane: &Plane<'_>, turn: Rotation, out: &mut [u8]) {
+/// Copies and rotates a plane into rows without padding.
+fn copy_plane(plane: &Plane<'_>, rotation: Rotation, out: &mut [u8]) {
     let (width, height) = (plane.width, plane.height);
-    match turn {
+    match rotation {
         Rotation::None => {
             for (row, out) in out.chunks_exact_mut(width).enumerate() {
                 out.copy_from_slice(plane.row(row));
@@ -77,14 +84,14 @@ fn copy_plane(plane: &Plane<'_>, turn: Rotation, out: &mut [u8]) {
                 out.reverse();
             }
         }
-        Rotation::Clockwise90 => turn_quarter(plane, out, |row, column| (column, height - 1 - row)),
-        Rotation::Clockwise270 => turn_quarter(plane, out, |row, column| (width - 1 - column, row)),
+        Rotation::Clockwise90 => copy_quarter_turn(plane, out, |row, column| (column, height - 1 - row)),
+        Rotation::Clockwise270 => copy_quarter_turn(plane, out, |row, column| (width - 1 - column, row)),
     }
 }
 
-/// Copies a plane a quarter turned, in blocks that stay in the cache. `to` gives row and column in the output,
-/// whose rows are as long as the plane is high.
-fn turn_quarter(plane: &Plane<'_>, out: &mut [u8], to: impl Fn(usize, usize) -> (usize, usize)) {
+/// Copies a plane rotated by a quarter turn, in blocks that fit into the cache. `to` maps row and column to those of the
+/// output, whose rows have the length of the plane's height.
+fn copy_quarter_turn(plane: &Plane<'_>, out: &mut [u8], to: impl Fn(usize, usize) -> (usize, usize)) {
     const BLOCK: usize = 32;
     let stride = plane.height;
     for top in (0..plane.height).step_by(BLOCK) {
@@ -106,25 +113,25 @@ mod tests {
 
     const SIZE: PictureSize = PictureSize::new(3, 2);
 
-    fn copied(turn: Rotation) -> Arc<Picture> {
+    fn copied(rotation: Rotation) -> Arc<Picture> {
         let y = [1, 2, 3, 0, 4, 5, 6, 0];
         let u = [7, 8];
         let plane = |data, width, height, stride| Plane { data, width, height, stride };
         let planes = [plane(&y, 3, 2, 4), plane(&u, 2, 1, 2), plane(&u, 2, 1, 2)];
-        PicturePool::default().copy(planes, ColourEncoding::JPEG, turn)
+        PicturePool::default().copy(planes, ColourEncoding::JPEG, rotation)
     }
 
-    fn check_turn(turn: Rotation, size: PictureSize, y: &[u8], u: &[u8]) {
-        let picture = copied(turn);
-        assert_eq!((picture.size(), picture.y().data, picture.u().data), (size, y, u), "{turn:?}");
+    fn check_rotation(rotation: Rotation, size: PictureSize, y: &[u8], u: &[u8]) {
+        let picture = copied(rotation);
+        assert_eq!((picture.size(), picture.y().data, picture.u().data), (size, y, u), "{rotation:?}");
     }
 
     #[test]
     fn planes_are_turned_clockwise() {
-        check_turn(Rotation::None, SIZE, &[1, 2, 3, 4, 5, 6], &[7, 8]);
-        check_turn(Rotation::Half, SIZE, &[6, 5, 4, 3, 2, 1], &[8, 7]);
-        check_turn(Rotation::Clockwise90, PictureSize::new(2, 3), &[4, 1, 5, 2, 6, 3], &[7, 8]);
-        check_turn(Rotation::Clockwise270, PictureSize::new(2, 3), &[3, 6, 2, 5, 1, 4], &[8, 7]);
+        check_rotation(Rotation::None, SIZE, &[1, 2, 3, 4, 5, 6], &[7, 8]);
+        check_rotation(Rotation::Half, SIZE, &[6, 5, 4, 3, 2, 1], &[8, 7]);
+        check_rotation(Rotation::Clockwise90, PictureSize::new(2, 3), &[4, 1, 5, 2, 6, 3], &[7, 8]);
+        check_rotation(Rotation::Clockwise270, PictureSize::new(2, 3), &[3, 6, 2, 5, 1, 4], &[8, 7]);
     }
 
     fn black(pool: &mut PicturePool) -> Arc<Picture> {
@@ -143,8 +150,8 @@ mod tests {
     #[test]
     fn the_pool_keeps_no_more_than_its_limit() {
         let mut pool = PicturePool::default();
-        let held: Vec<_> = (0..PicturePool::LIMIT + 5).map(|_| black(&mut pool)).collect();
-        assert_eq!(pool.pictures.len(), PicturePool::LIMIT);
+        let held: Vec<_> = (0..PicturePool::MAX_PICTURES + 5).map(|_| black(&mut pool)).collect();
+        assert_eq!(pool.pictures.len(), PicturePool::MAX_PICTURES);
         drop(held);
     }
 }

@@ -1,8 +1,8 @@
-//! What an H.264 stream says about itself in its sequence parameter set (ITU-T H.264, 7.3.2.1 and annex E):
-//! whether it can be decoded here, its size, and how its samples stand for colours.
+//! Reads a sequence parameter set (ITU-T H.264, 7.3.2.1 and annex E): whether the stream is supported, the size of its
+//! pictures, and their colour encoding.
 //!
-//! Refused by name: interlaced streams, more than 8 bits per sample, chroma other than 4:2:0. Not handled: pixels
-//! that are not square (they are shown as stored).
+//! Unsupported, with an error that names them: interlaced streams, more than 8 bits per sample, chroma other than 4:2:0.
+//! Not handled: pixels that are not square (they are shown as stored).
 
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
@@ -11,32 +11,36 @@ use h264_reader::rbsp::{BitReader, decode_nal};
 
 use crate::error::DecodeError;
 
-/// Widest and highest picture decoded: the limit of the decoder's highest level, 5.2.
+/// Maximum width and height of a picture, pixels: the limit of the decoder's highest level, 5.2.
 const MAX_SIDE: u32 = 4096;
 
-/// What a sequence parameter set says.
+/// The values of a sequence parameter set that the crate uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct StreamFormat {
+pub(crate) struct SequenceParameters {
     /// Size of the picture, cropped.
     pub(crate) size: PictureSize,
-    /// How the samples stand for colours.
+    /// Colour encoding of the samples.
     pub(crate) colour: ColourEncoding,
-    /// Whether it announces pictures that are shown in another order than they are sent. Not every stream that
-    /// has such pictures announces them.
+    /// Whether the stream announces that its display order differs from its decoding order. Not every stream with such
+    /// pictures announces them.
     pub(crate) reorders: bool,
 }
 
-impl StreamFormat {
-    /// Reads a sequence parameter set (a NAL unit with its header).
+impl SequenceParameters {
+    /// Reads a sequence parameter set: a NAL unit with its header.
+    ///
+    /// # Errors
+    /// [`DecodeError::Unsupported`] for a damaged set and for an unsupported stream.
     pub(crate) fn parse(sps_nal: &[u8]) -> Result<Self, DecodeError> {
-        let unreadable = |what: &str| refuse(format!("H.264 with parameters that cannot be read ({what})"));
+        let unreadable =
+            |what: &str| unsupported(format!("H.264 with parameters that cannot be read ({what})"));
         let rbsp = decode_nal(sps_nal).map_err(|error| unreadable(&error.to_string()))?;
         let sps = SeqParameterSet::from_bits(BitReader::new(&*rbsp))
             .map_err(|error| unreadable(&format!("{error:?}")))?;
-        refuse_what_is_not_decoded(&sps)?;
+        check_supported(&sps)?;
         let sides = (sps.pic_width_in_mbs_minus1, sps.pic_height_in_map_units_minus1);
         if sides.0 >= MAX_SIDE / 16 || sides.1 >= MAX_SIDE / 16 {
-            return Err(refuse(format!("larger than {MAX_SIDE} pixels a side")));
+            return Err(unsupported(format!("larger than {MAX_SIDE} pixels a side")));
         }
         let (width, height) = sps.pixel_dimensions().map_err(|error| unreadable(&format!("{error:?}")))?;
         let size = PictureSize::new(width, height);
@@ -50,11 +54,11 @@ impl StreamFormat {
     }
 }
 
-fn refuse_what_is_not_decoded(sps: &SeqParameterSet) -> Result<(), DecodeError> {
+fn check_supported(sps: &SeqParameterSet) -> Result<(), DecodeError> {
     let chroma = &sps.chroma_info;
     let depth = chroma.bit_depth_luma_minus8.max(chroma.bit_depth_chroma_minus8);
     if depth > 0 {
-        return Err(refuse(format!("{}-bit H.264", u32::from(depth) + 8)));
+        return Err(unsupported(format!("{}-bit H.264", u32::from(depth) + 8)));
     }
     let format = match chroma.chroma_format {
         ChromaFormat::YUV420 => None,
@@ -64,7 +68,7 @@ fn refuse_what_is_not_decoded(sps: &SeqParameterSet) -> Result<(), DecodeError> 
         ChromaFormat::Invalid(_) => Some("H.264 with an unknown chroma format"),
     };
     if let Some(format) = format {
-        return Err(refuse(format.to_owned()));
+        return Err(unsupported(format.to_owned()));
     }
     if sps.frame_mbs_flags != FrameMbsFlags::Frames {
         return Err(DecodeError::Unsupported {
@@ -77,19 +81,19 @@ fn refuse_what_is_not_decoded(sps: &SeqParameterSet) -> Result<(), DecodeError> 
     Ok(())
 }
 
-fn refuse(what: String) -> DecodeError {
+fn unsupported(what: String) -> DecodeError {
     let remedy = "Set the camera to H.264 baseline or main profile (8 bit, 4:2:0), or convert the file: \
                   ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4";
     DecodeError::Unsupported { what, remedy: remedy.to_owned() }
 }
 
-/// Matrix and range from the usability information (annex E.2.1), else what is customary for the size.
+/// Matrix and range from the usability information (annex E.2.1), else the customary ones for the size.
 fn colour_of(vui: Option<&VuiParameters>, size: PictureSize) -> ColourEncoding {
     let assumed = ColourEncoding::assumed_for(size);
     let Some(signal) = vui.and_then(|vui| vui.video_signal_type.as_ref()) else { return assumed };
     let range = if signal.video_full_range_flag { SampleRange::Full } else { SampleRange::Limited };
     let matrix = match signal.colour_description.as_ref().map(|colour| colour.matrix_coefficients) {
-        // BT.709; and SMPTE 240M and BT.2020, whose weights are nearer to BT.709 than to BT.601.
+        // BT.709. SMPTE 240M and BT.2020 are nearer to BT.709 than to BT.601.
         Some(1 | 7 | 9 | 10) => ColourMatrix::Bt709,
         // FCC, BT.470 B/G, SMPTE 170M: the weights of BT.601.
         Some(4..=6) => ColourMatrix::Bt601,

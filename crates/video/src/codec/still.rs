@@ -1,10 +1,9 @@
-//! Single pictures: JPEG and PNG files to planes.
+//! Decodes JPEG and PNG files.
 //!
-//! A JPEG's Y, Cb and Cr are taken as they are (no way through RGB); its chroma is averaged to 4:2:0. A PNG is
-//! converted by BT.601 in full range, as JFIF does: Y = 0.299 R + 0.587 G + 0.114 B,
-//! Cb = 128 + (B - Y) / 1.772, Cr = 128 + (R - Y) / 1.402. Grey, palette and 16-bit PNGs are widened or narrowed
-//! to 8-bit RGB, and transparency is ignored. Not handled: EXIF orientation, CMYK, colour profiles, animation
-//! (the first picture is taken).
+//! Y, Cb and Cr of a JPEG file are used without a conversion to RGB; its chroma is averaged to 4:2:0. A PNG file is
+//! converted by BT.601 in full range, as in JFIF: Y = 0.299 R + 0.587 G + 0.114 B, Cb = 128 + (B - Y) / 1.772,
+//! Cr = 128 + (R - Y) / 1.402. Grey, palette and 16-bit PNG files are converted to 8-bit RGB first; transparency is
+//! ignored. Not handled: EXIF orientation, CMYK, colour profiles, animations (the first picture is used).
 
 use std::sync::Arc;
 
@@ -17,10 +16,10 @@ use zune_jpeg::JpegDecoder;
 
 use super::pool::PicturePool;
 
-/// Widest and highest picture read, so that a damaged header cannot ask for all memory.
+/// Maximum width and height of a picture, pixels: bounds the memory that a damaged header can request.
 const MAX_SIDE: usize = 8192;
 
-/// Decodes JPEG and PNG, and keeps the memory it needs in between.
+/// Decodes JPEG and PNG files, and reuses its buffer.
 #[derive(Debug, Default)]
 pub(super) struct StillDecoder {
     pixels: Vec<u8>,
@@ -29,7 +28,7 @@ pub(super) struct StillDecoder {
 impl StillDecoder {
     /// The picture in a JPEG file.
     pub(super) fn jpeg(&mut self, file: &[u8], pool: &mut PicturePool) -> Result<Arc<Picture>, String> {
-        // Strict: a picture that is cut short is an error, and not half grey.
+        // Strict: a truncated picture is an error, instead of a partly grey picture.
         let options =
             DecoderOptions::default().set_strict_mode(true).set_max_width(MAX_SIDE).set_max_height(MAX_SIDE);
         let mut decoder = JpegDecoder::new_with_options(ZCursor::new(file), options);
@@ -93,7 +92,7 @@ impl StillDecoder {
             let chroma_width = width.div_ceil(2);
             for (index, (u, v)) in u.iter_mut().zip(v).enumerate() {
                 let (row, column) = (index / chroma_width * 2, index % chroma_width * 2);
-                // The mean of four pixels; of fewer, repeated, at an odd edge.
+                // The mean of four pixels. At an odd edge the last column or row is repeated.
                 let mut sum = [0_u32; 3];
                 for (down, right) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                     let at =

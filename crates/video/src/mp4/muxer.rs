@@ -1,10 +1,10 @@
-//! Access units into an MP4 file (ISO/IEC 14496-12 and -15): one video track, samples as they come, and the index
-//! (`moov`) behind them when the file is finished.
+//! Writes access units to an MP4 file (ISO/IEC 14496-12 and -15): one video track, the samples in the order of their
+//! arrival, and the index (`moov`) after them when the file is finished.
 //!
-//! Only the index is held in memory, 24 bytes a picture. Times are those that the samples are given, in ticks of
-//! 1/90000 s, so the rate may vary; the film begins with the earliest picture. Pictures that are decoded in
-//! another order than they are shown get their shifts (`ctts`) and an edit list. Where the stream changes its
-//! parameter sets (its size), the new ones stay in the samples. Not handled: sound, fragments.
+//! Only the index is held in memory, 24 bytes per picture. Times are those of the samples, in ticks of 1/90000 s, so the
+//! frame rate may vary; the video starts with the earliest picture. Where display order and decoding order differ, the
+//! file has composition offsets (`ctts`) and an edit list. Where the stream changes its parameter sets (for instance its
+//! size), the new ones stay in the samples. Not handled: sound, fragments.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::time::Duration;
@@ -15,19 +15,19 @@ use barrelman_vocab::time::Timestamp;
 use crate::codec::annexb::{self, NalKind};
 use barrelman_vocab::unit::Rotation;
 
-/// Ticks per second of the track and of the film.
-const TICKS: u32 = 90_000;
+/// Ticks per second of the track and of the file.
+const TICKS_PER_SECOND: u32 = 90_000;
 
-/// Bytes in front of the samples: `ftyp`, and an `mdat` header with a length of 64 bits.
+/// The boxes before the samples: `ftyp`, and the `mdat` header with a length of 64 bits.
 const FILE_TYPE: &[u8] = b"\0\0\0\x20ftypisom\0\0\x02\0isomiso2avc1mp41";
 const MEDIA_HEADER: u64 = 16;
 
-/// What the index must know of the whole track.
+/// The properties of the whole track.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct TrackFormat {
     /// Size of the stored picture.
     pub(super) size: PictureSize,
-    /// How it is turned for display.
+    /// Rotation for display.
     pub(super) rotation: Rotation,
     /// The sequence parameter set, without a start code.
     pub(super) sps: Vec<u8>,
@@ -47,8 +47,8 @@ pub(super) struct Mp4Muxer<W: Write + Seek> {
     format: TrackFormat,
     samples: Vec<Sample>,
     media_bytes: u64,
-    /// Whether the stream changed to other parameter sets: from then on all of them stay in the samples.
-    parameters_change: bool,
+    /// Whether the stream has changed its parameter sets. From then on all parameter sets stay in the samples.
+    has_new_parameters: bool,
     buffer: Vec<u8>,
 }
 
@@ -62,37 +62,38 @@ impl<W: Write + Seek> Mp4Muxer<W> {
             format,
             samples: Vec::new(),
             media_bytes: 0,
-            parameters_change: false,
+            has_new_parameters: false,
             buffer: Vec::new(),
         })
     }
 
-    /// Appends an access unit (Annex B). Parameter sets that stand in the index are left out of it.
+    /// Appends an access unit (Annex B). Parameter sets that are in the index are left out of the sample.
     pub(super) fn push(&mut self, unit: &[u8], key: bool, at: Timestamp) -> io::Result<()> {
         self.buffer.clear();
         for nal in annexb::nals(unit) {
-            let known = match annexb::kind(nal) {
+            let is_known = match annexb::kind(nal) {
                 NalKind::Sps => nal == self.format.sps,
                 NalKind::Pps => nal == self.format.pps,
                 _ => true,
             };
-            self.parameters_change |= !known;
+            self.has_new_parameters |= !is_known;
             let in_index =
-                matches!(annexb::kind(nal), NalKind::Sps | NalKind::Pps) && !self.parameters_change;
+                matches!(annexb::kind(nal), NalKind::Sps | NalKind::Pps) && !self.has_new_parameters;
             if !in_index {
-                self.buffer.extend_from_slice(&u32_of(nal.len())?.to_be_bytes());
+                self.buffer.extend_from_slice(&checked_u32(nal.len())?.to_be_bytes());
                 self.buffer.extend_from_slice(nal);
             }
         }
         self.out.write_all(&self.buffer)?;
-        self.samples.push(Sample { size: u32_of(self.buffer.len())?, key, at });
+        self.samples.push(Sample { size: checked_u32(self.buffer.len())?, key, at });
         self.media_bytes += self.buffer.len() as u64;
         Ok(())
     }
 
-    /// Writes the index. The last picture is shown for `last`, or as long as the one before it.
-    pub(super) fn finish(mut self, last: Duration) -> io::Result<W> {
-        let moov = self.index(last)?;
+    /// Writes the index. The last picture is shown as long as the picture before it; a single picture for
+    /// `single_duration`.
+    pub(super) fn finish(mut self, single_duration: Duration) -> io::Result<W> {
+        let moov = self.index(single_duration)?;
         self.out.write_all(&moov)?;
         self.out.seek(SeekFrom::Start(FILE_TYPE.len() as u64 + 8))?;
         self.out.write_all(&(MEDIA_HEADER + self.media_bytes).to_be_bytes())?;
@@ -100,40 +101,39 @@ impl<W: Write + Seek> Mp4Muxer<W> {
         Ok(self.out)
     }
 
-    fn index(&self, last: Duration) -> io::Result<Vec<u8>> {
-        let times = Times::of(&self.samples, last);
-        let lasts = times.lasts;
-        let displayed = self.format.size;
+    fn index(&self, single_duration: Duration) -> io::Result<Vec<u8>> {
+        let times = SampleTimes::new(&self.samples, single_duration);
+        let (duration, size) = (times.duration, self.format.size);
         let mut moov = BoxWriter::default();
         moov.boxed(b"moov", |moov| {
             moov.full(b"mvhd", 1, 0, |b| {
-                b.zeros(16).u32(TICKS).u64(lasts).u32(0x0001_0000).u16(0x0100).zeros(10);
-                b.matrix(Rotation::None, displayed).zeros(24).u32(2);
+                b.zeros(16).u32(TICKS_PER_SECOND).u64(duration).u32(0x0001_0000).u16(0x0100).zeros(10);
+                b.matrix(Rotation::None, size).zeros(24).u32(2);
             });
             moov.boxed(b"trak", |trak| {
                 trak.full(b"tkhd", 1, 3, |b| {
-                    b.zeros(16).u32(1).zeros(4).u64(lasts).zeros(16);
-                    b.matrix(self.format.rotation, displayed);
-                    b.u32(displayed.width << 16).u32(displayed.height << 16);
+                    b.zeros(16).u32(1).zeros(4).u64(duration).zeros(16);
+                    b.matrix(self.format.rotation, size);
+                    b.u32(size.width << 16).u32(size.height << 16);
                 });
                 if times.delay > 0 {
                     trak.boxed(b"edts", |edts| {
                         edts.full(b"elst", 1, 0, |b| {
-                            b.u32(1).u64(lasts).u64(times.delay).u32(0x0001_0000);
+                            b.u32(1).u64(duration).u64(times.delay).u32(0x0001_0000);
                         });
                     });
                 }
                 trak.boxed(b"mdia", |mdia| self.media(mdia, &times));
             });
         });
-        u32_of(moov.bytes.len())?;
+        checked_u32(moov.bytes.len())?;
         Ok(moov.bytes)
     }
 
-    fn media(&self, mdia: &mut BoxWriter, times: &Times) {
+    fn media(&self, mdia: &mut BoxWriter, times: &SampleTimes) {
         mdia.full(b"mdhd", 1, 0, |b| {
             // 0x55c4 is "und": the language is undetermined.
-            b.zeros(16).u32(TICKS).u64(times.lasts).u16(0x55c4).zeros(2);
+            b.zeros(16).u32(TICKS_PER_SECOND).u64(times.duration).u16(0x55c4).zeros(2);
         });
         mdia.full(b"hdlr", 0, 0, |b| {
             b.zeros(4).raw(b"vide").zeros(12).raw(b"VideoHandler\0");
@@ -153,7 +153,7 @@ impl<W: Write + Seek> Mp4Muxer<W> {
         });
     }
 
-    fn table(&self, stbl: &mut BoxWriter, times: &Times) {
+    fn table(&self, stbl: &mut BoxWriter, times: &SampleTimes) {
         let count = self.samples.len() as u32;
         stbl.full(b"stsd", 0, 0, |b| {
             b.u32(1);
@@ -173,7 +173,7 @@ impl<W: Write + Seek> Mp4Muxer<W> {
                 });
             });
         }
-        // All samples lie one behind the other: one chunk.
+        // The samples are contiguous: one chunk.
         stbl.full(b"stsc", 0, 0, |b| {
             b.u32(1).u32(1).u32(count).u32(1);
         });
@@ -198,34 +198,36 @@ impl<W: Write + Seek> Mp4Muxer<W> {
             b.raw(&[1, profile(1), profile(2), profile(3), 0xff, 0xe1]);
             b.u16(sps.len() as u16).raw(sps).raw(&[1]).u16(pps.len() as u16).raw(pps);
             if matches!(profile(1), 100 | 110 | 122 | 144) {
-                // 4:2:0, 8 bit: nothing else is decoded here.
+                // 4:2:0, 8 bit: the only formats that the crate supports.
                 b.raw(&[0xfd, 0xf8, 0xf8, 0]);
             }
         });
     }
 }
 
-fn u32_of(bytes: usize) -> io::Result<u32> {
+fn checked_u32(bytes: usize) -> io::Result<u32> {
     u32::try_from(bytes).map_err(|_| io::Error::other("a picture or the index takes more than 4 GiB"))
 }
 
-/// When samples are decoded and shown.
-struct Times {
-    /// From decoding to decoding, as counts and ticks.
+/// Decoding and display times of the samples.
+struct SampleTimes {
+    /// Ticks from one decoding time to the next, run-length coded: count and value.
     durations: Vec<(u32, u32)>,
-    /// From decoding to showing, as counts and ticks.
+    /// Ticks from decoding to display, run-length coded: count and value.
     shifts: Vec<(u32, u32)>,
-    /// How much later everything is shown than decoded, so that no shift is negative.
+    /// Ticks added to all shifts, so that no shift is negative.
     delay: u64,
-    /// Ticks of the film.
-    lasts: u64,
+    /// Duration of the video, ticks.
+    duration: u64,
 }
 
-impl Times {
-    fn of(samples: &[Sample], last: Duration) -> Self {
-        let ticks = |span: Duration| (span.as_nanos() * u128::from(TICKS) + 500_000_000) / 1_000_000_000;
+impl SampleTimes {
+    fn new(samples: &[Sample], single_duration: Duration) -> Self {
+        let ticks = |duration: Duration| {
+            (duration.as_nanos() * u128::from(TICKS_PER_SECOND) + 500_000_000) / 1_000_000_000
+        };
         let start = samples.iter().map(|sample| sample.at).min().unwrap_or_default();
-        // In the order of display; two pictures of one moment are put one tick apart.
+        // Display order. Two pictures with the same time are put one tick apart.
         let mut order: Vec<usize> = (0..samples.len()).collect();
         order.sort_by_key(|index| samples[*index].at);
         let mut shown_at = vec![0_u64; samples.len()];
@@ -236,19 +238,19 @@ impl Times {
             shown_at[index] = wanted.max(earliest);
             decoded_at.push(shown_at[index]);
         }
-        // Decoding goes in the rhythm of display.
+        // The decoding times are the display times, in ascending order.
         let late = |(decoded, shown): (&u64, &u64)| decoded.saturating_sub(*shown);
         let delay = decoded_at.iter().zip(&shown_at).map(late).max().unwrap_or(0);
         let gaps: Vec<u64> = decoded_at.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let last = u64::try_from(ticks(last)).unwrap_or(0).max(1);
-        let last = gaps.last().copied().unwrap_or(last);
-        let lasts = decoded_at.last().map_or(0, |end| end + last);
+        let single = u64::try_from(ticks(single_duration)).unwrap_or(0).max(1);
+        let last = gaps.last().copied().unwrap_or(single);
+        let duration = decoded_at.last().map_or(0, |start| start + last);
         let shifts = decoded_at.iter().zip(&shown_at).map(|(decoded, shown)| shown + delay - decoded);
         Self {
             durations: run_lengths(gaps.iter().copied().chain([last])),
             shifts: run_lengths(shifts),
             delay,
-            lasts,
+            duration,
         }
     }
 }
@@ -265,7 +267,7 @@ fn run_lengths(values: impl Iterator<Item = u64>) -> Vec<(u32, u32)> {
     runs
 }
 
-/// Boxes as bytes.
+/// Writes boxes to memory.
 #[derive(Default)]
 struct BoxWriter {
     bytes: Vec<u8>,
@@ -294,11 +296,11 @@ impl BoxWriter {
         }
     }
 
-    /// (p, q) is shown at (a p + c q + x, b p + d q + y), with q downwards.
-    fn matrix(&mut self, turn: Rotation, stored: PictureSize) -> &mut Self {
+    /// The matrix of a rotation: (p, q) is displayed at (a p + c q + x, b p + d q + y), with q downwards.
+    fn matrix(&mut self, rotation: Rotation, stored: PictureSize) -> &mut Self {
         const ONE: i32 = 0x0001_0000;
         let (width, height) = ((stored.width as i32) << 16, (stored.height as i32) << 16);
-        let (a, b, c, d, x, y) = match turn {
+        let (a, b, c, d, x, y) = match rotation {
             Rotation::None => (ONE, 0, 0, ONE, 0, 0),
             Rotation::Clockwise90 => (0, ONE, -ONE, 0, height, 0),
             Rotation::Half => (-ONE, 0, 0, -ONE, width, height),

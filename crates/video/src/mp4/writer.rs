@@ -1,4 +1,4 @@
-//! MP4 files written: pictures encoded on the way, or access units passed on unchanged.
+//! Writes MP4 files from pictures, which are encoded, or from access units, which are copied.
 //!
 //! A file that is not finished (see [`Mp4Writer::finish`]) has no index and cannot be played.
 
@@ -12,7 +12,7 @@ use barrelman_vocab::video::Picture;
 use super::muxer::{Mp4Muxer, TrackFormat};
 use crate::codec::annexb::{self, NalKind};
 use crate::codec::encoder::{EncoderSettings, H264Encoder};
-use crate::codec::sps::StreamFormat;
+use crate::codec::sps::SequenceParameters;
 use crate::error::VideoError;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
@@ -26,15 +26,15 @@ pub struct Mp4Writer<W: Write + Seek> {
 }
 
 enum State<W: Write + Seek> {
-    /// Nothing was written: the first key frame brings what the file begins with.
+    /// Nothing was written yet: the first key frame brings the parameters of the track.
     Empty(BufWriter<W>),
     Writing(Box<Mp4Muxer<BufWriter<W>>>),
-    /// An error came before; nothing more is written.
+    /// An earlier write failed: nothing more is written.
     Failed,
 }
 
 impl<W: Write + Seek> Mp4Writer<W> {
-    /// Writes to `out`, which is open and empty. Nothing is written before the first key frame. Errors name `path`.
+    /// Writes to `out`, which must be empty. Nothing is written before the first key frame. Errors name `path`.
     pub fn new(out: W, path: &Path, settings: EncoderSettings) -> Self {
         Self {
             path: path.to_owned(),
@@ -45,7 +45,7 @@ impl<W: Write + Seek> Mp4Writer<W> {
         }
     }
 
-    /// Encodes a picture that was taken at `at` and appends it. The film begins with the first picture.
+    /// Encodes a picture that was captured at `at` and appends it. The video starts with the first picture.
     ///
     /// # Errors
     /// A size that cannot be encoded, or a file that cannot be written (a full disk).
@@ -54,18 +54,16 @@ impl<W: Write + Seek> Mp4Writer<W> {
         self.append(&encoded.bytes, encoded.key, at, Rotation::None)
     }
 
-    /// Appends an access unit as it is. Units before the first key frame, or between the start of an epoch
-    /// and its first key frame, are left out, as nobody could decode them.
+    /// Appends an access unit unchanged. Units before the first key frame of an epoch cannot be decoded and are left out.
     ///
     /// # Errors
-    /// A unit that is not H.264, a stream that is not decoded here, or a file that cannot be written (a full
-    /// disk).
+    /// A unit that is not H.264, an unsupported stream, or a file that cannot be written (a full disk).
     pub fn write_unit(&mut self, unit: &EncodedUnit) -> Result<(), VideoError> {
         if unit.codec != UnitCodec::H264AnnexB {
             return Err(VideoError::Unsupported {
                 path: self.path.clone(),
-                what: "to be an MP4 file of pictures that are no H.264".to_owned(),
-                remedy: "Decode them, and write them with write_picture".to_owned(),
+                what: "an MP4 file with units other than H.264".to_owned(),
+                remedy: "Decode the units and write the pictures".to_owned(),
             });
         }
         if self.epoch != Some(unit.epoch) {
@@ -80,7 +78,7 @@ impl<W: Write + Seek> Mp4Writer<W> {
     /// Writes the index and closes the file.
     ///
     /// # Errors
-    /// A file without a single picture, or one that cannot be written (a full disk).
+    /// A file without a picture, or a file that cannot be written (a full disk).
     pub fn finish(mut self) -> Result<(), VideoError> {
         let frame = Duration::try_from_secs_f64(1.0 / self.settings.fps).unwrap_or_default();
         let result = match std::mem::replace(&mut self.state, State::Failed) {
@@ -91,9 +89,15 @@ impl<W: Write + Seek> Mp4Writer<W> {
         result.map_err(|source| self.cannot_write(source))
     }
 
-    fn append(&mut self, bytes: &[u8], key: bool, at: Timestamp, turn: Rotation) -> Result<(), VideoError> {
+    fn append(
+        &mut self,
+        bytes: &[u8],
+        key: bool,
+        at: Timestamp,
+        rotation: Rotation,
+    ) -> Result<(), VideoError> {
         self.state = match std::mem::replace(&mut self.state, State::Failed) {
-            State::Empty(out) => match track_format(bytes, turn, &self.path)? {
+            State::Empty(out) => match track_format(bytes, rotation, &self.path)? {
                 Some(format) if key => {
                     let muxer = Mp4Muxer::new(out, format).map_err(|source| self.cannot_write(source))?;
                     State::Writing(Box::new(muxer))
@@ -121,11 +125,11 @@ impl<W: Write + Seek> Mp4Writer<W> {
     }
 }
 
-/// What the index must know, from the parameter sets of a key frame; `None` without them.
+/// The properties of the track, from the parameter sets of a key frame; `None` without parameter sets.
 fn track_format(unit: &[u8], rotation: Rotation, path: &Path) -> Result<Option<TrackFormat>, VideoError> {
     let find = |kind| annexb::nals(unit).find(|nal| annexb::kind(nal) == kind);
     let Some((sps, pps)) = find(NalKind::Sps).zip(find(NalKind::Pps)) else { return Ok(None) };
-    let place = path.display().to_string();
-    let format = StreamFormat::parse(sps).map_err(|cause| VideoError::Decode { place, cause })?;
-    Ok(Some(TrackFormat { size: format.size, rotation, sps: sps.to_vec(), pps: pps.to_vec() }))
+    let address = path.display().to_string();
+    let parameters = SequenceParameters::parse(sps).map_err(|cause| VideoError::Decode { address, cause })?;
+    Ok(Some(TrackFormat { size: parameters.size, rotation, sps: sps.to_vec(), pps: pps.to_vec() }))
 }

@@ -1,15 +1,15 @@
-//! Faults on purpose in a video source: what a [`FaultPlan`] does to units on their way to the decoder.
+//! Applies a [`FaultPlan`] to the units of a video source on their way to the decoder.
 //!
 //! | kind | effect |
 //! |---|---|
 //! | stall, drop, disconnect | units are lost |
-//! | delay | units come [`DELAY`] late, in order |
-//! | duplicate | each unit comes twice |
-//! | corrupt | some bytes of each unit are changed, by a seeded generator |
+//! | delay | units are delivered [`DELAY`] late, in order |
+//! | duplicate | each unit is delivered twice |
+//! | corrupt | some bytes of each unit are changed, by a seeded generator of random numbers |
 //! | panic | the thread panics, once |
 //!
-//! That nothing can be connected during a disconnect, and that a stall is noticed only by the silence, is the
-//! business of the source. `reboot` means nothing for a video.
+//! The source itself refuses connections during a disconnect and reports the silence of a stall. `reboot` has no effect
+//! on a video.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -20,60 +20,61 @@ use bytes::Bytes;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_vocab::unit::EncodedUnit;
 
-/// How late a delayed unit comes.
+/// The delay of a delayed unit.
 pub(super) const DELAY: Duration = Duration::from_millis(500);
 
-/// Bytes at the front of a unit that are never corrupted, so that it stays a unit.
+/// Bytes at the start of a unit that are not corrupted, so that the unit stays recognisable.
 const PROTECTED_BYTES: usize = 24;
 
-/// Breaks the units of one source by plan. Times count from the program's start.
+/// Applies the planned faults to the units of one source. Times count from the program's start.
 #[derive(Debug)]
 pub(super) struct FaultFilter {
     plan: FaultPlan,
     delayed: VecDeque<(Timestamp, EncodedUnit)>,
     random: u64,
-    last: Option<Timestamp>,
+    /// Time of the last check for planned panics.
+    last_check: Option<Timestamp>,
 }
 
 impl FaultFilter {
-    /// A filter that breaks things in the same way each time.
+    /// A filter whose random numbers are the same in each run.
     pub(super) const fn new(plan: FaultPlan) -> Self {
-        Self { plan, delayed: VecDeque::new(), random: 0x5eed, last: None }
+        Self { plan, delayed: VecDeque::new(), random: 0x5eed, last_check: None }
     }
 
-    /// Whether the source cannot be reached.
+    /// Whether a disconnect is active.
     pub(super) fn is_disconnected(&self, at: Timestamp) -> bool {
-        self.plan.active(FaultKind::Disconnect, at)
+        self.plan.is_active(FaultKind::Disconnect, at)
     }
 
     /// Panics if the plan says so.
     pub(super) fn panic_if_planned(&mut self, at: Timestamp) {
         if !self.plan.is_empty() {
-            let now = self.plan.begun(FaultKind::Panic, self.last, at) > 0;
-            self.last = Some(at);
-            assert!(!now, "the video thread panics because ?fault=panic asked for it");
+            let is_due = self.plan.count_started(FaultKind::Panic, self.last_check, at) > 0;
+            self.last_check = Some(at);
+            assert!(!is_due, "the video thread panics because ?fault=panic asked for it");
         }
     }
 
-    /// Puts in a unit that came at `at`; what comes out goes to `out`.
+    /// Takes a unit that arrived at `at`, and passes the units to deliver to `out`.
     pub(super) fn pass(&mut self, unit: EncodedUnit, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
         if self.plan.is_empty() {
             return out(unit);
         }
         self.release(at, out);
-        let active = |kind| self.plan.active(kind, at);
-        if [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect].into_iter().any(active) {
+        let is_active = |kind| self.plan.is_active(kind, at);
+        if [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect].into_iter().any(is_active) {
             return;
         }
-        let (corrupt, twice) = (active(FaultKind::Corrupt), active(FaultKind::Duplicate));
-        // A unit after a delay still waits behind those that are held back.
+        let (is_corrupted, is_duplicated) = (is_active(FaultKind::Corrupt), is_active(FaultKind::Duplicate));
+        // A unit after the end of a delay is queued behind the delayed units.
         let due = match self.delayed.back() {
-            _ if active(FaultKind::Delay) => Some(at.plus(DELAY)),
+            _ if is_active(FaultKind::Delay) => Some(at.plus(DELAY)),
             Some((last, _)) => Some(*last),
             None => None,
         };
-        let unit = if corrupt { self.corrupted(unit) } else { unit };
-        for unit in twice.then(|| unit.clone()).into_iter().chain([unit]) {
+        let unit = if is_corrupted { self.corrupted(unit) } else { unit };
+        for unit in is_duplicated.then(|| unit.clone()).into_iter().chain([unit]) {
             match due {
                 Some(due) => self.delayed.push_back((due, unit)),
                 None => out(unit),
@@ -81,7 +82,7 @@ impl FaultFilter {
         }
     }
 
-    /// Hands over the delayed units whose time has come.
+    /// Passes the delayed units that are due to `out`.
     pub(super) fn release(&mut self, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
         while self.delayed.front().is_some_and(|(due, _)| *due <= at) {
             if let Some((_, unit)) = self.delayed.pop_front() {

@@ -1,4 +1,4 @@
-//! Units on their way through faults and decoder to the sink, and the signal that ends it all.
+//! Passes the units of a source through deliberate faults and the decoder, and the signal that stops a source.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -14,7 +14,7 @@ use crate::error::{DecodeError, VideoError};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
 
-/// Tells the thread of a source to end, also while the thread waits.
+/// Tells the thread of a source to end. A waiting thread wakes up.
 #[derive(Debug, Default)]
 pub struct StopSignal {
     raised: Mutex<bool>,
@@ -42,14 +42,14 @@ impl StopSignal {
     }
 }
 
-/// What a [`Feed`] is made from.
+/// The settings of a [`Feed`].
 #[derive(Debug, Clone)]
 pub struct FeedSettings {
     /// The address of the source, without a password, for error messages.
-    pub place: String,
+    pub address: String,
     /// The deliberate faults of the source.
     pub faults: FaultPlan,
-    /// Whether the decoder waits for pictures that come out of order.
+    /// Whether the decoder delivers each picture at once or in the order of display.
     pub mode: DecodeMode,
 }
 
@@ -59,7 +59,7 @@ pub struct Feed<S> {
     pub sink: S,
     /// The program's clock.
     pub clock: Clock,
-    pub(super) place: String,
+    pub(super) address: String,
     pub(super) faults: FaultFilter,
     pub(super) decoder: UnitDecoder,
 }
@@ -78,9 +78,9 @@ pub struct DecodedUnits {
 impl<S: VideoSink> Feed<S> {
     /// A feed that starts now.
     pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
-        let FeedSettings { place, faults, mode } = settings;
+        let FeedSettings { address, faults, mode } = settings;
         let faults = FaultFilter::new(faults);
-        Self { sink, clock, place, faults, decoder: UnitDecoder::new(mode) }
+        Self { sink, clock, address, faults, decoder: UnitDecoder::new(mode) }
     }
 
     /// Passes a unit through the faults and decodes what is left. Without a unit: decodes the delayed units that are
@@ -96,22 +96,22 @@ impl<S: VideoSink> Feed<S> {
         for unit in &decoded.units {
             let result = self.decoder.decode(unit, &mut |frame| decoded.frames.push_back(frame));
             if let Err(error) = result {
-                self.sink.damaged(&error);
+                self.sink.on_damage(&error);
                 decoded.error.get_or_insert(error);
             }
         }
         decoded
     }
 
-    /// Tells the sink that the source failed for good.
+    /// Reports to the sink that the source failed.
     pub fn fail(&mut self, error: VideoError) {
-        self.sink.state(VideoState::Failed(error));
+        self.sink.on_state(VideoState::Failed(error));
     }
 
-    /// The decoder found that the stream can never be shown.
+    /// Reports to the sink that the stream cannot be decoded.
     pub(super) fn fail_to_decode(&mut self, cause: DecodeError) {
-        let place = self.place.clone();
-        self.fail(VideoError::Decode { place, cause });
+        let address = self.address.clone();
+        self.fail(VideoError::Decode { address, cause });
     }
 }
 
@@ -126,16 +126,16 @@ mod tests {
     struct NoSink;
 
     impl VideoSink for NoSink {
-        fn unit(&mut self, _unit: &EncodedUnit) {}
-        fn frame(&mut self, _frame: VideoFrame) {}
-        fn state(&mut self, _state: VideoState) {}
+        fn on_unit(&mut self, _unit: &EncodedUnit) {}
+        fn on_frame(&mut self, _frame: VideoFrame) {}
+        fn on_state(&mut self, _state: VideoState) {}
     }
 
     /// The number of units that pass a source that is started this long after the program.
     fn passed(faults: &str, started_after_s: u64) -> usize {
         let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
         let url = VideoUrl::parse(&format!("{clip}?fault={faults}")).unwrap();
-        let clock = Clock::start().earlier_by(Duration::from_secs(started_after_s));
+        let clock = Clock::start().started_earlier(Duration::from_secs(started_after_s));
         let mut feed = Feed::new(url.feed_settings(), clock, NoSink);
         let mut reader = FileReader::open(&url).unwrap();
         let unit = reader.next_unit().unwrap();

@@ -1,5 +1,4 @@
-//! Every frame of a recording, one after the other, for offline use: nothing is dropped and nothing waits for a
-//! clock.
+//! Reads all frames of a file one after the other, for offline use: no frame is dropped, and nothing waits for a clock.
 
 use std::collections::VecDeque;
 
@@ -12,11 +11,11 @@ use crate::error::{DecodeError, VideoError};
 
 /// The frames of a file or a folder, in the order of display.
 pub struct FileFrames {
-    place: String,
+    address: String,
     reader: FileReader,
     decoder: UnitDecoder,
     ready: VecDeque<VideoFrame>,
-    failed: Option<VideoError>,
+    error: Option<VideoError>,
     ended: bool,
 }
 
@@ -24,52 +23,51 @@ impl FileFrames {
     /// Opens a file or a folder.
     ///
     /// # Errors
-    /// Whatever [`FileReader::open`] finds.
+    /// As [`FileReader::open`].
     pub fn open(url: &VideoUrl) -> Result<Self, VideoError> {
         Ok(Self {
-            place: url.to_string(),
+            address: url.to_string(),
             reader: FileReader::open(url)?,
             decoder: UnitDecoder::new(DecodeMode::File),
             ready: VecDeque::new(),
-            failed: None,
+            error: None,
             ended: false,
         })
     }
 
-    /// How many frames there are at most, where the file says so.
+    /// Upper bound of the number of frames, if the file states one.
     pub fn frame_count(&self) -> Option<u64> {
         self.reader.unit_count()
     }
 
-    /// The next frame, or `None` at the end. All of reading and decoding happens in here, on the calling
-    /// thread, so that its time can be measured apart from what is done with the frame.
+    /// The next frame, or `None` at the end. Reads and decodes on the calling thread.
     ///
     /// # Errors
-    /// Damage in the file. All whole frames before it come first. After a single damaged picture
-    /// ([`DecodeError::Damaged`]) the caller may go on, with the next key frame; after any other error there
-    /// is nothing more.
+    /// Damage in the file. All intact frames before it are returned first. After a damaged picture
+    /// ([`DecodeError::Damaged`]) the next call continues with the next key frame; after any other error no frame
+    /// follows.
     pub fn next_frame(&mut self) -> Result<Option<VideoFrame>, VideoError> {
         loop {
             if let Some(frame) = self.ready.pop_front() {
                 return Ok(Some(frame));
             }
-            if let Some(error) = self.failed.take() {
+            if let Some(error) = self.error.take() {
                 return Err(error);
             }
             if self.ended {
                 return Ok(None);
             }
-            self.read_on();
+            self.decode_next_unit();
         }
     }
 
-    fn read_on(&mut self) {
+    fn decode_next_unit(&mut self) {
         let mut out = |frame| self.ready.push_back(frame);
         let result = match self.reader.next_unit() {
             Ok(Some(unit)) => self
                 .decoder
                 .decode(&unit, &mut out)
-                .map_err(|cause| VideoError::Decode { place: self.place.clone(), cause }),
+                .map_err(|cause| VideoError::Decode { address: self.address.clone(), cause }),
             Ok(None) => {
                 self.ended = true;
                 Ok(())
@@ -77,9 +75,9 @@ impl FileFrames {
             Err(error) => Err(error),
         };
         if let Err(error) = result {
-            let may_go_on = matches!(error, VideoError::Decode { cause: DecodeError::Damaged { .. }, .. });
-            self.failed = Some(error);
-            self.ended |= !may_go_on;
+            let may_continue = matches!(error, VideoError::Decode { cause: DecodeError::Damaged { .. }, .. });
+            self.error = Some(error);
+            self.ended |= !may_continue;
         }
         if self.ended {
             self.decoder.finish(&mut out);

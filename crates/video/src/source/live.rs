@@ -1,9 +1,8 @@
-//! A video source in real time, on a thread of its own.
+//! Runs a video source in real time, on a thread of its own.
 //!
-//! The thread is named `video`. It reads or receives units, decodes every one of them, and hands units and
-//! frames to a [`VideoSink`] at once; what is done with a frame that nobody has time for is the sink's business,
-//! which must not block. A file is paced by its times (time of capture = start + PTS) and ends; an RTSP source
-//! reconnects indefinitely (see [`super::supervision`]).
+//! The thread `video` reads or receives units, decodes each of them, and passes units and frames to a [`VideoSink`] at
+//! once. The sink must not block; it decides which frames to drop. A file is paced by its times (time of capture = start +
+//! PTS) and ends. An RTSP source reconnects indefinitely (see [`super::supervision`]).
 
 use std::fmt;
 use std::sync::Arc;
@@ -27,15 +26,15 @@ pub struct VideoHandle {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Longest wait for the thread to end after it was told to.
+/// Maximum wait for the thread to end after the stop signal.
 const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The thread did not end well.
+/// The thread did not end normally.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopError {
-    /// It had panicked.
+    /// The thread panicked.
     Panicked,
-    /// It did not end in time, and was left alone: a sink blocks.
+    /// The thread did not end in time, for instance because the sink blocks. It is left running.
     StillRunning,
 }
 
@@ -53,8 +52,7 @@ impl std::error::Error for StopError {}
 /// Starts a source.
 ///
 /// # Errors
-/// The system has no thread left. Whatever is wrong with the source itself reaches the sink as
-/// [`VideoState::Failed`].
+/// The system refuses a thread. An error of the source itself reaches the sink as [`VideoState::Failed`].
 pub fn spawn(url: VideoUrl, clock: Clock, sink: impl VideoSink + 'static) -> Result<VideoHandle, VideoError> {
     VideoHandle::start(move |stop| {
         let feed = Feed::new(url.feed_settings(), clock, sink);
@@ -70,13 +68,13 @@ impl VideoHandle {
     /// the signal is raised.
     ///
     /// # Errors
-    /// [`VideoError::Thread`]: the system has no thread left.
+    /// [`VideoError::Thread`]: the system refuses a thread.
     pub fn start(run: impl FnOnce(&StopSignal) + Send + 'static) -> Result<Self, VideoError> {
         let stop = Arc::new(StopSignal::default());
-        let seen_by_thread = Arc::clone(&stop);
+        let thread_stop = Arc::clone(&stop);
         let thread = thread::Builder::new()
             .name("video".to_owned())
-            .spawn(move || run(&seen_by_thread))
+            .spawn(move || run(&thread_stop))
             .map_err(VideoError::Thread)?;
         Ok(Self { stop, thread: Some(thread) })
     }
@@ -84,12 +82,12 @@ impl VideoHandle {
     /// Tells the thread to end and waits for it, at most 2 s.
     ///
     /// # Errors
-    /// The thread had panicked, or does not end.
+    /// The thread panicked, or does not end.
     pub fn stop(mut self) -> Result<(), StopError> {
         self.stop_and_join()
     }
 
-    /// Whether the thread has ended by itself: the file is over, the source failed, or the thread panicked.
+    /// Whether the thread has ended by itself: at the end of the file, because the source failed, or by a panic.
     pub fn is_finished(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
@@ -110,26 +108,26 @@ impl VideoHandle {
 
 impl Drop for VideoHandle {
     fn drop(&mut self) {
-        // Whoever wants to know how the thread ended calls `stop`.
+        // `stop` returns how the thread ended; here the result is not needed.
         let _ = self.stop_and_join();
     }
 }
 
-/// Plays a file in its own time.
+/// Plays a file at the pace of its times.
 fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) {
-    feed.sink.state(VideoState::Connecting);
+    feed.sink.on_state(VideoState::Connecting);
     let mut reader = match FileReader::open(url) {
         Ok(reader) => reader,
         Err(error) => return feed.fail(error),
     };
     let start = feed.clock.now();
     let mut is_up = false;
-    let mut last = None;
+    let mut read_error = None;
     loop {
         let unit = match reader.next_unit() {
             Ok(unit) => unit,
             Err(error) => {
-                last = Some(error);
+                read_error = Some(error);
                 None
             }
         };
@@ -146,9 +144,9 @@ fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) 
         if let Some(error) = decoded.error.filter(DecodeError::is_final) {
             return feed.fail_to_decode(error);
         }
-        // A unit goes out with the frame that it gives, and not before its time. Where it gives none because it is
-        // lost, its time passes all the same; where its picture is still to come, the file is read on.
-        let is_lost = decoded.units.is_empty() || feed.decoder.waits_for_key();
+        // A unit is delivered with its frame, at the time of the frame. A lost unit is delivered at its own time. For a
+        // unit whose picture is still in the decoder, the file is read on without a wait.
+        let is_lost = decoded.units.is_empty() || feed.decoder.is_awaiting_key();
         let due = match decoded.frames.front() {
             Some(frame) => frame.capture.at,
             None if is_lost => unit_at,
@@ -157,20 +155,20 @@ fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) 
         if stop.wait_until(feed.clock.instant(due)) {
             return;
         }
-        decoded.units.iter().for_each(|unit| feed.sink.unit(unit));
+        decoded.units.iter().for_each(|unit| feed.sink.on_unit(unit));
         for frame in decoded.frames {
             if stop.wait_until(feed.clock.instant(frame.capture.at)) {
                 return;
             }
             if !std::mem::replace(&mut is_up, true) {
-                feed.sink.state(VideoState::Up);
+                feed.sink.on_state(VideoState::Up);
             }
-            feed.sink.frame(frame);
+            feed.sink.on_frame(frame);
         }
         if at_end {
-            return match last {
+            return match read_error {
                 Some(error) => feed.fail(error),
-                None => feed.sink.state(VideoState::Ended),
+                None => feed.sink.on_state(VideoState::Ended),
             };
         }
     }

@@ -1,17 +1,16 @@
-//! When a picture was taken, from its RTP time (RFC 3550) and its time of arrival.
+//! Estimates the time of capture of a picture from its RTP time (RFC 3550) and its time of arrival.
 //!
-//! RTP time counts ticks of the sender's clock from an unknown start, with 32 bits. A picture of RTP time r (in
-//! seconds, after unwrapping) that arrives at a has the offset a - r: clock difference plus latency. The latency
-//! varies, and is never negative, so the smallest offset of the last 30 s is the clock difference plus the
-//! smallest latency, and the time of capture is r plus that. It is late by the smallest latency, which nothing
-//! in the stream can tell; the vehicle profile's nominal video latency stands for it.
+//! RTP time counts ticks of the sender's clock from an unknown start, modulo 2^32. A picture with RTP time r (seconds,
+//! unwrapped) that arrives at a has the offset a - r: clock difference plus latency. The latency varies and is never
+//! negative. So the smallest offset of the last 30 s is the clock difference plus the smallest latency, and r plus this
+//! offset estimates the time of capture. The estimate is late by the smallest latency, which the stream does not tell;
+//! the vehicle profile's nominal video latency accounts for it.
 //!
-//! A sender report (RTCP) is sent without waiting for an encoder, so its offset is often smaller than that of any
-//! picture, and brings the time of capture nearer to the sensor. One that is off by more than a second is not
-//! believed.
+//! A sender report (RTCP) does not wait for an encoder. Its offset is often smaller than that of any picture and improves
+//! the estimate. A report that is off by more than a second is ignored.
 //!
-//! A jump of the sender's clock (backwards by more than reordered pictures explain, or forwards faster than time
-//! passed) begins anew. Until some pictures were seen, the quality is that of an arrival.
+//! A jump of the sender's clock (backwards by more than reordered pictures explain, or forwards faster than time passed)
+//! resets the estimate. Until enough pictures have arrived, the capture quality is that of an arrival.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -19,51 +18,51 @@ use std::time::Duration;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 
-/// How far back the smallest offset is looked for: long against bursts of the network, and short against the
-/// drift of quartz clocks (50 ppm: 1.5 ms in 30 s).
+/// Window of the smallest offset, seconds: long against bursts of the network, short against the drift of quartz clocks
+/// (50 ppm: 1.5 ms in 30 s).
 const WINDOW_S: u64 = 30;
 
-/// Largest step backwards that reordered pictures explain, and largest step forwards beyond the time passed that
-/// the network does.
+/// Largest step backwards that reordered pictures explain, and largest step forwards beyond the time passed that the
+/// network explains.
 const MAX_STEP_NS: i128 = 1_000_000_000;
 
-/// Pictures after which the smallest offset is trusted.
-const TRUSTED_AFTER: u32 = 8;
+/// Number of pictures from which on the smallest offset is used.
+const MIN_PICTURES: u32 = 8;
 
-/// Maps RTP times of one connection to our clock.
+/// Maps the RTP times of one connection to the program's clock.
 #[derive(Debug, Clone)]
 pub(super) struct RtpClock {
     ticks_per_second: u32,
-    last: Option<Seen>,
+    last: Option<LastPicture>,
     /// Smallest offset of each second of arrival, in nanoseconds, oldest first.
     smallest: VecDeque<(u64, i128)>,
     pictures: u32,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Seen {
-    /// Unwrapped.
+struct LastPicture {
+    /// RTP time, unwrapped.
     ticks: i64,
     arrival: Timestamp,
 }
 
 impl RtpClock {
-    /// A clock that has seen nothing.
+    /// A clock without a picture.
     pub(super) const fn new(ticks_per_second: u32) -> Self {
         Self { ticks_per_second, last: None, smallest: VecDeque::new(), pictures: 0 }
     }
 
-    /// When the picture with that RTP time, which arrived at `arrival`, was taken.
+    /// The time of capture of the picture with this RTP time, which arrived at `arrival`.
     pub(super) fn capture(&mut self, rtp: u32, arrival: Timestamp) -> Capture {
         let ticks = self.unwrap(rtp);
-        if self.jumped(ticks, arrival) {
+        if self.has_jumped(ticks, arrival) {
             *self = Self::new(self.ticks_per_second);
         }
-        self.last = Some(Seen { ticks, arrival });
+        self.last = Some(LastPicture { ticks, arrival });
         self.pictures = self.pictures.saturating_add(1);
         let sent_ns = self.nanos(ticks);
-        self.note(i128::from(arrival.as_nanos()) - sent_ns, arrival);
-        if self.pictures < TRUSTED_AFTER {
+        self.record_offset(i128::from(arrival.as_nanos()) - sent_ns, arrival);
+        if self.pictures < MIN_PICTURES {
             return Capture { at: arrival, quality: CaptureQuality::Arrival };
         }
         let offset = self.smallest_offset().unwrap_or_default();
@@ -71,16 +70,16 @@ impl RtpClock {
         Capture { at, quality: CaptureQuality::Sender }
     }
 
-    /// Takes note of a sender report with that RTP time.
-    pub(super) fn report(&mut self, rtp: u32, arrival: Timestamp) {
+    /// Processes a sender report with this RTP time.
+    pub(super) fn on_sender_report(&mut self, rtp: u32, arrival: Timestamp) {
         let Some(known) = self.smallest_offset() else { return };
         let offset = i128::from(arrival.as_nanos()) - self.nanos(self.unwrap(rtp));
         if (known - MAX_STEP_NS..known).contains(&offset) {
-            self.note(offset, arrival);
+            self.record_offset(offset, arrival);
         }
     }
 
-    /// The tick nearest to the last one whose low 32 bits are `rtp`.
+    /// The tick with the low 32 bits `rtp` that is nearest to the last tick.
     fn unwrap(&self, rtp: u32) -> i64 {
         let Some(last) = self.last else { return i64::from(rtp) };
         let step = rtp.wrapping_sub(last.ticks as u32) as i32;
@@ -91,14 +90,14 @@ impl RtpClock {
         i128::from(ticks) * 1_000_000_000 / i128::from(self.ticks_per_second.max(1))
     }
 
-    fn jumped(&self, ticks: i64, arrival: Timestamp) -> bool {
+    fn has_jumped(&self, ticks: i64, arrival: Timestamp) -> bool {
         let Some(last) = self.last else { return false };
         let step = self.nanos(ticks) - self.nanos(last.ticks);
         let passed = i128::from(nanos_of(arrival.since(last.arrival)));
         step < -MAX_STEP_NS || step > passed + MAX_STEP_NS
     }
 
-    fn note(&mut self, offset: i128, arrival: Timestamp) {
+    fn record_offset(&mut self, offset: i128, arrival: Timestamp) {
         let second = arrival.as_nanos() / 1_000_000_000;
         match self.smallest.back_mut() {
             Some((newest, smallest)) if *newest == second => *smallest = offset.min(*smallest),
@@ -114,8 +113,8 @@ impl RtpClock {
     }
 }
 
-fn nanos_of(span: Duration) -> u64 {
-    u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
+fn nanos_of(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]
@@ -196,7 +195,7 @@ mod tests {
     fn a_sender_report_brings_the_time_nearer_to_the_sensor() {
         let mut clock = RtpClock::new(RATE);
         run(&mut clock, 0, &[50; 10]);
-        clock.report(35_100, ms(1391));
+        clock.on_sender_report(35_100, ms(1391));
         assert_eq!(clock.capture(36_000, ms(1450)).at, ms(1401));
     }
 
@@ -204,8 +203,8 @@ mod tests {
     fn a_sender_report_that_makes_no_sense_is_not_believed() {
         let mut clock = RtpClock::new(RATE);
         run(&mut clock, 0, &[50; 10]);
-        clock.report(35_100 + 5 * RATE, ms(1391));
-        clock.report(0, ms(9000));
+        clock.on_sender_report(35_100 + 5 * RATE, ms(1391));
+        clock.on_sender_report(0, ms(9000));
         assert_eq!(clock.capture(36_000, ms(1450)).at, ms(1450));
     }
 }

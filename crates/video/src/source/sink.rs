@@ -1,4 +1,4 @@
-//! What a source tells whoever takes its pictures.
+//! The receiver of a video source, and the states of a source.
 
 use barrelman_vocab::PixelBox;
 use barrelman_vocab::unit::EncodedUnit;
@@ -6,35 +6,35 @@ use barrelman_vocab::video::VideoFrame;
 
 use crate::error::{DecodeError, VideoError};
 
-/// Takes what a source delivers. Called on the video thread; must not block.
+/// Receives the output of a video source. The methods are called on the video thread and must not block.
 pub trait VideoSink: Send {
-    /// An encoded unit, just before the frame that it gives.
-    fn unit(&mut self, unit: &EncodedUnit);
+    /// An encoded unit, directly before its frame.
+    fn on_unit(&mut self, unit: &EncodedUnit);
     /// A decoded frame.
-    fn frame(&mut self, frame: VideoFrame);
-    /// The source changed its state.
-    fn state(&mut self, state: VideoState);
-    /// Where the target is in the frame that comes next: told once, by a simulated world, at the first frame in which
-    /// the target is seen.
-    fn target(&mut self, _target: PixelBox) {}
-    /// A unit was damaged; nothing is shown until the next key frame.
-    fn damaged(&mut self, _error: &DecodeError) {}
+    fn on_frame(&mut self, frame: VideoFrame);
+    /// A new state of the source.
+    fn on_state(&mut self, state: VideoState);
+    /// The target's bounds in the next frame. A simulated world calls this once, before the first frame that shows the
+    /// target.
+    fn on_target(&mut self, _target: PixelBox) {}
+    /// A unit was damaged: no frame follows until the next key frame.
+    fn on_damage(&mut self, _error: &DecodeError) {}
 }
 
-/// How a source stands.
+/// The state of a source.
 #[derive(Debug)]
 pub enum VideoState {
-    /// An attempt to connect, or to open, begins.
+    /// The source is being connected or opened.
     Connecting,
-    /// The first frame after connecting is about to come.
+    /// Frames arrive; sent directly before the first frame.
     Up,
-    /// The source is gone, and will be tried again.
+    /// The connection was lost; the source reconnects.
     Lost {
-        /// What happened, in words.
+        /// The reason, for people.
         reason: String,
     },
-    /// The file is at its end; nothing more will come.
+    /// The end of the file: no frame follows.
     Ended,
-    /// The source can never be shown; nothing more will come.
+    /// The source cannot be used: no frame follows.
     Failed(VideoError),
 }

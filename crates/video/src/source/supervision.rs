@@ -1,102 +1,102 @@
-//! When to connect to a live source, when to give it up, and when to try again.
+//! Decides when to connect to a live source, when to disconnect, and when to try again.
 //!
-//! A struct without a clock or a thread: it is told what happened and when, answers what to do, and says when it
-//! wants to be asked again ([`Supervision::wake_at`]). The end of a stream, an error and silence all count as
-//! lost: a pulled tether gives neither an end nor an error.
+//! The state machine has no clock and no thread. It receives events with their times, returns actions, and states the
+//! time of the next tick that it needs ([`Supervision::wake_at`]). The end of a stream, an error and silence all count as
+//! a loss: a disconnected tether causes neither an end nor an error.
 
 use std::time::Duration;
 
 use barrelman_vocab::time::Timestamp;
 
-/// Longest attempt to connect, up to the first answer that video will come.
+/// Maximum duration of an attempt to connect, up to the server's answer to PLAY.
 pub const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Longest silence of a source that is up: at 30 pictures per second, 60 of them.
+/// Maximum silence of a connected source: 60 pictures at 30 per second.
 pub const MAX_SILENCE: Duration = Duration::from_secs(2);
 
-/// Longest wait for a key frame while other units come. Cameras commonly send one each 1 to 5 s, some each 10 s.
+/// Maximum wait for a key frame while other units arrive. Cameras commonly send one every 1 to 5 s, some every 10 s.
 pub const KEY_FRAME_TIMEOUT: Duration = Duration::from_secs(12);
 
-/// First pause before trying again; it doubles with each attempt that shows no picture.
+/// First pause before a new attempt. The pause doubles with each attempt without a picture.
 pub const MIN_RETRY_PAUSE: Duration = Duration::from_millis(250);
 
-/// Longest pause before trying again.
+/// Maximum pause before a new attempt.
 pub const MAX_RETRY_PAUSE: Duration = Duration::from_secs(1);
 
-/// Where a live source stands.
+/// The state of a live source.
 ///
 /// ```text
 ///             tick at `until`: Connect                 connected
 ///   Resting ------------------------> Connecting -----------------> AwaitingKey
 ///    ^ ^ ^                             |                             |  ^   |
 ///    | | +---- broken, or tick --------+                     picture |  |   |
-///    | |       at since + 1 s: HangUp                                v  |   |
-///    | +------ broken, or tick at last_picture + 2 s: HangUp -------- Up    |
+///    | |       at since + 1 s: Disconnect                            v  |   |
+///    | +------ broken, or tick at last_picture + 2 s: Disconnect ---- Up    |
 ///    |                                             Up -- key needed --> AwaitingKey
-///    +-------- broken, or tick at last_unit + 2 s or since + 12 s: HangUp --+
+///    +---- broken, or tick at last_unit + 2 s or since + 12 s: Disconnect --+
 /// ```
-/// A unit in `AwaitingKey`, and a picture in `Up`, only set their time anew. Whatever does not stand at an arrow is
-/// ignored.
+/// A unit in `AwaitingKey` and a picture in `Up` only update `last_unit` and `last_picture`. An event without an arrow
+/// is ignored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     /// Waiting before the next attempt.
     Resting {
-        /// When it begins.
+        /// Start of the next attempt.
         until: Timestamp,
     },
-    /// Trying to connect.
+    /// An attempt to connect.
     Connecting {
-        /// Since when.
+        /// Start of the attempt.
         since: Timestamp,
     },
-    /// Connected, without a picture that can be shown.
+    /// Connected, without a decodable picture.
     AwaitingKey {
-        /// Since when.
+        /// Start of this state.
         since: Timestamp,
-        /// When the last unit came; at first, when the connection did.
+        /// Arrival of the last unit; at first, the time of the connection.
         last_unit: Timestamp,
     },
-    /// Pictures come.
+    /// Pictures arrive.
     Up {
-        /// When the last one came.
+        /// Time of the last picture.
         last_picture: Timestamp,
     },
 }
 
-/// What happened.
+/// An event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// The time asked for has come, or some other.
+    /// Time has passed.
     Tick,
-    /// The source answered, and will send.
+    /// The connection was made.
     Connected,
-    /// An encoded unit came.
+    /// An encoded unit arrived.
     Unit,
     /// A picture was decoded.
     Picture,
-    /// A unit was damaged: nothing can be shown before the next key frame.
+    /// A unit was damaged: the next picture needs a key frame.
     KeyNeeded,
     /// The stream ended, or failed.
     Broken,
 }
 
-/// What to do.
+/// An action of the caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
-    /// Begin a new attempt (a new epoch).
+    /// Start an attempt to connect (a new epoch).
     Connect,
-    /// Close the connection, or give up making it.
-    HangUp(Loss),
+    /// Close the connection, or cancel the attempt.
+    Disconnect(Loss),
 }
 
-/// Why a connection was given up.
+/// The reason for the end of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loss {
-    /// No answer in time.
+    /// The server did not answer in time.
     NoAnswer,
-    /// Units come, but no key frame among them.
+    /// Units arrive without a key frame.
     NoKey,
-    /// Nothing comes.
+    /// No unit arrives.
     Silence,
     /// The stream ended, or failed.
     Broken,
@@ -110,17 +110,17 @@ pub struct Supervision {
 }
 
 impl Supervision {
-    /// A source that is to be connected at once.
+    /// A source to connect at once.
     pub const fn new(now: Timestamp) -> Self {
         Self { state: State::Resting { until: now }, pause: MIN_RETRY_PAUSE }
     }
 
-    /// Where it stands.
+    /// The current state.
     pub const fn state(&self) -> State {
         self.state
     }
 
-    /// When a [`Event::Tick`] is due if nothing else happens.
+    /// When an [`Event::Tick`] is due if no other event occurs.
     pub fn wake_at(&self) -> Timestamp {
         match self.state {
             State::Resting { until } => until,
@@ -132,7 +132,7 @@ impl Supervision {
         }
     }
 
-    /// Takes note of what happened, and says what to do.
+    /// Processes an event. Returns the action to take, if any.
     pub fn handle(&mut self, event: Event, now: Timestamp) -> Option<Action> {
         match (self.state, event) {
             (State::Resting { until }, Event::Tick) if now >= until => {
@@ -173,7 +173,7 @@ impl Supervision {
     fn rest(&mut self, loss: Loss, now: Timestamp) -> Action {
         self.state = State::Resting { until: now.plus(self.pause) };
         self.pause = MAX_RETRY_PAUSE.min(self.pause * 2);
-        Action::HangUp(loss)
+        Action::Disconnect(loss)
     }
 }
 
@@ -222,9 +222,9 @@ mod tests {
     fn an_attempt_ends_connected_broken_or_unanswered() {
         let key = State::AwaitingKey { since: at(500), last_unit: at(500) };
         check(CONNECTING, Event::Connected, 500, key, None);
-        check(CONNECTING, Event::Broken, 500, resting(750), Some(Action::HangUp(Loss::Broken)));
+        check(CONNECTING, Event::Broken, 500, resting(750), Some(Action::Disconnect(Loss::Broken)));
         check(CONNECTING, Event::Tick, 999, CONNECTING, None);
-        check(CONNECTING, Event::Tick, 1000, resting(1250), Some(Action::HangUp(Loss::NoAnswer)));
+        check(CONNECTING, Event::Tick, 1000, resting(1250), Some(Action::Disconnect(Loss::NoAnswer)));
     }
 
     #[test]
@@ -233,10 +233,10 @@ mod tests {
         let later = State::AwaitingKey { since: at(0), last_unit: at(1500) };
         check(AWAITING, Event::Unit, 1500, later, None);
         check(later, Event::Tick, 2000, later, None);
-        check(AWAITING, Event::Tick, 2000, resting(2250), Some(Action::HangUp(Loss::Silence)));
-        check(AWAITING, Event::Broken, 100, resting(350), Some(Action::HangUp(Loss::Broken)));
+        check(AWAITING, Event::Tick, 2000, resting(2250), Some(Action::Disconnect(Loss::Silence)));
+        check(AWAITING, Event::Broken, 100, resting(350), Some(Action::Disconnect(Loss::Broken)));
         let long = State::AwaitingKey { since: at(0), last_unit: at(11_900) };
-        check(long, Event::Tick, 12_000, resting(12_250), Some(Action::HangUp(Loss::NoKey)));
+        check(long, Event::Tick, 12_000, resting(12_250), Some(Action::Disconnect(Loss::NoKey)));
     }
 
     #[test]
@@ -244,8 +244,8 @@ mod tests {
         check(UP, Event::Picture, 33, State::Up { last_picture: at(33) }, None);
         check(UP, Event::Unit, 1000, UP, None);
         check(UP, Event::Tick, 1999, UP, None);
-        check(UP, Event::Tick, 2000, resting(2250), Some(Action::HangUp(Loss::Silence)));
-        check(UP, Event::Broken, 10, resting(260), Some(Action::HangUp(Loss::Broken)));
+        check(UP, Event::Tick, 2000, resting(2250), Some(Action::Disconnect(Loss::Silence)));
+        check(UP, Event::Broken, 10, resting(260), Some(Action::Disconnect(Loss::Broken)));
     }
 
     #[test]

@@ -1,9 +1,8 @@
-//! The address of a video, as the user writes it: `rtsp://...`, `file:clip.mp4`, or a path.
+//! The address of a video source, as the user writes it: `rtsp://...`, `file:clip.mp4`, or a path.
 //!
 //! Options follow a question mark: `?fps=30` (pictures per second of a folder) and `?fault=stall@12.5s,drop@3+2`
-//! (deliberate faults). A file name may contain a question mark: the part behind the question mark is read as options
-//! only if every option is known, and an existing file of exactly that name takes precedence.
-//! A password in an address is never printed.
+//! (deliberate faults). A file name may contain a question mark: the text after it is read as options only if every
+//! option is known, and an existing file of exactly that name takes precedence. A password is never printed.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -15,32 +14,32 @@ use crate::codec::decoder::DecodeMode;
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
 use barrelman_host::redaction::without_logins;
 
-/// A video source that this build can read, with its options.
+/// A video source with its options.
 #[derive(Clone, PartialEq)]
 pub struct VideoUrl {
-    /// What to open.
+    /// The source.
     pub source: VideoSource,
     /// Pictures per second of a folder of pictures.
     pub fps: Option<f64>,
-    /// What goes wrong on purpose.
+    /// Deliberate faults.
     pub faults: FaultPlan,
 }
 
-/// What to open.
+/// A file or a stream.
 #[derive(Clone, PartialEq)]
 pub enum VideoSource {
     /// A file, or a folder of pictures.
     File(PathBuf),
-    /// A live stream over RTSP (RFC 2326), without user and password, and these beside it.
+    /// A live stream over RTSP (RFC 2326).
     Rtsp {
-        /// The address.
+        /// The address without user and password.
         address: Url,
-        /// Who logs in, if anybody.
+        /// The login, if any.
         login: Option<Login>,
     },
 }
 
-/// Name and password of an RTSP camera.
+/// User and password of an RTSP camera. Their values are not printed.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Login {
     /// The user's name.
@@ -50,67 +49,67 @@ pub struct Login {
 }
 
 impl Login {
-    /// Reads `user:password`. The password may contain colons; it may be empty.
+    /// Reads `user:password`. The password may be empty and may contain colons.
     ///
     /// # Errors
-    /// If there is no user or no colon. The message repeats nothing of the text.
+    /// A text without a user or without a colon. The message does not repeat the text.
     pub fn parse(text: &str) -> Result<Self, LoginError> {
         let (user, password) = text.split_once(':').filter(|(user, _)| !user.is_empty()).ok_or(LoginError)?;
         Ok(Self { user: user.to_owned(), password: password.to_owned() })
     }
 }
 
-/// A text that is no login.
+/// A text that is not a login.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("there is no login: write user:password")]
 pub struct LoginError;
 
-/// A video source that cannot be used, and what to do instead.
+/// An address that cannot be used. The messages say what to do instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VideoUrlError {
-    /// Nothing was given.
+    /// The address is empty.
     #[error("no video source given: write a file name or rtsp://HOST/PATH")]
     Empty,
-    /// The scheme is known, and not read by this build.
+    /// The scheme is known and not supported.
     #[error("`{url}`: {what} not read by this build. {remedy}")]
-    NotInThisBuild {
-        /// What was written, without a password.
+    Unsupported {
+        /// The text of the user, without a password.
         url: String,
-        /// What it is, with its verb.
+        /// The kind of source, with a verb.
         what: &'static str,
-        /// A way round.
+        /// What to do instead.
         remedy: &'static str,
     },
     /// The scheme is unknown.
     #[error("`{url}` begins with an unknown scheme: use a file name, file:PATH or rtsp://HOST/PATH")]
     UnknownScheme {
-        /// What was written, without a password.
+        /// The text of the user, without a password.
         url: String,
     },
-    /// The address cannot be read.
+    /// The address cannot be parsed.
     #[error("`{url}` is not an address ({reason}): write rtsp://HOST[:PORT]/PATH")]
     Malformed {
-        /// What was written, without a password.
+        /// The text of the user, without a password.
         url: String,
         /// What is wrong.
         reason: String,
     },
-    /// A login was given for a source that takes none.
+    /// A login was given for a source without one.
     #[error("{url} takes no login: only rtsp:// does")]
-    NoLoginTaken {
+    LoginNotSupported {
         /// The source.
         url: String,
     },
-    /// A login was given twice.
+    /// A login was given in the address and beside it.
     #[error("the login of {url} is given twice: leave it out of the address")]
-    TwoLogins {
+    LoginGivenTwice {
         /// The source, without the login.
         url: String,
     },
-    /// The number of pictures per second is none.
+    /// The frame rate is not a number, or out of its range.
     #[error("fps={0} is not a number of pictures per second: write e.g. ?fps=30 (more than 0, at most 1000)")]
-    Fps(String),
-    /// A simulated world is no recording and no stream.
+    InvalidFps(String),
+    /// A simulated world, where only a recording or a stream can be used.
     #[error(
         "{url} is a simulated world, which goes by the clock, and no recording: use `barrelman run --video {url}`"
     )]
@@ -118,7 +117,7 @@ pub enum VideoUrlError {
         /// The address as written.
         url: String,
     },
-    /// The faults cannot be read.
+    /// The plan of faults cannot be parsed.
     #[error(transparent)]
     Fault(#[from] FaultPlanError),
 }
@@ -131,10 +130,10 @@ const SERVE_STREAM: &str = "Serve it over RTSP, e.g. with MediaMTX and \
     and use that address";
 
 impl VideoUrl {
-    /// Reads what the user wrote. Looks whether a file of that name exists; opens nothing.
+    /// Reads an address. Checks whether a file of that name exists, and opens nothing.
     ///
     /// # Errors
-    /// A scheme or an option that is not known, each with what to write instead.
+    /// An unknown scheme or an invalid option; the message says what to write instead.
     pub fn parse(text: &str) -> Result<Self, VideoUrlError> {
         if text.trim().is_empty() {
             return Err(VideoUrlError::Empty);
@@ -151,7 +150,7 @@ impl VideoUrl {
         match scheme_of(text) {
             None => Self::parse_path(text),
             Some("rtsp") => Self::parse_rtsp(text),
-            Some(scheme) => Err(refuse(scheme, text)),
+            Some(scheme) => Err(unsupported(scheme, text)),
         }
     }
 
@@ -160,23 +159,23 @@ impl VideoUrl {
         Self { source: VideoSource::File(path.into()), fps: None, faults: FaultPlan::default() }
     }
 
-    /// The same source, logged in to by this login.
+    /// The source with this login.
     ///
     /// # Errors
-    /// If the source is not RTSP, or the address has a login already.
+    /// The source is not RTSP, or the address has a login already.
     pub fn with_login(mut self, new: Login) -> Result<Self, VideoUrlError> {
         let url = self.to_string();
         match &mut self.source {
-            VideoSource::Rtsp { login: Some(_), .. } => Err(VideoUrlError::TwoLogins { url }),
+            VideoSource::Rtsp { login: Some(_), .. } => Err(VideoUrlError::LoginGivenTwice { url }),
             VideoSource::Rtsp { login, .. } => {
                 *login = Some(new);
                 Ok(self)
             }
-            VideoSource::File(_) => Err(VideoUrlError::NoLoginTaken { url }),
+            VideoSource::File(_) => Err(VideoUrlError::LoginNotSupported { url }),
         }
     }
 
-    /// Whether the source delivers in its own time and may come back when it is lost.
+    /// Whether the source is a live stream, which sets the pace and reconnects when it is lost.
     pub const fn is_live(&self) -> bool {
         matches!(self.source, VideoSource::Rtsp { .. })
     }
@@ -184,7 +183,7 @@ impl VideoUrl {
     /// The settings of the feed of this source.
     pub(super) fn feed_settings(&self) -> FeedSettings {
         let mode = if self.is_live() { DecodeMode::Live } else { DecodeMode::File };
-        FeedSettings { place: self.to_string(), faults: self.faults.clone(), mode }
+        FeedSettings { address: self.to_string(), faults: self.faults.clone(), mode }
     }
 
     fn parse_path(path: &str) -> Result<Self, VideoUrlError> {
@@ -199,7 +198,7 @@ impl VideoUrl {
         {
             url = Self::file(before);
             for option in options.split('&') {
-                url.set(option)?;
+                url.set_option(option)?;
             }
         }
         Ok(url)
@@ -212,32 +211,31 @@ impl VideoUrl {
             return Err(malformed("there is no host".to_owned()));
         }
         let mut url = Self::file("");
-        // Cameras have options of their own: only ours are taken away, the others stay as they were.
+        // The camera has options of its own: only this program's options are removed.
         if let Some(query) = address.query().map(str::to_owned) {
-            let is_ours = |option: &&str| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name));
-            for option in query.split('&').filter(is_ours) {
-                url.set(option)?;
+            let is_known = |option: &&str| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name));
+            for option in query.split('&').filter(is_known) {
+                url.set_option(option)?;
             }
-            let theirs: Vec<_> = query.split('&').filter(|option| !is_ours(option)).collect();
-            address.set_query(Some(theirs.join("&").as_str()).filter(|query| !query.is_empty()));
+            let other: Vec<_> = query.split('&').filter(|option| !is_known(option)).collect();
+            address.set_query(Some(other.join("&").as_str()).filter(|query| !query.is_empty()));
         }
-        let decoded = |text: &str| percent_decoded(text);
         let login = (!address.username().is_empty()).then(|| Login {
-            user: decoded(address.username()),
-            password: decoded(address.password().unwrap_or_default()),
+            user: percent_decoded(address.username()),
+            password: percent_decoded(address.password().unwrap_or_default()),
         });
-        // An address with a host always takes an empty user and no password.
+        // Removing the user and the password succeeds for an address with a host.
         let _ = address.set_username("");
         let _ = address.set_password(None);
         url.source = VideoSource::Rtsp { address, login };
         Ok(url)
     }
 
-    fn set(&mut self, option: &str) -> Result<(), VideoUrlError> {
+    fn set_option(&mut self, option: &str) -> Result<(), VideoUrlError> {
         if let Some(fps) = option.strip_prefix("fps=") {
-            let number: f64 = fps.parse().map_err(|_| VideoUrlError::Fps(fps.to_owned()))?;
+            let number: f64 = fps.parse().map_err(|_| VideoUrlError::InvalidFps(fps.to_owned()))?;
             if !(number > 0.0 && number <= 1000.0) {
-                return Err(VideoUrlError::Fps(fps.to_owned()));
+                return Err(VideoUrlError::InvalidFps(fps.to_owned()));
             }
             self.fps = Some(number);
         } else if let Some(faults) = option.strip_prefix("fault=") {
@@ -249,7 +247,7 @@ impl VideoUrl {
 
 const KNOWN_OPTIONS: [&str; 2] = ["fps=", "fault="];
 
-/// The scheme of an address: letters, digits, `+-.` before the first colon; one letter is a Windows drive.
+/// The scheme of an address: letters, digits, `+-.` before the first colon. A single letter is a Windows drive.
 fn scheme_of(text: &str) -> Option<&str> {
     let (scheme, _) = text.split_once(':')?;
     let is_scheme = scheme.len() > 1
@@ -258,7 +256,7 @@ fn scheme_of(text: &str) -> Option<&str> {
     is_scheme.then_some(scheme)
 }
 
-fn refuse(scheme: &str, text: &str) -> VideoUrlError {
+fn unsupported(scheme: &str, text: &str) -> VideoUrlError {
     let url = without_logins(text);
     let (what, remedy) = match scheme {
         "v4l2" => ("USB and other V4L2 cameras are", SERVE_CAMERA),
@@ -267,7 +265,7 @@ fn refuse(scheme: &str, text: &str) -> VideoUrlError {
         "rtsps" => ("RTSP over TLS is", "Use rtsp:// inside a trusted network or a VPN"),
         _ => return VideoUrlError::UnknownScheme { url },
     };
-    VideoUrlError::NotInThisBuild { url, what, remedy }
+    VideoUrlError::Unsupported { url, what, remedy }
 }
 
 fn percent_decoded(text: &str) -> String {

@@ -30,15 +30,15 @@ struct Sink {
 }
 
 impl VideoSink for Sink {
-    fn unit(&mut self, unit: &EncodedUnit) {
+    fn on_unit(&mut self, unit: &EncodedUnit) {
         let _ = self.to.send(Delivered::Unit(unit.clone()));
     }
 
-    fn frame(&mut self, frame: VideoFrame) {
+    fn on_frame(&mut self, frame: VideoFrame) {
         let _ = self.to.send(Delivered::Frame(frame, self.clock.now()));
     }
 
-    fn state(&mut self, state: VideoState) {
+    fn on_state(&mut self, state: VideoState) {
         let _ = self.to.send(Delivered::State(state));
     }
 }

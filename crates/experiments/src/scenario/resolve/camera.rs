@@ -22,12 +22,12 @@ struct Sizes {
 
 pub(super) fn camera(
     section: &CameraSection,
-    changes: &ScenarioOverrides,
+    overrides: &ScenarioOverrides,
 ) -> Result<CameraSetup, ScenarioError> {
-    let Sizes { picture, frame, scale } = sizes(section, changes)?;
+    let Sizes { picture, frame, scale } = sizes(section, overrides)?;
     let rate = section.pictures_per_second;
     if rate == 0 || !TICKS_PER_SECOND.is_multiple_of(rate) {
-        return Err(ScenarioError::value(
+        return Err(ScenarioError::invalid(
             "camera.pictures_per_second",
             format!("{rate}: use a whole number that {TICKS_PER_SECOND} can be divided by, such as 30"),
         ));
@@ -55,20 +55,20 @@ pub(super) fn camera(
     })
 }
 
-/// The sizes of picture and frame. A picture size in `changes` shows the same view: the frame grows with the width.
-fn sizes(section: &CameraSection, changes: &ScenarioOverrides) -> Result<Sizes, ScenarioError> {
+/// The sizes of picture and frame. A picture size in `overrides` shows the same view: the frame grows with the width.
+fn sizes(section: &CameraSection, overrides: &ScenarioOverrides) -> Result<Sizes, ScenarioError> {
     let written = size("camera.picture", section.picture)?;
     let written_frame = section.frame.map_or(Ok(written), |frame| size("camera.frame", frame))?;
-    let picture = changes.size.map_or(Ok(written), |to| size("camera.picture", [to.width, to.height]))?;
+    let picture = overrides.size.map_or(Ok(written), |to| size("camera.picture", [to.width, to.height]))?;
     let scale = f64::from(picture.width) / f64::from(written.width);
     let scaled = |side: u32| 2 * ((f64::from(side) * scale / 2.0).round() as u32);
-    let frame = if changes.size.is_some() && written_frame == written {
+    let frame = if overrides.size.is_some() && written_frame == written {
         picture
     } else {
         PictureSize::new(scaled(written_frame.width), scaled(written_frame.height))
     };
     if frame.width < picture.width || frame.height < picture.height {
-        return Err(ScenarioError::value("camera.frame", "the frame is smaller than the picture in it"));
+        return Err(ScenarioError::invalid("camera.frame", "the frame is smaller than the picture in it"));
     }
     Ok(Sizes { picture, frame, scale })
 }
@@ -78,7 +78,7 @@ fn size(key: &str, [width, height]: [u32; 2]) -> Result<PictureSize, ScenarioErr
     if is_usable(width) && is_usable(height) {
         Ok(PictureSize::new(width, height))
     } else {
-        Err(ScenarioError::value(
+        Err(ScenarioError::invalid(
             key,
             format!("{width} x {height}: use even numbers of pixels from 64 to 4096"),
         ))

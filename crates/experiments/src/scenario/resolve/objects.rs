@@ -69,8 +69,10 @@ fn object(at: &str, section: &SceneObjectSection) -> Result<ObjectScript, Scenar
             length_m: within(&key("size_m"), length, 1.0, 500.0, "metres")?,
             breadth_m: within(&key("size_m"), breadth, 0.5, 50.0, "metres")?,
         },
-        (SceneObjectName::Pier, None) => return Err(ScenarioError::value(key("size_m"), "a pier needs one")),
-        (_, Some(_)) => return Err(ScenarioError::value(key("size_m"), "only a pier has one")),
+        (SceneObjectName::Pier, None) => {
+            return Err(ScenarioError::invalid(key("size_m"), "a pier needs one"));
+        }
+        (_, Some(_)) => return Err(ScenarioError::invalid(key("size_m"), "only a pier has one")),
         (SceneObjectName::Buoy, None) => ObjectKind::Buoy,
         (SceneObjectName::LifeJacket, None) => ObjectKind::LifeJacket,
         (SceneObjectName::Swimmer, None) => ObjectKind::Swimmer,

@@ -1,7 +1,7 @@
-//! A folder of pictures as a video: PNG and JPEG files in natural order (`2.png` before `10.png`), at a steady
-//! rate (30 per second unless the address says `?fps=`).
+//! Reads a folder of PNG and JPEG files as a video, in natural order (`2.png` before `10.png`), at a constant rate (30 per
+//! second unless the address has `?fps=`).
 //!
-//! Files of other kinds, and hidden ones, are passed over. Kinds go by content. Pictures may differ in size.
+//! Hidden files and files of other kinds are skipped. The content decides the kind. Pictures may differ in size.
 
 use std::cmp::Ordering;
 use std::fs;
@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 use bytes::Bytes;
 
 use super::kind::{FileKind, HEAD_BYTES};
-use super::stamp::capture_of;
+use super::stamp::capture_at_rate;
 use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
-/// Pictures per second where the address does not say.
+/// Pictures per second where the address does not state them.
 pub const DEFAULT_FPS: f64 = 30.0;
 
-/// Largest picture file read, so that a stray file cannot take all memory.
+/// Maximum size of a picture file, bytes: bounds the memory for it.
 const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Reads the pictures of a folder one by one.
@@ -31,7 +31,7 @@ impl FolderReader {
     /// Lists the pictures of a folder.
     ///
     /// # Errors
-    /// A folder that cannot be read, or that holds no picture.
+    /// A folder that cannot be read or has no picture.
     pub fn open(folder: &Path, fps: Option<f64>) -> Result<Self, VideoError> {
         let mut files = Vec::new();
         for entry in fs::read_dir(folder).map_err(|error| cannot_read(folder, error))? {
@@ -53,11 +53,11 @@ impl FolderReader {
     }
 
     /// A single picture as a video of one.
-    pub fn of_one(path: &Path, fps: Option<f64>) -> Self {
+    pub fn from_picture(path: &Path, fps: Option<f64>) -> Self {
         Self { files: vec![path.to_owned()], next: 0, fps: fps.unwrap_or(DEFAULT_FPS) }
     }
 
-    /// How many pictures there are.
+    /// Number of pictures.
     pub fn unit_count(&self) -> u64 {
         self.files.len() as u64
     }
@@ -65,7 +65,7 @@ impl FolderReader {
     /// The next picture.
     ///
     /// # Errors
-    /// A file that cannot be read, or is no picture any more.
+    /// A file that cannot be read, or is not a picture any more.
     pub fn next_unit(&mut self) -> Result<Option<EncodedUnit>, VideoError> {
         let Some(path) = self.files.get(self.next) else { return Ok(None) };
         let index = self.next as u64;
@@ -81,7 +81,7 @@ impl FolderReader {
         Ok(Some(EncodedUnit {
             epoch: 0,
             index,
-            capture: capture_of(index, self.fps),
+            capture: capture_at_rate(index, self.fps),
             key: true,
             shown: true,
             rotation: Rotation::None,
@@ -101,14 +101,14 @@ fn head_of(path: &Path) -> Result<Vec<u8>, VideoError> {
 }
 
 fn picture_kind(head: &[u8]) -> Option<UnitCodec> {
-    match FileKind::of(head) {
+    match FileKind::detect(head) {
         FileKind::Png => Some(UnitCodec::Png),
         FileKind::Jpeg => Some(UnitCodec::Jpeg),
         _ => None,
     }
 }
 
-/// Compares names as people do: runs of digits by their value, all else by character.
+/// Natural order: runs of digits are compared by value, other text by character.
 fn natural_order(a: &str, b: &str) -> Ordering {
     let (mut rest_a, mut rest_b) = (a, b);
     loop {
@@ -120,7 +120,7 @@ fn natural_order(a: &str, b: &str) -> Ordering {
             value_a.len().cmp(&value_b.len()).then_with(|| value_a.cmp(value_b))
         } else {
             match (rest_a.chars().next(), rest_b.chars().next()) {
-                // Equal but for leading zeros: any fixed order will do.
+                // Equal except for leading zeros: any fixed order is right.
                 (None, None) => return a.cmp(b),
                 (Some(first_a), Some(first_b)) => {
                     rest_a = &rest_a[first_a.len_utf8()..];

@@ -1,6 +1,6 @@
-//! What kind of file something is, from its first bytes.
+//! Detects the kind of a file from its first bytes.
 
-/// How many bytes of a file [`FileKind::of`] looks at.
+/// Number of bytes that [`FileKind::detect`] needs.
 pub const HEAD_BYTES: u64 = 4096;
 
 const REENCODE: &str = "Convert it: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4";
@@ -8,29 +8,29 @@ const REPACK: &str = "Put it into MP4 without loss: ffmpeg -i IN -c copy OUT.mp4
                       (if its codec is not H.264: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4)";
 const NOT_VIDEO: &str = "Give a video: MP4 or MOV with H.264, Y4M, or a folder of PNG or JPEG pictures";
 
-/// A kind of file.
+/// The kind of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileKind {
     /// MP4 or QuickTime.
     Mp4,
-    /// Raw pictures with a header (YUV4MPEG2).
+    /// Y4M (YUV4MPEG2): uncompressed pictures with a text header.
     Y4m,
-    /// A picture.
+    /// A PNG picture.
     Png,
-    /// A picture.
+    /// A JPEG picture.
     Jpeg,
-    /// Anything that is not read here.
+    /// A kind that is not supported.
     Other {
-        /// What it is, with its article.
+        /// The kind, with its article.
         what: &'static str,
-        /// How to make it readable.
+        /// How to convert it.
         remedy: &'static str,
     },
 }
 
 impl FileKind {
-    /// The kind of the file that begins with these bytes.
-    pub fn of(head: &[u8]) -> Self {
+    /// The kind of the file that starts with these bytes.
+    pub fn detect(head: &[u8]) -> Self {
         let other = |what, remedy| Self::Other { what, remedy };
         match head {
             [] => other("an empty file", NOT_VIDEO),
@@ -73,7 +73,7 @@ fn contains(head: &[u8], word: &[u8]) -> bool {
 }
 
 fn is_text(head: &[u8]) -> bool {
-    // The end may cut a character in two.
+    // The last character may be incomplete.
     let text = match std::str::from_utf8(head) {
         Ok(text) => text,
         Err(error) if error.error_len().is_none() => return is_text(&head[..error.valid_up_to()]),
@@ -87,9 +87,9 @@ mod tests {
     use super::*;
 
     fn check(head: &[u8], expected: &str) {
-        match FileKind::of(head) {
+        match FileKind::detect(head) {
             FileKind::Other { what, .. } => assert!(what.contains(expected), "{head:?}: {what}"),
-            known => panic!("{head:?} was taken for {known:?}"),
+            known => panic!("{head:?} was detected as {known:?}"),
         }
     }
 
@@ -108,9 +108,9 @@ mod tests {
 
     #[test]
     fn what_is_read_is_known_by_its_content() {
-        assert_eq!(FileKind::of(b"\x00\x00\x00\x18ftypisom"), FileKind::Mp4);
-        assert_eq!(FileKind::of(b"YUV4MPEG2 W2 H2\n"), FileKind::Y4m);
-        assert_eq!(FileKind::of(b"\x89PNG\r\n\x1a\n\x00"), FileKind::Png);
-        assert_eq!(FileKind::of(&[0xff, 0xd8, 0xff, 0xe0]), FileKind::Jpeg);
+        assert_eq!(FileKind::detect(b"\x00\x00\x00\x18ftypisom"), FileKind::Mp4);
+        assert_eq!(FileKind::detect(b"YUV4MPEG2 W2 H2\n"), FileKind::Y4m);
+        assert_eq!(FileKind::detect(b"\x89PNG\r\n\x1a\n\x00"), FileKind::Png);
+        assert_eq!(FileKind::detect(&[0xff, 0xd8, 0xff, 0xe0]), FileKind::Jpeg);
     }
 }

@@ -1,4 +1,4 @@
-//! Recordings to encoded units: which kind of file it is (by its content, never by its name), and a reader for
+//! Reads encoded units from video files: detects the kind of a file (by its content, never by its name), with a reader for
 //! each kind.
 //!
 //! | file | read by |
@@ -7,8 +7,8 @@
 //! | Y4M | [`y4m`] |
 //! | PNG, JPEG, a folder of them | [`folder`] |
 //!
-//! Anything else is named in the error with the command that converts it. Memory is bounded: of a file, only its
-//! index and one picture are held.
+//! For other kinds, the error names the command that converts the file. Memory is bounded: only the index and one picture
+//! of a file are held.
 
 mod reader;
 

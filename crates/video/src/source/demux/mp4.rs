@@ -1,7 +1,6 @@
-//! MP4 and QuickTime files with H.264: the index is read at the start, each picture when it is asked for.
+//! Reads MP4 and QuickTime files with H.264: the index at the start, each picture on request.
 //!
-//! Sound and other tracks are passed over. A file that was cut off gives the pictures that are whole, and then
-//! an error.
+//! Other tracks are ignored. A truncated file gives its complete pictures and then an error.
 
 use std::fs::File;
 use std::io;
@@ -16,10 +15,10 @@ use super::stamp::capture_at;
 use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, UnitCodec};
 
-/// Largest index read: 20 hours take about 40 MB.
+/// Maximum size of the index, bytes. 20 hours take about 40 MB.
 const MAX_INDEX_BYTES: u64 = 512 << 20;
 
-/// Largest single picture read.
+/// Maximum size of one picture, bytes.
 const MAX_SAMPLE_BYTES: u32 = 64 << 20;
 
 /// Reads the pictures of an MP4 file one by one.
@@ -37,7 +36,7 @@ impl Mp4Reader {
     /// Reads the index.
     ///
     /// # Errors
-    /// A file without an index, with a damaged one, or with video of another codec.
+    /// A missing or damaged index, or another codec.
     pub fn open(path: &Path, file: File) -> Result<Self, VideoError> {
         let failed = |error| cannot_read(path, error);
         let damaged =
@@ -76,20 +75,20 @@ impl Mp4Reader {
         Ok(Self { path: path.to_owned(), file, file_size, index, next: 0, units: 0, ended: false })
     }
 
-    /// How many pictures the index lists.
+    /// Number of pictures in the index.
     pub fn unit_count(&self) -> u64 {
         self.index.samples.len() as u64
     }
 
-    /// The next picture in the order of decoding.
+    /// The next picture in decoding order.
     ///
     /// # Errors
-    /// A picture that lies behind the end of the file, or is no H.264.
+    /// A picture beyond the end of the file, or data that is not H.264.
     pub fn next_unit(&mut self) -> Result<Option<EncodedUnit>, VideoError> {
         if self.ended {
             return Ok(None);
         }
-        // A sample of no bytes is a pause in the video, not a picture.
+        // An empty sample is a pause in the video, not a picture.
         while self.index.samples.get(self.next).is_some_and(|sample| sample.size == 0) {
             self.next += 1;
         }

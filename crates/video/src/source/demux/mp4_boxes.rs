@@ -1,35 +1,35 @@
-//! The boxes of which MP4 and QuickTime files are made (ISO/IEC 14496-12, 4.2): a length, four letters, content.
+//! Reads the boxes of MP4 and QuickTime files (ISO/IEC 14496-12, 4.2): a length, a type of four letters, content.
 //!
-//! Every read is checked against the end of what there is, so that a damaged file gives `None` and never more.
+//! Every read is checked against the end of the data: a damaged file gives `None`.
 
 use std::fs::File;
 use std::io;
 use std::os::unix::fs::FileExt;
 
-/// Four letters that tell what a box holds.
+/// The type of a box: four letters.
 pub(super) type BoxKind = [u8; 4];
 
-/// A box of the outermost level, by its place in the file.
+/// A box of the outermost level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TopLevelBox {
     pub(super) kind: BoxKind,
-    /// Where the box begins.
+    /// Offset of the box in the file.
     pub(super) start: u64,
-    /// Where its content begins.
+    /// Offset of its content.
     pub(super) content: u64,
-    /// Where it ends by its own account, which may be behind the end of the file.
+    /// End of the box by its length, which may lie beyond the end of the file.
     pub(super) end: u64,
 }
 
-/// The boxes of the outermost level, up to the end of the file or the first that makes no sense.
+/// The boxes of the outermost level, up to the end of the file or the first malformed box.
 pub(super) fn top_level(file: &File, file_size: u64) -> io::Result<Vec<TopLevelBox>> {
     let mut boxes = Vec::new();
     let mut start = 0;
     while start + 8 <= file_size {
         let mut head = [0; 16];
-        let there = (file_size - start).min(16) as usize;
-        file.read_exact_at(&mut head[..there], start)?;
-        let mut fields = Fields::new(&head[..there]);
+        let available = (file_size - start).min(16) as usize;
+        file.read_exact_at(&mut head[..available], start)?;
+        let mut fields = Fields::new(&head[..available]);
         let Some((size, kind)) = fields.u32().zip(fields.kind()) else { break };
         let (header, size) = match size {
             0 => (8, file_size - start),
@@ -46,7 +46,7 @@ pub(super) fn top_level(file: &File, file_size: u64) -> io::Result<Vec<TopLevelB
     Ok(boxes)
 }
 
-/// The boxes within a piece of memory, with their content.
+/// The boxes in a slice, with their content.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Boxes<'a> {
     rest: &'a [u8],
@@ -57,18 +57,18 @@ impl<'a> Boxes<'a> {
         Self { rest: content }
     }
 
-    /// The content of the first box of that kind.
+    /// The content of the first box of this type.
     pub(super) fn find(self, kind: &BoxKind) -> Option<&'a [u8]> {
         self.of_kind(kind).next()
     }
 
-    /// The contents of all boxes of that kind.
+    /// The contents of all boxes of this type.
     pub(super) fn of_kind(self, kind: &BoxKind) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let kind = *kind;
         self.filter(move |(found, _)| *found == kind).map(|(_, content)| content)
     }
 
-    /// The content of the box at the end of a path of boxes within each other.
+    /// The content of the box at the end of a path of nested boxes.
     pub(super) fn path(self, kinds: &[&BoxKind]) -> Option<&'a [u8]> {
         let (last, outer) = kinds.split_last()?;
         outer.iter().try_fold(self, |boxes, kind| boxes.find(kind).map(Boxes::new))?.find(last)
@@ -93,7 +93,7 @@ impl<'a> Iterator for Boxes<'a> {
     }
 }
 
-/// Numbers one behind the other, the highest byte first.
+/// Reads consecutive numbers, big-endian.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fields<'a> {
     rest: &'a [u8],
@@ -104,7 +104,7 @@ impl<'a> Fields<'a> {
         Self { rest: bytes }
     }
 
-    /// Version and flags of a "full" box, which stand in front of its fields.
+    /// Version and flags of a full box, which precede its fields.
     pub(super) fn version_and_flags(&mut self) -> Option<(u8, u32)> {
         let both = self.u32()?;
         Some(((both >> 24) as u8, both & 0x00ff_ffff))
@@ -137,7 +137,7 @@ impl<'a> Fields<'a> {
         self.array().map(u64::from_be_bytes)
     }
 
-    /// 64 bits in version 1 of a box, 32 in version 0.
+    /// A number of 64 bits in version 1 of a box, of 32 bits in version 0.
     pub(super) fn wide(&mut self, version: u8) -> Option<u64> {
         if version == 1 { self.u64() } else { self.u32().map(u64::from) }
     }

@@ -1,15 +1,15 @@
-//! The index of an MP4 file: where each picture of the first H.264 track lies, when it is shown, and how it is
-//! turned (ISO/IEC 14496-12, 8.5 to 8.8).
+//! Reads the index of an MP4 file: offset, size, display time and rotation of each picture of the first H.264 track
+//! (ISO/IEC 14496-12, 8.5 to 8.8).
 //!
-//! Times come from `stts` and `ctts` (so the frame rate may vary), shifted by the edit list; fragments (`moof`)
-//! are appended. An edit list may begin with a pause and holds one piece of the track: more pieces, or another
-//! speed, are refused by name, and so are pictures that are mirrored.
+//! Times come from `stts` and `ctts` (so the frame rate may vary), shifted by the edit list. Fragments (`moof`) are
+//! appended. An edit list may start with a pause and has one piece of the track. More pieces, another speed, and mirrored
+//! pictures are unsupported, with an error that names them.
 
 use super::mp4_boxes::{BoxKind, Boxes, Fields};
 use crate::codec::annexb::AvcConfiguration;
 use barrelman_vocab::unit::Rotation;
 
-/// Most pictures in a file: 37 hours at 30 per second. More is taken for damage.
+/// Maximum number of pictures in a file: 37 hours at 30 per second. A larger number counts as damage.
 const MAX_SAMPLES: usize = 4_000_000;
 
 /// One picture in the file.
@@ -17,14 +17,14 @@ const MAX_SAMPLES: usize = 4_000_000;
 pub(super) struct Sample {
     pub(super) offset: u64,
     pub(super) size: u32,
-    /// Which entry of [`Index::configurations`].
+    /// Index into [`Index::configurations`].
     pub(super) configuration: u16,
     pub(super) shown: bool,
-    /// When it is shown, in ticks from the start of the film (0 for what the edit list hides before the start).
+    /// Display time, ticks from the start of the video; 0 for pictures that the edit list hides before the start.
     pub(super) time: u64,
 }
 
-/// Where everything is.
+/// The index of a track.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Index {
     pub(super) samples: Vec<Sample>,
@@ -33,18 +33,18 @@ pub(super) struct Index {
     pub(super) rotation: Rotation,
 }
 
-/// Why a file has no index.
+/// An index that cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum IndexError {
-    /// It is of a kind that is not read here.
+    /// The kind of the file is not supported.
     Unsupported { what: String, remedy: &'static str },
-    /// It makes no sense.
+    /// The index is damaged.
     Malformed(&'static str),
 }
 
 const REENCODE: &str = "Convert it: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4";
 
-/// A sample before the edit list is applied: times in ticks of the track.
+/// A sample before the edit list is applied; times in ticks of the track.
 struct RawSample {
     offset: u64,
     size: u32,
@@ -57,14 +57,14 @@ struct RawSample {
 struct Edit {
     /// First tick shown.
     from: i64,
-    /// Tick at which nothing more is shown.
+    /// First tick that is not shown any more.
     until: Option<i64>,
-    /// Ticks of pause in front.
+    /// Ticks of the pause before it.
     pause: i64,
 }
 
 impl Index {
-    /// Reads the content of the `moov` box, and of the `moof` boxes with the place where each begins.
+    /// Reads the content of the `moov` box and of the `moof` boxes, each with its offset in the file.
     pub(super) fn parse(moov: &[u8], fragments: &[(u64, Vec<u8>)]) -> Result<Self, IndexError> {
         let trak = video_track(moov)?;
         let malformed = IndexError::Malformed;
@@ -85,11 +85,11 @@ impl Index {
             return Err(malformed("a picture refers to decoder parameters that are not there"));
         }
         let edit = edit_of(moov, trak, ticks_per_second)?;
-        Ok(Self { samples: edited(&raw, edit), configurations, ticks_per_second, rotation })
+        Ok(Self { samples: apply_edit(&raw, edit), configurations, ticks_per_second, rotation })
     }
 }
 
-/// The first track that holds H.264 video, or what it is instead.
+/// The first track with H.264 video; an error names other video.
 fn video_track(moov: &[u8]) -> Result<&[u8], IndexError> {
     let mut other = None;
     for trak in Boxes::new(moov).of_kind(b"trak") {
@@ -131,7 +131,7 @@ fn codec_name(kind: &BoxKind) -> String {
     name.to_owned()
 }
 
-/// The ticks per second in a header box, whose field stands at another place in version 1.
+/// The ticks per second of a header box; the offset of the field depends on the version.
 fn timescale(header: Option<&[u8]>, at: usize, at_version_1: usize) -> Option<u32> {
     let header = header?;
     let at = if *header.first()? == 1 { at_version_1 } else { at };
@@ -140,7 +140,7 @@ fn timescale(header: Option<&[u8]>, at: usize, at_version_1: usize) -> Option<u3
 }
 
 fn configurations(table: Boxes<'_>) -> Result<Vec<AvcConfiguration>, IndexError> {
-    /// Bytes of a visual sample entry in front of its boxes.
+    /// Bytes of a visual sample entry before its boxes.
     const ENTRY_HEADER: usize = 78;
     let malformed = IndexError::Malformed("the decoder parameters (avcC) are damaged");
     let entries = table.find(b"stsd").and_then(|stsd| stsd.get(8..)).ok_or(malformed.clone())?;
@@ -156,7 +156,7 @@ fn configurations(table: Boxes<'_>) -> Result<Vec<AvcConfiguration>, IndexError>
     if found.is_empty() { Err(malformed) } else { Ok(found) }
 }
 
-/// How the picture is turned, and the number of the track.
+/// The rotation of the picture and the number of the track.
 fn track_header(trak: &[u8]) -> Result<(Rotation, u32), IndexError> {
     let read = || {
         let header = Boxes::new(trak).find(b"tkhd")?;
@@ -170,7 +170,7 @@ fn track_header(trak: &[u8]) -> Result<(Rotation, u32), IndexError> {
         Some((track, [a, b, fields.i32()?, fields.i32()?]))
     };
     let (track, matrix) = read().ok_or(IndexError::Malformed("the header of the track is damaged"))?;
-    // (p, q) is shown at (a p + c q, b p + d q), with q downwards.
+    // (p, q) is displayed at (a p + c q, b p + d q), with q downwards.
     let rotation = match matrix.map(i32::signum) {
         [1, 0, 0, 1] | [0, 0, 0, 0] => Rotation::None,
         [0, 1, -1, 0] => Rotation::Clockwise90,
@@ -202,7 +202,7 @@ fn table_samples(table: Boxes<'_>) -> Option<Vec<RawSample>> {
     }
     let durations = run_lengths(table.find(b"stts")?)?;
     let shifts = table.find(b"ctts").map(run_lengths).unwrap_or(Some(Vec::new()))?;
-    let (mut durations, mut shifts) = (Spread::over(&durations), Spread::over(&shifts));
+    let (mut durations, mut shifts) = (RunLengthIter::new(&durations), RunLengthIter::new(&shifts));
     let mut samples = Vec::with_capacity(sizes.len());
     let mut sizes = sizes.into_iter();
     let mut run = runs.iter().peekable();
@@ -223,7 +223,7 @@ fn table_samples(table: Boxes<'_>) -> Option<Vec<RawSample>> {
             decoded_at = decoded_at.checked_add(i64::from(durations.next().unwrap_or(0)))?;
         }
     }
-    // Sizes without a place are what a file that was cut while it was written leaves behind.
+    // A file that was truncated while it was written has sizes without offsets.
     Some(samples)
 }
 
@@ -240,7 +240,7 @@ fn sample_sizes(stsz: &[u8]) -> Option<Vec<u32>> {
     (0..count).map(|_| fields.u32()).collect()
 }
 
-/// The entries of a table whose count stands behind version and flags.
+/// The entries of a table whose count follows version and flags.
 fn full_table(content: &[u8], entry: usize) -> Option<impl Iterator<Item = Fields<'_>>> {
     let mut fields = Fields::new(content);
     fields.skip(4)?;
@@ -256,15 +256,15 @@ fn run_lengths(content: &[u8]) -> Option<Vec<(u32, u32)>> {
     full_table(content, 8)?.map(|mut entry| entry.u32().zip(entry.u32())).collect()
 }
 
-/// Run lengths one value at a time.
-struct Spread<'a> {
+/// Iterates over the values of a run-length code.
+struct RunLengthIter<'a> {
     runs: std::slice::Iter<'a, (u32, u32)>,
     left: u32,
     value: u32,
 }
 
-impl<'a> Spread<'a> {
-    fn over(runs: &'a [(u32, u32)]) -> Self {
+impl<'a> RunLengthIter<'a> {
+    fn new(runs: &'a [(u32, u32)]) -> Self {
         Self { runs: runs.iter(), left: 0, value: 0 }
     }
 
@@ -277,7 +277,7 @@ impl<'a> Spread<'a> {
     }
 }
 
-/// Appends the samples of one `moof` (8.8). `clock` is the time at which the fragment before ended.
+/// Appends the samples of one `moof` (8.8). `clock` is the end time of the fragment before it.
 fn append_fragment(
     moov: &[u8],
     moof: &[u8],
@@ -339,7 +339,7 @@ fn append_fragment(
     Some(())
 }
 
-/// The edit list (8.6.6) as one shown part with a pause in front.
+/// The edit list (8.6.6) as one shown part after a pause.
 fn edit_of(moov: &[u8], trak: &[u8], ticks_per_second: u32) -> Result<Option<Edit>, IndexError> {
     let Some(list) = Boxes::new(trak).path(&[b"edts", b"elst"]) else { return Ok(None) };
     let malformed = || IndexError::Malformed("the edit list is damaged");
@@ -380,8 +380,8 @@ fn edit_of(moov: &[u8], trak: &[u8], ticks_per_second: u32) -> Result<Option<Edi
     Ok(edit)
 }
 
-fn edited(raw: &[RawSample], edit: Option<Edit>) -> Vec<Sample> {
-    // Without an edit list the film begins with tick 0, or with the first picture where that is even before.
+fn apply_edit(raw: &[RawSample], edit: Option<Edit>) -> Vec<Sample> {
+    // Without an edit list the video starts at tick 0, or at the first picture if that is earlier.
     let first = raw.iter().map(|sample| sample.time).min().unwrap_or(0);
     let edit = edit.unwrap_or(Edit { from: first.min(0), until: None, pause: 0 });
     raw.iter()

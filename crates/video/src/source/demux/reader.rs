@@ -1,4 +1,4 @@
-//! The reader of a recording, whatever kind of file it is.
+//! Reads a video file of any supported kind.
 
 use std::fs;
 use std::io::Read as _;
@@ -11,7 +11,7 @@ use super::{folder, mp4, y4m};
 use crate::error::{VideoError, cannot_read};
 use crate::source::url::{VideoSource, VideoUrl};
 
-/// Reads the units of a recording, in the order in which they are decoded.
+/// Reads the units of a file or a folder in decoding order.
 pub struct FileReader {
     reader: Reader,
 }
@@ -26,15 +26,15 @@ impl FileReader {
     /// Opens a file or a folder and reads its index.
     ///
     /// # Errors
-    /// A file that is missing, unreadable, empty, of another kind, or whose index is damaged. An address that
-    /// is not a file counts as a file that is missing.
+    /// A file that is missing, unreadable, empty, or of an unsupported kind, or a damaged index. An address that is not a
+    /// file counts as missing.
     pub fn open(url: &VideoUrl) -> Result<Self, VideoError> {
         let path = match &url.source {
             VideoSource::File(path) => path,
             VideoSource::Rtsp { .. } => return Err(VideoError::Missing(url.to_string().into())),
         };
-        let about = fs::metadata(path).map_err(|error| cannot_read(path, error))?;
-        let reader = if about.is_dir() {
+        let metadata = fs::metadata(path).map_err(|error| cannot_read(path, error))?;
+        let reader = if metadata.is_dir() {
             Reader::Folder(folder::FolderReader::open(path, url.fps)?)
         } else {
             Self::open_file(path, url.fps)?
@@ -49,10 +49,10 @@ impl FileReader {
             .take(kind::HEAD_BYTES)
             .read_to_end(&mut head)
             .map_err(|error| cannot_read(path, error))?;
-        Ok(match FileKind::of(&head) {
+        Ok(match FileKind::detect(&head) {
             FileKind::Mp4 => Reader::Mp4(mp4::Mp4Reader::open(path, file)?),
             FileKind::Y4m => Reader::Y4m(y4m::Y4mReader::open(path, file)?),
-            FileKind::Png | FileKind::Jpeg => Reader::Folder(folder::FolderReader::of_one(path, fps)),
+            FileKind::Png | FileKind::Jpeg => Reader::Folder(folder::FolderReader::from_picture(path, fps)),
             FileKind::Other { what, remedy } => {
                 let path = path.to_owned();
                 return Err(VideoError::Unsupported {
@@ -64,10 +64,10 @@ impl FileReader {
         })
     }
 
-    /// The next unit, or `None` at the end. After an error there is nothing more.
+    /// The next unit, or `None` at the end. No unit follows an error.
     ///
     /// # Errors
-    /// Damage, named together with the number of units before it.
+    /// Damage; the message states the number of units before it.
     pub fn next_unit(&mut self) -> Result<Option<EncodedUnit>, VideoError> {
         match &mut self.reader {
             Reader::Mp4(reader) => reader.next_unit(),
@@ -76,7 +76,7 @@ impl FileReader {
         }
     }
 
-    /// How many units there are, where the file says so.
+    /// Number of units, if the file states it.
     pub fn unit_count(&self) -> Option<u64> {
         match &self.reader {
             Reader::Mp4(reader) => Some(reader.unit_count()),

@@ -1,7 +1,8 @@
-//! Y4M (YUV4MPEG2): raw pictures behind a line of text, as ffmpeg and mjpegtools write it.
+//! Reads Y4M files (YUV4MPEG2): uncompressed pictures after a text header, as ffmpeg and mjpegtools write them.
 //!
-//! Read: 8 bit, 4:2:0 in every siting (taken alike), and mono. Refused by name: more bits, other chroma,
-//! interlaced pictures. `XCOLORRANGE=FULL` is honoured; the matrix is the customary one for the size.
+//! Supported: 8 bit, 4:2:0 in every siting (without a distinction), and mono. Unsupported, with an error that names them:
+//! more bits, other chroma formats, interlaced pictures. `XCOLORRANGE=FULL` is respected; the matrix is the customary one
+//! for the size.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
@@ -15,10 +16,10 @@ use super::stamp::capture_at;
 use crate::error::{VideoError, cannot_read};
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
-/// Longest header line read.
+/// Maximum length of a header line, bytes.
 const MAX_LINE_BYTES: u64 = 1024;
 
-/// Widest and highest picture read, so that a damaged header cannot ask for all memory.
+/// Maximum width and height of a picture, pixels: bounds the memory that a damaged header can request.
 const MAX_SIDE: u32 = 8192;
 
 /// Reads the pictures of a Y4M file one by one.
@@ -30,17 +31,17 @@ pub struct Y4mReader {
     ended: bool,
 }
 
-/// What the first line says.
+/// The values of the first line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Header {
     size: PictureSize,
-    /// Pictures per second, as a fraction.
+    /// Pictures per second: numerator and denominator.
     rate: (u64, u64),
     mono: bool,
     colour: ColourEncoding,
 }
 
-/// Why a header is not read: what it is.
+/// A header that is not supported or malformed, with the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum HeaderError {
     Unsupported(String),
@@ -51,7 +52,7 @@ impl Y4mReader {
     /// Reads the header.
     ///
     /// # Errors
-    /// A header that is malformed, or tells of pictures that are not read here.
+    /// A malformed header, or unsupported pictures.
     pub fn open(path: &Path, mut file: File) -> Result<Self, VideoError> {
         use std::io::Seek;
         file.rewind().map_err(|error| cannot_read(path, error))?;
@@ -72,12 +73,12 @@ impl Y4mReader {
     /// The next picture.
     ///
     /// # Errors
-    /// A picture that is cut short, or anything but a picture.
+    /// A truncated picture, or data that is not a picture.
     pub fn next_unit(&mut self) -> Result<Option<EncodedUnit>, VideoError> {
         if self.ended {
             return Ok(None);
         }
-        // Whatever happens below but for a whole picture is the end.
+        // No picture follows unless this one is read completely.
         self.ended = true;
         let line = read_line(&mut self.input).map_err(|error| cannot_read(&self.path, error))?;
         if line.is_empty() {

@@ -1,4 +1,4 @@
-//! Dependencies between crates: the table in ARCHITECTURE.md against `cargo metadata`.
+//! Checks the dependencies of the crates against the table in ARCHITECTURE.md.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -7,14 +7,14 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-/// What a crate may use, as the table says. `None` for other crates: any.
+/// The dependencies that the table allows a crate; `others: None` allows all.
 struct Allowed {
     ours: BTreeSet<String>,
     others: Option<BTreeSet<String>>,
 }
 
-/// Every dependency, other than those of tests alone, that the table does not allow, and every crate that the
-/// table does not know or that is gone.
+/// The findings: each dependency that the table does not allow (dev-dependencies excepted), each allowed dependency that
+/// is not used, and each crate that is missing in the table or in the workspace.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let allowed = table(root)?;
     let packages = packages(root)?;
@@ -25,12 +25,12 @@ pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
             continue;
         };
         for dependency in dependencies {
-            let fine = match (ours(dependency), &allowed.others) {
+            let is_allowed = match (ours(dependency), &allowed.others) {
                 (Some(ours), _) => allowed.ours.contains(ours),
                 (None, Some(others)) => others.contains(dependency),
                 (None, None) => true,
             };
-            if !fine {
+            if !is_allowed {
                 findings
                     .push(format!("{folder}: may not use {dependency} (table of crates in ARCHITECTURE.md)"));
             }
@@ -48,12 +48,12 @@ pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     Ok(findings)
 }
 
-/// The name by which the table calls a package of ours: its folder's. The program's own is the project's name.
+/// The name of a workspace package in the table, which is the name of its folder; `None` for other packages.
 fn ours(package: &str) -> Option<&str> {
     if package == "barrelman" { Some("station") } else { package.strip_prefix("barrelman-") }
 }
 
-/// The table of crates, by folder.
+/// The table of crates by folder.
 fn table(root: &Path) -> Result<BTreeMap<String, Allowed>> {
     let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).context("ARCHITECTURE.md")?;
     let names = |cell: &str| -> BTreeSet<String> {
@@ -77,7 +77,7 @@ fn table(root: &Path) -> Result<BTreeMap<String, Allowed>> {
     Ok(table)
 }
 
-/// Every package of the workspace by its folder, with the names of what it depends on outside of tests.
+/// Each package of the workspace by its folder, with the names of its dependencies (dev-dependencies excepted).
 fn packages(root: &Path) -> Result<BTreeMap<String, BTreeSet<String>>> {
     let output = Command::new("cargo")
         .args(["metadata", "--format-version", "1", "--no-deps"])
