@@ -1,8 +1,8 @@
-//! Circles of files: file A uses file B, which uses file A again, directly or through others.
+//! Finds circles (dependency cycles) of files: file A uses file B, and file B uses file A, directly or through others.
 //!
-//! The edges are the paths in the code of a crate (`use` declarations, calls, types, macros' paths excepted), resolved
-//! to the file of the module that they name. A re-export (`pub use`) resolves to the file that it re-exports and is no
-//! edge of its own file: a folder's `mod.rs` may name its parts. Tests inside a file do not count.
+//! The edges of the graph are the paths in the code of a crate (`use` declarations, calls, types; not the paths in
+//! macros), resolved to the file of the module that they name. A re-export (`pub use`) resolves to the file that it
+//! re-exports and is not an edge of its own file: a folder's `mod.rs` may name its parts. Unit tests do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -11,10 +11,10 @@ use anyhow::{Context, Result};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemUse, UseTree, Visibility};
 
-/// A module's path below its crate, without the crate: empty for the root.
+/// The path of a module below its crate; empty for the root of the crate.
 type ModulePath = Vec<String>;
 
-/// One finding for each circle in one of these source folders.
+/// The findings: one for each circle in the source folder of a crate.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let mut findings = Vec::new();
     for folder in source_folders(root)? {
@@ -44,12 +44,12 @@ struct Modules {
     by_path: BTreeMap<ModulePath, Module>,
 }
 
-/// A module: its file and what the file names.
+/// A module: its file and the names in the file.
 struct Module {
     file: PathBuf,
-    /// Names that the module re-exports, each with the path it stands for.
+    /// The names that the module re-exports, each with its path.
     reexports: BTreeMap<String, Vec<String>>,
-    /// Paths that the module's code names, with `crate`, `self` and `super` unresolved.
+    /// The paths in the module's code, with `crate`, `self` and `super` unresolved.
     paths: BTreeSet<Vec<String>>,
 }
 
@@ -75,7 +75,7 @@ impl Modules {
         Ok(Self { by_path })
     }
 
-    /// Which files use which other files.
+    /// The files that each file uses.
     fn edges(&self) -> BTreeMap<PathBuf, BTreeSet<PathBuf>> {
         let mut edges: BTreeMap<PathBuf, BTreeSet<PathBuf>> = BTreeMap::new();
         for (module_path, module) in &self.by_path {
@@ -91,9 +91,9 @@ impl Modules {
         edges
     }
 
-    /// The module in which the last name of a path is defined; `None` for paths into other crates.
+    /// The module that defines the last name of a path; `None` for a path into another crate.
     fn resolve(&self, from: &ModulePath, path: &[String], depth: usize) -> Option<&Module> {
-        // A re-export of a re-export: sixteen levels are more than any crate has.
+        // Limit for re-exports of re-exports.
         const MAX_DEPTH: usize = 16;
         let mut rest = path;
         let mut at = from.clone();
@@ -196,7 +196,7 @@ fn is_test(attributes: &[Attribute]) -> bool {
     })
 }
 
-/// Every name that a `use` brings in, with its path.
+/// Collects each name that a `use` imports, with its path.
 fn expand(tree: &UseTree, prefix: &mut Vec<String>, found: &mut Vec<(String, Vec<String>)>) {
     match tree {
         UseTree::Path(path) => {
@@ -220,7 +220,7 @@ fn expand(tree: &UseTree, prefix: &mut Vec<String>, found: &mut Vec<(String, Vec
     }
 }
 
-/// The groups of files that reach each other, each of two files or more.
+/// The groups of two or more files that reach each other.
 fn circles(edges: &BTreeMap<PathBuf, BTreeSet<PathBuf>>) -> Vec<BTreeSet<PathBuf>> {
     let reach: BTreeMap<&PathBuf, BTreeSet<&PathBuf>> =
         edges.keys().map(|file| (file, reachable(edges, file))).collect();

@@ -1,4 +1,4 @@
-//! Documents: links that lead nowhere, and paths of somebody's machine.
+//! Checks documents: broken links, and absolute paths of a machine.
 
 use std::path::Path;
 
@@ -6,21 +6,21 @@ use anyhow::Result;
 
 use crate::tracked_files::tracked_files;
 
-/// Every relative link in a tracked Markdown file whose target is not there, and every line of a tracked text
-/// file with a path of a machine in it.
+/// The findings: each relative link in a tracked Markdown file whose target does not exist, and each line of a tracked
+/// text file with an absolute path of a machine.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let mut findings = Vec::new();
     for file in tracked_files(root)? {
-        // Pictures and clips are no text.
+        // Files that are not text are skipped.
         let Ok(text) = std::fs::read_to_string(root.join(&file)) else { continue };
         let shown = file.display();
         if file.extension().is_some_and(|extension| extension == "md") {
-            for target in links(&text).filter(|target| leads_nowhere(root, &file, target)) {
+            for target in links(&text).filter(|target| is_broken(root, &file, target)) {
                 findings.push(format!("{shown}: the link {target} leads nowhere"));
             }
         }
         for (index, line) in text.lines().enumerate() {
-            if machine_path(line) {
+            if has_machine_path(line) {
                 findings.push(format!("{shown}:{}: a path of a machine", index + 1));
             }
         }
@@ -37,7 +37,7 @@ fn links(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-fn leads_nowhere(root: &Path, file: &Path, target: &str) -> bool {
+fn is_broken(root: &Path, file: &Path, target: &str) -> bool {
     let path = target.split('#').next().unwrap_or_default();
     if path.is_empty() || target.contains("://") || target.starts_with("mailto:") {
         return false;
@@ -46,7 +46,7 @@ fn leads_nowhere(root: &Path, file: &Path, target: &str) -> bool {
     !root.join(folder).join(path).exists()
 }
 
-fn machine_path(line: &str) -> bool {
-    // Put together here, so that this file does not find itself.
+fn has_machine_path(line: &str) -> bool {
+    // Joined at run time, so that this file is not a finding.
     [["/home", "/"], ["/root", "/"], ["/wor", "k/"]].iter().any(|parts| line.contains(&parts.concat()))
 }

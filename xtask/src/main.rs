@@ -1,10 +1,10 @@
-//! The rules of the house that a program can check: `cargo run -p xtask -- tidy`.
+//! Checks the rules of the repository that a program can check: `cargo run -p xtask -- tidy`.
 //!
-//! `xtask` depends on no crate of ours, so that it runs in seconds and also while the code does not compile.
+//! `xtask` depends on no crate of the workspace, so that it runs in seconds, also while the code does not compile.
 
 mod circles;
+mod dependencies;
 mod documents;
-mod edges;
 mod retired_names;
 
 mod tracked_files;
@@ -18,42 +18,42 @@ use anyhow::{Context, Result};
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if arguments != ["tidy"] {
-        say("usage: cargo run -p xtask -- tidy");
+        print_line("usage: cargo run -p xtask -- tidy");
         return ExitCode::from(2);
     }
     match tidy() {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            say(&format!("tidy: {error:#}"));
+            print_line(&format!("tidy: {error:#}"));
             ExitCode::FAILURE
         }
     }
 }
 
-/// Whether nothing was found.
+/// Runs all checks and prints the findings. Returns whether there are none.
 fn tidy() -> Result<bool> {
     let root = root()?;
-    let mut findings = edges::check(&root)?;
+    let mut findings = dependencies::check(&root)?;
     findings.extend(circles::check(&root)?);
     findings.extend(retired_names::check(&root)?);
     findings.extend(documents::check(&root)?);
     for finding in &findings {
-        say(finding);
+        print_line(finding);
     }
     match findings.len() {
-        0 => say("tidy: nothing found"),
-        count => say(&format!("tidy: {count} findings")),
+        0 => print_line("tidy: nothing found"),
+        count => print_line(&format!("tidy: {count} findings")),
     }
     Ok(findings.is_empty())
 }
 
-/// Prints a line of the result. Who has stopped reading wants no more of it: that is no failure.
-fn say(text: &str) {
+/// Prints a line of the result. A closed pipe is not an error.
+fn print_line(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
 fn root() -> Result<PathBuf> {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().map(Path::to_path_buf).context("the workspace lies above xtask")
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    folder.parent().map(Path::to_path_buf).context("the workspace lies above xtask")
 }

@@ -1,4 +1,4 @@
-//! The choice of a camera law: on the command line, in a configuration, in a campaign's settings.
+//! The choice of a camera law on the command line, in a configuration and in the settings of a campaign.
 
 use anyhow::{Result, bail};
 use barrelman_control::optimal::{OptimalMode, OptimalSettings};
@@ -15,14 +15,18 @@ use crate::tracker_choice::TrackerName;
 #[serde(rename_all = "kebab-case")]
 pub enum LawName {
     /// The paper's motor schema.
-    Schema,
+    #[value(name = "schema")]
+    #[serde(rename = "schema")]
+    MotorSchema,
     /// Both axes at once, by prediction, with the least energy.
     Optimal,
     /// A PID on the picture's centre, to compare with.
-    Centre,
+    #[value(name = "centre")]
+    #[serde(rename = "centre")]
+    Centring,
 }
 
-/// What the optimal law spares.
+/// The cost that the optimal law minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeName {
@@ -35,31 +39,31 @@ pub enum ModeName {
     Eco,
 }
 
-/// A law, and of the optimal one how.
+/// A camera law with its mode and its horizon, which only the optimal law has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LawChoice {
-    /// Which law.
+    /// The law.
     pub name: LawName,
-    /// What the optimal law spares; `None` where another law is chosen.
+    /// The optimal law's mode; `None` for another law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<ModeName>,
-    /// The optimal law's horizon, seconds; `None`: the mode's own.
+    /// The optimal law's horizon, seconds; `None` for the mode's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub horizon_s: Option<f64>,
 }
 
 impl LawChoice {
-    /// The paper's: the default wherever its figures are reproduced.
-    pub const SCHEMA: Self = Self::of(LawName::Schema);
-    /// The default wherever a camera follows a boat.
-    pub const OPTIMAL: Self = Self::of(LawName::Optimal);
+    /// The paper's motor schema: the default of what reproduces the paper's figures.
+    pub const MOTOR_SCHEMA: Self = Self::new(LawName::MotorSchema);
+    /// The optimal law: the default of live runs and drives.
+    pub const OPTIMAL: Self = Self::new(LawName::Optimal);
 
-    /// A law as it is by itself.
-    pub const fn of(name: LawName) -> Self {
+    /// The law with its default mode and horizon.
+    pub const fn new(name: LawName) -> Self {
         let mode = match name {
             LawName::Optimal => Some(ModeName::MinimumEnergy),
-            LawName::Schema | LawName::Centre => None,
+            LawName::MotorSchema | LawName::Centring => None,
         };
         Self { name, mode, horizon_s: None }
     }
@@ -67,9 +71,9 @@ impl LawChoice {
     /// The law's behaviour version in this program.
     pub const fn behaviour_version(&self) -> u32 {
         match self.name {
-            LawName::Schema => behaviour::MOTOR_SCHEMA,
+            LawName::MotorSchema => behaviour::MOTOR_SCHEMA,
             LawName::Optimal => behaviour::OPTIMAL,
-            LawName::Centre => behaviour::CENTRE,
+            LawName::Centring => behaviour::CENTRE,
         }
     }
 
@@ -78,18 +82,18 @@ impl LawChoice {
         BehaviourVersions { tracker: tracker.behaviour_version(), law: self.behaviour_version() }
     }
 
-    /// Itself, if it makes sense, with the optimal law's default mode where none is given; `prefix` stands before the
-    /// names of what is wrong.
+    /// The choice, if its parts fit together; without a mode, the optimal law gets its default mode. `prefix` is put
+    /// before the key in an error.
     ///
     /// # Errors
-    /// If a mode or horizon is given to another law than the optimal one, or the horizon is out of its range.
+    /// A mode or a horizon for another law than the optimal law, or a horizon out of its range.
     pub fn validated(self, prefix: &str) -> Result<Self> {
         if self.name != LawName::Optimal {
             for (given, key) in [(self.mode.is_some(), "mode"), (self.horizon_s.is_some(), "horizon")] {
                 if given {
                     bail!(
                         "{prefix}{key} is for the law \"optimal\" alone: leave it out, or choose that law instead of {:?}",
-                        self.word()
+                        self.name_str()
                     );
                 }
             }
@@ -98,20 +102,20 @@ impl LawChoice {
         if let Some(horizon) = self.horizon_s.filter(|horizon| !range.contains(horizon)) {
             bail!("{prefix}horizon {horizon}: use seconds from {} to {}", range.start(), range.end());
         }
-        Ok(Self { mode: self.mode.or(Self::of(self.name).mode), ..self })
+        Ok(Self { mode: self.mode.or(Self::new(self.name).mode), ..self })
     }
 
-    /// The law's name as it is written on the command line and in a configuration.
-    pub const fn word(&self) -> &'static str {
+    /// The law's name on the command line and in a configuration.
+    pub const fn name_str(&self) -> &'static str {
         match self.name {
-            LawName::Schema => "schema",
+            LawName::MotorSchema => "schema",
             LawName::Optimal => "optimal",
-            LawName::Centre => "centre",
+            LawName::Centring => "centre",
         }
     }
 
-    /// The mode's name, where the law has modes.
-    pub fn mode_word(&self) -> Option<&'static str> {
+    /// The mode's name on the command line and in a configuration; `None` for a law without modes.
+    pub fn mode_str(&self) -> Option<&'static str> {
         (self.name == LawName::Optimal).then(|| match self.mode.unwrap_or_default() {
             ModeName::MinimumEnergy => "minimum-energy",
             ModeName::TimeFuel => "time-fuel",
@@ -127,9 +131,9 @@ impl LawChoice {
             ModeName::Eco => OptimalMode::Eco,
         };
         match self.name {
-            LawName::Schema => LawSettings::MotorSchema,
+            LawName::MotorSchema => LawSettings::MotorSchema,
             LawName::Optimal => LawSettings::Optimal(OptimalSettings { mode, horizon_s: self.horizon_s }),
-            LawName::Centre => LawSettings::Centring(CentringGains::HAND_TUNED),
+            LawName::Centring => LawSettings::Centring(CentringGains::HAND_TUNED),
         }
     }
 }

@@ -1,25 +1,28 @@
-//! The threads that draw a world's pictures.
+//! The threads that render the pictures of a simulated world.
 
 use anyhow::{Context, Result};
 use barrelman_sim::render::ParallelFor;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
-/// A few threads that share the work of a picture. The picture is the same for any number of them.
+/// Number of rendering threads.
+const COUNT: usize = 2;
+
+/// Threads that share the work of one picture. The picture does not depend on their number.
 #[derive(Debug)]
 pub struct RenderThreads(rayon::ThreadPool);
 
 impl RenderThreads {
-    /// Two threads: what a picture at 30 per second takes, and what a small computer can spare.
+    /// Starts two threads: enough for 30 pictures per second, and few enough for a small computer.
     ///
     /// # Errors
-    /// If the system has no more threads.
-    pub fn two() -> Result<Self> {
+    /// The system refuses a thread.
+    pub fn new() -> Result<Self> {
         rayon::ThreadPoolBuilder::new()
-            .num_threads(2)
+            .num_threads(COUNT)
             .thread_name(|index| format!("render-{index}"))
             .build()
             .map(Self)
-            .context("the threads that draw cannot be started")
+            .context("the rendering threads cannot be started")
     }
 }
 

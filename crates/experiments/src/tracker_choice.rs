@@ -1,4 +1,4 @@
-//! Which tracker follows the boat, with its settings: the one place where a tracker is made.
+//! The choice of a tracker and its settings. All trackers of the program are made here.
 
 use anyhow::{Result, anyhow};
 use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker, behaviour};
@@ -18,8 +18,8 @@ pub enum TrackerName {
 }
 
 impl TrackerName {
-    /// As it is written on the command line and in a configuration.
-    pub const fn word(self) -> &'static str {
+    /// The name on the command line and in a configuration.
+    pub const fn as_str(self) -> &'static str {
         match self {
             Self::Fused => "fused",
             Self::Camshift => "camshift",
@@ -35,38 +35,38 @@ impl TrackerName {
     }
 }
 
-/// The tracker that is used, and the settings of each, so that another can be chosen without losing any.
+/// The selected tracker, and the settings of all trackers, so that a change of the selection loses no setting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrackerSettings {
-    /// The one that is used.
+    /// The selected tracker.
     pub name: TrackerName,
-    /// Of the fused tracker.
+    /// Settings of the fused tracker.
     pub fused: FusedConfig,
-    /// Of CamShift.
+    /// Settings of CamShift.
     pub camshift: CamShiftConfig,
 }
 
 impl TrackerSettings {
-    /// The defaults of that tracker.
-    pub fn of(name: TrackerName) -> Self {
+    /// A tracker with default settings.
+    pub fn new(name: TrackerName) -> Self {
         Self { name, ..Self::default() }
     }
 
-    /// The same settings, if every one lies in its range, also those of the tracker that is not used.
+    /// The settings, if each lies in its range, also those of the trackers that are not selected.
     ///
     /// # Errors
-    /// Names the first key that does not, its value and the range.
+    /// A setting out of its range; the message names its key, its value and the range.
     pub fn validated(self) -> Result<Self> {
         let fused = self.fused.validated().map_err(|error| anyhow!("tracker.fused.{error}"))?;
         let camshift = self.camshift.validated().map_err(|error| anyhow!("tracker.{error}"))?;
         Ok(Self { fused, camshift, ..self })
     }
 
-    /// The tracker, with nothing selected.
+    /// Makes the selected tracker, without a selected target.
     ///
     /// # Errors
-    /// If a setting of it lies outside its range.
-    pub fn tracker(&self) -> Result<Box<dyn Tracker>> {
+    /// A setting of the tracker lies outside its range.
+    pub fn build(&self) -> Result<Box<dyn Tracker>> {
         Ok(match self.name {
             TrackerName::Fused => Box::new(FusedTracker::new(self.fused)?),
             TrackerName::Camshift => Box::new(CamShift::new(self.camshift)?),

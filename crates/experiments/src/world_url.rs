@@ -1,4 +1,4 @@
-//! Which world is simulated, as the user writes it: `sim:arena1`, `sim:mine.toml?seed=7&size=640x360`.
+//! The address of a simulated world: `sim:arena1`, `sim:mine.toml?seed=7&size=640x360`.
 
 use std::fmt;
 
@@ -7,21 +7,21 @@ use barrelman_vocab::PictureSize;
 /// A simulated world.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WorldUrl {
-    /// The scenario: a built-in one's name, or the path of a file that ends in `.toml`.
+    /// The name of a built-in scenario, or the path of a scenario file, which ends in `.toml`.
     pub scenario: String,
-    /// Everything that is left to chance comes from this.
+    /// The seed of all random numbers of the world.
     pub seed: u64,
-    /// Size of the picture; the view stays the same. `None`: the scenario's.
+    /// Size of the picture, which shows the same view; `None` for the scenario's size.
     pub size: Option<PictureSize>,
 }
 
-/// A simulated world's address that cannot be read.
+/// An invalid address of a simulated world.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum WorldUrlError {
-    /// No scenario is named.
+    /// The address names no scenario.
     #[error("`sim:` names no scenario: write e.g. sim:arena1 (`barrelman scenarios` lists them)")]
-    Nothing,
-    /// An option is unknown or has no value that can be used.
+    NoScenario,
+    /// An option is unknown, or its value is invalid.
     #[error(
         "the simulated world's option {0:?} cannot be used: write e.g. seed=7, size=640x360 or fault=stall@12.5"
     )]
@@ -29,28 +29,28 @@ pub enum WorldUrlError {
 }
 
 impl WorldUrl {
-    /// A scenario's world with the first seed.
-    pub fn of(scenario: impl Into<String>) -> Self {
+    /// The world of a scenario with seed 1.
+    pub fn new(scenario: impl Into<String>) -> Self {
         Self { scenario: scenario.into(), seed: 1, size: None }
     }
 
-    /// Reads what stands behind `sim:`; the faults come back as they were written.
+    /// Reads the part of an address after `sim:`. Returns the text of the option `fault` unread.
     ///
     /// # Errors
-    /// [`WorldUrlError`] says what cannot be read.
+    /// An address without a scenario, or an invalid option.
     pub fn parse(text: &str) -> Result<(Self, Option<String>), WorldUrlError> {
         let (scenario, options) = text.split_once('?').unwrap_or((text, ""));
         if scenario.is_empty() {
-            return Err(WorldUrlError::Nothing);
+            return Err(WorldUrlError::NoScenario);
         }
-        let (mut url, mut faults) = (Self::of(scenario), None);
+        let (mut url, mut faults) = (Self::new(scenario), None);
         for option in options.split('&').filter(|option| !option.is_empty()) {
-            let unusable = || WorldUrlError::Option(option.to_owned());
+            let invalid = || WorldUrlError::Option(option.to_owned());
             match option.split_once('=') {
-                Some(("seed", seed)) => url.seed = seed.parse().map_err(|_| unusable())?,
-                Some(("size", size)) => url.size = Some(parse_size(size).ok_or_else(unusable)?),
+                Some(("seed", seed)) => url.seed = seed.parse().map_err(|_| invalid())?,
+                Some(("size", size)) => url.size = Some(parse_size(size).ok_or_else(invalid)?),
                 Some(("fault", plan)) => faults = Some(plan.to_owned()),
-                _ => return Err(unusable()),
+                _ => return Err(invalid()),
             }
         }
         Ok((url, faults))

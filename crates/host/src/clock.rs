@@ -1,14 +1,14 @@
 //! The program's clock: the monotonic clock of the machine, counted from the program's start.
 //!
-//! One [`Clock`] is started in `main` and handed (it is a copy of one moment) to every thread that must know the
-//! time. Nothing else reads `Instant::now`, so that two timestamps of one run can always be compared. It does
-//! not know the time of day, and it does not run while the machine is suspended.
+//! `main` starts one [`Clock`] and passes a copy to every thread that needs the time. Nothing else reads `Instant::now`,
+//! so that any two timestamps of one run can be compared. The clock does not know the time of day. It stands still while
+//! the machine is suspended.
 
 use std::time::Instant;
 
 use barrelman_vocab::time::Timestamp;
 
-/// The moment of the program's start, from which timestamps count.
+/// A clock that counts from the program's start.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
     start: Instant,
@@ -16,16 +16,16 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Starts counting now.
+    /// A clock that starts now.
     pub fn start() -> Self {
         let start_on_monotonic_ns = monotonic_ns();
         Self { start: Instant::now(), start_on_monotonic_ns }
     }
 
-    /// The clock of a program that was started this much earlier: for tests of what depends on the time since the start.
+    /// The clock with an earlier start, for tests of code that depends on the time since the start.
     #[must_use]
-    pub fn earlier_by(self, span: std::time::Duration) -> Self {
-        Self { start: self.start.checked_sub(span).unwrap_or(self.start), ..self }
+    pub fn started_earlier(self, by: std::time::Duration) -> Self {
+        Self { start: self.start.checked_sub(by).unwrap_or(self.start), ..self }
     }
 
     /// The time now.
@@ -33,18 +33,18 @@ impl Clock {
         self.at(Instant::now())
     }
 
-    /// A moment of the machine's clock as a timestamp; the start where it was before it.
+    /// A moment of the machine's clock as a timestamp; 0 for a moment before the start.
     pub fn at(self, moment: Instant) -> Timestamp {
         Timestamp::ZERO.plus(moment.saturating_duration_since(self.start))
     }
 
-    /// A timestamp as a moment of the machine's clock, to wait for it.
+    /// A timestamp as a moment of the machine's clock.
     pub fn instant(self, at: Timestamp) -> Instant {
         self.start + at.since(Timestamp::ZERO)
     }
 
-    /// The program's start on `CLOCK_MONOTONIC`, in nanoseconds: what joins this program's timestamps with those
-    /// of another program on the same machine.
+    /// The program's start on `CLOCK_MONOTONIC`, nanoseconds. It relates this program's timestamps to those of another
+    /// program on the same machine.
     pub const fn start_on_monotonic_ns(self) -> u64 {
         self.start_on_monotonic_ns
     }
@@ -52,7 +52,7 @@ impl Clock {
 
 fn monotonic_ns() -> u64 {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
-    // CLOCK_MONOTONIC counts from the machine's start, so neither part is ever negative.
+    // CLOCK_MONOTONIC counts from the machine's start, so neither part is negative.
     now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
 }
 

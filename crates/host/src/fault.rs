@@ -1,33 +1,33 @@
-//! Faults on purpose: what is to go wrong, and when.
+//! Plans of deliberate faults: which fault occurs, and when.
 //!
-//! A plan is written `KIND@SECONDS[+DURATION]`, several with commas: `stall@12.5s,drop@3+2` stalls from 12.5 s
-//! on for ever and drops what comes between 3 s and 5 s. All times count from the program's start. Every port and video source takes one, so that tests,
-//! the simulator and the bench break things in the same way. The plan only says *whether* a fault is in force
-//! at a time; what a kind does to packets or video units is written where they pass.
+//! A fault is written `KIND@SECONDS[+DURATION]`, several separated by commas: `stall@12.5s,drop@3+2` stalls from 12.5 s
+//! without end, and drops what arrives between 3 s and 5 s. All times count from the program's start. Every port and video
+//! source takes a plan, so that tests, the simulator and the bench inject faults in the same way. The plan only says
+//! *whether* a fault is active. Its effect on packets or video units is implemented where they pass.
 
 use std::fmt;
 use std::time::Duration;
 
 use barrelman_vocab::time::Timestamp;
 
-/// A way to go wrong.
+/// The kinds of faults. An *item* is a packet or a video unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FaultKind {
-    /// Nothing comes any more, and no error either, as when the tether is pulled.
+    /// No item arrives, and no error, as when the tether is disconnected.
     Stall,
-    /// What comes is thrown away.
+    /// Items are dropped.
     Drop,
-    /// What comes is held back and handed over late.
+    /// Items are delivered late.
     Delay,
-    /// What comes is handed over twice.
+    /// Items are delivered twice.
     Duplicate,
-    /// Some bytes of what comes are changed.
+    /// Some bytes of each item are changed.
     Corrupt,
-    /// The connection breaks, and cannot be made again while the fault lasts.
+    /// The connection breaks, and no connection is possible while the fault lasts.
     Disconnect,
-    /// An emulated vehicle starts afresh.
+    /// An emulated vehicle restarts.
     Reboot,
-    /// The thread panics, to test that everything stops.
+    /// The thread panics, to test that the program stops.
     Panic,
 }
 
@@ -43,7 +43,7 @@ impl FaultKind {
         ("panic", Self::Panic),
     ];
 
-    fn named(name: &str) -> Option<Self> {
+    fn from_name(name: &str) -> Option<Self> {
         Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, kind)| *kind)
     }
 }
@@ -55,24 +55,24 @@ impl fmt::Display for FaultKind {
     }
 }
 
-/// One fault with its time.
+/// One fault with its times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fault {
-    /// What goes wrong.
+    /// The kind.
     pub kind: FaultKind,
-    /// When it begins, counted from the program's start.
-    pub from: Duration,
-    /// How long it lasts; `None`: for ever. What happens once (a panic, a reboot) happens at the beginning.
-    pub lasts: Option<Duration>,
+    /// Its start, counted from the program's start.
+    pub start: Duration,
+    /// Its duration; `None` for a fault without end. A fault that occurs once (panic, reboot) occurs at its start.
+    pub duration: Option<Duration>,
 }
 
-/// All faults of one source or port. The empty plan lets everything pass.
+/// The faults of one source or port. The empty plan has none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct FaultPlan {
     faults: Vec<Fault>,
 }
 
-/// A fault that cannot be read.
+/// A fault in a plan that cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FaultPlanError {
     /// The kind is unknown.
@@ -80,7 +80,7 @@ pub enum FaultPlanError {
         "unknown fault `{0}`: use stall, drop, delay, duplicate, corrupt, disconnect, reboot or panic, as in `stall@12.5s`"
     )]
     UnknownKind(String),
-    /// There is no `@`, or no number behind it.
+    /// There is no `@`, or no number after it.
     #[error("fault `{0}` has no time: write KIND@SECONDS or KIND@SECONDS+DURATION, as in `drop@3+2`")]
     NoTime(String),
 }
@@ -89,37 +89,39 @@ impl FaultPlan {
     /// Reads a plan, e.g. `stall@12.5s,drop@3+2`. An empty text is the empty plan.
     ///
     /// # Errors
-    /// A kind that is unknown, or a time that is missing, negative or not a number.
+    /// An unknown kind, or a time that is missing, negative or not a number.
     pub fn parse(text: &str) -> Result<Self, FaultPlanError> {
         let parts = text.split(',').map(str::trim).filter(|part| !part.is_empty());
         Ok(Self { faults: parts.map(parse_fault).collect::<Result<_, _>>()? })
     }
 
-    /// Whether nothing goes wrong at all.
+    /// Whether the plan has no fault.
     pub fn is_empty(&self) -> bool {
         self.faults.is_empty()
     }
 
-    /// The faults, in the order written.
+    /// The faults, in the order of the text.
     pub fn faults(&self) -> &[Fault] {
         &self.faults
     }
 
-    /// Whether a fault of that kind is in force at `at`, counted from the program's start.
-    pub fn active(&self, kind: FaultKind, at: Timestamp) -> bool {
+    /// Whether a fault of this kind is active at `at`.
+    pub fn is_active(&self, kind: FaultKind, at: Timestamp) -> bool {
         let since_start = at.since(Timestamp::ZERO);
         self.faults.iter().filter(|fault| fault.kind == kind).any(|fault| {
-            since_start >= fault.from && fault.lasts.is_none_or(|lasts| since_start < fault.from + lasts)
+            since_start >= fault.start
+                && fault.duration.is_none_or(|duration| since_start < fault.start + duration)
         })
     }
 
-    /// How many faults of that kind began after `after` and not later than `until`: for what happens once.
-    pub fn begun(&self, kind: FaultKind, after: Option<Timestamp>, until: Timestamp) -> usize {
-        let began = |fault: &&Fault| {
-            let at = Timestamp::ZERO.plus(fault.from);
+    /// The number of faults of this kind that started after `after` and not later than `until`: for faults that occur
+    /// once.
+    pub fn count_started(&self, kind: FaultKind, after: Option<Timestamp>, until: Timestamp) -> usize {
+        let has_started = |fault: &&Fault| {
+            let at = Timestamp::ZERO.plus(fault.start);
             fault.kind == kind && at <= until && after.is_none_or(|after| at > after)
         };
-        self.faults.iter().filter(began).count()
+        self.faults.iter().filter(has_started).count()
     }
 }
 
@@ -127,9 +129,9 @@ impl fmt::Display for FaultPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, fault) in self.faults.iter().enumerate() {
             let comma = if index == 0 { "" } else { "," };
-            write!(f, "{comma}{}@{}", fault.kind, fault.from.as_secs_f64())?;
-            if let Some(lasts) = fault.lasts {
-                write!(f, "+{}", lasts.as_secs_f64())?;
+            write!(f, "{comma}{}@{}", fault.kind, fault.start.as_secs_f64())?;
+            if let Some(duration) = fault.duration {
+                write!(f, "+{}", duration.as_secs_f64())?;
             }
         }
         Ok(())
@@ -138,15 +140,15 @@ impl fmt::Display for FaultPlan {
 
 fn parse_fault(text: &str) -> Result<Fault, FaultPlanError> {
     let (kind, times) = text.split_once('@').unwrap_or((text, ""));
-    let kind = FaultKind::named(kind).ok_or_else(|| FaultPlanError::UnknownKind(kind.to_owned()))?;
-    let (from, lasts) = match times.split_once('+') {
-        Some((from, lasts)) => (from, Some(lasts)),
+    let kind = FaultKind::from_name(kind).ok_or_else(|| FaultPlanError::UnknownKind(kind.to_owned()))?;
+    let (start, duration) = match times.split_once('+') {
+        Some((start, duration)) => (start, Some(duration)),
         None => (times, None),
     };
     let no_time = || FaultPlanError::NoTime(text.to_owned());
-    let from = parse_seconds(from).ok_or_else(no_time)?;
-    let lasts = lasts.map(|lasts| parse_seconds(lasts).ok_or_else(no_time)).transpose()?;
-    Ok(Fault { kind, from, lasts })
+    let start = parse_seconds(start).ok_or_else(no_time)?;
+    let duration = duration.map(|duration| parse_seconds(duration).ok_or_else(no_time)).transpose()?;
+    Ok(Fault { kind, start, duration })
 }
 
 fn parse_seconds(text: &str) -> Option<Duration> {
@@ -160,7 +162,11 @@ mod tests {
 
     fn check_active(plan: &str, kind: FaultKind, seconds: f64, expected: bool) {
         let plan = FaultPlan::parse(plan).unwrap();
-        assert_eq!(plan.active(kind, Timestamp::from_secs_f64(seconds)), expected, "{plan} at {seconds} s");
+        assert_eq!(
+            plan.is_active(kind, Timestamp::from_secs_f64(seconds)),
+            expected,
+            "{plan} at {seconds} s"
+        );
     }
 
     #[test]
@@ -182,9 +188,9 @@ mod tests {
     fn what_happens_once_is_counted_once() {
         let plan = FaultPlan::parse("reboot@0,reboot@2").unwrap();
         let at = Timestamp::from_secs_f64;
-        assert_eq!(plan.begun(FaultKind::Reboot, None, at(0.0)), 1);
-        assert_eq!(plan.begun(FaultKind::Reboot, Some(at(0.0)), at(1.0)), 0);
-        assert_eq!(plan.begun(FaultKind::Reboot, Some(at(1.0)), at(2.0)), 1);
+        assert_eq!(plan.count_started(FaultKind::Reboot, None, at(0.0)), 1);
+        assert_eq!(plan.count_started(FaultKind::Reboot, Some(at(0.0)), at(1.0)), 0);
+        assert_eq!(plan.count_started(FaultKind::Reboot, Some(at(1.0)), at(2.0)), 1);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Input files: one that is not there is named, with what to look at.
+//! Input files. An error names the file and says what to check.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -9,7 +9,7 @@ use anyhow::{Context, Result, anyhow};
 /// Opens an input file.
 ///
 /// # Errors
-/// If it is not there or may not be read; the message names it.
+/// The file does not exist or may not be read; the message names it.
 pub fn open(path: &Path) -> Result<File> {
     File::open(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => anyhow!(
@@ -25,10 +25,10 @@ pub fn open(path: &Path) -> Result<File> {
     })
 }
 
-/// Reads an input file whole.
+/// Reads a whole input file.
 ///
 /// # Errors
-/// As [`open`], and if it cannot be read to its end.
+/// As [`open`], and a file that cannot be read to its end.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.read_to_end(&mut bytes).with_context(|| format!("{} cannot be read", path.display()))?;

@@ -1,19 +1,19 @@
-//! Output files: none that exists is overwritten without being asked to.
+//! Output files. An existing file is overwritten only on request.
 //!
-//! An output file is opened in one step, before the work begins whose result it takes, and the handle is kept:
+//! An output file is opened in one step, before the work whose result it holds, and the handle is kept:
 //!
-//! - Without `--force`, the file is created with `O_CREAT | O_EXCL`. A file that exists is refused, also one that appears
-//!   at the last moment. A symbolic link is refused as well, wherever it leads.
-//! - With `--force`, a file that exists is opened with `O_NOFOLLOW` and emptied at the first write, so that work that
-//!   fails before it has a result leaves the old file as it was. The file is overwritten in place instead of replaced by
-//!   a temporary file: a recording can be read while it grows, and what a killed program has written stays under its
-//!   name. A symbolic link in the place of the file is refused; links in the folders above it are followed.
+//! - Without `--force`, the file is created with `O_CREAT | O_EXCL`. An existing file is refused, also one that
+//!   appears at the last moment, and so is a symbolic link, whatever its target.
+//! - With `--force`, an existing file is opened with `O_NOFOLLOW` and emptied at the first write, so that work that fails
+//!   before it has a result leaves the old file unchanged. The file is overwritten in place and not replaced by a
+//!   temporary file: a recording can be read while it grows, and the output of a killed program stays under its name. A
+//!   symbolic link in the place of the file is refused; links in the folders above it are followed.
 //!
-//! While a file is open it is locked (`flock`), so that two programs, or two outputs of one command, do not write into each
-//! other with `--force` or `--resume`.
+//! An open file is locked (`flock`), so that two programs, or two outputs of one command, cannot write to one file with
+//! `--force` or `--resume`.
 //!
-//! A file that was created and never written is removed again when its handle is dropped. Only a killed program leaves
-//! an empty file behind.
+//! A file that was created and never written is removed when its handle is dropped. Only a killed program leaves an empty
+//! file behind.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Seek, SeekFrom, Write};
@@ -37,15 +37,15 @@ pub struct OutputFile {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Created here, and empty: removed when it is dropped.
+    /// Created by this program and empty: removed when it is dropped.
     Created,
-    /// It existed before: emptied at the first write.
+    /// Existed before: emptied at the first write.
     Existing,
-    /// Emptied or written; it stays.
+    /// Emptied or written: kept.
     Begun,
 }
 
-/// An output file that was closed, and may be opened again to append to it.
+/// A closed output file that can be opened again to append to it.
 #[derive(Debug)]
 pub struct ClosedOutput {
     path: PathBuf,
@@ -66,17 +66,16 @@ impl From<&std::fs::Metadata> for Identity {
 }
 
 impl OutputFile {
-    /// Opens an output file. A file that exists is overwritten with `force` only, from the first write on.
+    /// Opens an output file. An existing file is overwritten only with `force`, from the first write on.
     ///
     /// # Errors
-    /// If the file exists and `force` is not given, if it is a symbolic link, or if it cannot be created; the message
-    /// names it.
+    /// The file exists and `force` is false, is a symbolic link, or cannot be created; the message names it.
     pub fn open(path: &Path, force: bool) -> Result<Self> {
         for _ in 0..ATTEMPTS {
             match OpenOptions::new().write(true).create_new(true).open(path) {
-                Ok(file) => return Self { state: State::Created, path: path.to_owned(), file }.locked(),
+                Ok(file) => return Self { state: State::Created, path: path.to_owned(), file }.lock(),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(explained(path, error)),
+                Err(error) => return Err(open_error(path, error)),
             }
             if is_link(path) {
                 bail!("{} exists already, as a symbolic link: choose another name", path.display());
@@ -86,32 +85,31 @@ impl OutputFile {
             }
             match without_following().write(true).open(path) {
                 Ok(file) => {
-                    let file = Self { state: State::Existing, path: path.to_owned(), file }.locked()?;
-                    // Else it was removed before it was locked.
+                    let file = Self { state: State::Existing, path: path.to_owned(), file }.lock()?;
+                    // Otherwise another program removed the file before it was locked.
                     if file.is_at_its_path() {
                         return Ok(file);
                     }
                 }
-                // Removed meanwhile.
+                // Another program removed the file.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-                Err(error) => return Err(explained(path, error)),
+                Err(error) => return Err(open_error(path, error)),
             }
         }
         bail!("{} cannot be opened: another program creates and removes it", path.display())
     }
 
-    /// Opens an output file that may have been begun before, and reads what it holds. What is written comes behind. A
-    /// file that does not exist is created, and holds nothing.
+    /// Opens an output file to append to it, and returns its content. A missing file is created.
     ///
     /// # Errors
-    /// If the file is a symbolic link, or cannot be read or written; the message names it.
+    /// The file is a symbolic link, or cannot be read or written; the message names it.
     pub fn resume(path: &Path) -> Result<(Self, Vec<u8>)> {
         let mut file = match without_following().read(true).write(true).open(path) {
-            Ok(file) => Self { state: State::Begun, path: path.to_owned(), file }.locked()?,
+            Ok(file) => Self { state: State::Begun, path: path.to_owned(), file }.lock()?,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 return Ok((Self::open(path, false)?, Vec::new()));
             }
-            Err(error) => return Err(explained(path, error)),
+            Err(error) => return Err(open_error(path, error)),
         };
         let mut bytes = Vec::new();
         file.file.read_to_end(&mut bytes).with_context(|| format!("{} cannot be read", path.display()))?;
@@ -123,47 +121,47 @@ impl OutputFile {
         &self.path
     }
 
-    /// Empties the file now, and keeps it even if nothing is ever written to it.
+    /// Empties the file now, and keeps it even if nothing is written to it.
     ///
     /// # Errors
-    /// If the file cannot be emptied.
+    /// The file cannot be emptied.
     pub fn begin(&mut self) -> Result<()> {
-        self.begun().with_context(|| cannot_be_written(&self.path))
+        self.empty_once().with_context(|| cannot_be_written(&self.path))
     }
 
-    /// Cuts the file after so many bytes, and goes on there.
+    /// Truncates the file to `bytes` bytes and continues at its end.
     ///
     /// # Errors
-    /// If the file cannot be cut.
-    pub fn cut_after(&mut self, bytes: u64) -> Result<()> {
-        self.begun()
+    /// The file cannot be truncated.
+    pub fn truncate_at(&mut self, bytes: u64) -> Result<()> {
+        self.empty_once()
             .and_then(|()| self.file.set_len(bytes))
             .and_then(|()| self.file.seek(SeekFrom::Start(bytes)).map(drop))
             .with_context(|| cannot_be_written(&self.path))
     }
 
-    /// Closes the file, to be opened again later.
+    /// Closes the file so that it can be opened again.
     ///
     /// # Errors
-    /// If the system does not tell which file it is.
+    /// The device and the inode of the file cannot be read.
     pub fn close(mut self) -> Result<ClosedOutput> {
         self.begin()?;
         let metadata = self.file.metadata().with_context(|| cannot_be_written(&self.path))?;
         Ok(ClosedOutput { path: self.path.clone(), identity: Identity::from(&metadata) })
     }
 
-    fn locked(mut self) -> Result<Self> {
+    fn lock(mut self) -> Result<Self> {
         let is_file = self.file.metadata().is_ok_and(|metadata| metadata.is_file());
-        // Some file systems have no locks; devices and pipes may be shared.
+        // Some file systems have no locks. Devices and pipes may be shared.
         if is_file && flock(&self.file, FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK) {
-            // Whoever was faster has the file now, even if it was created here.
+            // The file belongs to the program that locked it, even if this program created it.
             self.state = State::Begun;
             bail!("{} is being written already: choose another name, or wait", self.path.display());
         }
         Ok(self)
     }
 
-    /// Whether the path still leads to this file.
+    /// Whether the path still names this file.
     fn is_at_its_path(&self) -> bool {
         match (self.file.metadata(), std::fs::symlink_metadata(&self.path)) {
             (Ok(ours), Ok(there)) => Identity::from(&ours) == Identity::from(&there),
@@ -171,7 +169,7 @@ impl OutputFile {
         }
     }
 
-    fn begun(&mut self) -> io::Result<()> {
+    fn empty_once(&mut self) -> io::Result<()> {
         // Devices and pipes have no length.
         if self.state == State::Existing && self.file.metadata()?.is_file() {
             self.file.set_len(0)?;
@@ -182,13 +180,13 @@ impl OutputFile {
 }
 
 impl ClosedOutput {
-    /// Opens the file again, to append to it.
+    /// Opens the file again to append to it.
     ///
     /// # Errors
-    /// If the file at this path is another one now, or cannot be opened.
+    /// The path names another file now, or the file cannot be opened.
     pub fn reopen(self) -> Result<OutputFile> {
         let Self { path, identity } = self;
-        let file = without_following().append(true).open(&path).map_err(|error| explained(&path, error))?;
+        let file = without_following().append(true).open(&path).map_err(|error| open_error(&path, error))?;
         let metadata = file.metadata().with_context(|| cannot_be_written(&path))?;
         if Identity::from(&metadata) != identity {
             bail!("{} was replaced while it was being written", path.display());
@@ -200,7 +198,7 @@ impl ClosedOutput {
 impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.state != State::Begun && !bytes.is_empty() {
-            self.begun()?;
+            self.empty_once()?;
         }
         self.file.write(bytes)
     }
@@ -218,7 +216,7 @@ impl Seek for OutputFile {
 
 impl Drop for OutputFile {
     fn drop(&mut self) {
-        // What another program has put there since is not ours to remove.
+        // A file that another program has put in its place is kept.
         let is_empty = || self.file.metadata().is_ok_and(|metadata| metadata.len() == 0);
         if self.state == State::Created && is_empty() && self.is_at_its_path() {
             let _ = std::fs::remove_file(&self.path);
@@ -226,7 +224,7 @@ impl Drop for OutputFile {
     }
 }
 
-/// Creates an output file that stays even if nothing is written to it; one that exists is emptied, with `force` only.
+/// Creates an output file that is kept even if nothing is written to it. An existing file is emptied only with `force`.
 ///
 /// # Errors
 /// As [`OutputFile::open`].
@@ -247,7 +245,7 @@ fn is_link(path: &Path) -> bool {
     std::fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_symlink())
 }
 
-fn explained(path: &Path, error: io::Error) -> anyhow::Error {
+fn open_error(path: &Path, error: io::Error) -> anyhow::Error {
     if error.kind() == io::ErrorKind::NotFound {
         return anyhow!("{} cannot be written: its folder does not exist, make it first", path.display());
     }

@@ -1,7 +1,7 @@
 //! Hides logins in texts that are shown, logged or recorded.
 
-/// The text with every login hidden that stands before the host of an address in it, also where the address cannot be
-/// read. An address ends at white space or a quotation mark.
+/// The text with the login of every address replaced by `***`, also in addresses that cannot be parsed. An address ends
+/// at white space or a quotation mark.
 pub fn without_logins(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text;
@@ -9,10 +9,10 @@ pub fn without_logins(text: &str) -> String {
         shown += before;
         shown += "://";
         let end = after.find(|c: char| c.is_whitespace() || "\"'`".contains(c)).unwrap_or(after.len());
-        // The @ of a fault's time is none of a login.
+        // The @ in a plan of faults does not belong to a login.
         let address = after[..end].split("fault=").next().unwrap_or_default();
         let authority = address.split(['/', '?', '#']).next().unwrap_or_default();
-        // A password with a slash in it ends the authority early: hide up to the last @ then.
+        // A slash in a password ends the authority early: then the text up to the last @ is hidden.
         let hidden_to = if authority.contains('@') { authority.rfind('@') } else { address.rfind('@') };
         rest = match hidden_to {
             Some(at) => {

@@ -52,7 +52,7 @@ fn draw(bencher: Bencher<'_, '_>, size: PictureSize, number: u32) {
         mode: Some(Mode::Servoing),
         link: Some("up"),
         explanation: Some(&explanation),
-        ..Scene::of_track(&track, region)
+        ..Scene::from_track(&track, region)
     };
     let mut overlay = Overlay::new();
     let mut out = Picture::black(size, clip.colour());

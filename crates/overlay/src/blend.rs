@@ -8,7 +8,7 @@
 use core::ops::Range;
 
 use barrelman_vocab::Picture;
-use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
+use barrelman_vocab::video::{ColourEncoding, LumaWeights, SampleRange};
 
 use super::layer::{Layer, TILE};
 
@@ -27,12 +27,7 @@ const WHOLE: i32 = 255 * 256;
 impl Mix {
     /// The rows for Y, U and V.
     fn of(colour: ColourEncoding) -> [Self; 3] {
-        // Luma weights of red and blue: ITU-R BT.601-7, section 2.5.1, and BT.709-6, section 3.2.
-        let (red, blue) = match colour.matrix {
-            ColourMatrix::Bt601 => (0.299, 0.114),
-            ColourMatrix::Bt709 => (0.2126, 0.0722),
-        };
-        let green = 1.0 - red - blue;
+        let LumaWeights { red, green, blue } = colour.matrix.luma_weights();
         let (luma_span, chroma_span, black) = match colour.range {
             SampleRange::Limited => (219.0, 224.0, 16),
             SampleRange::Full => (255.0, 255.0, 0),

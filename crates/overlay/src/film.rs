@@ -70,7 +70,7 @@ impl Film {
     /// # Errors
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
-        let Some(scene) = Scene::of_outcome(outcome) else { return Ok(()) };
+        let Some(scene) = Scene::from_outcome(outcome) else { return Ok(()) };
         self.add(frame, &Scene { rates: Some(rates), ..scene })
     }
 
@@ -80,7 +80,7 @@ impl Film {
     /// If the frame has another size than the first, or the file cannot be written.
     pub fn add_track(&mut self, frame: &VideoFrame, track: &Track, why: Option<&Explanation>) -> Result<()> {
         let region = Region::from_shares(self.shares, frame.picture.size());
-        self.add(frame, &Scene { explanation: why, ..Scene::of_track(track, region) })
+        self.add(frame, &Scene { explanation: why, ..Scene::from_track(track, region) })
     }
 
     /// Ends the film.

@@ -30,7 +30,7 @@ pub struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     /// A scene without a pilot: a track and the region that P is counted in.
-    pub fn of_track(track: &'a Track, region: Region) -> Self {
+    pub fn from_track(track: &'a Track, region: Region) -> Self {
         Self {
             track,
             region,
@@ -46,13 +46,13 @@ impl<'a> Scene<'a> {
 
     /// What came of a pilot's step. The rates as sent, the link and the explanation are the caller's to add:
     /// `Scene { rates: Some(rates), ..scene }`. `None` before the pilot's first observation, which gives the region.
-    pub fn of_outcome(outcome: &'a Outcome) -> Option<Self> {
+    pub fn from_outcome(outcome: &'a Outcome) -> Option<Self> {
         Some(Self {
             percept: outcome.percept,
             advice: outcome.advice,
             command: outcome.command,
             mode: Some(outcome.mode),
-            ..Self::of_track(&outcome.track, outcome.region?)
+            ..Self::from_track(&outcome.track, outcome.region?)
         })
     }
 }

@@ -37,7 +37,7 @@ fn frames(clip: &PracticeClip) -> Vec<VideoFrame> {
 }
 
 fn tracker(name: TrackerName) -> Box<dyn Tracker> {
-    TrackerSettings::of(name).tracker().expect("the defaults lie in their ranges")
+    TrackerSettings::new(name).build().expect("the defaults lie in their ranges")
 }
 
 /// Goes round and round through the frames.

@@ -1,67 +1,67 @@
-//! What can go wrong with a video: each error says what, where, and how to mend it.
+//! The errors of this crate. Each says what happened, where, and what to do.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A file, a folder or a stream that cannot be shown.
+/// A file, a folder or a stream that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VideoError {
-    /// There is nothing of that name.
+    /// The file or the folder does not exist.
     #[error("no file or folder `{}`: check the path (relative paths start in the current folder)", .0.display())]
     Missing(PathBuf),
-    /// The operating system refused.
+    /// The operating system returned an error.
     #[error("cannot {doing} `{}`: {cause}", .path.display())]
     Io {
-        /// What was tried: "read", "create".
+        /// The operation: "read", "create", "write".
         doing: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         cause: io::Error,
     },
-    /// The file is of a kind that is not read here.
+    /// The kind of the file is not supported.
     #[error("`{}` is {what}, which is not read here. {remedy}", .path.display())]
     Unsupported {
         /// The file.
         path: PathBuf,
-        /// What it is: "a Matroska (MKV, WebM) file".
+        /// The kind, with its article: "a Matroska (MKV, WebM) file".
         what: String,
-        /// How to make it readable.
+        /// How to convert it.
         remedy: String,
     },
-    /// The file does not hold what it promises.
+    /// The file is damaged.
     #[error("`{}` is damaged after {units} pictures: {what}", .path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Pictures read before the damage, which were delivered.
+        /// Number of pictures before the damage, all of which were delivered.
         units: u64,
         /// What is wrong.
         what: String,
     },
     /// A picture cannot be decoded.
-    #[error("{place}: {cause}")]
+    #[error("{address}: {cause}")]
     Decode {
-        /// The file or the address.
-        place: String,
-        /// What is wrong with it.
+        /// The path or the address of the source.
+        address: String,
+        /// The decoder's error.
         cause: DecodeError,
     },
-    /// A stream that was reached but can never be shown.
-    #[error("`{place}` {what}. {remedy}")]
+    /// A stream that was reached and cannot be used.
+    #[error("`{address}` {what}. {remedy}")]
     Stream {
         /// The address, without its password.
-        place: String,
-        /// What it is.
+        address: String,
+        /// What is wrong with it, with a verb.
         what: String,
-        /// How to mend it.
+        /// What to do.
         remedy: String,
     },
     /// The thread cannot be started.
     #[error("cannot start the video thread: {0}")]
     Thread(io::Error),
-    /// A source that another crate provides, such as a simulated world, cannot start.
+    /// A source of another crate, such as a simulated world, cannot start.
     #[error("{reason}")]
     Provided {
         /// What is wrong with the source.
@@ -70,39 +70,39 @@ pub enum VideoError {
     /// A picture cannot be encoded.
     #[error("cannot encode a picture of {size}: {reason}")]
     Encode {
-        /// Its size.
+        /// The size of the picture.
         size: barrelman_vocab::image::PictureSize,
-        /// What the encoder said.
+        /// The encoder's error.
         reason: String,
     },
 }
 
-/// A unit that gives no picture.
+/// A unit that cannot be decoded.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
-    /// The stream is of a kind that is not decoded here, however often one tries.
+    /// The kind of the stream is not supported.
     #[error("the video is {what}, which is not decoded here. {remedy}")]
     Unsupported {
-        /// What it is: "interlaced".
+        /// The kind: "interlaced H.264".
         what: String,
-        /// How to make it readable.
+        /// How to convert it.
         remedy: String,
     },
-    /// This unit is damaged; decoding goes on with the next key frame.
+    /// The unit is damaged. Decoding continues with the next key frame.
     #[error("picture {index} is damaged ({reason}): nothing is shown until the next key frame")]
     Damaged {
-        /// Which unit.
+        /// The number of the unit.
         index: u64,
-        /// What the decoder said.
+        /// The decoder's error.
         reason: String,
     },
-    /// The decoder itself cannot be made.
+    /// The decoder cannot be created.
     #[error("the H.264 decoder cannot start: {0}")]
     NoDecoder(String),
 }
 
 impl DecodeError {
-    /// Whether no later unit of the same stream can be decoded either.
+    /// Whether no later unit of the stream can be decoded.
     pub const fn is_final(&self) -> bool {
         !matches!(self, Self::Damaged { .. })
     }

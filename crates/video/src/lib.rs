@@ -1,50 +1,31 @@
-//! Video in and out: sources, decoding, and MP4 files.
+//! Video input and output: sources, decoding, encoding, and MP4 files.
 //!
 //! ```text
 //! VideoUrl -> demux (files) or rtsp (network) -> EncodedUnit -> UnitDecoder -> VideoFrame
 //!                                                     \-> recorder, console        Picture -> Mp4Writer
 //! ```
 //! An [`barrelman_vocab::EncodedUnit`] holds the received bytes, unchanged. The same units always decode to the same
-//! frames, so a recorder stores units and a replay decodes them again. [`live`] runs a source on a thread of its own in
-//! real time; [`mod@file`] reads every frame of a recording, for offline use. A source that another crate provides (a
-//! simulated world) uses [`VideoHandle::start`] and a [`feed::Feed`].
+//! frames: a recorder stores units, and a replay decodes them again. [`live`] runs a source on a thread of its own in
+//! real time; [`mod@file`] reads all frames of a file, for offline use. A source of another crate (a simulated world) uses
+//! [`VideoHandle::start`] and a [`feed::Feed`].
 //!
-//! Read here: H.264 (8 bit, 4:2:0, progressive) from RTSP over TCP and from MP4 or MOV, Y4M, folders of PNG and
-//! JPEG pictures. For sources that are not read here (USB cameras, other codecs and containers), the error names the
-//! command that makes the source readable.
+//! Supported: H.264 (8 bit, 4:2:0, progressive) from RTSP over TCP and from MP4 or MOV, Y4M, folders of PNG and
+//! JPEG pictures. For other sources (USB cameras, other codecs and containers), the error names the command that converts
+//! or serves the source.
 //!
 //! The crate shields its users from openh264 and retina.
 
-pub mod sink;
-pub mod url;
-
-pub mod live;
-
-pub mod feed;
-
-pub mod file;
-
-pub mod demux;
-mod fault;
-mod rtp_clock;
-mod rtsp;
-pub mod supervision;
-
-pub mod annexb;
-pub mod decoder;
-pub mod pool;
-mod sps;
-mod still;
-
-pub mod encoder;
-mod encoder_log;
-mod mp4_mux;
-pub mod writer;
+mod codec;
+mod mp4;
+mod source;
 
 pub mod error;
 
+pub use codec::{annexb, decoder, encoder, pool};
 pub use error::{DecodeError, VideoError};
-pub use file::FileFrames;
-pub use live::{StopError, VideoHandle, spawn};
-pub use sink::{VideoSink, VideoState};
-pub use url::{VideoUrl, VideoUrlError};
+pub use mp4::writer;
+pub use source::file::FileFrames;
+pub use source::live::{StopError, VideoHandle, spawn};
+pub use source::sink::{VideoSink, VideoState};
+pub use source::url::{VideoUrl, VideoUrlError};
+pub use source::{demux, feed, file, live, sink, supervision, url};

@@ -11,7 +11,7 @@
 //! Integer and fixed-point arithmetic (1/65536 of a level) throughout, with the same result on every machine. A
 //! conversion costs some nanoseconds, which is why the back projection uses a table.
 
-use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
+use barrelman_vocab::video::{ColourEncoding, SampleRange};
 
 /// Number of hue codes: 0 to 179, two degrees each.
 pub(crate) const HUE_CODES: u8 = 180;
@@ -48,26 +48,21 @@ pub struct YuvToHue {
 impl YuvToHue {
     /// A converter for pictures of this encoding.
     pub fn new(colour: ColourEncoding) -> Self {
-        // Weights of red and blue in luma, from ITU-R BT.601 and BT.709.
-        let (red, blue) = match colour.matrix {
-            ColourMatrix::Bt601 => (0.299, 0.114),
-            ColourMatrix::Bt709 => (0.2126, 0.0722),
-        };
-        let green = 1.0 - red - blue;
+        let weights = colour.matrix.luma_weights();
         let (luma_scale, chroma_scale, black) = match colour.range {
             SampleRange::Limited => (255.0 / 219.0, 255.0 / 224.0, 16.0),
             SampleRange::Full => (1.0, 1.0, 0.0),
         };
         let fixed = |levels: f64| (levels * f64::from(1 << FRACTION)).round() as i32;
-        let red_per_v = 2.0 * (1.0 - red) * chroma_scale;
-        let blue_per_u = 2.0 * (1.0 - blue) * chroma_scale;
+        let red_per_v = weights.cr_divisor() * chroma_scale;
+        let blue_per_u = weights.cb_divisor() * chroma_scale;
         Self {
             colour,
             level_of_zero: fixed(0.5 - black * luma_scale),
             per_y: fixed(luma_scale),
             red_per_v: fixed(red_per_v),
-            green_per_u: fixed(-blue_per_u * blue / green),
-            green_per_v: fixed(-red_per_v * red / green),
+            green_per_u: fixed(-blue_per_u * weights.blue / weights.green),
+            green_per_v: fixed(-red_per_v * weights.red / weights.green),
             blue_per_u: fixed(blue_per_u),
         }
     }

@@ -3,10 +3,12 @@
 //! A unit contains everything that is needed to decode it later. A recorder stores units. A replay passes them to a new
 //! decoder and gets the same video frames with the same sequence numbers.
 
+use std::sync::Arc;
+
 use bytes::Bytes;
 
 use crate::image::PictureSize;
-use crate::video::{Capture, ColourEncoding};
+use crate::video::{Capture, ColourEncoding, Picture};
 
 /// Clockwise rotation that displays the picture of a unit upright.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -50,6 +52,19 @@ pub enum UnitCodec {
         /// Colour encoding of the samples.
         colour: ColourEncoding,
     },
+}
+
+/// The payload of a [`UnitCodec::RawYuv420`] unit: the samples of the picture, shared and not copied.
+pub fn raw_payload(picture: Arc<Picture>) -> Bytes {
+    struct Samples(Arc<Picture>);
+
+    impl AsRef<[u8]> for Samples {
+        fn as_ref(&self) -> &[u8] {
+            self.0.samples()
+        }
+    }
+
+    Bytes::from_owner(Samples(picture))
 }
 
 /// One encoded picture. Cloning shares the payload.

@@ -14,6 +14,50 @@ pub enum ColourMatrix {
     Bt709,
 }
 
+impl ColourMatrix {
+    /// The weights of red, green and blue in luma: ITU-R BT.601-7, section 2.5.1, and BT.709-6, section 3.2.
+    pub const fn luma_weights(self) -> LumaWeights {
+        match self {
+            Self::Bt601 => LumaWeights { red: 0.299, green: 0.587, blue: 0.114 },
+            Self::Bt709 => LumaWeights { red: 0.2126, green: 0.7152, blue: 0.0722 },
+        }
+    }
+}
+
+/// Weights of red, green and blue (0 to 1) in luma, Y = `red` R + `green` G + `blue` B. Their sum is 1. The colour
+/// differences are Cb = (B - Y) / [`Self::cb_divisor`] and Cr = (R - Y) / [`Self::cr_divisor`], -0.5 to 0.5.
+///
+/// ```
+/// use barrelman_vocab::video::ColourMatrix;
+///
+/// let weights = ColourMatrix::Bt601.luma_weights();
+/// let [r, g, b] = [1.0, 1.0, 0.0];
+/// let y = weights.red * r + weights.green * g + weights.blue * b;
+/// assert!((y - 0.886).abs() < 1e-9);
+/// assert!(((b - y) / weights.cb_divisor() + 0.5).abs() < 1e-9, "yellow has the least blue difference");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LumaWeights {
+    /// Weight of red.
+    pub red: f64,
+    /// Weight of green.
+    pub green: f64,
+    /// Weight of blue.
+    pub blue: f64,
+}
+
+impl LumaWeights {
+    /// The largest absolute value of B - Y, times 2.
+    pub const fn cb_divisor(self) -> f64 {
+        2.0 * (1.0 - self.blue)
+    }
+
+    /// The largest absolute value of R - Y, times 2.
+    pub const fn cr_divisor(self) -> f64 {
+        2.0 * (1.0 - self.red)
+    }
+}
+
 /// The range of sample values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SampleRange {

@@ -47,7 +47,7 @@ impl Condition {
     /// # Errors
     /// If the scenario cannot be loaded.
     pub(super) fn plan(&self) -> Result<CampaignPlan> {
-        self.plan_with(PlantName::Drawn)
+        self.plan_with(PlantName::Sampled)
     }
 
     /// Trials with the scenario's nominal plant.
@@ -63,8 +63,8 @@ impl Condition {
             ScenarioOverrides { setting: Some(self.setting.to_owned()), ..ScenarioOverrides::default() };
         CampaignPlan::new(&CampaignRequest {
             scenario: self.scenario.to_owned(),
-            changes,
-            law: LawChoice::SCHEMA,
+            overrides: changes,
+            law: LawChoice::MOTOR_SCHEMA,
             rate: None,
             perception: Perception::Truth,
             plant,

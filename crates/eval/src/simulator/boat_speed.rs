@@ -16,7 +16,7 @@ use crate::svg::{self, Svg};
 
 /// Speeds that the helmsman is asked to hold, m/s. In turns the helmsman goes slower.
 const SPEEDS: [f64; 8] = [1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
-const LAWS: [(LawName, &str); 2] = [(LawName::Schema, "schema"), (LawName::Optimal, "minimum-energy")];
+const LAWS: [(LawName, &str); 2] = [(LawName::MotorSchema, "schema"), (LawName::Optimal, "minimum-energy")];
 const ARENAS: [&str; 2] = ["arena1", "arena2"];
 
 /// A point of a curve: the boat's speed, m/s, and the share of trials in which the boat is never lost.
@@ -49,7 +49,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
 fn print_row(plan: &CampaignPlan, speed: f64, options: &Options) -> Result<CurvePoint> {
     let metrics: Vec<TrialMetrics> = options
         .seed_range()
-        .map(|seed| Ok(plan.entry(seed, &plan.log(seed, &mut ())?).metrics))
+        .map(|seed| Ok(plan.entry(seed, &plan.simulate(seed, &mut ())?).metrics))
         .collect::<Result<_>>()?;
     let mean =
         |value: fn(&TrialMetrics) -> f64| metrics.iter().map(value).sum::<f64>() / metrics.len() as f64;
@@ -68,8 +68,8 @@ fn print_row(plan: &CampaignPlan, speed: f64, options: &Options) -> Result<Curve
 fn plan(arena: &str, law: LawName, speed: f64) -> Result<CampaignPlan> {
     let plan = CampaignPlan::new(&CampaignRequest {
         scenario: arena.to_owned(),
-        changes: ScenarioOverrides { boat_speed_m_per_s: Some(speed), ..ScenarioOverrides::default() },
-        law: LawChoice::of(law),
+        overrides: ScenarioOverrides { boat_speed_m_per_s: Some(speed), ..ScenarioOverrides::default() },
+        law: LawChoice::new(law),
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

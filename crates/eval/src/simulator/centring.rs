@@ -29,7 +29,8 @@ pub(super) fn run(options: &Options) -> Result<()> {
             let plan = plan(arena, options.scenarios.as_deref(), law, None)?;
             simulate_and_measure(&plan, options.seed_range())
         };
-        let (motor_schema, centring) = (trials(LawChoice::SCHEMA)?, trials(LawChoice::of(LawName::Centre))?);
+        let (motor_schema, centring) =
+            (trials(LawChoice::MOTOR_SCHEMA)?, trials(LawChoice::new(LawName::Centring))?);
         print_line(&format!(
             "\n{:34} {:>10} {:>10} {:>34}",
             format!("arena {arena}, {} pairs", motor_schema.len()),

@@ -70,7 +70,7 @@ pub(super) fn plan(
 ) -> Result<CampaignPlan> {
     CampaignPlan::new(&CampaignRequest {
         scenario: scenario_name(arena, folder),
-        changes: ScenarioOverrides::default(),
+        overrides: ScenarioOverrides::default(),
         law,
         rate,
         perception: Perception::Truth,
@@ -84,7 +84,7 @@ pub(super) fn plan(
 /// # Errors
 /// If a trial cannot be simulated.
 pub(super) fn simulate_and_measure(plan: &CampaignPlan, seeds: Range<u64>) -> Result<Vec<TrialMetrics>> {
-    seeds.map(|seed| Ok(measure_trial(&plan.log(seed, &mut ())?))).collect()
+    seeds.map(|seed| Ok(measure_trial(&plan.simulate(seed, &mut ())?))).collect()
 }
 
 /// Simulates one trial with the motor schema, perceived by truth.
@@ -96,7 +96,7 @@ pub(super) fn simulate(scenario: &Scenario, seed: u64) -> Result<TrialLog> {
     profile.video_latency = scenario.camera.latency();
     let world = World::new(scenario, seed).ok().context("the way-points make no path")?;
     let settings = PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema };
-    let pilot = Pilot::new(settings, TrackerSettings::of(TrackerName::Camshift).tracker()?);
+    let pilot = Pilot::new(settings, TrackerSettings::new(TrackerName::Camshift).build()?);
     Ok(Simulation::new(scenario, world, seed, pilot, &profile).run(None, &mut ()))
 }
 

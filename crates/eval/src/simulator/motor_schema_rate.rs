@@ -34,7 +34,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
         }
         print_line(&header);
         for rate in RATES {
-            let plan = plan(arena, options.scenarios.as_deref(), LawChoice::SCHEMA, Some(rate))?;
+            let plan = plan(arena, options.scenarios.as_deref(), LawChoice::MOTOR_SCHEMA, Some(rate))?;
             let metrics = simulate_and_measure(&plan, options.seed_range())?;
             let mut line = format!("{rate:>35.2}");
             for (_, value) in COLUMNS {

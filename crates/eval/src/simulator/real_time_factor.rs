@@ -25,8 +25,8 @@ pub(super) fn run(options: &Options) -> Result<()> {
     for (name, divisor) in [("lab1", 1), ("sea3", 10)] {
         let plan = CampaignPlan::new(&CampaignRequest {
             scenario: name.to_owned(),
-            changes: ScenarioOverrides::default(),
-            law: LawChoice::SCHEMA,
+            overrides: ScenarioOverrides::default(),
+            law: LawChoice::MOTOR_SCHEMA,
             rate: None,
             perception: Perception::Truth,
             plant: PlantName::Nominal,
@@ -37,7 +37,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
         let mut simulated_s = 0.0;
         let started = Instant::now();
         for seed in options.first_seed..options.first_seed + trials {
-            simulated_s += plan.log(seed, &mut ())?.duration_s();
+            simulated_s += plan.simulate(seed, &mut ())?.duration_s();
         }
         let elapsed_s = started.elapsed().as_secs_f64();
         print_line(&format!(

@@ -1,25 +1,25 @@
-//! Trials in which the boat is steered as somebody steered it in a drive that was stored.
+//! Trials in which the boat is steered by the inputs of a stored drive.
 
 use barrelman_trial::campaign::{FrameSource, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::drive::{DriveInput, DriveReader};
+use crate::drive::{DriveInput, StoredDrive};
 
-/// What was done in a drive, each before a tick, and the tick at which it ended.
+/// The inputs of a drive, each with its tick, and the last tick.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DriveInputs {
     inputs: Vec<(u64, DriveInput)>,
-    last: u64,
+    last_tick: u64,
 }
 
 impl DriveInputs {
-    /// What was done in a stored drive.
-    pub fn of(stored: &DriveReader) -> Self {
-        Self { inputs: stored.inputs.clone(), last: stored.last_tick() }
+    /// The inputs of a stored drive.
+    pub fn from_drive(stored: &StoredDrive) -> Self {
+        Self { inputs: stored.inputs.clone(), last_tick: stored.last_tick() }
     }
 
-    /// Runs a trial that has not begun, to where the drive ended.
+    /// Runs a trial from its start to the last tick of the drive.
     pub(super) fn run(
         &self,
         mut simulation: Simulation<'_>,
@@ -30,19 +30,19 @@ impl DriveInputs {
         loop {
             let tick = simulation.world().tick();
             while let Some((_, input)) = inputs.next_if(|(at, _)| *at <= tick) {
-                input.act(&mut simulation, observer);
+                input.apply(&mut simulation, observer);
             }
-            if tick >= self.last || simulation.is_over() {
+            if tick >= self.last_tick || simulation.is_over() {
                 return simulation.into_log();
             }
             simulation.tick(&mut camera, observer);
         }
     }
 
-    /// XXH3-64 of all of it, in hexadecimal digits.
+    /// XXH3-64 of the inputs and the last tick, in hexadecimal digits.
     pub(super) fn hash(&self) -> String {
         let mut hash = Xxh3::new();
-        hash.update(&self.last.to_le_bytes());
+        hash.update(&self.last_tick.to_le_bytes());
         for (tick, input) in &self.inputs {
             hash.update(format!("{tick} {input:?}\n").as_bytes());
         }

@@ -1,4 +1,4 @@
-//! A campaign's file: read, gone on with, merged.
+//! A campaign's file: reading, resuming, merging.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -15,34 +15,34 @@ use barrelman_host::output::{self, OutputFile};
 /// A campaign's file that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampaignFile {
-    /// Its trials, and each as it stands in the file.
+    /// The trials, each with its line in the file.
     pub entries: Vec<(CampaignEntry, String)>,
-    /// Bytes of whole lines.
+    /// Size of the complete lines, bytes.
     pub whole_bytes: u64,
-    /// Whether its last line has no end: the program was ended while it wrote.
-    pub cut: bool,
+    /// Whether the last line is incomplete: the program was ended while it wrote.
+    pub is_truncated: bool,
 }
 
 impl CampaignFile {
-    /// Its trials.
+    /// The trials.
     pub fn trials(self) -> impl Iterator<Item = TrialEntry> {
         self.entries.into_iter().map(|(entry, _)| entry.trial)
     }
 
-    /// Says where its last line is cut, and whether it is.
-    pub fn report_cut(&self, path: &Path) -> bool {
-        if self.cut {
+    /// Logs an error if the last line is incomplete. Returns whether it is.
+    pub fn report_truncation(&self, path: &Path) -> bool {
+        if self.is_truncated {
             let line = self.entries.len() + 1;
             tracing::error!(
                 "{}: line {line} has no end, so the file was cut there: the trials before it were used",
                 path.display()
             );
         }
-        self.cut
+        self.is_truncated
     }
 }
 
-/// Whether a file's beginning is that of a campaign's.
+/// Whether a file that starts with these bytes is a campaign's file.
 pub fn is_campaign_file(bytes: &[u8]) -> bool {
     bytes.first() == Some(&b'{')
 }
@@ -50,7 +50,7 @@ pub fn is_campaign_file(bytes: &[u8]) -> bool {
 /// Reads a campaign's file.
 ///
 /// # Errors
-/// If it cannot be read, or a line of it is no trial; the message names the line.
+/// The file cannot be read, or a line is not a trial; the message names the line.
 pub fn read(path: &Path) -> Result<CampaignFile> {
     let bytes = input::read(path)?;
     parse(&bytes).with_context(|| format!("{} is no campaign's file", path.display()))
@@ -59,7 +59,7 @@ pub fn read(path: &Path) -> Result<CampaignFile> {
 /// Reads a campaign's file from its bytes.
 ///
 /// # Errors
-/// If a line of it is no trial; the message names the line.
+/// A line is not a trial; the message names the line.
 pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
     let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     let text = std::str::from_utf8(&bytes[..whole]).context("it is not text")?;
@@ -70,35 +70,35 @@ pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
         let entry = CampaignEntry { campaign: entry.campaign.completed(), ..entry };
         entries.push((entry, line.to_owned()));
     }
-    Ok(CampaignFile { entries, whole_bytes: whole as u64, cut: whole < bytes.len() })
+    Ok(CampaignFile { entries, whole_bytes: whole as u64, is_truncated: whole < bytes.len() })
 }
 
-/// A campaign's file that is being written, trial by trial.
+/// Writes a campaign's file, trial by trial.
 #[derive(Debug)]
 pub struct CampaignWriter {
     file: OutputFile,
 }
 
 impl CampaignWriter {
-    /// Begins a file. One that exists is overwritten with `force` only.
+    /// Creates a file. An existing file is overwritten only with `force`.
     ///
     /// # Errors
-    /// If it exists or cannot be written.
+    /// The file exists, or cannot be written.
     pub fn create(path: &Path, force: bool) -> Result<Self> {
         Ok(Self { file: output::create(path, force)? })
     }
 
-    /// Goes on with a file that was begun, for these settings and seeds, and says which trials it has already. A
-    /// file that is not there is begun.
+    /// Opens a file to append the trials of these settings and seeds, and returns the trials that it holds. A missing
+    /// file is created.
     ///
     /// # Errors
-    /// If it is no campaign's file, another campaign's, or a symbolic link.
+    /// The file is not a campaign's file, belongs to another campaign, or is a symbolic link.
     pub fn resume(
         path: &Path,
         settings: &CampaignSettings,
         seeds: &[u64],
     ) -> Result<(Self, Vec<CampaignEntry>)> {
-        // The file is read through the handle that goes on with it: it is the same file.
+        // The file is read through the handle that appends to it, so that both are the same file.
         let (mut file, bytes) = OutputFile::resume(path)?;
         let read = parse(&bytes).with_context(|| format!("{} is no campaign's file", path.display()))?;
         for (index, (entry, _)) in read.entries.iter().enumerate() {
@@ -116,8 +116,8 @@ impl CampaignWriter {
                      options as then, or another --output",
                     path.display(),
                     index + 1,
-                    in_words(&entry.campaign),
-                    in_words(settings),
+                    as_json(&entry.campaign),
+                    as_json(settings),
                 );
             }
             if seeds.get(index) != Some(&entry.seed) {
@@ -131,8 +131,8 @@ impl CampaignWriter {
                 );
             }
         }
-        // A line without its end was being written when the program ended: that trial is run again.
-        file.cut_after(read.whole_bytes)?;
+        // An incomplete line is removed: its trial is run again.
+        file.truncate_at(read.whole_bytes)?;
         let entries = read.entries.into_iter().map(|(entry, _)| entry).collect();
         Ok((Self { file }, entries))
     }
@@ -140,14 +140,14 @@ impl CampaignWriter {
     /// Adds a trial.
     ///
     /// # Errors
-    /// If it cannot be written; the trials before it stay.
+    /// The file cannot be written; the trials before this one stay in it.
     pub fn add(&mut self, entry: &CampaignEntry) -> Result<()> {
         let line = serde_json::to_string(entry)? + "\n";
         self.add_line(&line)
     }
 
     fn add_line(&mut self, line: &str) -> Result<()> {
-        // One write for each line: what ends the program in between leaves a cut line, which is known as such.
+        // One write for each line: a program that ends in between leaves an incomplete line, which is recognised.
         self.file.write_all(line.as_bytes()).with_context(|| {
             format!("{} cannot be written: the trials before this one are in it", self.file.path().display())
         })
@@ -157,12 +157,12 @@ impl CampaignWriter {
 /// Merges the files of one campaign's shards in the order of their seeds.
 ///
 /// # Errors
-/// If they are not of one campaign, a trial is in two of them with different results, or one is cut.
+/// The files are of different campaigns, two files hold different results for one seed, or a file is incomplete.
 pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, String)>> {
     let mut by_seed: BTreeMap<u64, (&PathBuf, &CampaignEntry, &String)> = BTreeMap::new();
     let mut first: Option<(&PathBuf, &CampaignSettings)> = None;
     for (path, file) in files {
-        if file.cut {
+        if file.is_truncated {
             bail!(
                 "{} ends within a line: its shard was not finished; go on with it by --resume first",
                 path.display()
@@ -183,8 +183,8 @@ pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, St
                     "{} and {} are of different campaigns: {} and {}",
                     first_path.display(),
                     path.display(),
-                    in_words(settings),
-                    in_words(&entry.campaign)
+                    as_json(settings),
+                    as_json(&entry.campaign)
                 );
             }
             if let Some((other, known, _)) = by_seed.insert(entry.seed, (path, entry, line))
@@ -203,7 +203,7 @@ pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, St
     Ok(by_seed.into_values().map(|(_, entry, line)| (entry.clone(), line.clone())).collect())
 }
 
-/// Settings as they stand in the file.
-fn in_words(settings: &CampaignSettings) -> String {
+/// The settings as in the file.
+fn as_json(settings: &CampaignSettings) -> String {
     serde_json::to_string(settings).unwrap_or_else(|_| format!("{settings:?}"))
 }

@@ -1,7 +1,7 @@
-//! Campaigns of simulated trials: what is asked for, who runs it, and the file that it goes to.
+//! Campaigns of simulated trials: the plan, the runner, the recordings, and the file of results.
 //!
-//! A campaign's file is JSON Lines, one trial per line, in the order of the seeds: it is the same for any number of
-//! threads, and one that was cut off is a beginning of the whole.
+//! A campaign's file is JSON Lines, one trial per line, in the order of the seeds. It does not depend on the number of
+//! threads. A file that was cut off holds the first trials of the complete file.
 
 pub mod drive_inputs;
 pub mod file;

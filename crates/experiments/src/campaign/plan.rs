@@ -1,4 +1,4 @@
-//! What a campaign is: scenario, law, seeds; and one trial of it.
+//! The plan of a campaign: scenario, law, tracker, vehicle. Runs one trial of it for a seed.
 
 use anyhow::{Context, Result, bail};
 use barrelman_control::{CameraLaw, Law};
@@ -21,51 +21,52 @@ use crate::law_choice::LawChoice;
 use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
 use crate::tracker_choice::{TrackerName, TrackerSettings};
 
-/// How the pilot comes to know where the target is.
+/// The source of the pilot's localisations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Perception {
-    /// From truth, with noise.
+    /// Ground truth with noise.
     Truth,
-    /// From pictures, with a tracker.
+    /// A tracker on rendered pictures.
     Pixels(TrackerName),
 }
 
-/// Which plant simulated trials have.
+/// The plant (camera axes and optics) of simulated trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum PlantName {
-    /// The scenario's.
+    /// The scenario's nominal plant.
     #[default]
     Nominal,
-    /// Drawn for each trial.
-    Drawn,
+    /// Sampled for each trial from the scenario's intervals.
+    #[value(name = "drawn")]
+    Sampled,
 }
 
 impl PlantName {
-    /// As it is written on the command line.
-    pub const fn word(self) -> &'static str {
+    /// The name on the command line and in a campaign's file.
+    pub const fn as_str(self) -> &'static str {
         match self {
             Self::Nominal => "nominal",
-            Self::Drawn => "drawn",
+            Self::Sampled => "drawn",
         }
     }
 }
 
-/// What is asked of a campaign.
+/// The choices that define a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampaignRequest {
     /// Name or file of the scenario.
     pub scenario: String,
-    /// What differs from it.
-    pub changes: ScenarioOverrides,
-    /// The law.
+    /// Values that replace those of the scenario.
+    pub overrides: ScenarioOverrides,
+    /// The camera law.
     pub law: LawChoice,
-    /// Rate of the schema, rad/s.
+    /// Rate of the motor schema, rad/s; `None` for the vehicle's.
     pub rate: Option<f64>,
-    /// How the pilot comes to know where the target is.
+    /// The source of the pilot's localisations.
     pub perception: Perception,
-    /// Nominal or drawn.
+    /// The plant of the trials.
     pub plant: PlantName,
-    /// Bounds the vector instructions that pictures are drawn with.
+    /// Highest level of vector instructions for rendering.
     pub simd: SimdLevel,
 }
 
@@ -79,24 +80,24 @@ pub struct CampaignPlan {
     tracker: TrackerName,
     plant: PlantName,
     simd: Simd,
-    /// How the boat is steered, where that is not the scenario's helmsman's affair.
+    /// The inputs of a drive that steer the boat; `None` where the scenario's helmsman steers.
     drive_inputs: Option<DriveInputs>,
     /// Whether the gimbal reports the camera's tilt.
     reports_tilt: bool,
-    /// How trials are recorded.
-    record: Option<TrialRecording>,
+    /// Settings of the recordings; `None` where no trial is recorded.
+    recordings: Option<TrialRecording>,
 }
 
 impl CampaignPlan {
-    /// Makes a plan of what is asked for.
+    /// Makes a plan from a request.
     ///
     /// # Errors
-    /// If the scenario cannot be used.
+    /// The scenario does not exist or has a mistake.
     pub fn new(request: &CampaignRequest) -> Result<Self> {
-        let mut loaded = scenario::load(&request.scenario, &request.changes)?;
+        let mut loaded = scenario::load(&request.scenario, &request.overrides)?;
         let mut profile = loaded.profile()?;
         if let Some(rate) = request.rate {
-            // The sweep over rates is about the rate: the simulated vehicle, too, is made able to turn so fast.
+            // For a sweep over rates, the simulated mount gets the same limits.
             profile = profile.with_motor_schema_rate(AngularRate::from_radians_per_second(rate));
             let mount = &mut loaded.scenario.mount;
             (mount.pan.max_rate, mount.tilt.max_rate) = (profile.limits.pan, profile.limits.tilt);
@@ -108,19 +109,19 @@ impl CampaignPlan {
         let settings = CampaignSettings {
             scenario: loaded.scenario.name.clone(),
             scenario_hash: format!("{:016x}", loaded.hash),
-            law: request.law.word().to_owned(),
+            law: request.law.name_str().to_owned(),
             law_behaviour: request.law.behaviour_version(),
-            mode: request.law.mode_word().map(str::to_owned),
+            mode: request.law.mode_str().map(str::to_owned),
             horizon_s: request.law.horizon_s,
             rate_rad_per_s: request.rate,
             perception: perception.to_owned(),
             setting: loaded.setting.clone(),
-            plant: request.plant.word().to_owned(),
-            sea_state: request.changes.sea_state,
-            wind_m_per_s: request.changes.wind_m_per_s,
-            boat_speed_m_per_s: request.changes.boat_speed_m_per_s,
-            size: request.changes.size.map(|size| format!("{}x{}", size.width, size.height)),
-            tracker: tracker.map(|tracker| tracker.word().to_owned()),
+            plant: request.plant.as_str().to_owned(),
+            sea_state: request.overrides.sea_state,
+            wind_m_per_s: request.overrides.wind_m_per_s,
+            boat_speed_m_per_s: request.overrides.boat_speed_m_per_s,
+            size: request.overrides.size.map(|size| format!("{}x{}", size.width, size.height)),
+            tracker: tracker.map(|tracker| tracker.as_str().to_owned()),
             tracker_behaviour: tracker.map(TrackerName::behaviour_version),
             drive: None,
             program: env!("CARGO_PKG_VERSION").to_owned(),
@@ -135,18 +136,18 @@ impl CampaignPlan {
             simd: Simd::at_most(request.simd),
             drive_inputs: None,
             reports_tilt: false,
-            record: None,
+            recordings: None,
         })
     }
 
-    /// The same plan with every trial recorded in a folder, which is made.
+    /// The plan with every trial recorded. Creates the folder of the recordings.
     ///
     /// # Errors
-    /// If the folder cannot be made.
-    pub fn recorded(mut self, recording: TrialRecording) -> Result<Self> {
-        std::fs::create_dir_all(&recording.folder)
-            .with_context(|| format!("the folder {} cannot be made", recording.folder.display()))?;
-        self.record = Some(recording);
+    /// The folder cannot be created.
+    pub fn with_recordings(mut self, recordings: TrialRecording) -> Result<Self> {
+        std::fs::create_dir_all(&recordings.folder)
+            .with_context(|| format!("the folder {} cannot be made", recordings.folder.display()))?;
+        self.recordings = Some(recordings);
         Ok(self)
     }
 
@@ -160,69 +161,70 @@ impl CampaignPlan {
         self.tracker
     }
 
-    /// The same plan with a gimbal that reports the camera's tilt.
+    /// The plan with a gimbal that reports the camera's tilt.
     #[must_use]
     pub fn with_tilt_reports(mut self, reports_tilt: bool) -> Self {
         self.reports_tilt = reports_tilt;
         self
     }
 
-    /// The same plan with the boat steered as in a drive, for as long as that was.
+    /// The plan with the boat steered by the inputs of a drive, for the duration of the drive.
     #[must_use]
     pub fn with_drive(mut self, drive_inputs: DriveInputs) -> Self {
         self.settings.drive = Some(drive_inputs.hash());
         self.drive_inputs = Some(drive_inputs);
-        self.with_max_duration(drive::MAX_S)
+        self.with_max_duration(drive::MAX_DRIVE_S)
     }
 
-    /// The same plan with trials that last so long, unless the target is at the end of its path before.
+    /// The plan with another maximum duration of a trial. A trial ends earlier where the target reaches the end of its
+    /// path.
     #[must_use]
     pub fn with_max_duration(mut self, seconds: f64) -> Self {
         self.loaded.scenario.max_s = seconds;
         self
     }
 
-    /// The same plan in a world that differs from the scenario, of which law and pilot know nothing.
+    /// The plan with a changed world. Law and pilot keep the vehicle profile of the unchanged scenario.
     #[must_use]
     pub fn with_changed_scenario(mut self, change: impl FnOnce(&mut Scenario)) -> Self {
         change(&mut self.loaded.scenario);
         self
     }
 
-    /// The same plan with a vehicle that is said to be otherwise than it is.
+    /// The plan with a changed vehicle profile, in an unchanged world.
     #[must_use]
     pub fn with_changed_profile(mut self, change: impl FnOnce(&mut VehicleProfile)) -> Self {
         change(&mut self.profile);
         self
     }
 
-    /// The vehicle as law and pilot know it.
+    /// The vehicle profile that law and pilot use.
     pub const fn profile(&self) -> &VehicleProfile {
         &self.profile
     }
 
-    /// The scenario, with what was changed about it.
+    /// The scenario, with all overrides and changes.
     pub const fn scenario(&self) -> &Scenario {
         &self.loaded.scenario
     }
 
-    /// What the campaign's settings are.
+    /// The settings in the campaign's file.
     pub const fn settings(&self) -> &CampaignSettings {
         &self.settings
     }
 
-    /// Runs one trial and says how the target moved in the picture.
+    /// Runs one trial and returns the log of the target's positions and the commands.
     ///
     /// # Errors
-    /// If it cannot be set up.
-    pub fn log(&self, seed: u64, observer: &mut dyn StepObserver) -> Result<TrialLog> {
+    /// The way-points make no path with this seed, or a tracker setting lies out of its range.
+    pub fn simulate(&self, seed: u64, observer: &mut dyn StepObserver) -> Result<TrialLog> {
         self.simulate_with_law(None, seed, observer)
     }
 
-    /// The same with a law of one's own in place of the one that was asked for.
+    /// Runs one trial with `law` instead of the plan's law; `None` for the plan's law.
     ///
     /// # Errors
-    /// If it cannot be set up.
+    /// As [`Self::simulate`].
     pub fn simulate_with_law(
         &self,
         law: Option<Box<dyn Law>>,
@@ -231,18 +233,18 @@ impl CampaignPlan {
     ) -> Result<TrialLog> {
         let scenario = match self.plant {
             PlantName::Nominal => self.loaded.scenario.clone(),
-            PlantName::Drawn => self.loaded.scenario.with_sampled_plant(seed),
+            PlantName::Sampled => self.loaded.scenario.with_sampled_plant(seed),
         };
         let Ok(world) = World::new(&scenario, seed) else {
             bail!("the way-points of {} make no path in trial {seed}", scenario.name);
         };
         let settings = PilotSettings { profile: self.profile.clone(), law: self.law.settings() };
-        let tracker = TrackerSettings::of(self.tracker).tracker()?;
+        let tracker = TrackerSettings::new(self.tracker).build()?;
         let pilot = match law {
             Some(law) => Pilot::with_law(settings, CameraLaw::from_law(law, &self.profile), tracker),
             None => Pilot::new(settings, tracker),
         };
-        // Trials run beside each other, each on one thread.
+        // Trials run in parallel, each on one thread.
         let in_pixels = self.settings.tracker.is_some();
         let mut camera =
             in_pixels.then(|| RenderedCamera::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
@@ -255,33 +257,33 @@ impl CampaignPlan {
         })
     }
 
-    /// Runs one trial, and records it where that was asked for.
+    /// Runs one trial, and records it if the plan has recordings.
     ///
     /// # Errors
-    /// If it cannot be set up, or its recording not be written.
+    /// As [`Self::simulate`], and a recording that cannot be written.
     fn simulate_recorded(&self, seed: u64) -> Result<TrialLog> {
-        let Some(recording) = &self.record else {
-            return self.log(seed, &mut ());
+        let Some(recording) = &self.recordings else {
+            return self.simulate(seed, &mut ());
         };
         let name = format!("{}-{seed}", self.settings.scenario);
         let video = format!("sim:{}?seed={seed}", self.settings.scenario);
         let behaviour = self.law.behaviour_with(self.tracker);
         let mut recorder = TrialRecorder::begin(recording, &name, video, behaviour, &self.profile)?;
-        let log = self.log(seed, &mut recorder)?;
+        let log = self.simulate(seed, &mut recorder)?;
         recorder.finish()?;
         Ok(log)
     }
 
-    /// Runs one trial.
+    /// Runs one trial and returns its entry in the campaign's file.
     ///
     /// # Errors
-    /// If it cannot be set up.
+    /// As [`Self::simulate`], and a recording that cannot be written.
     pub fn run(&self, seed: u64) -> Result<CampaignEntry> {
         let log = self.simulate_recorded(seed).with_context(|| format!("trial {seed}"))?;
         Ok(CampaignEntry { seed, trial: self.entry(seed, &log), campaign: self.settings.clone() })
     }
 
-    /// A trial's name and metrics.
+    /// The name and the metrics of a trial.
     pub fn entry(&self, seed: u64, log: &TrialLog) -> TrialEntry {
         let metrics = measure(log, log.region(self.profile.region), log.picture);
         let name = format!("{}/{seed}", self.settings.scenario);
@@ -289,7 +291,7 @@ impl CampaignPlan {
     }
 }
 
-/// The paper's arena that a built-in scenario is about; `None` for the others.
+/// The arena of the paper that a built-in scenario models; `None` for other scenarios.
 pub fn arena_of(scenario: &str) -> Option<Arena> {
     match scenario {
         "lab1" | "arena1" => Arena::from_number(1),

@@ -1,4 +1,4 @@
-//! A simulated trial on disk: its recording, and in pixels its annotated video.
+//! Stores a simulated trial: its recording, and for a trial on pictures its annotated video.
 
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -14,33 +14,33 @@ use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
 
-/// How the trials of a campaign are recorded.
+/// Settings of the recordings of a campaign.
 #[derive(Debug, Clone)]
 pub struct TrialRecording {
     /// The folder of the recordings.
     pub folder: PathBuf,
-    /// Whether files in the folder may be overwritten.
+    /// Whether existing files are overwritten.
     pub force: bool,
-    /// The effective configuration (TOML), with which each recording begins.
+    /// The effective configuration (TOML), the first record of each recording.
     pub configuration: String,
 }
 
-/// Records a trial.
+/// Writes the recording and the film of a trial.
 pub struct TrialRecorder {
     path: PathBuf,
     writer: RecordingWriter<BufWriter<OutputFile>>,
-    /// The annotated video, where there is one.
+    /// The annotated video, if any.
     film: Option<Film>,
     step: u64,
-    /// The first thing that went wrong; nothing is written after it.
-    failed: Option<anyhow::Error>,
+    /// The first error; nothing is written after it.
+    error: Option<anyhow::Error>,
 }
 
 impl TrialRecorder {
-    /// Begins `NAME.mcap` in a folder, and with the first picture `NAME.mp4` beside it.
+    /// Begins `NAME.mcap` in the folder, and with the first picture `NAME.mp4`.
     ///
     /// # Errors
-    /// If a file exists and may not be overwritten, or cannot be written.
+    /// A file exists and may not be overwritten, or cannot be written.
     pub fn begin(
         recording: &TrialRecording,
         name: &str,
@@ -60,7 +60,7 @@ impl TrialRecorder {
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// The file cannot be written.
     pub fn without_film(
         file: OutputFile,
         configuration: String,
@@ -68,7 +68,7 @@ impl TrialRecorder {
         behaviour: BehaviourVersions,
     ) -> Result<Self> {
         let path = file.path().to_owned();
-        // A simulated trial has no clock of its own: the same seed gives the same file.
+        // The times of a clock would make files of the same seed differ.
         let start = RecordingStart {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             monotonic_ns: 0,
@@ -81,25 +81,25 @@ impl TrialRecorder {
         };
         let writer =
             RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;
-        Ok(Self { path, writer, film: None, step: 0, failed: None })
+        Ok(Self { path, writer, film: None, step: 0, error: None })
     }
 
-    /// Ends both files.
+    /// Finishes both files.
     ///
     /// # Errors
-    /// If anything could not be written.
+    /// The first error of any write.
     pub fn finish(self) -> Result<()> {
-        if let Some(error) = self.failed {
+        if let Some(error) = self.error {
             return Err(error);
         }
         self.writer.finish().with_context(|| cannot_be_written(&self.path))?;
         self.film.map_or(Ok(()), Film::finish)
     }
 
-    /// A unit of video, ahead of the frame that it gives.
-    pub fn unit(&mut self, unit: EncodedUnit) {
-        if self.failed.is_none() {
-            self.failed = self.write(&Entry::Unit(unit)).err();
+    /// Adds an encoded unit, before the step of its video frame.
+    pub fn add_unit(&mut self, unit: EncodedUnit) {
+        if self.error.is_none() {
+            self.error = self.write(&Entry::Unit(unit)).err();
         }
     }
 
@@ -107,7 +107,7 @@ impl TrialRecorder {
         self.writer.write(entry).with_context(|| cannot_be_written(&self.path))
     }
 
-    fn put(
+    fn write_step(
         &mut self,
         now: Timestamp,
         input: &Input<'_>,
@@ -131,14 +131,14 @@ fn cannot_be_written(path: &Path) -> String {
 
 impl StepObserver for TrialRecorder {
     fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
-        if self.failed.is_none() {
-            self.failed = self.put(now, input, outcome, rates).err();
+        if self.error.is_none() {
+            self.error = self.write_step(now, input, outcome, rates).err();
         }
     }
 
     fn on_truth(&mut self, truth: &Truth) {
-        if self.failed.is_none() {
-            self.failed = self.write(&Entry::Truth(truth.into())).err();
+        if self.error.is_none() {
+            self.error = self.write(&Entry::Truth(truth.into())).err();
         }
     }
 }

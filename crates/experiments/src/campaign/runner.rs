@@ -1,4 +1,4 @@
-//! Trials in parallel, results in the order of their seeds.
+//! Runs trials in parallel and returns their results in the order of the seeds.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -6,17 +6,17 @@ use std::sync::mpsc::sync_channel;
 
 use anyhow::Result;
 
-/// Runs `work` for each seed on so many threads and hands the results over in the order of the seeds. When `stop` is
-/// set, no further trial begins; those that run are finished. The first error ends it likewise.
+/// Runs `work` for each seed on `threads` threads and passes the results to `receive` in the order of the seeds. When
+/// `stop` is set, or after an error, no further trial starts; running trials are finished.
 ///
 /// # Errors
-/// The first error of a trial or of `take`; results of seeds before it were handed over.
+/// The first error of a trial or of `receive`; the results of the seeds before it were received.
 pub fn run_in_order<R: Send>(
     seeds: &[u64],
     threads: usize,
     stop: &AtomicBool,
     work: impl Fn(u64) -> Result<R> + Sync,
-    mut take: impl FnMut(R) -> Result<()>,
+    mut receive: impl FnMut(R) -> Result<()>,
 ) -> Result<()> {
     let next = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);
@@ -53,7 +53,7 @@ pub fn run_in_order<R: Send>(
             while let Some(result) = waiting.remove(&due) {
                 due += 1;
                 if outcome.is_ok()
-                    && let Err(error) = take(result)
+                    && let Err(error) = receive(result)
                 {
                     failed.store(true, Ordering::Relaxed);
                     outcome = Err(error);

@@ -1,7 +1,7 @@
-//! An camera whose pictures travel as H.264: the pilot sees what a decoder makes of them.
+//! A camera whose pictures are encoded as H.264 and decoded again before the pilot receives them.
 //!
-//! A recording holds the encoded units, and a replay decodes them to the same pictures. Encoder and decoder work on
-//! one thread each call, so that the same pictures give the same bits.
+//! A recording holds the encoded units, and a replay decodes them to the same pictures. Encoder and decoder use one
+//! thread, so that the same pictures give the same bits.
 
 use std::sync::mpsc::Sender;
 
@@ -14,7 +14,7 @@ use bytes::Bytes;
 use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
 
-/// Draws, encodes and decodes.
+/// Renders, encodes and decodes the pictures of a world.
 pub(super) struct EncodedCamera<'a> {
     rendered: RenderedCamera<'a>,
     encoder: H264Encoder,
@@ -24,7 +24,7 @@ pub(super) struct EncodedCamera<'a> {
 }
 
 impl<'a> EncodedCamera<'a> {
-    /// An camera on top of another; the units go to `units`, each before its picture is received.
+    /// Encodes the pictures of `rendered`. Each unit is sent to `units` before its decoded picture is delivered.
     pub(super) fn new(
         rendered: RenderedCamera<'a>,
         settings: EncoderSettings,
@@ -64,7 +64,7 @@ impl FrameSource for EncodedCamera<'_> {
         if let Err(error) = self.decoder.decode(&unit, &mut |frame| decoded = Some(frame)) {
             tracing::error!("{error}");
         }
-        // Where nobody records, nobody takes the units.
+        // Without a recorder, the receiver may be gone.
         let _ = self.units.send(unit);
         decoded.unwrap_or_else(|| frame.clone())
     }

@@ -1,4 +1,4 @@
-//! The hash of a drive, which shows that two drives are the same to the bit.
+//! The hash of a drive: two drives with the same hash are the same, bit for bit.
 
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
@@ -8,21 +8,21 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::lockstep::DriveObserver;
 
-/// A hash of everything that happens in a drive: every step with its time, the picture that it saw, what it came to
-/// and what was sent; and of every picture's truth.
+/// Hashes each step of a drive with its time, its picture, its percept and the rates sent, and the ground truth of each
+/// picture (XXH3-64).
 #[derive(Default)]
-pub struct DriveHash(Xxh3);
+pub struct DriveHasher(Xxh3);
 
-impl DriveHash {
-    /// The hash so far, as it is written.
+impl DriveHasher {
+    /// The hash so far, in hexadecimal digits.
     pub fn hex(&self) -> String {
         format!("{:016x}", self.0.digest())
     }
 }
 
-impl DriveObserver for DriveHash {}
+impl DriveObserver for DriveHasher {}
 
-impl StepObserver for DriveHash {
+impl StepObserver for DriveHasher {
     fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
         self.0.update(&now.as_nanos().to_le_bytes());
         match input {

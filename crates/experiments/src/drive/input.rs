@@ -1,36 +1,37 @@
-//! The inputs of a drive: what a person does, each before a tick.
+//! The inputs of a drive: the actions of a person, each before a tick.
 
 use barrelman_sim::boat::HelmCommand;
 use barrelman_trial::campaign::{Simulation, StepObserver};
 use barrelman_vocab::{OperatorRequest, StopCause};
 use serde::{Deserialize, Serialize};
 
-/// What somebody does in a drive.
+/// An action of a person in a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "input", rename_all = "kebab-case")]
 pub enum DriveInput {
-    /// Steers: percent of the throttle (astern below 0) and of the rudder (to the left above 0).
+    /// Steers the boat: percent of the throttle (negative: astern) and of the rudder (positive: to the left).
     Helm {
         /// -100 to 100.
         thrust: i8,
         /// -100 to 100.
         rudder: i8,
     },
-    /// Leaves the boat to the scenario's helmsman again.
+    /// Returns control to the scenario's helmsman.
     Helmsman,
-    /// Lets the camera be moved.
+    /// Engages: the camera may move.
     Engage,
     /// Stops the camera.
     Stop,
-    /// Stops the time. Nothing in the world knows of it.
+    /// Pauses the time. The world and the pilot are not affected.
     Pause,
-    /// Lets it go on.
+    /// Resumes the time.
     Resume,
 }
 
 impl DriveInput {
-    /// What it does to the helm: somebody steers so, or nobody but the helmsman; `None` where it stays as it is.
-    pub(super) fn helm(self) -> Option<Option<HelmCommand>> {
+    /// The helm after the input: `Some(Some(helm))` if a person steers, `Some(None)` if the helmsman does, `None` if
+    /// the input does not change it.
+    pub(super) fn helm_change(self) -> Option<Option<HelmCommand>> {
         let share = |percent: i8| f64::from(percent.clamp(-100, 100)) / 100.0;
         match self {
             Self::Helm { thrust, rudder } => {
@@ -41,15 +42,15 @@ impl DriveInput {
         }
     }
 
-    /// Does it in a trial, before its next tick.
-    pub fn act(self, simulation: &mut Simulation<'_>, observer: &mut dyn StepObserver) {
-        if let Some(helm) = self.helm() {
+    /// Applies the input to a trial, before the next tick of the trial.
+    pub fn apply(self, simulation: &mut Simulation<'_>, observer: &mut dyn StepObserver) {
+        if let Some(helm) = self.helm_change() {
             simulation.steer(helm);
         }
         match self {
             Self::Engage => simulation.request(OperatorRequest::Engage, observer),
             Self::Stop => simulation.request(OperatorRequest::Stop(StopCause::Operator), observer),
-            // Of time that stands still nothing in the world knows.
+            // A pause changes only when the next tick runs.
             Self::Pause | Self::Resume | Self::Helm { .. } | Self::Helmsman => {}
         }
     }

@@ -1,4 +1,4 @@
-//! A drive under way: world and pilot in lock step, one tick after the other.
+//! A running drive: world and pilot in lock step, one tick after the other.
 
 use std::sync::mpsc::{Receiver, channel};
 
@@ -17,7 +17,7 @@ use super::setup::DriveSetup;
 use crate::render_threads::RenderThreads;
 use crate::tracker_choice::TrackerSettings;
 
-/// A drive that is under way.
+/// A running drive.
 pub struct Drive<'a> {
     simulation: Simulation<'a>,
     camera: Box<dyn FrameSource + 'a>,
@@ -26,65 +26,65 @@ pub struct Drive<'a> {
 }
 
 impl<'a> Drive<'a> {
-    /// A drive that has not begun; its camera is not engaged yet.
+    /// A drive before its first tick, with the camera disengaged.
     ///
     /// # Errors
-    /// If the scenario's way-points make no path with this seed.
-    pub fn new(cast: &'a DriveSetup, threads: &'a RenderThreads) -> Result<Self> {
-        let (scenario, seed) = (&cast.loaded.scenario, cast.url.seed);
+    /// The scenario's way-points make no path with this seed.
+    pub fn new(setup: &'a DriveSetup, threads: &'a RenderThreads) -> Result<Self> {
+        let (scenario, seed) = (&setup.loaded.scenario, setup.url.seed);
         let world = World::new(scenario, seed)
             .map_err(|_| anyhow!("the way-points of {} make no path with seed {seed}", scenario.name))?;
-        let settings = PilotSettings { profile: cast.profile.clone(), law: cast.law.settings() };
-        let pilot = Pilot::new(settings, TrackerSettings::of(cast.tracker).tracker()?);
+        let settings = PilotSettings { profile: setup.profile.clone(), law: setup.law.settings() };
+        let pilot = Pilot::new(settings, TrackerSettings::new(setup.tracker).build()?);
         let simd = Simd::at_most(SimdLevel::Avx512);
-        let drawn = RenderedCamera::new(&world, scenario.camera.clone(), seed, simd, threads);
+        let rendered = RenderedCamera::new(&world, scenario.camera.clone(), seed, simd, threads);
         let (to_recorder, units) = channel();
-        let camera: Box<dyn FrameSource + 'a> = if cast.coded {
+        let camera: Box<dyn FrameSource + 'a> = if setup.encoded {
             let fps = f64::from(scenario.camera.pictures_per_second);
             let settings = EncoderSettings::for_pictures(scenario.camera.frame, fps);
-            Box::new(EncodedCamera::new(drawn, settings, to_recorder))
+            Box::new(EncodedCamera::new(rendered, settings, to_recorder))
         } else {
-            Box::new(drawn)
+            Box::new(rendered)
         };
-        let simulation = Simulation::new(scenario, world, seed, pilot, &cast.profile);
+        let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile);
         Ok(Self { simulation, camera, units, helm: None })
     }
 
-    /// The world as it is now.
+    /// The world after the last tick.
     pub const fn world(&self) -> &World {
         self.simulation.world()
     }
 
-    /// Who steers, if it is not the helmsman.
+    /// The helm of the person who steers; `None` while the helmsman steers.
     pub const fn helm(&self) -> Option<HelmCommand> {
         self.helm
     }
 
-    /// Whether it is over.
+    /// Whether the drive is over.
     pub fn is_over(&self) -> bool {
         self.simulation.is_over()
     }
 
-    /// Something is done, before the next tick.
-    pub fn put(&mut self, input: DriveInput, observer: &mut dyn StepObserver) {
-        self.helm = input.helm().unwrap_or(self.helm);
-        input.act(&mut self.simulation, observer);
+    /// Applies an input before the next tick.
+    pub fn apply(&mut self, input: DriveInput, observer: &mut dyn StepObserver) {
+        self.helm = input.helm_change().unwrap_or(self.helm);
+        input.apply(&mut self.simulation, observer);
     }
 
-    /// One tick.
+    /// Runs one tick.
     pub fn tick(&mut self, observer: &mut dyn DriveObserver) {
         let mut observer = UnitForwarder { units: &self.units, observer };
         self.simulation.tick(&mut Some(&mut *self.camera), &mut observer);
     }
 }
 
-/// Who is told what happens in a drive.
+/// Observes the steps of a drive, and its encoded video.
 pub trait DriveObserver: StepObserver {
-    /// A unit of video, ahead of the frame that it gives, where video is coded.
-    fn unit(&mut self, _unit: EncodedUnit) {}
+    /// An encoded unit, before the step of its video frame. Not called for a drive without encoding.
+    fn on_unit(&mut self, _unit: EncodedUnit) {}
 }
 
-/// Hands units on before the frames that they give.
+/// Passes each unit to the observer before the step of its video frame.
 struct UnitForwarder<'a> {
     units: &'a Receiver<EncodedUnit>,
     observer: &'a mut dyn DriveObserver,
@@ -92,7 +92,7 @@ struct UnitForwarder<'a> {
 
 impl StepObserver for UnitForwarder<'_> {
     fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
-        self.units.try_iter().for_each(|unit| self.observer.unit(unit));
+        self.units.try_iter().for_each(|unit| self.observer.on_unit(unit));
         self.observer.on_step(now, input, outcome, rates);
     }
 

@@ -1,8 +1,8 @@
-//! A drive: a trial in lock step that a person takes part in.
+//! A drive: a trial in lock step in which a person steers.
 //!
-//! A drive is determined by its setup (scenario, seed, picture size, tracker, law) and by its inputs, each put in before
-//! a tick. The clock only decides when the next tick runs. The same setup and the same inputs at the same ticks give the
-//! same drive, bit for bit.
+//! The setup (scenario, seed, picture size, tracker, law) and the inputs, each applied before a tick, determine a drive.
+//! The clock only decides when the next tick runs. The same setup with the same inputs at the same ticks gives the same
+//! drive, bit for bit.
 
 mod input;
 mod setup;
@@ -16,8 +16,8 @@ pub mod motor_schema_shadow;
 
 mod stored;
 
-pub use hash::DriveHash;
+pub use hash::DriveHasher;
 pub use input::DriveInput;
 pub use lockstep::{Drive, DriveObserver};
-pub use setup::{DriveSetup, MAX_S};
-pub use stored::{DriveReader, DriveWriter};
+pub use setup::{DriveSetup, MAX_DRIVE_S};
+pub use stored::{DriveWriter, StoredDrive};

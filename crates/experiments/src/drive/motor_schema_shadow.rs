@@ -1,36 +1,36 @@
-//! What the paper's schema would have made of a drive, while it goes on.
+//! The paper's motor schema simulated beside a drive, for comparison.
 //!
-//! From what the tracker says and what the camera is told, and from nothing else: it stands beside the drive and changes
-//! nothing in it.
+//! The shadow uses only the tracker's output and the camera commands. It changes nothing in the drive.
 
 use barrelman_control::{CameraModel, LawInput, ShadowController};
 use barrelman_pilot::Outcome;
 use barrelman_vocab::{Timestamp, VehicleProfile};
 
-/// The schema, with the camera that it would have had.
+/// The motor schema with a model of the camera that it would have moved.
 pub struct MotorSchemaShadow {
     camera: CameraModel,
     shadow: ShadowController,
-    looked: Option<Timestamp>,
+    /// Time of capture of the last localisation used.
+    last_captured: Option<Timestamp>,
     p: Option<f64>,
 }
 
 impl MotorSchemaShadow {
-    /// A shadow at a drive's start.
+    /// A shadow at the start of a drive.
     pub fn new(profile: &VehicleProfile) -> Self {
         Self {
             camera: CameraModel::new(profile.camera, profile.limits),
             shadow: ShadowController::new(profile),
-            looked: None,
+            last_captured: None,
             p: None,
         }
     }
 
-    /// A step of the drive. A step that brings no new picture only tells what the camera was told.
+    /// Follows a step of the drive. A step without a new localisation only updates the command in force.
     pub fn step(&mut self, now: Timestamp, outcome: &Outcome) {
         match (outcome.track.localisation(), outcome.percept, outcome.region) {
-            (Some(seen), Some(percept), Some(region)) if self.looked != Some(seen.captured) => {
-                self.looked = Some(seen.captured);
+            (Some(seen), Some(percept), Some(region)) if self.last_captured != Some(seen.captured) => {
+                self.last_captured = Some(seen.captured);
                 let (picture, captured) = (seen.picture, seen.captured);
                 let input = LawInput { percept: &percept, region, picture, captured, is_measured: true, now };
                 self.p = Some(self.shadow.step(&input, &self.camera).p);
@@ -41,7 +41,7 @@ impl MotorSchemaShadow {
         self.camera.apply_command(outcome.command, now);
     }
 
-    /// P as the schema would have kept it; `None` while the target is not seen.
+    /// P under the motor schema; `None` while the target is not localised.
     pub const fn p(&self) -> Option<f64> {
         self.p
     }

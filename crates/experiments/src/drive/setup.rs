@@ -8,15 +8,15 @@ use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
 use crate::tracker_choice::TrackerName;
 use crate::world_url::WorldUrl;
 
-/// A drive lasts an hour at most, whatever its scenario says of trials: somebody may steer.
-pub const MAX_S: f64 = 3600.0;
+/// Maximum duration of a drive, seconds. It replaces the scenario's limit for trials.
+pub const MAX_DRIVE_S: f64 = 3600.0;
 
-/// What a drive is made of, but for its inputs.
+/// Everything that determines a drive, except its inputs.
 #[derive(Debug, Clone)]
 pub struct DriveSetup {
     /// The world.
     pub url: WorldUrl,
-    /// The scenario that it was loaded from.
+    /// The scenario.
     pub loaded: LoadedScenario,
     /// The vehicle.
     pub profile: VehicleProfile,
@@ -24,20 +24,20 @@ pub struct DriveSetup {
     pub tracker: TrackerName,
     /// The camera law.
     pub law: LawChoice,
-    /// Whether pictures travel as H.264.
-    pub coded: bool,
+    /// Whether pictures are encoded as H.264.
+    pub encoded: bool,
 }
 
 impl DriveSetup {
-    /// The cast of a drive.
+    /// Loads the scenario of a drive.
     ///
     /// # Errors
-    /// If there is no such scenario, or it has a mistake.
-    pub fn new(url: WorldUrl, tracker: TrackerName, law: LawChoice, coded: bool) -> Result<Self> {
-        let changes = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
-        let mut loaded = scenario::load(&url.scenario, &changes)?;
-        loaded.scenario.max_s = MAX_S;
+    /// The scenario does not exist or has a mistake.
+    pub fn new(url: WorldUrl, tracker: TrackerName, law: LawChoice, encoded: bool) -> Result<Self> {
+        let overrides = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
+        let mut loaded = scenario::load(&url.scenario, &overrides)?;
+        loaded.scenario.max_s = MAX_DRIVE_S;
         let profile = loaded.profile()?;
-        Ok(Self { url, loaded, profile, tracker, law, coded })
+        Ok(Self { url, loaded, profile, tracker, law, encoded })
     }
 }

@@ -1,4 +1,4 @@
-//! A drive on disk, JSON Lines: what it is made of, then each input with its tick, and the hash of all that happened.
+//! A drive as a file (JSON Lines): its setup, each input with its tick, and the hash of the drive.
 //!
 //! ```text
 //! {"drive":"open","scenario_hash":"0c31...","seed":1,"size":[960,540],"tracker":"fused","tracker_behaviour":1,
@@ -7,7 +7,8 @@
 //! {"tick":431,"input":"helm","thrust":100,"rudder":0}
 //! {"tick":3600,"hash":"8d5f..."}
 //! ```
-//! A file without its last line belongs to a program that was killed: it is run again as far as it goes.
+//! A file without its last line was cut off, for instance because the program was killed. It is run again up to its
+//! last input.
 
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -35,17 +36,18 @@ struct Header {
     tracker: TrackerName,
     #[serde(default = "first_version")]
     tracker_behaviour: u32,
-    /// Drives that do not say it were driven when the schema was the only law.
-    #[serde(default = "schema")]
+    /// A file without a law was written when the motor schema was the only law.
+    #[serde(default = "motor_schema")]
     law: LawChoice,
     #[serde(default = "first_version")]
     law_behaviour: u32,
-    coded: bool,
+    #[serde(rename = "coded")]
+    encoded: bool,
     program: String,
 }
 
-const fn schema() -> LawChoice {
-    LawChoice::SCHEMA
+const fn motor_schema() -> LawChoice {
+    LawChoice::MOTOR_SCHEMA
 }
 
 const fn first_version() -> u32 {
@@ -67,52 +69,52 @@ enum Line {
     },
 }
 
-/// Writes a drive down as it happens.
+/// Writes a drive to a file while the drive runs.
 pub struct DriveWriter {
     path: PathBuf,
     file: BufWriter<OutputFile>,
 }
 
 impl DriveWriter {
-    /// Begins a file.
+    /// Writes the setup.
     ///
     /// # Errors
-    /// If it cannot be written.
-    pub fn begin(file: OutputFile, cast: &DriveSetup) -> Result<Self> {
+    /// The file cannot be written.
+    pub fn begin(file: OutputFile, setup: &DriveSetup) -> Result<Self> {
         let mut writer = Self { path: file.path().to_owned(), file: BufWriter::new(file) };
-        writer.line(&Header {
-            drive: cast.url.scenario.clone(),
-            scenario_hash: format!("{:016x}", cast.loaded.hash),
-            seed: cast.url.seed,
-            size: cast.url.size.map(|size| (size.width, size.height)),
-            tracker: cast.tracker,
-            tracker_behaviour: cast.tracker.behaviour_version(),
-            law: cast.law,
-            law_behaviour: cast.law.behaviour_version(),
-            coded: cast.coded,
+        writer.write_line(&Header {
+            drive: setup.url.scenario.clone(),
+            scenario_hash: format!("{:016x}", setup.loaded.hash),
+            seed: setup.url.seed,
+            size: setup.url.size.map(|size| (size.width, size.height)),
+            tracker: setup.tracker,
+            tracker_behaviour: setup.tracker.behaviour_version(),
+            law: setup.law,
+            law_behaviour: setup.law.behaviour_version(),
+            encoded: setup.encoded,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         })?;
         Ok(writer)
     }
 
-    /// An input, before a tick.
+    /// Adds an input before a tick.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// The file cannot be written.
     pub fn add(&mut self, tick: u64, input: DriveInput) -> Result<()> {
-        self.line(&Line::Input { tick, input })
+        self.write_line(&Line::Input { tick, input })
     }
 
-    /// The end, before a tick.
+    /// Writes the last tick and the hash of the drive.
     ///
     /// # Errors
-    /// If it cannot be written.
-    pub fn end(mut self, tick: u64, hash: String) -> Result<()> {
-        self.line(&Line::End { tick, hash })
+    /// The file cannot be written.
+    pub fn finish(mut self, tick: u64, hash: String) -> Result<()> {
+        self.write_line(&Line::End { tick, hash })
     }
 
-    /// Inputs are few, and a program may be killed: each line goes out at once.
-    fn line(&mut self, line: &impl Serialize) -> Result<()> {
+    /// Writes a line at once: inputs are few, and the program may be killed.
+    fn write_line(&mut self, line: &impl Serialize) -> Result<()> {
         let text = serde_json::to_string(line)?;
         writeln!(self.file, "{text}")
             .and_then(|()| self.file.flush())
@@ -120,30 +122,30 @@ impl DriveWriter {
     }
 }
 
-/// A drive that was written down.
+/// A drive that was read from its file.
 #[derive(Debug)]
-pub struct DriveReader {
-    /// What it is made of.
-    pub cast: DriveSetup,
+pub struct StoredDrive {
+    /// The setup.
+    pub setup: DriveSetup,
     /// The behaviour versions of the tracker and the law of the drive.
     pub behaviour: BehaviourVersions,
-    /// Its inputs, each with its tick.
+    /// The inputs, each with its tick.
     pub inputs: Vec<(u64, DriveInput)>,
-    /// Its last tick, and the hash of all that happened; absent where the file is cut.
+    /// The last tick and the hash of the drive; `None` if the file is cut off.
     pub end: Option<(u64, String)>,
 }
 
-impl DriveReader {
-    /// Its last tick; of a file that is cut, that of the last input.
+impl StoredDrive {
+    /// The last tick, or the tick of the last input if the file is cut off.
     pub fn last_tick(&self) -> u64 {
         let input = self.inputs.last().map_or(0, |(tick, _)| *tick);
         self.end.as_ref().map_or(input, |(tick, _)| *tick)
     }
 
-    /// Reads a file.
+    /// Reads a drive from its file.
     ///
     /// # Errors
-    /// If it is no drive, or the scenario has changed since.
+    /// The file is not a drive, or its scenario has changed since.
     pub fn read(path: &Path) -> Result<Self> {
         let text = String::from_utf8(input::read(path)?);
         let read = text.context("it is no text").and_then(|text| Self::parse(&text));
@@ -157,9 +159,9 @@ impl DriveReader {
         let behaviour = BehaviourVersions { tracker: header.tracker_behaviour, law: header.law_behaviour };
         let size = header.size.map(|(width, height)| PictureSize::new(width, height));
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
-        let cast = DriveSetup::new(url, header.tracker, header.law.validated("law.")?, header.coded)?;
-        if format!("{:016x}", cast.loaded.hash) != header.scenario_hash {
-            bail!("the scenario {} is another than it was then", cast.url.scenario);
+        let setup = DriveSetup::new(url, header.tracker, header.law.validated("law.")?, header.encoded)?;
+        if format!("{:016x}", setup.loaded.hash) != header.scenario_hash {
+            bail!("the scenario {} is another than it was then", setup.url.scenario);
         }
         let (mut inputs, mut end) = (Vec::new(), None);
         for (number, line) in lines.enumerate() {
@@ -171,6 +173,6 @@ impl DriveReader {
                 Line::Input { .. } | Line::End { .. } => bail!("line {} is out of order", number + 2),
             }
         }
-        Ok(Self { cast, behaviour, inputs, end })
+        Ok(Self { setup, behaviour, inputs, end })
     }
 }

@@ -1,11 +1,11 @@
-//! The scenarios and paths that the program brings along.
+//! The built-in scenarios and paths.
 
 /// A built-in scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// Its name.
+    /// The name.
     pub name: &'static str,
-    /// Its file.
+    /// The text of its file.
     pub text: &'static str,
 }
 
@@ -18,7 +18,7 @@ macro_rules! built_in {
     };
 }
 
-/// The built-in scenarios, as they are listed.
+/// The built-in scenarios, in the order of the list.
 pub const BUILT_IN: [BuiltIn; 15] = built_in![
     "lab1",
     "lab2",
@@ -37,8 +37,8 @@ pub const BUILT_IN: [BuiltIn; 15] = built_in![
     "gusts",
 ];
 
-/// The built-in paths that a scenario may name.
-pub const PATHS: [(&str, &str); 2] = [
+/// The built-in paths by their names, each with the text of its file.
+pub const BUILT_IN_PATHS: [(&str, &str); 2] = [
     ("arena1", include_str!("../../../../config/scenarios/paths/arena1.toml")),
     ("arena2", include_str!("../../../../config/scenarios/paths/arena2.toml")),
 ];

@@ -1,56 +1,58 @@
-//! A mistake in a scenario's file, shown where it stands.
+//! A mistake in a scenario file, with the line of the mistake.
 
 use std::fmt::Write as _;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// What is wrong, and at which key.
+/// A mistake in a scenario file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ScenarioError {
-    /// It is not TOML, or has a key or a value that no scenario has. The words point at it.
-    Form(String),
-    /// A value cannot be.
+    /// The text is not TOML, or has an unknown key or a value of the wrong type. The message shows the place.
+    Syntax(String),
+    /// A value is out of its range, or does not fit the others.
     Value {
         /// The key, with dots between its tables.
         key: String,
-        /// What is wrong with it, and what would be right.
-        wrong: String,
+        /// What is wrong, and which values are allowed.
+        problem: String,
     },
 }
 
-/// A mistake, with the place where it stands.
+/// A mistake with the file and the line of the mistake.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{place}: {words}")]
+#[error("{place}: {message}")]
 pub struct LocatedScenarioError {
     place: String,
-    words: String,
+    message: String,
 }
 
 impl ScenarioError {
-    /// A value that cannot be.
-    pub fn value(key: impl Into<String>, wrong: impl Into<String>) -> Self {
-        Self::Value { key: key.into(), wrong: wrong.into() }
+    /// The error of an invalid value.
+    pub fn invalid(key: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Value { key: key.into(), problem: problem.into() }
     }
 
-    /// The mistake with its line, for the text that it was found in.
+    /// The mistake with its line in `text`, the text of the file `name`.
     pub fn located_in(self, name: &str, text: &str) -> LocatedScenarioError {
         match self {
-            Self::Form(words) => LocatedScenarioError { place: format!("{name} cannot be read"), words },
-            Self::Value { key, wrong } => match line_of(text, &key) {
+            Self::Syntax(message) => {
+                LocatedScenarioError { place: format!("{name} cannot be read"), message }
+            }
+            Self::Value { key, problem } => match line_of(text, &key) {
                 Some((number, line)) => {
-                    let mut words = format!("{key}: {wrong}\n");
-                    // Nothing can go wrong when writing into a string.
-                    let _ = write!(words, "{number:>5} | {}", line.trim_end());
-                    LocatedScenarioError { place: format!("{name}, line {number}"), words }
+                    let mut message = format!("{key}: {problem}\n");
+                    // Writing into a string cannot fail.
+                    let _ = write!(message, "{number:>5} | {}", line.trim_end());
+                    LocatedScenarioError { place: format!("{name}, line {number}"), message }
                 }
-                None => LocatedScenarioError { place: name.to_owned(), words: format!("{key}: {wrong}") },
+                None => LocatedScenarioError { place: name.to_owned(), message: format!("{key}: {problem}") },
             },
         }
     }
 }
 
-/// Where a key of a table stands, and its value.
+/// The offset of a key of a table, and its value.
 fn find<'t, 'i>(table: &'t DeTable<'i>, key: &str) -> Option<(usize, &'t Spanned<DeValue<'i>>)> {
     table
         .iter()
@@ -58,7 +60,7 @@ fn find<'t, 'i>(table: &'t DeTable<'i>, key: &str) -> Option<(usize, &'t Spanned
         .map(|(name, value)| (name.span().start, value))
 }
 
-/// The line of a key, from 1, and what stands there. Of a key that is left out: the line of its table.
+/// The number (from 1) and the text of the line of a key; for a missing key, of the line of its table.
 fn line_of<'t>(text: &'t str, key: &str) -> Option<(usize, &'t str)> {
     let root = DeTable::parse(text).ok()?;
     let mut parts = key.split('.');

@@ -1,4 +1,4 @@
-//! Finds a scenario by its name or path and reads it.
+//! Finds a scenario by its name or its path and reads it.
 
 use std::path::Path;
 
@@ -9,13 +9,13 @@ use super::built_in::BUILT_IN;
 use super::loaded::{LoadedScenario, ScenarioOverrides};
 use super::resolve;
 
-/// The scenario of that name, or in the file at that path.
+/// The built-in scenario of this name, or the scenario file at this path.
 ///
 /// # Errors
-/// If there is none, or it has a mistake; the message shows where.
-pub fn load(name: &str, changes: &ScenarioOverrides) -> Result<LoadedScenario> {
+/// The scenario does not exist or has a mistake; the message shows its line.
+pub fn load(name: &str, overrides: &ScenarioOverrides) -> Result<LoadedScenario> {
     if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name) {
-        return Ok(resolve::read(built_in.text, changes)
+        return Ok(resolve::read(built_in.text, overrides)
             .map_err(|error| error.located_in(&format!("the scenario {name}"), built_in.text))?);
     }
     if !name.ends_with(".toml") {
@@ -28,5 +28,5 @@ pub fn load(name: &str, changes: &ScenarioOverrides) -> Result<LoadedScenario> {
     }
     let bytes = input::read(Path::new(name))?;
     let Ok(text) = String::from_utf8(bytes) else { bail!("{name} is no scenario: it is not text") };
-    Ok(resolve::read(&text, changes).map_err(|error| error.located_in(name, &text))?)
+    Ok(resolve::read(&text, overrides).map_err(|error| error.located_in(name, &text))?)
 }

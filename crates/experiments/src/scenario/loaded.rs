@@ -1,4 +1,4 @@
-//! A scenario that was read, and what differs from its file.
+//! A loaded scenario, and the values that replace those of its file.
 
 use core::time::Duration;
 
@@ -8,10 +8,10 @@ use barrelman_sim::{Scenario, World};
 use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
 use barrelman_vocab::{AngularRate, PictureSize, VehicleProfile};
 
-/// What differs from a scenario's file, by the command line.
+/// Values from the command line that replace those of a scenario file; `None` keeps the file's value.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ScenarioOverrides {
-    /// Which of its settings; without it the file's own.
+    /// The name of a setting.
     pub setting: Option<String>,
     /// Speed of the target, m/s.
     pub boat_speed_m_per_s: Option<f64>,
@@ -23,23 +23,23 @@ pub struct ScenarioOverrides {
     pub size: Option<PictureSize>,
 }
 
-/// A scenario that was read.
+/// A loaded scenario.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedScenario {
     /// The scenario.
     pub scenario: Scenario,
-    /// The setting that it has.
+    /// The name of its setting.
     pub setting: String,
-    /// XXH3-64 of its file.
+    /// XXH3-64 of the text of its file.
     pub hash: u64,
 }
 
 impl LoadedScenario {
-    /// The vehicle that flies in it: the laboratory's, with the scenario's video latency, and its camera as the scenario
-    /// has it before anything is drawn by chance.
+    /// The vehicle profile for the scenario: the laboratory's vehicle with the scenario's video latency and nominal
+    /// camera.
     ///
     /// # Errors
-    /// If the target's way-points make no path.
+    /// The target's way-points make no path.
     pub fn profile(&self) -> Result<VehicleProfile> {
         let camera = &self.scenario.camera;
         let mount = &self.scenario.mount;

@@ -1,7 +1,7 @@
-//! Scenarios: TOML at the edge, [`barrelman_sim::Scenario`] inside.
+//! Scenario files (TOML), read and converted to [`barrelman_sim::Scenario`].
 //!
-//! The built-in scenarios lie in `config/scenarios`, documented; any file of the same form can be used. A mistake in a
-//! file is shown with its line.
+//! The folder `config/scenarios` holds the built-in scenarios with their documentation. Any file of the same form can be
+//! used. An error shows the line of the mistake.
 
 mod built_in;
 mod load;
@@ -13,7 +13,7 @@ pub mod resolve;
 pub mod error;
 mod range;
 
-pub use built_in::{BUILT_IN, BuiltIn, PATHS};
+pub use built_in::{BUILT_IN, BUILT_IN_PATHS, BuiltIn};
 pub use error::ScenarioError;
 pub use load::load;
 pub use loaded::{LoadedScenario, ScenarioOverrides};

@@ -1,4 +1,6 @@
-//! Holds a value of a scenario's file to its range.
+//! Checks that a value of a scenario file lies in its range.
+
+use barrelman_vocab::Angle;
 
 use super::error::ScenarioError;
 
@@ -10,6 +12,14 @@ pub(super) fn within(key: &str, value: f64, min: f64, max: f64, unit: &str) -> R
     if (min..=max).contains(&value) {
         Ok(value)
     } else {
-        Err(ScenarioError::value(key, format!("{value}: use {unit} from {min} to {max}")))
+        Err(ScenarioError::invalid(key, format!("{value}: use {unit} from {min} to {max}")))
     }
+}
+
+/// The angle of this many degrees, if they lie from `min` to `max`.
+///
+/// # Errors
+/// As [`within`].
+pub(super) fn angle_within(key: &str, degrees: f64, min: f64, max: f64) -> Result<Angle, ScenarioError> {
+    within(key, degrees, min, max, "degrees").map(Angle::from_degrees)
 }

@@ -5,8 +5,8 @@ use barrelman_experiments::campaign::drive_inputs::DriveInputs;
 use barrelman_experiments::campaign::plan::CampaignRequest;
 use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
-use barrelman_experiments::drive::{Drive, DriveInput, DriveReader, DriveSetup, DriveWriter};
-use barrelman_experiments::drive::{DriveHash, DriveObserver};
+use barrelman_experiments::drive::{Drive, DriveInput, DriveSetup, DriveWriter, StoredDrive};
+use barrelman_experiments::drive::{DriveHasher, DriveObserver};
 use barrelman_experiments::law_choice::{LawChoice, ModeName};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_experiments::scenario::ScenarioOverrides;
@@ -22,19 +22,19 @@ use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 const SMALL: PictureSize = PictureSize::new(192, 108);
 
-fn cast(law: LawChoice, coded: bool) -> DriveSetup {
-    let url = WorldUrl { size: Some(SMALL), ..WorldUrl::of("open") };
+fn setup(law: LawChoice, coded: bool) -> DriveSetup {
+    let url = WorldUrl { size: Some(SMALL), ..WorldUrl::new("open") };
     DriveSetup::new(url, TrackerName::Camshift, law, coded).unwrap()
 }
 
 /// The hash of a drive of one second with these inputs.
-fn drive_inputs(cast: &DriveSetup, inputs: &[(u64, DriveInput)]) -> String {
-    let threads = RenderThreads::two().unwrap();
-    let mut drive = Drive::new(cast, &threads).unwrap();
-    let mut hash = DriveHash::default();
+fn drive_inputs(setup: &DriveSetup, inputs: &[(u64, DriveInput)]) -> String {
+    let threads = RenderThreads::new().unwrap();
+    let mut drive = Drive::new(setup, &threads).unwrap();
+    let mut hash = DriveHasher::default();
     for tick in 0..120 {
         for (_, input) in inputs.iter().filter(|(at, _)| *at == tick) {
-            drive.put(*input, &mut hash);
+            drive.apply(*input, &mut hash);
         }
         drive.tick(&mut hash);
     }
@@ -45,14 +45,14 @@ const AHEAD: DriveInput = DriveInput::Helm { thrust: 100, rudder: 20 };
 
 #[test]
 fn the_same_inputs_at_the_same_ticks_give_the_same_drive() {
-    for (law, coded) in [(LawChoice::OPTIMAL, false), (LawChoice::SCHEMA, true)] {
-        let cast = cast(law, coded);
-        let first = drive_inputs(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]);
-        assert_eq!(drive_inputs(&cast, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
+    for (law, coded) in [(LawChoice::OPTIMAL, false), (LawChoice::MOTOR_SCHEMA, true)] {
+        let setup = setup(law, coded);
+        let first = drive_inputs(&setup, &[(0, DriveInput::Engage), (30, AHEAD)]);
+        assert_eq!(drive_inputs(&setup, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
         let paused =
             [(0, DriveInput::Engage), (10, DriveInput::Pause), (10, DriveInput::Resume), (30, AHEAD)];
-        assert_eq!(drive_inputs(&cast, &paused), first, "a pause changes nothing in the world");
-        assert_ne!(drive_inputs(&cast, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
+        assert_eq!(drive_inputs(&setup, &paused), first, "a pause changes nothing in the world");
+        assert_ne!(drive_inputs(&setup, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
     }
 }
 
@@ -77,16 +77,16 @@ impl DriveObserver for Beside {}
 #[test]
 fn the_schemas_shadow_is_the_schema_and_another_law_differs_from_it() {
     let seen = |law| {
-        let (cast, threads) = (cast(law, false), RenderThreads::two().unwrap());
-        let mut drive = Drive::new(&cast, &threads).unwrap();
-        let mut beside = Beside { shadow: MotorSchemaShadow::new(&cast.profile), seen: Vec::new() };
-        drive.put(DriveInput::Engage, &mut beside);
-        drive.put(DriveInput::Helm { thrust: 100, rudder: 0 }, &mut beside);
+        let (setup, threads) = (setup(law, false), RenderThreads::new().unwrap());
+        let mut drive = Drive::new(&setup, &threads).unwrap();
+        let mut beside = Beside { shadow: MotorSchemaShadow::new(&setup.profile), seen: Vec::new() };
+        drive.apply(DriveInput::Engage, &mut beside);
+        drive.apply(DriveInput::Helm { thrust: 100, rudder: 0 }, &mut beside);
         (0..1200).for_each(|_| drive.tick(&mut beside));
         beside.seen
     };
     let apart = |(p, schema): &(f64, f64)| (p - schema).abs();
-    let of_schema = seen(LawChoice::SCHEMA);
+    let of_schema = seen(LawChoice::MOTOR_SCHEMA);
     assert!(of_schema.iter().any(|(p, _)| *p > 1.0), "the schema moves the camera");
     // Where a camera pointed is looked up between moments that are remembered, and the two remember others.
     let most = of_schema.iter().map(apart).fold(0.0, f64::max);
@@ -97,33 +97,33 @@ fn the_schemas_shadow_is_the_schema_and_another_law_differs_from_it() {
 #[test]
 fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
     let path = std::env::temp_dir().join(format!("barrelman-driven-{}.jsonl", std::process::id()));
-    let cast = cast(LawChoice::SCHEMA, false);
+    let setup = setup(LawChoice::MOTOR_SCHEMA, false);
     let inputs = [(0, DriveInput::Engage), (30, AHEAD)];
-    let hash = drive_inputs(&cast, &inputs);
-    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
+    let hash = drive_inputs(&setup, &inputs);
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
     inputs.iter().for_each(|(tick, input)| writer.add(*tick, *input).unwrap());
-    writer.end(120, hash.clone()).unwrap();
-    let stored = DriveReader::read(&path).unwrap();
+    writer.finish(120, hash.clone()).unwrap();
+    let stored = StoredDrive::read(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
     let request = CampaignRequest {
         scenario: "open".to_owned(),
-        changes: ScenarioOverrides { size: Some(SMALL), ..ScenarioOverrides::default() },
-        law: LawChoice::SCHEMA,
+        overrides: ScenarioOverrides { size: Some(SMALL), ..ScenarioOverrides::default() },
+        law: LawChoice::MOTOR_SCHEMA,
         rate: None,
         perception: Perception::Pixels(TrackerName::Camshift),
         plant: PlantName::Nominal,
         simd: SimdLevel::Avx512,
     };
-    let plan = CampaignPlan::new(&request).unwrap().with_drive(DriveInputs::of(&stored));
-    let mut again = DriveHash::default();
-    let log = plan.log(cast.url.seed, &mut again).unwrap();
+    let plan = CampaignPlan::new(&request).unwrap().with_drive(DriveInputs::from_drive(&stored));
+    let mut again = DriveHasher::default();
+    let log = plan.simulate(setup.url.seed, &mut again).unwrap();
     assert_eq!(again.hex(), hash);
-    assert_eq!(plan.run(cast.url.seed).unwrap().campaign.drive.map(|drive| drive.len()), Some(16));
+    assert_eq!(plan.run(setup.url.seed).unwrap().campaign.drive.map(|drive| drive.len()), Some(16));
     // The boat goes the same way whatever the camera does.
     let law = LawChoice::OPTIMAL;
     let other =
         CampaignPlan::new(&CampaignRequest { law, perception: Perception::Truth, ..request }).unwrap();
-    let other = other.with_drive(DriveInputs::of(&stored)).log(cast.url.seed, &mut ()).unwrap();
+    let other = other.with_drive(DriveInputs::from_drive(&stored)).simulate(setup.url.seed, &mut ()).unwrap();
     let end = |log: &TrialLog| log.truth.as_ref().unwrap().last().unwrap().target_m;
     assert_eq!(end(&other), end(&log));
 }
@@ -132,28 +132,28 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
 fn a_stored_drive_is_read_as_it_was_written() {
     let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
     let law = LawChoice { mode: Some(ModeName::Eco), horizon_s: Some(1.5), ..LawChoice::OPTIMAL };
-    let cast = cast(law, true);
-    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
+    let setup = setup(law, true);
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
     writer.add(0, DriveInput::Engage).unwrap();
     writer.add(30, AHEAD).unwrap();
-    let cut = DriveReader::read(&path).unwrap();
-    writer.end(120, "0123456789abcdef".to_owned()).unwrap();
-    let whole = DriveReader::read(&path).unwrap();
+    let cut = StoredDrive::read(&path).unwrap();
+    writer.finish(120, "0123456789abcdef".to_owned()).unwrap();
+    let whole = StoredDrive::read(&path).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let key = r#""law":{"name":"optimal","mode":"eco","horizon_s":1.5},"#;
     std::fs::write(&path, text.replace(key, "")).unwrap();
-    let of_before = DriveReader::read(&path).unwrap();
+    let of_before = StoredDrive::read(&path).unwrap();
     std::fs::write(&path, text.replace("optimal", "schema")).unwrap();
-    let contradicts = format!("{:#}", DriveReader::read(&path).unwrap_err());
+    let contradicts = format!("{:#}", StoredDrive::read(&path).unwrap_err());
     std::fs::remove_file(&path).unwrap();
     assert!(text.contains(key), "{text}");
-    assert_eq!(of_before.cast.law, LawChoice::SCHEMA, "a drive that does not say its law");
+    assert_eq!(of_before.setup.law, LawChoice::MOTOR_SCHEMA, "a drive that does not say its law");
     assert!(contradicts.contains("law.mode is for the law"), "{contradicts}");
     assert_eq!((cut.end, cut.inputs.len()), (None, 2));
     assert_eq!(whole.inputs, [(0, DriveInput::Engage), (30, AHEAD)]);
     assert_eq!(whole.end, Some((120, "0123456789abcdef".to_owned())));
     assert_eq!(
-        (whole.cast.url, whole.cast.coded, whole.cast.tracker, whole.cast.law),
-        (cast.url, true, TrackerName::Camshift, law)
+        (whole.setup.url, whole.setup.encoded, whole.setup.tracker, whole.setup.law),
+        (setup.url, true, TrackerName::Camshift, law)
     );
 }

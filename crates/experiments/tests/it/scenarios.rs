@@ -24,8 +24,9 @@ fn every_built_in_scenario_can_be_loaded_in_all_its_settings() {
     for (name, setting) in
         [("lab1", "still"), ("lab2", "windy"), ("field1", "still"), ("arena1", "calm"), ("open", "tether")]
     {
-        let changes = ScenarioOverrides { setting: Some(setting.to_owned()), ..ScenarioOverrides::default() };
-        assert_eq!(load(name, &changes).unwrap().setting, setting);
+        let overrides =
+            ScenarioOverrides { setting: Some(setting.to_owned()), ..ScenarioOverrides::default() };
+        assert_eq!(load(name, &overrides).unwrap().setting, setting);
     }
 }
 
@@ -67,11 +68,11 @@ fn the_laboratory_has_the_plant_and_the_optics_as_identified() {
 
 #[test]
 fn another_size_shows_the_same_view() {
-    let changes =
+    let overrides =
         ScenarioOverrides { size: Some(PictureSize::new(320, 180)), ..ScenarioOverrides::default() };
-    let small = load("lab1", &changes).unwrap().scenario.camera;
+    let small = load("lab1", &overrides).unwrap().scenario.camera;
     assert_eq!((small.optics.focal_px, small.frame), (165.0, PictureSize::new(320, 240)));
-    let small = load("arena1", &changes).unwrap().scenario.camera;
+    let small = load("arena1", &overrides).unwrap().scenario.camera;
     assert_eq!((small.optics.focal_px, small.frame), (190.0, PictureSize::new(320, 180)));
 }
 
@@ -105,8 +106,8 @@ fn a_mistake_is_shown_with_its_line() {
 
 #[test]
 fn what_a_scenario_does_not_have_cannot_be_changed() {
-    let changes = ScenarioOverrides { sea_state: Some(2), ..ScenarioOverrides::default() };
-    let error = format!("{:#}", load("lab1", &changes).unwrap_err());
+    let overrides = ScenarioOverrides { sea_state: Some(2), ..ScenarioOverrides::default() };
+    let error = format!("{:#}", load("lab1", &overrides).unwrap_err());
     assert!(error.contains("there is no water"), "{error}");
     let error = format!("{:#}", load("lab3", &ScenarioOverrides::default()).unwrap_err());
     assert!(error.contains("lab1, lab2, arena1") && error.contains(".toml"), "{error}");

@@ -103,7 +103,7 @@ fn scene_of<'a>(
         mode,
         link: Some("up"),
         explanation,
-        ..Scene::of_track(track, region)
+        ..Scene::from_track(track, region)
     }
 }
 

@@ -6,9 +6,17 @@
 //! deviation `1.2 + 0.012 Y` (8 bit), read from a table at a position given by a hash of seed, tick and row.
 
 use barrelman_simd::{Simd, multiversion};
+use barrelman_vocab::video::{ColourMatrix, LumaWeights};
 
 use super::texture::ROUNDING;
 use crate::noise;
+
+const WEIGHTS: LumaWeights = ColourMatrix::Bt709.luma_weights();
+const RED: f32 = WEIGHTS.red as f32;
+const GREEN: f32 = WEIGHTS.green as f32;
+const BLUE: f32 = WEIGHTS.blue as f32;
+const CB_DIVISOR: f32 = WEIGHTS.cb_divisor() as f32;
+const CR_DIVISOR: f32 = WEIGHTS.cr_divisor() as f32;
 
 /// Size of the noise table.
 const TABLE: usize = 1 << 16;
@@ -75,7 +83,7 @@ multiversion! { simd;
         let width = out.len();
         let (r, g, b, noise) = (&r[..width], &g[..width], &b[..width], &noise[..width]);
         for i in 0..width {
-            let y = 16.0 + 219.0 * (0.2126 * r[i] + 0.7152 * g[i] + 0.0722 * b[i]);
+            let y = 16.0 + 219.0 * (RED * r[i] + GREEN * g[i] + BLUE * b[i]);
             let y = y + how.noise * noise[i] * (1.2 + 0.012 * y);
             out[i] = (y.max(16.0).min(235.0) + ROUNDING).to_bits() as u8;
         }
@@ -99,10 +107,10 @@ multiversion! { simd;
         for i in 0..width {
             let mean = |s: &[f32]| 0.25 * (s[2 * i] + s[2 * i + 1]);
             let (r, g, b) = (mean(r), mean(g), mean(b));
-            let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+            let y = RED * r + GREEN * g + BLUE * b;
             let strength = how.noise * (0.7 + 1.2 * y);
-            let blue = 128.0 + (224.0 / 1.8556) * (b - y) + strength * nu[i];
-            let red = 128.0 + (224.0 / 1.5748) * (r - y) + strength * nv[i];
+            let blue = 128.0 + (224.0 / CB_DIVISOR) * (b - y) + strength * nu[i];
+            let red = 128.0 + (224.0 / CR_DIVISOR) * (r - y) + strength * nv[i];
             u[i] = (blue.max(16.0).min(240.0) + ROUNDING).to_bits() as u8;
             v[i] = (red.max(16.0).min(240.0) + ROUNDING).to_bits() as u8;
         }

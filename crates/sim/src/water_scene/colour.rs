@@ -1,5 +1,7 @@
 //! Paints in red, green and blue, and their samples (BT.709, limited range).
 
+use barrelman_vocab::video::ColourMatrix;
+
 use super::rng::Rng;
 use super::script::TargetPaint;
 
@@ -9,9 +11,10 @@ pub(super) type Yuv = [f32; 3];
 /// From gamma-coded red, green and blue of 0..=255.
 pub(super) fn yuv(rgb: [f64; 3]) -> Yuv {
     let [r, g, b] = rgb.map(|sample| sample / 255.0);
-    let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-    let u = 128.0 + 224.0 * (b - y) / 1.8556;
-    let v = 128.0 + 224.0 * (r - y) / 1.5748;
+    let weights = ColourMatrix::Bt709.luma_weights();
+    let y = weights.red * r + weights.green * g + weights.blue * b;
+    let u = 128.0 + 224.0 * (b - y) / weights.cb_divisor();
+    let v = 128.0 + 224.0 * (r - y) / weights.cr_divisor();
     [(16.0 + 219.0 * y) as f32, u as f32, v as f32]
 }
 

@@ -28,7 +28,7 @@ impl LawOptions {
     /// # Errors
     /// If they contradict each other, or the horizon is out of its range.
     pub fn over(self, base: LawChoice) -> Result<LawChoice> {
-        let base = self.law.filter(|name| *name != base.name).map_or(base, LawChoice::of);
+        let base = self.law.filter(|name| *name != base.name).map_or(base, LawChoice::new);
         LawChoice { mode: self.mode.or(base.mode), horizon_s: self.horizon.or(base.horizon_s), ..base }
             .validated("--")
             .map_err(|error| WrongUse(error.to_string()).into())

@@ -143,14 +143,14 @@ enum Seen {
 struct FirstPicture(SyncSender<Seen>);
 
 impl VideoSink for FirstPicture {
-    fn unit(&mut self, _unit: &EncodedUnit) {}
+    fn on_unit(&mut self, _unit: &EncodedUnit) {}
 
-    fn frame(&mut self, frame: VideoFrame) {
+    fn on_frame(&mut self, frame: VideoFrame) {
         // Only the first is waited for.
         let _ = self.0.try_send(Seen::Frame(frame));
     }
 
-    fn state(&mut self, state: VideoState) {
+    fn on_state(&mut self, state: VideoState) {
         let _ = self.0.try_send(Seen::State(state));
     }
 }

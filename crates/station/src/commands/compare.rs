@@ -44,7 +44,7 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
 
 fn trials(path: &Path) -> Result<Vec<TrialEntry>> {
     let read = file::read(path)?;
-    if read.cut {
+    if read.is_truncated {
         tracing::warn!("{} ends within a line: the trials before it are used", path.display());
     }
     Ok(read.entries.into_iter().map(|(entry, _)| entry.trial).collect())

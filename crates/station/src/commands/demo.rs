@@ -32,8 +32,8 @@ use crate::live::threads::{self, FaultInjector};
 use crate::progress::Progress;
 use barrelman_experiments::campaign::recording::TrialRecorder;
 use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
-use barrelman_experiments::drive::{Drive, DriveInput, DriveReader, DriveSetup, DriveWriter};
-use barrelman_experiments::drive::{DriveHash, DriveObserver};
+use barrelman_experiments::drive::{Drive, DriveInput, DriveSetup, DriveWriter, StoredDrive};
+use barrelman_experiments::drive::{DriveHasher, DriveObserver};
 use barrelman_experiments::law_choice::{LawChoice, LawName};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_experiments::scenario::{self, ScenarioOverrides};
@@ -92,9 +92,9 @@ fn drive(
         size: args.size,
     };
     url.size = Some(size_of(&url)?);
-    let mut cast =
+    let mut setup =
         DriveSetup::new(url, args.tracker, args.law.over(LawChoice::OPTIMAL)?, args.record.is_some())?;
-    let threads = RenderThreads::two()?;
+    let threads = RenderThreads::new()?;
     let listener = listen(args.listen)?;
 
     let (events, queue) = sync_channel(EVENTS);
@@ -111,7 +111,7 @@ fn drive(
     let mut out = stdout();
     let address = server.address();
     // A script waits for this line.
-    writeln!(out, "the boat of {} is yours at http://{address}/", cast.url.scenario)?;
+    writeln!(out, "the boat of {} is yours at http://{address}/", setup.url.scenario)?;
     writeln!(out, "arrow keys steer, p pauses, space stops the camera, e engages it; Ctrl-C ends")?;
     out.flush()?;
     if !address.ip().is_loopback() {
@@ -121,16 +121,17 @@ fn drive(
     let until = args.seconds.map(|seconds| clock.now().plus(Duration::from_secs_f64(seconds)));
     let end = loop {
         let mut live = LiveDrive {
-            drive: Drive::new(&cast, &threads)?,
+            drive: Drive::new(&setup, &threads)?,
             observers: DriveObservers {
-                recorder: recorder(record.take(), &cast)?,
+                recorder: recorder(record.take(), &setup)?,
                 frames: Some(&frames),
-                shadow: (cast.law.name != LawName::Schema).then(|| MotorSchemaShadow::new(&cast.profile)),
+                shadow: (setup.law.name != LawName::MotorSchema)
+                    .then(|| MotorSchemaShadow::new(&setup.profile)),
                 ..DriveObservers::default()
             },
-            store: store.take().map(|file| DriveWriter::begin(file, &cast)).transpose()?,
+            store: store.take().map(|file| DriveWriter::begin(file, &setup)).transpose()?,
             page: &page,
-            cast: &cast,
+            setup: &setup,
             clock,
             helm: None,
             paused: false,
@@ -140,8 +141,8 @@ fn drive(
         if !matches!(end, End::Over) || args.record.is_some() || args.store.is_some() {
             break end;
         }
-        cast.url.seed = cast.url.seed.wrapping_add(1);
-        tracing::info!("the drive is over: the next one begins, with seed {}", cast.url.seed);
+        setup.url.seed = setup.url.seed.wrapping_add(1);
+        tracing::info!("the drive is over: the next one begins, with seed {}", setup.url.seed);
     };
     frames.close();
     let _ = renderer.join();
@@ -202,20 +203,20 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
     }
 }
 
-fn recorder(file: Option<OutputFile>, cast: &DriveSetup) -> Result<Option<TrialRecorder>> {
+fn recorder(file: Option<OutputFile>, setup: &DriveSetup) -> Result<Option<TrialRecorder>> {
     let begin = |file| {
-        let behaviour = cast.law.behaviour_with(cast.tracker);
-        TrialRecorder::without_film(file, configuration_of(cast)?, cast.url.to_string(), behaviour)
+        let behaviour = setup.law.behaviour_with(setup.tracker);
+        TrialRecorder::without_film(file, configuration_of(setup)?, setup.url.to_string(), behaviour)
     };
     file.map(begin).transpose()
 }
 
 /// The effective configuration (TOML) of a drive.
-fn configuration_of(cast: &DriveSetup) -> Result<String> {
+fn configuration_of(setup: &DriveSetup) -> Result<String> {
     Configuration {
-        profile: cast.profile.clone(),
-        law: cast.law,
-        tracker: TrackerSettings::of(cast.tracker),
+        profile: setup.profile.clone(),
+        law: setup.law,
+        tracker: TrackerSettings::new(setup.tracker),
         ..Configuration::resolve(&ConfigFile::default())?
     }
     .to_toml()
@@ -223,26 +224,26 @@ fn configuration_of(cast: &DriveSetup) -> Result<String> {
 
 /// A stored drive again, as fast as it goes.
 fn replay(record: Option<OutputFile>, path: &Path) -> Result<ExitCode> {
-    let stored = DriveReader::read(path)?;
+    let stored = StoredDrive::read(path)?;
     let last = stored.last_tick();
-    let DriveReader { cast, behaviour, inputs, end } = stored;
-    let current = cast.law.behaviour_with(cast.tracker);
-    let difference = behaviour.difference(current, cast.tracker.word(), cast.law.word());
-    if record.is_some() && !cast.coded {
+    let StoredDrive { setup, behaviour, inputs, end } = stored;
+    let current = setup.law.behaviour_with(setup.tracker);
+    let difference = behaviour.difference(current, setup.tracker.as_str(), setup.law.name_str());
+    if record.is_some() && !setup.encoded {
         bail!(
             "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
             path.display()
         );
     }
-    let threads = RenderThreads::two()?;
-    let mut drive = Drive::new(&cast, &threads)?;
-    let mut observers = DriveObservers { recorder: recorder(record, &cast)?, ..DriveObservers::default() };
+    let threads = RenderThreads::new()?;
+    let mut drive = Drive::new(&setup, &threads)?;
+    let mut observers = DriveObservers { recorder: recorder(record, &setup)?, ..DriveObservers::default() };
     let progress = Progress::new("ticks", last);
     let mut inputs = inputs.into_iter().peekable();
     loop {
         let tick = drive.world().tick();
         while let Some((_, input)) = inputs.next_if(|(at, _)| *at <= tick) {
-            drive.put(input, &mut observers);
+            drive.apply(input, &mut observers);
         }
         if tick >= last || drive.is_over() {
             break;
@@ -258,7 +259,7 @@ fn replay(record: Option<OutputFile>, path: &Path) -> Result<ExitCode> {
         recorder.finish()?;
     }
     let mut out = stdout();
-    writeln!(out, "{last} ticks of {}, seed {}: {hash}", cast.url.scenario, cast.url.seed)?;
+    writeln!(out, "{last} ticks of {}, seed {}: {hash}", setup.url.scenario, setup.url.seed)?;
     match end {
         None => {
             writeln!(out, "the file is cut off: everything before the cut was driven again")?;
@@ -283,7 +284,7 @@ fn replay(record: Option<OutputFile>, path: &Path) -> Result<ExitCode> {
 /// Everybody who is told what happens.
 #[derive(Default)]
 struct DriveObservers<'a> {
-    hash: DriveHash,
+    hash: DriveHasher,
     recorder: Option<TrialRecorder>,
     /// The slot of the page's pictures.
     frames: Option<&'a Latest<AnnotatedFrame>>,
@@ -315,9 +316,9 @@ impl StepObserver for DriveObservers<'_> {
 }
 
 impl DriveObserver for DriveObservers<'_> {
-    fn unit(&mut self, unit: EncodedUnit) {
+    fn on_unit(&mut self, unit: EncodedUnit) {
         if let Some(recorder) = &mut self.recorder {
-            recorder.unit(unit);
+            recorder.add_unit(unit);
         }
     }
 }
@@ -328,7 +329,7 @@ struct LiveDrive<'a> {
     observers: DriveObservers<'a>,
     store: Option<DriveWriter>,
     page: &'a PageState,
-    cast: &'a DriveSetup,
+    setup: &'a DriveSetup,
     clock: Clock,
     /// What the page steers, and since when.
     helm: Option<(DriveInput, Timestamp)>,
@@ -437,7 +438,7 @@ impl LiveDrive<'_> {
         if let Some(store) = &mut self.store {
             store.add(self.drive.world().tick(), input)?;
         }
-        self.drive.put(input, &mut self.observers);
+        self.drive.apply(input, &mut self.observers);
         Ok(())
     }
 
@@ -457,13 +458,13 @@ impl LiveDrive<'_> {
         let helm = self.drive.helm();
         let command = outcome.map(|outcome| outcome.command).unwrap_or_default();
         self.page.set_status(&DriveStatus {
-            scenario: self.cast.url.scenario.clone(),
-            seed: self.cast.url.seed,
+            scenario: self.setup.url.scenario.clone(),
+            seed: self.setup.url.seed,
             tick: world.tick(),
             time_s: world.now().as_secs_f64(),
             paused: self.paused,
             pace,
-            law: self.cast.law.word(),
+            law: self.setup.law.name_str(),
             mode: outcome.map_or_else(String::new, |outcome| outcome.mode.to_string()),
             engaged: outcome.is_some_and(|outcome| matches!(outcome.mode, Mode::Servoing | Mode::Holding(_))),
             track: word,
@@ -494,6 +495,6 @@ impl LiveDrive<'_> {
         if let Some(recorder) = self.observers.recorder {
             recorder.finish()?;
         }
-        self.store.map_or(Ok(()), |store| store.end(tick, hash))
+        self.store.map_or(Ok(()), |store| store.finish(tick, hash))
     }
 }

@@ -21,7 +21,7 @@ pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";
 /// # Errors
 /// If the log cannot be read or the output not be written.
 pub fn run(args: &LawArgs) -> Result<ExitCode> {
-    let law = args.law.over(LawChoice::SCHEMA)?;
+    let law = args.law.over(LawChoice::MOTOR_SCHEMA)?;
     let mut profile = profile_named(&args.profile)?;
     if let Some(rate) = args.rate {
         profile = profile.with_motor_schema_rate(AngularRate::from_radians_per_second(rate));
@@ -31,7 +31,7 @@ pub fn run(args: &LawArgs) -> Result<ExitCode> {
         input.log.frame = frame;
     }
     let region = input.log.region(args.region.region.unwrap_or(profile.region));
-    if law.name != LawName::Schema {
+    if law.name != LawName::MotorSchema {
         tracing::warn!(
             "open loop: the recorded camera did not obey this law, so what it asks for here is no proof of how well it \
              holds a target; `barrelman trials` closes the loop"

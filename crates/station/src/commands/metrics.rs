@@ -23,7 +23,7 @@ pub fn run(args: &MetricsArgs) -> Result<ExitCode> {
         let mut input = match trial_input::read_any(path)? {
             Input::Trial(input) => *input,
             Input::Campaign(campaign) => {
-                cut |= campaign.report_cut(path);
+                cut |= campaign.report_truncation(path);
                 args.region.refuse_for_campaign(path, args.picture.is_some())?;
                 trials.extend(campaign.trials());
                 continue;

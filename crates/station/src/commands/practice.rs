@@ -87,7 +87,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             profile: None,
             select: Some(selection),
             tracker: Some(args.tracker),
-            law: args.law.over(LawChoice::SCHEMA)?.into(),
+            law: args.law.over(LawChoice::MOTOR_SCHEMA)?.into(),
             engage: true,
             headless: true,
             record: Some(recording.clone()),

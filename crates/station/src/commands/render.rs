@@ -38,8 +38,8 @@ pub const TRUTH_HEADER: &str = "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,r
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let plan = CampaignPlan::new(&CampaignRequest {
         scenario: args.scenario.clone(),
-        changes: ScenarioOverrides { size: args.size, ..ScenarioOverrides::default() },
-        law: LawChoice::SCHEMA,
+        overrides: ScenarioOverrides { size: args.size, ..ScenarioOverrides::default() },
+        law: LawChoice::MOTOR_SCHEMA,
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
@@ -47,7 +47,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     })?
     .with_max_duration(args.seconds);
     let mut film = TruthFilm::create(args, &plan.scenario().camera)?;
-    plan.log(args.seed, &mut film)?;
+    plan.simulate(args.seed, &mut film)?;
     let (frames, asked) = film.finish()?;
     if frames < asked {
         tracing::warn!(

@@ -149,5 +149,5 @@ fn version_difference(start: &RecordingStart, configuration: &Configuration) -> 
     if is_replaced(|file, used| file.law.name == Some(used.law.name)) {
         behaviour.law = current.law;
     }
-    behaviour.difference(current, tracker.word(), law.word())
+    behaviour.difference(current, tracker.as_str(), law.name_str())
 }

@@ -38,7 +38,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
             }
             Input::Campaign(campaign) => {
                 args.region.refuse_for_campaign(path, false)?;
-                cut |= campaign.report_cut(path);
+                cut |= campaign.report_truncation(path);
                 trials.extend(campaign.entries.into_iter().map(|(entry, _)| ReportedTrial {
                     entry: entry.trial,
                     set: TrialSet { kind: SetKind::Simulated, name: in_words(&entry.campaign) },
@@ -113,7 +113,7 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
 fn vehicle_of_another_law(start: &RecordingStart) -> Option<VehicleProfile> {
     let file = config::parse_recorded(&start.configuration).ok()?;
     let all = Configuration::resolve_recorded(&file).ok()?;
-    (all.law.name != LawName::Schema).then_some(all.profile)
+    (all.law.name != LawName::MotorSchema).then_some(all.profile)
 }
 
 /// What a recording of a simulated trial is of.
@@ -132,7 +132,7 @@ impl SimulatedRun {
         let configuration = config::parse_recorded(&start.configuration).ok();
         let law = configuration
             .and_then(|file| Configuration::resolve_recorded(&file).ok())
-            .map(|all| all.law.word());
+            .map(|all| all.law.name_str());
         Some(Self {
             scenario: scenario.to_owned(),
             trial: format!("{scenario}/{seed}"),

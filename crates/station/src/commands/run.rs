@@ -132,5 +132,5 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
 pub fn build_pilot(configuration: &Configuration) -> Result<Pilot> {
     let settings =
         PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
-    Ok(Pilot::new(settings, configuration.tracker.tracker()?))
+    Ok(Pilot::new(settings, configuration.tracker.build()?))
 }

@@ -68,7 +68,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     };
     let mut frames = FileFrames::open(&url)?;
     let mut tracked = Tracked {
-        tracker: TrackerSettings::of(args.tracker).tracker()?,
+        tracker: TrackerSettings::new(args.tracker).build()?,
         rows: BufWriter::new(rows),
         has_rows: false,
         film: film.map(|file| Film::new(file, VehicleProfile::fotokite_pro().region)),
@@ -120,7 +120,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
             lost_frames,
             coasting_frames,
             damaged_pictures: damaged,
-            tracker: args.tracker.word(),
+            tracker: args.tracker.as_str(),
             tracker_cpu_ms: Spread::of(tracker_times),
             decode_cpu_ms: Spread::of(decode_times),
         };

@@ -19,7 +19,7 @@ use barrelman_experiments::campaign::plan::CampaignRequest;
 use barrelman_experiments::campaign::recording::TrialRecording;
 use barrelman_experiments::campaign::runner::run_in_order;
 use barrelman_experiments::campaign::{CampaignPlan, Perception};
-use barrelman_experiments::drive::DriveReader;
+use barrelman_experiments::drive::StoredDrive;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_experiments::tracker_choice::TrackerSettings;
@@ -29,21 +29,21 @@ use barrelman_experiments::tracker_choice::TrackerSettings;
 /// # Errors
 /// If the campaign cannot be set up, a trial fails, or results cannot be written.
 pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
-    let drive = args.drive.as_deref().map(DriveReader::read).transpose()?;
+    let drive = args.drive.as_deref().map(StoredDrive::read).transpose()?;
     let mut plan = CampaignPlan::new(&request(args, drive.as_ref())?)?;
     if let Some(drive) = &drive {
-        plan = plan.with_drive(DriveInputs::of(drive));
+        plan = plan.with_drive(DriveInputs::from_drive(drive));
     }
     if let Some(folder) = &args.record {
         let configuration = configuration_of(&plan)?;
-        plan = plan.recorded(TrialRecording {
+        plan = plan.with_recordings(TrialRecording {
             folder: folder.clone(),
             force: args.force || args.resume,
             configuration,
         })?;
     }
     let seeds = match &drive {
-        Some(drive) => vec![drive.cast.url.seed],
+        Some(drive) => vec![drive.setup.url.seed],
         None => seeds(args)?,
     };
     let (mut writer, mut entries) = match &args.output {
@@ -95,32 +95,32 @@ fn configuration_of(plan: &CampaignPlan) -> Result<String> {
     Configuration {
         profile: plan.profile().clone(),
         law: plan.law(),
-        tracker: TrackerSettings::of(plan.tracker()),
+        tracker: TrackerSettings::new(plan.tracker()),
         ..Configuration::resolve(&ConfigFile::default())?
     }
     .to_toml()
 }
 
 /// What is asked for; what is not said of a drive is as it was driven.
-fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<CampaignRequest> {
-    let Some(scenario) = args.scenario.as_ref().or(drive.map(|drive| &drive.cast.url.scenario)) else {
+fn request(args: &TrialsArgs, drive: Option<&StoredDrive>) -> Result<CampaignRequest> {
+    let Some(scenario) = args.scenario.as_ref().or(drive.map(|drive| &drive.setup.url.scenario)) else {
         bail!("name a scenario, or a drive by --drive");
     };
     Ok(CampaignRequest {
         scenario: scenario.clone(),
-        changes: ScenarioOverrides {
+        overrides: ScenarioOverrides {
             setting: args.setting.clone(),
             boat_speed_m_per_s: args.boat_speed,
             sea_state: args.sea_state,
             wind_m_per_s: args.wind,
-            size: args.size.or(drive.and_then(|drive| drive.cast.url.size)),
+            size: args.size.or(drive.and_then(|drive| drive.setup.url.size)),
         },
-        law: args.law.over(drive.map_or(LawChoice::SCHEMA, |drive| drive.cast.law))?,
+        law: args.law.over(drive.map_or(LawChoice::MOTOR_SCHEMA, |drive| drive.setup.law))?,
         rate: args.rate,
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,
             PerceptionName::Pixels => {
-                let drive_inputs = drive.map(|drive| drive.cast.tracker);
+                let drive_inputs = drive.map(|drive| drive.setup.tracker);
                 Perception::Pixels(args.tracker.or(drive_inputs).unwrap_or_default())
             }
         },

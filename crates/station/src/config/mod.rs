@@ -52,7 +52,7 @@ pub fn parse(text: &str) -> Result<ConfigFile> {
 pub fn parse_recorded(text: &str) -> Result<ConfigFile> {
     let mut file = parse(text)?;
     file.tracker.name.get_or_insert(TrackerName::Camshift);
-    file.law.name.get_or_insert(LawName::Schema);
+    file.law.name.get_or_insert(LawName::MotorSchema);
     Ok(file)
 }
 

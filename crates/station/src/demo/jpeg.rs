@@ -4,7 +4,7 @@
 //! worked out once for each encoding.
 
 use barrelman_vocab::Picture;
-use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
+use barrelman_vocab::video::{ColourEncoding, SampleRange};
 use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};
 
 /// A picture stays sharp, and takes about a tenth of a byte per pixel.
@@ -79,17 +79,13 @@ fn turn(from: ColourEncoding) -> Option<Turn> {
         SampleRange::Limited => (255.0 / 219.0, 255.0 / 224.0, 16.0),
         SampleRange::Full => (1.0, 1.0, 0.0),
     };
-    // Shares of red and blue in the luma (ITU-R BT.601 and BT.709).
-    let (red, blue) = match from.matrix {
-        ColourMatrix::Bt601 => (0.299, 0.114),
-        ColourMatrix::Bt709 => (0.2126, 0.0722),
-    };
+    let (weights, jpeg) = (from.matrix.luma_weights(), ColourEncoding::JPEG.matrix.luma_weights());
     let turned = |y: f64, cb: f64, cr: f64| {
-        let r = y + 2.0 * (1.0 - red) * cr;
-        let b = y + 2.0 * (1.0 - blue) * cb;
-        let g = (y - red * r - blue * b) / (1.0 - red - blue);
-        let luma = 0.299 * r + 0.587 * g + 0.114 * b;
-        [luma, (b - luma) / 1.772, (r - luma) / 1.402]
+        let r = y + weights.cr_divisor() * cr;
+        let b = y + weights.cb_divisor() * cb;
+        let g = (y - weights.red * r - weights.blue * b) / weights.green;
+        let luma = jpeg.red * r + jpeg.green * g + jpeg.blue * b;
+        [luma, (b - luma) / jpeg.cb_divisor(), (r - luma) / jpeg.cr_divisor()]
     };
     let (of_y, of_u, of_v) =
         (turned(luma_scale, 0.0, 0.0), turned(0.0, chroma_scale, 0.0), turned(0.0, 0.0, chroma_scale));
@@ -104,6 +100,7 @@ fn turn(from: ColourEncoding) -> Option<Turn> {
 #[cfg(test)]
 mod tests {
     use barrelman_vocab::PictureSize;
+    use barrelman_vocab::video::ColourMatrix;
     use zune_core::bytestream::ZCursor;
 
     use super::*;

@@ -32,7 +32,7 @@ pub fn render_page_pictures(frames: &Latest<AnnotatedFrame>, page: &PageState) {
     let mut picture: Option<Picture> = None;
     while let Some(annotated) = frames.wait_until_wanted(POLL_INTERVAL, || page.has_viewer()) {
         let AnnotatedFrame { frame, outcome, rates } = annotated;
-        let Some(scene) = Scene::of_outcome(&outcome) else { continue };
+        let Some(scene) = Scene::from_outcome(&outcome) else { continue };
         let scene = Scene { rates: Some(rates), ..scene };
         let picture =
             picture.get_or_insert_with(|| Picture::black(frame.picture.size(), frame.picture.colour()));

@@ -107,11 +107,11 @@ impl FotokitePro {
     }
 
     fn active(&self, kind: FaultKind, now: Timestamp) -> bool {
-        self.faults.active(kind, now)
+        self.faults.is_active(kind, now)
     }
 
     fn apply_faults(&mut self, now: Timestamp) -> Result<()> {
-        if self.faults.begun(FaultKind::Reboot, self.faults_applied_at, now) > 0 {
+        if self.faults.count_started(FaultKind::Reboot, self.faults_applied_at, now) > 0 {
             self.station = GroundStation::boot(self.settings, now);
         }
         self.faults_applied_at = Some(now);

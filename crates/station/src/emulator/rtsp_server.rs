@@ -108,7 +108,7 @@ impl Drop for RtspServer {
 struct Broadcast(Arc<Shared>);
 
 impl VideoSink for Broadcast {
-    fn unit(&mut self, unit: &EncodedUnit) {
+    fn on_unit(&mut self, unit: &EncodedUnit) {
         if unit.codec != UnitCodec::H264AnnexB {
             return;
         }
@@ -123,9 +123,9 @@ impl VideoSink for Broadcast {
             .retain(|viewer| !matches!(viewer.try_send(unit.clone()), Err(TrySendError::Disconnected(_))));
     }
 
-    fn frame(&mut self, _frame: VideoFrame) {}
+    fn on_frame(&mut self, _frame: VideoFrame) {}
 
-    fn state(&mut self, state: VideoState) {
+    fn on_state(&mut self, state: VideoState) {
         match state {
             VideoState::Ended => self.0.ended.store(true, Ordering::Relaxed),
             VideoState::Failed(error) => {

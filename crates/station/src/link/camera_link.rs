@@ -117,7 +117,7 @@ impl CameraLink {
     pub fn read_rates(&self, now: Timestamp) -> VehicleRates {
         let mut state = self.state();
         let interruptions = [FaultKind::Drop, FaultKind::Stall, FaultKind::Disconnect];
-        if interruptions.into_iter().any(|kind| state.faults.active(kind, now)) {
+        if interruptions.into_iter().any(|kind| state.faults.is_active(kind, now)) {
             return state.in_force;
         }
         let requested = state.requested;

@@ -95,7 +95,7 @@ impl<I: PortIo, R: Fn(LinkReport)> Worker<I, R> {
     }
 
     fn reopen(&self) -> Result<I::Port, PortError> {
-        if self.url.faults.active(FaultKind::Disconnect, self.io.now()) {
+        if self.url.faults.is_active(FaultKind::Disconnect, self.io.now()) {
             let source = io::Error::new(io::ErrorKind::NotConnected, "disconnected on purpose");
             return Err(PortError::Unreachable { address: self.url.to_string(), source });
         }
@@ -128,7 +128,7 @@ impl<I: PortIo, R: Fn(LinkReport)> Worker<I, R> {
             }
             out.clear();
             let next = session.poll(now, &mut out);
-            if !out.is_empty() && !self.url.faults.active(FaultKind::Drop, now) {
+            if !out.is_empty() && !self.url.faults.is_active(FaultKind::Drop, now) {
                 self.io.write_all(port, &out)?;
             }
             self.report_state(session.link_state(), reported_state);
@@ -151,10 +151,10 @@ impl<I: PortIo, R: Fn(LinkReport)> Worker<I, R> {
     fn apply_faults(&self, now: Timestamp) -> io::Result<()> {
         let faults = &self.url.faults;
         #[allow(clippy::panic, reason = "requested on the command line, to test the emergency stop")]
-        if faults.active(FaultKind::Panic, now) {
+        if faults.is_active(FaultKind::Panic, now) {
             panic!("the link thread panics on purpose");
         }
-        if faults.active(FaultKind::Disconnect, now) {
+        if faults.is_active(FaultKind::Disconnect, now) {
             return Err(io::Error::new(io::ErrorKind::NotConnected, "disconnected on purpose"));
         }
         Ok(())

@@ -58,12 +58,12 @@ impl FaultInjector {
         let since_start = now.since(Timestamp::ZERO);
         let plans = self.plans.iter().filter(|(name, _)| name == thread);
         let stalls = plans.flat_map(|(_, plan)| plan.faults()).filter(|fault| fault.kind == FaultKind::Stall);
-        let ends = stalls.filter_map(|fault| Some((fault.from, fault.from + fault.lasts?)));
+        let ends = stalls.filter_map(|fault| Some((fault.start, fault.start + fault.duration?)));
         if let Some((_, end)) = ends.into_iter().find(|(from, end)| (*from..*end).contains(&since_start)) {
             std::thread::sleep(end - since_start);
         }
         let panics =
-            |(name, plan): &(String, FaultPlan)| name == thread && plan.active(FaultKind::Panic, now);
+            |(name, plan): &(String, FaultPlan)| name == thread && plan.is_active(FaultKind::Panic, now);
         #[allow(clippy::panic, reason = "requested on the command line, to test the stops")]
         if self.plans.iter().any(panics) {
             panic!("the {thread} thread panics on purpose");

@@ -21,30 +21,30 @@ pub(super) struct LiveVideoSink {
 }
 
 impl VideoSink for LiveVideoSink {
-    fn unit(&mut self, unit: &EncodedUnit) {
+    fn on_unit(&mut self, unit: &EncodedUnit) {
         if let Some(recorder) = &self.recorder {
             recorder.unit(unit);
         }
     }
 
-    fn frame(&mut self, frame: VideoFrame) {
+    fn on_frame(&mut self, frame: VideoFrame) {
         if self.latest.put(frame) {
             let _ = self.events.send(Event::Frame);
         }
     }
 
-    fn target(&mut self, target: PixelBox) {
+    fn on_target(&mut self, target: PixelBox) {
         if self.selects_target {
             tracing::info!("no --select: the simulated world says where the boat is, {target}");
             let _ = self.events.send(Event::Request(OperatorRequest::Select(target)));
         }
     }
 
-    fn state(&mut self, state: VideoState) {
+    fn on_state(&mut self, state: VideoState) {
         let _ = self.events.send(Event::Video(state));
     }
 
-    fn damaged(&mut self, error: &DecodeError) {
+    fn on_damage(&mut self, error: &DecodeError) {
         self.damaged_units += 1;
         if self.damaged_units == 1 {
             tracing::warn!("damaged video: {error}; further damage is counted");

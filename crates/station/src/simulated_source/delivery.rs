@@ -27,7 +27,7 @@ pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut
             SourceEvent::Picture { at, unit, target } => (at, unit, target),
             SourceEvent::Failed(error) => return feed.fail(error),
             SourceEvent::End if stop.is_raised() => return,
-            SourceEvent::End => return feed.sink.state(VideoState::Ended),
+            SourceEvent::End => return feed.sink.on_state(VideoState::Ended),
         };
         if stop.wait_until(feed.clock.instant(at)) {
             return;
@@ -36,7 +36,7 @@ pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut
             targets.push_back((unit.capture.at, target));
         }
         let decoded = feed.decode(Some(unit));
-        decoded.units.iter().for_each(|unit| feed.sink.unit(unit));
+        decoded.units.iter().for_each(|unit| feed.sink.on_unit(unit));
         for frame in decoded.frames {
             while targets.front().is_some_and(|(at, _)| *at < frame.capture.at) {
                 targets.pop_front();
@@ -44,9 +44,9 @@ pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut
             let is_of_frame = |(at, _): &mut (Timestamp, PixelBox)| *at == frame.capture.at;
             if !is_target_reported && let Some((_, target)) = targets.pop_front_if(is_of_frame) {
                 is_target_reported = true;
-                feed.sink.target(target);
+                feed.sink.on_target(target);
             }
-            feed.sink.frame(frame);
+            feed.sink.on_frame(frame);
         }
     }
 }

@@ -40,7 +40,7 @@ impl LiveWorld {
             link: CameraLink::default(),
             profile: VehicleProfile::fotokite_pro(),
             encoded: false,
-            threads: RenderThreads::two()?,
+            threads: RenderThreads::new()?,
         })
     }
 

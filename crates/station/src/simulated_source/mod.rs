@@ -62,5 +62,5 @@ pub fn spawn_world(
 }
 
 fn feed_settings(url: &SimulatedUrl) -> FeedSettings {
-    FeedSettings { place: url.to_string(), faults: url.faults.clone(), mode: DecodeMode::Live }
+    FeedSettings { address: url.to_string(), faults: url.faults.clone(), mode: DecodeMode::Live }
 }

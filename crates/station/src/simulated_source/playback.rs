@@ -24,7 +24,7 @@ const MAX_IN_TRANSIT: usize = 128;
 /// Runs a world. Returns when the world is over or when the signal is raised.
 pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopSignal) {
     let LiveWorld { scenario, world, seed, link, profile, encoded, threads } = live;
-    feed.sink.state(VideoState::Up);
+    feed.sink.on_state(VideoState::Up);
     let clock = feed.clock;
     let start = clock.now();
     let moments = Moments::default();

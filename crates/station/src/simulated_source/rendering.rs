@@ -1,5 +1,6 @@
 //! The work of the thread `render`: pictures of moments of the world, as encoded units.
 
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 use barrelman_experiments::render_threads::RenderThreads;
@@ -10,7 +11,7 @@ use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{CapturedFrame, FrameSource as _, RenderedCamera};
 use barrelman_video::VideoError;
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
-use barrelman_vocab::unit::{Rotation, UnitCodec};
+use barrelman_vocab::unit::{Rotation, UnitCodec, raw_payload};
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{EncodedUnit, Timestamp};
 use bytes::Bytes;
@@ -99,7 +100,7 @@ impl<'a> Rendering<'a> {
             }
             None => {
                 let codec = UnitCodec::RawYuv420 { size: picture.size(), colour: picture.colour() };
-                (true, codec, Bytes::copy_from_slice(picture.samples()))
+                (true, codec, raw_payload(Arc::clone(picture)))
             }
         };
         let index = self.index;

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use barrelman_experiments::drive::{DriveInput, DriveReader, DriveSetup, DriveWriter};
+use barrelman_experiments::drive::{DriveInput, DriveSetup, DriveWriter, StoredDrive};
 use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_experiments::world_url::WorldUrl;
@@ -113,15 +113,15 @@ fn a_recording_states_mode_and_versions_and_replay_names_a_difference() {
 fn a_drive_states_mode_and_versions_and_its_replay_names_a_difference() {
     let folder = scratch("drive");
     let path = folder.join("drive.jsonl");
-    let url = WorldUrl { size: Some(PictureSize::new(192, 108)), ..WorldUrl::of("open") };
-    let cast = DriveSetup::new(url, TrackerName::Camshift, LawChoice::OPTIMAL, false).unwrap();
-    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
+    let url = WorldUrl { size: Some(PictureSize::new(192, 108)), ..WorldUrl::new("open") };
+    let setup = DriveSetup::new(url, TrackerName::Camshift, LawChoice::OPTIMAL, false).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
     writer.add(0, DriveInput::Engage).unwrap();
-    writer.end(60, "0123456789abcdef".to_owned()).unwrap();
+    writer.finish(60, "0123456789abcdef".to_owned()).unwrap();
     let written = std::fs::read_to_string(&path).unwrap();
     let stated = r#""tracker":"camshift","tracker_behaviour":1,"law":{"name":"optimal","mode":"minimum-energy"},"law_behaviour":1,"#;
     assert!(written.contains(stated), "{written}");
-    assert_eq!(DriveReader::read(&path).unwrap().behaviour, cast.law.behaviour_with(cast.tracker));
+    assert_eq!(StoredDrive::read(&path).unwrap().behaviour, setup.law.behaviour_with(setup.tracker));
     // The hash is none of this program's.
     refused(&["demo", "--replay", word(&path)], "the drive differs: it was 0123456789abcdef");
 
@@ -132,9 +132,9 @@ fn a_drive_states_mode_and_versions_and_its_replay_names_a_difference() {
     // A drive of before the versions, when an absent mode was the default one.
     let of_before = r#""tracker":"camshift","law":{"name":"optimal"},"#;
     std::fs::write(&path, written.replace(stated, of_before)).unwrap();
-    let read = DriveReader::read(&path).unwrap();
-    assert_eq!((read.behaviour, read.cast.law), (BehaviourVersions::default(), LawChoice::OPTIMAL));
-    assert_eq!(LawChoice::of(LawName::Optimal).mode, Some(ModeName::MinimumEnergy));
+    let read = StoredDrive::read(&path).unwrap();
+    assert_eq!((read.behaviour, read.setup.law), (BehaviourVersions::default(), LawChoice::OPTIMAL));
+    assert_eq!(LawChoice::new(LawName::Optimal).mode, Some(ModeName::MinimumEnergy));
 }
 
 #[test]

@@ -125,7 +125,7 @@ fn a_recording_is_replayed_with_the_tracker_that_made_it() {
     assert_eq!(recorded("[tracker]\nsaturation_floor = 60\nvalue_floor = 32\n"), TrackerName::Camshift);
     assert_eq!(recorded(""), TrackerName::Camshift);
     for name in [TrackerName::Fused, TrackerName::Camshift] {
-        let effective = resolved(&format!("[tracker]\nname = \"{}\"\n", name.word())).unwrap();
+        let effective = resolved(&format!("[tracker]\nname = \"{}\"\n", name.as_str())).unwrap();
         assert_eq!(recorded(&effective.to_toml().unwrap()), name);
     }
 }
@@ -133,14 +133,14 @@ fn a_recording_is_replayed_with_the_tracker_that_made_it() {
 #[test]
 fn the_optimal_law_is_used_unless_another_is_named_and_a_recording_keeps_its_own() {
     assert_eq!(resolved("").unwrap().law, LawChoice::OPTIMAL);
-    assert_eq!(resolved("[law]\nname = \"schema\"\n").unwrap().law, LawChoice::SCHEMA);
+    assert_eq!(resolved("[law]\nname = \"schema\"\n").unwrap().law, LawChoice::MOTOR_SCHEMA);
     let eco = resolved("[law]\nmode = \"eco\"\n").unwrap();
     assert_eq!(eco.law, LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL });
     let recorded = |text: &str| {
         let file = config::parse_recorded(text).expect("it is usable");
         Configuration::resolve(&file).expect("it is usable").law
     };
-    assert_eq!(recorded(""), LawChoice::SCHEMA, "as the program wrote it when there was no other");
+    assert_eq!(recorded(""), LawChoice::MOTOR_SCHEMA, "as the program wrote it when there was no other");
     assert_eq!(recorded(&eco.to_toml().unwrap()), eco.law);
 }
 
@@ -152,7 +152,13 @@ fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
     assert_eq!(said(None, None, None), Ok(eco));
     assert_eq!(said(None, None, Some(2.0)), Ok(LawChoice { horizon_s: Some(2.0), ..eco }));
     assert_eq!(said(Some(LawName::Optimal), None, None), Ok(eco));
-    assert_eq!(said(Some(LawName::Schema), None, None), Ok(LawChoice::SCHEMA), "its mode goes with the law");
-    assert!(said(Some(LawName::Schema), Some(ModeName::Eco), None).unwrap_err().contains("--mode is for"));
+    assert_eq!(
+        said(Some(LawName::MotorSchema), None, None),
+        Ok(LawChoice::MOTOR_SCHEMA),
+        "its mode goes with the law"
+    );
+    assert!(
+        said(Some(LawName::MotorSchema), Some(ModeName::Eco), None).unwrap_err().contains("--mode is for")
+    );
     assert!(said(None, None, Some(9.0)).unwrap_err().contains("--horizon 9"));
 }

@@ -166,8 +166,8 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
     }
     let plan = CampaignPlan::new(&CampaignRequest {
         scenario: "open".to_owned(),
-        changes: ScenarioOverrides { size: Some(size), ..ScenarioOverrides::default() },
-        law: LawChoice::SCHEMA,
+        overrides: ScenarioOverrides { size: Some(size), ..ScenarioOverrides::default() },
+        law: LawChoice::MOTOR_SCHEMA,
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
@@ -178,7 +178,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
     let camera = plan.scenario().camera.clone();
     let simd = Simd::at_most(SimdLevel::Baseline);
     let mut own = OwnTruth { camera, simd, eye: None, truth: Vec::new() };
-    plan.log(7, &mut own).unwrap();
+    plan.simulate(7, &mut own).unwrap();
     let text = std::fs::read_to_string(folder.join("truth.csv")).unwrap();
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m"));

@@ -20,17 +20,17 @@ enum Told {
 struct Teller(Sender<Told>);
 
 impl VideoSink for Teller {
-    fn unit(&mut self, _unit: &EncodedUnit) {}
+    fn on_unit(&mut self, _unit: &EncodedUnit) {}
 
-    fn target(&mut self, target: PixelBox) {
+    fn on_target(&mut self, target: PixelBox) {
         let _ = self.0.send(Told::Target(target));
     }
 
-    fn frame(&mut self, frame: VideoFrame) {
+    fn on_frame(&mut self, frame: VideoFrame) {
         let _ = self.0.send(Told::Frame(frame));
     }
 
-    fn state(&mut self, state: VideoState) {
+    fn on_state(&mut self, state: VideoState) {
         if matches!(state, VideoState::Ended | VideoState::Failed(_)) {
             let _ = self.0.send(Told::Ended);
         }

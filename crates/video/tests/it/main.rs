@@ -7,5 +7,10 @@
     reason = "a test fails by panicking, and says why it was skipped"
 )]
 
+mod damage;
+mod decoding;
 mod files;
 mod live;
+mod writing;
+
+mod clips;

@@ -1,4 +1,4 @@
-//! The camera's axes, and the intervals that they are drawn from.
+//! The camera's axes, and the intervals of the sampled plants.
 
 use barrelman_sim::MountPlant;
 use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant};
@@ -9,7 +9,7 @@ use crate::scenario::ScenarioError;
 use crate::scenario::file::{AxisSection, SampledAxisSection, SampledSection, ScenarioFile};
 use crate::scenario::range::within;
 
-/// The axes as they are nominally.
+/// The nominal axes.
 pub(super) fn mount(file: &ScenarioFile, latency_s: f64) -> Result<MountPlant, ScenarioError> {
     Ok(MountPlant {
         pan: axis("pan", &file.pan, latency_s)?,
@@ -23,7 +23,7 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
     let dead = |key: &str, value: f64| {
         let key = format!("{name}.{key}");
         let value = within(&key, value, 0.0, 5.0, "seconds")?;
-        past_latency(&key, value, latency_s)
+        without_latency(&key, value, latency_s)
     };
     let stops = match section.stops_deg {
         None => None,
@@ -31,7 +31,7 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
             Some((Angle::from_degrees(low), Angle::from_degrees(high)))
         }
         Some(_) => {
-            return Err(ScenarioError::value(
+            return Err(ScenarioError::invalid(
                 format!("{name}.stops_deg"),
                 "use two angles from -180 to 180, the lower first",
             ));
@@ -47,7 +47,7 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
         imperfections: AxisImperfections {
             max_acceleration_rad_per_s2: section
                 .acceleration_rad_per_s2
-                .map(|most| within(&format!("{name}.acceleration_rad_per_s2"), most, 0.01, 100.0, "rad/s²"))
+                .map(|limit| within(&format!("{name}.acceleration_rad_per_s2"), limit, 0.01, 100.0, "rad/s²"))
                 .transpose()?,
             dead_band_rad_per_s: within(
                 &format!("{name}.dead_band_rad_per_s"),
@@ -61,10 +61,10 @@ fn axis(name: &str, section: &AxisSection, latency_s: f64) -> Result<AxisPlant, 
     })
 }
 
-/// A dead time as seen in the picture, less the camera's share of it.
-fn past_latency(key: &str, value: f64, latency_s: f64) -> Result<f64, ScenarioError> {
+/// The dead time of the axis: the dead time seen in the picture, without the latency of the camera.
+fn without_latency(key: &str, value: f64, latency_s: f64) -> Result<f64, ScenarioError> {
     if value < latency_s {
-        return Err(ScenarioError::value(
+        return Err(ScenarioError::invalid(
             key,
             format!("{value} s is less than camera.latency_s, {latency_s} s, which is part of it"),
         ));
@@ -72,15 +72,15 @@ fn past_latency(key: &str, value: f64, latency_s: f64) -> Result<f64, ScenarioEr
     Ok(value - latency_s)
 }
 
-/// What is drawn for each trial.
+/// The intervals from which the plant of a trial is sampled.
 pub(super) fn ranges(section: &SampledSection, latency_s: f64) -> Result<PlantRanges, ScenarioError> {
-    let interval = |key: String, [low, high]: [f64; 2], least: f64, most: f64| {
-        if low <= high && low >= least && high <= most {
+    let interval = |key: String, [low, high]: [f64; 2], min: f64, max: f64| {
+        if low <= high && low >= min && high <= max {
             Ok((low, high))
         } else {
-            Err(ScenarioError::value(
+            Err(ScenarioError::invalid(
                 key,
-                format!("{low} to {high}: use two numbers from {least} to {most}, the lower first"),
+                format!("{low} to {high}: use two numbers from {min} to {max}, the lower first"),
             ))
         }
     };
@@ -89,8 +89,8 @@ pub(super) fn ranges(section: &SampledSection, latency_s: f64) -> Result<PlantRa
             let key = format!("drawn.{name}.{key}");
             let (low, high) = interval(key.clone(), bounds, 0.0, 5.0)?;
             Ok::<_, ScenarioError>((
-                past_latency(&key, low, latency_s)?,
-                past_latency(&key, high, latency_s)?,
+                without_latency(&key, low, latency_s)?,
+                without_latency(&key, high, latency_s)?,
             ))
         };
         Ok::<_, ScenarioError>(AxisRanges {

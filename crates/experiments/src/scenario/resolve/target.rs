@@ -8,28 +8,28 @@ use barrelman_sim::scenario::TargetScript;
 
 use crate::scenario::file::{BoatSection, PathFile, ScenarioFile, TargetSection};
 use crate::scenario::range::within;
-use crate::scenario::{PATHS, ScenarioError, ScenarioOverrides};
+use crate::scenario::{BUILT_IN_PATHS, ScenarioError, ScenarioOverrides};
 
-/// A path's way-points lie within so many metres of the camera's place.
+/// Largest absolute value of a coordinate of the world, metres. The camera's position is the origin.
 pub(super) const WORLD_M: f64 = 5000.0;
 
-/// The target.
+/// The target of a scenario.
 pub(super) fn target(
     file: &ScenarioFile,
-    changes: &ScenarioOverrides,
+    overrides: &ScenarioOverrides,
 ) -> Result<TargetScript, ScenarioError> {
     match (&file.target, &file.boat) {
-        (Some(section), None) => pursuit(section, changes),
-        (None, Some(section)) if file.water.is_some() => boat(section, changes),
-        (None, Some(_)) => Err(ScenarioError::value("boat", "a boat needs [water]")),
-        (None, None) => Err(ScenarioError::value("target", "give the scenario a [target] or a [boat]")),
+        (Some(section), None) => pursuit(section, overrides),
+        (None, Some(section)) if file.water.is_some() => boat(section, overrides),
+        (None, Some(_)) => Err(ScenarioError::invalid("boat", "a boat needs [water]")),
+        (None, None) => Err(ScenarioError::invalid("target", "give the scenario a [target] or a [boat]")),
         (Some(_), Some(_)) => {
-            Err(ScenarioError::value("boat", "the scenario has a [target] too: leave one of them out"))
+            Err(ScenarioError::invalid("boat", "the scenario has a [target] too: leave one of them out"))
         }
     }
 }
 
-/// A path as written, with another way-point before the first, stretched, and across by a factor more.
+/// The way-points of a path: `start` before the first, all scaled by `scale`, and x by `breadth` too.
 fn way_points(
     table: &str,
     path: Option<&String>,
@@ -44,28 +44,28 @@ fn way_points(
     let (key, way_points) = match (path, own) {
         (Some(name), None) => (path_key.clone(), built_in_path(&path_key, name)?),
         (None, Some(way_points)) => (format!("{table}.way_points"), way_points.clone()),
-        (None, None) => return Err(ScenarioError::value(table, "give it a path or way_points")),
+        (None, None) => return Err(ScenarioError::invalid(table, "give it a path or way_points")),
         (Some(_), Some(_)) => {
-            return Err(ScenarioError::value(path_key, "it has way_points too: leave one of them out"));
+            return Err(ScenarioError::invalid(path_key, "it has way_points too: leave one of them out"));
         }
     };
     let way_points: Vec<(f64, f64)> =
         start.iter().chain(&way_points).map(|[x, y]| (scale * breadth * x, scale * y)).collect();
     for (x, y) in &way_points {
         if !(x.abs() <= WORLD_M && y.abs() <= WORLD_M) {
-            return Err(ScenarioError::value(
+            return Err(ScenarioError::invalid(
                 key,
                 format!("the way-point {x}, {y} leaves the world, which ends {WORLD_M} m from the camera"),
             ));
         }
     }
     if Path::from_way_points(way_points.iter().copied()).is_err() {
-        return Err(ScenarioError::value(key, "a path needs two way-points in different places"));
+        return Err(ScenarioError::invalid(key, "a path needs two way-points in different places"));
     }
     Ok(way_points)
 }
 
-fn pursuit(section: &TargetSection, changes: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
+fn pursuit(section: &TargetSection, overrides: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
     let way_points = way_points(
         "target",
         section.path.as_ref(),
@@ -76,8 +76,8 @@ fn pursuit(section: &TargetSection, changes: &ScenarioOverrides) -> Result<Targe
     )?;
     let at = |key: &str| format!("target.{key}");
     let number =
-        |key: &str, value: f64, least: f64, most: f64, unit: &str| within(&at(key), value, least, most, unit);
-    let speed = changes.boat_speed_m_per_s.unwrap_or(section.speed_m_per_s);
+        |key: &str, value: f64, min: f64, max: f64, unit: &str| within(&at(key), value, min, max, unit);
+    let speed = overrides.boat_speed_m_per_s.unwrap_or(section.speed_m_per_s);
     Ok(TargetScript::Pursuit(PursuitScript {
         way_points,
         speed_m_per_s: number("speed_m_per_s", speed, 0.01, 50.0, "m/s")?,
@@ -108,11 +108,11 @@ fn pursuit(section: &TargetSection, changes: &ScenarioOverrides) -> Result<Targe
     }))
 }
 
-fn boat(section: &BoatSection, changes: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
-    let number = |key: &str, value: f64, least: f64, most: f64, unit: &str| {
-        within(&format!("boat.{key}"), value, least, most, unit)
+fn boat(section: &BoatSection, overrides: &ScenarioOverrides) -> Result<TargetScript, ScenarioError> {
+    let number = |key: &str, value: f64, min: f64, max: f64, unit: &str| {
+        within(&format!("boat.{key}"), value, min, max, unit)
     };
-    let speed = changes.boat_speed_m_per_s.unwrap_or(section.speed_m_per_s);
+    let speed = overrides.boat_speed_m_per_s.unwrap_or(section.speed_m_per_s);
     Ok(TargetScript::Boat(BoatScript {
         way_points: way_points(
             "boat",
@@ -131,13 +131,13 @@ fn boat(section: &BoatSection, changes: &ScenarioOverrides) -> Result<TargetScri
 }
 
 fn built_in_path(key: &str, name: &str) -> Result<Vec<[f64; 2]>, ScenarioError> {
-    let Some((_, text)) = PATHS.iter().find(|(known, _)| *known == name) else {
-        let names: Vec<&str> = PATHS.iter().map(|(known, _)| *known).collect();
-        return Err(ScenarioError::value(
+    let Some((_, text)) = BUILT_IN_PATHS.iter().find(|(known, _)| *known == name) else {
+        let names: Vec<&str> = BUILT_IN_PATHS.iter().map(|(known, _)| *known).collect();
+        return Err(ScenarioError::invalid(
             key,
             format!("there is no path {name:?}: use one of {}, or way_points", names.join(", ")),
         ));
     };
-    let file: PathFile = toml::from_str(text).map_err(|error| ScenarioError::Form(error.to_string()))?;
+    let file: PathFile = toml::from_str(text).map_err(|error| ScenarioError::Syntax(error.to_string()))?;
     Ok(file.way_points)
 }

@@ -1,0 +1,11 @@
+//! Pictures and encoded bytes: H.264 both ways, JPEG and PNG to pictures.
+
+pub mod decoder;
+
+pub mod annexb;
+pub mod pool;
+pub(crate) mod sps;
+mod still;
+
+pub mod encoder;
+mod encoder_log;

@@ -1,0 +1,397 @@
+//! Reads the index of an MP4 file: offset, size, display time and rotation of each picture of the first H.264 track
+//! (ISO/IEC 14496-12, 8.5 to 8.8).
+//!
+//! Times come from `stts` and `ctts` (so the frame rate may vary), shifted by the edit list. Fragments (`moof`) are
+//! appended. An edit list may start with a pause and has one piece of the track. More pieces, another speed, and mirrored
+//! pictures are unsupported, with an error that names them.
+
+use super::mp4_boxes::{BoxKind, Boxes, Fields};
+use crate::codec::annexb::AvcConfiguration;
+use barrelman_vocab::unit::Rotation;
+
+/// Maximum number of pictures in a file: 37 hours at 30 per second. A larger number counts as damage.
+const MAX_SAMPLES: usize = 4_000_000;
+
+/// One picture in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Sample {
+    pub(super) offset: u64,
+    pub(super) size: u32,
+    /// Index into [`Index::configurations`].
+    pub(super) configuration: u16,
+    pub(super) shown: bool,
+    /// Display time, ticks from the start of the video; 0 for pictures that the edit list hides before the start.
+    pub(super) time: u64,
+}
+
+/// The index of a track.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Index {
+    pub(super) samples: Vec<Sample>,
+    pub(super) configurations: Vec<AvcConfiguration>,
+    pub(super) ticks_per_second: u32,
+    pub(super) rotation: Rotation,
+}
+
+/// An index that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum IndexError {
+    /// The kind of the file is not supported.
+    Unsupported { what: String, remedy: &'static str },
+    /// The index is damaged.
+    Malformed(&'static str),
+}
+
+const REENCODE: &str = "Convert it: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4";
+
+/// A sample before the edit list is applied; times in ticks of the track.
+struct RawSample {
+    offset: u64,
+    size: u32,
+    configuration: u16,
+    time: i64,
+}
+
+/// The part of the track that is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Edit {
+    /// First tick shown.
+    from: i64,
+    /// First tick that is not shown any more.
+    until: Option<i64>,
+    /// Ticks of the pause before it.
+    pause: i64,
+}
+
+impl Index {
+    /// Reads the content of the `moov` box and of the `moof` boxes, each with its offset in the file.
+    pub(super) fn parse(moov: &[u8], fragments: &[(u64, Vec<u8>)]) -> Result<Self, IndexError> {
+        let trak = video_track(moov)?;
+        let malformed = IndexError::Malformed;
+        let media = Boxes::new(trak).find(b"mdia").ok_or(malformed("the track has no media"))?;
+        let ticks_per_second = timescale(Boxes::new(media).find(b"mdhd"), 12, 20)
+            .ok_or(malformed("the track has no time scale"))?;
+        let table = Boxes::new(media).path(&[b"minf", b"stbl"]).ok_or(malformed("the track has no index"))?;
+        let table = Boxes::new(table);
+        let configurations = configurations(table)?;
+        let (rotation, track) = track_header(trak)?;
+        let mut raw = table_samples(table).ok_or(malformed("the index of the track is damaged"))?;
+        let mut clock = 0;
+        for (start, content) in fragments {
+            append_fragment(moov, content, *start, track, &mut clock, &mut raw)
+                .ok_or(malformed("the index of a fragment is damaged"))?;
+        }
+        if raw.iter().any(|sample| usize::from(sample.configuration) >= configurations.len()) {
+            return Err(malformed("a picture refers to decoder parameters that are not there"));
+        }
+        let edit = edit_of(moov, trak, ticks_per_second)?;
+        Ok(Self { samples: apply_edit(&raw, edit), configurations, ticks_per_second, rotation })
+    }
+}
+
+/// The first track with H.264 video; an error names other video.
+fn video_track(moov: &[u8]) -> Result<&[u8], IndexError> {
+    let mut other = None;
+    for trak in Boxes::new(moov).of_kind(b"trak") {
+        let handler = Boxes::new(trak).path(&[b"mdia", b"hdlr"]);
+        if handler.and_then(|handler| handler.get(8..12)) != Some(b"vide") {
+            continue;
+        }
+        let entries = Boxes::new(trak).path(&[b"mdia", b"minf", b"stbl", b"stsd"]);
+        let kind = entries.and_then(|entries| Boxes::new(entries.get(8..)?).next()).map(|(kind, _)| kind);
+        match kind {
+            Some(kind) if is_avc(&kind) => return Ok(trak),
+            kind => other = other.or(Some(kind)),
+        }
+    }
+    let what = match other {
+        None => "an MP4 file without a video track".to_owned(),
+        Some(None) => return Err(IndexError::Malformed("the video track does not say its codec")),
+        Some(Some(kind)) => format!("an MP4 file with {} video", codec_name(&kind)),
+    };
+    Err(IndexError::Unsupported { what, remedy: REENCODE })
+}
+
+fn is_avc(kind: &BoxKind) -> bool {
+    matches!(kind, b"avc1" | b"avc3")
+}
+
+fn codec_name(kind: &BoxKind) -> String {
+    let name = match kind {
+        b"hvc1" | b"hev1" | b"dvh1" | b"dvhe" => "HEVC (H.265)",
+        b"av01" => "AV1",
+        b"vp08" => "VP8",
+        b"vp09" => "VP9",
+        b"mp4v" => "MPEG-4 part 2 (or MPEG-2)",
+        b"jpeg" | b"mjpa" | b"mjpb" => "Motion JPEG",
+        b"ap4h" | b"ap4x" | b"apch" | b"apcn" | b"apcs" | b"apco" => "ProRes",
+        b"encv" => "encrypted",
+        _ => return format!("`{}`", kind.escape_ascii()),
+    };
+    name.to_owned()
+}
+
+/// The ticks per second of a header box; the offset of the field depends on the version.
+fn timescale(header: Option<&[u8]>, at: usize, at_version_1: usize) -> Option<u32> {
+    let header = header?;
+    let at = if *header.first()? == 1 { at_version_1 } else { at };
+    let ticks = u32::from_be_bytes(header.get(at..at + 4)?.try_into().ok()?);
+    (ticks > 0).then_some(ticks)
+}
+
+fn configurations(table: Boxes<'_>) -> Result<Vec<AvcConfiguration>, IndexError> {
+    /// Bytes of a visual sample entry before its boxes.
+    const ENTRY_HEADER: usize = 78;
+    let malformed = IndexError::Malformed("the decoder parameters (avcC) are damaged");
+    let entries = table.find(b"stsd").and_then(|stsd| stsd.get(8..)).ok_or(malformed.clone())?;
+    let mut found = Vec::new();
+    for (kind, entry) in Boxes::new(entries) {
+        if !is_avc(&kind) {
+            let what = format!("an MP4 file that changes to {} video", codec_name(&kind));
+            return Err(IndexError::Unsupported { what, remedy: REENCODE });
+        }
+        let avc = entry.get(ENTRY_HEADER..).and_then(|boxes| Boxes::new(boxes).find(b"avcC"));
+        found.push(avc.and_then(AvcConfiguration::parse).ok_or(malformed.clone())?);
+    }
+    if found.is_empty() { Err(malformed) } else { Ok(found) }
+}
+
+/// The rotation of the picture and the number of the track.
+fn track_header(trak: &[u8]) -> Result<(Rotation, u32), IndexError> {
+    let read = || {
+        let header = Boxes::new(trak).find(b"tkhd")?;
+        let mut fields = Fields::new(header);
+        let (version, _) = fields.version_and_flags()?;
+        fields.skip(if version == 1 { 16 } else { 8 })?;
+        let track = fields.u32()?;
+        fields.skip(if version == 1 { 28 } else { 24 })?;
+        let (a, b) = (fields.i32()?, fields.i32()?);
+        fields.skip(4)?;
+        Some((track, [a, b, fields.i32()?, fields.i32()?]))
+    };
+    let (track, matrix) = read().ok_or(IndexError::Malformed("the header of the track is damaged"))?;
+    // (p, q) is displayed at (a p + c q, b p + d q), with q downwards.
+    let rotation = match matrix.map(i32::signum) {
+        [1, 0, 0, 1] | [0, 0, 0, 0] => Rotation::None,
+        [0, 1, -1, 0] => Rotation::Clockwise90,
+        [-1, 0, 0, -1] => Rotation::Half,
+        [0, -1, 1, 0] => Rotation::Clockwise270,
+        _ => {
+            let what = "an MP4 file that is shown mirrored or aslant".to_owned();
+            return Err(IndexError::Unsupported { what, remedy: REENCODE });
+        }
+    };
+    Ok((rotation, track))
+}
+
+/// All samples of the tables in `stbl` (8.6 and 8.7); none if the file is fragmented.
+fn table_samples(table: Boxes<'_>) -> Option<Vec<RawSample>> {
+    let sizes = sample_sizes(table.find(b"stsz")?)?;
+    if sizes.is_empty() {
+        return Some(Vec::new());
+    }
+    let offsets: Vec<u64> = match table.find(b"stco") {
+        Some(stco) => {
+            full_table(stco, 4)?.map(|mut entry| entry.u32().map(u64::from)).collect::<Option<_>>()?
+        }
+        None => full_table(table.find(b"co64")?, 8)?.map(|mut entry| entry.u64()).collect::<Option<_>>()?,
+    };
+    let mut runs = Vec::new();
+    for mut entry in full_table(table.find(b"stsc")?, 12)? {
+        runs.push((entry.u32()?, entry.u32()?, entry.u32()?));
+    }
+    let durations = run_lengths(table.find(b"stts")?)?;
+    let shifts = table.find(b"ctts").map(run_lengths).unwrap_or(Some(Vec::new()))?;
+    let (mut durations, mut shifts) = (RunLengthIter::new(&durations), RunLengthIter::new(&shifts));
+    let mut samples = Vec::with_capacity(sizes.len());
+    let mut sizes = sizes.into_iter();
+    let mut run = runs.iter().peekable();
+    let mut current = None;
+    let mut decoded_at = 0_i64;
+    for (chunk, offset) in (1_u32..).zip(offsets) {
+        if let Some(next) = run.next_if(|(first, _, _)| *first <= chunk) {
+            current = Some(*next);
+        }
+        let (_, per_chunk, configuration) = current?;
+        let configuration = u16::try_from(configuration.checked_sub(1)?).ok()?;
+        let mut offset = offset;
+        for _ in 0..per_chunk {
+            let Some(size) = sizes.next() else { return Some(samples) };
+            let time = decoded_at.checked_add(i64::from(shifts.next().unwrap_or(0) as i32))?;
+            samples.push(RawSample { offset, size, configuration, time });
+            offset = offset.checked_add(u64::from(size))?;
+            decoded_at = decoded_at.checked_add(i64::from(durations.next().unwrap_or(0)))?;
+        }
+    }
+    // A file that was truncated while it was written has sizes without offsets.
+    Some(samples)
+}
+
+fn sample_sizes(stsz: &[u8]) -> Option<Vec<u32>> {
+    let mut fields = Fields::new(stsz);
+    fields.skip(4)?;
+    let (common, count) = (fields.u32()?, fields.u32()? as usize);
+    if common != 0 {
+        return (count <= MAX_SAMPLES).then(|| vec![common; count]);
+    }
+    if fields.left() / 4 < count || count > MAX_SAMPLES {
+        return None;
+    }
+    (0..count).map(|_| fields.u32()).collect()
+}
+
+/// The entries of a table whose count follows version and flags.
+fn full_table(content: &[u8], entry: usize) -> Option<impl Iterator<Item = Fields<'_>>> {
+    let mut fields = Fields::new(content);
+    fields.skip(4)?;
+    let count = fields.u32()? as usize;
+    if fields.left() / entry < count {
+        return None;
+    }
+    Some(fields.rest().chunks_exact(entry).take(count).map(Fields::new))
+}
+
+/// Pairs of a count and a value.
+fn run_lengths(content: &[u8]) -> Option<Vec<(u32, u32)>> {
+    full_table(content, 8)?.map(|mut entry| entry.u32().zip(entry.u32())).collect()
+}
+
+/// Iterates over the values of a run-length code.
+struct RunLengthIter<'a> {
+    runs: std::slice::Iter<'a, (u32, u32)>,
+    left: u32,
+    value: u32,
+}
+
+impl<'a> RunLengthIter<'a> {
+    fn new(runs: &'a [(u32, u32)]) -> Self {
+        Self { runs: runs.iter(), left: 0, value: 0 }
+    }
+
+    fn next(&mut self) -> Option<u32> {
+        while self.left == 0 {
+            (self.left, self.value) = *self.runs.next()?;
+        }
+        self.left -= 1;
+        Some(self.value)
+    }
+}
+
+/// Appends the samples of one `moof` (8.8). `clock` is the end time of the fragment before it.
+fn append_fragment(
+    moov: &[u8],
+    moof: &[u8],
+    moof_start: u64,
+    track: u32,
+    clock: &mut i64,
+    samples: &mut Vec<RawSample>,
+) -> Option<()> {
+    let extends = Boxes::new(moov).find(b"mvex").map(Boxes::new);
+    let defaults = extends
+        .and_then(|boxes| boxes.of_kind(b"trex").find(|trex| trex.get(4..8) == Some(&track.to_be_bytes())));
+    for traf in Boxes::new(moof).of_kind(b"traf").map(Boxes::new) {
+        let mut header = Fields::new(traf.find(b"tfhd")?);
+        let (_, flags) = header.version_and_flags()?;
+        if header.u32()? != track {
+            continue;
+        }
+        let mut trex = Fields::new(defaults.and_then(|trex| trex.get(8..)).unwrap_or(&[0; 12]));
+        let base = if flags & 0x1 != 0 { header.u64()? } else { moof_start };
+        let mut or_default = |flag: u32| {
+            let default = trex.u32();
+            if flags & flag != 0 { header.u32() } else { default }
+        };
+        let configuration = u16::try_from(or_default(0x2)?.max(1) - 1).ok()?;
+        let (duration, size) = (or_default(0x8)?, or_default(0x10)?);
+        if let Some(time) = traf.find(b"tfdt") {
+            let mut time = Fields::new(time);
+            let (version, _) = time.version_and_flags()?;
+            *clock = i64::try_from(time.wide(version)?).ok()?;
+        }
+        let mut offset = base;
+        for run in traf.of_kind(b"trun") {
+            let mut run = Fields::new(run);
+            let (_, flags) = run.version_and_flags()?;
+            let count = run.u32()? as usize;
+            if flags & 0x1 != 0 {
+                offset = base.checked_add_signed(i64::from(run.i32()?))?;
+            }
+            if flags & 0x4 != 0 {
+                run.skip(4)?;
+            }
+            if samples.len().saturating_add(count) > MAX_SAMPLES {
+                return None;
+            }
+            for _ in 0..count {
+                let duration = if flags & 0x100 != 0 { run.u32()? } else { duration };
+                let size = if flags & 0x200 != 0 { run.u32()? } else { size };
+                if flags & 0x400 != 0 {
+                    run.skip(4)?;
+                }
+                let shift = if flags & 0x800 != 0 { run.i32()? } else { 0 };
+                let time = clock.checked_add(i64::from(shift))?;
+                samples.push(RawSample { offset, size, configuration, time });
+                offset = offset.checked_add(u64::from(size))?;
+                *clock = clock.checked_add(i64::from(duration))?;
+            }
+        }
+    }
+    Some(())
+}
+
+/// The edit list (8.6.6) as one shown part after a pause.
+fn edit_of(moov: &[u8], trak: &[u8], ticks_per_second: u32) -> Result<Option<Edit>, IndexError> {
+    let Some(list) = Boxes::new(trak).path(&[b"edts", b"elst"]) else { return Ok(None) };
+    let malformed = || IndexError::Malformed("the edit list is damaged");
+    let film_ticks = timescale(Boxes::new(moov).find(b"mvhd"), 12, 20).ok_or_else(malformed)?;
+    let in_track = |film: u64| {
+        let ticks = (u128::from(film) * u128::from(ticks_per_second)).div_ceil(u128::from(film_ticks));
+        i64::try_from(ticks).ok()
+    };
+    let mut fields = Fields::new(list);
+    let (version, _) = fields.version_and_flags().ok_or_else(malformed)?;
+    let count = fields.u32().ok_or_else(malformed)?;
+    let mut edit: Option<Edit> = None;
+    let mut pause = 0_i64;
+    for _ in 0..count {
+        let read = |fields: &mut Fields<'_>| {
+            let lasts = in_track(fields.wide(version)?)?;
+            let from = match version {
+                1 => fields.u64()? as i64,
+                _ => i64::from(fields.i32()?),
+            };
+            Some((lasts, from, fields.u32()?))
+        };
+        let (lasts, from, speed) = read(&mut fields).ok_or_else(malformed)?;
+        if from < 0 {
+            if edit.is_none() {
+                pause = pause.saturating_add(lasts);
+            }
+            continue;
+        }
+        if edit.is_some() || speed != 0x0001_0000 {
+            let what =
+                "an MP4 file that is cut from several pieces, or slowed down, by its edit list".to_owned();
+            return Err(IndexError::Unsupported { what, remedy: REENCODE });
+        }
+        let until = (lasts > 0).then(|| from.saturating_add(lasts));
+        edit = Some(Edit { from, until, pause });
+    }
+    Ok(edit)
+}
+
+fn apply_edit(raw: &[RawSample], edit: Option<Edit>) -> Vec<Sample> {
+    // Without an edit list the video starts at tick 0, or at the first picture if that is earlier.
+    let first = raw.iter().map(|sample| sample.time).min().unwrap_or(0);
+    let edit = edit.unwrap_or(Edit { from: first.min(0), until: None, pause: 0 });
+    raw.iter()
+        .map(|sample| Sample {
+            offset: sample.offset,
+            size: sample.size,
+            configuration: sample.configuration,
+            shown: sample.time >= edit.from && edit.until.is_none_or(|until| sample.time < until),
+            time: u64::try_from(sample.time.saturating_sub(edit.from).saturating_add(edit.pause))
+                .unwrap_or(0),
+        })
+        .collect()
+}

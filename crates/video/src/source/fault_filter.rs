@@ -1,0 +1,178 @@
+//! Applies a [`FaultPlan`] to the units of a video source on their way to the decoder.
+//!
+//! | kind | effect |
+//! |---|---|
+//! | stall, drop, disconnect | units are lost |
+//! | delay | units are delivered [`DELAY`] late, in order |
+//! | duplicate | each unit is delivered twice |
+//! | corrupt | some bytes of each unit are changed, by a seeded generator of random numbers |
+//! | panic | the thread panics, once |
+//!
+//! The source itself refuses connections during a disconnect and reports the silence of a stall. `reboot` has no effect
+//! on a video.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use barrelman_vocab::time::Timestamp;
+use bytes::Bytes;
+
+use barrelman_host::fault::{FaultKind, FaultPlan};
+use barrelman_vocab::unit::EncodedUnit;
+
+/// The delay of a delayed unit.
+pub(super) const DELAY: Duration = Duration::from_millis(500);
+
+/// Bytes at the start of a unit that are not corrupted, so that the unit stays recognisable.
+const PROTECTED_BYTES: usize = 24;
+
+/// Applies the planned faults to the units of one source. Times count from the program's start.
+#[derive(Debug)]
+pub(super) struct FaultFilter {
+    plan: FaultPlan,
+    delayed: VecDeque<(Timestamp, EncodedUnit)>,
+    random: u64,
+    /// Time of the last check for planned panics.
+    last_check: Option<Timestamp>,
+}
+
+impl FaultFilter {
+    /// A filter whose random numbers are the same in each run.
+    pub(super) const fn new(plan: FaultPlan) -> Self {
+        Self { plan, delayed: VecDeque::new(), random: 0x5eed, last_check: None }
+    }
+
+    /// Whether a disconnect is active.
+    pub(super) fn is_disconnected(&self, at: Timestamp) -> bool {
+        self.plan.is_active(FaultKind::Disconnect, at)
+    }
+
+    /// Panics if the plan says so.
+    pub(super) fn panic_if_planned(&mut self, at: Timestamp) {
+        if !self.plan.is_empty() {
+            let is_due = self.plan.count_started(FaultKind::Panic, self.last_check, at) > 0;
+            self.last_check = Some(at);
+            assert!(!is_due, "the video thread panics because ?fault=panic asked for it");
+        }
+    }
+
+    /// Takes a unit that arrived at `at`, and passes the units to deliver to `out`.
+    pub(super) fn pass(&mut self, unit: EncodedUnit, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
+        if self.plan.is_empty() {
+            return out(unit);
+        }
+        self.release(at, out);
+        let is_active = |kind| self.plan.is_active(kind, at);
+        if [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect].into_iter().any(is_active) {
+            return;
+        }
+        let (is_corrupted, is_duplicated) = (is_active(FaultKind::Corrupt), is_active(FaultKind::Duplicate));
+        // A unit after the end of a delay is queued behind the delayed units.
+        let due = match self.delayed.back() {
+            _ if is_active(FaultKind::Delay) => Some(at.plus(DELAY)),
+            Some((last, _)) => Some(*last),
+            None => None,
+        };
+        let unit = if is_corrupted { self.corrupted(unit) } else { unit };
+        for unit in is_duplicated.then(|| unit.clone()).into_iter().chain([unit]) {
+            match due {
+                Some(due) => self.delayed.push_back((due, unit)),
+                None => out(unit),
+            }
+        }
+    }
+
+    /// Passes the delayed units that are due to `out`.
+    pub(super) fn release(&mut self, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
+        while self.delayed.front().is_some_and(|(due, _)| *due <= at) {
+            if let Some((_, unit)) = self.delayed.pop_front() {
+                out(unit);
+            }
+        }
+    }
+
+    fn corrupted(&mut self, mut unit: EncodedUnit) -> EncodedUnit {
+        let mut bytes = unit.payload.to_vec();
+        let length = bytes.len().saturating_sub(PROTECTED_BYTES);
+        for _ in 0..length.div_ceil(64).min(32) {
+            let at = PROTECTED_BYTES + (self.next_random() % length as u64) as usize;
+            bytes[at] ^= (self.next_random() % 255) as u8 + 1;
+        }
+        unit.payload = Bytes::from(bytes);
+        unit
+    }
+
+    /// SplitMix64 (Steele, Lea and Flood, 2014).
+    fn next_random(&mut self) -> u64 {
+        self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.random;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::video::{Capture, CaptureQuality};
+
+    use super::*;
+    use barrelman_vocab::unit::{Rotation, UnitCodec};
+
+    fn unit(index: u64) -> EncodedUnit {
+        EncodedUnit {
+            epoch: 0,
+            index,
+            capture: Capture { at: Timestamp::ZERO, quality: CaptureQuality::Sender },
+            key: true,
+            shown: true,
+            rotation: Rotation::None,
+            codec: UnitCodec::H264AnnexB,
+            payload: Bytes::from(vec![7; 200]),
+        }
+    }
+
+    /// Ten units, one each 0.1 s from 0 on; the plan leaves these.
+    fn check(plan: &str, expected: &[u64]) {
+        let mut filter = FaultFilter::new(FaultPlan::parse(plan).unwrap());
+        let mut passed = Vec::new();
+        for index in 0..10 {
+            let at = Timestamp::from_nanos(index * 100_000_000);
+            filter.pass(unit(index), at, &mut |unit| passed.push(unit.index));
+        }
+        assert_eq!(passed, expected, "{plan}");
+    }
+
+    #[test]
+    fn units_are_lost_doubled_and_held_back_by_plan() {
+        check("", &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+        check("stall@0.3", &[0, 1, 2]);
+        check("drop@0.3+0.2", &[0, 1, 2, 5, 6, 7, 8, 9]);
+        check("disconnect@0.2+0.7", &[0, 1, 9]);
+        check("duplicate@0.3+0.1,drop@0.5", &[0, 1, 2, 3, 3, 4]);
+        check("delay@0.2+0.2", &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+        check("delay@0.2", &[0, 1, 2, 3, 4]);
+        check("reboot@0", &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    }
+
+    #[test]
+    fn corruption_is_the_same_each_time_and_spares_the_front() {
+        let corrupted = || {
+            let mut filter = FaultFilter::new(FaultPlan::parse("corrupt@0").unwrap());
+            let mut passed = Vec::new();
+            filter.pass(unit(0), Timestamp::ZERO, &mut |unit| passed.push(unit.payload));
+            passed
+        };
+        assert_eq!(corrupted(), corrupted());
+        assert_ne!(corrupted()[0], unit(0).payload);
+        assert_eq!(corrupted()[0][..PROTECTED_BYTES], unit(0).payload[..PROTECTED_BYTES]);
+    }
+
+    #[test]
+    #[should_panic(expected = "?fault=panic")]
+    fn a_planned_panic_happens() {
+        let mut filter = FaultFilter::new(FaultPlan::parse("panic@1").unwrap());
+        filter.panic_if_planned(Timestamp::ZERO);
+        filter.panic_if_planned(Timestamp::from_nanos(2_000_000_000));
+    }
+}

@@ -1,0 +1,151 @@
+//! Passes the units of a source through deliberate faults and the decoder, and the signal that stops a source.
+
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Instant;
+
+use barrelman_vocab::unit::EncodedUnit;
+use barrelman_vocab::video::VideoFrame;
+
+use super::fault_filter::FaultFilter;
+use super::sink::{VideoSink, VideoState};
+use crate::codec::decoder::{DecodeMode, UnitDecoder};
+use crate::error::{DecodeError, VideoError};
+use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultPlan;
+
+/// Tells the thread of a source to end. A waiting thread wakes up.
+#[derive(Debug, Default)]
+pub struct StopSignal {
+    raised: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl StopSignal {
+    /// Tells the thread to end.
+    pub fn raise(&self) {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.changed.notify_all();
+    }
+
+    /// Whether the thread must end.
+    pub fn is_raised(&self) -> bool {
+        *self.raised.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until `moment`. Returns true if the thread must end.
+    pub fn wait_until(&self, moment: Instant) -> bool {
+        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = moment.saturating_duration_since(Instant::now());
+        let waited = self.changed.wait_timeout_while(raised, left, |raised| !*raised);
+        *waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+}
+
+/// The settings of a [`Feed`].
+#[derive(Debug, Clone)]
+pub struct FeedSettings {
+    /// The address of the source, without a password, for error messages.
+    pub address: String,
+    /// The deliberate faults of the source.
+    pub faults: FaultPlan,
+    /// Whether the decoder delivers each picture at once or in the order of display.
+    pub mode: DecodeMode,
+}
+
+/// Passes units through the deliberate faults and the decoder to the sink.
+pub struct Feed<S> {
+    /// Receives units, frames and the state of the source.
+    pub sink: S,
+    /// The program's clock.
+    pub clock: Clock,
+    pub(super) address: String,
+    pub(super) faults: FaultFilter,
+    pub(super) decoder: UnitDecoder,
+}
+
+/// The result of one call of [`Feed::decode`].
+#[derive(Debug, Default)]
+pub struct DecodedUnits {
+    /// The units that passed the faults, in the order of decoding.
+    pub units: Vec<EncodedUnit>,
+    /// Frames that are ready, in the order of display.
+    pub frames: VecDeque<VideoFrame>,
+    /// The first error.
+    pub error: Option<DecodeError>,
+}
+
+impl<S: VideoSink> Feed<S> {
+    /// A feed that starts now.
+    pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
+        let FeedSettings { address, faults, mode } = settings;
+        let faults = FaultFilter::new(faults);
+        Self { sink, clock, address, faults, decoder: UnitDecoder::new(mode) }
+    }
+
+    /// Passes a unit through the faults and decodes what is left. Without a unit: decodes the delayed units that are
+    /// due. The times of faults count from the program's start.
+    pub fn decode(&mut self, unit: Option<EncodedUnit>) -> DecodedUnits {
+        let at = self.clock.now();
+        self.faults.panic_if_planned(at);
+        let mut decoded = DecodedUnits::default();
+        match unit {
+            Some(unit) => self.faults.pass(unit, at, &mut |unit| decoded.units.push(unit)),
+            None => self.faults.release(at, &mut |unit| decoded.units.push(unit)),
+        }
+        for unit in &decoded.units {
+            let result = self.decoder.decode(unit, &mut |frame| decoded.frames.push_back(frame));
+            if let Err(error) = result {
+                self.sink.on_damage(&error);
+                decoded.error.get_or_insert(error);
+            }
+        }
+        decoded
+    }
+
+    /// Reports to the sink that the source failed.
+    pub fn fail(&mut self, error: VideoError) {
+        self.sink.on_state(VideoState::Failed(error));
+    }
+
+    /// Reports to the sink that the stream cannot be decoded.
+    pub(super) fn fail_to_decode(&mut self, cause: DecodeError) {
+        let address = self.address.clone();
+        self.fail(VideoError::Decode { address, cause });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::source::demux::FileReader;
+    use crate::source::url::VideoUrl;
+
+    struct NoSink;
+
+    impl VideoSink for NoSink {
+        fn on_unit(&mut self, _unit: &EncodedUnit) {}
+        fn on_frame(&mut self, _frame: VideoFrame) {}
+        fn on_state(&mut self, _state: VideoState) {}
+    }
+
+    /// The number of units that pass a source that is started this long after the program.
+    fn passed(faults: &str, started_after_s: u64) -> usize {
+        let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+        let url = VideoUrl::parse(&format!("{clip}?fault={faults}")).unwrap();
+        let clock = Clock::start().started_earlier(Duration::from_secs(started_after_s));
+        let mut feed = Feed::new(url.feed_settings(), clock, NoSink);
+        let mut reader = FileReader::open(&url).unwrap();
+        let unit = reader.next_unit().unwrap();
+        feed.decode(unit).units.len()
+    }
+
+    #[test]
+    fn fault_times_count_from_the_start_of_the_program() {
+        assert_eq!(passed("drop@100", 0), 1, "the fault is still to come");
+        assert_eq!(passed("drop@100", 200), 0, "the fault began before the source was started");
+        assert_eq!(passed("drop@0+100", 200), 1, "the fault was over before the source was started");
+    }
+}

@@ -1,0 +1,175 @@
+//! Runs a video source in real time, on a thread of its own.
+//!
+//! The thread `video` reads or receives units, decodes each of them, and passes units and frames to a [`VideoSink`] at
+//! once. The sink must not block; it decides which frames to drop. A file is paced by its times (time of capture = start +
+//! PTS) and ends. An RTSP source reconnects indefinitely (see [`super::supervision`]).
+
+use std::fmt;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use barrelman_vocab::time::Timestamp;
+
+use super::demux::FileReader;
+use super::feed::{Feed, StopSignal};
+use super::rtsp;
+use super::sink::{VideoSink, VideoState};
+use super::url::{VideoSource, VideoUrl};
+use crate::error::{DecodeError, VideoError};
+use barrelman_host::clock::Clock;
+
+/// A running source.
+#[derive(Debug)]
+pub struct VideoHandle {
+    stop: Arc<StopSignal>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Maximum wait for the thread to end after the stop signal.
+const STOP_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// The thread did not end normally.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopError {
+    /// The thread panicked.
+    Panicked,
+    /// The thread did not end in time, for instance because the sink blocks. It is left running.
+    StillRunning,
+}
+
+impl fmt::Display for StopError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Panicked => "the video thread panicked",
+            Self::StillRunning => "the video thread does not end",
+        })
+    }
+}
+
+impl std::error::Error for StopError {}
+
+/// Starts a source.
+///
+/// # Errors
+/// The system refuses a thread. An error of the source itself reaches the sink as [`VideoState::Failed`].
+pub fn spawn(url: VideoUrl, clock: Clock, sink: impl VideoSink + 'static) -> Result<VideoHandle, VideoError> {
+    VideoHandle::start(move |stop| {
+        let feed = Feed::new(url.feed_settings(), clock, sink);
+        match &url.source {
+            VideoSource::File(_) => run_file(&url, feed, stop),
+            VideoSource::Rtsp { address, login } => rtsp::run(address, login.as_ref(), feed, stop),
+        }
+    })
+}
+
+impl VideoHandle {
+    /// Starts a source on the thread `video`. `run` plays the source and returns when the source has ended or when
+    /// the signal is raised.
+    ///
+    /// # Errors
+    /// [`VideoError::Thread`]: the system refuses a thread.
+    pub fn start(run: impl FnOnce(&StopSignal) + Send + 'static) -> Result<Self, VideoError> {
+        let stop = Arc::new(StopSignal::default());
+        let thread_stop = Arc::clone(&stop);
+        let thread = thread::Builder::new()
+            .name("video".to_owned())
+            .spawn(move || run(&thread_stop))
+            .map_err(VideoError::Thread)?;
+        Ok(Self { stop, thread: Some(thread) })
+    }
+
+    /// Tells the thread to end and waits for it, at most 2 s.
+    ///
+    /// # Errors
+    /// The thread panicked, or does not end.
+    pub fn stop(mut self) -> Result<(), StopError> {
+        self.stop_and_join()
+    }
+
+    /// Whether the thread has ended by itself: at the end of the file, because the source failed, or by a panic.
+    pub fn is_finished(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    fn stop_and_join(&mut self) -> Result<(), StopError> {
+        self.stop.raise();
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        let deadline = Instant::now() + STOP_TIMEOUT;
+        while !thread.is_finished() {
+            if Instant::now() >= deadline {
+                return Err(StopError::StillRunning);
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        thread.join().map_err(|_| StopError::Panicked)
+    }
+}
+
+impl Drop for VideoHandle {
+    fn drop(&mut self) {
+        // `stop` returns how the thread ended; here the result is not needed.
+        let _ = self.stop_and_join();
+    }
+}
+
+/// Plays a file at the pace of its times.
+fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) {
+    feed.sink.on_state(VideoState::Connecting);
+    let mut reader = match FileReader::open(url) {
+        Ok(reader) => reader,
+        Err(error) => return feed.fail(error),
+    };
+    let start = feed.clock.now();
+    let mut is_up = false;
+    let mut read_error = None;
+    loop {
+        let unit = match reader.next_unit() {
+            Ok(unit) => unit,
+            Err(error) => {
+                read_error = Some(error);
+                None
+            }
+        };
+        let at_end = unit.is_none();
+        let unit = unit.map(|mut unit| {
+            unit.capture.at = start.plus(unit.capture.at.since(Timestamp::ZERO));
+            unit
+        });
+        let unit_at = unit.as_ref().map_or(start, |unit| unit.capture.at);
+        let mut decoded = feed.decode(unit);
+        if at_end {
+            feed.decoder.finish(&mut |frame| decoded.frames.push_back(frame));
+        }
+        if let Some(error) = decoded.error.filter(DecodeError::is_final) {
+            return feed.fail_to_decode(error);
+        }
+        // A unit is delivered with its frame, at the time of the frame. A lost unit is delivered at its own time. For a
+        // unit whose picture is still in the decoder, the file is read on without a wait.
+        let is_lost = decoded.units.is_empty() || feed.decoder.is_awaiting_key();
+        let due = match decoded.frames.front() {
+            Some(frame) => frame.capture.at,
+            None if is_lost => unit_at,
+            None => start,
+        };
+        if stop.wait_until(feed.clock.instant(due)) {
+            return;
+        }
+        decoded.units.iter().for_each(|unit| feed.sink.on_unit(unit));
+        for frame in decoded.frames {
+            if stop.wait_until(feed.clock.instant(frame.capture.at)) {
+                return;
+            }
+            if !std::mem::replace(&mut is_up, true) {
+                feed.sink.on_state(VideoState::Up);
+            }
+            feed.sink.on_frame(frame);
+        }
+        if at_end {
+            return match read_error {
+                Some(error) => feed.fail(error),
+                None => feed.sink.on_state(VideoState::Ended),
+            };
+        }
+    }
+}

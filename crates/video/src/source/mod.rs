@@ -1,0 +1,21 @@
+//! Sources of video: where encoded units come from, live or from a file, and how they reach their receiver.
+//!
+//! A file is read by [`demux`], a network stream by `rtsp`. Both pass their units through a [`feed::Feed`]: deliberate
+//! faults, then the decoder, then the receiver's [`sink::VideoSink`].
+
+pub mod sink;
+pub mod url;
+
+pub mod live;
+
+pub mod file;
+
+pub mod feed;
+
+mod fault_filter;
+
+pub mod demux;
+
+mod rtp_clock;
+mod rtsp;
+pub mod supervision;

@@ -1,0 +1,275 @@
+//! Decides when to connect to a live source, when to disconnect, and when to try again.
+//!
+//! The state machine has no clock and no thread. It receives events with their times, returns actions, and states the
+//! time of the next tick that it needs ([`Supervision::wake_at`]). The end of a stream, an error and silence all count as
+//! a loss: a disconnected tether causes neither an end nor an error.
+
+use std::time::Duration;
+
+use barrelman_vocab::time::Timestamp;
+
+/// Maximum duration of an attempt to connect, up to the server's answer to PLAY.
+pub const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Maximum silence of a connected source: 60 pictures at 30 per second.
+pub const MAX_SILENCE: Duration = Duration::from_secs(2);
+
+/// Maximum wait for a key frame while other units arrive. Cameras commonly send one every 1 to 5 s, some every 10 s.
+pub const KEY_FRAME_TIMEOUT: Duration = Duration::from_secs(12);
+
+/// First pause before a new attempt. The pause doubles with each attempt without a picture.
+pub const MIN_RETRY_PAUSE: Duration = Duration::from_millis(250);
+
+/// Maximum pause before a new attempt.
+pub const MAX_RETRY_PAUSE: Duration = Duration::from_secs(1);
+
+/// The state of a live source.
+///
+/// ```text
+///             tick at `until`: Connect                 connected
+///   Resting ------------------------> Connecting -----------------> AwaitingKey
+///    ^ ^ ^                             |                             |  ^   |
+///    | | +---- broken, or tick --------+                     picture |  |   |
+///    | |       at since + 1 s: Disconnect                            v  |   |
+///    | +------ broken, or tick at last_picture + 2 s: Disconnect ---- Up    |
+///    |                                             Up -- key needed --> AwaitingKey
+///    +---- broken, or tick at last_unit + 2 s or since + 12 s: Disconnect --+
+/// ```
+/// A unit in `AwaitingKey` and a picture in `Up` only update `last_unit` and `last_picture`. An event without an arrow
+/// is ignored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// Waiting before the next attempt.
+    Resting {
+        /// Start of the next attempt.
+        until: Timestamp,
+    },
+    /// An attempt to connect.
+    Connecting {
+        /// Start of the attempt.
+        since: Timestamp,
+    },
+    /// Connected, without a decodable picture.
+    AwaitingKey {
+        /// Start of this state.
+        since: Timestamp,
+        /// Arrival of the last unit; at first, the time of the connection.
+        last_unit: Timestamp,
+    },
+    /// Pictures arrive.
+    Up {
+        /// Time of the last picture.
+        last_picture: Timestamp,
+    },
+}
+
+/// An event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Event {
+    /// Time has passed.
+    Tick,
+    /// The connection was made.
+    Connected,
+    /// An encoded unit arrived.
+    Unit,
+    /// A picture was decoded.
+    Picture,
+    /// A unit was damaged: the next picture needs a key frame.
+    KeyNeeded,
+    /// The stream ended, or failed.
+    Broken,
+}
+
+/// An action of the caller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// Start an attempt to connect (a new epoch).
+    Connect,
+    /// Close the connection, or cancel the attempt.
+    Disconnect(Loss),
+}
+
+/// The reason for the end of a connection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loss {
+    /// The server did not answer in time.
+    NoAnswer,
+    /// Units arrive without a key frame.
+    NoKey,
+    /// No unit arrives.
+    Silence,
+    /// The stream ended, or failed.
+    Broken,
+}
+
+/// The supervision of one live source.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Supervision {
+    state: State,
+    pause: Duration,
+}
+
+impl Supervision {
+    /// A source to connect at once.
+    pub const fn new(now: Timestamp) -> Self {
+        Self { state: State::Resting { until: now }, pause: MIN_RETRY_PAUSE }
+    }
+
+    /// The current state.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// When an [`Event::Tick`] is due if no other event occurs.
+    pub fn wake_at(&self) -> Timestamp {
+        match self.state {
+            State::Resting { until } => until,
+            State::Connecting { since } => since.plus(CONNECT_TIMEOUT),
+            State::AwaitingKey { since, last_unit } => {
+                since.plus(KEY_FRAME_TIMEOUT).min(last_unit.plus(MAX_SILENCE))
+            }
+            State::Up { last_picture } => last_picture.plus(MAX_SILENCE),
+        }
+    }
+
+    /// Processes an event. Returns the action to take, if any.
+    pub fn handle(&mut self, event: Event, now: Timestamp) -> Option<Action> {
+        match (self.state, event) {
+            (State::Resting { until }, Event::Tick) if now >= until => {
+                self.state = State::Connecting { since: now };
+                Some(Action::Connect)
+            }
+            (State::Resting { .. }, _) => None,
+            (_, Event::Broken) => Some(self.rest(Loss::Broken, now)),
+            (State::Connecting { .. }, Event::Connected) => {
+                self.state = State::AwaitingKey { since: now, last_unit: now };
+                None
+            }
+            (State::Connecting { .. }, Event::Tick) if now >= self.wake_at() => {
+                Some(self.rest(Loss::NoAnswer, now))
+            }
+            (State::AwaitingKey { since, .. }, Event::Unit) => {
+                self.state = State::AwaitingKey { since, last_unit: now };
+                None
+            }
+            (State::AwaitingKey { .. } | State::Up { .. }, Event::Picture) => {
+                self.state = State::Up { last_picture: now };
+                self.pause = MIN_RETRY_PAUSE;
+                None
+            }
+            (State::AwaitingKey { since, .. }, Event::Tick) if now >= self.wake_at() => {
+                let loss = if now >= since.plus(KEY_FRAME_TIMEOUT) { Loss::NoKey } else { Loss::Silence };
+                Some(self.rest(loss, now))
+            }
+            (State::Up { .. }, Event::KeyNeeded) => {
+                self.state = State::AwaitingKey { since: now, last_unit: now };
+                None
+            }
+            (State::Up { .. }, Event::Tick) if now >= self.wake_at() => Some(self.rest(Loss::Silence, now)),
+            _ => None,
+        }
+    }
+
+    fn rest(&mut self, loss: Loss, now: Timestamp) -> Action {
+        self.state = State::Resting { until: now.plus(self.pause) };
+        self.pause = MAX_RETRY_PAUSE.min(self.pause * 2);
+        Action::Disconnect(loss)
+    }
+}
+
+impl std::fmt::Display for Loss {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::NoAnswer => "it does not answer",
+            Self::NoKey => "it sends no key frame (set the camera to one each second)",
+            Self::Silence => "nothing comes any more",
+            Self::Broken => "the stream ended",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(millis: u64) -> Timestamp {
+        Timestamp::from_nanos(millis * 1_000_000)
+    }
+
+    const CONNECTING: State = State::Connecting { since: Timestamp::ZERO };
+    const UP: State = State::Up { last_picture: Timestamp::ZERO };
+    const AWAITING: State = State::AwaitingKey { since: Timestamp::ZERO, last_unit: Timestamp::ZERO };
+
+    /// From a state that was entered at 0, one event at `millis`.
+    fn check(from: State, event: Event, millis: u64, expected: State, action: Option<Action>) {
+        let mut supervision = Supervision { state: from, pause: MIN_RETRY_PAUSE };
+        assert_eq!(supervision.handle(event, at(millis)), action, "{from:?} {event:?} at {millis} ms");
+        assert_eq!(supervision.state, expected, "{from:?} {event:?} at {millis} ms");
+    }
+
+    fn resting(millis: u64) -> State {
+        State::Resting { until: at(millis) }
+    }
+
+    #[test]
+    fn a_source_at_rest_is_connected_when_its_time_has_come() {
+        check(resting(250), Event::Tick, 249, resting(250), None);
+        check(resting(250), Event::Tick, 250, State::Connecting { since: at(250) }, Some(Action::Connect));
+        check(resting(250), Event::Broken, 300, resting(250), None);
+    }
+
+    #[test]
+    fn an_attempt_ends_connected_broken_or_unanswered() {
+        let key = State::AwaitingKey { since: at(500), last_unit: at(500) };
+        check(CONNECTING, Event::Connected, 500, key, None);
+        check(CONNECTING, Event::Broken, 500, resting(750), Some(Action::Disconnect(Loss::Broken)));
+        check(CONNECTING, Event::Tick, 999, CONNECTING, None);
+        check(CONNECTING, Event::Tick, 1000, resting(1250), Some(Action::Disconnect(Loss::NoAnswer)));
+    }
+
+    #[test]
+    fn waiting_for_a_key_frame_ends_with_a_picture_silence_or_impatience() {
+        check(AWAITING, Event::Picture, 400, State::Up { last_picture: at(400) }, None);
+        let later = State::AwaitingKey { since: at(0), last_unit: at(1500) };
+        check(AWAITING, Event::Unit, 1500, later, None);
+        check(later, Event::Tick, 2000, later, None);
+        check(AWAITING, Event::Tick, 2000, resting(2250), Some(Action::Disconnect(Loss::Silence)));
+        check(AWAITING, Event::Broken, 100, resting(350), Some(Action::Disconnect(Loss::Broken)));
+        let long = State::AwaitingKey { since: at(0), last_unit: at(11_900) };
+        check(long, Event::Tick, 12_000, resting(12_250), Some(Action::Disconnect(Loss::NoKey)));
+    }
+
+    #[test]
+    fn a_source_that_is_up_is_lost_by_silence_or_an_end() {
+        check(UP, Event::Picture, 33, State::Up { last_picture: at(33) }, None);
+        check(UP, Event::Unit, 1000, UP, None);
+        check(UP, Event::Tick, 1999, UP, None);
+        check(UP, Event::Tick, 2000, resting(2250), Some(Action::Disconnect(Loss::Silence)));
+        check(UP, Event::Broken, 10, resting(260), Some(Action::Disconnect(Loss::Broken)));
+    }
+
+    #[test]
+    fn after_damage_a_key_frame_is_awaited() {
+        let key = State::AwaitingKey { since: at(50), last_unit: at(50) };
+        check(UP, Event::KeyNeeded, 50, key, None);
+        check(AWAITING, Event::KeyNeeded, 50, AWAITING, None);
+    }
+
+    #[test]
+    fn pauses_double_up_to_a_second_and_begin_anew_after_a_picture() {
+        let mut supervision = Supervision::new(at(0));
+        let mut pauses = Vec::new();
+        for _ in 0..5 {
+            let now = supervision.wake_at();
+            assert_eq!(supervision.handle(Event::Tick, now), Some(Action::Connect));
+            supervision.handle(Event::Broken, now);
+            pauses.push(supervision.wake_at().since(now).as_millis());
+        }
+        assert_eq!(pauses, [250, 500, 1000, 1000, 1000]);
+        let now = supervision.wake_at();
+        for event in [Event::Tick, Event::Connected, Event::Picture, Event::Broken] {
+            supervision.handle(event, now);
+        }
+        assert_eq!(supervision.wake_at().since(now), MIN_RETRY_PAUSE);
+    }
+}

@@ -1,0 +1,435 @@
+//! The address of a video source, as the user writes it: `rtsp://...`, `file:clip.mp4`, or a path.
+//!
+//! Options follow a question mark: `?fps=30` (pictures per second of a folder) and `?fault=stall@12.5s,drop@3+2`
+//! (deliberate faults). A file name may contain a question mark: the text after it is read as options only if every
+//! option is known, and an existing file of exactly that name takes precedence. A password is never printed.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use url::Url;
+
+use super::feed::FeedSettings;
+use crate::codec::decoder::DecodeMode;
+use barrelman_host::fault::{FaultPlan, FaultPlanError};
+use barrelman_host::redaction::without_logins;
+
+/// A video source with its options.
+#[derive(Clone, PartialEq)]
+pub struct VideoUrl {
+    /// The source.
+    pub source: VideoSource,
+    /// Pictures per second of a folder of pictures.
+    pub fps: Option<f64>,
+    /// Deliberate faults.
+    pub faults: FaultPlan,
+}
+
+/// A file or a stream.
+#[derive(Clone, PartialEq)]
+pub enum VideoSource {
+    /// A file, or a folder of pictures.
+    File(PathBuf),
+    /// A live stream over RTSP (RFC 2326).
+    Rtsp {
+        /// The address without user and password.
+        address: Url,
+        /// The login, if any.
+        login: Option<Login>,
+    },
+}
+
+/// User and password of an RTSP camera. Their values are not printed.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Login {
+    /// The user's name.
+    pub user: String,
+    /// The password.
+    pub password: String,
+}
+
+impl Login {
+    /// Reads `user:password`. The password may be empty and may contain colons.
+    ///
+    /// # Errors
+    /// A text without a user or without a colon. The message does not repeat the text.
+    pub fn parse(text: &str) -> Result<Self, LoginError> {
+        let (user, password) = text.split_once(':').filter(|(user, _)| !user.is_empty()).ok_or(LoginError)?;
+        Ok(Self { user: user.to_owned(), password: password.to_owned() })
+    }
+}
+
+/// A text that is not a login.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("there is no login: write user:password")]
+pub struct LoginError;
+
+/// An address that cannot be used. The messages say what to do instead.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum VideoUrlError {
+    /// The address is empty.
+    #[error("no video source given: write a file name or rtsp://HOST/PATH")]
+    Empty,
+    /// The scheme is known and not supported.
+    #[error("`{url}`: {what} not read by this build. {remedy}")]
+    Unsupported {
+        /// The text of the user, without a password.
+        url: String,
+        /// The kind of source, with a verb.
+        what: &'static str,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// The scheme is unknown.
+    #[error("`{url}` begins with an unknown scheme: use a file name, file:PATH or rtsp://HOST/PATH")]
+    UnknownScheme {
+        /// The text of the user, without a password.
+        url: String,
+    },
+    /// The address cannot be parsed.
+    #[error("`{url}` is not an address ({reason}): write rtsp://HOST[:PORT]/PATH")]
+    Malformed {
+        /// The text of the user, without a password.
+        url: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A login was given for a source without one.
+    #[error("{url} takes no login: only rtsp:// does")]
+    LoginNotSupported {
+        /// The source.
+        url: String,
+    },
+    /// A login was given in the address and beside it.
+    #[error("the login of {url} is given twice: leave it out of the address")]
+    LoginGivenTwice {
+        /// The source, without the login.
+        url: String,
+    },
+    /// The frame rate is not a number, or out of its range.
+    #[error("fps={0} is not a number of pictures per second: write e.g. ?fps=30 (more than 0, at most 1000)")]
+    InvalidFps(String),
+    /// A simulated world, where only a recording or a stream can be used.
+    #[error(
+        "{url} is a simulated world, which goes by the clock, and no recording: use `barrelman run --video {url}`"
+    )]
+    Simulated {
+        /// The address as written.
+        url: String,
+    },
+    /// The plan of faults cannot be parsed.
+    #[error(transparent)]
+    Fault(#[from] FaultPlanError),
+}
+
+const SERVE_CAMERA: &str = "Serve the camera over RTSP, e.g. with MediaMTX and \
+    `ffmpeg -f v4l2 -i /dev/video0 -c:v libx264 -tune zerolatency -pix_fmt yuv420p \
+    -f rtsp rtsp://127.0.0.1:8554/camera`, and use that address";
+const SERVE_STREAM: &str = "Serve it over RTSP, e.g. with MediaMTX and \
+    `ffmpeg -i URL -c:v libx264 -tune zerolatency -pix_fmt yuv420p -f rtsp rtsp://127.0.0.1:8554/camera`, \
+    and use that address";
+
+impl VideoUrl {
+    /// Reads an address. Checks whether a file of that name exists, and opens nothing.
+    ///
+    /// # Errors
+    /// An unknown scheme or an invalid option; the message says what to write instead.
+    pub fn parse(text: &str) -> Result<Self, VideoUrlError> {
+        if text.trim().is_empty() {
+            return Err(VideoUrlError::Empty);
+        }
+        if let Some(path) = text.strip_prefix("file://").or_else(|| text.strip_prefix("file:")) {
+            return Self::parse_path(path);
+        }
+        if text.starts_with("sim:") {
+            return Err(VideoUrlError::Simulated { url: text.to_owned() });
+        }
+        if Path::new(text).exists() {
+            return Ok(Self::file(text));
+        }
+        match scheme_of(text) {
+            None => Self::parse_path(text),
+            Some("rtsp") => Self::parse_rtsp(text),
+            Some(scheme) => Err(unsupported(scheme, text)),
+        }
+    }
+
+    /// A file or a folder, without options.
+    pub fn file(path: impl Into<PathBuf>) -> Self {
+        Self { source: VideoSource::File(path.into()), fps: None, faults: FaultPlan::default() }
+    }
+
+    /// The source with this login.
+    ///
+    /// # Errors
+    /// The source is not RTSP, or the address has a login already.
+    pub fn with_login(mut self, new: Login) -> Result<Self, VideoUrlError> {
+        let url = self.to_string();
+        match &mut self.source {
+            VideoSource::Rtsp { login: Some(_), .. } => Err(VideoUrlError::LoginGivenTwice { url }),
+            VideoSource::Rtsp { login, .. } => {
+                *login = Some(new);
+                Ok(self)
+            }
+            VideoSource::File(_) => Err(VideoUrlError::LoginNotSupported { url }),
+        }
+    }
+
+    /// Whether the source is a live stream, which sets the pace and reconnects when it is lost.
+    pub const fn is_live(&self) -> bool {
+        matches!(self.source, VideoSource::Rtsp { .. })
+    }
+
+    /// The settings of the feed of this source.
+    pub(super) fn feed_settings(&self) -> FeedSettings {
+        let mode = if self.is_live() { DecodeMode::Live } else { DecodeMode::File };
+        FeedSettings { address: self.to_string(), faults: self.faults.clone(), mode }
+    }
+
+    fn parse_path(path: &str) -> Result<Self, VideoUrlError> {
+        let mut url = Self::file(path);
+        if path.is_empty() {
+            return Err(VideoUrlError::Empty);
+        }
+        if let Some((before, options)) = path.rsplit_once('?')
+            && !Path::new(path).exists()
+            && !before.is_empty()
+            && options.split('&').all(|option| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name)))
+        {
+            url = Self::file(before);
+            for option in options.split('&') {
+                url.set_option(option)?;
+            }
+        }
+        Ok(url)
+    }
+
+    fn parse_rtsp(text: &str) -> Result<Self, VideoUrlError> {
+        let malformed = |reason: String| VideoUrlError::Malformed { url: without_logins(text), reason };
+        let mut address = Url::parse(text).map_err(|error| malformed(error.to_string()))?;
+        if address.host_str().is_none_or(str::is_empty) {
+            return Err(malformed("there is no host".to_owned()));
+        }
+        let mut url = Self::file("");
+        // The camera has options of its own: only this program's options are removed.
+        if let Some(query) = address.query().map(str::to_owned) {
+            let is_known = |option: &&str| KNOWN_OPTIONS.iter().any(|name| option.starts_with(name));
+            for option in query.split('&').filter(is_known) {
+                url.set_option(option)?;
+            }
+            let other: Vec<_> = query.split('&').filter(|option| !is_known(option)).collect();
+            address.set_query(Some(other.join("&").as_str()).filter(|query| !query.is_empty()));
+        }
+        let login = (!address.username().is_empty()).then(|| Login {
+            user: percent_decoded(address.username()),
+            password: percent_decoded(address.password().unwrap_or_default()),
+        });
+        // Removing the user and the password succeeds for an address with a host.
+        let _ = address.set_username("");
+        let _ = address.set_password(None);
+        url.source = VideoSource::Rtsp { address, login };
+        Ok(url)
+    }
+
+    fn set_option(&mut self, option: &str) -> Result<(), VideoUrlError> {
+        if let Some(fps) = option.strip_prefix("fps=") {
+            let number: f64 = fps.parse().map_err(|_| VideoUrlError::InvalidFps(fps.to_owned()))?;
+            if !(number > 0.0 && number <= 1000.0) {
+                return Err(VideoUrlError::InvalidFps(fps.to_owned()));
+            }
+            self.fps = Some(number);
+        } else if let Some(faults) = option.strip_prefix("fault=") {
+            self.faults = FaultPlan::parse(&percent_decoded(faults))?;
+        }
+        Ok(())
+    }
+}
+
+const KNOWN_OPTIONS: [&str; 2] = ["fps=", "fault="];
+
+/// The scheme of an address: letters, digits, `+-.` before the first colon. A single letter is a Windows drive.
+fn scheme_of(text: &str) -> Option<&str> {
+    let (scheme, _) = text.split_once(':')?;
+    let is_scheme = scheme.len() > 1
+        && scheme.starts_with(|first: char| first.is_ascii_alphabetic())
+        && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c));
+    is_scheme.then_some(scheme)
+}
+
+fn unsupported(scheme: &str, text: &str) -> VideoUrlError {
+    let url = without_logins(text);
+    let (what, remedy) = match scheme {
+        "v4l2" => ("USB and other V4L2 cameras are", SERVE_CAMERA),
+        "udp" | "rtp" | "srt" | "tcp" | "rtmp" => ("this kind of stream is", SERVE_STREAM),
+        "http" | "https" => ("video over HTTP is", SERVE_STREAM),
+        "rtsps" => ("RTSP over TLS is", "Use rtsp:// inside a trusted network or a VPN"),
+        _ => return VideoUrlError::UnknownScheme { url },
+    };
+    VideoUrlError::Unsupported { url, what, remedy }
+}
+
+fn percent_decoded(text: &str) -> String {
+    percent_encoding::percent_decode_str(text).decode_utf8_lossy().into_owned()
+}
+
+impl fmt::Display for VideoSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Rtsp { address, login: None } => write!(f, "{address}"),
+            Self::Rtsp { address, login: Some(_) } => {
+                let address = address.as_str();
+                write!(f, "rtsp://***@{}", address.strip_prefix("rtsp://").unwrap_or(address))
+            }
+        }
+    }
+}
+
+impl fmt::Display for VideoUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.source)?;
+        let mut mark = '?';
+        if let VideoSource::Rtsp { address, .. } = &self.source
+            && address.query().is_some()
+        {
+            mark = '&';
+        }
+        if let Some(fps) = self.fps {
+            write!(f, "{mark}fps={fps}")?;
+            mark = '&';
+        }
+        if !self.faults.is_empty() {
+            write!(f, "{mark}fault={}", self.faults)?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for VideoUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "VideoUrl({self})")
+    }
+}
+
+impl fmt::Debug for VideoSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "VideoSource({self})")
+    }
+}
+
+impl fmt::Debug for Login {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Login(***)")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> VideoUrl {
+        VideoUrl::parse(text).unwrap_or_else(|error| panic!("{text}: {error}"))
+    }
+
+    fn check_file(text: &str, path: &str, fps: Option<f64>, faults: &str) {
+        let url = parsed(text);
+        assert!(url.source == VideoSource::File(path.into()), "{text}: {url:?}");
+        assert_eq!((url.fps, url.faults.to_string()), (fps, faults.to_owned()), "{text}");
+    }
+
+    #[test]
+    fn a_path_may_be_bare_or_behind_a_scheme() {
+        check_file("clip.mp4", "clip.mp4", None, "");
+        check_file("file:clip.mp4", "clip.mp4", None, "");
+        check_file("file:///videos/clip.mp4", "/videos/clip.mp4", None, "");
+        check_file("/a folder/of:pictures", "/a folder/of:pictures", None, "");
+    }
+
+    #[test]
+    fn options_of_a_file_are_taken_off_only_if_they_are_ours() {
+        check_file("frames?fps=12.5", "frames", Some(12.5), "");
+        check_file("a.mp4?fault=stall@12.5s,drop@3+2", "a.mp4", None, "stall@12.5,drop@3+2");
+        check_file("a.mp4?fps=5&fault=stall@1", "a.mp4", Some(5.0), "stall@1");
+        check_file("what?.mp4", "what?.mp4", None, "");
+        check_file("what?fps=5&more=1", "what?fps=5&more=1", None, "");
+    }
+
+    #[test]
+    fn a_file_of_exactly_that_name_wins() {
+        let path = std::env::temp_dir().join(format!("barrelman-{}?fps=5", std::process::id()));
+        std::fs::write(&path, "").unwrap();
+        let url = VideoUrl::parse(&path.display().to_string());
+        std::fs::remove_file(&path).unwrap();
+        assert!(url.unwrap().source == VideoSource::File(path));
+    }
+
+    #[test]
+    fn an_rtsp_address_keeps_its_own_options_and_loses_ours() {
+        let url = parsed("rtsp://cam:8554/live?profile=2&fault=stall@3&fps=9");
+        assert_eq!(url.to_string(), "rtsp://cam:8554/live?profile=2&fps=9&fault=stall@3");
+        let VideoSource::Rtsp { address, login: None } = url.source else { panic!("it is RTSP") };
+        assert_eq!(address.as_str(), "rtsp://cam:8554/live?profile=2");
+    }
+
+    #[test]
+    fn a_password_is_used_and_never_printed() {
+        let url = parsed("rtsp://admin:s%40cret@cam/live");
+        for text in [url.to_string(), format!("{url:?}"), format!("{:?}", url.source)] {
+            assert!(!text.contains("cret") && !text.contains("admin"), "{text}");
+        }
+        let VideoSource::Rtsp { login: Some(login), address } = url.source else { panic!("it has a login") };
+        assert_eq!((login.user.as_str(), login.password.as_str()), ("admin", "s@cret"));
+        assert_eq!(address.as_str(), "rtsp://cam/live");
+        assert!(!format!("{login:?}").contains("cret"));
+        for text in
+            ["rtmp://u:secret@h/x", "rtsp://u:secret@", "rtsp://u:sec/ret@h:x/", "rtsps://u:secret@h/live"]
+        {
+            let error = VideoUrl::parse(text).unwrap_err();
+            assert!(!format!("{error} {error:?}").contains("ret@"), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn a_login_given_beside_the_address_is_used_and_given_once() {
+        let login = Login::parse("admin:s:cret").unwrap();
+        let url = parsed("rtsp://cam/live").with_login(login.clone()).unwrap();
+        assert_eq!(url.to_string(), "rtsp://***@cam/live");
+        let VideoSource::Rtsp { login: Some(used), .. } = &url.source else { panic!("it has a login") };
+        assert_eq!((used.user.as_str(), used.password.as_str()), ("admin", "s:cret"));
+        for text in ["rtsp://root:other@cam/live", "clip.mp4"] {
+            let error = parsed(text).with_login(login.clone()).unwrap_err().to_string();
+            assert!(!error.contains("cret") && !error.contains("other"), "{error}");
+        }
+        for text in ["", "admin", ":secret"] {
+            assert_eq!(Login::parse(text), Err(LoginError));
+        }
+    }
+
+    #[test]
+    fn what_is_not_read_by_this_build_comes_with_a_remedy() {
+        for (text, remedy) in [
+            ("v4l2:///dev/video0", "ffmpeg -f v4l2 -i /dev/video0"),
+            ("udp://127.0.0.1:5600", "MediaMTX"),
+            ("https://cam/live.m3u8", "MediaMTX"),
+            ("sim:arena1", "barrelman run --video sim:arena1"),
+            ("rtsps://cam/live", "rtsp://"),
+            ("gopher://cam/live", "rtsp://HOST/PATH"),
+            ("clip.mp4?fps=0", "more than 0"),
+            ("clip.mp4?fps=many", "?fps=30"),
+            ("clip.mp4?fault=explode@1", "use stall"),
+            ("rtsp:///live", "rtsp://HOST"),
+            ("", "no video source"),
+        ] {
+            let error = VideoUrl::parse(text).unwrap_err().to_string();
+            assert!(error.contains(remedy), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_is_printed_reads_as_the_same() {
+        for text in ["clip.mp4", "frames?fps=12.5&fault=stall@1+2", "rtsp://cam/live?profile=2"] {
+            assert_eq!(parsed(text).to_string(), text);
+            assert!(parsed(&parsed(text).to_string()) == parsed(text));
+        }
+    }
+}
