@@ -4,7 +4,7 @@ use anyhow::Result;
 use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
 use clap::Args;
 
-use super::WrongUse;
+use super::wrong_use::WrongUse;
 
 /// The law's options of a command.
 #[derive(Debug, Clone, Copy, Default, Args)]

@@ -11,7 +11,7 @@ use barrelman_trial::metrics::summarise;
 
 use super::summary_table;
 use crate::cli::{PerceptionName, TrialsArgs};
-use crate::config::{ConfigFile, Configuration};
+use crate::config::Configuration;
 use crate::progress::Progress;
 use barrelman_experiments::campaign::drive_inputs::DriveInputs;
 use barrelman_experiments::campaign::file::CampaignWriter;
@@ -22,7 +22,6 @@ use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::drive::DriveReader;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::scenario::ScenarioOverrides;
-use barrelman_experiments::tracker_choice::TrackerSettings;
 
 /// Runs the command.
 ///
@@ -35,7 +34,8 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         plan = plan.with_drive(DriveInputs::of(drive));
     }
     if let Some(folder) = &args.record {
-        let configuration = configuration_of(&plan)?;
+        let configuration =
+            Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?.to_toml()?;
         plan = plan.recorded(TrialRecording {
             folder: folder.clone(),
             force: args.force || args.resume,
@@ -88,17 +88,6 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         if args.json { serde_json::to_string_pretty(&summary)? + "\n" } else { summary_table::of(&summary)? };
     stdout().write_all(text.as_bytes())?;
     Ok(if interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
-}
-
-/// The effective configuration (TOML) with which each recording begins.
-fn configuration_of(plan: &CampaignPlan) -> Result<String> {
-    Configuration {
-        profile: plan.profile().clone(),
-        law: plan.law(),
-        tracker: TrackerSettings::of(plan.tracker()),
-        ..Configuration::resolve(&ConfigFile::default())?
-    }
-    .to_toml()
 }
 
 /// What is asked for; what is not said of a drive is as it was driven.

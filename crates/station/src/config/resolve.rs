@@ -13,7 +13,7 @@ use super::range::within;
 use super::tracker::TrackerSection;
 use crate::secrets::LoginSource;
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::tracker_choice::TrackerSettings;
+use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
 /// The effective configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,6 +107,15 @@ impl Configuration {
             .validated("law.")?,
             tracker: file.tracker.settings().validated()?,
         })
+    }
+
+    /// The configuration of a simulated run: the defaults, with this vehicle, law and tracker.
+    ///
+    /// # Errors
+    /// Never in practice: the defaults lie in their ranges.
+    pub fn simulated(profile: VehicleProfile, law: LawChoice, tracker: TrackerName) -> Result<Self> {
+        let defaults = Self::resolve(&ConfigFile::default())?;
+        Ok(Self { profile, law, tracker: TrackerSettings::of(tracker), ..defaults })
     }
 
     /// The same as a file with nothing left out.

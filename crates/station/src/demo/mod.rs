@@ -6,7 +6,16 @@
 //! The world of a demo waits for the pilot, so that the same inputs at the same ticks give the same drive, bit for bit.
 //! (In `run --video sim:` the world goes by the clock instead, see [`crate::simulated_source`].)
 
+pub mod session;
+
+pub mod live_drive;
 pub mod pacing;
+
+mod observers;
+mod page_helm;
+mod recording;
+
+pub mod replay;
 
 pub mod page;
 pub mod page_pictures;

@@ -1,0 +1,33 @@
+//! The arguments of `config`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+/// `config`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  barrelman config example > barrelman.toml\n  barrelman config print barrelman.toml"
+)]
+pub struct ConfigArgs {
+    /// What to print.
+    #[command(subcommand)]
+    pub what: ConfigWhat,
+}
+
+/// What `config` prints.
+#[derive(Debug, Subcommand)]
+pub enum ConfigWhat {
+    /// An example with every key, its unit, range and default.
+    #[command(after_help = "Example:\n  barrelman config example > barrelman.toml")]
+    Example,
+    /// The JSON schema, for editors.
+    #[command(after_help = "Example:\n  barrelman config schema > barrelman.schema.json")]
+    Schema,
+    /// The full effective configuration.
+    #[command(after_help = "Example:\n  barrelman config print barrelman.toml")]
+    Print {
+        /// Configuration file (TOML); without it the defaults.
+        config: Option<PathBuf>,
+    },
+}

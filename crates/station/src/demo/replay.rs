@@ -1,0 +1,81 @@
+//! A stored drive run again, as fast as the computer allows.
+
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use barrelman_experiments::drive::{Drive, DriveReader};
+use barrelman_experiments::render_threads::RenderThreads;
+use barrelman_host::output::OutputFile;
+use barrelman_sim::camera_axis::TICKS_PER_SECOND;
+use barrelman_trial::behaviour::VersionDifference;
+
+use super::observers::DriveObservers;
+use super::recording;
+use crate::progress::Progress;
+
+/// The result of a replay.
+#[derive(Debug)]
+pub struct ReplayedDrive {
+    /// The scenario.
+    pub scenario: String,
+    /// The seed.
+    pub seed: u64,
+    /// The last tick of the stored drive.
+    pub last_tick: u64,
+    /// The hash of the replayed drive.
+    pub hash: String,
+    /// The stored hash; `None` where the file is cut off.
+    pub stored_hash: Option<String>,
+    /// How the behaviour versions of the stored drive differ from this program's.
+    pub difference: Option<VersionDifference>,
+}
+
+/// Replays a stored drive, and records it if a file is given.
+///
+/// # Errors
+/// If the stored drive cannot be read, its world not be made, or the recording not be written.
+pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> {
+    let stored = DriveReader::read(path)?;
+    let last_tick = stored.last_tick();
+    let DriveReader { cast: setup, behaviour, inputs, end } = stored;
+    let current = setup.law.behaviour_with(setup.tracker);
+    let difference = behaviour.difference(current, setup.tracker.word(), setup.law.word());
+    if record.is_some() && !setup.coded {
+        bail!(
+            "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
+            path.display()
+        );
+    }
+    let threads = RenderThreads::two()?;
+    let mut drive = Drive::new(&setup, &threads)?;
+    let mut observers =
+        DriveObservers { recorder: recording::begin(record, &setup)?, ..DriveObservers::default() };
+    let progress = Progress::new("ticks", last_tick);
+    let mut inputs = inputs.into_iter().peekable();
+    loop {
+        let tick = drive.world().tick();
+        while let Some((_, input)) = inputs.next_if(|(at, _)| *at <= tick) {
+            drive.put(input, &mut observers);
+        }
+        if tick >= last_tick || drive.is_over() {
+            break;
+        }
+        if tick.is_multiple_of(u64::from(TICKS_PER_SECOND)) {
+            progress.at(tick);
+        }
+        drive.tick(&mut observers);
+    }
+    progress.finish();
+    let hash = observers.hash.hex();
+    if let Some(recorder) = observers.recorder {
+        recorder.finish()?;
+    }
+    Ok(ReplayedDrive {
+        scenario: setup.url.scenario.clone(),
+        seed: setup.url.seed,
+        last_tick,
+        hash,
+        stored_hash: end.map(|(_, hash)| hash),
+        difference,
+    })
+}
