@@ -21,4 +21,6 @@ pub mod page;
 pub mod page_pictures;
 pub mod server;
 
+mod routes;
+
 mod jpeg;
