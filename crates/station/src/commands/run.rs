@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Pilot, PilotSettings};
 
-use crate::cli::{RunArgs, WrongUse};
+use crate::cli::{RunArgs, UsageError};
 use crate::config::{self, ConfigFile, Configuration};
 use crate::link::LinkUrl;
 use crate::link::url::Endpoint;
@@ -40,14 +40,14 @@ pub fn run_with_outputs(
     let (mut configuration, latency_is_known) = effective_configuration(args)?;
     let Some(video) = &configuration.video else {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
-        return Err(WrongUse(format!("no video source: {remedy}")).into());
+        return Err(UsageError(format!("no video source: {remedy}")).into());
     };
     let source = secrets::source_url(video, configuration.video_login.as_ref())?;
     let uses_login =
         matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
     if args.video_login_file.is_some() && !uses_login {
         return Err(
-            WrongUse(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
+            UsageError(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
         );
     }
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
@@ -121,7 +121,7 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     };
     let latency_is_known = file.vehicle.video_latency_s.is_some();
     let mut configuration = Configuration::resolve(&file).with_context(context)?;
-    configuration.law = args.law.over(configuration.law)?;
+    configuration.law = args.law.resolve(configuration.law)?;
     Ok((configuration, latency_is_known))
 }
 

@@ -1,13 +1,13 @@
-//! An emulated Fotokite Pro: wire's ground station, a simulated camera mount, and a port.
+//! An emulated Fotokite Pro: wire's ground station, a simulated camera mount, a port, and a server of simulated video.
 //!
 //! ```text
-//! port -> GroundStation (wire) -> rates -> profile's signs -> CameraMount (sim) -> attitude -> telemetry -> port
+//! port -> GroundStation (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port
 //! ```
 
 pub mod fotokite_pro;
 
 pub mod log;
 
-pub mod host_port;
+pub mod emulated_port;
 mod port_link;
 pub mod rtsp_server;

@@ -1,31 +1,30 @@
-//! The link to an emulated port: what is not the emulator's is neither replaced nor removed.
+//! The symbolic link to an emulated port: files and links of others are neither replaced nor removed.
 
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-use barrelman_station::emulator::host_port::HostPort;
+use barrelman_station::emulator::emulated_port::EmulatedPort;
 
-/// A pseudo-terminal that is certainly gone: the kernel gives no such numbers.
-const GONE: &str = "/dev/pts/999999999";
+use crate::program::empty_folder;
 
-/// The path of a port in an empty folder of that name.
+/// A pseudo-terminal that does not exist: the kernel assigns no such numbers.
+const MISSING_TERMINAL: &str = "/dev/pts/999999999";
+
+/// The path of a port in an empty folder.
 fn port_in(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("emulated-port-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder.join("port")
+    empty_folder(&format!("emulated-port-{name}")).join("port")
 }
 
 #[track_caller]
 fn refused(path: &Path, force: bool, words: &[&str]) {
-    let refusal = format!("{:#}", HostPort::pty(path, force).unwrap_err());
+    let refusal = format!("{:#}", EmulatedPort::pty(path, force).unwrap_err());
     for word in words {
         assert!(refusal.contains(word), "{word:?} is not in {refusal}");
     }
 }
 
-/// Whether a link leads to a pseudo-terminal that is there.
+/// Whether a link points to a pseudo-terminal that exists.
 fn is_port(path: &Path) -> bool {
     fs::read_link(path).is_ok_and(|target| target.starts_with("/dev/pts") && target.exists())
 }
@@ -33,7 +32,7 @@ fn is_port(path: &Path) -> bool {
 #[test]
 fn a_port_has_a_link_for_as_long_as_it_lasts() {
     let path = port_in("lasts");
-    let port = HostPort::pty(&path, false).unwrap();
+    let port = EmulatedPort::pty(&path, false).unwrap();
     assert!(is_port(&path));
     drop(port);
     assert!(fs::symlink_metadata(&path).is_err());
@@ -42,7 +41,7 @@ fn a_port_has_a_link_for_as_long_as_it_lasts() {
 #[test]
 fn a_link_of_somebody_else_is_refused_and_kept() {
     let path = port_in("theirs");
-    // A dangling one too, and one to a terminal that is there.
+    // Dangling links too, and a link to a terminal that exists.
     for target in ["precious", "/dev/null", "/dev/pts", "/dev/pts/ptmx", "/dev/pts/x", "relative/gone"] {
         symlink(target, &path).unwrap();
         refused(&path, false, &["symbolic link", target, "--force"]);
@@ -50,7 +49,7 @@ fn a_link_of_somebody_else_is_refused_and_kept() {
         fs::remove_file(&path).unwrap();
     }
     let other = path.with_file_name("other");
-    let _other = HostPort::pty(&other, false).unwrap();
+    let _other = EmulatedPort::pty(&other, false).unwrap();
     let terminal = fs::read_link(&other).unwrap();
     refused(&other, false, &["symbolic link", "--force"]);
     assert_eq!(fs::read_link(&other).unwrap(), terminal);
@@ -59,8 +58,8 @@ fn a_link_of_somebody_else_is_refused_and_kept() {
 #[test]
 fn the_link_of_a_killed_emulator_is_replaced() {
     let path = port_in("killed");
-    symlink(GONE, &path).unwrap();
-    let port = HostPort::pty(&path, false).unwrap();
+    symlink(MISSING_TERMINAL, &path).unwrap();
+    let port = EmulatedPort::pty(&path, false).unwrap();
     assert!(is_port(&path));
     drop(port);
     assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0);
@@ -72,7 +71,7 @@ fn with_force_a_link_is_replaced_and_what_it_led_to_is_kept() {
     let target = path.with_file_name("precious");
     fs::write(&target, "precious").unwrap();
     symlink(&target, &path).unwrap();
-    let port = HostPort::pty(&path, true).unwrap();
+    let port = EmulatedPort::pty(&path, true).unwrap();
     assert!(is_port(&path));
     drop(port);
     assert!(fs::symlink_metadata(&path).is_err());
@@ -93,7 +92,7 @@ fn no_file_and_no_folder_is_ever_replaced() {
 #[test]
 fn a_link_that_was_replaced_meanwhile_is_not_removed() {
     let path = port_in("replaced");
-    let mut port = HostPort::pty(&path, false).unwrap();
+    let mut port = EmulatedPort::pty(&path, false).unwrap();
     fs::remove_file(&path).unwrap();
     symlink("precious", &path).unwrap();
     port.unplug();
@@ -106,7 +105,7 @@ fn a_link_that_was_replaced_meanwhile_is_not_removed() {
 #[test]
 fn a_port_that_is_plugged_in_again_has_another_terminal() {
     let path = port_in("plugged");
-    let mut port = HostPort::pty(&path, false).unwrap();
+    let mut port = EmulatedPort::pty(&path, false).unwrap();
     let before = fs::read_link(&path).unwrap();
     port.unplug();
     assert!(fs::symlink_metadata(&path).is_err());

@@ -1,0 +1,89 @@
+//! The arguments of `demo`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use barrelman_experiments::tracker_choice::TrackerName;
+use barrelman_vocab::PictureSize;
+use clap::Args;
+
+use super::law_options::LawOptions;
+use super::values::{parse_seconds, parse_size};
+
+/// `demo`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  barrelman demo
+  barrelman demo arena1 --store drive.jsonl
+  barrelman demo --replay drive.jsonl
+  barrelman demo --clip --output demo-output
+
+Keys on the page: arrows steer the boat, p pauses, space stops the camera, e engages it,
+h returns the helm to the scenario's helmsman.
+Keys on a terminal: e engages, space and d stop the camera, q quits.
+--clip runs the live loop on a rendered practice clip, with an emulated ground station.")]
+pub struct DemoArgs {
+    /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open.
+    pub scenario: Option<String>,
+    /// Address of the page; default: 127.0.0.1:8480, or the next free port.
+    #[arg(long, value_name = "ADDR")]
+    pub listen: Option<SocketAddr>,
+    /// Size of the picture; the field of view stays the same. Default: the scenario's, at most 960 wide.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<PictureSize>,
+    /// Seed of all random numbers.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// Duration of the session, seconds.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_seconds)]
+    pub seconds: Option<f64>,
+    /// Record to this file; the pilot then sees the pictures as recorded, in H.264.
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
+    /// Store the drive in this file: the scenario, and each input with its tick.
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with = "replay")]
+    pub store: Option<PathBuf>,
+    /// Replay a stored drive, without a page and at full speed; exit 1 unless it is the same,
+    /// bit for bit.
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "law", "mode", "horizon"])]
+    pub replay: Option<PathBuf>,
+    /// The tracker.
+    #[arg(long, value_enum, value_name = "NAME", default_value_t, conflicts_with = "replay")]
+    pub tracker: TrackerName,
+    /// The law.
+    #[command(flatten)]
+    pub law: LawOptions,
+    /// Run the live loop on a practice clip instead, with an emulated ground station.
+    #[arg(long, conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "record", "store", "replay"])]
+    pub clip: bool,
+    /// With --clip: folder of the clip, the annotated video and the recording.
+    #[arg(long, default_value = "demo-output", requires = "clip")]
+    pub output: PathBuf,
+    /// With --clip: only render the practice clip and its truth.
+    #[arg(long, requires = "clip")]
+    pub draw_only: bool,
+    /// Overwrite existing output files.
+    #[arg(long)]
+    pub force: bool,
+}
+
+impl Default for DemoArgs {
+    fn default() -> Self {
+        Self {
+            scenario: None,
+            listen: None,
+            size: None,
+            seed: 1,
+            seconds: None,
+            record: None,
+            store: None,
+            replay: None,
+            tracker: TrackerName::default(),
+            law: LawOptions::default(),
+            clip: false,
+            output: PathBuf::from("demo-output"),
+            draw_only: false,
+            force: false,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The command line: the commands, their options, and examples.
+//!
+//! Values are checked while they are parsed; a wrong value ends the program with clap's message and exit code 2. The
+//! module [`crate::commands`] runs the commands.
+
+mod demo;
+
+mod run;
+
+mod track;
+
+mod logs;
+
+mod trials;
+
+mod scenarios;
+
+mod recordings;
+
+mod emulate;
+
+mod check;
+mod config;
+
+mod law_options;
+mod log_options;
+mod region_options;
+
+mod usage_error;
+mod values;
+
+use clap::{Parser, Subcommand};
+
+pub use check::CheckArgs;
+pub use config::{ConfigArgs, ConfigCommand};
+pub use demo::DemoArgs;
+pub use emulate::{EmulateArgs, EmulateFotokiteProArgs, StationName};
+pub use law_options::LawOptions;
+pub use log_options::{LogFormat, LogLevel};
+pub use logs::{LawArgs, MetricsArgs, ReportArgs};
+pub use recordings::{ExportArgs, ReplayArgs};
+pub use region_options::RegionArgs;
+pub use run::RunArgs;
+pub use scenarios::{RenderArgs, ScenariosArgs};
+pub use track::TrackArgs;
+pub use trials::{CompareArgs, MergeArgs, PerceptionName, TrialsArgs};
+pub use usage_error::UsageError;
+pub use values::Shard;
+
+/// Keeps an unmanned surface vehicle in the view of a small tethered UAV, moving the camera as little as possible.
+#[derive(Debug, Parser)]
+#[command(
+    name = "barrelman",
+    version,
+    max_term_width = 100,
+    after_help = "Examples:
+  barrelman
+  barrelman check --video rtsp://192.168.2.100/live
+  barrelman run --video sim:arena1 --link sim: --engage
+
+Without a command, barrelman runs demo."
+)]
+pub struct Cli {
+    /// The command; default: demo.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Least severe level that is logged on stderr.
+    #[arg(long, global = true, value_enum, default_value_t = LogLevel::Info, help_heading = "Logging")]
+    pub log_level: LogLevel,
+    /// Format of log lines.
+    #[arg(long, global = true, value_enum, default_value_t = LogFormat::Text, help_heading = "Logging")]
+    pub log_format: LogFormat,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Steer a simulated boat in the browser while the camera follows it.
+    Demo(DemoArgs),
+    /// Track the boat in live video and move the vehicle's camera.
+    Run(RunArgs),
+    /// Run the tracker alone on a recording.
+    Track(TrackArgs),
+    /// Run a camera law on recorded positions.
+    Law(LawArgs),
+    /// Measure trials: sensitivity, excursions, movement, energy.
+    Metrics(MetricsArgs),
+    /// Make an HTML page of trials, with figures.
+    Report(ReportArgs),
+    /// Run simulated trials, one for each seed.
+    Trials(TrialsArgs),
+    /// Join the shards of a campaign of trials.
+    Merge(MergeArgs),
+    /// Compare two campaigns of trials, paired by seed.
+    Compare(CompareArgs),
+    /// List the built-in scenarios, or print the documented file of one.
+    Scenarios(ScenariosArgs),
+    /// Render a clip of a scenario, with the exact truth.
+    Render(RenderArgs),
+    /// Run a recording through the pilot again.
+    Replay(ReplayArgs),
+    /// Convert a recording to CSV files and an MP4.
+    Export(ExportArgs),
+    /// Emulate a ground station for tests.
+    Emulate(EmulateArgs),
+    /// Check the configuration, the video and the link, and suggest remedies.
+    Check(CheckArgs),
+    /// Print an example, the JSON schema, or the effective configuration.
+    Config(ConfigArgs),
+}

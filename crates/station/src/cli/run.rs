@@ -1,0 +1,68 @@
+//! The arguments of `run`.
+
+use std::path::PathBuf;
+
+use barrelman_experiments::tracker_choice::TrackerName;
+use barrelman_vocab::PixelBox;
+use clap::Args;
+
+use super::law_options::LawOptions;
+use super::values::parse_box;
+
+/// `run`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  barrelman run --video rtsp://192.168.2.100/live --link serial:/dev/ttyACM0 --select 600,300,80,60 --record sortie.mcap
+  barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link tcp://127.0.0.1:5000
+  barrelman run --video sim:arena1 --link sim: --engage
+  barrelman run barrelman.toml --select 600,300,80,60
+
+The run starts disengaged. Keys on a terminal: e engages, d disengages, space stops, q quits.")]
+pub struct RunArgs {
+    /// Configuration file (TOML). Options on the command line override it.
+    pub config: Option<PathBuf>,
+    /// The video source: rtsp://..., file:clip.mp4, a folder of pictures, or a simulated world
+    /// (sim:SCENARIO?seed=1&size=WxH).
+    #[arg(long, value_name = "URL")]
+    pub video: Option<String>,
+    /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
+    #[arg(long, value_name = "FILE")]
+    pub video_login_file: Option<PathBuf>,
+    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: for the simulated world's
+    /// camera. Without a link: a dry run.
+    #[arg(long, value_name = "URL")]
+    pub link: Option<String>,
+    /// The vehicle's profile; default: the configuration's, or fotokite-pro, the only one in this build.
+    #[arg(long, value_name = "NAME")]
+    pub profile: Option<String>,
+    /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing is
+    /// tracked, except in a simulated world, where the world selects its boat.
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
+    pub select: Option<PixelBox>,
+    /// The tracker; default: the configuration's, or fused.
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub tracker: Option<TrackerName>,
+    /// The law.
+    #[command(flatten)]
+    pub law: LawOptions,
+    /// Engage at the start.
+    #[arg(long)]
+    pub engage: bool,
+    /// Accepted for scripts, without effect: `run` has no page in this build.
+    #[arg(long)]
+    pub headless: bool,
+    /// Record to this file.
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
+    /// Write the annotated video to this file.
+    #[arg(long, value_name = "OUT.mp4")]
+    pub overlay: Option<PathBuf>,
+    /// Overwrite existing output files.
+    #[arg(long)]
+    pub force: bool,
+    /// Inject a fault into a thread, to test the fail-safe: THREAD:panic@SECONDS or
+    /// THREAD:stall@SECONDS+DURATION. THREAD: pilot, recorder, overlay, terminal, status.
+    /// Times count from the program's start.
+    #[arg(long, hide = true, value_name = "THREAD:FAULT")]
+    pub fault: Vec<String>,
+}

@@ -1,0 +1,21 @@
+//! The recording of a drive, with the drive's effective configuration as its first message.
+
+use anyhow::Result;
+use barrelman_experiments::campaign::recording::TrialRecorder;
+use barrelman_experiments::drive::DriveSetup;
+use barrelman_host::output::OutputFile;
+
+use crate::config::Configuration;
+
+/// Begins the recording of a drive in `file`, if there is one.
+///
+/// # Errors
+/// If the file cannot be written.
+pub(super) fn begin(file: Option<OutputFile>, setup: &DriveSetup) -> Result<Option<TrialRecorder>> {
+    let begin = |file| {
+        let configuration = Configuration::simulated(setup.profile.clone(), setup.law, setup.tracker)?;
+        let behaviour = setup.law.behaviour_with(setup.tracker);
+        TrialRecorder::without_film(file, configuration.to_toml()?, setup.url.to_string(), behaviour)
+    };
+    file.map(begin).transpose()
+}
