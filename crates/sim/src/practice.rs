@@ -178,7 +178,8 @@ impl PracticeClip {
             let across = (du * s + dv * c) / half_beam;
             // The bow is drawn in, the stern stays blunt.
             let width = if along > 0.2 { 1.0 - 0.75 * (along - 0.2) * (along - 0.2) / 0.64 } else { 1.0 };
-            let edge = (along * along * along * along + (across / width.max(0.2)).powi(4)).sqrt();
+            let side = across / width.max(0.2);
+            let edge = (along * along * along * along + (side * side) * (side * side)).sqrt();
             let cover = ((1.0 - edge) * half_beam * 0.5 + 0.5).clamp(0.0, 1.0);
             let cockpit = along > -0.55 && along < 0.15 && across.abs() < 0.42;
             let colour = if cockpit { [96.0, 118.0, 168.0] } else { [74.0, 102.0, 214.0] };

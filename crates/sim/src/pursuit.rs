@@ -210,7 +210,8 @@ impl Pursuit {
         let from = self.passed.checked_sub(1).map_or(0.0, |last| self.corners_m[last]);
         let to = self.corners_m.get(self.passed).copied().unwrap_or_else(|| self.path.length());
         let share = ((self.along_m - from) / (to - from)).clamp(0.0, 1.0);
-        let bell = libm::cbrt((4.0 * share * (1.0 - share)).powi(2));
+        let parabola = 4.0 * share * (1.0 - share);
+        let bell = libm::cbrt(parabola * parabola);
         1.0 - self.script.leg_rhythm * (1.0 - bell)
     }
 

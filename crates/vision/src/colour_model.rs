@@ -274,7 +274,7 @@ mod tests {
                 let (right, down) =
                     ((index % width * step) as f32 - 60.0, (index / width * step) as f32 - 45.0);
                 let (along, across) = ((right + down) / SQRT_2, (down - right) / SQRT_2);
-                if (along / 32.0).powi(2) + (across / 8.0).powi(2) < 1.0 {
+                if along * along / (32.0 * 32.0) + across * across / (8.0 * 8.0) < 1.0 {
                     *sample = RED[plane];
                 }
             }

@@ -355,7 +355,8 @@ fn small_and_large_pictures_show_the_maps_the_state_and_the_confidence() {
             change(&mut changed);
             differing(&shown, &show(&changed))
         };
-        let map_area = (f64::from(size.height) * 0.15).powi(2) as usize;
+        let map_side = f64::from(size.height) * 0.15;
+        let map_area = (map_side * map_side) as usize;
         assert!(without(|changed| changed.response.samples.fill(0)) > map_area / 2, "no response at {size}");
         assert!(without(|changed| changed.back_projection.samples.fill(0)) > map_area / 2, "{size}");
         assert!(without(|changed| changed.state = Some(TrackerState::Confirming)) > 20, "no state at {size}");

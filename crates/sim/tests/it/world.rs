@@ -132,7 +132,8 @@ fn way(script: PursuitScript) -> (f64, f64, (f64, f64)) {
         tick += 1;
         assert!(tick < 12_000, "it does not arrive");
         let to = target.place();
-        length += ((to.0 - from.0).powi(2) + (to.1 - from.1).powi(2)).sqrt();
+        let (east, north) = (to.0 - from.0, to.1 - from.1);
+        length += (east * east + north * north).sqrt();
         if to.0 < 3.5 {
             before_end = target.speed_m_per_s();
         }
