@@ -1,7 +1,7 @@
 //! The program: command line, configuration, threads, links and live runs.
 //!
 //! A live run is in [`live`], the vehicle's port in [`link`], the demo in [`demo`], the emulated ground station in
-//! [`emulator`]. The decisions are made in other crates; this crate connects them with the machine.
+//! [`emulator`]. Trackers, laws and safety are other crates; this crate connects them to the machine.
 
 pub mod cli;
 pub mod commands;

@@ -1,8 +1,8 @@
-//! Log lines on stderr, for people or as JSON.
+//! Log lines on stderr, as text or JSON.
 //!
-//! They are written on a thread of their own, and a line that nobody takes is dropped: a stderr that is full must
-//! not hold a pilot. A panic becomes a log line too, without a backtrace, since drawing one up takes a fifth of a
-//! second in which the camera would go on turning.
+//! A thread of its own writes the lines, and lines are dropped while stderr is blocked: a full stderr must not delay the
+//! pilot. A panic becomes a log line without a backtrace: a backtrace takes a fifth of a second, in which the camera
+//! would keep turning.
 
 use std::io::{self, IsTerminal as _, Write, stderr};
 use std::panic::PanicHookInfo;
@@ -12,7 +12,7 @@ use tracing_appender::non_blocking::{NonBlockingBuilder, WorkerGuard};
 
 use crate::cli::{LogFormat, LogLevel};
 
-/// Starts logging. Called once, at the start of the program; lines are written until the guard is dropped.
+/// Starts logging; to be called once, at the program's start. Lines are written until the guard is dropped.
 pub fn start(level: LogLevel, format: LogFormat) -> WorkerGuard {
     let filter = match level {
         LogLevel::Error => LevelFilter::ERROR,
@@ -22,7 +22,7 @@ pub fn start(level: LogLevel, format: LogFormat) -> WorkerGuard {
         LogLevel::Trace => LevelFilter::TRACE,
     };
     let on_terminal = stderr().is_terminal();
-    let (writer, guard) = NonBlockingBuilder::default().lossy(true).finish(Lines { on_terminal });
+    let (writer, guard) = NonBlockingBuilder::default().lossy(true).finish(LogOutput { on_terminal });
     let lines = tracing_subscriber::fmt().with_writer(writer).with_ansi(on_terminal).with_max_level(filter);
     match format {
         LogFormat::Text => lines.with_target(false).without_time().init(),
@@ -39,12 +39,12 @@ fn log_panic(info: &PanicHookInfo<'_>) {
     tracing::error!("the {thread} thread panicked{place}: {message}");
 }
 
-/// Standard error, where a log line first clears away the status line that stands there.
-struct Lines {
+/// Standard error. On a terminal, each log line first erases the status line.
+struct LogOutput {
     on_terminal: bool,
 }
 
-impl Write for Lines {
+impl Write for LogOutput {
     fn write(&mut self, line: &[u8]) -> io::Result<usize> {
         let mut out = stderr().lock();
         if self.on_terminal {

@@ -1,4 +1,4 @@
-//! The `barrelman` program: reads the command line, runs a command, and turns errors into exit codes.
+//! The program `barrelman`: parses the command line, runs a command, and converts errors to exit codes.
 
 use std::process::ExitCode;
 
@@ -8,10 +8,10 @@ use barrelman_station::{commands, logging};
 use clap::Parser as _;
 
 fn main() -> ExitCode {
-    // The clock first: every timestamp of this run counts from here.
+    // The clock comes first: all timestamps of the run count from here.
     let clock = Clock::start();
     let cli = Cli::parse();
-    // Dropped last: what was logged is written before the program ends.
+    // Dropped last, so that all log lines are written before the program ends.
     let _logging = logging::start(cli.log_level, cli.log_format);
     let result = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
         Command::Demo(args) => commands::demo::run(&args, clock),
@@ -39,7 +39,7 @@ fn main() -> ExitCode {
     })
 }
 
-/// Whether all that failed is that the reader of our output has had enough, as `head` has.
+/// Whether the error is that the reader of the output has closed it, as `head` does.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }

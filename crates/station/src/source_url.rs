@@ -1,4 +1,4 @@
-//! The address of a video source as the user writes it: a video (`rtsp://...`, `file:...`, a path) or a simulated world
+//! Addresses of video sources: a video (`rtsp://...`, `file:...`, a path) or a simulated world
 //! (`sim:arena1?seed=7&fault=stall@12`).
 
 use std::fmt;
@@ -21,29 +21,29 @@ pub enum SourceUrl {
 pub struct SimulatedUrl {
     /// The world.
     pub world: WorldUrl,
-    /// The deliberate faults of its video.
+    /// The injected faults of the world's video.
     pub faults: FaultPlan,
 }
 
-/// A video source that cannot be used, and what to do instead.
+/// An address that cannot be parsed, with a remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SourceUrlError {
-    /// The address of a video cannot be read.
+    /// The address of a video cannot be parsed.
     #[error(transparent)]
     Video(#[from] VideoUrlError),
-    /// The address of a simulated world cannot be read.
+    /// The address of a simulated world cannot be parsed.
     #[error(transparent)]
     World(#[from] WorldUrlError),
-    /// The faults cannot be read.
+    /// The faults cannot be parsed.
     #[error(transparent)]
     Fault(#[from] FaultPlanError),
 }
 
 impl SourceUrl {
-    /// Parses an address. Looks whether a file of that name exists; opens nothing.
+    /// Parses an address. Checks whether a file of that name exists, but opens nothing.
     ///
     /// # Errors
-    /// [`SourceUrlError`] names the scheme or option that is not known, and what to write instead.
+    /// [`SourceUrlError`] names the unknown scheme or option, and what to write instead.
     pub fn parse(text: &str) -> Result<Self, SourceUrlError> {
         let Some(address) = text.strip_prefix("sim:") else {
             return Ok(Self::Video(VideoUrl::parse(text)?));
@@ -54,7 +54,7 @@ impl SourceUrl {
         Ok(Self::Simulated(SimulatedUrl { world, faults: FaultPlan::parse(&decoded)? }))
     }
 
-    /// Whether the source delivers in its own time and may come back after a loss.
+    /// Whether the source is live: it delivers at its own pace, and may come back after a loss.
     pub const fn is_live(&self) -> bool {
         match self {
             Self::Video(url) => url.is_live(),
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn an_address_that_cannot_be_read_says_what_to_write() {
+    fn the_error_of_an_address_says_what_to_write() {
         for (text, remedy) in
             [("sim:", "sim:arena1"), ("sim:arena1?seed=x", "seed=7"), ("sim:open?fault=melt@1", "stall")]
         {

@@ -10,13 +10,13 @@ use clap::Args;
 pub struct CheckArgs {
     /// Configuration file (TOML).
     pub config: Option<PathBuf>,
-    /// Look at this video source.
+    /// Check this video source.
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
     /// File whose first line is user:password of the camera at rtsp://...
     #[arg(long, value_name = "FILE")]
     pub video_login_file: Option<PathBuf>,
-    /// Look at this link.
+    /// Check this link.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
     /// Print JSON.

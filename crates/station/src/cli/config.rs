@@ -24,10 +24,10 @@ pub enum ConfigWhat {
     /// The JSON schema, for editors.
     #[command(after_help = "Example:\n  barrelman config schema > barrelman.schema.json")]
     Schema,
-    /// The full effective configuration.
+    /// The effective configuration, complete.
     #[command(after_help = "Example:\n  barrelman config print barrelman.toml")]
     Print {
-        /// Configuration file (TOML); without it the defaults.
+        /// Configuration file (TOML); default: the defaults alone.
         config: Option<PathBuf>,
     },
 }

@@ -18,32 +18,32 @@ use super::values::{parse_seconds, parse_size};
   barrelman demo --replay drive.jsonl
   barrelman demo --clip --output demo-output
 
-The page takes keys: arrows steer the boat, p pauses, space stops the camera, e engages it, h leaves the boat to
-the scenario's helmsman again. A terminal takes keys, too: e engages, space and d stop the camera, q quits. --clip is the loop on a practice clip that the program draws, against an emulated
-ground station.")]
+Keys on the page: arrows steer the boat, p pauses, space stops the camera, e engages it, h returns the helm to the
+scenario's helmsman. Keys on a terminal: e engages, space and d stop the camera, q quits.
+--clip runs the live loop on a rendered practice clip, with an emulated ground station.")]
 pub struct DemoArgs {
-    /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file; without it: open.
+    /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open.
     pub scenario: Option<String>,
-    /// Where the page is served; without it: 127.0.0.1:8480, or the next port that is free.
+    /// Address of the page; default: 127.0.0.1:8480, or the next free port.
     #[arg(long, value_name = "ADDR")]
     pub listen: Option<SocketAddr>,
-    /// Size of the picture; the view stays the same. Without it the scenario's, at most 960 wide.
+    /// Size of the picture; the field of view stays the same. Default: the scenario's, at most 960 wide.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<PictureSize>,
-    /// Everything that is left to chance comes from this.
+    /// Seed of all random numbers.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub seed: u64,
-    /// End after so many seconds.
+    /// Duration of the session, seconds.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_seconds)]
     pub seconds: Option<f64>,
-    /// Record everything here; the pilot then sees the pictures as they are recorded, in H.264.
+    /// Record to this file; the pilot then sees the pictures as recorded, in H.264.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
-    /// Store the drive here: the scenario, and each input with its tick.
+    /// Store the drive in this file: the scenario, and each input with its tick.
     #[arg(long, value_name = "FILE.jsonl", conflicts_with = "replay")]
     pub store: Option<PathBuf>,
-    /// Drive a stored drive again, without a page and as fast as it goes; exit 1 unless it
-    /// is the same, bit for bit.
+    /// Replay a stored drive, without a page and at full speed; exit 1 unless it is the same,
+    /// bit for bit.
     #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "law", "mode", "horizon"])]
     pub replay: Option<PathBuf>,
     /// The tracker.
@@ -52,16 +52,16 @@ pub struct DemoArgs {
     /// The law.
     #[command(flatten)]
     pub law: LawOptions,
-    /// The loop on a practice clip instead, against an emulated ground station.
+    /// Run the live loop on a practice clip instead, with an emulated ground station.
     #[arg(long, conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "record", "store", "replay"])]
     pub clip: bool,
-    /// With --clip: where the clip, the annotated video and the recording go.
+    /// With --clip: folder of the clip, the annotated video and the recording.
     #[arg(long, default_value = "demo-output", requires = "clip")]
     pub output: PathBuf,
-    /// With --clip: draw the practice clip and its truth, and run nothing.
+    /// With --clip: only render the practice clip and its truth.
     #[arg(long, requires = "clip")]
     pub draw_only: bool,
-    /// Overwrite output files that exist.
+    /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,
 }

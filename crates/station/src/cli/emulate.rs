@@ -11,7 +11,7 @@ use super::values::parse_positive;
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  barrelman emulate fotokite-pro --pty /tmp/fotokite")]
 pub struct EmulateArgs {
-    /// What to emulate.
+    /// The ground station.
     #[command(subcommand)]
     pub station: StationName,
 }
@@ -29,38 +29,38 @@ pub enum StationName {
   barrelman emulate fotokite-pro --pty /tmp/fotokite --log station.jsonl
 and in another terminal
   barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link serial:/tmp/fotokite
-With --world sim:arena1 it moves that world's camera and serves its video:
+With --world sim:arena1 the emulator moves that world's camera and serves its video:
   barrelman run --video rtsp://127.0.0.1:8554/world --select 555,296,80,42 --engage --link serial:/tmp/fotokite")]
 #[group(skip)]
 #[command(group = ArgGroup::new("port").required(true).args(["pty", "listen"]))]
 pub struct EmulateFotokiteProArgs {
-    /// Make a pseudo-terminal and link it here. A link that a killed emulator left is replaced.
+    /// Create a pseudo-terminal with a symbolic link at this path. A link that a killed emulator left is replaced.
     #[arg(long, value_name = "PATH")]
     pub pty: Option<PathBuf>,
-    /// Listen for the pass-through server's TCP connections here.
+    /// Listen on this address, as the pass-through server does (TCP).
     #[arg(long, value_name = "ADDR", conflicts_with = "pty")]
     pub listen: Option<String>,
-    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world begins
-    /// when somebody looks.
+    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world starts with
+    /// the first viewer.
     #[arg(long, value_name = "SIM")]
     pub world: Option<String>,
-    /// Where the world's video is served (RTSP, path /world).
+    /// Address of the world's video (RTSP, path /world).
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8554")]
     pub video_listen: SocketAddr,
-    /// Log every line and state here, one JSON object per line.
+    /// Log every line and state to this file, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
-    /// Go wrong on purpose: KIND@SECONDS[+DURATION], several with commas, KIND being stall, drop, delay, duplicate,
-    /// corrupt, disconnect or reboot. The times count from the program's start.
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate, corrupt,
+    /// disconnect or reboot. Times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
-    /// A rate ends by itself this long after the last command for its axis, in seconds.
+    /// End a rate this long after the last command for its axis, seconds; default: never.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
     pub rate_timeout: Option<f64>,
-    /// Do not echo what the shell is sent.
+    /// Do not echo the shell's input.
     #[arg(long)]
     pub no_echo: bool,
-    /// Overwrite a log that exists, and replace a symbolic link at the path of --pty.
+    /// Overwrite an existing log, and replace a symbolic link at the path of --pty.
     #[arg(long)]
     pub force: bool,
 }

@@ -6,27 +6,27 @@ use clap::Args;
 
 use super::wrong_use::WrongUse;
 
-/// The law's options of a command.
+/// The options that choose the camera law.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct LawOptions {
-    /// The camera law. Without it: optimal in `run` (or the configuration's) and `demo`; schema in `trials`, `law` and
-    /// `demo --clip`; in `trials --drive` the drive's own.
+    /// The camera law. Default: optimal in `run` (or the configuration's) and `demo`; schema in `trials`, `law` and
+    /// `demo --clip`; the drive's in `trials --drive`.
     #[arg(long, value_enum)]
     pub law: Option<LawName>,
-    /// What the optimal law spares; without it minimum-energy.
+    /// What the optimal law saves; default: minimum-energy.
     #[arg(long, value_enum)]
     pub mode: Option<ModeName>,
-    /// Within what time the optimal law brings the target back, seconds, 0.5 to 5: short is tight, long is lazy. Without
-    /// it the mode's own.
+    /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; a longer horizon
+    /// moves the camera less. Default: the mode's.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub horizon: Option<f64>,
 }
 
 impl LawOptions {
-    /// The choice that they make, where without them it would be `base`.
+    /// The law that the options choose; what they leave open is `base`'s.
     ///
     /// # Errors
-    /// If they contradict each other, or the horizon is out of its range.
+    /// If the options contradict each other, or the horizon is out of range.
     pub fn over(self, base: LawChoice) -> Result<LawChoice> {
         let base = self.law.filter(|name| *name != base.name).map_or(base, LawChoice::of);
         LawChoice { mode: self.mode.or(base.mode), horizon_s: self.horizon.or(base.horizon_s), ..base }

@@ -2,25 +2,25 @@
 
 use clap::ValueEnum;
 
-/// How much is logged.
+/// The least severe level that is logged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LogLevel {
-    /// Failures only.
+    /// Failures.
     Error,
-    /// What an operator should look into.
+    /// Also what an operator should look into.
     Warn,
-    /// What happens, once each.
+    /// Also the main events.
     Info,
-    /// What developers look at.
+    /// Also details for developers.
     Debug,
     /// Everything.
     Trace,
 }
 
-/// How log lines look.
+/// The format of log lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
-    /// Lines for people.
+    /// Text for people.
     Text,
     /// One JSON object per line.
     Json,

@@ -15,24 +15,24 @@ use super::values::{parse_rate, parse_size};
     after_help = "Examples:\n  barrelman law arena1_01.csv --law schema --output commands.csv\n  barrelman law arena1_01.csv --law optimal --mode eco --output commands.csv"
 )]
 pub struct LawArgs {
-    /// The log: the laboratory's CSV, an exported one, or a recording.
+    /// The log: a CSV of the laboratory, an exported CSV, or a recording.
     pub log: PathBuf,
     /// The law.
     #[command(flatten)]
     pub law: LawOptions,
-    /// Rate of the schema on both axes, rad/s; without it the vehicle's.
+    /// Rate of the schema on both axes, rad/s; default: the vehicle's.
     #[arg(long, value_name = "RAD_PER_S", allow_negative_numbers = true, value_parser = parse_rate)]
     pub rate: Option<f64>,
     /// The region.
     #[command(flatten)]
     pub region: RegionArgs,
-    /// The vehicle whose signs the rates are in.
+    /// The vehicle's profile: the printed rates have this vehicle's signs.
     #[arg(long, value_name = "NAME", default_value = "fotokite-pro")]
     pub profile: String,
-    /// Where the rows go; without it: stdout.
+    /// Write the rows to this file; default: stdout.
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
-    /// Overwrite an output file that exists.
+    /// Overwrite an existing output file.
     #[arg(long)]
     pub force: bool,
 }
@@ -41,16 +41,16 @@ pub struct LawArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  barrelman metrics arena1_*.csv arena2_*.csv")]
 pub struct MetricsArgs {
-    /// The logs: the laboratory's CSV, exported ones, recordings, or files of campaigns.
+    /// The logs: CSV of the laboratory, exported CSV, recordings, or campaign files.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
-    /// The arena, where the files' names do not say.
+    /// The arena, for files whose name does not tell.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub arena: Option<u8>,
     /// The region.
     #[command(flatten)]
     pub region: RegionArgs,
-    /// The picture within the frame, for the time at its border; without it the log's own.
+    /// Size of the picture within the frame, for the time at the picture's border; default: the log's.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub picture: Option<PictureSize>,
     /// Print JSON.
@@ -65,22 +65,22 @@ pub struct MetricsArgs {
   barrelman trials lab1 --perception truth --trials 5 --record recordings
   barrelman report arena1_*.csv recordings/*.mcap --output report.html --svg figures")]
 pub struct ReportArgs {
-    /// The logs: the laboratory's CSV, exported ones, recordings, or files of campaigns (their metrics alone).
+    /// The logs: CSV of the laboratory, exported CSV, recordings, or campaign files (metrics only).
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
-    /// The page.
+    /// Write the page to this file.
     #[arg(long, value_name = "REPORT.html")]
     pub output: PathBuf,
-    /// Write each figure here as SVG, too.
+    /// Also write each figure as SVG into this folder.
     #[arg(long, value_name = "DIR")]
     pub svg: Option<PathBuf>,
-    /// The arena, where the files do not say.
+    /// The arena, for files that do not tell.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub arena: Option<u8>,
     /// The region.
     #[command(flatten)]
     pub region: RegionArgs,
-    /// Overwrite output files that exist.
+    /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,
 }

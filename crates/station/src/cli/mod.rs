@@ -1,21 +1,31 @@
-//! The command line: every command, its options, and an example of each.
+//! The command line: the commands, their options, and examples.
 //!
-//! Values are checked while they are parsed; what is wrong with one is said in clap's words and ends with exit
-//! code 2. What a command does lives in `commands`.
+//! Values are checked while they are parsed; a wrong value ends the program with clap's message and exit code 2. The
+//! module [`crate::commands`] runs the commands.
+
+mod demo;
+
+mod run;
+
+mod track;
+
+mod logs;
+
+mod trials;
+
+mod scenarios;
+
+mod recordings;
+
+mod emulate;
 
 mod check;
 mod config;
-mod demo;
-mod emulate;
+
 mod law_options;
 mod log_options;
-mod logs;
-mod recordings;
 mod region_options;
-mod run;
-mod scenarios;
-mod track;
-mod trials;
+
 mod values;
 mod wrong_use;
 
@@ -37,7 +47,7 @@ pub use trials::{CompareArgs, MergeArgs, PerceptionName, TrialsArgs};
 pub use values::Shard;
 pub use wrong_use::WrongUse;
 
-/// Keeps an unmanned surface vehicle in a small tethered UAV's view, moving the camera as little as possible.
+/// Keeps an unmanned surface vehicle in the view of a small tethered UAV, moving the camera as little as possible.
 #[derive(Debug, Parser)]
 #[command(
     name = "barrelman",
@@ -48,16 +58,16 @@ pub use wrong_use::WrongUse;
   barrelman check --video rtsp://192.168.2.100/live
   barrelman run --video sim:arena1 --link sim: --engage
 
-Without a command it does what demo does."
+Without a command, barrelman runs demo."
 )]
 pub struct Cli {
-    /// What to do; without a command: demo.
+    /// The command; default: demo.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// How much is logged on stderr.
+    /// Least severe level that is logged on stderr.
     #[arg(long, global = true, value_enum, default_value_t = LogLevel::Info, help_heading = "Logging")]
     pub log_level: LogLevel,
-    /// How log lines look.
+    /// Format of log lines.
     #[arg(long, global = true, value_enum, default_value_t = LogFormat::Text, help_heading = "Logging")]
     pub log_format: LogFormat,
 }
@@ -65,13 +75,13 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Drive a simulated boat in the browser, while the camera follows it.
+    /// Steer a simulated boat in the browser while the camera follows it.
     Demo(DemoArgs),
     /// Track the boat in live video and move the vehicle's camera.
     Run(RunArgs),
     /// Run the tracker alone on a recording.
     Track(TrackArgs),
-    /// Put recorded positions through a camera law.
+    /// Run a camera law on recorded positions.
     Law(LawArgs),
     /// Measure trials: sensitivity, excursions, movement, energy.
     Metrics(MetricsArgs),
@@ -83,18 +93,18 @@ pub enum Command {
     Merge(MergeArgs),
     /// Compare two campaigns of trials, paired by seed.
     Compare(CompareArgs),
-    /// List the scenarios that can be simulated, or print one scenario's file, documented.
+    /// List the built-in scenarios, or print the documented file of one.
     Scenarios(ScenariosArgs),
-    /// Draw a clip of a scenario, with its exact truth.
+    /// Render a clip of a scenario, with the exact truth.
     Render(RenderArgs),
     /// Run a recording through the pilot again.
     Replay(ReplayArgs),
-    /// Turn a recording into CSV files and an MP4.
+    /// Convert a recording to CSV files and an MP4.
     Export(ExportArgs),
-    /// Emulate a ground station to test against.
+    /// Emulate a ground station for tests.
     Emulate(EmulateArgs),
-    /// Say what is reachable, what is missing, and how to mend it.
+    /// Check the configuration, the video and the link, and suggest remedies.
     Check(CheckArgs),
-    /// Print the configuration, documented.
+    /// Print an example, the JSON schema, or the effective configuration.
     Config(ConfigArgs),
 }

@@ -24,10 +24,10 @@ pub struct ReplayArgs {
 pub struct ExportArgs {
     /// The recording.
     pub recording: PathBuf,
-    /// The folder that the files go to.
+    /// Folder of the output files.
     #[arg(long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Overwrite output files that exist.
+    /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,
 }

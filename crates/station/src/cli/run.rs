@@ -17,52 +17,52 @@ use super::values::parse_box;
   barrelman run --video sim:arena1 --link sim: --engage
   barrelman run barrelman.toml --select 600,300,80,60
 
-It starts disengaged. On a terminal: e engages, d disengages, space stops, q quits.")]
+The run starts disengaged. Keys on a terminal: e engages, d disengages, space stops, q quits.")]
 pub struct RunArgs {
     /// Configuration file (TOML). Options on the command line override it.
     pub config: Option<PathBuf>,
-    /// Where the video comes from: rtsp://..., file:clip.mp4, a folder of pictures, or a simulated world
+    /// The video source: rtsp://..., file:clip.mp4, a folder of pictures, or a simulated world
     /// (sim:SCENARIO?seed=1&size=WxH).
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
-    /// File whose first line is user:password of the camera at rtsp://..., so that neither stands on the command line.
+    /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
     #[arg(long, value_name = "FILE")]
     pub video_login_file: Option<PathBuf>,
-    /// Where the commands go: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: to the simulated world's
-    /// camera. Without it: a dry run.
+    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: for the simulated world's
+    /// camera. Without a link: a dry run.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
-    /// The vehicle's profile; without it the configuration's, or fotokite-pro, the only one in this build.
+    /// The vehicle's profile; default: the configuration's, or fotokite-pro, the only one in this build.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
-    /// Follow what is in this box of the first picture: left, top, width, height in pixels. Nothing is followed
-    /// without it, but in a simulated world, which says by itself where its boat is.
+    /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing is
+    /// tracked, except in a simulated world, where the world selects its boat.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
-    /// The tracker; without it the configuration's, which is fused unless something else is said.
+    /// The tracker; default: the configuration's, or fused.
     #[arg(long, value_enum, value_name = "NAME")]
     pub tracker: Option<TrackerName>,
     /// The law.
     #[command(flatten)]
     pub law: LawOptions,
-    /// Move the camera from the start.
+    /// Engage at the start.
     #[arg(long)]
     pub engage: bool,
-    /// Accepted for scripts: `run` has no page in the browser in this build.
+    /// Accepted for scripts, without effect: `run` has no page in this build.
     #[arg(long)]
     pub headless: bool,
-    /// Record everything here.
+    /// Record to this file.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
-    /// Write the annotated video here.
+    /// Write the annotated video to this file.
     #[arg(long, value_name = "OUT.mp4")]
     pub overlay: Option<PathBuf>,
-    /// Overwrite output files that exist.
+    /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,
-    /// Break a thread on purpose, to test that everything stops: THREAD:panic@SECONDS or
-    /// THREAD:stall@SECONDS+DURATION, with THREAD one of
-    /// pilot, recorder, overlay, terminal, status. The times count from the program's start.
+    /// Inject a fault into a thread, to test the fail-safe: THREAD:panic@SECONDS or
+    /// THREAD:stall@SECONDS+DURATION. THREAD: pilot, recorder, overlay, terminal, status.
+    /// Times count from the program's start.
     #[arg(long, hide = true, value_name = "THREAD:FAULT")]
     pub fault: Vec<String>,
 }

@@ -14,7 +14,7 @@ use super::values::{parse_clip_length, parse_size};
     after_help = "Examples:\n  barrelman scenarios\n  barrelman scenarios lab1 > mine.toml\n  barrelman scenarios mine.toml"
 )]
 pub struct ScenariosArgs {
-    /// The scenario to print, or the path of your own .toml file to check.
+    /// The scenario to print, or the path of a .toml file to check.
     pub name: Option<String>,
 }
 
@@ -23,31 +23,30 @@ pub struct ScenariosArgs {
 #[command(after_help = "Example:
   barrelman render arena1 --seed 7 --seconds 20 --output clip.mp4 --truth truth.csv --masks masks")]
 pub struct RenderArgs {
-    /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file.
+    /// The scenario: one of `barrelman scenarios`, or the path of a .toml file.
     pub scenario: String,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Length of the clip; it ends before, where the scenario does.
+    /// Length of the clip, seconds; a shorter scenario ends the clip.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_clip_length)]
     pub seconds: f64,
-    /// The clip.
+    /// Write the clip to this file.
     #[arg(long, value_name = "CLIP.mp4")]
     pub output: PathBuf,
-    /// Where the target is in every frame.
+    /// Write the target's place in every frame to this file.
     #[arg(long, value_name = "TRUTH.csv")]
     pub truth: PathBuf,
-    /// Write which pixels show the target here: one PNG for each frame, white on black.
+    /// Write masks of the target into this folder: one PNG a frame, white on black.
     #[arg(long, value_name = "DIR")]
     pub masks: Option<PathBuf>,
-    /// Size of the picture; the view stays the same. Without it the scenario's.
+    /// Size of the picture; the field of view stays the same. Default: the scenario's.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<PictureSize>,
-    /// The widest vector instructions that pictures are drawn with: scalar, sse2, avx2 or avx512. The pictures are the
-    /// same with all.
+    /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The pictures are the same with each.
     #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]
     pub simd: SimdLevel,
-    /// Overwrite output files that exist.
+    /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,
 }

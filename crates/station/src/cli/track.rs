@@ -16,28 +16,28 @@ use super::values::parse_box;
 pub struct TrackArgs {
     /// The recording: an MP4 or MOV with H.264, a Y4M, or a folder of pictures.
     pub video: String,
-    /// Follow what is in this box of the start frame: left, top, width, height in pixels.
+    /// Track what is in this box of the start frame: left, top, width, height in pixels.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: PixelBox,
-    /// Frame that the selection is made on, from 0.
+    /// Number of the frame with the selection, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub start_frame: u64,
-    /// Where the track goes; without it: stdout.
+    /// Write the track to this file; default: stdout.
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
     /// The tracker.
     #[arg(long, value_enum, value_name = "NAME", default_value_t)]
     pub tracker: TrackerName,
-    /// Write the annotated video here.
+    /// Write the annotated video to this file.
     #[arg(long, value_name = "OUT.mp4")]
     pub overlay: Option<PathBuf>,
-    /// Draw what each answer rests on into the annotated video.
+    /// Draw the tracker's intermediate results into the annotated video.
     #[arg(long)]
     pub explain: bool,
-    /// Print figures as JSON; the track is then written with --output alone.
+    /// Print figures as JSON; the track is then written only with --output.
     #[arg(long)]
     pub json: bool,
-    /// Overwrite output files that exist.
+    /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,
 }

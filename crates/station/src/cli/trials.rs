@@ -24,81 +24,80 @@ use super::values::{
 
 Nothing is written without --output or --record.")]
 pub struct TrialsArgs {
-    /// The scenario: one of `barrelman scenarios`, or the path of your own .toml file.
+    /// The scenario: one of `barrelman scenarios`, or the path of a .toml file.
     #[arg(required_unless_present = "drive")]
     pub scenario: Option<String>,
-    /// One trial in which the boat is steered as in this drive, which `demo --store` wrote: its scenario, its seed, the
-    /// size of its pictures, its tracker and its camera law, where no other is asked for.
+    /// Run one trial with the steering of this drive, which `demo --store` wrote. Scenario and seed are the drive's; so
+    /// are picture size, tracker and camera law, unless given.
     #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "trials", "seed", "shard", "boat_speed"])]
     pub drive: Option<PathBuf>,
-    /// How many trials.
+    /// Number of trials.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub trials: u64,
-    /// Seed of the first trial; each further one has the next.
+    /// Seed of the first trial; each further trial has the next seed.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub seed: u64,
     /// The law.
     #[command(flatten)]
     pub law: LawOptions,
-    /// Rate of the schema on both axes, rad/s; without it the vehicle's. The simulated vehicle is able to turn so fast.
+    /// Rate of the schema on both axes, rad/s; default: the vehicle's. The simulated vehicle's limits are raised to it.
     #[arg(long, value_name = "RAD_PER_S", allow_negative_numbers = true, value_parser = parse_rate)]
     pub rate: Option<f64>,
-    /// Where localisations come from.
+    /// The source of localisations.
     #[arg(long, value_enum, default_value_t)]
     pub perception: PerceptionName,
-    /// The tracker, in pixels; without it `fused`.
+    /// The tracker, with `--perception pixels`; default: `fused`.
     #[arg(long, value_enum, value_name = "NAME")]
     pub tracker: Option<TrackerName>,
-    /// How the kite moves by itself: a setting of the scenario (of `lab1` still, indoor or windy, of `arena1` calm or
-    /// tether); without it the scenario's own.
+    /// How the kite moves: a setting of the scenario (`lab1`: still, indoor or windy; `arena1`: calm or tether); default:
+    /// the scenario's.
     #[arg(long, value_name = "NAME")]
     pub setting: Option<String>,
-    /// The plant: as the scenario has it, or drawn for each trial from the scenario's intervals.
+    /// The plant: the scenario's, or sampled for each trial from the scenario's intervals.
     #[arg(long, value_enum, default_value_t)]
     pub plant: PlantName,
-    /// The target's speed; without it the scenario's.
+    /// The target's speed; default: the scenario's.
     #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true, value_parser = parse_positive)]
     pub boat_speed: Option<f64>,
-    /// Sea state, 0 (glassy) to 4 (moderate); without it the scenario's.
+    /// Sea state, 0 (glassy) to 4 (moderate); default: the scenario's.
     #[arg(long, value_name = "0..4", allow_negative_numbers = true, value_parser = parse_sea_state)]
     pub sea_state: Option<u8>,
-    /// Mean wind; without it the scenario's.
+    /// Mean wind; default: the scenario's.
     #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true, value_parser = parse_not_negative)]
     pub wind: Option<f64>,
-    /// Size of the picture; the view stays the same. Without it the scenario's.
+    /// Size of the picture; the field of view stays the same. Default: the scenario's.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<PictureSize>,
-    /// Trials at the same time; without it as many as there are cores. The results are the same for any number.
+    /// Number of trials at the same time; default: the number of cores. The results are the same for any number.
     #[arg(long, value_name = "N", value_parser = parse_count)]
     pub threads: Option<usize>,
-    /// Only every Nth trial, from the Ith on: one of N parts that `merge` joins.
+    /// Run only every Nth trial, from the Ith on: one of N parts that `merge` joins.
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
-    /// The widest vector instructions that pictures are drawn with: scalar, sse2, avx2 or avx512. The results are the
-    /// same with all.
+    /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The results are the same with each.
     #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]
     pub simd: SimdLevel,
-    /// Record every trial here: SCENARIO-SEED.mcap, and in pixels the annotated video SCENARIO-SEED.mp4.
+    /// Record every trial into this folder: SCENARIO-SEED.mcap, and with pixels the annotated video SCENARIO-SEED.mp4.
     #[arg(long, value_name = "DIR")]
     pub record: Option<PathBuf>,
-    /// Go on with the file that --output names: trials that are in it are not run again.
+    /// Continue the file of --output: trials in the file are not run again.
     #[arg(long)]
     pub resume: bool,
-    /// Where results go, one trial per line (JSON).
+    /// Write the results to this file, one trial per line (JSON).
     #[arg(long, value_name = "FILE.jsonl")]
     pub output: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
-    /// Overwrite an output file that exists.
+    /// Overwrite an existing output file.
     #[arg(long, conflicts_with = "resume")]
     pub force: bool,
 }
 
-/// Where localisations of simulated trials come from.
+/// The source of localisations of simulated trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum PerceptionName {
-    /// Pictures are drawn, and the tracker looks at them.
+    /// The tracker, on rendered pictures.
     #[default]
     Pixels,
     /// The truth, with noise.
@@ -112,13 +111,13 @@ pub struct MergeArgs {
     /// The files of the shards.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Where the whole goes.
+    /// Write the joined campaign to this file.
     #[arg(long, value_name = "FILE.jsonl")]
     pub output: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
-    /// Overwrite an output file that exists.
+    /// Overwrite an existing output file.
     #[arg(long)]
     pub force: bool,
 }
@@ -130,9 +129,9 @@ pub struct MergeArgs {
   barrelman trials lab1 --perception truth --trials 200 --law centre --output centre.jsonl
   barrelman compare schema.jsonl centre.jsonl")]
 pub struct CompareArgs {
-    /// A campaign's file.
+    /// A campaign file.
     pub first: PathBuf,
-    /// Another's, on the same scenario and seeds.
+    /// A second campaign file, with the same scenario and seeds.
     pub second: PathBuf,
     /// Print JSON.
     #[arg(long)]

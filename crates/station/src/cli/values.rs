@@ -3,15 +3,17 @@
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
 
-/// One of several parts of a campaign.
+/// A part of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which, from 1.
+    /// Number of the part, from 1.
     pub index: usize,
-    /// Of how many.
+    /// Number of parts.
     pub count: usize,
 }
 
+/// Parses exactly `N` finite numbers; `form` is the form that an error names.
+/// Parses exactly `N` finite numbers. `form` is named in the error.
 fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f64; N], String> {
     let wrong = || format!("expected {form}");
     let mut parts = text.split(separator);
@@ -26,7 +28,7 @@ fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f
 pub(super) fn parse_box(text: &str) -> Result<PixelBox, String> {
     let [u, v, w, h] = numbers(text, ',', "X,Y,W,H in pixels, as in 600,300,80,60")?;
     if w <= 0.0 || h <= 0.0 {
-        return Err(format!("the box is {w} wide and {h} high: give it a width and a height above zero"));
+        return Err(format!("the box is {w} wide and {h} high: width and height must be above zero"));
     }
     Ok(PixelBox { u, v, w, h })
 }
@@ -37,7 +39,7 @@ pub(super) fn parse_size(text: &str) -> Result<PictureSize, String> {
     if side(width) && side(height) {
         Ok(PictureSize::new(width as u32, height as u32))
     } else {
-        Err("width and height are whole numbers from 1 to 65536".to_owned())
+        Err("width and height must be whole numbers from 1 to 65536".to_owned())
     }
 }
 
@@ -47,7 +49,7 @@ pub(super) fn parse_region(text: &str) -> Result<RegionShares, String> {
     if share(half_width) && share(half_height) {
         Ok(RegionShares { half_width, half_height })
     } else {
-        Err("both shares lie above 0 and are at most 1".to_owned())
+        Err("both shares must be above 0 and at most 1".to_owned())
     }
 }
 
@@ -58,12 +60,12 @@ pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
 
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = parse_positive(text)?;
-    if seconds <= 1.0e6 { Ok(seconds) } else { Err("at most a million seconds".to_owned()) }
+    if seconds <= 1.0e6 { Ok(seconds) } else { Err("must be at most a million seconds".to_owned()) }
 }
 
 pub(super) fn parse_clip_length(text: &str) -> Result<f64, String> {
     let seconds = parse_positive(text)?;
-    if seconds <= 3600.0 { Ok(seconds) } else { Err("a clip is at most 3600 s long".to_owned()) }
+    if seconds <= 3600.0 { Ok(seconds) } else { Err("a clip may be at most 3600 s long".to_owned()) }
 }
 
 pub(super) fn parse_not_negative(text: &str) -> Result<f64, String> {
@@ -75,18 +77,18 @@ pub(super) fn parse_sea_state(text: &str) -> Result<u8, String> {
     text.parse()
         .ok()
         .filter(|state| *state <= 4)
-        .ok_or_else(|| "a sea state is a whole number from 0 (glassy) to 4 (moderate)".to_owned())
+        .ok_or_else(|| "a sea state must be a whole number from 0 (glassy) to 4 (moderate)".to_owned())
 }
 
 pub(super) fn parse_count(text: &str) -> Result<usize, String> {
     text.parse()
         .ok()
         .filter(|count| (1..=1024).contains(count))
-        .ok_or_else(|| "a whole number from 1 to 1024".to_owned())
+        .ok_or_else(|| "must be a whole number from 1 to 1024".to_owned())
 }
 
 pub(super) fn parse_shard(text: &str) -> Result<Shard, String> {
-    let wrong = || "I/N with I from 1 to N, as in 3/10".to_owned();
+    let wrong = || "expected I/N with I from 1 to N, as in 3/10".to_owned();
     let (index, count) = text.split_once('/').ok_or_else(wrong)?;
     let (index, count) = (index.parse().map_err(|_| wrong())?, count.parse().map_err(|_| wrong())?);
     if (1..=count).contains(&index) { Ok(Shard { index, count }) } else { Err(wrong()) }
@@ -97,7 +99,7 @@ pub(super) fn parse_rate(text: &str) -> Result<f64, String> {
     if rate > 0.0 && rate <= 3.0 {
         Ok(rate)
     } else {
-        Err("a rate lies above 0 and is at most 3 rad/s".to_owned())
+        Err("a rate must be above 0 and at most 3 rad/s".to_owned())
     }
 }
 

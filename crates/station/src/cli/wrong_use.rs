@@ -1,6 +1,6 @@
 //! The error for options that contradict each other.
 
-/// Options that make no sense together, or one that is missing: exit code 2, as for what clap refuses.
+/// Options that contradict each other, or a missing option. The program ends with exit code 2, as for clap's errors.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct WrongUse(pub String);

@@ -1,7 +1,7 @@
-//! The CSV of every channel of a recording, with a bounded number of open files.
+//! Writes one CSV file for each channel of a recording, with a bounded number of open files.
 //!
-//! A recording may have thousands of channels, more than a process may have files open. The [`MAX_OPEN`] files that were
-//! written to last stay open; others are closed and opened again to append to them.
+//! A recording may have thousands of channels, more than a process may have open files. The [`MAX_OPEN`] files written
+//! to last stay open; other files are closed, and reopened for appending.
 
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Write as _};
@@ -12,25 +12,25 @@ use barrelman_trial::records::table::TableRow;
 
 use barrelman_host::output::{self, ClosedOutput, OutputFile};
 
-/// Files that are open at the same time. A process may usually have 1024.
+/// Files open at the same time. The usual limit of a process is 1024.
 const MAX_OPEN: usize = 64;
-/// Columns of JSON that a warning names; of more it tells the number.
+/// Largest number of JSON columns that a warning names; further columns are counted.
 const NAMED_COLUMNS: usize = 5;
 
 /// The tables of a recording that is being exported.
 pub(super) struct ChannelTables<'a> {
     folder: &'a Path,
     force: bool,
-    /// By topic; `None` while the file is open.
+    /// The files by topic; `None` while the file is open.
     files: BTreeMap<String, Option<ClosedOutput>>,
-    /// The file written to last comes last.
+    /// The open files, least recently written first.
     open: Vec<(String, BufWriter<OutputFile>)>,
-    /// Names of files that are taken, without their extension, and the number that the next file of that name gets.
+    /// Names in use, without extension, each with the number that the next file of that name gets.
     taken: BTreeMap<String, u32>,
 }
 
 impl<'a> ChannelTables<'a> {
-    /// Tables in a folder, besides other CSV files of the export with these names (without their extension).
+    /// Tables in a folder. `taken`: names of the export's other CSV files, without extension.
     pub(super) fn new(folder: &'a Path, force: bool, taken: &[&str]) -> Self {
         Self {
             folder,
@@ -46,7 +46,7 @@ impl<'a> ChannelTables<'a> {
         let mut file = match self.open.iter().position(|(topic, _)| *topic == row.topic) {
             Some(index) => self.open.remove(index).1,
             None => {
-                self.make_room()?;
+                self.close_oldest()?;
                 match self.files.get_mut(&row.topic).and_then(Option::take) {
                     Some(closed) => BufWriter::new(closed.reopen()?),
                     None => self.begin(row)?,
@@ -59,7 +59,7 @@ impl<'a> ChannelTables<'a> {
         written
     }
 
-    /// Writes what is still held back.
+    /// Writes the buffers and closes all files.
     pub(super) fn finish(mut self) -> Result<()> {
         while let Some((_, file)) = self.open.pop() {
             close(file)?;
@@ -72,7 +72,7 @@ impl<'a> ChannelTables<'a> {
             let named = &row.json_columns[..row.json_columns.len().min(NAMED_COLUMNS)];
             let others = row.json_columns.len() - named.len();
             tracing::warn!(
-                "{}: messages that nest too deep, too widely or in their own kind are given as JSON, in the column {}{}",
+                "{}: messages that nest too deeply, too widely or recursively are written as JSON, in the column {}{}",
                 row.topic,
                 named.join(", "),
                 if others > 0 { format!(" and {others} others") } else { String::new() }
@@ -86,7 +86,8 @@ impl<'a> ChannelTables<'a> {
         Ok(file)
     }
 
-    /// A path that no other file of this export has: topics such as /a/b and /a_b differ only in what a name cannot hold.
+    /// A path that no other file of this export has. Topics such as /a/b and /a_b give the same name, so the second one
+    /// is numbered.
     fn path_of(&mut self, topic: &str) -> PathBuf {
         let mut name = topic.trim_matches('/').replace('/', "_");
         while let Some(number) = self.taken.get_mut(&name) {
@@ -100,7 +101,8 @@ impl<'a> ChannelTables<'a> {
         self.folder.join(format!("{name}.csv"))
     }
 
-    fn make_room(&mut self) -> Result<()> {
+    /// Closes the least recently written file if as many files are open as may be.
+    fn close_oldest(&mut self) -> Result<()> {
         if self.open.len() < MAX_OPEN {
             return Ok(());
         }
@@ -111,7 +113,7 @@ impl<'a> ChannelTables<'a> {
     }
 }
 
-/// Writes what is held back, and closes the file.
+/// Writes the buffer and closes the file.
 fn close(file: BufWriter<OutputFile>) -> Result<ClosedOutput> {
     let path = file.get_ref().path().to_owned();
     let file = file

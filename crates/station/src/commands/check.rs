@@ -1,6 +1,6 @@
-//! `barrelman check`: what is reachable, what is missing, and how to mend it.
+//! `barrelman check`: checks the configuration, the video source and the link, and suggests remedies.
 //!
-//! It opens the port and asks for its lock, as `run` would, but sends nothing.
+//! The check opens the port and takes its lock, as `run` does, but sends nothing.
 
 use std::io::{Write as _, stdout};
 use std::path::Path;
@@ -23,9 +23,9 @@ use crate::source_url::SourceUrl;
 use barrelman_host::clock::Clock;
 use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 
-/// How long a live source may take to show its first picture.
+/// How long a live source may take to deliver its first picture.
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(5);
-/// Where the udev rule of this project is installed.
+/// Path of this project's udev rule, when installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -36,54 +36,59 @@ enum Verdict {
     Failed,
 }
 
+/// The result of one check, as printed.
 #[derive(Debug, Serialize)]
-struct Finding {
-    what: String,
+struct CheckResult {
+    #[serde(rename = "what")]
+    subject: String,
     verdict: Verdict,
     details: String,
+}
+
+impl CheckResult {
+    fn new(subject: impl Into<String>, verdict: Verdict, details: impl Into<String>) -> Self {
+        Self { subject: subject.into(), verdict, details: details.into() }
+    }
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// If the output cannot be written; what is wrong with the configuration, the video or the link is a finding.
+/// If the output cannot be written. A problem of the configuration, the video or the link is a result, not an error.
 pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
-    let mut findings = Vec::new();
-    let configuration = configuration(args, &mut findings);
+    let mut results = Vec::new();
+    let configuration = check_configuration(args, &mut results);
     let video = args.video.clone().or_else(|| configuration.as_ref().and_then(|found| found.video.clone()));
     let link = args.link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
-    match video {
-        Some(url) => findings.push(check_video(&url, configuration.as_ref(), clock)),
-        None => {
-            findings.push(finding("video", Verdict::Warning, "none configured: give --video or video.url"))
-        }
-    }
+    results.push(match video {
+        Some(url) => check_video(&url, configuration.as_ref(), clock),
+        None => CheckResult::new("video", Verdict::Warning, "none configured: give --video or video.url"),
+    });
     match link {
-        Some(url) => check_link(&url, &mut findings),
-        None => findings.push(finding("link", Verdict::Warning, "none configured: `run` would be a dry run")),
+        Some(url) => check_link(&url, &mut results),
+        None => {
+            let details = "none configured: `run` would be a dry run";
+            results.push(CheckResult::new("link", Verdict::Warning, details));
+        }
     }
     let mut out = stdout().lock();
     if args.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&findings)?)?;
+        writeln!(out, "{}", serde_json::to_string_pretty(&results)?)?;
     } else {
-        for finding in &findings {
-            let mark = match finding.verdict {
+        for result in &results {
+            let mark = match result.verdict {
                 Verdict::Ok => "ok     ",
                 Verdict::Warning => "warning",
                 Verdict::Failed => "FAILED ",
             };
-            writeln!(out, "{mark}  {}: {}", finding.what, finding.details)?;
+            writeln!(out, "{mark}  {}: {}", result.subject, result.details)?;
         }
     }
-    let failed = findings.iter().any(|finding| finding.verdict == Verdict::Failed);
-    Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    let has_failed = results.iter().any(|result| result.verdict == Verdict::Failed);
+    Ok(if has_failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn finding(what: impl Into<String>, verdict: Verdict, details: impl Into<String>) -> Finding {
-    Finding { what: what.into(), verdict, details: details.into() }
-}
-
-fn configuration(args: &CheckArgs, findings: &mut Vec<Finding>) -> Option<Configuration> {
+fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Option<Configuration> {
     let file = match &args.config {
         Some(path) => config::read(path),
         None => Ok(ConfigFile::default()),
@@ -96,27 +101,24 @@ fn configuration(args: &CheckArgs, findings: &mut Vec<Finding>) -> Option<Config
     };
     match file.and_then(with_login) {
         Ok(configuration) => {
-            findings.push(finding(
-                "configuration",
-                Verdict::Ok,
-                format!("vehicle {}", configuration.profile.name),
-            ));
+            let details = format!("vehicle {}", configuration.profile.name);
+            results.push(CheckResult::new("configuration", Verdict::Ok, details));
             Some(configuration)
         }
         Err(error) => {
-            findings.push(finding("configuration", Verdict::Failed, format!("{error:#}")));
+            results.push(CheckResult::new("configuration", Verdict::Failed, format!("{error:#}")));
             None
         }
     }
 }
 
-fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -> Finding {
+fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -> CheckResult {
     let login = configuration.and_then(|configuration| configuration.video_login.as_ref());
     let parsed = match secrets::source_url(url, login) {
         Ok(parsed) => parsed,
-        Err(error) => return finding("video", Verdict::Failed, format!("{error:#}")),
+        Err(error) => return CheckResult::new("video", Verdict::Failed, format!("{error:#}")),
     };
-    let shown = format!("video {parsed}");
+    let subject = format!("video {parsed}");
     let first = match &parsed {
         SourceUrl::Video(url) if !url.is_live() => first_stored_picture(url),
         SourceUrl::Video(_) | SourceUrl::Simulated(_) => first_live_picture(parsed, clock),
@@ -124,42 +126,48 @@ fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -
     match first {
         Ok(frame) => {
             let picture = &frame.picture;
-            finding(shown, Verdict::Ok, format!("{} pictures, {:?}", picture.size(), picture.colour()))
+            let details = format!("{} pictures, {:?}", picture.size(), picture.colour());
+            CheckResult::new(subject, Verdict::Ok, details)
         }
-        Err(why) => finding(shown, Verdict::Failed, why),
+        Err(reason) => CheckResult::new(subject, Verdict::Failed, reason),
     }
 }
 
 fn first_stored_picture(url: &VideoUrl) -> Result<VideoFrame, String> {
     let mut frames = FileFrames::open(url).map_err(|error| error.to_string())?;
-    frames.next_frame().map_err(|error| error.to_string())?.ok_or_else(|| "it holds no picture".to_owned())
+    frames
+        .next_frame()
+        .map_err(|error| error.to_string())?
+        .ok_or_else(|| "the video has no picture".to_owned())
 }
 
-enum Seen {
+/// What a live source delivers.
+enum Delivery {
     Frame(VideoFrame),
     State(VideoState),
 }
 
-struct FirstPicture(SyncSender<Seen>);
+/// Sends the first deliveries of a live source to a queue.
+struct FirstDeliveries(SyncSender<Delivery>);
 
-impl VideoSink for FirstPicture {
+impl VideoSink for FirstDeliveries {
     fn unit(&mut self, _unit: &EncodedUnit) {}
 
     fn frame(&mut self, frame: VideoFrame) {
-        // Only the first is waited for.
-        let _ = self.0.try_send(Seen::Frame(frame));
+        // Only the first frame matters: a full queue holds it already.
+        let _ = self.0.try_send(Delivery::Frame(frame));
     }
 
     fn state(&mut self, state: VideoState) {
-        let _ = self.0.try_send(Seen::State(state));
+        let _ = self.0.try_send(Delivery::State(state));
     }
 }
 
 fn first_live_picture(url: SourceUrl, clock: Clock) -> Result<VideoFrame, String> {
-    let (seen, queue) = sync_channel(16);
+    let (deliveries, queue) = sync_channel(16);
     let started = match url {
-        SourceUrl::Video(url) => barrelman_video::spawn(url, clock, FirstPicture(seen)),
-        SourceUrl::Simulated(url) => simulated_source::spawn(&url, clock, FirstPicture(seen)),
+        SourceUrl::Video(url) => barrelman_video::spawn(url, clock, FirstDeliveries(deliveries)),
+        SourceUrl::Simulated(url) => simulated_source::spawn(&url, clock, FirstDeliveries(deliveries)),
     };
     let source = started.map_err(|error| error.to_string())?;
     let result = wait_for_picture(&queue);
@@ -169,78 +177,75 @@ fn first_live_picture(url: SourceUrl, clock: Clock) -> Result<VideoFrame, String
     result
 }
 
-fn wait_for_picture(queue: &Receiver<Seen>) -> Result<VideoFrame, String> {
+fn wait_for_picture(queue: &Receiver<Delivery>) -> Result<VideoFrame, String> {
     let deadline = Instant::now() + FIRST_PICTURE_TIMEOUT;
-    let mut last = "nothing answered".to_owned();
-    while let Ok(seen) = queue.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
-        match seen {
-            Seen::Frame(frame) => return Ok(frame),
-            Seen::State(VideoState::Lost { reason }) => last = reason,
-            Seen::State(VideoState::Failed(error)) => return Err(error.to_string()),
-            Seen::State(VideoState::Connecting | VideoState::Up | VideoState::Ended) => {}
+    let mut reason = "no answer".to_owned();
+    while let Ok(delivery) = queue.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+        match delivery {
+            Delivery::Frame(frame) => return Ok(frame),
+            Delivery::State(VideoState::Lost { reason: newest }) => reason = newest,
+            Delivery::State(VideoState::Failed(error)) => return Err(error.to_string()),
+            Delivery::State(VideoState::Connecting | VideoState::Up | VideoState::Ended) => {}
         }
     }
-    Err(format!("no picture within {} s: {last}", FIRST_PICTURE_TIMEOUT.as_secs()))
+    Err(format!("no picture within {} s: {reason}", FIRST_PICTURE_TIMEOUT.as_secs()))
 }
 
-fn check_link(url: &str, findings: &mut Vec<Finding>) {
+fn check_link(url: &str, results: &mut Vec<CheckResult>) {
     let parsed = match LinkUrl::parse(url) {
         Ok(parsed) => parsed,
         Err(error) => {
-            findings.push(finding("link", Verdict::Failed, error.to_string()));
+            results.push(CheckResult::new("link", Verdict::Failed, error.to_string()));
             return;
         }
     };
-    let shown = format!("link {parsed}");
+    let subject = format!("link {parsed}");
     if parsed.endpoint == Endpoint::World {
-        findings.push(finding(
-            shown,
-            Verdict::Ok,
-            "it moves the camera of the world that --video sim: shows",
-        ));
+        let details = "moves the camera of the simulated world of --video sim:";
+        results.push(CheckResult::new(subject, Verdict::Ok, details));
         return;
     }
-    findings.push(match Port::open(&parsed.endpoint) {
-        Ok(_) => finding(shown, Verdict::Ok, "it opens, and nobody else has it"),
-        Err(error) => finding(shown, Verdict::Failed, format!("{:#}", anyhow::Error::from(error))),
+    results.push(match Port::open(&parsed.endpoint) {
+        Ok(_) => CheckResult::new(subject, Verdict::Ok, "opens, and no other program uses the port"),
+        Err(error) => CheckResult::new(subject, Verdict::Failed, format!("{:#}", anyhow::Error::from(error))),
     });
     if matches!(parsed.endpoint, Endpoint::Serial { .. }) {
-        findings.push(modem_manager());
-        findings.push(udev_rule());
+        results.push(check_modem_manager());
+        results.push(check_udev_rule());
     }
 }
 
-/// ModemManager opens new serial ports and talks to them as if they were modems.
-fn modem_manager() -> Finding {
-    let running = std::fs::read_dir("/proc").into_iter().flatten().flatten().any(|entry| {
+/// ModemManager opens new serial ports and sends modem commands to them.
+fn check_modem_manager() -> CheckResult {
+    let is_running = std::fs::read_dir("/proc").into_iter().flatten().flatten().any(|entry| {
         std::fs::read_to_string(entry.path().join("comm")).is_ok_and(|name| name.trim() == "ModemManager")
     });
-    let guarded = Path::new(UDEV_RULE).exists();
-    match (running, guarded) {
-        (true, false) => finding(
-            "ModemManager",
+    let has_rule = Path::new(UDEV_RULE).exists();
+    let (verdict, details) = match (is_running, has_rule) {
+        (true, false) => (
             Verdict::Warning,
             format!(
-                "it runs, and takes new serial ports for modems: install config/udev/70-barrelman.rules as {UDEV_RULE}, \
-                 or stop it with `sudo systemctl disable --now ModemManager`"
+                "running: it opens new serial ports as modems; install config/udev/70-barrelman.rules as {UDEV_RULE}, \
+                 or stop ModemManager with `sudo systemctl disable --now ModemManager`"
             ),
         ),
-        (true, true) => finding("ModemManager", Verdict::Ok, "it runs, and the udev rule keeps it away"),
-        (false, _) => finding("ModemManager", Verdict::Ok, "not running"),
-    }
+        (true, true) => (Verdict::Ok, "running, but the udev rule excludes the port".to_owned()),
+        (false, _) => (Verdict::Ok, "not running".to_owned()),
+    };
+    CheckResult::new("ModemManager", verdict, details)
 }
 
-fn udev_rule() -> Finding {
-    if Path::new(UDEV_RULE).exists() {
-        finding("udev rule", Verdict::Ok, format!("{UDEV_RULE} is installed"))
+fn check_udev_rule() -> CheckResult {
+    let (verdict, details) = if Path::new(UDEV_RULE).exists() {
+        (Verdict::Ok, format!("{UDEV_RULE} is installed"))
     } else {
-        finding(
-            "udev rule",
+        (
             Verdict::Warning,
             format!(
                 "not installed: `sudo cp config/udev/70-barrelman.rules {UDEV_RULE} && sudo udevadm control --reload && \
-                 sudo udevadm trigger` gives members of dialout the right to the port"
+                 sudo udevadm trigger` gives members of dialout access to the port"
             ),
         )
-    }
+    };
+    CheckResult::new("udev rule", verdict, details)
 }

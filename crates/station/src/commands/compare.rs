@@ -1,4 +1,4 @@
-//! `barrelman compare`: two sets of trials on the same seeds, paired.
+//! `barrelman compare`: compares two campaigns, paired by seed.
 
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
@@ -16,7 +16,7 @@ use barrelman_experiments::campaign::file;
 /// Runs the command.
 ///
 /// # Errors
-/// If a file cannot be read, or the two have no trial in common.
+/// If a file cannot be read, or the campaigns have no trial in common.
 pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let (first, second) = (trials(&args.first)?, trials(&args.second)?);
     let comparison = CampaignComparison::new(&first, &second, &Bootstrap::DEFAULT);

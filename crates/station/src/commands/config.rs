@@ -1,4 +1,4 @@
-//! `barrelman config`: the configuration, documented.
+//! `barrelman config`: prints the example, the JSON schema, or the effective configuration.
 
 use std::io::{Write as _, stdout};
 use std::process::ExitCode;

@@ -1,7 +1,7 @@
-//! `barrelman demo`: a simulated boat to drive in the browser, and the camera that follows it.
+//! `barrelman demo`: a simulated boat that a person steers in the browser, and the camera that follows it.
 //!
-//! World and pilot go in lock step, one tick after the other, as in a trial; the clock says when the next tick is due.
-//! That is why a drive that was stored runs again bit for bit.
+//! World and pilot run in lock step, tick by tick, as in a trial; the clock only decides when the next tick runs. So a
+//! stored drive replays bit for bit.
 
 use std::io::{Write as _, stdout};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
@@ -33,7 +33,7 @@ const MAX_WIDTH: u32 = 960;
 /// Runs the command.
 ///
 /// # Errors
-/// If the scenario cannot be used, the page not be served, or an output not be written.
+/// If the scenario cannot be used, the page cannot be served, or an output cannot be written.
 pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     if args.clip || args.draw_only {
         return practice::run(args, clock);
@@ -93,7 +93,7 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
     if let Some(address) = asked {
         return TcpListener::bind(address).with_context(|| {
             format!(
-                "{address} cannot be listened on: is another program there? --listen takes another address"
+                "cannot listen on {address}: does another program use it? choose another address with --listen"
             )
         });
     }
@@ -101,7 +101,7 @@ fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
     match PORTS.map(loopback).find_map(|address| TcpListener::bind(address).ok()) {
         Some(listener) => Ok(listener),
         None => {
-            bail!("ports {} to {} of this machine are taken: use --listen ADDR", PORTS.start, PORTS.end - 1)
+            bail!("ports {} to {} of this machine are in use: give --listen ADDR", PORTS.start, PORTS.end - 1)
         }
     }
 }
@@ -135,19 +135,20 @@ fn replay_drive(record: Option<OutputFile>, path: &Path) -> Result<ExitCode> {
     writeln!(out, "{} ticks of {}, seed {}: {hash}", replayed.last_tick, replayed.scenario, replayed.seed)?;
     match replayed.stored_hash {
         None => {
-            writeln!(out, "the file is cut off: everything before the cut was driven again")?;
+            writeln!(out, "the file is cut off: everything before the cut was replayed")?;
             Ok(ExitCode::SUCCESS)
         }
-        Some(then) if then == *hash => {
+        Some(stored) if stored == *hash => {
             writeln!(out, "the drive is the same, bit for bit")?;
             Ok(ExitCode::SUCCESS)
         }
-        Some(then) => {
+        Some(stored) => {
             match replayed.difference {
                 Some(VersionDifference { first, second }) => tracing::error!(
-                    "the drive was driven with {first}, this program has {second}: that it differs ({then} then) is no fault"
+                    "the drive was stored with {first}, this program has {second}: a different hash (stored: {stored}) is \
+                     expected"
                 ),
-                None => tracing::error!("the drive differs: it was {then}"),
+                None => tracing::error!("the drive differs: the stored hash is {stored}"),
             }
             Ok(ExitCode::FAILURE)
         }

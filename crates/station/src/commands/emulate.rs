@@ -1,4 +1,4 @@
-//! `barrelman emulate`: a ground station to test against.
+//! `barrelman emulate`: an emulated ground station.
 
 use std::io::{Write as _, stdout};
 use std::net::SocketAddr;
@@ -26,7 +26,7 @@ use barrelman_video::VideoHandle;
 /// Runs the command.
 ///
 /// # Errors
-/// If the port or the log cannot be made.
+/// If the world, the port or the log cannot be opened.
 pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
     match &args.station {
         StationName::FotokitePro(args) => fotokite_pro(args, clock),
@@ -34,7 +34,8 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
-    let mut world = args.world.as_deref().map(|world| Served::begin(world, args.video_listen)).transpose()?;
+    let mut world =
+        args.world.as_deref().map(|world| ServedWorld::new(world, args.video_listen)).transpose()?;
     let port = match (&args.pty, &args.listen) {
         (Some(path), _) => HostPort::pty(path, args.force)?,
         (None, Some(address)) => HostPort::listen(address)?,
@@ -54,43 +55,43 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
     if let Some(world) = &world {
         writeln!(
             stdout(),
-            "the world's video is at {}; the world begins when somebody looks",
+            "the world's video is at {}; the world starts with the first viewer",
             world.server.url()
         )?;
-        emulator = emulator.in_world(world.link.clone());
+        emulator = emulator.with_world(world.link.clone());
     }
-    // A script waits for this line: it must be out before the first client can come.
-    writeln!(stdout(), "an emulated Fotokite Pro answers at {}", emulator.place())?;
+    // Scripts wait for this line before they connect.
+    writeln!(stdout(), "an emulated Fotokite Pro answers at {}", emulator.url())?;
     stdout().flush()?;
-    let mut failed = None;
+    let mut failure = None;
     emulator.run(|| {
-        let over = world.as_mut().is_some_and(|world| {
-            world.go_on(clock).unwrap_or_else(|error| {
-                failed = Some(error);
+        let is_over = world.as_mut().is_some_and(|world| {
+            world.update(clock).unwrap_or_else(|error| {
+                failure = Some(error);
                 true
             })
         });
-        over || ended.load(Ordering::Relaxed)
+        is_over || ended.load(Ordering::Relaxed)
     })?;
-    failed.map_or(Ok(ExitCode::SUCCESS), Err)
+    failure.map_or(Ok(ExitCode::SUCCESS), Err)
 }
 
-/// A world whose video is served.
-struct Served {
+/// A simulated world with a server of its video.
+struct ServedWorld {
     server: RtspServer,
     link: CameraLink,
     url: SimulatedUrl,
-    /// Until somebody looks.
+    /// The world, until the first viewer starts it.
     waiting: Option<LiveWorld>,
     running: Option<VideoHandle>,
 }
 
-impl Served {
-    fn begin(url: &str, listen: SocketAddr) -> Result<Self> {
+impl ServedWorld {
+    fn new(url: &str, listen: SocketAddr) -> Result<Self> {
         let url = match SourceUrl::parse(url)? {
             SourceUrl::Simulated(url) => url,
             SourceUrl::Video(url) => {
-                bail!("--world takes a simulated world, as in sim:arena1; {url} is none")
+                bail!("--world takes a simulated world, as in sim:arena1; {url} is a video")
             }
         };
         let world = LiveWorld::load(&url.world)?.with_encoding(true);
@@ -98,12 +99,12 @@ impl Served {
         Ok(Self { server: RtspServer::start(listen)?, link, url, waiting: Some(world), running: None })
     }
 
-    /// Begins the world when somebody looks. Returns whether it is over.
-    fn go_on(&mut self, clock: Clock) -> Result<bool> {
+    /// Starts the world once there is a viewer. Returns whether the world has ended.
+    fn update(&mut self, clock: Clock) -> Result<bool> {
         if self.server.is_wanted()
             && let Some(world) = self.waiting.take()
         {
-            tracing::info!("somebody looks: the world begins");
+            tracing::info!("first viewer: the world starts");
             self.running = Some(spawn_world(world, &self.url, clock, self.server.sink())?);
         }
         Ok(self.running.as_ref().is_some_and(VideoHandle::is_finished))

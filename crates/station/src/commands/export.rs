@@ -1,4 +1,4 @@
-//! `barrelman export`: every channel of a recording as CSV, its trial as CSV, its video as MP4.
+//! `barrelman export`: converts a recording to one CSV file a channel, a CSV file of the trial, and an MP4 of the video.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write as _, stdout};
@@ -26,23 +26,24 @@ const TRIAL: &str = "trial";
 /// Runs the command.
 ///
 /// # Errors
-/// If the recording cannot be read or an output not be written. What comes before a cut is exported.
+/// If the recording cannot be read or an output not be written. Of a truncated recording everything before the cut is
+/// exported.
 pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let context = || format!("{} cannot be exported", args.recording.display());
-    // Tried first: a file that is no recording leaves no empty folder behind.
+    // Opened before the folder is made: a wrong path leaves no empty folder behind.
     input::open(&args.recording)?;
     std::fs::create_dir_all(&args.output)
-        .with_context(|| format!("the folder {} cannot be made", args.output.display()))?;
-    // Opened first: an export that finds the files of another one leaves no half of its own beside them.
+        .with_context(|| format!("the folder {} cannot be created", args.output.display()))?;
+    // Opened before any table: an export that finds the files of another export writes nothing.
     let trial = OutputFile::open(&args.output.join(format!("{TRIAL}.csv")), args.force)?;
     let video = OutputFile::open(&args.output.join("video.mp4"), args.force)?;
     let cut_channels = export_channels(args).with_context(context)?;
-    let (cut_trial, video) = export_trial(args, trial, video).with_context(context)?;
+    let (cut_trial, has_video) = export_trial(args, trial, video).with_context(context)?;
     writeln!(
         stdout(),
         "{} holds trial.csv, one CSV per channel{}",
         args.output.display(),
-        if video { ", and video.mp4" } else { "" }
+        if has_video { ", and video.mp4" } else { "" }
     )?;
     if cut_channels || cut_trial {
         tracing::error!("the recording is cut off: everything before the cut was exported");
@@ -51,16 +52,12 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes a CSV for every channel. Returns whether the recording is cut off.
+/// Writes a CSV file for every channel. Returns whether the recording is truncated.
 fn export_channels(args: &ExportArgs) -> Result<bool> {
     let mut tables = ChannelTables::new(&args.output, args.force, &[TRIAL]);
     let result =
         read_rows(BufReader::new(File::open(&args.recording)?), |row| -> Result<()> { tables.add(&row) });
     tables.finish()?;
-    was_cut(result)
-}
-
-fn was_cut(result: Result<()>) -> Result<bool> {
     match result {
         Ok(()) => Ok(false),
         Err(error) if matches!(error.downcast_ref(), Some(ReadError::Truncated)) => Ok(true),
@@ -68,7 +65,7 @@ fn was_cut(result: Result<()>) -> Result<bool> {
     }
 }
 
-/// Writes the trial's CSV and the video. Returns whether the recording is cut off, and whether it has a video.
+/// Writes the trial's CSV file and the video. Returns whether the recording is truncated, and whether it has a video.
 fn export_trial(args: &ExportArgs, trial: OutputFile, video: OutputFile) -> Result<(bool, bool)> {
     let mut trial = TrialFile::begin(trial)?;
     let mut video = VideoFile { file: Some(video), state: None };
@@ -86,7 +83,7 @@ fn export_trial(args: &ExportArgs, trial: OutputFile, video: OutputFile) -> Resu
     Ok((cut, video.finish()?))
 }
 
-/// The CSV that `metrics` and `law` read.
+/// The trial's CSV file, which `metrics` and `law` read.
 struct TrialFile {
     file: BufWriter<OutputFile>,
     rows: RowSelector,
@@ -105,9 +102,9 @@ impl TrialFile {
         if let Some(seen) = outcome.track.localisation() {
             self.size = Some(seen.picture);
         }
-        // The same rows as of a recording that is read as a log.
-        let taken = self.rows.accepts(outcome);
-        let Some(size) = self.size.filter(|_| taken) else { return Ok(()) };
+        // The same rows as when the recording is read as a log.
+        let is_accepted = self.rows.accepts(outcome);
+        let Some(size) = self.size.filter(|_| is_accepted) else { return Ok(()) };
         let start = *self.start.get_or_insert(outcome.at);
         write!(self.file, "{},", outcome.at.since(start).as_secs_f64())?;
         match &outcome.percept {
@@ -129,10 +126,11 @@ impl TrialFile {
     }
 }
 
-/// The video: H.264 as received, everything else encoded.
+/// The video file: H.264 units as received; other codecs are decoded and encoded.
 struct VideoFile {
-    /// The file, until the first key frame; without one nothing is written.
+    /// The file, until the first key frame. A video without a key frame is not written.
     file: Option<OutputFile>,
+    /// The writer, the decoder, and the time of capture of the first unit.
     state: Option<(Mp4Writer<OutputFile>, UnitDecoder, Timestamp)>,
 }
 

@@ -1,4 +1,4 @@
-//! `barrelman law`: recorded positions through a camera law.
+//! `barrelman law`: runs a camera law on recorded positions.
 
 use std::io::{BufWriter, Write, stdout};
 use std::process::ExitCode;
@@ -13,7 +13,7 @@ use crate::config::resolve::profile_named;
 use barrelman_experiments::law_choice::{LawChoice, LawName};
 use barrelman_host::output;
 
-/// The header of what is written.
+/// The header of the output.
 pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";
 
 /// Runs the command.
@@ -33,8 +33,8 @@ pub fn run(args: &LawArgs) -> Result<ExitCode> {
     let region = input.log.region(args.region.region.unwrap_or(profile.region));
     if law.name != LawName::Schema {
         tracing::warn!(
-            "open loop: the recorded camera did not obey this law, so what it asks for here is no proof of how well it \
-             holds a target; `barrelman trials` closes the loop"
+            "open loop: the recorded camera did not follow this law's commands, so they do not show how well the law keeps \
+             a target in view; `barrelman trials` closes the loop"
         );
     }
     let rows = run_open_loop(&input.log, region, &profile, law.settings());

@@ -1,4 +1,4 @@
-//! `barrelman merge`: the shards of a campaign as one.
+//! `barrelman merge`: joins the shards of a campaign.
 
 use std::io::{BufWriter, Write as _, stdout};
 use std::process::ExitCode;
@@ -14,26 +14,29 @@ use barrelman_host::output;
 /// Runs the command.
 ///
 /// # Errors
-/// If the files are not those of one campaign, or the result cannot be written.
+/// If the files do not belong to one campaign, or the result cannot be written.
 pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     let mut files = Vec::with_capacity(args.files.len());
     for path in &args.files {
         files.push((path.clone(), file::read(path)?));
     }
-    let merge = file::merge(&files)?;
-    if merge.is_empty() {
+    let merged = file::merge(&files)?;
+    if merged.is_empty() {
         bail!("there are no trials in these files");
     }
     if let Some(path) = &args.output {
         let mut file = BufWriter::new(output::create(path, args.force)?);
-        for (_, line) in &merge {
+        for (_, line) in &merged {
             writeln!(file, "{line}").with_context(|| format!("{} cannot be written", path.display()))?;
         }
         file.flush().with_context(|| format!("{} cannot be written", path.display()))?;
     }
-    let summary = summarise(merge.into_iter().map(|(entry, _)| entry.trial).collect());
-    let text =
-        if args.json { serde_json::to_string_pretty(&summary)? + "\n" } else { summary_table::of(&summary)? };
+    let summary = summarise(merged.into_iter().map(|(entry, _)| entry.trial).collect());
+    let text = if args.json {
+        serde_json::to_string_pretty(&summary)? + "\n"
+    } else {
+        summary_table::format(&summary)?
+    };
     stdout().write_all(text.as_bytes())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,4 +1,4 @@
-//! `barrelman metrics`: metrics per trial and over all of them.
+//! `barrelman metrics`: prints the metrics of each trial and of all trials together.
 
 use std::io::{Write as _, stdout};
 use std::process::ExitCode;
@@ -18,12 +18,12 @@ use crate::cli::MetricsArgs;
 pub fn run(args: &MetricsArgs) -> Result<ExitCode> {
     let shares = args.region.region.unwrap_or(VehicleProfile::fotokite_pro().region);
     let mut trials = Vec::with_capacity(args.logs.len());
-    let mut cut = false;
+    let mut is_truncated = false;
     for path in &args.logs {
         let mut input = match trial_input::read_any(path)? {
             Input::Trial(input) => *input,
             Input::Campaign(campaign) => {
-                cut |= campaign.report_cut(path);
+                is_truncated |= campaign.report_cut(path);
                 args.region.refuse_for_campaign(path, args.picture.is_some())?;
                 trials.extend(campaign.trials());
                 continue;
@@ -34,7 +34,7 @@ pub fn run(args: &MetricsArgs) -> Result<ExitCode> {
         }
         if let Some(message) = &input.cut {
             tracing::error!("{message}");
-            cut = true;
+            is_truncated = true;
         }
         let picture = args.picture.unwrap_or(input.log.picture);
         let metrics = measure(&input.log, input.log.region(shares), picture);
@@ -42,8 +42,11 @@ pub fn run(args: &MetricsArgs) -> Result<ExitCode> {
         trials.push(TrialEntry { name: input.name, arena, metrics });
     }
     let summary = summarise(trials);
-    let text =
-        if args.json { serde_json::to_string_pretty(&summary)? + "\n" } else { summary_table::of(&summary)? };
+    let text = if args.json {
+        serde_json::to_string_pretty(&summary)? + "\n"
+    } else {
+        summary_table::format(&summary)?
+    };
     stdout().write_all(text.as_bytes())?;
-    Ok(if cut { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    Ok(if is_truncated { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -1,4 +1,4 @@
-//! What each command does. One file per command; the reading of logs that several share is in `trial_input`.
+//! The commands, one file each. Shared parts: `trial_input` reads trial logs, `summary_table` prints metrics.
 
 pub mod check;
 pub mod compare;

@@ -1,8 +1,8 @@
-//! `barrelman demo --clip`: the whole loop, with the real protocol, where no camera is attached.
+//! `barrelman demo --clip`: the live loop with the real protocol, without a camera.
 //!
-//! It draws a practice clip, starts an emulated ground station on a pseudo-terminal, and runs the real loop
-//! between the two: the same video thread, pilot, link and recorder as with a vehicle. The camera of the clip
-//! rests, so what is commanded shows in the emulator's log and the annotated video, not in the picture itself.
+//! The command renders a practice clip, starts an emulated ground station on a pseudo-terminal, and runs the live loop
+//! between the two: the same video thread, pilot, link and recorder as with a vehicle. The camera of the clip does not
+//! move, so commands show in the emulator's log and the annotated video, not in the picture itself.
 
 use std::io::{BufWriter, Write as _, stdout};
 use std::path::Path;
@@ -28,29 +28,30 @@ use barrelman_host::output::OutputFile;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::writer::Mp4Writer;
 
-/// The practice clip's pictures: what the UAV sends.
+/// The picture size of the practice clip: that of the UAV's video.
 const SIZE: PictureSize = PictureSize::new(1280, 720);
-/// The practice clip's water.
+/// Seed of the practice clip's water.
 const SEED: u64 = 1;
 
 /// Runs the command.
 ///
 /// # Errors
-/// If the folder cannot be written or the loop cannot be started.
+/// If the folder cannot be written or the loop cannot start.
 pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let folder = &args.output;
     let files = ["practice.mp4", "truth.csv", "seen.mp4", "recording.mcap", "station.jsonl"]
         .map(|name| folder.join(name));
-    let [clip, truth, seen, recording, station_log] = &files;
-    std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made", folder.display()))?;
+    let [clip, truth, film, recording, station_log] = &files;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("the folder {} cannot be created", folder.display()))?;
     let open = |path: &Path| OutputFile::open(path, args.force);
     let (clip_file, truth_file) = (open(clip)?, open(truth)?);
-    let outputs = Outputs { overlay: Some(open(seen)?), record: Some(open(recording)?) };
+    let outputs = Outputs { overlay: Some(open(film)?), record: Some(open(recording)?) };
     let mut log_file = open(station_log)?;
     let practice = PracticeClip::new(SIZE, SEED);
     let mut out = stdout();
-    writeln!(out, "drawing a practice clip: a red boat that crosses all four sectors of the picture ...")?;
-    draw_clip(&practice, clip_file)?;
+    writeln!(out, "rendering a practice clip: a red boat crosses all four sectors of the picture ...")?;
+    write_clip(&practice, clip_file)?;
     write_truth(&practice, truth_file)?;
     if args.draw_only {
         writeln!(out, "{}: the clip\n{}: its truth", clip.display(), truth.display())?;
@@ -63,7 +64,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let settings = GroundStationSettings::default();
     let mut emulator =
         FotokitePro::new(HostPort::pty(&port, args.force)?, settings, log, FaultPlan::default(), clock);
-    writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.place())?;
+    writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.url())?;
     let ended = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&ended);
     let station = std::thread::Builder::new()
@@ -90,7 +91,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             engage: true,
             headless: true,
             record: Some(recording.clone()),
-            overlay: Some(seen.clone()),
+            overlay: Some(film.clone()),
             force: args.force,
             fault: Vec::new(),
         },
@@ -105,8 +106,8 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let code = code?;
     writeln!(
         out,
-        "\n{}: the annotated video\n{}: every command as the ground station heard it\n{}: the recording; try\n  barrelman replay {} --compare\n  barrelman metrics {}",
-        seen.display(),
+        "\n{}: the annotated video\n{}: every command that the ground station received\n{}: the recording; try\n  barrelman replay {} --compare\n  barrelman metrics {}",
+        film.display(),
         station_log.display(),
         recording.display(),
         recording.display(),
@@ -116,7 +117,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 /// Encodes the practice clip.
-fn draw_clip(practice: &PracticeClip, file: OutputFile) -> Result<()> {
+fn write_clip(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let fps = f64::from(FRAMES_PER_SECOND);
     let path = file.path().to_owned();
     let mut writer = Mp4Writer::new(file, &path, EncoderSettings::for_pictures(practice.size(), fps));
@@ -131,7 +132,7 @@ fn draw_clip(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     Ok(writer.finish()?)
 }
 
-/// Writes where the boat is in every frame, as `truth.csv` has it. The clip has no scale, so no range is known.
+/// Writes the boat's place in every frame, in the format of `truth.csv`. The clip has no scale, so the range is empty.
 fn write_truth(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let mut file = BufWriter::new(file);
     writeln!(file, "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m")?;

@@ -1,8 +1,8 @@
-//! `barrelman render`: a clip of a scenario with its exact truth.
+//! `barrelman render`: renders a clip of a scenario, with the exact truth.
 //!
-//! The world is that of a trial in truth: the schema keeps the boat in view, so the camera moves as it does in a trial.
-//! What is drawn is the picture; the frame that a letter-boxed one lies in is left away, so that the truth is in pixels
-//! of what is seen.
+//! The world is that of a trial with `--perception truth`: the motor schema keeps the boat in view, so the camera moves as
+//! in a trial. The clip shows the picture without the bars of a letter-boxed frame, so the truth is in pixels of the
+//! clip.
 
 use std::io::{BufWriter, Write as _, stdout};
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ pub const TRUTH_HEADER: &str = "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,r
 /// Runs the command.
 ///
 /// # Errors
-/// If the scenario cannot be used or an output not be written.
+/// If the scenario cannot be used or an output cannot be written.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let plan = CampaignPlan::new(&CampaignRequest {
         scenario: args.scenario.clone(),
@@ -46,62 +46,64 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         simd: args.simd,
     })?
     .with_max_duration(args.seconds);
-    let mut film = TruthFilm::create(args, &plan.scenario().camera)?;
-    plan.log(args.seed, &mut film)?;
-    let (frames, asked) = film.finish()?;
-    if frames < asked {
+    let mut clip = ClipWriter::create(args, &plan.scenario().camera)?;
+    plan.log(args.seed, &mut clip)?;
+    let (frames, requested) = clip.finish()?;
+    if frames < requested {
         tracing::warn!(
-            "the scenario ends after {frames} of {asked} frames: the clip is shorter than asked for"
+            "the scenario ends after {frames} of {requested} frames: the clip is shorter than --seconds"
         );
     }
     writeln!(stdout(), "{}: {frames} frames\n{}: their truth", args.output.display(), args.truth.display())?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// A clip that is being written, with its truth.
-struct TruthFilm {
+/// Renders the world at each picture and writes clip, truth and masks.
+struct ClipWriter {
     camera: CameraSetup,
     seed: u64,
     simd: Simd,
-    /// Made with the first picture: it needs the world.
-    rendered: Option<RenderedCamera<'static>>,
+    /// The renderer, created with the first picture, because it needs the world.
+    renderer: Option<RenderedCamera<'static>>,
     video: Mp4Writer<OutputFile>,
     truth: BufWriter<OutputFile>,
     truth_path: PathBuf,
+    /// The folder of the masks, and whether existing files are overwritten.
     masks: Option<(PathBuf, bool)>,
     frames: u64,
-    asked: u64,
+    requested: u64,
     progress: Progress,
-    /// The first thing that went wrong; nothing is drawn after it.
-    failed: Option<anyhow::Error>,
+    /// The first error; after it nothing is written.
+    failure: Option<anyhow::Error>,
 }
 
-impl TruthFilm {
+impl ClipWriter {
     fn create(args: &RenderArgs, camera: &CameraSetup) -> Result<Self> {
         let video = OutputFile::open(&args.output, args.force)?;
         let truth = output::create(&args.truth, args.force)?;
         if let Some(folder) = &args.masks {
             std::fs::create_dir_all(folder)
-                .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
+                .with_context(|| format!("the folder {} cannot be created", folder.display()))?;
         }
         let picture = camera.optics.picture;
         let fps = f64::from(camera.pictures_per_second);
-        let mut film = Self {
+        let requested = (args.seconds * fps).ceil() as u64;
+        let mut writer = Self {
             camera: CameraSetup { frame: picture, ..camera.clone() },
             seed: args.seed,
             simd: Simd::at_most(args.simd),
-            rendered: None,
+            renderer: None,
             video: Mp4Writer::new(video, &args.output, EncoderSettings::for_pictures(picture, fps)),
             truth: BufWriter::new(truth),
             truth_path: args.truth.clone(),
             masks: args.masks.clone().map(|folder| (folder, args.force)),
             frames: 0,
-            asked: (args.seconds * fps).ceil() as u64,
-            progress: Progress::new("frames", (args.seconds * fps).ceil() as u64),
-            failed: None,
+            requested,
+            progress: Progress::new("frames", requested),
+            failure: None,
         };
-        film.write_line(TRUTH_HEADER)?;
-        Ok(film)
+        writer.write_line(TRUTH_HEADER)?;
+        Ok(writer)
     }
 
     fn write_line(&mut self, line: &str) -> Result<()> {
@@ -109,13 +111,13 @@ impl TruthFilm {
             .with_context(|| format!("{} cannot be written", self.truth_path.display()))
     }
 
-    /// Draws the world as it is now.
+    /// Renders the world at the current tick and writes the picture and its truth.
     fn add(&mut self, world: &World) -> Result<()> {
-        let rendered = self.rendered.get_or_insert_with(|| {
+        let renderer = self.renderer.get_or_insert_with(|| {
             RenderedCamera::new(world, self.camera.clone(), self.seed, self.simd, &Serial)
         });
-        let view = rendered.capture(world);
-        let truth = rendered.truth().clone();
+        let view = renderer.capture(world);
+        let truth = renderer.truth().clone();
         self.video.write_picture(&view.frame.picture, view.frame.capture.at)?;
         if let Some((folder, force)) = &self.masks {
             let path = folder.join(format!("{:06}.png", self.frames));
@@ -125,36 +127,36 @@ impl TruthFilm {
         }
         self.write_line(&truth_row(self.frames, view.frame.capture.at, &truth))?;
         self.frames += 1;
-        self.progress.at(self.frames);
+        self.progress.set(self.frames);
         Ok(())
     }
 
-    /// Ends all files. Returns how many frames there are, and how many were asked for.
+    /// Completes all files. Returns the number of frames, and the number that was requested.
     fn finish(mut self) -> Result<(u64, u64)> {
         self.progress.finish();
-        if let Some(error) = self.failed {
+        if let Some(error) = self.failure {
             return Err(error);
         }
         self.truth.flush().with_context(|| format!("{} cannot be written", self.truth_path.display()))?;
         self.video.finish()?;
-        Ok((self.frames, self.asked))
+        Ok((self.frames, self.requested))
     }
 }
 
-impl StepObserver for TruthFilm {
+impl StepObserver for ClipWriter {
     fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
 
     fn on_truth(&mut self, _truth: &Truth) {}
 
     fn on_world(&mut self, world: &World) {
-        if self.failed.is_none() {
-            self.failed = self.add(world).err();
+        if self.failure.is_none() {
+            self.failure = self.add(world).err();
         }
     }
 }
 
-/// A row of a truth file. A target of which no pixel is seen has visible 0 and a box of no size; where its waterline
-/// would be stays known, but for one behind the camera.
+/// A row of a truth file. A target without a visible pixel has `visible` 0 and an empty box; its waterline is still given,
+/// unless the target is behind the camera.
 pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
     let (x, y, w, h) = truth.bounds.map_or((0.0, 0.0, 0.0, 0.0), |b| (b.u, b.v, b.w, b.h));
     let visible = if truth.bounds.is_some() { truth.visible } else { 0.0 };
@@ -162,7 +164,7 @@ pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
         .waterline
         .map_or_else(Default::default, |point| (format!("{:.3}", point.u), format!("{:.3}", point.v)));
     let heading = truth.heading.map_or_else(String::new, |heading| {
-        // A heading of almost a whole turn must not be rounded to one.
+        // A heading just below 360 degrees must not be rounded up to 360.
         format!("{:.3}", (heading.degrees().rem_euclid(360.0) * 1000.0).round() % 360_000.0 / 1000.0)
     });
     format!(
@@ -172,7 +174,7 @@ pub fn truth_row(frame: u64, at: Timestamp, truth: &DrawnTruth) -> String {
     )
 }
 
-/// The pixels that show the target white, the others black.
+/// Writes a mask as PNG: pixels of the target white, all others black.
 fn write_mask(file: OutputFile, truth: &DrawnTruth, size: PictureSize) -> Result<()> {
     let (width, height) = (size.width as usize, size.height as usize);
     let mut encoder = png::Encoder::new(BufWriter::new(file), size.width, size.height);

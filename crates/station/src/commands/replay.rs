@@ -1,8 +1,7 @@
-//! `barrelman replay`: a recording through the pilot again.
+//! `barrelman replay`: runs a recording through the pilot again.
 //!
-//! The recording is read once, and never held in memory: at most [`MAX_WAITING_BYTES`] of encoded video wait for the step
-//! that asks for their frame, a few decoded frames (see [`StoredVideo`]), and [`MAX_WAITING_OUTCOMES`] outcomes for the
-//! recorded ones.
+//! The recording is read once and not held in memory. Queued at a time are at most [`MAX_QUEUED_BYTES`] of encoded video,
+//! a few decoded frames (see [`StoredVideo`]), and [`MAX_QUEUED_OUTCOMES`] outcomes.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -21,12 +20,12 @@ use crate::config::{self, ConfigFile, Configuration};
 use barrelman_host::input;
 use barrelman_video::decoder::DecodeMode;
 
-/// Encoded video that may wait for its step: in a recording of ours some ten units, as the pilot takes the newest frame. A
-/// gigabyte is three seconds of raw video at 3840 x 2160 and 30 frames per second.
-pub const MAX_WAITING_BYTES: usize = 1 << 30;
-/// Outcomes that may wait for the recorded outcome of the same step, which in a recording of ours comes next. The oldest
-/// gives way.
-pub const MAX_WAITING_OUTCOMES: usize = 2048;
+/// Limit of the encoded video that waits for its step. In this program's recordings about ten units wait, because the
+/// pilot takes the newest frame. A gigabyte is three seconds of raw video at 3840 x 2160 and 30 frames per second.
+pub const MAX_QUEUED_BYTES: usize = 1 << 30;
+/// Limit of the outcomes that wait for the recorded outcome of the same step. In this program's recordings that outcome
+/// comes next. Beyond the limit the oldest outcome is dropped.
+pub const MAX_QUEUED_OUTCOMES: usize = 2048;
 
 /// Runs the command.
 ///
@@ -45,7 +44,11 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
         replayed.steps,
         replayed.frames,
         replayed.comparison.outcomes,
-        if replayed.cut { "; the recording is cut off, everything before the cut was replayed" } else { "" }
+        if replayed.is_truncated {
+            "; the recording is cut off, everything before the cut was replayed"
+        } else {
+            ""
+        }
     )?;
     if let Some(VersionDifference { first, second }) = &replayed.difference {
         writeln!(out, "recorded with {first}, this program has {second}: outcomes may differ")?;
@@ -55,7 +58,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
     }
     let comparison = &replayed.comparison;
     if comparison.outcomes == 0 {
-        bail!("the recording holds no outcome to compare with");
+        bail!("the recording has no outcome to compare with");
     }
     if comparison.commands_differ == 0 {
         writeln!(out, "every command is the same, bit for bit")?;
@@ -63,7 +66,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
         writeln!(out, "{} of {} commands differ", comparison.commands_differ, comparison.outcomes)?;
     }
     if comparison.outcomes_differ > 0 {
-        writeln!(out, "{} outcomes differ in something", comparison.outcomes_differ)?;
+        writeln!(out, "{} outcomes differ", comparison.outcomes_differ)?;
     }
     if let Some(first) = &comparison.first_difference {
         writeln!(
@@ -79,7 +82,7 @@ struct Replayed {
     steps: u64,
     frames: u64,
     comparison: ReplayComparison,
-    cut: bool,
+    is_truncated: bool,
     /// How the behaviour versions of the recording differ from this program's.
     difference: Option<VersionDifference>,
 }
@@ -88,7 +91,7 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     let mut entries = RecordingReader::new(BufReader::new(recording));
     let start = match entries.next().transpose()? {
         Some(Entry::Start(start)) => start,
-        _ => bail!("it does not begin with what ran and how: this is no recording of this program"),
+        _ => bail!("it does not begin with a start message: it is not a recording of this program"),
     };
     let configuration = match changed {
         Some(configuration) => configuration,
@@ -96,45 +99,50 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
             .context("the recorded configuration")?,
     };
     let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
-    let mut film = StoredVideo::new(mode, MAX_WAITING_BYTES);
+    let mut video = StoredVideo::new(mode, MAX_QUEUED_BYTES);
     let mut replay = Replay::new(build_pilot(&configuration)?, configuration.profile.clone());
     let difference = version_difference(&start, &configuration);
-    let mut replayed =
-        Replayed { steps: 0, frames: 0, comparison: ReplayComparison::default(), cut: false, difference };
-    // An outcome is compared with the recorded outcome of the same step.
-    let mut waiting: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
+    let mut replayed = Replayed {
+        steps: 0,
+        frames: 0,
+        comparison: ReplayComparison::default(),
+        is_truncated: false,
+        difference,
+    };
+    // Outcomes by step, until the recorded outcome of the same step is read.
+    let mut outcomes: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
     for entry in entries {
         match entry {
-            Ok(Entry::Unit(unit)) => film.add(unit)?,
+            Ok(Entry::Unit(unit)) => video.add(unit)?,
             Ok(Entry::Input { step, now, input }) => {
                 let (mut frame, frames) = (None, &mut replayed.frames);
                 let input = input.to_input(|fingerprint| {
                     *frames += 1;
-                    film.frame(fingerprint).map(|found| &*frame.insert(found))
+                    video.frame(fingerprint).map(|found| &*frame.insert(found))
                 })?;
                 let outcome = replay.step(step, now, input);
                 replayed.steps += 1;
-                waiting.insert(step, outcome);
-                if waiting.len() > MAX_WAITING_OUTCOMES {
-                    waiting.pop_first();
+                outcomes.insert(step, outcome);
+                if outcomes.len() > MAX_QUEUED_OUTCOMES {
+                    outcomes.pop_first();
                 }
             }
             Ok(Entry::Outcome(recorded)) => {
-                if let Some(outcome) = waiting.remove(&recorded.step) {
+                if let Some(outcome) = outcomes.remove(&recorded.step) {
                     replayed.comparison.add(&recorded, &outcome);
                 }
             }
             Ok(Entry::Truth(_)) => {}
-            Ok(Entry::Start(_)) => bail!("it begins twice"),
-            Err(ReadError::Truncated) => replayed.cut = true,
+            Ok(Entry::Start(_)) => bail!("it has two start messages"),
+            Err(ReadError::Truncated) => replayed.is_truncated = true,
             Err(error) => return Err(error.into()),
         }
     }
     Ok(replayed)
 }
 
-/// How the versions of the recorded tracker and law differ from those that replay it. A tracker or law that another one
-/// replaces has no version to compare.
+/// How the behaviour versions of the recorded tracker and law differ from the replaying ones. A tracker or law that the
+/// replay replaces by another one has no version to compare.
 fn version_difference(start: &RecordingStart, configuration: &Configuration) -> Option<VersionDifference> {
     let (tracker, law) = (configuration.tracker.name, configuration.law);
     let current = law.behaviour_with(tracker);

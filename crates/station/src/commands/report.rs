@@ -1,4 +1,4 @@
-//! `barrelman report`: trials as a page to look at.
+//! `barrelman report`: writes an HTML page of trials.
 
 use std::io::{Write as _, stdout};
 use std::process::ExitCode;
@@ -22,26 +22,26 @@ use barrelman_host::output::{self, OutputFile};
 /// Runs the command.
 ///
 /// # Errors
-/// If a log cannot be read or an output not be written.
+/// If a log cannot be read or an output cannot be written.
 pub fn run(args: &ReportArgs) -> Result<ExitCode> {
     let page = OutputFile::open(&args.output, args.force)?;
     let mut trials = Vec::with_capacity(args.logs.len());
-    let mut cut = false;
+    let mut is_truncated = false;
     for path in &args.logs {
         match trial_input::read_any(path)? {
             Input::Trial(input) => {
                 if let Some(message) = &input.cut {
                     tracing::error!("{message}");
-                    cut = true;
+                    is_truncated = true;
                 }
-                trials.push(of_log(*input, args));
+                trials.push(reported_trial(*input, args));
             }
             Input::Campaign(campaign) => {
                 args.region.refuse_for_campaign(path, false)?;
-                cut |= campaign.report_cut(path);
+                is_truncated |= campaign.report_cut(path);
                 trials.extend(campaign.entries.into_iter().map(|(entry, _)| ReportedTrial {
                     entry: entry.trial,
-                    set: TrialSet { kind: SetKind::Simulated, name: in_words(&entry.campaign) },
+                    set: TrialSet { kind: SetKind::Simulated, name: campaign_name(&entry.campaign) },
                     trace: None,
                 }));
             }
@@ -50,7 +50,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
     let report = Report { trials, version: env!("CARGO_PKG_VERSION").to_owned() };
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
+            .with_context(|| format!("the folder {} cannot be created", folder.display()))?;
         for figure in report.figures() {
             let path = folder.join(format!("{}.svg", figure.name));
             write(output::create(&path, args.force)?, &figure.svg())?;
@@ -58,14 +58,15 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
     }
     write(page, &report.page())?;
     writeln!(stdout(), "{}: {} trials", args.output.display(), report.trials.len())?;
-    Ok(if cut { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    Ok(if is_truncated { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
 fn write(mut file: OutputFile, text: &str) -> Result<()> {
     file.write_all(text.as_bytes()).with_context(|| format!("{} cannot be written", file.path().display()))
 }
 
-fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
+/// The trial of a log, with its metrics and its trace.
+fn reported_trial(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
     if let Some(frame) = args.region.frame_size {
         input.log.frame = frame;
     }
@@ -73,19 +74,19 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
     let region = input.log.region(shares);
     let metrics = measure(&input.log, region, input.log.picture);
     let simulated = match &input.kind {
-        LogKind::Recording(Some(start)) => SimulatedRun::of(start),
+        LogKind::Recording(Some(start)) => SimulatedRun::from_start(start),
         _ => None,
     };
     let vehicle = match &input.kind {
-        LogKind::Recording(Some(start)) => vehicle_of_another_law(start),
+        LogKind::Recording(Some(start)) => shadowed_vehicle(start),
         _ => None,
     };
-    let asked = args.arena.and_then(Arena::from_number);
+    let given_arena = args.arena.and_then(Arena::from_number);
     let recorded = |name: &str| TrialSet { kind: SetKind::Recorded, name: name.to_owned() };
     let (name, arena, set) = match (simulated, &input.kind) {
         (Some(run), _) => {
             let set = TrialSet { kind: SetKind::Simulated, name: run.set };
-            (run.trial, asked.or_else(|| arena_of(&run.scenario)), set)
+            (run.trial, given_arena.or_else(|| arena_of(&run.scenario)), set)
         }
         (None, kind) => {
             let set = match kind {
@@ -95,7 +96,7 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
                 LogKind::Exported => recorded("exported logs"),
                 LogKind::Recording(_) => recorded("recordings"),
             };
-            let arena = asked.or_else(|| Arena::from_name(&input.name));
+            let arena = given_arena.or_else(|| Arena::from_name(&input.name));
             (input.name, arena, set)
         }
     };
@@ -109,14 +110,14 @@ fn of_log(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
     ReportedTrial { entry, set, trace: Some(TrialTrace { log: input.log, region, shadow }) }
 }
 
-/// The vehicle of a recording that another law than the schema servoed.
-fn vehicle_of_another_law(start: &RecordingStart) -> Option<VehicleProfile> {
+/// The vehicle of a recording, if its law is not the motor schema: the motor schema's shadow is computed for it.
+fn shadowed_vehicle(start: &RecordingStart) -> Option<VehicleProfile> {
     let file = config::parse_recorded(&start.configuration).ok()?;
-    let all = Configuration::resolve_recorded(&file).ok()?;
-    (all.law.name != LawName::Schema).then_some(all.profile)
+    let configuration = Configuration::resolve_recorded(&file).ok()?;
+    (configuration.law.name != LawName::Schema).then_some(configuration.profile)
 }
 
-/// What a recording of a simulated trial is of.
+/// The simulated trial that a recording shows.
 struct SimulatedRun {
     scenario: String,
     /// `SCENARIO/SEED`.
@@ -125,14 +126,14 @@ struct SimulatedRun {
 }
 
 impl SimulatedRun {
-    /// `None` of another recording.
-    fn of(start: &RecordingStart) -> Option<Self> {
+    /// `None` for a recording that is not of a simulated trial.
+    fn from_start(start: &RecordingStart) -> Option<Self> {
         let world = start.video.strip_prefix("sim:")?;
         let (scenario, seed) = world.split_once("?seed=")?;
         let configuration = config::parse_recorded(&start.configuration).ok();
         let law = configuration
             .and_then(|file| Configuration::resolve_recorded(&file).ok())
-            .map(|all| all.law.word());
+            .map(|configuration| configuration.law.word());
         Some(Self {
             scenario: scenario.to_owned(),
             trial: format!("{scenario}/{seed}"),
@@ -144,8 +145,8 @@ impl SimulatedRun {
     }
 }
 
-/// A campaign's settings, as far as they tell it from others.
-fn in_words(settings: &CampaignSettings) -> String {
+/// The name of a campaign: the settings that distinguish it from other campaigns.
+fn campaign_name(settings: &CampaignSettings) -> String {
     let mut words = vec![settings.scenario.clone(), settings.law.clone(), settings.perception.clone()];
     words.extend(settings.mode.clone());
     words.extend(settings.horizon_s.map(|horizon| format!("horizon {horizon} s")));

@@ -1,4 +1,4 @@
-//! `barrelman scenarios`: the list of scenarios, or one scenario's file.
+//! `barrelman scenarios`: lists the scenarios, prints the file of one, or checks a file.
 
 use std::io::{Write as _, stdout};
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ use barrelman_experiments::scenario::{self, BUILT_IN, ScenarioOverrides, file::S
 /// Runs the command.
 ///
 /// # Errors
-/// If there is no such scenario, or a file of one has a mistake.
+/// If there is no such scenario, or the file has a mistake.
 pub fn run(args: &ScenariosArgs) -> Result<ExitCode> {
     let mut out = stdout().lock();
     let Some(name) = &args.name else {
@@ -26,7 +26,6 @@ pub fn run(args: &ScenariosArgs) -> Result<ExitCode> {
         write!(out, "{}", built_in.text)?;
         return Ok(ExitCode::SUCCESS);
     }
-    // A file of one's own: it is checked.
     let loaded = scenario::load(name, &ScenarioOverrides::default())?;
     writeln!(out, "{name} is a scenario: {}", loaded.scenario.name)?;
     Ok(ExitCode::SUCCESS)

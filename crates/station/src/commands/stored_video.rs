@@ -1,8 +1,8 @@
-//! The video of a recording, decoded when a step asks for its frame.
+//! The video of a recording, decoded on demand.
 //!
-//! A recording may hold any number of units that no step asks for, and a small unit may be a large picture. So units wait
-//! encoded, up to a stated number of bytes, and are decoded in order until the frame that is asked for comes. Decoded
-//! frames wait only where one unit gives several: what the decoder held back, sixteen at most.
+//! A recording may hold any number of units whose frame no step needs, and a small unit may be a large picture. So units
+//! are queued encoded, up to a number of bytes, and decoded in order until the wanted frame comes. Decoded frames are
+//! queued only where one unit gives several: the frames that the decoder held back, at most sixteen.
 
 use std::collections::VecDeque;
 
@@ -16,61 +16,61 @@ use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 pub struct StoredVideo {
     decoder: UnitDecoder,
     units: VecDeque<EncodedUnit>,
-    /// Bytes of the units that wait.
-    waiting_bytes: usize,
-    max_waiting_bytes: usize,
+    /// Bytes of the queued units.
+    queued_bytes: usize,
+    max_queued_bytes: usize,
     decoded: VecDeque<VideoFrame>,
     ended: bool,
 }
 
 impl StoredVideo {
-    /// A video of which no unit was read. At most so many bytes of units may wait.
-    pub fn new(mode: DecodeMode, max_waiting_bytes: usize) -> Self {
+    /// A video without units. At most `max_queued_bytes` of units are queued.
+    pub fn new(mode: DecodeMode, max_queued_bytes: usize) -> Self {
         Self {
             decoder: UnitDecoder::new(mode),
             units: VecDeque::new(),
-            waiting_bytes: 0,
-            max_waiting_bytes,
+            queued_bytes: 0,
+            max_queued_bytes,
             decoded: VecDeque::new(),
             ended: false,
         }
     }
 
-    /// Takes the next unit.
+    /// Queues the next unit.
     ///
     /// # Errors
-    /// If too many bytes wait to be asked for.
+    /// If the queued units exceed the limit.
     pub fn add(&mut self, unit: EncodedUnit) -> Result<()> {
-        self.waiting_bytes += bytes_of(&unit);
-        if self.waiting_bytes > self.max_waiting_bytes {
+        self.queued_bytes += bytes_of(&unit);
+        if self.queued_bytes > self.max_queued_bytes {
             bail!(
-                "its video runs too far ahead of its steps: up to picture {}, more than {} MiB wait for a step that takes \
-                 them; `barrelman export` gives its video",
+                "its video runs too far ahead of its steps: at picture {}, more than {} MiB wait for a step that uses \
+                 them; `barrelman export` extracts the video",
                 unit.index,
-                self.max_waiting_bytes >> 20
+                self.max_queued_bytes >> 20
             );
         }
         self.units.push_back(unit);
         Ok(())
     }
 
-    /// The frame of a stamp, with the time of capture that it had then.
+    /// The frame of a fingerprint, with the recorded time of capture.
     ///
     /// # Errors
-    /// If the units so far do not give this frame, or not the same picture as then.
-    pub fn frame(&mut self, stamp: &FrameFingerprint) -> Result<VideoFrame> {
+    /// If the units so far do not contain the frame, or its picture differs from the recorded one.
+    pub fn frame(&mut self, fingerprint: &FrameFingerprint) -> Result<VideoFrame> {
         let mut frame = self
-            .next_from(stamp.sequence)
-            .filter(|frame| frame.sequence == stamp.sequence)
-            .ok_or_else(|| anyhow!("video frame {} is not in the recording", stamp.sequence))?;
-        if FrameFingerprint::from_frame(&frame).luma_hash != stamp.luma_hash {
-            bail!("video frame {} decodes to another picture than it did then", stamp.sequence);
+            .next_from(fingerprint.sequence)
+            .filter(|frame| frame.sequence == fingerprint.sequence)
+            .ok_or_else(|| anyhow!("video frame {} is not in the recording", fingerprint.sequence))?;
+        if FrameFingerprint::from_frame(&frame).luma_hash != fingerprint.luma_hash {
+            bail!("video frame {} decodes to another picture than in the recorded run", fingerprint.sequence);
         }
-        frame.capture = stamp.capture;
+        frame.capture = fingerprint.capture;
         Ok(frame)
     }
 
-    /// The next frame that has this number or a higher one.
+    /// The next frame with this sequence number or a higher one.
     fn next_from(&mut self, sequence: u64) -> Option<VideoFrame> {
         loop {
             while let Some(frame) = self.decoded.pop_front() {
@@ -79,11 +79,11 @@ impl StoredVideo {
                 }
             }
             if let Some(unit) = self.units.pop_front() {
-                self.waiting_bytes -= bytes_of(&unit);
-                // What was damaged then is damaged now: the frames that came of it are the same.
+                self.queued_bytes -= bytes_of(&unit);
+                // Damage is part of the recording: the same units give the same frames again.
                 let _ = self.decoder.decode(&unit, &mut |frame| self.decoded.push_back(frame));
             } else if !std::mem::replace(&mut self.ended, true) {
-                // The last pictures of a file come out when nothing more goes in.
+                // At the end, the decoder releases the pictures that it held back.
                 self.decoder.finish(&mut |frame| self.decoded.push_back(frame));
             } else {
                 return None;
@@ -92,6 +92,7 @@ impl StoredVideo {
     }
 }
 
+/// The memory of a queued unit, bytes.
 fn bytes_of(unit: &EncodedUnit) -> usize {
     size_of::<EncodedUnit>() + unit.payload.len()
 }

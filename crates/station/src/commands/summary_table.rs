@@ -1,14 +1,14 @@
-//! The metrics of trials as a table for people.
+//! The table of metrics that `trials`, `merge` and `metrics` print.
 
 use std::fmt::Write as _;
 
 use barrelman_trial::metrics::{Arena, Summary};
 
-/// The figures that people compare first; `--json` has all of them.
+/// The table of the main metrics; `--json` prints all metrics.
 ///
 /// # Errors
-/// Never in practice: it is written into a string.
-pub(super) fn of(summary: &Summary) -> Result<String, std::fmt::Error> {
+/// Never in practice: the table is written into a string.
+pub(super) fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let width = summary.trials.iter().map(|trial| trial.name.len()).max().unwrap_or(0).max("trial".len());
     writeln!(

@@ -1,4 +1,4 @@
-//! `barrelman track`: the tracker alone on a recording.
+//! `barrelman track`: runs the tracker alone on a recorded video.
 
 use std::io::{BufWriter, Write, stdout};
 use std::path::PathBuf;
@@ -29,32 +29,32 @@ struct Figures {
     coasting_frames: u64,
     damaged_pictures: u64,
     tracker: &'static str,
-    tracker_cpu_ms: Spread,
-    decode_cpu_ms: Spread,
+    tracker_cpu_ms: Percentiles,
+    decode_cpu_ms: Percentiles,
 }
 
-/// Median and 99th percentile; null of nothing.
+/// Median and 99th percentile, milliseconds; `null` without values.
 #[derive(Serialize)]
-struct Spread {
+struct Percentiles {
     median: Option<f64>,
     p99: Option<f64>,
 }
 
-impl Spread {
-    fn of(mut times: Vec<Duration>) -> Self {
+impl Percentiles {
+    fn from_times(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();
-        let at = |share: f64| {
+        let percentile = |share: f64| {
             let index = (times.len().checked_sub(1)? as f64 * share).round() as usize;
             Some(times[index].as_secs_f64() * 1e3)
         };
-        Self { median: at(0.5), p99: at(0.99) }
+        Self { median: percentile(0.5), p99: percentile(0.99) }
     }
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// If the video, the selection or an output cannot be used. What was tracked before damage in the video is kept.
+/// If the video, the selection or an output cannot be used. The track before an error in the video is kept.
 pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     let url = VideoUrl::parse(&args.video)?;
     let open =
@@ -62,12 +62,12 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     let (rows, film) = (open(&args.output)?, open(&args.overlay)?);
     let rows: Box<dyn Write> = match rows {
         Some(file) => Box::new(file),
-        // Nothing but the figures is printed.
+        // With --json only the figures are printed.
         None if args.json => Box::new(std::io::sink()),
         None => Box::new(stdout().lock()),
     };
     let mut frames = FileFrames::open(&url)?;
-    let mut tracked = Tracked {
+    let mut track = TrackWriter {
         tracker: TrackerSettings::of(args.tracker).tracker()?,
         rows: BufWriter::new(rows),
         has_rows: false,
@@ -96,23 +96,23 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         };
         decode_times.push(cpu_time().saturating_sub(before));
         if index >= args.start_frame {
-            tracked.frame(args, index, &frame)?;
+            track.add(args, index, &frame)?;
         }
         index += 1;
         progress.inc(1);
     };
     progress.finish_and_clear();
-    tracked.rows.flush().context("the track cannot be written")?;
+    track.rows.flush().context("the track cannot be written")?;
     if index <= args.start_frame && failure.is_none() {
         bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
     }
-    let (lost_frames, coasting_frames) = (tracked.lost, tracked.coasting);
-    let tracker_times = std::mem::take(&mut tracked.tracker_times);
-    if let Some(film) = tracked.film {
+    let (lost_frames, coasting_frames) = (track.lost, track.coasting);
+    let tracker_times = std::mem::take(&mut track.tracker_times);
+    if let Some(film) = track.film {
         film.finish()?;
     }
     if damaged > 1 {
-        tracing::warn!("{damaged} damaged pictures in all");
+        tracing::warn!("{damaged} damaged pictures in total");
     }
     if args.json {
         let figures = Figures {
@@ -121,23 +121,23 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
             coasting_frames,
             damaged_pictures: damaged,
             tracker: args.tracker.word(),
-            tracker_cpu_ms: Spread::of(tracker_times),
-            decode_cpu_ms: Spread::of(decode_times),
+            tracker_cpu_ms: Percentiles::from_times(tracker_times),
+            decode_cpu_ms: Percentiles::from_times(decode_times),
         };
         writeln!(stdout(), "{}", serde_json::to_string_pretty(&figures)?)?;
     }
     match failure {
         Some(error) => {
-            Err(error).context(format!("{index} frames were read before this; their track was kept"))
+            Err(error).context(format!("the error came after {index} frames, whose track was kept"))
         }
         None => Ok(ExitCode::SUCCESS),
     }
 }
 
-/// CPU time of all threads of this program: the tracker has none of its own, so it is the tracker's.
+/// CPU time of all threads of the program. While the tracker runs, no other thread does, so a difference is the tracker's.
 fn cpu_time() -> Duration {
     let time = clock_gettime(ClockId::ProcessCPUTime);
-    // CPU time counts from zero: neither part is ever negative.
+    // CPU time counts from zero: neither part is negative.
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
@@ -149,10 +149,11 @@ fn progress_bar(frames: &FileFrames) -> ProgressBar {
     }
 }
 
-struct Tracked {
+/// Tracks frame by frame, and writes the rows and the film.
+struct TrackWriter {
     tracker: Box<dyn Tracker>,
     rows: BufWriter<Box<dyn Write>>,
-    /// Whether the header is written, which comes with the first row: a selection that is refused leaves no file
+    /// Whether the header is written. The header comes with the first row, so that a refused selection leaves no file
     /// behind.
     has_rows: bool,
     film: Option<Film>,
@@ -162,8 +163,8 @@ struct Tracked {
     tracker_times: Vec<Duration>,
 }
 
-impl Tracked {
-    fn frame(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
+impl TrackWriter {
+    fn add(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
         let before = cpu_time();
         let track = if index == args.start_frame {
             let report = self.tracker.select(frame, args.select)?;
@@ -181,7 +182,6 @@ impl Tracked {
         };
         self.lost += u64::from(matches!(track, Track::Lost { .. }));
         self.coasting += u64::from(matches!(track, Track::Coasting(_)));
-        // A file's own times count from its beginning.
         if !std::mem::replace(&mut self.has_rows, true) {
             writeln!(self.rows, "{HEADER}")?;
         }
@@ -204,7 +204,7 @@ fn write_row(output: &mut impl Write, index: u64, time_s: f64, track: &Track) ->
         Track::Lost { confidence, .. } => {
             return writeln!(output, "{index},{time_s:.6},lost,,,,,,,,,,,{confidence:.4}");
         }
-        // Before the selection there are no rows.
+        // There are no rows before the selection.
         Track::Unseeded => return Ok(()),
     };
     let (bounds, centre) = (seen.bounds, seen.centre);

@@ -1,4 +1,4 @@
-//! Reads trial logs of every kind from files.
+//! Reads trial logs of all kinds, and campaign files.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -12,46 +12,46 @@ use barrelman_trial::records::{Entry, ReadError, RecordingReader, RecordingStart
 use barrelman_experiments::campaign::file::{self as campaign_file, CampaignFile};
 use barrelman_host::input;
 
-/// How an MCAP file begins.
+/// The first bytes of an MCAP file.
 const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];
 
-/// What was read from a file.
+/// The content of a file.
 #[derive(Debug)]
 pub(super) enum Input {
     /// One trial.
     Trial(Box<TrialInput>),
-    /// The trials of a campaign, by their metrics.
+    /// The metrics of a campaign's trials.
     Campaign(CampaignFile),
 }
 
-/// What kind of log a trial was read from.
+/// The kind of a log.
 #[derive(Debug)]
 pub(super) enum LogKind {
-    /// The authors' laboratory's.
+    /// A CSV of the paper's laboratory.
     Laboratory,
-    /// A CSV that this program wrote.
+    /// A CSV that this program exported.
     Exported,
-    /// A recording, with what ran; `None` where that is missing.
+    /// A recording, with its start message; `None` where that is missing.
     Recording(Option<Box<RecordingStart>>),
 }
 
-/// A trial that was read from a file.
+/// A trial and its file.
 #[derive(Debug)]
 pub(super) struct TrialInput {
-    /// The file's name without its folder and ending.
+    /// The file's name without folder and extension.
     pub(super) name: String,
     /// The trial.
     pub(super) log: TrialLog,
-    /// Where the file was cut, if it was, in words.
+    /// The message for the user if the file is truncated.
     pub(super) cut: Option<String>,
-    /// What it was read from.
+    /// The kind of the log.
     pub(super) kind: LogKind,
 }
 
-/// Reads a trial, or a campaign's file.
+/// Reads a trial log or a campaign file.
 ///
 /// # Errors
-/// If the file cannot be read or is none that is known; the message names it.
+/// If the file cannot be read or has an unknown format; the message names the file.
 pub(super) fn read_any(path: &Path) -> Result<Input> {
     let mut first = Vec::new();
     input::open(path)?.take(1).read_to_end(&mut first)?;
@@ -61,10 +61,10 @@ pub(super) fn read_any(path: &Path) -> Result<Input> {
     read(path).map(|trial| Input::Trial(Box::new(trial)))
 }
 
-/// Reads a trial.
+/// Reads a trial log.
 ///
 /// # Errors
-/// If the file cannot be read or is none that is known; the message names it.
+/// If the file cannot be read or has an unknown format; the message names the file.
 pub(super) fn read(path: &Path) -> Result<TrialInput> {
     let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let file = input::open(path)?;
@@ -94,12 +94,12 @@ fn read_named(mut file: File, path: &Path, name: String) -> Result<TrialInput> {
 }
 
 fn read_recording(file: File, name: String) -> Result<TrialInput> {
-    let mut collector = LogBuilder::default();
+    let mut builder = LogBuilder::default();
     let (mut cut, mut start) = (None, None);
     for entry in RecordingReader::new(BufReader::new(file)) {
         match entry {
-            Ok(Entry::Outcome(outcome)) => collector.add_outcome(&outcome),
-            Ok(Entry::Truth(truth)) => collector.add_truth(truth),
+            Ok(Entry::Outcome(outcome)) => builder.add_outcome(&outcome),
+            Ok(Entry::Truth(truth)) => builder.add_truth(truth),
             Ok(Entry::Start(found)) => start = Some(Box::new(found)),
             Ok(_) => {}
             Err(ReadError::Truncated) => {
@@ -108,8 +108,8 @@ fn read_recording(file: File, name: String) -> Result<TrialInput> {
             Err(error) => return Err(error.into()),
         }
     }
-    match collector.finish() {
+    match builder.finish() {
         Some(log) => Ok(TrialInput { name, log, cut, kind: LogKind::Recording(start) }),
-        None => bail!("nothing was ever localised in this recording"),
+        None => bail!("the recording has no localisation"),
     }
 }

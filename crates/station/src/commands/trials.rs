@@ -1,4 +1,4 @@
-//! `barrelman trials`: repeated simulated trials.
+//! `barrelman trials`: runs a campaign of simulated trials.
 
 use std::io::{Write as _, stdout};
 use std::process::ExitCode;
@@ -47,7 +47,7 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         None => seeds(args)?,
     };
     let (mut writer, mut entries) = match &args.output {
-        None if args.resume => bail!("--resume goes on with a file: name it with --output"),
+        None if args.resume => bail!("--resume continues a file: name the file with --output"),
         None => (None, Vec::new()),
         Some(path) if args.resume => {
             let (writer, entries) = CampaignWriter::resume(path, plan.settings(), &seeds)?;
@@ -55,15 +55,15 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         }
         Some(path) => (Some(CampaignWriter::create(path, args.force)?), Vec::new()),
     };
-    let done = entries.len();
+    let done_before = entries.len();
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
         signal_hook::flag::register(signal, Arc::clone(&stop)).context("signals cannot be caught")?;
     }
     let progress = Progress::new("trials", seeds.len() as u64);
-    progress.at(done as u64);
-    let ran = run_in_order(
-        &seeds[done..],
+    progress.set(done_before as u64);
+    let result = run_in_order(
+        &seeds[done_before..],
         args.threads.unwrap_or_else(cores),
         &stop,
         |seed| plan.run(seed),
@@ -72,28 +72,31 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
                 writer.add(&entry)?;
             }
             entries.push(entry);
-            progress.at(entries.len() as u64);
+            progress.set(entries.len() as u64);
             Ok(())
         },
     );
     progress.finish();
-    ran?;
-    let interrupted = stop.load(Ordering::Relaxed) && entries.len() < seeds.len();
-    if interrupted {
-        let go_on = if args.output.is_some() { "--resume goes on from here" } else { "nothing was kept" };
-        tracing::error!("interrupted after {} of {} trials: {go_on}", entries.len(), seeds.len());
+    result?;
+    let is_interrupted = stop.load(Ordering::Relaxed) && entries.len() < seeds.len();
+    if is_interrupted {
+        let remedy = if args.output.is_some() { "continue with --resume" } else { "no result was stored" };
+        tracing::error!("interrupted after {} of {} trials: {remedy}", entries.len(), seeds.len());
     }
     let summary = summarise(entries.into_iter().map(|entry| entry.trial).collect());
-    let text =
-        if args.json { serde_json::to_string_pretty(&summary)? + "\n" } else { summary_table::of(&summary)? };
+    let text = if args.json {
+        serde_json::to_string_pretty(&summary)? + "\n"
+    } else {
+        summary_table::format(&summary)?
+    };
     stdout().write_all(text.as_bytes())?;
-    Ok(if interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    Ok(if is_interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// What is asked for; what is not said of a drive is as it was driven.
+/// The campaign that the arguments describe. What they leave open is the drive's, if a drive is given.
 fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<CampaignRequest> {
     let Some(scenario) = args.scenario.as_ref().or(drive.map(|drive| &drive.cast.url.scenario)) else {
-        bail!("name a scenario, or a drive by --drive");
+        bail!("no scenario: name a scenario, or give a drive with --drive");
     };
     Ok(CampaignRequest {
         scenario: scenario.clone(),
@@ -109,8 +112,8 @@ fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<CampaignReq
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,
             PerceptionName::Pixels => {
-                let drive_inputs = drive.map(|drive| drive.cast.tracker);
-                Perception::Pixels(args.tracker.or(drive_inputs).unwrap_or_default())
+                let drive_tracker = drive.map(|drive| drive.cast.tracker);
+                Perception::Pixels(args.tracker.or(drive_tracker).unwrap_or_default())
             }
         },
         plant: args.plant,
@@ -121,7 +124,7 @@ fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<CampaignReq
 /// The seeds of this shard, in order.
 fn seeds(args: &TrialsArgs) -> Result<Vec<u64>> {
     let Some(end) = args.seed.checked_add(args.trials) else {
-        bail!("--seed {} with --trials {} is beyond the largest seed", args.seed, args.trials);
+        bail!("--seed {} with --trials {} exceeds the largest seed", args.seed, args.trials);
     };
     let all = args.seed..end;
     Ok(match args.shard {
@@ -130,7 +133,7 @@ fn seeds(args: &TrialsArgs) -> Result<Vec<u64>> {
     })
 }
 
-/// How many trials run at the same time unless something else is asked for.
+/// Default number of trials at the same time.
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }

@@ -1,4 +1,4 @@
-//! The camera's part of a configuration file: how it answers.
+//! The section `[camera]` of a configuration file: optics and dynamics of the camera.
 
 use core::time::Duration;
 
@@ -10,50 +10,50 @@ use serde::{Deserialize, Serialize};
 
 use super::range::within;
 
-/// How the camera answers a command and what it sees. A law that predicts goes by it,
-/// and under every law the tracker is told by it how far the camera's turning shifted the picture.
+/// Optics and dynamics of the camera. The optimal law predicts with them; with every law, the tracker's motion prior is
+/// computed from them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CameraSection {
     /// Focal length as a share of the picture's width, 0.1 to 20.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focal_share: Option<f64>,
-    /// The camera's elevation at the start, radians, where no telemetry tells; negative looks down.
+    /// Elevation of the camera at the start, radians, without telemetry; negative looks down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_tilt_rad: Option<f64>,
-    /// The lower end stop of that elevation, radians.
+    /// Lower end stop of the elevation, radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lowest_tilt_rad: Option<f64>,
-    /// The upper one.
+    /// Upper end stop of the elevation, radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub highest_tilt_rad: Option<f64>,
-    /// The axis that pans.
+    /// The pan axis.
     pub pan: AxisSection,
-    /// The axis that tilts.
+    /// The tilt axis.
     pub tilt: AxisSection,
 }
 
-/// How an axis answers.
+/// Dynamics of an axis.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AxisSection {
-    /// From a command that moves to the start of its effect, without the video's latency, seconds.
+    /// Dead time of a command that moves, without the video's latency, seconds, 0 to 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_dead_time_s: Option<f64>,
-    /// From a zero to the start of its effect, seconds; not less than that.
+    /// Dead time of a stop command, seconds, 0 to 2, at least `start_dead_time_s`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_dead_time_s: Option<f64>,
-    /// Time constant of the rate after that, seconds.
+    /// Time constant of the rate after the dead time, seconds, 0 to 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<f64>,
-    /// The least rate other than zero that it turns at, rad/s.
+    /// Lowest rate above zero at which the axis turns, rad/s, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_rad_per_s: Option<f64>,
 }
 
 impl CameraSection {
-    /// The section with nothing left out.
-    pub fn of(camera: &CameraDynamics) -> Self {
+    /// The complete section.
+    pub fn from_dynamics(camera: &CameraDynamics) -> Self {
         let axis = |axis: &AxisDynamics| AxisSection {
             start_dead_time_s: Some(axis.start_dead_time.as_secs_f64()),
             stop_dead_time_s: Some(axis.stop_dead_time.as_secs_f64()),
@@ -70,10 +70,10 @@ impl CameraSection {
         }
     }
 
-    /// A vehicle's camera with what the section says otherwise.
+    /// The vehicle's camera `base` with the values of the section.
     ///
     /// # Errors
-    /// If a value lies outside of its range; the message names the key and the range.
+    /// If a value is out of range; the message names the key and the range.
     pub fn over(&self, base: &CameraDynamics) -> Result<CameraDynamics> {
         let tilt = |key: &str, value: Option<f64>, base: Angle| {
             within(key, value, base.radians(), -1.571, 1.571, "radians").map(Angle::from_radians)
@@ -83,7 +83,7 @@ impl CameraSection {
             tilt("camera.highest_tilt_rad", self.highest_tilt_rad, base.tilt_stops.1)?,
         );
         if stops.0.radians() >= stops.1.radians() {
-            bail!("camera.lowest_tilt_rad is not below camera.highest_tilt_rad: exchange or correct them");
+            bail!("camera.lowest_tilt_rad is not below camera.highest_tilt_rad: correct one of them");
         }
         Ok(CameraDynamics {
             focal_share: within(
@@ -104,20 +104,19 @@ impl CameraSection {
 
 impl AxisSection {
     fn over(&self, section: &str, base: &AxisDynamics) -> Result<AxisDynamics> {
-        let span = |key: &str, value: Option<f64>, base: Duration| {
+        let duration = |key: &str, value: Option<f64>, base: Duration| {
             let key = format!("{section}.{key}");
             within(&key, value, base.as_secs_f64(), 0.0, 2.0, "seconds").map(Duration::from_secs_f64)
         };
-        let least = self.least_rad_per_s;
-        let base_least = base.min_rate.radians_per_second();
+        let base_min_rate = base.min_rate.radians_per_second();
         let axis = AxisDynamics {
-            start_dead_time: span("start_dead_time_s", self.start_dead_time_s, base.start_dead_time)?,
-            stop_dead_time: span("stop_dead_time_s", self.stop_dead_time_s, base.stop_dead_time)?,
-            lag: span("lag_s", self.lag_s, base.lag)?,
+            start_dead_time: duration("start_dead_time_s", self.start_dead_time_s, base.start_dead_time)?,
+            stop_dead_time: duration("stop_dead_time_s", self.stop_dead_time_s, base.stop_dead_time)?,
+            lag: duration("lag_s", self.lag_s, base.lag)?,
             min_rate: AngularRate::from_radians_per_second(within(
                 &format!("{section}.least_rad_per_s"),
-                least,
-                base_least,
+                self.least_rad_per_s,
+                base_min_rate,
                 0.0,
                 1.0,
                 "rad/s",

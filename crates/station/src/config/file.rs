@@ -1,4 +1,4 @@
-//! The configuration file as written: every key may be left out.
+//! The configuration file as written: every key is optional.
 
 use std::path::PathBuf;
 
@@ -13,13 +13,13 @@ use barrelman_experiments::law_choice::{LawName, ModeName};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ConfigFile {
-    /// Where the video comes from.
+    /// The video source.
     pub video: VideoSection,
-    /// Where the commands go.
+    /// The vehicle's link.
     pub link: LinkSection,
     /// The vehicle.
     pub vehicle: VehicleSection,
-    /// How its camera answers.
+    /// The vehicle's camera.
     pub camera: CameraSection,
     /// The camera law.
     pub law: LawSection,
@@ -31,45 +31,45 @@ pub struct ConfigFile {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LawSection {
-    /// Its name.
+    /// The law's name; default: `optimal`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<LawName>,
-    /// What the optimal law spares.
+    /// What the optimal law saves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mode: Option<ModeName>,
-    /// Within what time the optimal law brings the target back, seconds, 0.5 to 5; without it the mode's own.
+    /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; default: the mode's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizon: Option<f64>,
 }
 
-/// Where the video comes from.
+/// The video source.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VideoSection {
-    /// `rtsp://...` or `file:...`.
+    /// Address: `rtsp://...`, `file:...` or `sim:...`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// File whose first line is the camera's `user:password`, for `rtsp://` alone.
+    /// File whose first line is the camera's `user:password`, only for `rtsp://`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_file: Option<PathBuf>,
-    /// Name of the environment variable that holds the camera's `user:password`, for `rtsp://` alone.
+    /// Name of the environment variable that holds the camera's `user:password`, only for `rtsp://`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_env: Option<String>,
 }
 
-/// Where the commands go.
+/// The vehicle's link.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LinkSection {
-    /// `serial:/dev/ttyACM0?baud=115200` or `tcp://host:port`; without it: a dry run.
+    /// Address: `serial:/dev/ttyACM0?baud=115200` or `tcp://host:port`; without an address: a dry run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// What stands around a line to a Fotokite Pro.
+    /// Delimiters of a line to a Fotokite Pro.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,
 }
 
-/// What stands around a line to a Fotokite Pro.
+/// Delimiters of a line to a Fotokite Pro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineEnding {
@@ -79,17 +79,17 @@ pub enum LineEnding {
     Lf,
 }
 
-/// Which way the vehicle counts a rate.
+/// Sign of a vehicle's rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SignName {
-    /// As we do: positive turns the view right, or raises it.
+    /// This program's sign: a positive rate turns the view right, or raises it.
     Same,
-    /// The other way.
+    /// The opposite sign.
     Opposite,
 }
 
-/// The vehicle: a profile, and what differs from it.
+/// The vehicle: a profile, and values that override the profile's.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VehicleSection {
@@ -114,19 +114,19 @@ pub struct VehicleSection {
     /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_tilt_rad_per_s: Option<f64>,
-    /// The vehicle's yaw rate against our pan.
+    /// Sign of the vehicle's yaw rate relative to pan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yaw_sign: Option<SignName>,
-    /// The vehicle's pitch rate against our tilt.
+    /// Sign of the vehicle's pitch rate relative to tilt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_sign: Option<SignName>,
-    /// Nominal time from the sensor to the arrival of a video frame, seconds.
+    /// Nominal latency of the video, from the sensor to the arrival of a frame, seconds, 0 to 5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub video_latency_s: Option<f64>,
-    /// How much older than that a video frame may arrive before it counts as stale, seconds.
+    /// Latency beyond the nominal latency from which on a video frame counts as stale, seconds, 0 to 5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stale_after_s: Option<f64>,
-    /// How long a rate may last after the last fresh localisation arrived, seconds.
+    /// How long a rate may last after the arrival of the last fresh localisation, seconds, 0 to 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coast_motion_s: Option<f64>,
 }

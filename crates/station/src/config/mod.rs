@@ -1,14 +1,17 @@
-//! The configuration: TOML at the edge, plain structs inside.
+//! The configuration: a TOML file ([`ConfigFile`]) and the effective configuration ([`Configuration`]).
 //!
-//! Unknown keys are rejected; every key has a unit, a range and a default, documented in
-//! `config/barrelman.example.toml`. What is left out takes the default of the vehicle's profile. The effective
-//! configuration, with nothing left out, is the first message of every recording.
+//! Unknown keys are rejected. Every key has a unit, a range and a default, documented in
+//! `config/barrelman.example.toml`; defaults come from the vehicle's profile. The complete effective configuration is part
+//! of the first message of every recording.
+
+pub mod file;
 
 pub mod camera;
-pub mod file;
-mod range;
-pub mod resolve;
 pub mod tracker;
+
+pub mod resolve;
+
+mod range;
 
 use std::path::Path;
 
@@ -28,27 +31,27 @@ pub const EXAMPLE: &str = include_str!("../../../../config/barrelman.example.tom
 /// Reads a configuration file.
 ///
 /// # Errors
-/// If it cannot be read or understood; the message names the file, the line and the key.
+/// If the file cannot be read or parsed; the message names the file, the line and the key.
 pub fn read(path: &Path) -> Result<ConfigFile> {
     let text = String::from_utf8(input::read(path)?);
-    let parsed = text.context("it is no text").and_then(|text| parse(&text));
+    let parsed = text.context("it is not UTF-8 text").and_then(|text| parse(&text));
     parsed.with_context(|| format!("the configuration {} is not usable", path.display()))
 }
 
-/// Reads a configuration from its text.
+/// Parses the text of a configuration file.
 ///
 /// # Errors
-/// If a key is unknown or a value has another type; the message points at it.
+/// If a key is unknown or a value has the wrong type; the message shows the line.
 pub fn parse(text: &str) -> Result<ConfigFile> {
-    // The message shows the line with the mistake, which may be that of an address with a login.
+    // The message shows the line with the mistake, which may hold an address with a login.
     toml::from_str(text).map_err(|error| anyhow!("{}", without_logins(&error.to_string())))
 }
 
-/// Reads the configuration that a recording begins with. One that names no tracker was made when CamShift was the
-/// only one, and one that names no law when the schema was.
+/// Parses the configuration of a recording. A recording that names no tracker is from the time when CamShift was the only
+/// tracker; one that names no law is from the time when the motor schema was the only law.
 ///
 /// # Errors
-/// If a key is unknown or a value has another type; the message points at it.
+/// If a key is unknown or a value has the wrong type; the message shows the line.
 pub fn parse_recorded(text: &str) -> Result<ConfigFile> {
     let mut file = parse(text)?;
     file.tracker.name.get_or_insert(TrackerName::Camshift);

@@ -1,11 +1,11 @@
-//! Holds a value of a configuration file to its range.
+//! Checks a value of a configuration file against its range.
 
 use anyhow::{Result, bail};
 
-/// The value of the file, or else the base, if it lies from `min` to `max`.
+/// The value of the file, or `base` without one, if it lies from `min` to `max`.
 ///
 /// # Errors
-/// Names the key, the unit and the range.
+/// If the value is out of range; the message names the key, the unit and the range.
 pub(super) fn within(
     key: &str,
     value: Option<f64>,

@@ -1,4 +1,4 @@
-//! From what a file says to what the program works by, and back to a file with nothing left out.
+//! The effective configuration: from a file with defaults filled in, and back to a complete file.
 
 use std::time::Duration;
 
@@ -18,13 +18,13 @@ use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 /// The effective configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
-    /// Where the video comes from, if it is known yet.
+    /// Address of the video source, if it is given.
     pub video: Option<String>,
     /// Where the video's login is kept, if it is not in the address.
     pub video_login: Option<LoginSource>,
-    /// Where the commands go; `None`: a dry run.
+    /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
-    /// What stands around a line to a Fotokite Pro.
+    /// Delimiters of a line to a Fotokite Pro.
     pub framing: Framing,
     /// The vehicle.
     pub profile: VehicleProfile,
@@ -34,16 +34,16 @@ pub struct Configuration {
     pub tracker: TrackerSettings,
 }
 
-/// Names of the vehicle profiles that are built in.
+/// Names of the built-in vehicle profiles.
 pub const PROFILES: [&str; 1] = ["fotokite-pro"];
 
 /// The largest rate in the configuration of a recording, rad/s.
-const MOST_RECORDED_RAD_PER_S: f64 = 3.0;
+const MAX_RECORDED_RAD_PER_S: f64 = 3.0;
 
-/// The built-in profile of that name.
+/// The built-in profile of a name.
 ///
 /// # Errors
-/// If there is none; the message lists those that there are.
+/// If there is no such profile; the message lists the names.
 pub fn profile_named(name: &str) -> Result<VehicleProfile> {
     match name {
         "fotokite-pro" => Ok(VehicleProfile::fotokite_pro()),
@@ -52,30 +52,30 @@ pub fn profile_named(name: &str) -> Result<VehicleProfile> {
 }
 
 impl Configuration {
-    /// Fills in what the file leaves out.
+    /// Fills in the defaults of the keys that the file omits.
     ///
     /// # Errors
-    /// If a value lies outside of its range; the message names the key and the range.
+    /// If a value is out of range; the message names the key and the range.
     pub fn resolve(file: &ConfigFile) -> Result<Self> {
         Self::resolve_within(file, |profile| profile.protocol.rate_limits())
     }
 
-    /// The same for the configuration of a recording, which sends nothing: a simulated vehicle may have turned faster
-    /// than a real one, and programs of before took such rates for every vehicle.
+    /// Like [`Self::resolve`], but with wider limits of the rates, for the configuration of a recording: a simulated vehicle
+    /// may turn faster than a real one, and earlier versions accepted such rates for every vehicle. A replay sends nothing.
     ///
     /// # Errors
-    /// If a value lies outside of its range; the message names the key and the range.
+    /// If a value is out of range; the message names the key and the range.
     pub fn resolve_recorded(file: &ConfigFile) -> Result<Self> {
-        let most = AngularRate::from_radians_per_second(MOST_RECORDED_RAD_PER_S);
-        Self::resolve_within(file, |_| AxisRates { pan: most, tilt: most })
+        let max = AngularRate::from_radians_per_second(MAX_RECORDED_RAD_PER_S);
+        Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max })
     }
 
     fn resolve_within(file: &ConfigFile, rate_limits: impl Fn(&VehicleProfile) -> AxisRates) -> Result<Self> {
         let vehicle = &file.vehicle;
         let base =
             profile_named(vehicle.profile.as_deref().unwrap_or(PROFILES[0])).context("vehicle.profile")?;
-        let most = rate_limits(&base);
-        let mut profile = overridden(base, vehicle, most)?;
+        let max_rates = rate_limits(&base);
+        let mut profile = overridden(base, vehicle, max_rates)?;
         profile.camera = file.camera.over(&profile.camera)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
@@ -118,7 +118,7 @@ impl Configuration {
         Ok(Self { profile, law, tracker: TrackerSettings::of(tracker), ..defaults })
     }
 
-    /// The same as a file with nothing left out.
+    /// The configuration as a complete file.
     pub fn to_file(&self) -> ConfigFile {
         let profile = &self.profile;
         let sign = |sign: Sign| {
@@ -128,7 +128,7 @@ impl Configuration {
             })
         };
         let rate = |rate: AngularRate| Some(rate.radians_per_second());
-        let seconds = |span: Duration| Some(span.as_secs_f64());
+        let seconds = |duration: Duration| Some(duration.as_secs_f64());
         ConfigFile {
             video: VideoSection {
                 url: self.video.clone(),
@@ -162,16 +162,16 @@ impl Configuration {
                 stale_after_s: seconds(profile.stale_after),
                 coast_motion_s: seconds(profile.coast_motion),
             },
-            camera: CameraSection::of(&profile.camera),
+            camera: CameraSection::from_dynamics(&profile.camera),
             law: LawSection { name: Some(self.law.name), mode: self.law.mode, horizon: self.law.horizon_s },
-            tracker: TrackerSection::of(&self.tracker),
+            tracker: TrackerSection::from_settings(&self.tracker),
         }
     }
 
-    /// The same as TOML with nothing left out.
+    /// The configuration as complete TOML.
     ///
     /// # Errors
-    /// Never in practice: plain data can be written.
+    /// Never in practice: plain data can be serialised.
     pub fn to_toml(&self) -> Result<String> {
         Ok(toml::to_string_pretty(&self.to_file())?)
     }
@@ -179,20 +179,21 @@ impl Configuration {
 
 fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
     match (&video.login_file, &video.login_env) {
-        (Some(_), Some(_)) => bail!("video.login_file and video.login_env are both given: leave one out"),
+        (Some(_), Some(_)) => bail!("video.login_file and video.login_env are both given: omit one"),
         (Some(path), None) => Ok(Some(LoginSource::File(path.clone()))),
         (None, Some(name)) => Ok(Some(LoginSource::Environment(name.clone()))),
         (None, None) => Ok(None),
     }
 }
 
-/// A profile with what a file says otherwise; no limit above `most`, no schema rate above its axis' limit.
-fn overridden(base: VehicleProfile, vehicle: &VehicleSection, most: AxisRates) -> Result<VehicleProfile> {
+/// The profile `base` with the values of a file. Limits are at most `max`, motor schema rates at most their axis' limit.
+fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) -> Result<VehicleProfile> {
     let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
-    let own = "the most that the vehicle is ever sent";
+    let vehicle_limit = "the limit of the vehicle";
+    let (pan, tilt) = (vehicle.limit_pan_rad_per_s, vehicle.limit_tilt_rad_per_s);
     let limits = AxisRates {
-        pan: rate("limit_pan_rad_per_s", vehicle.limit_pan_rad_per_s, base.limits.pan, most.pan, own)?,
-        tilt: rate("limit_tilt_rad_per_s", vehicle.limit_tilt_rad_per_s, base.limits.tilt, most.tilt, own)?,
+        pan: rate("limit_pan_rad_per_s", pan, base.limits.pan, max.pan, vehicle_limit)?,
+        tilt: rate("limit_tilt_rad_per_s", tilt, base.limits.tilt, max.tilt, vehicle_limit)?,
     };
     let (pan_limit, tilt_limit) = ("vehicle.limit_pan_rad_per_s", "vehicle.limit_tilt_rad_per_s");
     let (pan, tilt) = (vehicle.schema_pan_rad_per_s, vehicle.schema_tilt_rad_per_s);
@@ -200,8 +201,8 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, most: AxisRates) -
         pan: rate("schema_pan_rad_per_s", pan, base.motor_schema_rates.pan, limits.pan, pan_limit)?,
         tilt: rate("schema_tilt_rad_per_s", tilt, base.motor_schema_rates.tilt, limits.tilt, tilt_limit)?,
     };
-    let span = |key: &str, value: Option<f64>, base: Duration, most: f64| {
-        ranged(key, value, base.as_secs_f64(), 0.0, most, "seconds").map(Duration::from_secs_f64)
+    let duration = |key: &str, value: Option<f64>, base: Duration, max: f64| {
+        ranged(key, value, base.as_secs_f64(), 0.0, max, "seconds").map(Duration::from_secs_f64)
     };
     let sign = |value: Option<SignName>, base: Sign| match value {
         Some(SignName::Same) => Sign::Same,
@@ -219,29 +220,29 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, most: AxisRates) -
             yaw: sign(vehicle.yaw_sign, base.signs.yaw),
             pitch: sign(vehicle.pitch_sign, base.signs.pitch),
         },
-        video_latency: span("video_latency_s", vehicle.video_latency_s, base.video_latency, 5.0)?,
-        stale_after: span("stale_after_s", vehicle.stale_after_s, base.stale_after, 5.0)?,
-        coast_motion: span("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, 2.0)?,
+        video_latency: duration("video_latency_s", vehicle.video_latency_s, base.video_latency, 5.0)?,
+        stale_after: duration("stale_after_s", vehicle.stale_after_s, base.stale_after, 5.0)?,
+        coast_motion: duration("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, 2.0)?,
         ..base
     })
 }
 
-/// A rate from 0 to `most`; `limited_by` says what sets that limit.
+/// A rate from 0 to `max`; `limited_by` names the source of that limit in the error.
 fn rate(
     key: &str,
     value: Option<f64>,
     base: AngularRate,
-    most: AngularRate,
+    max: AngularRate,
     limited_by: &str,
 ) -> Result<AngularRate> {
-    let (value, most) = (value.unwrap_or(base.radians_per_second()), most.radians_per_second());
-    if (0.0..=most).contains(&value) {
+    let (value, max) = (value.unwrap_or(base.radians_per_second()), max.radians_per_second());
+    if (0.0..=max).contains(&value) {
         Ok(AngularRate::from_radians_per_second(value))
     } else {
-        bail!("vehicle.{key} = {value}: use rad/s from 0 to {most}, {limited_by}")
+        bail!("vehicle.{key} = {value}: use rad/s from 0 to {max}, {limited_by}")
     }
 }
 
-fn ranged(key: &str, value: Option<f64>, base: f64, least: f64, most: f64, unit: &str) -> Result<f64> {
-    within(&format!("vehicle.{key}"), value, base, least, most, unit)
+fn ranged(key: &str, value: Option<f64>, base: f64, min: f64, max: f64, unit: &str) -> Result<f64> {
+    within(&format!("vehicle.{key}"), value, base, min, max, unit)
 }

@@ -1,4 +1,4 @@
-//! The tracker's part of a configuration file.
+//! The section `[tracker]` of a configuration file.
 
 use barrelman_vision::{CamShiftConfig, FusedConfig};
 use schemars::JsonSchema;
@@ -10,13 +10,13 @@ use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackerSection {
-    /// Which one; `fused` unless something else is said.
+    /// The tracker's name; default: `fused`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<TrackerName>,
-    /// CamShift: least saturation of a pixel that counts, 0 to 255.
+    /// CamShift: lowest saturation at which a pixel's hue is used, 0 to 255.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub saturation_floor: Option<u8>,
-    /// CamShift: least value (brightness) of a pixel that counts, 0 to 255.
+    /// CamShift: lowest value (brightness) at which a pixel's hue is used, 0 to 255.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value_floor: Option<u8>,
     /// The fused tracker.
@@ -27,62 +27,63 @@ pub struct TrackerSection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FusedSection {
-    /// How long a target that is not seen is carried on by prediction before it is lost, seconds, 0 to 2.
+    /// How long an unseen target is predicted before it counts as lost, seconds, 0 to 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coast_s: Option<f64>,
-    /// Frames in a row that a target found again must be seen in before it is believed, 0 to 20.
+    /// Consecutive frames in which a re-detected target must be seen before it is accepted, 0 to 20.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confirm: Option<u32>,
-    /// Side of the search window, in roots of the target's area, 2.5 to 6. Wider finds faster targets and sees them
-    /// coarser.
+    /// Side of the search window, in roots of the target's area, 2.5 to 6. A wider window finds faster targets at a lower
+    /// resolution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub padding: Option<f64>,
-    /// How much targets speed up and turn, in roots of their area per second squared and root of Hz, 0.1 to 100.
+    /// Root of the spectral density of the target's acceleration, in roots of its area per second squared and root of Hz,
+    /// 0.1 to 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub agility: Option<f64>,
-    /// Share by which a frame enters the filter, 0.001 to 0.5.
+    /// Learning rate of the correlation filter per frame, 0.001 to 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learning_rate: Option<f64>,
-    /// Share by which a look at the colours enters the histograms, 0 to 0.5.
+    /// Learning rate of the colour histograms per count, which is every fourth frame, 0 to 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colour_rate: Option<f64>,
-    /// Weight of the colour's likeness beside the gradients, 0 to 4.
+    /// Weight of the target probability relative to the gradients, 0 to 4.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colour_gain: Option<f64>,
-    /// Weight of the brightness beside the gradients, 0 to 4.
+    /// Weight of the brightness relative to the gradients, 0 to 4.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub brightness_gain: Option<f64>,
-    /// How far around the target's box the filter may reach, in sizes of the box, 1 to 2.5.
+    /// Support of the correlation filter, in multiples of the target's box, 1 to 2.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mask: Option<f64>,
-    /// Deviation of the response that the filter is made to give, in roots of the target's area, 0.02 to 0.5.
+    /// Standard deviation of the filter's desired response, in roots of the target's area, 0.02 to 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub response_deviation: Option<f64>,
-    /// Steps in which sizes are tried, a factor, 1.005 to 1.1.
+    /// Step of the sizes that are tried, a factor, 1.005 to 1.1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scale_step: Option<f64>,
-    /// Steps in which turns are tried, degrees, 1 to 15.
+    /// Step of the turns that are tried, degrees, 1 to 15.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn_step_deg: Option<f64>,
-    /// What the response at another size or turn is multiplied by before it is compared, 0.9 to 1.
+    /// Factor on the response at another size or turn before the responses are compared, 0.9 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change_gain: Option<f64>,
-    /// Evidence from which on the target counts as seen, 5 to 30.
+    /// Lowest evidence at which the target counts as seen, 5 to 30.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seen: Option<f64>,
-    /// Evidence from which on the tracker learns, 5 to 40.
+    /// Lowest evidence at which the tracker learns, 5 to 40.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learn: Option<f64>,
-    /// Evidence from which on a lost target counts as perhaps found again, 5 to 40.
+    /// Lowest evidence at which a lost target is a candidate for re-detection, 5 to 40.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub again: Option<f64>,
-    /// Evidence that the right colour adds and a wrong one takes away, 0 to 20.
+    /// Evidence that matching colour adds and other colour subtracts, 0 to 20.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colour_evidence: Option<f64>,
 }
 
 impl TrackerSection {
-    /// The settings, with defaults for what is left out; their ranges are not looked at.
+    /// The settings, with defaults for omitted keys; ranges are not checked.
     pub(super) fn settings(&self) -> TrackerSettings {
         let camshift = CamShiftConfig::default();
         TrackerSettings {
@@ -96,13 +97,13 @@ impl TrackerSection {
         }
     }
 
-    /// The settings with nothing left out.
-    pub(super) fn of(settings: &TrackerSettings) -> Self {
+    /// The complete section.
+    pub(super) fn from_settings(settings: &TrackerSettings) -> Self {
         Self {
             name: Some(settings.name),
             saturation_floor: Some(settings.camshift.saturation_floor),
             value_floor: Some(settings.camshift.value_floor),
-            fused: FusedSection::of(&settings.fused),
+            fused: FusedSection::from_settings(&settings.fused),
         }
     }
 }
@@ -131,7 +132,7 @@ impl FusedSection {
         }
     }
 
-    fn of(settings: &FusedConfig) -> Self {
+    fn from_settings(settings: &FusedConfig) -> Self {
         Self {
             coast_s: Some(settings.coast_s),
             confirm: Some(settings.confirm),

@@ -1,35 +1,35 @@
-//! Pictures to JPEG, for pages.
+//! Encodes pictures as JPEG for the page.
 //!
-//! JPEG files hold BT.601 in the full range (JFIF). Samples of another encoding are turned into that by one matrix,
-//! worked out once for each encoding.
+//! JPEG files hold BT.601 in the full range (JFIF). Samples of another encoding are converted by one matrix, computed
+//! once a picture.
 
 use barrelman_vocab::Picture;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};
 
-/// A picture stays sharp, and takes about a tenth of a byte per pixel.
+/// Quality of the encoder, 1 to 100: sharp pictures of about a tenth of a byte a pixel.
 const QUALITY: u8 = 78;
 
-/// A picture as a JPEG file.
+/// Encodes a picture as a JPEG file.
 ///
 /// # Errors
-/// If the picture is larger than JPEG can hold: 65535 pixels on a side.
-pub(super) fn encoded(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
+/// If a side of the picture is longer than 65535 pixels.
+pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
     let mut bytes = Vec::with_capacity(picture.size().area() / 6);
     let mut encoder = Encoder::new(&mut bytes, QUALITY);
     encoder.set_sampling_factor(SamplingFactor::F_2_2);
-    encoder.encode_image(Source { picture, turn: turn(picture.colour()) })?;
+    encoder.encode_image(Source { picture, conversion: conversion_from(picture.colour()) })?;
     Ok(bytes)
 }
 
 struct Source<'a> {
     picture: &'a Picture,
     /// `None` where the samples are JPEG's already.
-    turn: Option<Turn>,
+    conversion: Option<Conversion>,
 }
 
-/// Rows for Y, Cb and Cr: weights of Y, U and V in 1/65536, and what is added.
-type Turn = [[i32; 4]; 3];
+/// Rows for Y, Cb and Cr: weights of Y, U and V in 1/65536, and an offset.
+type Conversion = [[i32; 4]; 3];
 
 impl ImageBuffer for Source<'_> {
     fn get_jpeg_color_type(&self) -> JpegColorType {
@@ -51,52 +51,56 @@ impl ImageBuffer for Source<'_> {
         let [to_y, to_cb, to_cr, _] = buffers;
         for (column, y) in luma.iter().enumerate() {
             let (u, v) = (u[column / 2], v[column / 2]);
-            match &self.turn {
+            match &self.conversion {
                 None => {
                     to_y.push(*y);
                     to_cb.push(u);
                     to_cr.push(v);
                 }
-                Some(turn) => {
+                Some(conversion) => {
                     let (y, u, v) = (i32::from(*y), i32::from(u), i32::from(v));
-                    let turned = turn.map(|[of_y, of_u, of_v, add]| {
-                        ((of_y * y + of_u * u + of_v * v + add) >> 16).clamp(0, 255) as u8
+                    let [y, cb, cr] = conversion.map(|[of_y, of_u, of_v, offset]| {
+                        ((of_y * y + of_u * u + of_v * v + offset) >> 16).clamp(0, 255) as u8
                     });
-                    to_y.push(turned[0]);
-                    to_cb.push(turned[1]);
-                    to_cr.push(turned[2]);
+                    to_y.push(y);
+                    to_cb.push(cb);
+                    to_cr.push(cr);
                 }
             }
         }
     }
 }
 
-fn turn(from: ColourEncoding) -> Option<Turn> {
-    if from == ColourEncoding::JPEG {
+/// The conversion from a colour encoding to JPEG's.
+fn conversion_from(colour: ColourEncoding) -> Option<Conversion> {
+    if colour == ColourEncoding::JPEG {
         return None;
     }
-    let (luma_scale, chroma_scale, black) = match from.range {
+    let (luma_scale, chroma_scale, black) = match colour.range {
         SampleRange::Limited => (255.0 / 219.0, 255.0 / 224.0, 16.0),
         SampleRange::Full => (1.0, 1.0, 0.0),
     };
     // Shares of red and blue in the luma (ITU-R BT.601 and BT.709).
-    let (red, blue) = match from.matrix {
+    let (red, blue) = match colour.matrix {
         ColourMatrix::Bt601 => (0.299, 0.114),
         ColourMatrix::Bt709 => (0.2126, 0.0722),
     };
-    let turned = |y: f64, cb: f64, cr: f64| {
+    let converted = |y: f64, cb: f64, cr: f64| {
         let r = y + 2.0 * (1.0 - red) * cr;
         let b = y + 2.0 * (1.0 - blue) * cb;
         let g = (y - red * r - blue * b) / (1.0 - red - blue);
         let luma = 0.299 * r + 0.587 * g + 0.114 * b;
         [luma, (b - luma) / 1.772, (r - luma) / 1.402]
     };
-    let (of_y, of_u, of_v) =
-        (turned(luma_scale, 0.0, 0.0), turned(0.0, chroma_scale, 0.0), turned(0.0, 0.0, chroma_scale));
+    let (of_y, of_u, of_v) = (
+        converted(luma_scale, 0.0, 0.0),
+        converted(0.0, chroma_scale, 0.0),
+        converted(0.0, 0.0, chroma_scale),
+    );
     let rows = [0, 1, 2].map(|row| {
         let middle = if row == 0 { 0.0 } else { 128.0 };
-        let add = middle + 0.5 - black * of_y[row] - 128.0 * (of_u[row] + of_v[row]);
-        [of_y[row], of_u[row], of_v[row], add].map(|share| (share * 65536.0).round() as i32)
+        let offset = middle + 0.5 - black * of_y[row] - 128.0 * (of_u[row] + of_v[row]);
+        [of_y[row], of_u[row], of_v[row], offset].map(|share| (share * 65536.0).round() as i32)
     });
     Some(rows)
 }
@@ -108,13 +112,13 @@ mod tests {
 
     use super::*;
 
-    /// A plain picture of these samples comes back from a decoder in this colour, give or take 3 for quantisation.
+    /// A uniform picture of these samples decodes to this colour, with a tolerance of 3 for quantisation.
     fn check(colour: ColourEncoding, [y, u, v]: [u8; 3], rgb: [u8; 3]) {
         let mut picture = Picture::black(PictureSize::new(34, 18), colour);
         for (plane, sample) in picture.planes_mut().into_iter().zip([y, u, v]) {
             plane.fill(sample);
         }
-        let file = encoded(&picture).unwrap();
+        let file = encode(&picture).unwrap();
         let mut decoder = zune_jpeg::JpegDecoder::new(ZCursor::new(&file));
         let pixels = decoder.decode().unwrap();
         for (got, wanted) in pixels[..3].iter().zip(rgb) {

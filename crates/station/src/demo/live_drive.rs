@@ -60,7 +60,7 @@ impl LiveDrive<'_> {
         until: Option<Timestamp>,
     ) -> Result<DriveEnd> {
         self.apply(DriveInput::Engage)?;
-        let mut pacing = Pacing::from(0, self.clock.now());
+        let mut pacing = Pacing::new(0, self.clock.now());
         loop {
             let (tick, now) = (self.drive.world().tick(), self.clock.now());
             if until.is_some_and(|until| until <= now) {
@@ -79,7 +79,7 @@ impl LiveDrive<'_> {
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Ok(DriveEnd::Failed("every thread has gone".to_owned()));
+                    return Ok(DriveEnd::Failed("all threads have ended".to_owned()));
                 }
             }
             let was_paused = self.is_paused;

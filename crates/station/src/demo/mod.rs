@@ -1,10 +1,10 @@
-//! The demo: a simulated boat to drive in the browser.
+//! The demo: a simulated boat that a person steers in the browser.
 //!
 //! ```text
-//! page -> inputs, each at a tick -> Drive: trial's Simulation, one tick after the other -> pictures -> page
+//! page -> inputs, each at a tick -> Drive: trial's Simulation, tick by tick -> pictures -> page
 //! ```
-//! The world of a demo waits for the pilot, so that the same inputs at the same ticks give the same drive, bit for bit.
-//! (In `run --video sim:` the world goes by the clock instead, see [`crate::simulated_source`].)
+//! The world of a demo waits for the pilot, so the same inputs at the same ticks give the same drive, bit for bit. (In
+//! `run --video sim:` the world follows the clock instead, see [`crate::simulated_source`].)
 
 pub mod session;
 

@@ -9,7 +9,7 @@ use tokio::sync::watch;
 
 use barrelman_experiments::drive::DriveInput;
 
-/// Inputs that may wait for the next tick.
+/// Capacity of the input queue.
 const INPUTS: usize = 64;
 
 /// The newest picture and status for the page, and the inputs from the page.
@@ -24,15 +24,15 @@ pub struct PageState {
 pub struct DriveStatus {
     /// The scenario.
     pub scenario: String,
-    /// Its seed.
+    /// The seed.
     pub seed: u64,
-    /// Ticks since the drive's start: 120 a second.
+    /// Ticks since the drive's start, 120 a second.
     pub tick: u64,
-    /// The same in seconds.
+    /// Time since the drive's start, seconds.
     pub time_s: f64,
-    /// Whether the time stands still.
+    /// Whether the drive is paused.
     pub paused: bool,
-    /// Simulated seconds in each second.
+    /// Simulated seconds per second.
     pub pace: f64,
     /// The camera law.
     pub law: &'static str,
@@ -42,38 +42,38 @@ pub struct DriveStatus {
     pub engaged: bool,
     /// `unseeded`, `tracking`, `coasting` or `lost`.
     pub track: &'static str,
-    /// How sure the tracker is, 0 to 1.
+    /// The tracker's confidence, 0 to 1.
     pub confidence: Option<f64>,
-    /// P: above 1 outside of the region.
+    /// P; above 1 outside of the region.
     pub p: Option<f64>,
-    /// P as the paper's schema would have kept it; absent where it is the law.
+    /// P as the paper's motor schema would have kept it; absent where the motor schema is the law.
     pub schema_p: Option<f64>,
-    /// What is in force, rad/s: pan to the right, tilt upwards.
+    /// Pan rate in force, rad/s, positive to the right.
     pub pan: f64,
-    /// See `pan`.
+    /// Tilt rate in force, rad/s, positive upwards.
     pub tilt: f64,
-    /// What was sent, in the vehicle's own signs, rad/s.
+    /// Yaw rate that was sent, in the vehicle's own sign, rad/s.
     pub yaw_rate: f64,
-    /// See `yaw_rate`.
+    /// Pitch rate that was sent, in the vehicle's own sign, rad/s.
     pub pitch_rate: f64,
-    /// What the camera does, rad/s.
+    /// The camera's actual pan and tilt rates, rad/s.
     pub achieved: (f64, f64),
-    /// How fast the boat goes ahead, m/s.
+    /// The boat's speed ahead, m/s.
     pub speed_m_per_s: f64,
-    /// `page`, `helmsman`, or `nobody` where the target cannot be steered.
+    /// Who steers: `page`, `helmsman`, or `nobody` where the target cannot be steered.
     pub helm: &'static str,
-    /// What the page steers, -1 to 1; rudder to the left above 0.
+    /// The page's throttle, -1 to 1.
     pub thrust: f64,
-    /// See `thrust`.
+    /// The page's rudder, -1 to 1, positive to the left.
     pub rudder: f64,
-    /// Whether the boat is in the picture.
+    /// Whether the boat is in the newest picture.
     pub in_picture: Option<bool>,
     /// Whether the drive is over.
     pub over: bool,
 }
 
 impl PageState {
-    /// A state without a picture, and the receiver of the inputs.
+    /// A state without a picture, and the queue of inputs.
     pub fn new() -> (Self, Receiver<DriveInput>) {
         let (inputs, queue) = sync_channel(INPUTS);
         (
@@ -92,7 +92,7 @@ impl PageState {
         self.pictures.receiver_count() > 0
     }
 
-    /// The pictures as they come; empty before the first.
+    /// Subscribes to the pictures; empty before the first.
     pub(super) fn pictures(&self) -> watch::Receiver<Bytes> {
         self.pictures.subscribe()
     }
@@ -104,6 +104,7 @@ impl PageState {
         }
     }
 
+    /// The newest state of the drive as JSON; `{}` before the first.
     pub(super) fn status(&self) -> String {
         self.status.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

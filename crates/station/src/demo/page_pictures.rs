@@ -1,6 +1,6 @@
-//! The pictures of a demo's page: frames with the overlay, as JPEG, rendered on a thread of its own.
+//! The pictures of a demo's page: frames with the overlay, as JPEG, on a thread of its own.
 //!
-//! Only the newest frame is rendered, and only while there is a viewer. The drive never waits for it.
+//! Only the newest frame is rendered, and only while there is a viewer. The drive never waits for the thread.
 
 use std::time::Duration;
 
@@ -37,9 +37,9 @@ pub fn render_page_pictures(frames: &Latest<AnnotatedFrame>, page: &PageState) {
         let picture =
             picture.get_or_insert_with(|| Picture::black(frame.picture.size(), frame.picture.colour()));
         overlay.draw(&frame, &scene, picture);
-        match jpeg::encoded(picture) {
+        match jpeg::encode(picture) {
             Ok(bytes) => page.set_picture(Bytes::from(bytes)),
-            Err(error) => tracing::error!("no picture for the page: {error}"),
+            Err(error) => tracing::error!("the page's picture cannot be encoded: {error}"),
         }
     }
 }

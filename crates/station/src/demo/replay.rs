@@ -42,7 +42,7 @@ pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> 
     let difference = behaviour.difference(current, setup.tracker.word(), setup.law.word());
     if record.is_some() && !setup.coded {
         bail!(
-            "{} was driven without --record, by pictures that were not coded: a recording of it would be of another drive",
+            "{} was driven without --record, on pictures that were not encoded: a recording would show another drive",
             path.display()
         );
     }
@@ -61,7 +61,7 @@ pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> 
             break;
         }
         if tick.is_multiple_of(u64::from(TICKS_PER_SECOND)) {
-            progress.at(tick);
+            progress.set(tick);
         }
         drive.tick(&mut observers);
     }

@@ -161,7 +161,7 @@ async fn video(State(state): State<Arc<RouteState>>) -> Response {
     }
     if state.viewers.fetch_add(1, Ordering::Relaxed) >= MAX_VIEWERS {
         state.viewers.fetch_sub(1, Ordering::Relaxed);
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many look at the video already\n").into_response();
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many viewers; retry later\n").into_response();
     }
     let parts = stream::unfold(Viewer { state, pictures }, |mut viewer| async {
         viewer.pictures.changed().await.ok()?;

@@ -87,7 +87,7 @@ impl DriveSession {
                 break end;
             }
             setup.url.seed = setup.url.seed.wrapping_add(1);
-            tracing::info!("the drive is over: the next one begins, with seed {}", setup.url.seed);
+            tracing::info!("the drive is over; the next drive has seed {}", setup.url.seed);
         };
         frames.close();
         let _ = renderer.join();
@@ -101,11 +101,11 @@ impl DriveSession {
 fn announce(server: &PageServer, setup: &DriveSetup) -> Result<()> {
     let mut out = stdout();
     let address = server.address();
-    writeln!(out, "the boat of {} is yours at http://{address}/", setup.url.scenario)?;
-    writeln!(out, "arrow keys steer, p pauses, space stops the camera, e engages it; Ctrl-C ends")?;
+    writeln!(out, "steer the boat of {} at http://{address}/", setup.url.scenario)?;
+    writeln!(out, "arrow keys steer, p pauses, space stops the camera, e engages it; Ctrl-C quits")?;
     out.flush()?;
     if !address.ip().is_loopback() {
-        tracing::warn!("everybody who can reach {address} can steer this simulated boat");
+        tracing::warn!("anybody who can reach {address} can steer this simulated boat");
     }
     Ok(())
 }

@@ -17,12 +17,12 @@ use crate::link::camera_link::{CameraLink, Pointing};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 
-/// How far down the camera looks at the start.
+/// Depression of the camera at the start.
 const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
-/// Longest wait for bytes: bounds how late a tick is.
+/// Longest wait for bytes; it bounds the delay of a tick.
 const MAX_WAIT: Duration = Duration::from_millis(10);
-/// How late bytes are heard while the fault `delay` is in force.
-const DELAY: Duration = Duration::from_millis(400);
+/// Delay of received bytes while the fault `delay` is active.
+const FAULT_DELAY: Duration = Duration::from_millis(400);
 
 /// An emulated Fotokite Pro.
 #[derive(Debug)]
@@ -31,22 +31,23 @@ pub struct FotokitePro {
     station: GroundStation,
     settings: GroundStationSettings,
     mount: CameraMount,
-    /// The world whose camera it moves, if there is one.
+    /// The simulated world whose camera the emulator moves, if there is one.
     world: Option<CameraLink>,
     profile: VehicleProfile,
     log: StationLog,
     faults: FaultPlan,
     clock: Clock,
     started: Timestamp,
-    /// The rates that the mount was told last.
-    followed: StationRates,
-    unplugged: bool,
+    /// The last rates that the mount was commanded.
+    commanded: StationRates,
+    is_unplugged: bool,
     faults_applied_at: Option<Timestamp>,
+    /// Received bytes, each with the time at which they reach the station.
     pending: VecDeque<(Timestamp, Vec<u8>)>,
 }
 
 impl FotokitePro {
-    /// An emulator that was just switched on.
+    /// An emulator that has just been switched on.
     pub fn new(
         port: HostPort,
         settings: GroundStationSettings,
@@ -66,47 +67,47 @@ impl FotokitePro {
             faults,
             clock,
             started: now,
-            followed: StationRates::default(),
-            unplugged: false,
+            commanded: StationRates::default(),
+            is_unplugged: false,
             faults_applied_at: None,
             pending: VecDeque::new(),
         }
     }
 
-    /// The same emulator with a world's camera on it.
+    /// The same emulator, moving the camera of a simulated world.
     #[must_use]
-    pub fn in_world(self, link: CameraLink) -> Self {
+    pub fn with_world(self, link: CameraLink) -> Self {
         Self { world: Some(link), ..self }
     }
 
-    /// Where clients connect to.
-    pub fn place(&self) -> String {
-        self.port.place()
+    /// The URL of the port, for clients.
+    pub fn url(&self) -> String {
+        self.port.url()
     }
 
-    /// Runs until `ended` says so.
+    /// Runs until `is_ended` returns true.
     ///
     /// # Errors
-    /// If the log cannot be written.
-    pub fn run(&mut self, mut ended: impl FnMut() -> bool) -> Result<()> {
+    /// If the log cannot be written, or the port cannot be plugged in again.
+    pub fn run(&mut self, mut is_ended: impl FnMut() -> bool) -> Result<()> {
         let mut buffer = [0; 1024];
-        while !ended() {
+        while !is_ended() {
             let read = self.port.read(&mut buffer, MAX_WAIT);
             let now = self.clock.now();
             self.advance(now);
             self.apply_faults(now)?;
             self.receive(&buffer[..read], now)?;
             self.station.tick(now);
-            self.follow(now, None)?;
+            self.apply_rates(now, None)?;
             let mut lines = Vec::new();
-            let reading = self.reading();
-            self.station.write_telemetry(&reading, now, &mut lines);
+            let readings = self.sensor_readings();
+            self.station.write_telemetry(&readings, now, &mut lines);
             self.send(&lines, now)?;
         }
         Ok(())
     }
 
-    fn active(&self, kind: FaultKind, now: Timestamp) -> bool {
+    fn is_active(&self, kind: FaultKind, now: Timestamp) -> bool {
         self.faults.active(kind, now)
     }
 
@@ -115,25 +116,25 @@ impl FotokitePro {
             self.station = GroundStation::boot(self.settings, now);
         }
         self.faults_applied_at = Some(now);
-        let unplugged = self.active(FaultKind::Disconnect, now);
-        match (self.unplugged, unplugged) {
+        let is_unplugged = self.is_active(FaultKind::Disconnect, now);
+        match (self.is_unplugged, is_unplugged) {
             (false, true) => self.port.unplug(),
             (true, false) => self.port.plug()?,
             _ => {}
         }
-        self.unplugged = unplugged;
+        self.is_unplugged = is_unplugged;
         Ok(())
     }
 
     fn receive(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
-        let deaf = [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.active(*kind, now));
-        if !bytes.is_empty() && !deaf && !self.unplugged {
-            let due = if self.active(FaultKind::Delay, now) { now.plus(DELAY) } else { now };
+        let is_dropped = [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.is_active(*kind, now));
+        if !bytes.is_empty() && !is_dropped && !self.is_unplugged {
+            let due = if self.is_active(FaultKind::Delay, now) { now.plus(FAULT_DELAY) } else { now };
             let mut received = bytes.to_vec();
-            if self.active(FaultKind::Corrupt, now) {
+            if self.is_active(FaultKind::Corrupt, now) {
                 received[0] ^= 0x55;
             }
-            if self.active(FaultKind::Duplicate, now) {
+            if self.is_active(FaultKind::Duplicate, now) {
                 self.pending.push_back((due, received.clone()));
             }
             self.pending.push_back((due, received));
@@ -144,26 +145,26 @@ impl FotokitePro {
         Ok(())
     }
 
-    /// Takes bytes one by one, so that every line is logged with the state that it led to.
+    /// Passes bytes to the station one by one, so that every line is logged with the state after it.
     fn receive_bytes(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
         let mut answer = Vec::new();
         for byte in bytes {
             let mut line = None;
             self.station.receive(&[*byte], now, &mut answer, |received| line = Some(received.to_owned()));
             if let Some(line) = line {
-                self.follow(now, Some(&line))?;
+                self.apply_rates(now, Some(&line))?;
             }
         }
         self.send(&answer, now)
     }
 
-    /// Hands rates that have changed to the camera mount, and logs the line that did it. Rates that ended by
-    /// themselves are logged too.
-    fn follow(&mut self, now: Timestamp, line: Option<&str>) -> Result<()> {
+    /// Applies changed rates to the camera mount, and logs the received line. A change without a line (rates that timed
+    /// out) is logged too.
+    fn apply_rates(&mut self, now: Timestamp, line: Option<&str>) -> Result<()> {
         let rates = self.station.rates();
-        let changed = rates != self.followed;
-        if changed {
-            self.followed = rates;
+        let is_changed = rates != self.commanded;
+        if is_changed {
+            self.commanded = rates;
             let rates = VehicleRates { yaw: rates.yaw, pitch: rates.pitch };
             self.mount.command(self.profile.from_vehicle(rates));
             if let Some(world) = &self.world {
@@ -172,13 +173,13 @@ impl FotokitePro {
         }
         match line {
             Some(line) => self.log.add(now, Direction::In, line, self.state()),
-            None if changed => self.log.add(now, Direction::None, "", self.state()),
+            None if is_changed => self.log.add(now, Direction::None, "", self.state()),
             None => Ok(()),
         }
     }
 
     fn send(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
-        if bytes.is_empty() || self.unplugged || self.active(FaultKind::Stall, now) {
+        if bytes.is_empty() || self.is_unplugged || self.is_active(FaultKind::Stall, now) {
             return Ok(());
         }
         self.port.write(bytes);
@@ -199,7 +200,7 @@ impl FotokitePro {
 
     fn state(&self) -> LoggedState {
         let Pointing { pan, tilt } = self.pointing();
-        LoggedState::of(&self.station, pan.radians(), tilt.radians())
+        LoggedState::new(&self.station, pan.radians(), tilt.radians())
     }
 
     fn pointing(&self) -> Pointing {
@@ -207,8 +208,8 @@ impl FotokitePro {
         self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 
-    fn reading(&self) -> SensorReadings {
-        // The vehicle counts yaw to the left about the vertical, and pitch downwards.
+    fn sensor_readings(&self) -> SensorReadings {
+        // The vehicle's yaw is positive to the left about the vertical, its pitch positive downwards.
         let half = |angle: Angle| -angle.radians() / 2.0;
         let Pointing { pan, tilt } = self.pointing();
         let (yaw, pitch) = (half(pan), half(tilt));

@@ -1,4 +1,4 @@
-//! The port of an emulated ground station: a pseudo-terminal with a link to it, or a TCP listener.
+//! The port of an emulated ground station: a pseudo-terminal with a symbolic link, or a TCP listener.
 
 use std::fs::OpenOptions;
 use std::io::{self, Read as _, Write as _};
@@ -14,7 +14,7 @@ use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use super::port_link::PortLink;
 
-/// A port that clients connect to.
+/// A port for clients.
 #[derive(Debug)]
 pub enum HostPort {
     /// A pseudo-terminal.
@@ -28,7 +28,7 @@ pub enum HostPort {
     },
 }
 
-/// A pseudo-terminal, and the link by which clients find it. The link goes with it.
+/// A pseudo-terminal with a symbolic link for clients. Dropping it removes the link.
 #[derive(Debug)]
 pub struct Pty {
     link: PortLink,
@@ -38,11 +38,11 @@ pub struct Pty {
 }
 
 impl HostPort {
-    /// Makes a pseudo-terminal and links `link` to it. A link to a pseudo-terminal that is gone is replaced, with `force`
-    /// any symbolic link.
+    /// Creates a pseudo-terminal and a symbolic link to it at `link`. A link to a pseudo-terminal that no longer exists is
+    /// replaced; with `force`, any symbolic link.
     ///
     /// # Errors
-    /// If there is something else at `link`, or no pseudo-terminal is to be had.
+    /// If something else lies at `link`, or the system has no pseudo-terminal left.
     pub fn pty(link: &Path, force: bool) -> Result<Self> {
         Ok(Self::Pty(Pty::open(link, force)?))
     }
@@ -50,25 +50,24 @@ impl HostPort {
     /// Listens for TCP connections.
     ///
     /// # Errors
-    /// If the address cannot be listened on.
+    /// If the address cannot be used.
     pub fn listen(address: &str) -> Result<Self> {
         let listener = TcpListener::bind(address).with_context(|| format!("cannot listen on {address}"))?;
         listener.set_nonblocking(true)?;
         Ok(Self::Tcp { listener, client: None })
     }
 
-    /// Where clients connect to, as a link's URL.
-    pub fn place(&self) -> String {
+    /// The URL of the port, for `--link`.
+    pub fn url(&self) -> String {
         match self {
             Self::Pty(pty) => format!("serial:{}", pty.link.path().display()),
-            Self::Tcp { listener, .. } => listener.local_addr().map_or_else(
-                |_| "an address that cannot be told".to_owned(),
-                |address| format!("tcp://{address}"),
-            ),
+            Self::Tcp { listener, .. } => listener
+                .local_addr()
+                .map_or_else(|_| "tcp: (unknown address)".to_owned(), |address| format!("tcp://{address}")),
         }
     }
 
-    /// Waits at most `wait` for bytes and reads them; 0 where none came.
+    /// Waits at most `wait` for bytes and reads them. Returns the number of bytes, 0 for none.
     pub fn read(&mut self, buffer: &mut [u8], wait: Duration) -> usize {
         match self {
             Self::Pty(pty) => pty.read(buffer, wait),
@@ -76,9 +75,9 @@ impl HostPort {
         }
     }
 
-    /// Writes what the other end takes at once; the rest is lost, as on a line that nobody reads.
+    /// Writes without blocking. Bytes that do not fit are lost, as on a serial line that nobody reads.
     pub fn write(&mut self, bytes: &[u8]) {
-        // Nobody at the other end is no fault of the station's.
+        // A port without a client is not an error.
         match self {
             Self::Pty(pty) => drop(rustix::io::write(&pty.master, bytes)),
             Self::Tcp { client: Some(client), .. } => drop(client.write(bytes)),
@@ -86,7 +85,7 @@ impl HostPort {
         }
     }
 
-    /// Cuts the connection, as when the cable is pulled: the link of a pseudo-terminal vanishes.
+    /// Cuts the connection, as when the cable is unplugged: the link of a pseudo-terminal is removed.
     pub fn unplug(&mut self) {
         match self {
             Self::Pty(pty) => pty.link.remove(),
@@ -94,10 +93,10 @@ impl HostPort {
         }
     }
 
-    /// Connects again after `unplug`: a pseudo-terminal is a new one, as a device that was plugged in again is.
+    /// Reconnects after `unplug`, with a new pseudo-terminal, as for a device that is plugged in again.
     ///
     /// # Errors
-    /// If no pseudo-terminal is to be had, or something else lies at the link's path by now.
+    /// If the system has no pseudo-terminal left, or something else lies at the link's path.
     pub fn plug(&mut self) -> Result<()> {
         if let Self::Pty(pty) = self {
             *pty = Pty::open(pty.link.path(), pty.force)?;
@@ -113,21 +112,21 @@ impl Pty {
         unlockpt(&master)?;
         let name = ptsname(&master, Vec::new())?;
         let device = PathBuf::from(name.to_string_lossy().into_owned());
-        // Raw from the start: a line discipline that echoes would talk to itself until a client comes.
+        // Raw mode: an echoing line discipline would send the station's own output back to it.
         let slave = OpenOptions::new().read(true).write(true).open(&device)?;
         let mut raw = tcgetattr(&slave)?;
         raw.make_raw();
         tcsetattr(&slave, OptionalActions::Now, &raw)?;
         rustix::io::ioctl_fionbio(&master, true)?;
-        Ok(Self { link: PortLink::make(link, &device, force)?, force, master })
+        Ok(Self { link: PortLink::create(link, &device, force)?, force, master })
     }
 
     fn read(&self, buffer: &mut [u8], wait: Duration) -> usize {
-        if !readable(&self.master, wait) {
+        if !is_readable(&self.master, wait) {
             return 0;
         }
         rustix::io::read(&self.master, buffer).unwrap_or_else(|_| {
-            // No client: the master is told of the hang-up at once and always.
+            // Without a client, poll reports a hang-up at once, every time.
             std::thread::sleep(wait.min(Duration::from_millis(5)));
             0
         })
@@ -141,7 +140,7 @@ fn read_tcp(
     wait: Duration,
 ) -> usize {
     let Some(stream) = client.as_mut() else {
-        if readable(listener, wait)
+        if is_readable(listener, wait)
             && let Ok((stream, _)) = listener.accept()
             && stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok()
         {
@@ -149,7 +148,7 @@ fn read_tcp(
         }
         return 0;
     };
-    if !readable(&*stream, wait) {
+    if !is_readable(&*stream, wait) {
         return 0;
     }
     match stream.read(buffer) {
@@ -162,9 +161,9 @@ fn read_tcp(
     }
 }
 
-fn readable(fd: impl AsFd, wait: Duration) -> bool {
+fn is_readable(fd: impl AsFd, wait: Duration) -> bool {
     let mut fds = [PollFd::new(&fd, PollFlags::IN)];
     let timeout = rustix::event::Timespec::try_from(wait).ok();
-    // An interrupted wait is a short wait.
+    // A signal may shorten the wait.
     poll(&mut fds, timeout.as_ref()).is_ok_and(|ready| ready > 0)
 }

@@ -1,4 +1,4 @@
-//! The emulator's log: one JSON object per line, handed to the system at once.
+//! The emulator's log: one JSON object per line, written without a buffer.
 
 use std::io::Write as _;
 
@@ -11,7 +11,7 @@ use serde::Serialize;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 
-/// Which way a line went.
+/// Direction of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Direction {
@@ -19,11 +19,11 @@ pub enum Direction {
     In,
     /// To the client.
     Out,
-    /// Nothing went: the state changed by itself.
+    /// No line: the state changed by itself.
     None,
 }
 
-/// The station and its camera, as logged.
+/// The state of station and camera, as logged.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoggedState {
     station: &'static str,
@@ -36,8 +36,8 @@ pub struct LoggedState {
 }
 
 impl LoggedState {
-    /// The state of a station whose camera stands at these angles.
-    pub fn of(station: &GroundStation, pan_rad: f64, tilt_rad: f64) -> Self {
+    /// The state of a station whose camera has these angles.
+    pub fn new(station: &GroundStation, pan_rad: f64, tilt_rad: f64) -> Self {
         let rates = station.rates();
         Self {
             station: match station.state() {
@@ -62,7 +62,7 @@ struct Row<'a> {
     state: LoggedState,
 }
 
-/// The log, or none.
+/// The log. Without a file, rows are discarded.
 #[derive(Debug)]
 pub struct StationLog {
     file: Option<OutputFile>,
@@ -70,7 +70,7 @@ pub struct StationLog {
 }
 
 impl StationLog {
-    /// A log that goes to `file`.
+    /// A log that writes to `file`.
     pub const fn new(file: Option<OutputFile>, clock: Clock) -> Self {
         Self { file, clock }
     }

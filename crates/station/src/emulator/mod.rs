@@ -1,7 +1,7 @@
-//! An emulated Fotokite Pro: wire's ground station, a simulated camera mount, and a port.
+//! An emulated Fotokite Pro: wire's ground station, a simulated camera mount, a port, and a server of simulated video.
 //!
 //! ```text
-//! port -> GroundStation (wire) -> rates -> profile's signs -> CameraMount (sim) -> attitude -> telemetry -> port
+//! port -> GroundStation (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port
 //! ```
 
 pub mod fotokite_pro;

@@ -1,8 +1,8 @@
-//! The symbolic link by which clients find a pseudo-terminal.
+//! The symbolic link to a pseudo-terminal.
 //!
-//! Making it never removes what belongs to somebody else. What lies at its path is kept and refused, with two
-//! exceptions: a link to a pseudo-terminal that is gone, as an emulator that was killed leaves it, and with `--force` any
-//! symbolic link. A file, a folder or a device is never replaced.
+//! Creating the link never removes what belongs to others. Whatever lies at the path is kept and causes an error, with
+//! two exceptions: a link to a pseudo-terminal that no longer exists, as a killed emulator leaves it, and with `--force`
+//! any symbolic link. A file, a folder or a device is never replaced.
 
 use std::io;
 use std::os::unix::fs::symlink;
@@ -12,12 +12,12 @@ use anyhow::{Context, Result, bail};
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 use rustix::io::Errno;
 
-/// The folder of pseudo-terminals: each is named by its number.
+/// The folder of pseudo-terminals, which are named by their numbers.
 const TERMINALS: &str = "/dev/pts";
-/// Attempts to make the link while other programs make and remove theirs at the same path.
+/// Attempts to create the link while other programs change the same path.
 const ATTEMPTS: u32 = 8;
 
-/// A link to a pseudo-terminal, removed when it is dropped.
+/// A link to a pseudo-terminal. Dropping it removes the link.
 #[derive(Debug)]
 pub(super) struct PortLink {
     path: PathBuf,
@@ -25,13 +25,13 @@ pub(super) struct PortLink {
 }
 
 impl PortLink {
-    /// Links `path` to `device`. With `force`, another symbolic link at `path` is replaced.
+    /// Creates a link at `path` to `device`. With `force`, another symbolic link at `path` is replaced.
     ///
     /// # Errors
-    /// If something else is at `path`, or the link cannot be made; the message names it.
-    pub(super) fn make(path: &Path, device: &Path, force: bool) -> Result<Self> {
+    /// If something else lies at `path`, or the link cannot be created; the message names the path.
+    pub(super) fn create(path: &Path, device: &Path, force: bool) -> Result<Self> {
         let link = Self { path: path.to_owned(), device: device.to_owned() };
-        let context = || format!("the port's link {} cannot be made", path.display());
+        let context = || format!("the port's link {} cannot be created", path.display());
         for attempt in 0..ATTEMPTS {
             match symlink(device, path) {
                 Ok(()) => return Ok(link),
@@ -49,7 +49,7 @@ impl PortLink {
                 }
                 Err(error) => return Err(error).with_context(context),
             };
-            // Left by an emulator that was killed: the number of its terminal is ours now.
+            // Left by a killed emulator, whose terminal's number the new terminal has got.
             if target == device {
                 return Ok(link);
             }
@@ -68,20 +68,20 @@ impl PortLink {
         bail!("{} cannot be linked: other programs keep changing it", path.display())
     }
 
-    /// Where the link is.
+    /// The path of the link.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Removes the link, if it still leads to our terminal.
+    /// Removes the link, if it still points to this terminal.
     pub(super) fn remove(&self) {
         if std::fs::read_link(&self.path).is_ok_and(|target| target == self.device) {
             let _ = std::fs::remove_file(&self.path);
         }
     }
 
-    /// Puts our link in the place of the one to `target`. Returns whether that was what it replaced: something else that
-    /// appeared there in between is put back.
+    /// Replaces the link to `target` by this one, atomically. Returns whether the link to `target` was replaced: anything
+    /// else that appeared in the meantime is put back.
     fn replace(&self, target: &Path, attempt: u32) -> io::Result<bool> {
         let mut name = self.path.as_os_str().to_owned();
         name.push(format!(".{}-{attempt}", std::process::id()));
@@ -94,10 +94,10 @@ impl PortLink {
             Err(Errno::NOENT) => Ok(false),
             Err(error) => Err(io::Error::from(error)),
         };
-        // What lies here now is our own link, or the one that was replaced.
-        let removable =
+        // The path now holds this link or the replaced one.
+        let is_removable =
             std::fs::read_link(&beside).is_ok_and(|found| found == self.device || found == target);
-        if removable {
+        if is_removable {
             std::fs::remove_file(&beside)?;
         }
         replaced
@@ -110,10 +110,11 @@ impl Drop for PortLink {
     }
 }
 
-/// Whether a link's target is a pseudo-terminal that is gone.
+/// Whether a link's target is a pseudo-terminal that no longer exists.
 fn is_stale(target: &Path) -> bool {
     let number = target.strip_prefix(TERMINALS).ok().and_then(Path::to_str);
     let is_terminal = number.is_some_and(|text| !text.is_empty() && text.bytes().all(|c| c.is_ascii_digit()));
-    let gone = std::fs::symlink_metadata(target).is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
-    is_terminal && gone
+    let is_missing =
+        std::fs::symlink_metadata(target).is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
+    is_terminal && is_missing
 }

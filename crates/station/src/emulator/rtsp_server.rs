@@ -2,11 +2,11 @@
 //!
 //! | thread | does |
 //! |---|---|
-//! | `rtsp` | takes connections, at most [`MAX_VIEWERS`] at a time |
-//! | `rtsp-viewer` | answers one viewer's requests, and sends it the video between them |
+//! | `rtsp` | accepts connections, at most [`MAX_VIEWERS`] at a time |
+//! | `rtsp-viewer` | answers one viewer's requests, and sends the video |
 //!
-//! The video goes over the RTSP connection itself (interleaved), from the next key frame on. A viewer that is too slow
-//! misses pictures up to a key frame. Not handled: UDP, authentication, seeking, RTCP. It is meant for loopback.
+//! The video is interleaved into the RTSP connection, from the next key frame on. A viewer that is too slow misses
+//! pictures up to the next key frame. Not handled: UDP, authentication, seeking, RTCP. The server is meant for loopback.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -25,23 +25,24 @@ use base64::prelude::BASE64_STANDARD;
 use barrelman_video::annexb::{self, NalKind};
 use barrelman_video::{VideoSink, VideoState};
 
-/// How many can look at a time.
+/// How many viewers the server has at a time.
 const MAX_VIEWERS: usize = 4;
 /// Longest request, bytes.
 const MAX_REQUEST_BYTES: usize = 4096;
-/// Pictures that may wait for a viewer.
+/// Capacity of a viewer's queue of pictures.
 const QUEUE: usize = 32;
-/// How long a viewer waits for the first picture, and may take to accept bytes.
+/// How long a viewer waits for the first picture, and how long a write to a viewer may block.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(5);
-/// From one look at a viewer's requests to the next.
+/// Interval at which a viewer's requests are read.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 /// Longest payload of an RTP packet, bytes.
 const MAX_PAYLOAD_BYTES: usize = 1400;
-/// The video's clock in RTP, Hz, and its payload type.
+/// Rate of the video's RTP clock, Hz.
 const RTP_HZ: u64 = 90_000;
+/// RTP payload type of the video.
 const RTP_TYPE: u8 = 96;
 
-/// A running server; it ends when dropped.
+/// A running server. Dropping it ends the server.
 pub struct RtspServer {
     address: SocketAddr,
     shared: Arc<Shared>,
@@ -51,46 +52,45 @@ pub struct RtspServer {
 #[derive(Default)]
 struct Shared {
     viewers: Mutex<Vec<SyncSender<EncodedUnit>>>,
-    /// The parameter sets of the newest key frame: sequence, picture.
-    sets: Mutex<Option<(Vec<u8>, Vec<u8>)>>,
-    connected: Mutex<usize>,
-    wanted: AtomicBool,
-    ended: AtomicBool,
+    /// SPS and PPS of the newest key frame.
+    parameter_sets: Mutex<Option<(Vec<u8>, Vec<u8>)>>,
+    connections: Mutex<usize>,
+    is_wanted: AtomicBool,
+    is_ended: AtomicBool,
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Plain data, whole at any time.
+    // Plain data: a panic of another thread leaves no broken state.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl RtspServer {
-    /// Begins to serve.
+    /// Starts the server on a thread of its own.
     ///
     /// # Errors
-    /// If the address cannot be listened on, or the system has no more threads.
+    /// If the address cannot be used, or the system has no more threads.
     pub fn start(address: SocketAddr) -> Result<Self> {
         let listener =
             TcpListener::bind(address).with_context(|| format!("cannot serve video at {address}"))?;
         let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
         let shared = Arc::new(Shared::default());
-        let seen_by_thread = Arc::clone(&shared);
-        let thread =
-            Builder::new().name("rtsp".to_owned()).spawn(move || accept(&listener, &seen_by_thread))?;
+        let of_thread = Arc::clone(&shared);
+        let thread = Builder::new().name("rtsp".to_owned()).spawn(move || accept(&listener, &of_thread))?;
         Ok(Self { address, shared, thread: Some(thread) })
     }
 
-    /// Where its video is.
+    /// The URL of the video.
     pub fn url(&self) -> String {
         format!("rtsp://{}/world", self.address)
     }
 
-    /// Whether anybody has asked for the video yet.
+    /// Whether a viewer has requested the video yet.
     pub fn is_wanted(&self) -> bool {
-        self.shared.wanted.load(Ordering::Relaxed)
+        self.shared.is_wanted.load(Ordering::Relaxed)
     }
 
-    /// Takes the video that is to be served.
+    /// A sink for the video to serve.
     pub fn sink(&self) -> impl VideoSink + 'static {
         Broadcast(Arc::clone(&self.shared))
     }
@@ -98,7 +98,7 @@ impl RtspServer {
 
 impl Drop for RtspServer {
     fn drop(&mut self) {
-        self.shared.ended.store(true, Ordering::Relaxed);
+        self.shared.is_ended.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -113,10 +113,10 @@ impl VideoSink for Broadcast {
             return;
         }
         if unit.key {
-            let set =
+            let first =
                 |kind| annexb::nals(&unit.payload).find(|nal| annexb::kind(nal) == kind).map(<[u8]>::to_vec);
-            if let (Some(sps), Some(pps)) = (set(NalKind::Sps), set(NalKind::Pps)) {
-                *locked(&self.0.sets) = Some((sps, pps));
+            if let (Some(sps), Some(pps)) = (first(NalKind::Sps), first(NalKind::Pps)) {
+                *locked(&self.0.parameter_sets) = Some((sps, pps));
             }
         }
         locked(&self.0.viewers)
@@ -127,10 +127,10 @@ impl VideoSink for Broadcast {
 
     fn state(&mut self, state: VideoState) {
         match state {
-            VideoState::Ended => self.0.ended.store(true, Ordering::Relaxed),
+            VideoState::Ended => self.0.is_ended.store(true, Ordering::Relaxed),
             VideoState::Failed(error) => {
                 tracing::error!("{error}");
-                self.0.ended.store(true, Ordering::Relaxed);
+                self.0.is_ended.store(true, Ordering::Relaxed);
             }
             VideoState::Connecting | VideoState::Up | VideoState::Lost { .. } => {}
         }
@@ -138,28 +138,28 @@ impl VideoSink for Broadcast {
 }
 
 fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
-    while !shared.ended.load(Ordering::Relaxed) {
+    while !shared.is_ended.load(Ordering::Relaxed) {
         let Ok((stream, _)) = listener.accept() else {
             std::thread::sleep(POLL_INTERVAL);
             continue;
         };
         let is_full = {
-            let mut connected = locked(&shared.connected);
-            let is_full = *connected >= MAX_VIEWERS;
-            *connected += usize::from(!is_full);
+            let mut connections = locked(&shared.connections);
+            let is_full = *connections >= MAX_VIEWERS;
+            *connections += usize::from(!is_full);
             is_full
         };
         if is_full {
             continue;
         }
         let of_viewer = Arc::clone(shared);
-        let begun = Builder::new().name("rtsp-viewer".to_owned()).spawn(move || {
-            // One that hangs up is no failure.
+        let spawned = Builder::new().name("rtsp-viewer".to_owned()).spawn(move || {
+            // A viewer that hangs up is not an error.
             let _ = Viewer::new(stream, Arc::clone(&of_viewer)).and_then(Viewer::serve);
-            *locked(&of_viewer.connected) -= 1;
+            *locked(&of_viewer.connections) -= 1;
         });
-        if begun.is_err() {
-            *locked(&shared.connected) -= 1;
+        if spawned.is_err() {
+            *locked(&shared.connections) -= 1;
         }
     }
 }
@@ -170,8 +170,8 @@ struct Viewer {
     received: Vec<u8>,
     units: Option<Receiver<EncodedUnit>>,
     channel: u8,
-    packets: Packets,
-    /// Pictures are left out until the next key frame.
+    packetiser: RtpPacketiser,
+    /// Whether pictures are dropped until the next key frame.
     waits_for_key: bool,
     last_index: Option<u64>,
 }
@@ -188,7 +188,7 @@ impl Viewer {
             received: Vec::new(),
             units: None,
             channel: 0,
-            packets: Packets::default(),
+            packetiser: RtpPacketiser::default(),
             waits_for_key: true,
             last_index: None,
         })
@@ -196,7 +196,7 @@ impl Viewer {
 
     fn serve(mut self) -> io::Result<()> {
         let mut buffer = [0; 1024];
-        while !self.shared.ended.load(Ordering::Relaxed) {
+        while !self.shared.is_ended.load(Ordering::Relaxed) {
             match self.stream.read(&mut buffer) {
                 Ok(0) => return Ok(()),
                 Ok(read) => self.received.extend_from_slice(&buffer[..read]),
@@ -216,7 +216,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Sends what has come for a viewer that plays. From here on reading does not wait: the video does.
+    /// Sends the next picture to a viewer that plays. Reads no longer wait, because waiting for the video does.
     fn play(&mut self) -> io::Result<()> {
         self.stream.set_read_timeout(Some(Duration::from_millis(1)))?;
         let Some(units) = &self.units else { return Ok(()) };
@@ -227,11 +227,11 @@ impl Viewer {
         if self.waits_for_key {
             return Ok(());
         }
-        let bytes = self.packets.of(&unit, self.channel);
+        let bytes = self.packetiser.packets(&unit, self.channel);
         self.stream.write_all(&bytes)
     }
 
-    /// Answers a request; `false` after the last.
+    /// Answers a request. Returns `false` after the last one.
     fn answer(&mut self, request: &str) -> io::Result<bool> {
         let mut lines = request.lines();
         let mut words = lines.next().unwrap_or_default().split(' ');
@@ -254,8 +254,8 @@ impl Viewer {
                 answer("200 OK", "Public: OPTIONS, DESCRIBE, SETUP, PLAY, GET_PARAMETER, TEARDOWN\r\n", "")
             }
             "DESCRIBE" => {
-                self.shared.wanted.store(true, Ordering::Relaxed);
-                match self.description() {
+                self.shared.is_wanted.store(true, Ordering::Relaxed);
+                match self.session_description() {
                     Some(body) => {
                         let base = format!("{}/", url.trim_end_matches('/'));
                         let fields = format!("Content-Base: {base}\r\nContent-Type: application/sdp\r\n");
@@ -289,14 +289,14 @@ impl Viewer {
         Ok(method != "TEARDOWN")
     }
 
-    /// The session's description, once the first key frame is there.
-    fn description(&self) -> Option<String> {
+    /// The session description (SDP). Waits for the first key frame; `None` where none comes in time.
+    fn session_description(&self) -> Option<String> {
         let deadline = Instant::now() + CLIENT_TIMEOUT;
         let (sps, pps) = loop {
-            if let Some(sets) = locked(&self.shared.sets).clone() {
+            if let Some(sets) = locked(&self.shared.parameter_sets).clone() {
                 break sets;
             }
-            if Instant::now() >= deadline || self.shared.ended.load(Ordering::Relaxed) {
+            if Instant::now() >= deadline || self.shared.is_ended.load(Ordering::Relaxed) {
                 return None;
             }
             std::thread::sleep(POLL_INTERVAL);
@@ -313,7 +313,7 @@ impl Viewer {
     }
 }
 
-/// Takes a whole request off the front of what was heard; RTCP between requests is passed over.
+/// Removes a complete request from the front of the received bytes. RTCP packets between requests are skipped.
 fn next_request(received: &mut Vec<u8>) -> io::Result<Option<String>> {
     loop {
         if received.first() == Some(&b'$') {
@@ -330,7 +330,7 @@ fn next_request(received: &mut Vec<u8>) -> io::Result<Option<String>> {
         }
         let Some(end) = received.windows(4).position(|four| four == b"\r\n\r\n") else {
             if received.len() > MAX_REQUEST_BYTES {
-                return Err(io::Error::new(io::ErrorKind::InvalidData, "a request without an end"));
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "the request is too long"));
             }
             return Ok(None);
         };
@@ -339,45 +339,47 @@ fn next_request(received: &mut Vec<u8>) -> io::Result<Option<String>> {
     }
 }
 
-/// The channel for RTP of a transport over the connection itself.
+/// The RTP channel of an interleaved transport; `None` where only other transports are offered.
 fn interleaved_channel(transport: &str) -> Option<u8> {
-    let one = transport.split(',').find(|one| one.contains("RTP/AVP/TCP"))?;
-    let channels = one.split(';').find_map(|part| part.trim().strip_prefix("interleaved="));
+    let interleaved = transport.split(',').find(|offer| offer.contains("RTP/AVP/TCP"))?;
+    let channels = interleaved.split(';').find_map(|part| part.trim().strip_prefix("interleaved="));
     channels.map_or(Some(0), |channels| channels.split('-').next()?.parse().ok())
 }
 
-/// Makes RTP packets of pictures.
+/// Splits pictures into RTP packets.
 #[derive(Default)]
-struct Packets {
+struct RtpPacketiser {
     sequence: u16,
 }
 
-impl Packets {
-    /// The packets of a picture, each in the frame that RTSP lays around it.
-    fn of(&mut self, unit: &EncodedUnit, channel: u8) -> Vec<u8> {
+impl RtpPacketiser {
+    /// The packets of a picture, each in RTSP's interleaved framing.
+    fn packets(&mut self, unit: &EncodedUnit, channel: u8) -> Vec<u8> {
         let time = (u128::from(unit.capture.at.as_nanos()) * u128::from(RTP_HZ) / 1_000_000_000) as u32;
         let mut bytes = Vec::with_capacity(unit.payload.len() + unit.payload.len() / 32 + 64);
         let mut nals = annexb::nals(&unit.payload).peekable();
         while let Some(nal) = nals.next() {
             let ends_picture = nals.peek().is_none();
             if nal.len() <= MAX_PAYLOAD_BYTES {
-                self.put(&mut bytes, channel, time, ends_picture, &[nal]);
+                self.append(&mut bytes, channel, time, ends_picture, &[nal]);
                 continue;
             }
-            // Fragments (FU-A): the unit's own header is told in two bytes in front of each.
+            // Fragments (FU-A): two bytes in front of each carry the NAL unit's header.
             let (header, content) = (nal[0], &nal[1..]);
             let mut pieces = content.chunks(MAX_PAYLOAD_BYTES - 2).enumerate().peekable();
             while let Some((index, piece)) = pieces.next() {
-                let ends = pieces.peek().is_none();
-                let place = u8::from(index == 0) << 7 | u8::from(ends) << 6;
-                let front = [header & 0xe0 | 28, place | header & 0x1f];
-                self.put(&mut bytes, channel, time, ends && ends_picture, &[&front, piece]);
+                let is_last = pieces.peek().is_none();
+                let flags = u8::from(index == 0) << 7 | u8::from(is_last) << 6;
+                let fragment_header = [header & 0xe0 | 28, flags | header & 0x1f];
+                let marker = is_last && ends_picture;
+                self.append(&mut bytes, channel, time, marker, &[&fragment_header, piece]);
             }
         }
         bytes
     }
 
-    fn put(&mut self, bytes: &mut Vec<u8>, channel: u8, time: u32, marker: bool, payload: &[&[u8]]) {
+    /// Appends one packet. `marker`: the packet ends its picture.
+    fn append(&mut self, bytes: &mut Vec<u8>, channel: u8, time: u32, marker: bool, payload: &[&[u8]]) {
         let length = 12 + payload.iter().map(|part| part.len()).sum::<usize>();
         bytes.extend([b'$', channel]);
         bytes.extend((length as u16).to_be_bytes());
@@ -395,7 +397,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn requests_come_one_by_one_and_rtcp_is_passed_over() {
+    fn requests_are_read_one_by_one_and_rtcp_is_skipped() {
         let mut received = b"$\x01\x00\x02abOPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\nPLAY".to_vec();
         assert_eq!(next_request(&mut received).unwrap().unwrap(), "OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n");
         assert_eq!(next_request(&mut received).unwrap(), None);
@@ -404,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_connection_itself_carries_video() {
+    fn only_an_interleaved_transport_is_accepted() {
         assert_eq!(interleaved_channel("RTP/AVP/TCP;unicast;interleaved=2-3"), Some(2));
         assert_eq!(interleaved_channel("RTP/AVP/TCP;unicast"), Some(0));
         assert_eq!(interleaved_channel("RTP/AVP;unicast;client_port=5000-5001"), None);

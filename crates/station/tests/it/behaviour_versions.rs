@@ -123,10 +123,10 @@ fn a_drive_states_mode_and_versions_and_its_replay_names_a_difference() {
     assert!(written.contains(stated), "{written}");
     assert_eq!(DriveReader::read(&path).unwrap().behaviour, cast.law.behaviour_with(cast.tracker));
     // The hash is none of this program's.
-    refused(&["demo", "--replay", word(&path)], "the drive differs: it was 0123456789abcdef");
+    refused(&["demo", "--replay", word(&path)], "the drive differs: the stored hash is 0123456789abcdef");
 
     std::fs::write(&path, written.replace("\"tracker_behaviour\":1", "\"tracker_behaviour\":60")).unwrap();
-    let named = "the drive was driven with the camshift tracker's behaviour 60, this program has 1";
+    let named = "the drive was stored with the camshift tracker's behaviour 60, this program has 1";
     refused(&["demo", "--replay", word(&path)], named);
 
     // A drive of before the versions, when an absent mode was the default one.

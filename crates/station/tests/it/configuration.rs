@@ -72,7 +72,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     );
     refused(
         "[vehicle]\nlimit_pan_rad_per_s = 3.0\n",
-        "vehicle.limit_pan_rad_per_s = 3: use rad/s from 0 to 0.4, the most that the vehicle is ever sent",
+        "vehicle.limit_pan_rad_per_s = 3: use rad/s from 0 to 0.4, the limit of the vehicle",
     );
     refused(
         "[vehicle]\nlimit_tilt_rad_per_s = 0.31\n",

@@ -123,7 +123,7 @@ fn a_login_comes_from_a_file_or_the_environment_and_goes_to_the_camera_alone() {
     let record = folder.join("run.mcap");
     let said = refused(&["run", word(&config), "--record", word(&record)], refuses);
     assert_eq!(logins.recv().unwrap(), BASIC);
-    assert!(said.contains("can be read by others: `chmod 600"), "{said}");
+    assert!(said.contains("can be read by others: run `chmod 600"), "{said}");
     let Some(Ok(Entry::Start(start))) = RecordingReader::new(File::open(&record).unwrap()).next() else {
         panic!("it begins with its start")
     };
