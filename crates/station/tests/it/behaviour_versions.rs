@@ -1,8 +1,9 @@
-//! Files state the law's mode and the behaviour versions of tracker and law; a difference of versions is named.
+//! Recordings, drives and campaigns store the law's mode and the behaviour versions of tracker and law; commands name a
+//! difference of versions.
 
 use std::fs::File;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use barrelman_experiments::drive::{DriveInput, DriveReader, DriveSetup, DriveWriter};
 use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
@@ -13,43 +14,12 @@ use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{Entry, RecordingReader, RecordingStart, RecordingWriter};
 use barrelman_vocab::PictureSize;
 
-fn barrelman(options: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_barrelman")).args(options).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn ok(options: &[&str]) -> String {
-    let output = barrelman(options);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-#[track_caller]
-fn refused(options: &[&str], words: &str) {
-    let output = barrelman(options);
-    let said = text(&output.stderr);
-    assert!(!output.status.success() && said.contains(words), "{said}\nexpected {words}");
-}
-
-/// An empty folder of that name.
-fn scratch(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("versions-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn word(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
+use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
 
 const TRIAL: [&str; 7] = ["trials", "lab2", "--perception", "truth", "--seed", "500", "--trials"];
 
-/// The same recording with a changed start.
-fn rewritten(from: &Path, to: &Path, change: impl FnOnce(&mut RecordingStart)) {
+/// Copies a recording with a changed start message.
+fn rewrite(from: &Path, to: &Path, change: impl FnOnce(&mut RecordingStart)) {
     let mut entries = RecordingReader::new(File::open(from).unwrap()).map(Result::unwrap);
     let Some(Entry::Start(mut start)) = entries.next() else { panic!("it begins with its start") };
     change(&mut start);
@@ -60,8 +30,8 @@ fn rewritten(from: &Path, to: &Path, change: impl FnOnce(&mut RecordingStart)) {
 
 #[test]
 fn a_recording_states_mode_and_versions_and_replay_names_a_difference() {
-    let folder = scratch("recording");
-    ok(&[&TRIAL[..], &["1", "--law", "optimal", "--record", word(&folder)]].concat());
+    let folder = empty_folder("versions-recording");
+    succeeded(&barrelman(&[&TRIAL[..], &["1", "--law", "optimal", "--record", argument(&folder)]].concat()));
     let recording = folder.join("lab2-500.mcap");
     let Some(Ok(Entry::Start(start))) = RecordingReader::new(File::open(&recording).unwrap()).next() else {
         panic!("it begins with its start")
@@ -72,38 +42,44 @@ fn a_recording_states_mode_and_versions_and_replay_names_a_difference() {
     let (law, tracker) = (current.law, current.tracker);
 
     let other = folder.join("other.mcap");
-    rewritten(&recording, &other, |start| start.behaviour.law = 70);
-    let said = ok(&["replay", word(&other), "--compare"]);
+    rewrite(&recording, &other, |start| start.behaviour.law = 70);
+    let printed = succeeded(&barrelman(&["replay", argument(&other), "--compare"]));
     let named = format!(
         "recorded with the optimal law's behaviour 70, this program has {law}: outcomes may differ\nevery"
     );
-    assert!(said.contains(&named), "{said}");
+    assert!(printed.contains(&named), "{printed}");
 
-    rewritten(&recording, &other, |start| {
+    rewrite(&recording, &other, |start| {
         start.behaviour = BehaviourVersions { tracker: 60, law: 70 };
         start.configuration = start.configuration.replace("minimum-energy", "eco");
     });
-    let output = barrelman(&["replay", word(&other), "--compare"]);
-    let said = text(&output.stdout);
+    let output = barrelman(&["replay", argument(&other), "--compare"]);
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     let named = format!(
         "recorded with the camshift tracker's behaviour 60 and the optimal law's behaviour 70, this program has \
          {tracker} and {law}: outcomes may differ\n"
     );
-    assert!(!output.status.success() && said.contains(&named) && said.contains("commands differ"), "{said}");
+    assert!(
+        !output.status.success() && printed.contains(&named) && printed.contains("commands differ"),
+        "{printed}"
+    );
 
     // Another law than the recorded one has no version to compare.
     let schema = folder.join("schema.toml");
     std::fs::write(&schema, "[law]\nname = \"schema\"\n[tracker]\nname = \"camshift\"\n").unwrap();
-    let said = ok(&["replay", word(&other), "--config", word(&schema)]);
-    assert!(said.contains("camshift tracker's behaviour 60,") && !said.contains("law's behaviour"), "{said}");
+    let printed = succeeded(&barrelman(&["replay", argument(&other), "--config", argument(&schema)]));
+    assert!(
+        printed.contains("camshift tracker's behaviour 60,") && !printed.contains("law's behaviour"),
+        "{printed}"
+    );
 
-    // A recording of before the versions, when an absent mode was the default one.
-    rewritten(&recording, &other, |start| {
+    // A recording from before the versions, when an absent mode was the default mode.
+    rewrite(&recording, &other, |start| {
         start.behaviour = BehaviourVersions { tracker: 0, law: 0 };
         start.configuration = start.configuration.replace("mode = \"minimum-energy\"\n", "");
     });
     assert_eq!(
-        ok(&["replay", word(&other), "--compare"]).contains("this program has"),
+        succeeded(&barrelman(&["replay", argument(&other), "--compare"])).contains("this program has"),
         (tracker, law) != (1, 1),
         "version 1 is that of files which state none"
     );
@@ -111,25 +87,29 @@ fn a_recording_states_mode_and_versions_and_replay_names_a_difference() {
 
 #[test]
 fn a_drive_states_mode_and_versions_and_its_replay_names_a_difference() {
-    let folder = scratch("drive");
+    let folder = empty_folder("versions-drive");
     let path = folder.join("drive.jsonl");
     let url = WorldUrl { size: Some(PictureSize::new(192, 108)), ..WorldUrl::of("open") };
-    let cast = DriveSetup::new(url, TrackerName::Camshift, LawChoice::OPTIMAL, false).unwrap();
-    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &cast).unwrap();
+    let setup = DriveSetup::new(url, TrackerName::Camshift, LawChoice::OPTIMAL, false).unwrap();
+    let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
     writer.add(0, DriveInput::Engage).unwrap();
     writer.end(60, "0123456789abcdef".to_owned()).unwrap();
     let written = std::fs::read_to_string(&path).unwrap();
     let stated = r#""tracker":"camshift","tracker_behaviour":1,"law":{"name":"optimal","mode":"minimum-energy"},"law_behaviour":1,"#;
     assert!(written.contains(stated), "{written}");
-    assert_eq!(DriveReader::read(&path).unwrap().behaviour, cast.law.behaviour_with(cast.tracker));
-    // The hash is none of this program's.
-    refused(&["demo", "--replay", word(&path)], "the drive differs: the stored hash is 0123456789abcdef");
+    assert_eq!(DriveReader::read(&path).unwrap().behaviour, setup.law.behaviour_with(setup.tracker));
+    // The stored hash is not the hash of this drive.
+    failed(
+        &barrelman(&["demo", "--replay", argument(&path)]),
+        1,
+        &["the drive differs: the stored hash is 0123456789abcdef"],
+    );
 
     std::fs::write(&path, written.replace("\"tracker_behaviour\":1", "\"tracker_behaviour\":60")).unwrap();
     let named = "the drive was stored with the camshift tracker's behaviour 60, this program has 1";
-    refused(&["demo", "--replay", word(&path)], named);
+    failed(&barrelman(&["demo", "--replay", argument(&path)]), 1, &[named]);
 
-    // A drive of before the versions, when an absent mode was the default one.
+    // A drive from before the versions, when an absent mode was the default mode.
     let of_before = r#""tracker":"camshift","law":{"name":"optimal"},"#;
     std::fs::write(&path, written.replace(stated, of_before)).unwrap();
     let read = DriveReader::read(&path).unwrap();
@@ -139,22 +119,30 @@ fn a_drive_states_mode_and_versions_and_its_replay_names_a_difference() {
 
 #[test]
 fn campaigns_of_different_versions_are_different_and_the_difference_is_named() {
-    let folder = scratch("campaign");
+    let folder = empty_folder("versions-campaign");
     let path = folder.join("campaign.jsonl");
-    ok(&[&TRIAL[..], &["2", "--law", "optimal", "--output", word(&path)]].concat());
+    succeeded(&barrelman(&[&TRIAL[..], &["2", "--law", "optimal", "--output", argument(&path)]].concat()));
     let written = std::fs::read_to_string(&path).unwrap();
     let stated = r#""law":"optimal","law_behaviour":1,"mode":"minimum-energy","#;
     assert!(written.contains(stated), "{written}");
 
-    // A file of before the versions is read, gone on with and merged as one of version 1.
+    // A file from before the versions is read, continued and merged as a file of version 1.
     let of_before = folder.join("before.jsonl");
     std::fs::write(&of_before, written.replace(stated, r#""law":"optimal","#)).unwrap();
-    ok(&["compare", word(&path), word(&of_before)]);
-    ok(&["merge", word(&path), word(&of_before)]);
-    assert_eq!(ok(&["metrics", word(&path), "--json"]), ok(&["metrics", word(&of_before), "--json"]));
-    ok(&["report", word(&of_before), "--output", word(&folder.join("report.html"))]);
+    succeeded(&barrelman(&["compare", argument(&path), argument(&of_before)]));
+    succeeded(&barrelman(&["merge", argument(&path), argument(&of_before)]));
+    assert_eq!(
+        succeeded(&barrelman(&["metrics", argument(&path), "--json"])),
+        succeeded(&barrelman(&["metrics", argument(&of_before), "--json"]))
+    );
+    succeeded(&barrelman(&[
+        "report",
+        argument(&of_before),
+        "--output",
+        argument(&folder.join("report.html")),
+    ]));
     let resume = |path: &Path| -> Output {
-        let options = ["3", "--law", "optimal", "--resume", "--output", word(path)];
+        let options = ["3", "--law", "optimal", "--resume", "--output", argument(path)];
         barrelman(&[&TRIAL[..], &options].concat())
     };
     assert!(resume(&of_before).status.success());
@@ -164,8 +152,8 @@ fn campaigns_of_different_versions_are_different_and_the_difference_is_named() {
     std::fs::write(&other, written.replace("\"law_behaviour\":1", "\"law_behaviour\":70")).unwrap();
     let named = "line 1 was run with the optimal law's behaviour 70, this program has 1";
     let output = resume(&other);
-    let said = text(&output.stderr);
-    assert!(!output.status.success() && said.contains(named), "{said}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && printed.contains(named), "{printed}");
     let named = "the first was run with the optimal law's behaviour 1, the second with 70";
-    refused(&["merge", word(&path), word(&other)], named);
+    failed(&barrelman(&["merge", argument(&path), argument(&other)]), 1, &[named]);
 }

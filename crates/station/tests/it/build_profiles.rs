@@ -1,4 +1,4 @@
-//! What the released program holds, and what the one for debugging holds.
+//! The build profiles of the released program and of the program for debugging.
 
 use toml::Value;
 

@@ -1,25 +1,18 @@
-//! The program from outside: exit codes and messages.
+//! The command line: exit codes, messages and help texts.
 
-use std::process::{Command, Output};
+use std::process::Command;
 
 use barrelman_station::cli::Cli;
 use clap::CommandFactory as _;
 
-fn barrelman(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_barrelman")).args(arguments).output().expect("the program starts")
-}
+use crate::program::{barrelman, failed};
 
-/// Runs a command that must fail, and looks for the words of its message.
+/// Runs a command that must fail with this exit code and a message that contains all words, and print no result.
 #[track_caller]
 fn refused(arguments: &[&str], code: i32, words: &[&str]) {
     let output = barrelman(arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    for word in words {
-        assert!(message.contains(word), "{arguments:?}: {word:?} is not in {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
-    assert!(output.stdout.is_empty(), "{arguments:?}: results of a command that failed");
+    failed(&output, code, words);
+    assert!(output.stdout.is_empty(), "{arguments:?} prints results");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The configuration: the example, the schema, and what is refused.
+//! The configuration: the example, the JSON schema, defaults, and refused values.
 
 use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
 use barrelman_experiments::tracker_choice::TrackerName;
@@ -14,7 +14,7 @@ fn resolved(text: &str) -> Result<Configuration, String> {
 fn refused(text: &str, part: &str) {
     match resolved(text) {
         Err(message) => assert!(message.contains(part), "{message}"),
-        Ok(_) => panic!("taken: {text}"),
+        Ok(_) => panic!("accepted: {text}"),
     }
 }
 
@@ -102,7 +102,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[tracker.fused]\nconfirm = 21\n", "tracker.fused.confirm = 21: use 0 to 20");
     refused("[tracker.fused]\npadding = nan\n", "tracker.fused.padding = NaN: use 2.5 to 6");
     refused("[tracker.fused]\nlearning_rate = 0\n", "tracker.fused.learning_rate = 0: use 0.001 to 0.5");
-    // Also where the other tracker is used.
+    // Settings of the unused tracker are checked, too.
     refused("[tracker]\nname = \"camshift\"\n[tracker.fused]\nagility = 0\n", "tracker.fused.agility = 0");
     refused("[nonsense]\n", "nonsense");
 }
@@ -111,7 +111,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
 fn the_fused_tracker_is_used_unless_another_is_named() {
     assert_eq!(resolved("").unwrap().tracker.name, TrackerName::Fused);
     assert_eq!(resolved("[tracker]\nname = \"camshift\"\n").unwrap().tracker.name, TrackerName::Camshift);
-    // The settings of the one say nothing of which is used.
+    // Settings of a tracker do not choose it.
     assert_eq!(resolved("[tracker]\nvalue_floor = 7\n").unwrap().tracker.name, TrackerName::Fused);
 }
 
@@ -121,7 +121,7 @@ fn a_recording_is_replayed_with_the_tracker_that_made_it() {
         let file = config::parse_recorded(text).expect("it is usable");
         Configuration::resolve(&file).expect("it is usable").tracker.name
     };
-    // As the program wrote it when CamShift was the only tracker.
+    // As written when CamShift was the only tracker.
     assert_eq!(recorded("[tracker]\nsaturation_floor = 60\nvalue_floor = 32\n"), TrackerName::Camshift);
     assert_eq!(recorded(""), TrackerName::Camshift);
     for name in [TrackerName::Fused, TrackerName::Camshift] {
@@ -140,19 +140,23 @@ fn the_optimal_law_is_used_unless_another_is_named_and_a_recording_keeps_its_own
         let file = config::parse_recorded(text).expect("it is usable");
         Configuration::resolve(&file).expect("it is usable").law
     };
-    assert_eq!(recorded(""), LawChoice::SCHEMA, "as the program wrote it when there was no other");
+    assert_eq!(recorded(""), LawChoice::SCHEMA, "as written when the motor schema was the only law");
     assert_eq!(recorded(&eco.to_toml().unwrap()), eco.law);
 }
 
 #[test]
 fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
     let eco = LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL };
-    let said =
+    let chosen =
         |law, mode, horizon| LawOptions { law, mode, horizon }.over(eco).map_err(|error| error.to_string());
-    assert_eq!(said(None, None, None), Ok(eco));
-    assert_eq!(said(None, None, Some(2.0)), Ok(LawChoice { horizon_s: Some(2.0), ..eco }));
-    assert_eq!(said(Some(LawName::Optimal), None, None), Ok(eco));
-    assert_eq!(said(Some(LawName::Schema), None, None), Ok(LawChoice::SCHEMA), "its mode goes with the law");
-    assert!(said(Some(LawName::Schema), Some(ModeName::Eco), None).unwrap_err().contains("--mode is for"));
-    assert!(said(None, None, Some(9.0)).unwrap_err().contains("--horizon 9"));
+    assert_eq!(chosen(None, None, None), Ok(eco));
+    assert_eq!(chosen(None, None, Some(2.0)), Ok(LawChoice { horizon_s: Some(2.0), ..eco }));
+    assert_eq!(chosen(Some(LawName::Optimal), None, None), Ok(eco));
+    assert_eq!(
+        chosen(Some(LawName::Schema), None, None),
+        Ok(LawChoice::SCHEMA),
+        "the mode is dropped with the law"
+    );
+    assert!(chosen(Some(LawName::Schema), Some(ModeName::Eco), None).unwrap_err().contains("--mode is for"));
+    assert!(chosen(None, None, Some(9.0)).unwrap_err().contains("--horizon 9"));
 }

@@ -1,4 +1,4 @@
-//! The link to an emulated port: what is not the emulator's is neither replaced nor removed.
+//! The symbolic link to an emulated port: files and links of others are neither replaced nor removed.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -6,15 +6,14 @@ use std::path::{Path, PathBuf};
 
 use barrelman_station::emulator::host_port::HostPort;
 
-/// A pseudo-terminal that is certainly gone: the kernel gives no such numbers.
-const GONE: &str = "/dev/pts/999999999";
+use crate::program::empty_folder;
 
-/// The path of a port in an empty folder of that name.
+/// A pseudo-terminal that does not exist: the kernel assigns no such numbers.
+const MISSING_TERMINAL: &str = "/dev/pts/999999999";
+
+/// The path of a port in an empty folder.
 fn port_in(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("emulated-port-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder.join("port")
+    empty_folder(&format!("emulated-port-{name}")).join("port")
 }
 
 #[track_caller]
@@ -25,7 +24,7 @@ fn refused(path: &Path, force: bool, words: &[&str]) {
     }
 }
 
-/// Whether a link leads to a pseudo-terminal that is there.
+/// Whether a link points to a pseudo-terminal that exists.
 fn is_port(path: &Path) -> bool {
     fs::read_link(path).is_ok_and(|target| target.starts_with("/dev/pts") && target.exists())
 }
@@ -42,7 +41,7 @@ fn a_port_has_a_link_for_as_long_as_it_lasts() {
 #[test]
 fn a_link_of_somebody_else_is_refused_and_kept() {
     let path = port_in("theirs");
-    // A dangling one too, and one to a terminal that is there.
+    // Dangling links too, and a link to a terminal that exists.
     for target in ["precious", "/dev/null", "/dev/pts", "/dev/pts/ptmx", "/dev/pts/x", "relative/gone"] {
         symlink(target, &path).unwrap();
         refused(&path, false, &["symbolic link", target, "--force"]);
@@ -59,7 +58,7 @@ fn a_link_of_somebody_else_is_refused_and_kept() {
 #[test]
 fn the_link_of_a_killed_emulator_is_replaced() {
     let path = port_in("killed");
-    symlink(GONE, &path).unwrap();
+    symlink(MISSING_TERMINAL, &path).unwrap();
     let port = HostPort::pty(&path, false).unwrap();
     assert!(is_port(&path));
     drop(port);

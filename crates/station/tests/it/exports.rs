@@ -1,22 +1,16 @@
-//! Exports of recordings that are not ours: thousands of channels, names that collide, schemas that nest.
+//! Exports of recordings of other programs: thousands of channels, colliding names, recursive schemas.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::BufWriter;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use mcap::records::MessageHeader;
 
-/// An empty folder of that name.
-fn scratch(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("exports-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
+use crate::program::empty_folder;
 
-/// A field of bytes, as protobuf encodes it.
+/// A length-delimited protobuf field.
 fn field(number: u8, content: &[u8]) -> Vec<u8> {
     [&[number << 3 | 2, content.len() as u8], content].concat()
 }
@@ -30,7 +24,7 @@ fn link() -> Vec<u8> {
     field(1, &[name, field(4, &message), field(12, b"proto3")].concat())
 }
 
-/// Writes a recording of links on these topics, one after the other, `rounds` times. The weights count.
+/// Writes a recording with a `Link` on each topic, `rounds` times. The weight is the number of the round.
 fn record(path: &Path, topics: &[String], rounds: u8) {
     let file = BufWriter::new(fs::File::create(path).unwrap());
     let mut writer = mcap::WriteOptions::new().compression(None).create(file).unwrap();
@@ -47,14 +41,14 @@ fn record(path: &Path, topics: &[String], rounds: u8) {
                 log_time: round.into(),
                 publish_time: 0,
             };
-            // A link with another one in it.
+            // A link that contains another link.
             writer.write_to_known_channel(&header, &[0x0a, 2, 0x10, 9, 0x10, round]).unwrap();
         }
     }
     writer.finish().unwrap();
 }
 
-/// Exports with so many descriptors at most. Returns what the program said.
+/// Exports with at most `descriptors` open files. Returns the standard error.
 fn export(folder: &Path, descriptors: usize) -> String {
     let output = Command::new("sh")
         .args(["-c", &format!("ulimit -n {descriptors} && exec \"$0\" export r.mcap --output out")])
@@ -62,14 +56,14 @@ fn export(folder: &Path, descriptors: usize) -> String {
         .current_dir(folder)
         .output()
         .unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{said}");
-    said
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{message}");
+    message
 }
 
 #[test]
 fn two_thousand_channels_are_exported_with_few_open_files() {
-    let folder = scratch("many");
+    let folder = empty_folder("exports-many");
     let topics: Vec<String> = (0..2000).map(|number| format!("/sensor/{number}")).collect();
     record(&folder.join("r.mcap"), &topics, 3);
     export(&folder, 100);
@@ -79,13 +73,13 @@ fn two_thousand_channels_are_exported_with_few_open_files() {
         let expected = format!("log_time_ns,next,weight\n1,{nested},1\n2,{nested},2\n3,{nested},3\n");
         assert_eq!(table, expected, "{number}");
     }
-    // The trial's table is there, the video not.
+    // All tables and the trial's, but no video.
     assert_eq!(fs::read_dir(folder.join("out")).unwrap().count(), 2001);
 }
 
 #[test]
 fn channels_whose_names_collide_have_files_of_their_own() {
-    let folder = scratch("collide");
+    let folder = empty_folder("exports-collide");
     let topics = ["/a/b", "/a_b", "a/b/", "/a_b_2", "/trial"].map(str::to_owned);
     record(&folder.join("r.mcap"), &topics, 1);
     export(&folder, 100);
@@ -101,9 +95,9 @@ fn channels_whose_names_collide_have_files_of_their_own() {
 
 #[test]
 fn what_is_given_as_json_is_named_once() {
-    let folder = scratch("json");
+    let folder = empty_folder("exports-json");
     record(&folder.join("r.mcap"), &["/chain".to_owned()], 3);
-    let said = export(&folder, 100);
-    assert_eq!(said.matches("/chain").count(), 1, "{said}");
-    assert!(said.contains("JSON") && said.contains("next"), "{said}");
+    let message = export(&folder, 100);
+    assert_eq!(message.matches("/chain").count(), 1, "{message}");
+    assert!(message.contains("JSON") && message.contains("next"), "{message}");
 }

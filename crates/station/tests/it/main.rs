@@ -1,4 +1,4 @@
-//! What `barrelman` promises, tried from outside.
+//! Integration tests: the program run as a process, and the parts of it that need files, devices or threads.
 
 #![allow(
     clippy::unwrap_used,
@@ -6,6 +6,8 @@
     clippy::print_stdout,
     reason = "a test fails by panicking, and says why it was skipped"
 )]
+
+mod program;
 
 mod behaviour_versions;
 mod build_profiles;

@@ -1,36 +1,15 @@
-//! Output files: what exists is kept, links are not followed, and what has no result leaves nothing behind.
+//! Output files: existing files are kept, links are not followed, and failed work leaves no files behind.
 
 use std::fs;
 use std::io::Write as _;
 use std::os::unix::fs::symlink;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use barrelman_host::output::{OutputFile, create};
 
+use crate::program::{barrelman_in, empty_folder, failed, succeeded};
+
 const CLIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
-
-/// An empty folder of that name.
-fn scratch(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("output-files-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn barrelman(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_barrelman")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-#[track_caller]
-fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
-    let output = barrelman(folder, arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
-    for word in words {
-        assert!(message.contains(word), "{arguments:?}: {word:?} is not in {message}");
-    }
-}
 
 fn files_in(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> =
@@ -41,12 +20,12 @@ fn files_in(folder: &Path) -> Vec<String> {
 
 #[test]
 fn a_file_that_exists_is_kept_unless_it_may_be_overwritten() {
-    let path = scratch("exists").join("there");
+    let path = empty_folder("output-files-exists").join("there");
     fs::write(&path, "precious, and longer than what comes").unwrap();
     let refusal = OutputFile::open(&path, false).unwrap_err().to_string();
     assert!(refusal.contains("exists already") && refusal.contains("--force"), "{refusal}");
     assert_eq!(fs::read_to_string(&path).unwrap(), "precious, and longer than what comes");
-    // Opened to be overwritten, but never written: work that failed costs nothing.
+    // Opened for overwriting but never written, as by work that failed.
     drop(OutputFile::open(&path, true).unwrap());
     assert_eq!(fs::read_to_string(&path).unwrap(), "precious, and longer than what comes");
     OutputFile::open(&path, true).unwrap().write_all(b"new").unwrap();
@@ -57,7 +36,7 @@ fn a_file_that_exists_is_kept_unless_it_may_be_overwritten() {
 
 #[test]
 fn a_link_is_never_followed() {
-    let folder = scratch("links");
+    let folder = empty_folder("output-files-links");
     let target = folder.join("target");
     for (link, leads_to) in [("dangling", "target"), ("to-a-file", "file"), ("to-itself", "to-itself")] {
         let link = folder.join(link);
@@ -76,7 +55,7 @@ fn a_link_is_never_followed() {
 
 #[test]
 fn a_file_that_appears_in_between_is_kept() {
-    let folder = scratch("between");
+    let folder = empty_folder("output-files-between");
     let path = folder.join("out");
     let first = OutputFile::open(&path, false).unwrap();
     for refusal in [OutputFile::open(&path, false), OutputFile::open(&path, true)] {
@@ -84,7 +63,7 @@ fn a_file_that_appears_in_between_is_kept() {
     }
     let refusal = OutputFile::resume(&path).unwrap_err().to_string();
     assert!(refusal.contains("being written"), "{refusal}");
-    // Somebody replaces what is open: it is not ours to remove.
+    // Another program replaces the open file: its file must not be removed.
     fs::rename(&path, folder.join("moved")).unwrap();
     fs::write(&path, "theirs").unwrap();
     drop(first);
@@ -93,7 +72,7 @@ fn a_file_that_appears_in_between_is_kept() {
 
 #[test]
 fn a_file_that_was_begun_and_never_written_is_removed() {
-    let path = scratch("unwritten").join("out");
+    let path = empty_folder("output-files-unwritten").join("out");
     drop(OutputFile::open(&path, false).unwrap());
     assert!(!path.exists());
     OutputFile::open(&path, false).unwrap().write_all(b"result").unwrap();
@@ -102,7 +81,7 @@ fn a_file_that_was_begun_and_never_written_is_removed() {
 
 #[test]
 fn a_file_that_is_opened_again_is_appended_to_and_is_the_same() {
-    let path = scratch("again").join("out");
+    let path = empty_folder("output-files-again").join("out");
     let mut file = create(&path, false).unwrap();
     file.write_all(b"one ").unwrap();
     let mut file = file.close().unwrap().reopen().unwrap();
@@ -117,10 +96,10 @@ fn a_file_that_is_opened_again_is_appended_to_and_is_the_same() {
 
 #[test]
 fn no_command_writes_through_a_link() {
-    let folder = scratch("commands");
+    let folder = empty_folder("output-files-commands");
     let recording = ["trials", "lab1", "--perception", "truth", "--trials", "1", "--record", "."];
-    let output = barrelman(&folder, &recording);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = barrelman_in(&folder, &recording);
+    succeeded(&output);
     assert_eq!(files_in(&folder), ["lab1-1.mcap"], "no film without frames");
     let targets = folder.join("targets");
     fs::create_dir(&targets).unwrap();
@@ -136,7 +115,11 @@ fn no_command_writes_through_a_link() {
     let trials = ["trials", "lab1", "--trials", "1", "--perception", "truth"];
     for force in [&[][..], &["--force"]] {
         let check = |arguments: &[&str], options: &[&str], name: &str| {
-            refused(&folder, &[arguments, options, force].concat(), &[name, "symbolic link"]);
+            failed(
+                &barrelman_in(&folder, &[arguments, options, force].concat()),
+                1,
+                &[name, "symbolic link"],
+            );
         };
         check(&track, &["--overlay", "film.mp4"], "film.mp4");
         check(&track, &["--output", "track.csv"], "track.csv");
@@ -149,9 +132,9 @@ fn no_command_writes_through_a_link() {
         check(&trials, &["--output", "campaign.jsonl"], "campaign.jsonl");
     }
     let resumed = [&trials[..], &["--output", "campaign.jsonl", "--resume"]].concat();
-    refused(&folder, &resumed, &["campaign.jsonl", "symbolic link"]);
+    failed(&barrelman_in(&folder, &resumed), 1, &["campaign.jsonl", "symbolic link"]);
     assert!(files_in(&targets).is_empty(), "{:?}", files_in(&targets));
-    // What was refused left nothing of its other outputs behind.
+    // A refused command leaves none of its other outputs behind.
     assert_eq!(files_in(&folder.join("exported")), ["video.mp4"]);
     assert_eq!(files_in(&folder.join("film")), ["lab1-1.mp4"]);
     assert!(!folder.join("truth.csv").exists());
@@ -159,14 +142,14 @@ fn no_command_writes_through_a_link() {
 
 #[test]
 fn work_that_fails_leaves_no_empty_outputs_and_keeps_the_old_ones() {
-    let folder = scratch("failed");
+    let folder = empty_folder("output-files-failed");
     let outputs = ["--output", "track.csv", "--overlay", "film.mp4"];
     let outside = [&["track", CLIP, "--select", "9000,9000,20,20"][..], &outputs].concat();
-    refused(&folder, &outside, &["selection"]);
+    failed(&barrelman_in(&folder, &outside), 1, &["selection"]);
     assert!(files_in(&folder).is_empty(), "{:?}", files_in(&folder));
     fs::write(folder.join("track.csv"), "old").unwrap();
     fs::write(folder.join("film.mp4"), "old").unwrap();
-    refused(&folder, &[&outside[..], &["--force"]].concat(), &["selection"]);
+    failed(&barrelman_in(&folder, &[&outside[..], &["--force"]].concat()), 1, &["selection"]);
     for name in ["track.csv", "film.mp4"] {
         assert_eq!(fs::read_to_string(folder.join(name)).unwrap(), "old", "{name}");
     }

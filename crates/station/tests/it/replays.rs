@@ -1,4 +1,4 @@
-//! Replays of recordings whose video runs ahead of their steps.
+//! Replays of recordings whose video runs ahead of the steps.
 
 use std::fs;
 use std::io::BufWriter;
@@ -28,13 +28,13 @@ fn unit(index: u64, codec: UnitCodec, payload: Vec<u8>) -> EncodedUnit {
     }
 }
 
-/// A raw picture, each another one.
+/// A raw picture; each index gives another one.
 fn raw(index: u64) -> EncodedUnit {
     let codec = UnitCodec::RawYuv420 { size: SIZE, colour: ColourEncoding::JPEG };
     unit(index, codec, vec![index as u8; SIZE.area() * 3 / 2])
 }
 
-/// A black picture of 2000 x 2000 in a few kilobytes.
+/// A black picture of 2000 x 2000 pixels in a few kilobytes.
 fn black_png() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, 2000, 2000);
@@ -46,7 +46,7 @@ fn black_png() -> Vec<u8> {
     bytes
 }
 
-/// The frames of units, decoded one after the other.
+/// The decoded frames of units.
 fn frames(units: &[EncodedUnit]) -> Vec<VideoFrame> {
     let mut decoder = UnitDecoder::new(DecodeMode::File);
     let mut frames = Vec::new();
@@ -75,20 +75,20 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
     let file = BufWriter::new(fs::File::create(&path).unwrap());
     let mut writer = RecordingWriter::begin(file, &start).unwrap();
     let png = black_png();
-    // 400 pictures of 6 MB each, when they are decoded.
+    // 400 pictures of 6 MB each when decoded.
     for index in 0..400 {
         writer.write(&Entry::Unit(unit(index, UnitCodec::Png, png.clone()))).unwrap();
     }
     writer.finish().unwrap();
-    // A gigabyte of addresses.
+    // The process gets a gigabyte of address space.
     let output = Command::new("sh")
         .args(["-c", "ulimit -v 1000000 && exec \"$0\" replay \"$1\""])
         .arg(env!("CARGO_BIN_EXE_barrelman"))
         .arg(&path)
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
     let found = String::from_utf8_lossy(&output.stdout);
     assert!(found.starts_with("0 steps, 0 video frames"), "{found}");
     fs::remove_file(path).unwrap();
@@ -119,11 +119,11 @@ fn frames_come_as_they_are_asked_for_and_those_between_are_passed_over() {
 
 #[test]
 fn video_that_runs_too_far_ahead_is_an_error_that_says_so() {
-    // Twelve units may wait.
+    // The queue holds twelve units.
     let bytes = size_of::<EncodedUnit>() + raw(0).payload.len();
     let mut video = StoredVideo::new(DecodeMode::File, 12 * bytes);
     let expected = frames(&(0..30).map(raw).collect::<Vec<_>>());
-    // With a frame taken for each, any number of them passes.
+    // While a frame is taken for each unit, the queue never fills.
     for (index, frame) in expected.iter().enumerate() {
         video.add(raw(index as u64)).unwrap();
         video.frame(&FrameFingerprint::from_frame(frame)).unwrap();

@@ -1,7 +1,4 @@
-//! `report`, `metrics` on campaigns, and `render`, tried from outside.
-
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+//! The commands `report`, `metrics` on campaigns, and `render`.
 
 use barrelman_experiments::campaign::PlantName;
 use barrelman_experiments::campaign::plan::CampaignRequest;
@@ -17,52 +14,31 @@ use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
 use barrelman_video::{FileFrames, VideoUrl};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
-/// An empty folder of this test's own.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn barrelman(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_barrelman")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-#[track_caller]
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = barrelman(folder, arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {message}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-#[track_caller]
-fn refused(folder: &Path, arguments: &[&str], words: &str) {
-    let output = barrelman(folder, arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && message.contains(words), "{arguments:?}: {message}");
-}
+use crate::program::{barrelman_in, empty_folder, failed, succeeded};
 
 const TRIALS: [&str; 6] = ["trials", "lab1", "--perception", "truth", "--trials", "2"];
 
 #[test]
 fn metrics_of_a_campaigns_file_are_what_trials_printed() {
-    let folder = folder("campaign-metrics");
-    let printed = done(&folder, &[&TRIALS[..], &["--output", "lab1.jsonl", "--json"]].concat());
-    assert_eq!(done(&folder, &["metrics", "lab1.jsonl", "--json"]), printed);
-    refused(&folder, &["metrics", "lab1.jsonl", "--region", "0.5,0.5"], "--region");
-    // A file whose last line was cut: the trials before it, and exit 1.
+    let folder = empty_folder("campaign-metrics");
+    let printed =
+        succeeded(&barrelman_in(&folder, &[&TRIALS[..], &["--output", "lab1.jsonl", "--json"]].concat()));
+    assert_eq!(succeeded(&barrelman_in(&folder, &["metrics", "lab1.jsonl", "--json"])), printed);
+    failed(&barrelman_in(&folder, &["metrics", "lab1.jsonl", "--region", "0.5,0.5"]), 1, &["--region"]);
+    // A file whose last line is cut: the trials before it are used, with exit code 1.
     let text = std::fs::read_to_string(folder.join("lab1.jsonl")).unwrap();
     std::fs::write(folder.join("cut.jsonl"), &text[..text.len() - 10]).unwrap();
-    refused(&folder, &["metrics", "cut.jsonl"], "line 2");
+    failed(&barrelman_in(&folder, &["metrics", "cut.jsonl"]), 1, &["line 2"]);
 }
 
 #[test]
 fn a_report_shows_recordings_campaigns_and_exported_logs_and_overwrites_nothing() {
-    let folder = folder("report");
-    done(&folder, &[&TRIALS[..], &["--record", "recordings", "--output", "lab1.jsonl"]].concat());
-    done(&folder, &["export", "recordings/lab1-1.mcap", "--output", "exported"]);
+    let folder = empty_folder("report");
+    succeeded(&barrelman_in(
+        &folder,
+        &[&TRIALS[..], &["--record", "recordings", "--output", "lab1.jsonl"]].concat(),
+    ));
+    succeeded(&barrelman_in(&folder, &["export", "recordings/lab1-1.mcap", "--output", "exported"]));
     let world = std::fs::read_to_string(folder.join("exported/truth.csv")).unwrap();
     assert!(
         world.starts_with("log_time_ns,tick,at_ns,target_x_m,target_y_m,target_heading_rad,camera_x_m"),
@@ -70,7 +46,7 @@ fn a_report_shows_recordings_campaigns_and_exported_logs_and_overwrites_nothing(
     );
     let logs = ["recordings/lab1-1.mcap", "recordings/lab1-2.mcap", "lab1.jsonl", "exported/trial.csv"];
     let arguments = [&["report"][..], &logs, &["--output", "report.html", "--svg", "figures"]].concat();
-    done(&folder, &arguments);
+    succeeded(&barrelman_in(&folder, &arguments));
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
     for words in
         ["lab1/1", "lab1/2", "lab1, schema, recorded", "lab1, schema, truth", "exported logs", "0.6045"]
@@ -88,17 +64,20 @@ fn a_report_shows_recordings_campaigns_and_exported_logs_and_overwrites_nothing(
         let svg = std::fs::read_to_string(folder.join("figures").join(&figure)).unwrap();
         assert!(roxmltree::Document::parse(&svg).is_ok(), "{figure}");
     }
-    refused(&folder, &arguments, "--force");
-    done(&folder, &[&arguments[..], &["--force"]].concat());
+    failed(&barrelman_in(&folder, &arguments), 1, &["--force"]);
+    succeeded(&barrelman_in(&folder, &[&arguments[..], &["--force"]].concat()));
 }
 
 #[test]
 fn a_recorded_trial_is_lost_where_the_simulated_one_was() {
-    let folder = folder("recorded-truth");
+    let folder = empty_folder("recorded-truth");
     let all = ["trials", "lab1", "--perception", "truth", "--trials", "4"];
-    done(&folder, &[&all[..], &["--record", "recordings", "--output", "lab1.jsonl"]].concat());
+    succeeded(&barrelman_in(
+        &folder,
+        &[&all[..], &["--record", "recordings", "--output", "lab1.jsonl"]].concat(),
+    ));
     let figures = |arguments: &[&str]| -> Vec<(String, f64)> {
-        let text = done(&folder, arguments);
+        let text = succeeded(&barrelman_in(&folder, arguments));
         let document: serde_json::Value = serde_json::from_str(&text).unwrap();
         let trials = document["trials"].as_array().unwrap();
         trials.iter().map(|t| (t["lost"].to_string(), t["out_of_picture_s"].as_f64().unwrap())).collect()
@@ -116,11 +95,11 @@ fn a_recorded_trial_is_lost_where_the_simulated_one_was() {
     }
 }
 
-/// What a renderer of the test's own says is true of each picture.
+/// The truth of each picture, from a renderer of the test's own.
 struct OwnTruth {
     camera: CameraSetup,
     simd: Simd,
-    eye: Option<RenderedCamera<'static>>,
+    renderer: Option<RenderedCamera<'static>>,
     truth: Vec<(Timestamp, DrawnTruth)>,
 }
 
@@ -128,17 +107,17 @@ impl StepObserver for OwnTruth {
     fn on_step(&mut self, _: Timestamp, _: &Input<'_>, _: &Outcome, _: VehicleRates) {}
     fn on_truth(&mut self, _: &Truth) {}
     fn on_world(&mut self, world: &World) {
-        let eye = self
-            .eye
+        let renderer = self
+            .renderer
             .get_or_insert_with(|| RenderedCamera::new(world, self.camera.clone(), 7, self.simd, &Serial));
-        let view = eye.capture(world);
-        self.truth.push((view.frame.capture.at, eye.truth().clone()));
+        let view = renderer.capture(world);
+        self.truth.push((view.frame.capture.at, renderer.truth().clone()));
     }
 }
 
 #[test]
 fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
-    let folder = folder("render");
+    let folder = empty_folder("render");
     let size = PictureSize::new(160, 96);
     let arguments = [
         "render",
@@ -156,8 +135,8 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
         "--masks",
         "masks",
     ];
-    done(&folder, &arguments);
-    refused(&folder, &arguments, "--force");
+    succeeded(&barrelman_in(&folder, &arguments));
+    failed(&barrelman_in(&folder, &arguments), 1, &["--force"]);
     let mut frames = FileFrames::open(&VideoUrl::file(folder.join("clip.mp4"))).unwrap();
     let mut count = 0;
     while let Some(frame) = frames.next_frame().unwrap() {
@@ -177,7 +156,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
     .with_max_duration(0.7);
     let camera = plan.scenario().camera.clone();
     let simd = Simd::at_most(SimdLevel::Baseline);
-    let mut own = OwnTruth { camera, simd, eye: None, truth: Vec::new() };
+    let mut own = OwnTruth { camera, simd, renderer: None, truth: Vec::new() };
     plan.log(7, &mut own).unwrap();
     let text = std::fs::read_to_string(folder.join("truth.csv")).unwrap();
     let mut lines = text.lines();

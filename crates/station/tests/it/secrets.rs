@@ -1,16 +1,17 @@
-//! Passwords: kept out of everything that is printed and recorded, and given by a file or the environment.
+//! Passwords: never printed or recorded, and read from a file or the environment.
 
 use std::fs::{File, Permissions};
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, TcpListener};
 use std::os::unix::fs::PermissionsExt as _;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 
 use barrelman_station::secrets::is_readable_by_others;
 use barrelman_trial::records::{Entry, RecordingReader};
+
+use crate::program::{argument, empty_folder};
 
 const PASSWORD: &str = "hunter2";
 /// `admin:hunter2`.
@@ -21,49 +22,37 @@ fn barrelman(options: &[&str]) -> Output {
     command.args(options).env("BARRELMAN_TEST_LOGIN", format!("admin:{PASSWORD}")).output().unwrap()
 }
 
-/// What a command that must fail prints on both channels, without the password.
+/// Runs a command that must fail without printing the password. Returns its standard output and standard error.
 #[track_caller]
 fn refused(options: &[&str], words: &str) -> String {
     let output = barrelman(options);
-    let said = [output.stdout, output.stderr].concat();
-    let said = String::from_utf8(said).unwrap();
-    assert!(!output.status.success() && said.contains(words), "{said}\nexpected {words}");
-    assert!(!said.contains(PASSWORD), "{said}");
-    said
-}
-
-/// An empty folder of that name.
-fn scratch(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("secrets-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn word(path: &Path) -> &str {
-    path.to_str().unwrap()
+    let message = [output.stdout, output.stderr].concat();
+    let message = String::from_utf8(message).unwrap();
+    assert!(!output.status.success() && message.contains(words), "{message}\nexpected {words}");
+    assert!(!message.contains(PASSWORD), "{message}");
+    message
 }
 
 #[test]
 fn the_password_of_a_link_is_refused_and_not_repeated() {
-    let folder = scratch("link");
+    let folder = empty_folder("secrets-link");
     let hidden = "tcp://***@127.0.0.1:9\" has a login";
     let url = format!("tcp://user:{PASSWORD}@127.0.0.1:9");
     let clip = concat!("file:", env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
     let record = folder.join("run.mcap");
-    refused(&["run", "--video", clip, "--link", &url, "--record", word(&record)], hidden);
+    refused(&["run", "--video", clip, "--link", &url, "--record", argument(&record)], hidden);
     assert!(!record.exists());
     // JSON quotes the quotation mark.
     refused(&["check", "--video", clip, "--link", &url, "--json"], "tcp://***@127.0.0.1:9");
     let config = folder.join("barrelman.toml");
     std::fs::write(&config, format!("[link]\nurl = \"{url}\"\n")).unwrap();
-    refused(&["run", word(&config), "--video", clip], hidden);
-    // The line with the mistake is shown.
+    refused(&["run", argument(&config), "--video", clip], hidden);
+    // The message shows the line with the mistake.
     std::fs::write(&config, format!("[link]\nurll = \"{url}\"\n")).unwrap();
-    refused(&["run", word(&config), "--video", clip], "tcp://***@127.0.0.1:9");
+    refused(&["run", argument(&config), "--video", clip], "tcp://***@127.0.0.1:9");
 }
 
-/// A camera that lets nobody in, and what it was sent as `Authorization`.
+/// A camera that refuses every login, and the queue of `Authorization` values that it receives.
 fn camera() -> (SocketAddr, Receiver<String>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
@@ -98,7 +87,7 @@ fn camera() -> (SocketAddr, Receiver<String>) {
 
 #[test]
 fn a_login_comes_from_a_file_or_the_environment_and_goes_to_the_camera_alone() {
-    let folder = scratch("video");
+    let folder = empty_folder("secrets-video");
     let login = folder.join("login");
     std::fs::write(&login, format!("admin:{PASSWORD}\nnot this line\n")).unwrap();
     std::fs::set_permissions(&login, Permissions::from_mode(0o600)).unwrap();
@@ -107,23 +96,24 @@ fn a_login_comes_from_a_file_or_the_environment_and_goes_to_the_camera_alone() {
     let url = format!("rtsp://{address}/live");
     let refuses = "does not let us in";
 
-    let said = refused(&["check", "--video", &url, "--video-login-file", word(&login), "--json"], refuses);
+    let message =
+        refused(&["check", "--video", &url, "--video-login-file", argument(&login), "--json"], refuses);
     assert_eq!(logins.recv().unwrap(), BASIC);
-    assert!(!said.contains("can be read by others"), "{said}");
+    assert!(!message.contains("can be read by others"), "{message}");
 
     let config = folder.join("barrelman.toml");
     std::fs::write(&config, format!("[video]\nurl = \"{url}\"\nlogin_env = \"BARRELMAN_TEST_LOGIN\"\n"))
         .unwrap();
-    refused(&["check", word(&config)], refuses);
+    refused(&["check", argument(&config)], refuses);
     assert_eq!(logins.recv().unwrap(), BASIC);
 
     std::fs::set_permissions(&login, Permissions::from_mode(0o644)).unwrap();
     std::fs::write(&config, format!("[video]\nurl = \"{url}\"\nlogin_file = \"{}\"\n", login.display()))
         .unwrap();
     let record = folder.join("run.mcap");
-    let said = refused(&["run", word(&config), "--record", word(&record)], refuses);
+    let message = refused(&["run", argument(&config), "--record", argument(&record)], refuses);
     assert_eq!(logins.recv().unwrap(), BASIC);
-    assert!(said.contains("can be read by others: run `chmod 600"), "{said}");
+    assert!(message.contains("can be read by others: run `chmod 600"), "{message}");
     let Some(Ok(Entry::Start(start))) = RecordingReader::new(File::open(&record).unwrap()).next() else {
         panic!("it begins with its start")
     };
@@ -133,12 +123,12 @@ fn a_login_comes_from_a_file_or_the_environment_and_goes_to_the_camera_alone() {
 
 #[test]
 fn a_login_that_cannot_be_had_is_named_and_not_repeated() {
-    let folder = scratch("refused");
+    let folder = empty_folder("secrets-refused");
     let (login, config) = (folder.join("login"), folder.join("barrelman.toml"));
     std::fs::write(&login, format!("{PASSWORD}\n")).unwrap();
     let url = "rtsp://127.0.0.1:9/live";
     let run = |video: &str, words: &str| {
-        refused(&["run", "--video", video, "--video-login-file", word(&login)], words)
+        refused(&["run", "--video", video, "--video-login-file", argument(&login)], words)
     };
     run(url, "write user:password");
     run("sim:open", "--video-login-file is for rtsp:// alone");
@@ -146,7 +136,7 @@ fn a_login_that_cannot_be_had_is_named_and_not_repeated() {
     run(&format!("rtsp://root:{PASSWORD}@127.0.0.1:9/live"), "given twice");
     refused(&["run", "--video", url, "--video-login-file", "nowhere"], "there is no file nowhere");
     std::fs::write(&config, "[video]\nlogin_env = \"BARRELMAN_TEST_UNSET\"\n").unwrap();
-    refused(&["run", word(&config), "--video", url], "BARRELMAN_TEST_UNSET");
+    refused(&["run", argument(&config), "--video", url], "BARRELMAN_TEST_UNSET");
     std::fs::write(&config, "[video]\nlogin_env = \"A\"\nlogin_file = \"b\"\n").unwrap();
-    refused(&["run", word(&config), "--video", url], "both given");
+    refused(&["run", argument(&config), "--video", url], "both given");
 }

@@ -1,13 +1,12 @@
-//! The rates that a recording holds are those that the link writes.
-
-use std::path::Path;
-use std::process::Command;
+//! The rates in a recording equal the rates that the link writes.
 
 use barrelman_station::config::{self, Configuration};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::session::PROMPT;
 use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
+
+use crate::program::{argument, barrelman, empty_folder, succeeded};
 
 fn at(ms: u64) -> Timestamp {
     Timestamp::from_nanos(ms * 1_000_000)
@@ -39,7 +38,7 @@ fn profile(limits: &str) -> Result<VehicleProfile, String> {
 
 #[test]
 fn excessive_rates_are_recorded_as_they_are_written() {
-    let mut taken = 0;
+    let mut accepted = 0;
     for limits in [
         "",
         "limit_pan_rad_per_s = 0.35\nlimit_tilt_rad_per_s = 0.3\n",
@@ -48,7 +47,7 @@ fn excessive_rates_are_recorded_as_they_are_written() {
         "limit_pan_rad_per_s = 3.0\nlimit_tilt_rad_per_s = 3.0\n",
     ] {
         let Ok(profile) = profile(limits) else { continue };
-        taken += 1;
+        accepted += 1;
         for rate in [-9.0, -0.7, -0.35, -0.2, 0.0, 0.301, 0.45, 3.0, f64::INFINITY, f64::NAN] {
             let rate = AngularRate::from_radians_per_second(rate);
             let recorded = profile.to_vehicle(CameraCommand { pan: rate, tilt: rate });
@@ -59,29 +58,13 @@ fn excessive_rates_are_recorded_as_they_are_written() {
             assert_eq!(written(recorded), expected, "{rate:?} with {limits:?}");
         }
     }
-    assert_eq!(taken, 2, "limits above the vehicle's are refused");
+    assert_eq!(accepted, 2, "limits above the vehicle's are refused");
 }
 
 #[test]
 fn a_simulated_vehicle_that_is_faster_than_the_real_one_is_recorded_and_replayed() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sent-rates");
-    let _ = std::fs::remove_dir_all(&folder);
-    let barrelman = |options: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_barrelman")).args(options).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    };
-    let record = folder.to_str().unwrap();
-    barrelman(&[
-        "trials",
-        "lab2",
-        "--perception",
-        "truth",
-        "--trials",
-        "1",
-        "--rate",
-        "3",
-        "--record",
-        record,
-    ]);
-    barrelman(&["replay", folder.join("lab2-1.mcap").to_str().unwrap(), "--compare"]);
+    let folder = empty_folder("sent-rates");
+    let trial = ["trials", "lab2", "--perception", "truth", "--trials", "1", "--rate", "3", "--record"];
+    succeeded(&barrelman(&[&trial[..], &[argument(&folder)]].concat()));
+    succeeded(&barrelman(&["replay", argument(&folder.join("lab2-1.mcap")), "--compare"]));
 }

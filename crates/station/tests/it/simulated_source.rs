@@ -1,4 +1,4 @@
-//! The simulated world as a live video source.
+//! A simulated world as a live video source.
 
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
@@ -11,49 +11,50 @@ use barrelman_vocab::{EncodedUnit, PictureSize, PixelBox, VideoFrame};
 
 const SMALL: PictureSize = PictureSize::new(192, 108);
 
-enum Told {
+/// What the world delivers.
+enum Delivery {
     Target(PixelBox),
     Frame(VideoFrame),
     Ended,
 }
 
-struct Teller(Sender<Told>);
+struct DeliverySink(Sender<Delivery>);
 
-impl VideoSink for Teller {
+impl VideoSink for DeliverySink {
     fn unit(&mut self, _unit: &EncodedUnit) {}
 
     fn target(&mut self, target: PixelBox) {
-        let _ = self.0.send(Told::Target(target));
+        let _ = self.0.send(Delivery::Target(target));
     }
 
     fn frame(&mut self, frame: VideoFrame) {
-        let _ = self.0.send(Told::Frame(frame));
+        let _ = self.0.send(Delivery::Frame(frame));
     }
 
     fn state(&mut self, state: VideoState) {
         if matches!(state, VideoState::Ended | VideoState::Failed(_)) {
-            let _ = self.0.send(Told::Ended);
+            let _ = self.0.send(Delivery::Ended);
         }
     }
 }
 
 #[test]
 fn a_live_world_says_where_its_boat_is_and_stamps_its_pictures() {
-    let (told, queue) = channel();
+    let (deliveries, queue) = channel();
     let clock = Clock::start();
     let SourceUrl::Simulated(url) = SourceUrl::parse("sim:open?size=192x108").unwrap() else { panic!() };
-    let source = simulated_source::spawn(&url, clock, Teller(told)).unwrap();
+    let source = simulated_source::spawn(&url, clock, DeliverySink(deliveries)).unwrap();
     let mut frames: Vec<VideoFrame> = Vec::new();
     let mut target = None;
     while frames.len() < 5 {
         match queue.recv_timeout(Duration::from_secs(20)).unwrap() {
-            Told::Target(found) => target = target.or(Some((found, frames.len()))),
-            Told::Frame(frame) => {
+            Delivery::Target(found) => target = target.or(Some((found, frames.len()))),
+            Delivery::Frame(frame) => {
                 let age = clock.now().since(frame.capture.at);
                 assert!(age >= Duration::from_millis(175), "it comes after the scenario's latency: {age:?}");
                 frames.push(frame);
             }
-            Told::Ended => panic!("the world has ended"),
+            Delivery::Ended => panic!("the world has ended"),
         }
     }
     source.stop().unwrap();
