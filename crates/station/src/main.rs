@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use barrelman_host::clock::Clock;
-use barrelman_station::cli::{Cli, Command, WrongUse};
+use barrelman_station::cli::{Cli, Command, UsageError};
 use barrelman_station::{commands, logging};
 use clap::Parser as _;
 
@@ -35,7 +35,7 @@ fn main() -> ExitCode {
         if !is_broken_pipe(&error) {
             tracing::error!("{error:#}");
         }
-        if error.is::<WrongUse>() { ExitCode::from(2) } else { ExitCode::FAILURE }
+        if error.is::<UsageError>() { ExitCode::from(2) } else { ExitCode::FAILURE }
     })
 }
 

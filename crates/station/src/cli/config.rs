@@ -12,12 +12,12 @@ use clap::{Args, Subcommand};
 pub struct ConfigArgs {
     /// What to print.
     #[command(subcommand)]
-    pub what: ConfigWhat,
+    pub command: ConfigCommand,
 }
 
 /// What `config` prints.
 #[derive(Debug, Subcommand)]
-pub enum ConfigWhat {
+pub enum ConfigCommand {
     /// An example with every key, its unit, range and default.
     #[command(after_help = "Example:\n  barrelman config example > barrelman.toml")]
     Example,

@@ -18,8 +18,9 @@ use super::values::{parse_seconds, parse_size};
   barrelman demo --replay drive.jsonl
   barrelman demo --clip --output demo-output
 
-Keys on the page: arrows steer the boat, p pauses, space stops the camera, e engages it, h returns the helm to the
-scenario's helmsman. Keys on a terminal: e engages, space and d stop the camera, q quits.
+Keys on the page: arrows steer the boat, p pauses, space stops the camera, e engages it,
+h returns the helm to the scenario's helmsman.
+Keys on a terminal: e engages, space and d stop the camera, q quits.
 --clip runs the live loop on a rendered practice clip, with an emulated ground station.")]
 pub struct DemoArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open.

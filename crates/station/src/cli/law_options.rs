@@ -4,7 +4,7 @@ use anyhow::Result;
 use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
 use clap::Args;
 
-use super::wrong_use::WrongUse;
+use super::usage_error::UsageError;
 
 /// The options that choose the camera law.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -27,11 +27,11 @@ impl LawOptions {
     ///
     /// # Errors
     /// If the options contradict each other, or the horizon is out of range.
-    pub fn over(self, base: LawChoice) -> Result<LawChoice> {
+    pub fn resolve(self, base: LawChoice) -> Result<LawChoice> {
         let base = self.law.filter(|name| *name != base.name).map_or(base, LawChoice::of);
         LawChoice { mode: self.mode.or(base.mode), horizon_s: self.horizon.or(base.horizon_s), ..base }
             .validated("--")
-            .map_err(|error| WrongUse(error.to_string()).into())
+            .map_err(|error| UsageError(error.to_string()).into())
     }
 }
 

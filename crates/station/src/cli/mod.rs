@@ -26,13 +26,13 @@ mod law_options;
 mod log_options;
 mod region_options;
 
+mod usage_error;
 mod values;
-mod wrong_use;
 
 use clap::{Parser, Subcommand};
 
 pub use check::CheckArgs;
-pub use config::{ConfigArgs, ConfigWhat};
+pub use config::{ConfigArgs, ConfigCommand};
 pub use demo::DemoArgs;
 pub use emulate::{EmulateArgs, EmulateFotokiteProArgs, StationName};
 pub use law_options::LawOptions;
@@ -44,8 +44,8 @@ pub use run::RunArgs;
 pub use scenarios::{RenderArgs, ScenariosArgs};
 pub use track::TrackArgs;
 pub use trials::{CompareArgs, MergeArgs, PerceptionName, TrialsArgs};
+pub use usage_error::UsageError;
 pub use values::Shard;
-pub use wrong_use::WrongUse;
 
 /// Keeps an unmanned surface vehicle in the view of a small tethered UAV, moving the camera as little as possible.
 #[derive(Debug, Parser)]

@@ -26,18 +26,18 @@ pub(super) struct ChannelTables<'a> {
     /// The open files, least recently written first.
     open: Vec<(String, BufWriter<OutputFile>)>,
     /// Names in use, without extension, each with the number that the next file of that name gets.
-    taken: BTreeMap<String, u32>,
+    used_names: BTreeMap<String, u32>,
 }
 
 impl<'a> ChannelTables<'a> {
-    /// Tables in a folder. `taken`: names of the export's other CSV files, without extension.
-    pub(super) fn new(folder: &'a Path, force: bool, taken: &[&str]) -> Self {
+    /// Tables in a folder. `used_names`: names of the export's other CSV files, without extension.
+    pub(super) fn new(folder: &'a Path, force: bool, used_names: &[&str]) -> Self {
         Self {
             folder,
             force,
             files: BTreeMap::new(),
             open: Vec::new(),
-            taken: taken.iter().map(|name| ((*name).to_owned(), 2)).collect(),
+            used_names: used_names.iter().map(|name| ((*name).to_owned(), 2)).collect(),
         }
     }
 
@@ -90,18 +90,18 @@ impl<'a> ChannelTables<'a> {
     /// is numbered.
     fn path_of(&mut self, topic: &str) -> PathBuf {
         let mut name = topic.trim_matches('/').replace('/', "_");
-        while let Some(number) = self.taken.get_mut(&name) {
+        while let Some(number) = self.used_names.get_mut(&name) {
             let numbered = format!("{name}_{number}");
             *number += 1;
-            if !self.taken.contains_key(&numbered) {
+            if !self.used_names.contains_key(&numbered) {
                 name = numbered;
             }
         }
-        self.taken.insert(name.clone(), 2);
+        self.used_names.insert(name.clone(), 2);
         self.folder.join(format!("{name}.csv"))
     }
 
-    /// Closes the least recently written file if as many files are open as may be.
+    /// Closes the least recently written file if [`MAX_OPEN`] files are open.
     fn close_oldest(&mut self) -> Result<()> {
         if self.open.len() < MAX_OPEN {
             return Ok(());

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 
-use crate::cli::{ConfigArgs, ConfigWhat};
+use crate::cli::{ConfigArgs, ConfigCommand};
 use crate::config::{self, ConfigFile, Configuration};
 
 /// Runs the command.
@@ -13,11 +13,11 @@ use crate::config::{self, ConfigFile, Configuration};
 /// # Errors
 /// If a file is not usable.
 pub fn run(args: &ConfigArgs) -> Result<ExitCode> {
-    let text = match &args.what {
-        ConfigWhat::Example => config::EXAMPLE.to_owned(),
-        ConfigWhat::Schema => config::schema()? + "\n",
-        ConfigWhat::Print { config: None } => Configuration::resolve(&ConfigFile::default())?.to_toml()?,
-        ConfigWhat::Print { config: Some(path) } => {
+    let text = match &args.command {
+        ConfigCommand::Example => config::EXAMPLE.to_owned(),
+        ConfigCommand::Schema => config::schema()? + "\n",
+        ConfigCommand::Print { config: None } => Configuration::resolve(&ConfigFile::default())?.to_toml()?,
+        ConfigCommand::Print { config: Some(path) } => {
             Configuration::resolve(&config::read(path)?)?.to_toml()?
         }
     };

@@ -61,7 +61,7 @@ fn drive(
     };
     url.size = Some(picture_size(&url)?);
     let setup =
-        DriveSetup::new(url, args.tracker, args.law.over(LawChoice::OPTIMAL)?, args.record.is_some())?;
+        DriveSetup::new(url, args.tracker, args.law.resolve(LawChoice::OPTIMAL)?, args.record.is_some())?;
     let listener = listen(args.listen)?;
     let max_duration = args.seconds.map(Duration::from_secs_f64);
     let end = DriveSession { setup, listener, record, store, max_duration, clock }.run()?;
@@ -79,7 +79,7 @@ fn drive(
     })
 }
 
-/// The size of the pictures: the size that was asked for, else the scenario's, made smaller where it is large.
+/// The size of the pictures: the given size, else the scenario's, limited to `MAX_WIDTH`.
 fn picture_size(url: &WorldUrl) -> Result<PictureSize> {
     if let Some(size) = url.size {
         return Ok(size);
@@ -89,8 +89,8 @@ fn picture_size(url: &WorldUrl) -> Result<PictureSize> {
     Ok(if own.width > MAX_WIDTH { PictureSize::new(MAX_WIDTH, height) } else { own })
 }
 
-fn listen(asked: Option<SocketAddr>) -> Result<TcpListener> {
-    if let Some(address) = asked {
+fn listen(address: Option<SocketAddr>) -> Result<TcpListener> {
+    if let Some(address) = address {
         return TcpListener::bind(address).with_context(|| {
             format!(
                 "cannot listen on {address}: does another program use it? choose another address with --listen"

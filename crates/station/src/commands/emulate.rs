@@ -11,8 +11,8 @@ use anyhow::{Result, bail};
 use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 
 use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, StationName};
+use crate::emulator::emulated_port::EmulatedPort;
 use crate::emulator::fotokite_pro::FotokitePro;
-use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
 use crate::emulator::rtsp_server::RtspServer;
 use crate::link::CameraLink;
@@ -37,8 +37,8 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
     let mut world =
         args.world.as_deref().map(|world| ServedWorld::new(world, args.video_listen)).transpose()?;
     let port = match (&args.pty, &args.listen) {
-        (Some(path), _) => HostPort::pty(path, args.force)?,
-        (None, Some(address)) => HostPort::listen(address)?,
+        (Some(path), _) => EmulatedPort::pty(path, args.force)?,
+        (None, Some(address)) => EmulatedPort::listen(address)?,
         (None, None) => bail!("no port: give --pty PATH or --listen ADDR"),
     };
     let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;

@@ -21,7 +21,7 @@ pub const HEADER: &str = "row,time_s,x,y,p,pitch_rate,yaw_rate";
 /// # Errors
 /// If the log cannot be read or the output not be written.
 pub fn run(args: &LawArgs) -> Result<ExitCode> {
-    let law = args.law.over(LawChoice::SCHEMA)?;
+    let law = args.law.resolve(LawChoice::SCHEMA)?;
     let mut profile = profile_named(&args.profile)?;
     if let Some(rate) = args.rate {
         profile = profile.with_motor_schema_rate(AngularRate::from_radians_per_second(rate));

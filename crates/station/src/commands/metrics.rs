@@ -7,7 +7,7 @@ use anyhow::Result;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure, summarise};
 use barrelman_vocab::VehicleProfile;
 
-use super::trial_input::Input;
+use super::trial_input::InputFile;
 use super::{summary_table, trial_input};
 use crate::cli::MetricsArgs;
 
@@ -21,8 +21,8 @@ pub fn run(args: &MetricsArgs) -> Result<ExitCode> {
     let mut is_truncated = false;
     for path in &args.logs {
         let mut input = match trial_input::read_any(path)? {
-            Input::Trial(input) => *input,
-            Input::Campaign(campaign) => {
+            InputFile::Trial(input) => *input,
+            InputFile::Campaign(campaign) => {
                 is_truncated |= campaign.report_cut(path);
                 args.region.refuse_for_campaign(path, args.picture.is_some())?;
                 trials.extend(campaign.trials());

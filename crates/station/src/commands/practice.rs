@@ -18,8 +18,8 @@ use indicatif::ProgressBar;
 
 use super::run::{self, Outputs};
 use crate::cli::{DemoArgs, RunArgs};
+use crate::emulator::emulated_port::EmulatedPort;
 use crate::emulator::fotokite_pro::FotokitePro;
-use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_host::clock::Clock;
@@ -63,7 +63,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let log = StationLog::new(Some(log_file), clock);
     let settings = GroundStationSettings::default();
     let mut emulator =
-        FotokitePro::new(HostPort::pty(&port, args.force)?, settings, log, FaultPlan::default(), clock);
+        FotokitePro::new(EmulatedPort::pty(&port, args.force)?, settings, log, FaultPlan::default(), clock);
     writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.url())?;
     let ended = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&ended);
@@ -87,7 +87,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             profile: None,
             select: Some(selection),
             tracker: Some(args.tracker),
-            law: args.law.over(LawChoice::SCHEMA)?.into(),
+            law: args.law.resolve(LawChoice::SCHEMA)?.into(),
             engage: true,
             headless: true,
             record: Some(recording.clone()),

@@ -12,7 +12,7 @@ use barrelman_trial::report::{Report, ReportedTrial, SetKind, TrialSet, TrialTra
 use barrelman_trial::shadow::simulate_motor_schema;
 use barrelman_vocab::VehicleProfile;
 
-use super::trial_input::{self, Input, LogKind, TrialInput};
+use super::trial_input::{self, InputFile, LogKind, TrialInput};
 use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
 use barrelman_experiments::campaign::plan::arena_of;
@@ -29,14 +29,14 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
     let mut is_truncated = false;
     for path in &args.logs {
         match trial_input::read_any(path)? {
-            Input::Trial(input) => {
+            InputFile::Trial(input) => {
                 if let Some(message) = &input.cut {
                     tracing::error!("{message}");
                     is_truncated = true;
                 }
                 trials.push(reported_trial(*input, args));
             }
-            Input::Campaign(campaign) => {
+            InputFile::Campaign(campaign) => {
                 args.region.refuse_for_campaign(path, false)?;
                 is_truncated |= campaign.report_cut(path);
                 trials.extend(campaign.entries.into_iter().map(|(entry, _)| ReportedTrial {

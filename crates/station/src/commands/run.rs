@@ -13,7 +13,7 @@ use barrelman_trial::records::RecordingStart;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PixelBox, Telemetry, VideoFrame};
 
-use crate::cli::{RunArgs, WrongUse};
+use crate::cli::{RunArgs, UsageError};
 use crate::config::{self, ConfigFile, Configuration};
 use crate::link::url::Endpoint;
 use crate::link::{Link, LinkHandle, LinkReport, LinkUrl};
@@ -70,14 +70,14 @@ pub fn run_into(args: &RunArgs, open: impl FnOnce() -> Result<Outputs>, clock: C
     let (mut configuration, latency_is_known) = effective(args)?;
     let Some(video) = &configuration.video else {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
-        return Err(WrongUse(format!("no video source: {remedy}")).into());
+        return Err(UsageError(format!("no video source: {remedy}")).into());
     };
     let source = secrets::source_url(video, configuration.video_login.as_ref())?;
     let takes_login =
         matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
     if args.video_login_file.is_some() && !takes_login {
         return Err(
-            WrongUse(format!("--video-login-file is for rtsp:// alone: {source} takes no login")).into()
+            UsageError(format!("--video-login-file is for rtsp:// alone: {source} takes no login")).into()
         );
     }
     let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
@@ -164,7 +164,7 @@ fn effective(args: &RunArgs) -> Result<(Configuration, bool)> {
     };
     let latency_is_known = file.vehicle.video_latency_s.is_some();
     let mut configuration = Configuration::resolve(&file).with_context(context)?;
-    configuration.law = args.law.over(configuration.law)?;
+    configuration.law = args.law.resolve(configuration.law)?;
     Ok((configuration, latency_is_known))
 }
 

@@ -17,7 +17,7 @@ const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];
 
 /// The content of a file.
 #[derive(Debug)]
-pub(super) enum Input {
+pub(super) enum InputFile {
     /// One trial.
     Trial(Box<TrialInput>),
     /// The metrics of a campaign's trials.
@@ -52,13 +52,13 @@ pub(super) struct TrialInput {
 ///
 /// # Errors
 /// If the file cannot be read or has an unknown format; the message names the file.
-pub(super) fn read_any(path: &Path) -> Result<Input> {
+pub(super) fn read_any(path: &Path) -> Result<InputFile> {
     let mut first = Vec::new();
     input::open(path)?.take(1).read_to_end(&mut first)?;
     if campaign_file::is_campaign_file(&first) {
-        return campaign_file::read(path).map(Input::Campaign);
+        return campaign_file::read(path).map(InputFile::Campaign);
     }
-    read(path).map(|trial| Input::Trial(Box::new(trial)))
+    read(path).map(|trial| InputFile::Trial(Box::new(trial)))
 }
 
 /// Reads a trial log.

@@ -107,7 +107,7 @@ fn request(args: &TrialsArgs, drive: Option<&DriveReader>) -> Result<CampaignReq
             wind_m_per_s: args.wind,
             size: args.size.or(drive.and_then(|drive| drive.cast.url.size)),
         },
-        law: args.law.over(drive.map_or(LawChoice::SCHEMA, |drive| drive.cast.law))?,
+        law: args.law.resolve(drive.map_or(LawChoice::SCHEMA, |drive| drive.cast.law))?,
         rate: args.rate,
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,

@@ -74,7 +74,7 @@ impl CameraSection {
     ///
     /// # Errors
     /// If a value is out of range; the message names the key and the range.
-    pub fn over(&self, base: &CameraDynamics) -> Result<CameraDynamics> {
+    pub fn apply_to(&self, base: &CameraDynamics) -> Result<CameraDynamics> {
         let tilt = |key: &str, value: Option<f64>, base: Angle| {
             within(key, value, base.radians(), -1.571, 1.571, "radians").map(Angle::from_radians)
         };
@@ -96,14 +96,14 @@ impl CameraSection {
             )?,
             initial_tilt: tilt("camera.first_tilt_rad", self.first_tilt_rad, base.initial_tilt)?,
             tilt_stops: stops,
-            pan: self.pan.over("camera.pan", &base.pan)?,
-            tilt: self.tilt.over("camera.tilt", &base.tilt)?,
+            pan: self.pan.apply_to("camera.pan", &base.pan)?,
+            tilt: self.tilt.apply_to("camera.tilt", &base.tilt)?,
         })
     }
 }
 
 impl AxisSection {
-    fn over(&self, section: &str, base: &AxisDynamics) -> Result<AxisDynamics> {
+    fn apply_to(&self, section: &str, base: &AxisDynamics) -> Result<AxisDynamics> {
         let duration = |key: &str, value: Option<f64>, base: Duration| {
             let key = format!("{section}.{key}");
             within(&key, value, base.as_secs_f64(), 0.0, 2.0, "seconds").map(Duration::from_secs_f64)

@@ -76,7 +76,7 @@ impl Configuration {
             profile_named(vehicle.profile.as_deref().unwrap_or(PROFILES[0])).context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
         let mut profile = overridden(base, vehicle, max_rates)?;
-        profile.camera = file.camera.over(&profile.camera)?;
+        profile.camera = file.camera.apply_to(&profile.camera)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
             ("tilt", &profile.camera.tilt, profile.limits.tilt),

@@ -59,22 +59,22 @@ pub struct FusedSection {
     /// Standard deviation of the filter's desired response, in roots of the target's area, 0.02 to 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub response_deviation: Option<f64>,
-    /// Step of the sizes that are tried, a factor, 1.005 to 1.1.
+    /// Step of the scale search, a factor, 1.005 to 1.1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scale_step: Option<f64>,
-    /// Step of the turns that are tried, degrees, 1 to 15.
+    /// Step of the rotation search, degrees, 1 to 15.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn_step_deg: Option<f64>,
-    /// Factor on the response at another size or turn before the responses are compared, 0.9 to 1.
+    /// Factor on the response at another scale or rotation before the responses are compared, 0.9 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change_gain: Option<f64>,
-    /// Lowest evidence at which the target counts as seen, 5 to 30.
+    /// Lowest evidence of a visible target, 5 to 30.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seen: Option<f64>,
-    /// Lowest evidence at which the tracker learns, 5 to 40.
+    /// Lowest evidence of a frame that the tracker learns from, 5 to 40.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learn: Option<f64>,
-    /// Lowest evidence at which a lost target is a candidate for re-detection, 5 to 40.
+    /// Lowest evidence of a candidate for a lost target, 5 to 40.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub again: Option<f64>,
     /// Evidence that matching colour adds and other colour subtracts, 0 to 20.

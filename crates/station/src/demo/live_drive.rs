@@ -27,7 +27,7 @@ const STATUS_TICKS: u64 = 4;
 pub enum DriveEnd {
     /// The operator or a signal ended it.
     Quit(QuitCause),
-    /// The time that was asked for is up.
+    /// The duration of the session is over.
     TimeIsUp,
     /// The scenario is over.
     Over,

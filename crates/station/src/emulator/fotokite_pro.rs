@@ -11,7 +11,7 @@ use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings, StationRates};
 
-use super::host_port::HostPort;
+use super::emulated_port::EmulatedPort;
 use super::log::{Direction, LoggedState, StationLog};
 use crate::link::camera_link::{CameraLink, Pointing};
 use barrelman_host::clock::Clock;
@@ -27,7 +27,7 @@ const FAULT_DELAY: Duration = Duration::from_millis(400);
 /// An emulated Fotokite Pro.
 #[derive(Debug)]
 pub struct FotokitePro {
-    port: HostPort,
+    port: EmulatedPort,
     station: GroundStation,
     settings: GroundStationSettings,
     mount: CameraMount,
@@ -49,7 +49,7 @@ pub struct FotokitePro {
 impl FotokitePro {
     /// An emulator that has just been switched on.
     pub fn new(
-        port: HostPort,
+        port: EmulatedPort,
         settings: GroundStationSettings,
         log: StationLog,
         faults: FaultPlan,

@@ -8,6 +8,6 @@ pub mod fotokite_pro;
 
 pub mod log;
 
-pub mod host_port;
+pub mod emulated_port;
 mod port_link;
 pub mod rtsp_server;

@@ -147,8 +147,9 @@ fn the_optimal_law_is_used_unless_another_is_named_and_a_recording_keeps_its_own
 #[test]
 fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
     let eco = LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL };
-    let chosen =
-        |law, mode, horizon| LawOptions { law, mode, horizon }.over(eco).map_err(|error| error.to_string());
+    let chosen = |law, mode, horizon| {
+        LawOptions { law, mode, horizon }.resolve(eco).map_err(|error| error.to_string())
+    };
     assert_eq!(chosen(None, None, None), Ok(eco));
     assert_eq!(chosen(None, None, Some(2.0)), Ok(LawChoice { horizon_s: Some(2.0), ..eco }));
     assert_eq!(chosen(Some(LawName::Optimal), None, None), Ok(eco));

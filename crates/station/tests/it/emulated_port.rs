@@ -4,7 +4,7 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-use barrelman_station::emulator::host_port::HostPort;
+use barrelman_station::emulator::emulated_port::EmulatedPort;
 
 use crate::program::empty_folder;
 
@@ -18,7 +18,7 @@ fn port_in(name: &str) -> PathBuf {
 
 #[track_caller]
 fn refused(path: &Path, force: bool, words: &[&str]) {
-    let refusal = format!("{:#}", HostPort::pty(path, force).unwrap_err());
+    let refusal = format!("{:#}", EmulatedPort::pty(path, force).unwrap_err());
     for word in words {
         assert!(refusal.contains(word), "{word:?} is not in {refusal}");
     }
@@ -32,7 +32,7 @@ fn is_port(path: &Path) -> bool {
 #[test]
 fn a_port_has_a_link_for_as_long_as_it_lasts() {
     let path = port_in("lasts");
-    let port = HostPort::pty(&path, false).unwrap();
+    let port = EmulatedPort::pty(&path, false).unwrap();
     assert!(is_port(&path));
     drop(port);
     assert!(fs::symlink_metadata(&path).is_err());
@@ -49,7 +49,7 @@ fn a_link_of_somebody_else_is_refused_and_kept() {
         fs::remove_file(&path).unwrap();
     }
     let other = path.with_file_name("other");
-    let _other = HostPort::pty(&other, false).unwrap();
+    let _other = EmulatedPort::pty(&other, false).unwrap();
     let terminal = fs::read_link(&other).unwrap();
     refused(&other, false, &["symbolic link", "--force"]);
     assert_eq!(fs::read_link(&other).unwrap(), terminal);
@@ -59,7 +59,7 @@ fn a_link_of_somebody_else_is_refused_and_kept() {
 fn the_link_of_a_killed_emulator_is_replaced() {
     let path = port_in("killed");
     symlink(MISSING_TERMINAL, &path).unwrap();
-    let port = HostPort::pty(&path, false).unwrap();
+    let port = EmulatedPort::pty(&path, false).unwrap();
     assert!(is_port(&path));
     drop(port);
     assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0);
@@ -71,7 +71,7 @@ fn with_force_a_link_is_replaced_and_what_it_led_to_is_kept() {
     let target = path.with_file_name("precious");
     fs::write(&target, "precious").unwrap();
     symlink(&target, &path).unwrap();
-    let port = HostPort::pty(&path, true).unwrap();
+    let port = EmulatedPort::pty(&path, true).unwrap();
     assert!(is_port(&path));
     drop(port);
     assert!(fs::symlink_metadata(&path).is_err());
@@ -92,7 +92,7 @@ fn no_file_and_no_folder_is_ever_replaced() {
 #[test]
 fn a_link_that_was_replaced_meanwhile_is_not_removed() {
     let path = port_in("replaced");
-    let mut port = HostPort::pty(&path, false).unwrap();
+    let mut port = EmulatedPort::pty(&path, false).unwrap();
     fs::remove_file(&path).unwrap();
     symlink("precious", &path).unwrap();
     port.unplug();
@@ -105,7 +105,7 @@ fn a_link_that_was_replaced_meanwhile_is_not_removed() {
 #[test]
 fn a_port_that_is_plugged_in_again_has_another_terminal() {
     let path = port_in("plugged");
-    let mut port = HostPort::pty(&path, false).unwrap();
+    let mut port = EmulatedPort::pty(&path, false).unwrap();
     let before = fs::read_link(&path).unwrap();
     port.unplug();
     assert!(fs::symlink_metadata(&path).is_err());

@@ -3,4 +3,4 @@
 /// Options that contradict each other, or a missing option. The program ends with exit code 2, as for clap's errors.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub struct WrongUse(pub String);
+pub struct UsageError(pub String);

@@ -16,7 +16,7 @@ use super::port_link::PortLink;
 
 /// A port for clients.
 #[derive(Debug)]
-pub enum HostPort {
+pub enum EmulatedPort {
     /// A pseudo-terminal.
     Pty(Pty),
     /// A TCP listener with at most one client.
@@ -37,7 +37,7 @@ pub struct Pty {
     master: OwnedFd,
 }
 
-impl HostPort {
+impl EmulatedPort {
     /// Creates a pseudo-terminal and a symbolic link to it at `link`. A link to a pseudo-terminal that no longer exists is
     /// replaced; with `force`, any symbolic link.
     ///
