@@ -1,4 +1,4 @@
-//! Experiments, tried from outside.
+//! Integration tests of the experiments.
 
 #![allow(
     clippy::unwrap_used,
