@@ -1,4 +1,4 @@
-"""OpenCV's CSRT on clips, and the cost of its lean CamShift, for `cargo run --release -p xtask -- acceptance tracker`.
+"""OpenCV's CSRT on clips, and the cost of its lean CamShift, for `cargo run --release -p barrelman-eval -- tracker`.
 
 Each line of standard input is a job: {"video": path, "start": frame, "selection": [x, y, w, h]}. Each is answered with
 one line: the boxes of CSRT (null where it says nothing) and the CPU milliseconds of both trackers for every frame after

@@ -1,15 +1,16 @@
 //! Checks documents: broken links, and absolute paths of a machine.
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+
+use crate::tracked_files::tracked_files;
 
 /// The findings: each relative link in a tracked Markdown file whose target does not exist, and each line of a tracked
 /// text file with an absolute path of a machine.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let mut findings = Vec::new();
-    for file in tracked(root)? {
+    for file in tracked_files(root)? {
         // Files that are not text are skipped.
         let Ok(text) = std::fs::read_to_string(root.join(&file)) else { continue };
         let shown = file.display();
@@ -25,13 +26,6 @@ pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
         }
     }
     Ok(findings)
-}
-
-fn tracked(root: &Path) -> Result<Vec<PathBuf>> {
-    let output =
-        Command::new("git").args(["ls-files", "-z"]).current_dir(root).output().context("git ls-files")?;
-    let names = String::from_utf8_lossy(&output.stdout).into_owned();
-    Ok(names.split('\0').filter(|name| !name.is_empty()).map(PathBuf::from).collect())
 }
 
 /// Targets of `[text](target)`.

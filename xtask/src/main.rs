@@ -5,6 +5,9 @@
 mod circles;
 mod dependencies;
 mod documents;
+mod retired_names;
+
+mod tracked_files;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,6 +36,7 @@ fn tidy() -> Result<bool> {
     let root = root()?;
     let mut findings = dependencies::check(&root)?;
     findings.extend(circles::check(&root)?);
+    findings.extend(retired_names::check(&root)?);
     findings.extend(documents::check(&root)?);
     for finding in &findings {
         print_line(finding);

@@ -1,10 +1,12 @@
-//! The evaluation: measures trackers, the simulator and the camera laws against their requirements, fits and tunes, and
-//! renders views to look at.
+//! The evaluation program: measures the tracker, the simulator and the camera laws against their requirements, tunes
+//! and fits parameters, and renders sample views.
 //!
 //! ```text
 //! cargo run --release -p barrelman-eval -- tracker|simulator|law|tune|views|fit
 //! ```
-//! A command that judges requirements exits with 1 where a requirement is missed.
+//! The exit status is 1 if a requirement is missed or a command fails.
+//!
+//! The recorded clips and trials may not be redistributed. They are read from a folder beside the repository.
 
 mod tracker;
 
@@ -14,14 +16,18 @@ mod law;
 
 mod views;
 
+mod output;
+mod parallel;
+mod rng;
+mod statistics;
 mod svg;
+mod workspace;
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
+
+use output::print_line;
 
 #[derive(Debug, Parser)]
 #[command(name = "barrelman-eval", max_term_width = 100)]
@@ -47,34 +53,20 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let (name, done) = match Cli::parse().command {
+    let (name, result) = match Cli::parse().command {
         Command::Tracker(options) => ("tracker", tracker::run(&options)),
         Command::Simulator(options) => ("simulator", simulator::run(&options)),
         Command::Law(options) => ("law", law::run(&options)),
-        Command::Tune(options) => ("tune", law::tune(&options)),
-        Command::Views(options) => ("views", views::render(&options)),
-        Command::Fit(options) => ("fit", simulator::fit_target(&options)),
+        Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),
+        Command::Views(options) => ("views", views::render(&options).map(|()| true)),
+        Command::Fit(options) => ("fit", simulator::fit_target(&options).map(|()| true)),
     };
-    match done {
+    match result {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            say(&format!("{name}: {error:#}"));
+            print_line(&format!("{name}: {error:#}"));
             ExitCode::FAILURE
         }
     }
-}
-
-/// Prints a line of the result. A reader that has closed the output is no failure.
-fn say(text: &str) {
-    let _ = writeln!(std::io::stdout(), "{text}");
-}
-
-/// The folder of the workspace.
-fn root() -> Result<PathBuf> {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
-    crates
-        .and_then(Path::parent)
-        .map(Path::to_path_buf)
-        .context("the workspace lies two folders above this crate")
 }

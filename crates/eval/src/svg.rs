@@ -1,23 +1,24 @@
-//! The few SVG elements that plots are made of.
+//! Plots as SVG: lines, polylines, rectangles, circles and text.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use crate::{root, say};
+use crate::output::print_line;
+use crate::workspace::workspace_root;
 
 const STYLE: &str = "<style>text{font:13px sans-serif;fill:#222}.grid{stroke:#ddd}.axis{stroke:#222;fill:none}\
                      .ideal{stroke:#999;stroke-dasharray:5 4}.bar{fill:#b9c9dc}.curve{stroke:#1f4e8c;stroke-width:2;\
                      fill:none}.mark{fill:#1f4e8c}.other{stroke:#b3541e;stroke-width:2;fill:none}\
                      .other-mark{fill:#b3541e}.end{text-anchor:end}.middle{text-anchor:middle}</style>";
 
-/// A drawing that grows.
+/// An SVG document to which elements are appended. Coordinates are pixels from the upper left corner.
 pub(crate) struct Svg(String);
 
 impl Svg {
-    /// An empty white one, pixels.
-    pub(crate) fn of(width: f64, height: f64) -> Self {
+    /// A white document of this size, pixels.
+    pub(crate) fn new(width: f64, height: f64) -> Self {
         let mut svg = Self(String::new());
         svg.add(&format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">"
@@ -27,7 +28,7 @@ impl Svg {
         svg
     }
 
-    /// The document.
+    /// Closes the document and returns its text.
     pub(crate) fn finish(mut self) -> String {
         self.add("</svg>");
         self.0
@@ -49,7 +50,7 @@ impl Svg {
         self.add(&format!("<polyline class=\"{class}\" points=\"{}\"/>", path.join(" ")));
     }
 
-    /// Left, top, width and height.
+    /// A rectangle given by left, top, width and height.
     pub(crate) fn rectangle(&mut self, class: &str, [x, y, width, height]: [f64; 4]) {
         self.add(&format!(
             "<rect class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
@@ -65,16 +66,16 @@ impl Svg {
     }
 }
 
-/// Writes a plot to `target/acceptance/NAME` in the workspace, and says so.
+/// Writes a plot to `target/acceptance/NAME` in the workspace and prints the path.
 ///
 /// # Errors
-/// If it cannot be written.
-pub(crate) fn keep(name: &str, svg: &str) -> Result<()> {
-    let place = Path::new("target/acceptance").join(name);
-    let path = root()?.join(&place);
-    let folder = path.parent().context("the picture lies in a folder")?;
+/// If the file cannot be written.
+pub(crate) fn save_plot(name: &str, svg: &str) -> Result<()> {
+    let relative = Path::new("target/acceptance").join(name);
+    let path = workspace_root()?.join(&relative);
+    let folder = path.parent().context("the plot lies in a folder")?;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     std::fs::write(&path, svg).with_context(|| path.display().to_string())?;
-    say(&format!("\nThe curve is drawn in {}", place.display()));
+    print_line(&format!("\nThe curve is drawn in {}", relative.display()));
     Ok(())
 }

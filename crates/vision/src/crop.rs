@@ -202,22 +202,8 @@ impl Crop {
 
 #[cfg(test)]
 mod tests {
-    use barrelman_vocab::PictureSize;
-    use barrelman_vocab::video::ColourEncoding;
-
     use super::*;
-
-    /// A picture whose luma is given by column and row.
-    fn picture(size: (u32, u32), luma: impl Fn(usize, usize) -> f32) -> Picture {
-        let size = PictureSize::new(size.0, size.1);
-        let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
-        let [y, _, _] = picture.planes_mut();
-        for (index, sample) in y.iter_mut().enumerate() {
-            let width = size.width as usize;
-            *sample = luma(index % width, index / width).clamp(0.0, 255.0) as u8;
-        }
-        picture
-    }
+    use crate::test_picture::picture;
 
     fn patch(picture: &Picture, centre: (f32, f32), step: f32, angle: f32) -> Vec<f32> {
         let mut crop = Crop::default();

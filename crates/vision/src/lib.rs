@@ -50,6 +50,9 @@ mod mean_shift;
 mod moments;
 mod window;
 
+#[cfg(test)]
+mod test_picture;
+
 pub use camshift::CamShift;
 pub use config::{CamShiftConfig, CamShiftConfigError};
 pub use explanation::{Explanation, GreyMap, TrackerState};

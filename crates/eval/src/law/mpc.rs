@@ -1,9 +1,9 @@
-//! Model predictive control with a soft ellipse, solved by a conic solver at each picture. A reference, not part of the
-//! product.
+//! Model predictive control with a soft ellipse, solved by a conic solver for each picture. A reference, not part of
+//! the product.
 //!
-//! Over [`STEPS`] steps of [`STEP_S`], linearised about the camera that coasts: the rates with the least
-//! `Σ |u|² + penalty Σ slack²` for which the target lies within [`AIM`] plus the slack of each step, within the limits.
-//! Only the first step's rates are asked for, and at the next picture all of it is asked anew.
+//! The problem covers [`STEPS`] steps of [`STEP_S`] and is linearised about the camera that coasts. It minimises
+//! `Σ |u|² + penalty Σ slack²` over the rates u, so that the target lies within [`AIM`] plus the slack of each step,
+//! and the rates within the limits. Only the first step's rates are commanded; the next picture poses the problem anew.
 
 use barrelman_control::{CameraModel, Law, LawInput};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile};
@@ -12,128 +12,155 @@ use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT, SolverStatus,
 };
 
-use super::outlook::{Ahead, Outlook};
+use super::target_predictor::{MIN_LAG_S, PredictedState, TargetPredictor};
 
-/// Steps that it looks ahead.
+/// Steps of the prediction horizon.
 const STEPS: usize = 12;
-/// How long each is, seconds.
+/// Duration of a step, seconds.
 const STEP_S: f64 = 0.15;
 /// The ellipse that the target is to stay in, in semi-axes of the region.
 const AIM: f64 = 0.75;
-/// What a step outside costs, squared semi-axes, beside squared rates in rad²/s².
+/// Weight of the squared slack, in squared semi-axes, beside the squared rates in rad²/s².
 const PENALTY: f64 = 10.0;
-/// What is slower than this is no movement, rad/s.
-const LEAST_RATE: f64 = 0.01;
+/// A rate below this is commanded as zero, rad/s.
+const MIN_RATE: f64 = 0.01;
 
 /// Variables: pan rates, tilt rates, slacks.
 const VARIABLES: usize = 3 * STEPS;
 
-/// The law with what it has seen.
+/// The law of both axes.
 #[derive(Debug, Clone)]
 pub(super) struct Mpc {
-    limits: [f64; 2],
+    max_rates: [f64; 2],
     lags_s: [f64; 2],
-    outlook: Outlook,
+    predictor: TargetPredictor,
 }
+
+/// The end of a step, predicted for the camera that coasts.
+struct PredictedStep {
+    /// The target's position in semi-axes of the region.
+    position: [f64; 2],
+    /// How the position changes with pan and with tilt, semi-axes per radian.
+    jacobian: [[f64; 2]; 2],
+}
+
+/// A constraint: the coefficients of the variables, and the bound.
+type Constraint = ([f64; VARIABLES], f64);
 
 impl Mpc {
     pub(super) fn new(profile: &VehicleProfile) -> Self {
         let axes = [profile.camera.pan, profile.camera.tilt];
         Self {
-            limits: [profile.limits.pan, profile.limits.tilt].map(AngularRate::radians_per_second),
-            lags_s: axes.map(|axis| axis.lag.as_secs_f64().max(0.02)),
-            outlook: Outlook::new(),
+            max_rates: [profile.limits.pan, profile.limits.tilt].map(AngularRate::radians_per_second),
+            lags_s: axes.map(|axis| axis.lag.as_secs_f64().max(MIN_LAG_S)),
+            predictor: TargetPredictor::new(),
         }
     }
 
-    /// By how much an axis has turned at the end of a step per rate asked for in an earlier one.
-    fn reach(&self, axis: usize, end: usize, step: usize) -> f64 {
-        let turned = |span_s: f64| span_s - self.lags_s[axis] * (1.0 - (-span_s / self.lags_s[axis]).exp());
+    /// By how much an axis has turned at the end of a step per rate commanded in an earlier step, seconds.
+    fn step_response(&self, axis: usize, end: usize, step: usize) -> f64 {
+        let turned = |time_s: f64| time_s - self.lags_s[axis] * (1.0 - (-time_s / self.lags_s[axis]).exp());
         turned((end - step + 1) as f64 * STEP_S) - turned((end - step) as f64 * STEP_S)
     }
 
-    fn solve(&self, ahead: &Ahead, (a, b): (f64, f64)) -> [f64; 2] {
-        let steps: Vec<_> = (0..STEPS)
+    /// The ends of all steps, for a region with the semi-axes a and b, pixels.
+    fn predict(&self, state: &PredictedState, (a, b): (f64, f64)) -> Vec<PredictedStep> {
+        (0..STEPS)
             .map(|end| {
                 let after_s = (end + 1) as f64 * STEP_S;
                 let coasting = [0, 1].map(|axis| {
-                    ahead.rates[axis] * self.lags_s[axis] * (1.0 - (-after_s / self.lags_s[axis]).exp())
+                    state.rates[axis] * self.lags_s[axis] * (1.0 - (-after_s / self.lags_s[axis]).exp())
                 });
-                let (view, point) = ahead.seen(after_s, coasting);
-                let moves = view.jacobian(point);
-                ([point.x / a, point.y / b], [moves.pan, moves.tilt].map(|[x, y]| [x / a, y / b]))
+                let (view, point) = state.project(after_s, coasting);
+                let jacobian = view.jacobian(point);
+                PredictedStep {
+                    position: [point.x / a, point.y / b],
+                    jacobian: [jacobian.pan, jacobian.tilt].map(|[x, y]| [x / a, y / b]),
+                }
             })
-            .collect();
-        if steps.iter().all(|(at, _)| at[0].hypot(at[1]) <= AIM) {
-            return [0.0; 2];
-        }
-        let mut rows: Vec<([f64; VARIABLES], f64)> = Vec::with_capacity(8 * STEPS);
+            .collect()
+    }
+
+    /// First the limits of all rates, then for each step (AIM + slack, x, y) in the second-order cone.
+    fn constraints(&self, steps: &[PredictedStep]) -> Vec<Constraint> {
+        let mut constraints: Vec<Constraint> = Vec::with_capacity(8 * STEPS);
         for index in 0..2 * STEPS {
-            let limit = self.limits[index / STEPS];
+            let max_rate = self.max_rates[index / STEPS];
             for sign in [1.0, -1.0] {
                 let mut row = [0.0; VARIABLES];
                 row[index] = sign;
-                rows.push((row, limit));
+                constraints.push((row, max_rate));
             }
         }
-        for (end, (at, moves)) in steps.iter().enumerate() {
-            // (AIM + slack, x, y) in the second-order cone.
+        for (end, predicted) in steps.iter().enumerate() {
             let mut slack = [0.0; VARIABLES];
             slack[2 * STEPS + end] = -1.0;
-            rows.push((slack, AIM));
+            constraints.push((slack, AIM));
             for coordinate in [0, 1] {
                 let mut row = [0.0; VARIABLES];
                 for step in 0..=end {
                     for axis in [0, 1] {
-                        row[axis * STEPS + step] = -moves[axis][coordinate] * self.reach(axis, end, step);
+                        row[axis * STEPS + step] =
+                            -predicted.jacobian[axis][coordinate] * self.step_response(axis, end, step);
                     }
                 }
-                rows.push((row, at[coordinate]));
+                constraints.push((row, predicted.position[coordinate]));
             }
         }
-        let matrix: Vec<Vec<f64>> = rows.iter().map(|(row, _)| row.to_vec()).collect();
-        let bounds: Vec<f64> = rows.iter().map(|(_, bound)| *bound).collect();
-        let weights: Vec<Vec<f64>> = (0..VARIABLES)
-            .map(|row| {
-                let weight = if row < 2 * STEPS { 2.0 } else { 2.0 * PENALTY };
-                (0..VARIABLES).map(|column| if row == column { weight } else { 0.0 }).collect()
-            })
-            .collect();
-        let mut cones = vec![NonnegativeConeT(4 * STEPS)];
-        cones.extend((0..STEPS).map(|_| SecondOrderConeT(3)));
-        let settings = DefaultSettingsBuilder::default().verbose(false).build();
-        let Ok(settings) = settings else { return [0.0; 2] };
-        let solver = DefaultSolver::new(
-            &CscMatrix::from(&weights),
-            &[0.0; VARIABLES],
-            &CscMatrix::from(&matrix),
-            &bounds,
-            &cones,
-            settings,
-        );
-        let Ok(mut solver) = solver else { return [0.0; 2] };
-        solver.solve();
-        match solver.solution.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => {
-                [solver.solution.x[0], solver.solution.x[STEPS]]
-            }
-            // The slack makes every problem solvable: what is left are numbers that are none.
-            _ => [0.0; 2],
+        constraints
+    }
+
+    /// The rates of the first step, rad/s; zero where the target stays within the ellipse by itself.
+    fn first_rates(&self, state: &PredictedState, semi_axes_px: (f64, f64)) -> [f64; 2] {
+        let steps = self.predict(state, semi_axes_px);
+        if steps.iter().all(|step| step.position[0].hypot(step.position[1]) <= AIM) {
+            return [0.0; 2];
         }
+        solve(&self.constraints(&steps)).unwrap_or([0.0; 2])
+    }
+}
+
+/// Solves the problem. `None` where a number is not finite: the slack makes every other problem solvable.
+fn solve(constraints: &[Constraint]) -> Option<[f64; 2]> {
+    let matrix: Vec<Vec<f64>> = constraints.iter().map(|(row, _)| row.to_vec()).collect();
+    let bounds: Vec<f64> = constraints.iter().map(|(_, bound)| *bound).collect();
+    let weights: Vec<Vec<f64>> = (0..VARIABLES)
+        .map(|row| {
+            let weight = if row < 2 * STEPS { 2.0 } else { 2.0 * PENALTY };
+            (0..VARIABLES).map(|column| if row == column { weight } else { 0.0 }).collect()
+        })
+        .collect();
+    let mut cones = vec![NonnegativeConeT(4 * STEPS)];
+    cones.extend((0..STEPS).map(|_| SecondOrderConeT(3)));
+    let settings = DefaultSettingsBuilder::default().verbose(false).build().ok()?;
+    let mut solver = DefaultSolver::new(
+        &CscMatrix::from(&weights),
+        &[0.0; VARIABLES],
+        &CscMatrix::from(&matrix),
+        &bounds,
+        &cones,
+        settings,
+    )
+    .ok()?;
+    solver.solve();
+    match solver.solution.status {
+        SolverStatus::Solved | SolverStatus::AlmostSolved => {
+            Some([solver.solution.x[0], solver.solution.x[STEPS]])
+        }
+        _ => None,
     }
 }
 
 impl Law for Mpc {
     fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
-        let Some(ahead) = self.outlook.look(input, camera) else { return CameraCommand::REST };
-        let rates = self.solve(&ahead, (input.region.a_px, input.region.b_px));
-        let [pan, tilt] = rates.map(|rate| {
-            AngularRate::from_radians_per_second(if rate.abs() < LEAST_RATE { 0.0 } else { rate })
-        });
+        let Some(state) = self.predictor.update(input, camera) else { return CameraCommand::REST };
+        let rates = self.first_rates(&state, (input.region.a_px, input.region.b_px));
+        let [pan, tilt] = rates
+            .map(|rate| AngularRate::from_radians_per_second(if rate.abs() < MIN_RATE { 0.0 } else { rate }));
         CameraCommand { pan, tilt }
     }
 
     fn reset_target(&mut self) {
-        self.outlook.reset_target();
+        self.predictor.reset_target();
     }
 }

@@ -1,179 +1,146 @@
-//! Searches for a tuning of the optimal law, on seeds that it is never judged on.
+//! Searches for a tuning of the optimal law, on seeds that are not used for judging.
 //!
-//! A random walk: each round changes a few values of the best tuning so far, and keeps the change where it costs less.
-//! The cost counts by how much each requirement's ratio lies above its limit less a margin, and, much less, time outside
-//! and energy themselves.
+//! A random walk: each round changes a few values of the best tuning so far, and keeps the change if the cost is lower.
+//! The cost sums, over conditions and metrics, by how much a ratio exceeds its limit less a margin. Time outside and
+//! energy count beyond that, with a small weight.
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use barrelman_control::optimal::Tuning;
+use barrelman_experiments::campaign::plan::CampaignPlan;
 use barrelman_experiments::law_choice::ModeName;
 use barrelman_sim::noise;
 use barrelman_trial::campaign::compare::{METRICS, Metric};
 use barrelman_trial::metrics::{TrialEntry, TrialMetrics};
 
-use super::TuneOptions;
-use super::conditions::{CONDITIONS, Condition, Subject, trials};
-use super::table::limit;
-use crate::say;
+use super::conditions::{CONDITIONS, Condition};
+use super::law_under_test::LawUnderTest;
+use super::options::TuneOptions;
+use super::requirements::max_ratio;
+use super::tuning_parameters::{PARAMETERS, to_options, with_changes};
+use crate::output::print_line;
 
-/// A value that is tuned: its name, its range, and where it is.
-type Knob = (&'static str, (f64, f64), fn(&mut Tuning) -> &mut f64);
-
-const KNOBS: [Knob; 22] = [
-    ("start", (0.7, 1.1), |t| &mut t.start),
-    ("start_sigma", (0.0, 2.0), |t| &mut t.start_sigma),
-    ("stop", (0.0, 1.0), |t| &mut t.stop),
-    ("aim", (0.2, 1.0), |t| &mut t.aim),
-    ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),
-    ("start_look_ahead_s", (0.0, 2.5), |t| &mut t.start_look_ahead_s),
-    ("stop_look_ahead_s", (0.0, 2.0), |t| &mut t.stop_look_ahead_s),
-    ("recentring_time_s", (2.0, 30.0), |t| &mut t.recentring_time_s),
-    ("min_rate", (0.01, 0.3), |t| &mut t.min_rate),
-    ("max_rate", (0.2, 0.4), |t| &mut t.max_rate),
-    ("min_axis_share", (0.0, 0.9), |t| &mut t.min_axis_share),
-    ("min_rest_s", (0.0, 0.6), |t| &mut t.min_rest_s),
-    ("noise.rate_std_dev", (0.05, 0.3), |t| &mut t.noise.rate_std_dev),
-    ("noise.rate_time_constant_s", (0.5, 6.0), |t| &mut t.noise.rate_time_constant_s),
-    ("noise.measurement_std_dev", (0.0005, 0.03), |t| &mut t.noise.measurement_std_dev),
-    ("noise.max_sway_std_dev", (0.0, 0.15), |t| &mut t.noise.max_sway_std_dev),
-    ("noise.sway_time_constant_s", (0.3, 8.0), |t| &mut t.noise.sway_time_constant_s),
-    ("fast_target_rate", (0.01, 0.5), |t| &mut t.fast_target_rate),
-    ("steep_view_gain", (0.0, 3.0), |t| &mut t.steep_view_gain),
-    ("slow_target_gain", (0.0, 3.0), |t| &mut t.slow_target_gain),
-    ("slow_target_widening", (0.0, 0.4), |t| &mut t.slow_target_widening),
-    ("command_deadband", (0.0, 0.1), |t| &mut t.command_deadband),
-];
-
-/// How far below its limit a ratio is to lie.
+/// The first seed of the trials.
+const FIRST_SEED: u64 = 1;
+/// A ratio is to be at most this share of its limit.
 const MARGIN: f64 = 0.93;
-/// Weight of the logarithms of time outside and energy beside what is required.
-const AMBITION: f64 = 0.01;
+/// Weight of the logarithms of time outside and energy.
+const LOG_WEIGHT: f64 = 0.01;
+/// Added to both means of a ratio, so that rare events such as lost trials count less.
+const RATIO_FLOOR: f64 = 0.02;
+/// Widths of the random steps as shares of the ranges; mostly short ones, to escape a local minimum a long one.
+const SHORT_STEP: f64 = 0.08;
+const LONG_STEP: f64 = 0.3;
+const LONG_STEP_PROBABILITY: f64 = 0.2;
+/// How many values a round changes on average.
+const MEAN_CHANGES: f64 = 2.5;
 
-/// A condition with the schema's figures in it.
-struct Judge {
+/// A condition with the motor schema's means.
+struct Baseline {
     condition: &'static Condition,
-    plan: barrelman_experiments::campaign::plan::CampaignPlan,
-    base: Vec<Option<f64>>,
+    plan: CampaignPlan,
+    /// In the order of [`METRICS`].
+    means: Vec<Option<f64>>,
 }
 
-/// Searches, and prints what it found.
-pub(super) fn run(options: &TuneOptions) -> Result<bool> {
-    let (mode, name) = match options.mode {
+/// What is minimised.
+struct Objective {
+    /// The mode's name in the requirements.
+    mode: &'static str,
+    baselines: Vec<Baseline>,
+    /// Trials of each condition.
+    seeds: u64,
+}
+
+/// Searches, and prints each improvement.
+pub(super) fn run(options: &TuneOptions) -> Result<()> {
+    let (tuning, mode) = match options.mode {
         ModeName::MinimumEnergy => (Tuning::MINIMUM_ENERGY, "minimum-energy"),
         ModeName::TimeFuel => (Tuning::TIME_FUEL, "time-fuel"),
         ModeName::Eco => (Tuning::ECO, "eco"),
     };
-    let judges: Vec<Judge> = CONDITIONS
-        .iter()
-        // What sways nowhere is nearly as it is indoors; what nothing is required in, only costs time.
-        .filter(|condition| {
-            let judged = |(figure, _, _): &Metric| limit(condition, name, figure).is_some();
-            condition.setting != "still" && METRICS.iter().any(judged)
-        })
-        .map(|condition| {
-            let plan = condition.plan()?;
-            let base = means(&trials(&plan, &Subject::Schema, 1, options.seeds)?);
-            Ok(Judge { condition, plan, base })
-        })
-        .collect::<Result<_>>()?;
-    let mut best = with(mode, &options.set)?;
-    let mut least = cost(&judges, name, &best, options.seeds)?;
-    say(&format!("{name}: {least:.5} to begin with"));
+    let objective = Objective::new(mode, options.seeds)?;
+    let mut best = with_changes(tuning, &options.set)?;
+    let mut min_cost = objective.cost(&best)?;
+    print_line(&format!("{mode}: {min_cost:.5} to begin with"));
     for round in 0..options.rounds {
-        let draw = |index: u64| noise::unit(options.search, round, index);
-        let mut candidate = best;
-        // Now and then a long step, mostly short ones.
-        let width = if draw(0) < 0.2 { 0.3 } else { 0.08 };
-        for (index, (_, (low, high), at)) in (1_u64..).zip(&KNOBS) {
-            if draw(2 * index) < 2.5 / KNOBS.len() as f64 {
-                let value = at(&mut candidate);
-                *value =
-                    (*value + width * (high - low) * (2.0 * draw(2 * index + 1) - 1.0)).clamp(*low, *high);
+        let candidate = mutate(&best, |index| noise::unit(options.search, round, index));
+        let cost = objective.cost(&candidate)?;
+        if cost < min_cost {
+            (best, min_cost) = (candidate, cost);
+            print_line(&format!("round {round}: {min_cost:.5} {}", to_options(&best)));
+        }
+    }
+    Ok(())
+}
+
+/// Changes a few values. `random` gives uniform deviates in [0, 1) by their index.
+fn mutate(tuning: &Tuning, random: impl Fn(u64) -> f64) -> Tuning {
+    let mut candidate = *tuning;
+    let step = if random(0) < LONG_STEP_PROBABILITY { LONG_STEP } else { SHORT_STEP };
+    for (index, (_, (low, high), field)) in (1_u64..).zip(&PARAMETERS) {
+        if random(2 * index) < MEAN_CHANGES / PARAMETERS.len() as f64 {
+            let value = field(&mut candidate);
+            *value = (*value + step * (high - low) * (2.0 * random(2 * index + 1) - 1.0)).clamp(*low, *high);
+        }
+    }
+    candidate
+}
+
+impl Objective {
+    fn new(mode: &'static str, seeds: u64) -> Result<Self> {
+        let baselines = CONDITIONS
+            .iter()
+            // A platform that stands still is nearly like one indoors; conditions without requirements only cost time.
+            .filter(|condition| {
+                let is_judged = |(metric, _, _): &Metric| max_ratio(condition, mode, metric).is_some();
+                condition.setting != "still" && METRICS.iter().any(is_judged)
+            })
+            .map(|condition| {
+                let plan = condition.plan()?;
+                let means = means(&simulate(&plan, &LawUnderTest::MotorSchema, seeds)?);
+                Ok(Baseline { condition, plan, means })
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self { mode, baselines, seeds })
+    }
+
+    fn cost(&self, tuning: &Tuning) -> Result<f64> {
+        let mut cost = 0.0;
+        for baseline in &self.baselines {
+            let means = means(&simulate(&baseline.plan, &LawUnderTest::Optimal(*tuning), self.seeds)?);
+            for (((metric, _, _), base), mean) in METRICS.iter().zip(&baseline.means).zip(means) {
+                let (Some(base), Some(mean)) = (base, mean) else { continue };
+                let required = max_ratio(baseline.condition, self.mode, metric);
+                let limit = required.or_else(|| desired_ratio(baseline.condition, self.mode, metric));
+                let Some(limit) = limit else { continue };
+                let ratio = (mean + RATIO_FLOOR) / (base + RATIO_FLOOR);
+                let excess = (ratio / (MARGIN * limit) - 1.0).max(0.0);
+                cost += excess * excess + 0.1 * excess;
+                if matches!(*metric, "time outside" | "integral of rate squared") {
+                    cost += LOG_WEIGHT * (ratio / limit).max(1e-3).ln();
+                }
             }
         }
-        let cost = cost(&judges, name, &candidate, options.seeds)?;
-        if cost < least {
-            (best, least) = (candidate, cost);
-            say(&format!("round {round}: {least:.5} {}", in_words(&best)));
-        }
+        Ok(cost)
     }
-    Ok(true)
 }
 
-/// A tuning with some of its values changed.
-///
-/// # Errors
-/// If there is no such value, or it is no number.
-pub(super) fn with(mut tuning: Tuning, changes: &[String]) -> Result<Tuning> {
-    for change in changes {
-        let (name, value) = change.split_once('=').with_context(|| format!("{change}: write NAME=VALUE"))?;
-        let Some((_, _, at)) = KNOBS.iter().find(|(known, ..)| *known == name) else {
-            let known: Vec<&str> = KNOBS.iter().map(|(name, ..)| *name).collect();
-            bail!("{name}: there is no such value: it is one of {}", known.join(", "));
-        };
-        *at(&mut tuning) = value.parse().with_context(|| format!("{change}: {value} is no number"))?;
-    }
-    Ok(tuning)
+/// A limit that is not required but desired: in the laboratory the minimum-energy mode is to rest the camera, too.
+/// Elsewhere the schema hardly moves the camera, so that its time in motion is no reference.
+fn desired_ratio(condition: &Condition, mode: &str, metric: &str) -> Option<f64> {
+    let is_desired = mode == "minimum-energy" && metric == "movement time";
+    (is_desired && condition.is_laboratory()).then_some(4.0)
 }
 
-/// How a tuning is given to `--set`.
-fn in_words(tuning: &Tuning) -> String {
-    let mut tuning = *tuning;
-    let words: Vec<String> =
-        KNOBS.iter().map(|(name, _, at)| format!("--set {name}={:.4}", at(&mut tuning))).collect();
-    words.join(" ")
+fn simulate(plan: &CampaignPlan, law: &LawUnderTest, seeds: u64) -> Result<Vec<TrialEntry>> {
+    law.simulate(plan, FIRST_SEED..FIRST_SEED + seeds)
 }
 
-/// What nobody requires, and what is wanted nevertheless: a camera that rests, too. Where the schema hardly moves at all,
-/// its time in motion is no measure.
-fn wish(condition: &Condition, mode: &str, figure: &str) -> Option<f64> {
-    let wanted = mode == "minimum-energy" && figure == "movement time";
-    (wanted && condition.scenario.starts_with("lab")).then_some(4.0)
-}
-
+/// The mean of each metric over the trials that have it.
 fn means(trials: &[TrialEntry]) -> Vec<Option<f64>> {
-    let mean = |of: &fn(&TrialMetrics) -> Option<f64>| {
-        let values: Vec<f64> = trials.iter().filter_map(|trial| of(&trial.metrics)).collect();
-        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    let mean = |value: &fn(&TrialMetrics) -> Option<f64>| {
+        let values: Vec<f64> = trials.iter().filter_map(|trial| value(&trial.metrics)).collect();
+        (!values.is_empty()).then(|| crate::statistics::mean(&values))
     };
-    METRICS.iter().map(|(_, _, of)| mean(of)).collect()
-}
-
-fn cost(judges: &[Judge], mode: &str, tuning: &Tuning, seeds: u64) -> Result<f64> {
-    let mut cost = 0.0;
-    for judge in judges {
-        let found = means(&trials(&judge.plan, &Subject::Optimal(*tuning), 1, seeds)?);
-        for (((figure, _, _), base), found) in METRICS.iter().zip(&judge.base).zip(found) {
-            let (Some(base), Some(found)) = (base, found) else { continue };
-            let asked = limit(judge.condition, mode, figure);
-            let Some(limit) = asked.or_else(|| wish(judge.condition, mode, figure)) else { continue };
-            // Seldom things, such as a lost trial, count from a floor on.
-            let ratio = (found + 0.02) / (base + 0.02);
-            let above = (ratio / (MARGIN * limit) - 1.0).max(0.0);
-            cost += above * above + 0.1 * above;
-            if matches!(*figure, "time outside" | "integral of rate squared") {
-                cost += AMBITION * logarithm(ratio / limit);
-            }
-        }
-    }
-    Ok(cost)
-}
-
-fn logarithm(value: f64) -> f64 {
-    value.max(1e-3).ln()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_mode_lies_within_what_is_searched() {
-        for mut tuning in [Tuning::MINIMUM_ENERGY, Tuning::TIME_FUEL, Tuning::ECO] {
-            for (name, (low, high), at) in &KNOBS {
-                let value = *at(&mut tuning);
-                assert!((*low..=*high).contains(&value), "{name}: {value} is not in {low} to {high}");
-            }
-        }
-    }
+    METRICS.iter().map(|(_, _, value)| mean(value)).collect()
 }

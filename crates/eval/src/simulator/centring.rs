@@ -1,19 +1,19 @@
-//! What is gained by moving the camera only when the target leaves a region: the schema against a PID on the picture's
-//! centre, on the same seeds.
+//! The table `centre`: what the motor schema saves by moving the camera only when the target leaves the region, against
+//! a PID controller that keeps the target in the picture's centre, on the same seeds.
 
 use anyhow::{Context, Result};
 use barrelman_experiments::law_choice::{LawChoice, LawName};
 use barrelman_trial::campaign::statistics::Bootstrap;
-use barrelman_trial::metrics::{TrialMetrics, measure};
+use barrelman_trial::metrics::TrialMetrics;
 
-use super::Options;
-use super::recorded::{plan, region};
-use crate::say;
+use super::laboratory::{plan, simulate_and_measure};
+use super::options::Options;
+use crate::output::print_line;
 
-/// A figure: its name and what of a trial it is.
-type Figure = (&'static str, fn(&TrialMetrics) -> Option<f64>);
+/// A metric: its name in the table, and its value for a trial.
+type Metric = (&'static str, fn(&TrialMetrics) -> Option<f64>);
 
-const FIGURES: [Figure; 6] = [
+const METRICS: [Metric; 6] = [
     ("moves", |m| m.moves.map(|moves| moves as f64)),
     ("integral of |rate|, rad", |m| m.travel_rad),
     ("integral of rate squared, rad2/s", |m| m.effort_rad2_per_s),
@@ -25,33 +25,31 @@ const FIGURES: [Figure; 6] = [
 /// Prints the tables.
 pub(super) fn run(options: &Options) -> Result<()> {
     for arena in [1, 2] {
-        let trials = |law| -> Result<Vec<TrialMetrics>> {
+        let trials = |law| {
             let plan = plan(arena, options.scenarios.as_deref(), law, None)?;
-            (options.first_seed..options.first_seed + options.seeds)
-                .map(|seed| {
-                    let log = plan.simulate(seed, &mut ())?;
-                    Ok(measure(&log, region(&log), log.picture))
-                })
-                .collect()
+            simulate_and_measure(&plan, options.seed_range())
         };
-        let (schema, centre) = (trials(LawChoice::MOTOR_SCHEMA)?, trials(LawChoice::new(LawName::Centring))?);
-        say(&format!(
+        let (motor_schema, centring) =
+            (trials(LawChoice::MOTOR_SCHEMA)?, trials(LawChoice::new(LawName::Centring))?);
+        print_line(&format!(
             "\n{:34} {:>10} {:>10} {:>34}",
-            format!("arena {arena}, {} pairs", schema.len()),
+            format!("arena {arena}, {} pairs", motor_schema.len()),
             "schema",
             "centre",
             "schema less centre, 95 % of pairs"
         ));
-        for (name, of) in FIGURES {
+        for (name, value) in METRICS {
             let pairs: Vec<(f64, f64)> =
-                schema.iter().zip(&centre).filter_map(|(a, b)| of(a).zip(of(b))).collect();
-            let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+                motor_schema.iter().zip(&centring).filter_map(|(a, b)| value(a).zip(value(b))).collect();
+            let mean =
+                |side: fn(&(f64, f64)) -> f64| pairs.iter().map(side).sum::<f64>() / pairs.len() as f64;
             let difference = Bootstrap::DEFAULT
-                .interval(pairs.len(), |taken| {
-                    taken.iter().map(|pair| pairs[*pair].0 - pairs[*pair].1).sum::<f64>() / taken.len() as f64
+                .interval(pairs.len(), |sample| {
+                    sample.iter().map(|pair| pairs[*pair].0 - pairs[*pair].1).sum::<f64>()
+                        / sample.len() as f64
                 })
                 .context("no trial has the figure")?;
-            say(&format!(
+            print_line(&format!(
                 "{name:34} {:>10.2} {:>10.2} {:>34}",
                 mean(|pair| pair.0),
                 mean(|pair| pair.1),

@@ -1,5 +1,5 @@
-//! Labelled clips: a folder each, with `video.mp4` and `gt.csv` (frame, x, y, w, h in pixels; w = h = 0 where the
-//! target is absent).
+//! Labelled clips: a folder each with `video.mp4` and `gt.csv`. A row of `gt.csv` is frame, x, y, w, h in pixels; w and
+//! h are 0 where the target is absent.
 
 use std::path::{Path, PathBuf};
 
@@ -21,41 +21,41 @@ pub(crate) struct ClipFolder {
 pub(crate) struct Clip {
     /// The folder's name.
     pub(crate) name: String,
-    /// All its frames.
+    /// All frames.
     pub(crate) frames: Vec<VideoFrame>,
-    /// One for each frame; none where nobody labelled it.
+    /// One for each frame; `None` where the frame is not labelled.
     pub(crate) labels: Vec<Option<Label>>,
-    /// The frame of the selection: the first in which the target is labelled.
+    /// The index of the selection's frame: the first in which the target is labelled as visible.
     pub(crate) start: usize,
-    /// The selection: its label.
+    /// The selection: the label of that frame.
     pub(crate) selection: PixelBox,
 }
 
 impl Clip {
-    /// Size of its pictures.
+    /// Size of the pictures.
     pub(crate) fn size(&self) -> PictureSize {
         self.frames[self.start].picture.size()
     }
 
-    /// The frames after the selection's, which are those that are tracked.
-    pub(crate) fn tracked(&self) -> &[VideoFrame] {
+    /// The frames that are tracked: those after the selection's.
+    pub(crate) fn tracked_frames(&self) -> &[VideoFrame] {
         &self.frames[self.start + 1..]
     }
 
-    /// The labels of those.
+    /// The labels of the tracked frames.
     pub(crate) fn tracked_labels(&self) -> &[Option<Label>] {
         &self.labels[self.start + 1..]
     }
 }
 
-/// The clips in a folder, by name; only those of `names` where there are any.
+/// The clips in a folder in the order of their names; only those in `names` unless `names` is empty.
 ///
 /// # Errors
-/// If the folder has none, or one of the names is not in it.
-pub(crate) fn list(folder: &Path, names: &[String]) -> Result<Vec<ClipFolder>> {
-    let there = || format!("the clips are looked for in {} (--clips DIR)", folder.display());
+/// If the folder has no clip, or a name is not in the folder.
+pub(crate) fn list_clips(folder: &Path, names: &[String]) -> Result<Vec<ClipFolder>> {
+    let context = || format!("cannot read the folder of clips {} (--clips DIR)", folder.display());
     let mut clips = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(there)? {
+    for entry in std::fs::read_dir(folder).with_context(context)? {
         let folder = entry?.path();
         if folder.join("video.mp4").is_file() && folder.join("gt.csv").is_file() {
             let name = folder.file_name().context("a folder has a name")?.to_string_lossy().into_owned();
@@ -66,7 +66,7 @@ pub(crate) fn list(folder: &Path, names: &[String]) -> Result<Vec<ClipFolder>> {
     for name in names {
         if !clips.iter().any(|clip| clip.name == *name) {
             let known: Vec<&str> = clips.iter().map(|clip| clip.name.as_str()).collect();
-            bail!("there is no clip {name}; there are {}", known.join(", "));
+            bail!("unknown clip {name}; known are {}", known.join(", "));
         }
     }
     clips.retain(|clip| names.is_empty() || names.contains(&clip.name));
@@ -75,17 +75,17 @@ pub(crate) fn list(folder: &Path, names: &[String]) -> Result<Vec<ClipFolder>> {
 }
 
 impl ClipFolder {
-    /// Its video.
-    pub(crate) fn video(&self) -> PathBuf {
+    /// Path of the video.
+    pub(crate) fn video_path(&self) -> PathBuf {
         self.folder.join("video.mp4")
     }
 
-    /// Decodes all of it.
+    /// Decodes all frames and reads the labels.
     ///
     /// # Errors
-    /// If the video or the labels cannot be read, or no frame has a label.
+    /// If the video or the labels cannot be read, or no frame is labelled.
     pub(crate) fn load(&self) -> Result<Clip> {
-        let video = self.video();
+        let video = self.video_path();
         let mut reader = FileFrames::open(&VideoUrl::parse(&video.to_string_lossy())?)?;
         let mut frames = Vec::new();
         while let Some(frame) = reader.next_frame()? {
@@ -93,33 +93,33 @@ impl ClipFolder {
         }
         let path = self.folder.join("gt.csv");
         let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        let labels = parse(&text, frames.len()).with_context(|| path.display().to_string())?;
+        let labels = parse_labels(&text, frames.len()).with_context(|| path.display().to_string())?;
         let first = labels.iter().enumerate().find_map(|(frame, label)| match label {
-            Some(Label::There(bounds)) => Some((frame, *bounds)),
+            Some(Label::Visible(bounds)) => Some((frame, *bounds)),
             _ => None,
         });
-        let (start, selection) =
-            first.with_context(|| format!("{}: no frame has a label", path.display()))?;
+        let (start, selection) = first
+            .with_context(|| format!("{}: the target is visible in no labelled frame", path.display()))?;
         Ok(Clip { name: self.name.clone(), frames, labels, start, selection })
     }
 }
 
-/// The labels of so many frames. Those of frames beyond the end are left out.
-fn parse(text: &str, frames: usize) -> Result<Vec<Option<Label>>> {
+/// Parses the labels of a number of frames. Labels of later frames are ignored.
+fn parse_labels(text: &str, frames: usize) -> Result<Vec<Option<Label>>> {
     let mut labels = vec![None; frames];
     let mut lines = text.lines();
-    ensure!(lines.next().map(str::trim) == Some("frame,x,y,w,h"), "the header is not frame,x,y,w,h");
+    ensure!(lines.next().map(str::trim) == Some("frame,x,y,w,h"), "the header must be frame,x,y,w,h");
     for line in lines.filter(|line| !line.trim().is_empty()) {
         let cells: Vec<f64> = line
             .split(',')
             .map(|cell| cell.trim().parse())
             .collect::<Result<_, _>>()
             .with_context(|| line.to_owned())?;
-        let [frame, u, v, w, h] = cells[..] else { bail!("{line}: five numbers make a label") };
-        ensure!(frame >= 0.0 && frame.fract() == 0.0, "{line}: the frame is a whole number");
+        let [frame, u, v, w, h] = cells[..] else { bail!("{line}: a label has five numbers") };
+        ensure!(frame >= 0.0 && frame.fract() == 0.0, "{line}: the frame must be a whole number");
         if let Some(label) = labels.get_mut(frame as usize) {
             let bounds = PixelBox { u, v, w, h };
-            *label = Some(if bounds.is_empty() { Label::Absent } else { Label::There(bounds) });
+            *label = Some(if bounds.is_empty() { Label::Absent } else { Label::Visible(bounds) });
         }
     }
     Ok(labels)
@@ -130,10 +130,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn labels_are_there_or_absent_or_not_given() {
-        let labels = parse("frame,x,y,w,h\n0,1,2,3.5,4\n2,0,0,0,0\n9,1,1,1,1\n", 3).unwrap();
+    fn labels_are_visible_or_absent_or_not_given() {
+        let labels = parse_labels("frame,x,y,w,h\n0,1,2,3.5,4\n2,0,0,0,0\n9,1,1,1,1\n", 3).unwrap();
         let bounds = PixelBox { u: 1.0, v: 2.0, w: 3.5, h: 4.0 };
-        assert_eq!(labels, [Some(Label::There(bounds)), None, Some(Label::Absent)]);
+        assert_eq!(labels, [Some(Label::Visible(bounds)), None, Some(Label::Absent)]);
     }
 
     #[test]
@@ -144,7 +144,7 @@ mod tests {
             "frame,x,y,w,h\n0,1,2,3,four",
             "frame,x,y,w,h\n0.5,1,2,3,4",
         ] {
-            assert!(parse(text, 3).is_err(), "{text}");
+            assert!(parse_labels(text, 3).is_err(), "{text}");
         }
     }
 }

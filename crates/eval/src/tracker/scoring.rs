@@ -1,29 +1,29 @@
 //! How well a tracker's boxes agree with the labels of a clip.
 //!
-//! Of every labelled frame but the selection's, both boxes are clipped to the picture and their overlap taken
-//! (intersection over union, IoU). The *success AUC* is the mean over the 21 thresholds 0, 0.05 .. 1 of the share of
-//! scored frames with an IoU strictly above the threshold: the area under the success curve of Wu, Lim and Yang
-//! (Online object tracking: a benchmark, 2013). The *precision* is the share with a centre error of at most 20 px,
-//! the *lost* share that with an IoU below 0.1. Where the tracker says nothing, the IoU is 0 and the centre missed.
-//! Frames that are labelled as without the target count only in the share of them in which one was reported.
+//! Scored are all labelled frames with the target, except the selection's. Both boxes are clipped to the picture; their
+//! IoU is the intersection over the union. The *success AUC* is the mean over the 21 thresholds 0, 0.05 .. 1 of the
+//! share of scored frames with an IoU strictly above the threshold: the area under the success curve of Wu, Lim and
+//! Yang (Online object tracking: a benchmark, 2013). The *precision* is the share with a centre error of at most 20 px,
+//! the *lost* share that with an IoU below 0.1. Where the tracker reports no box, the IoU is 0 and the centre
+//! imprecise. Frames labelled as without the target count only in the share of them in which a box was reported.
 
 use barrelman_vocab::{PictureSize, PixelBox};
 
-/// Thresholds of the success curve: 0, 1/20 .. 20/20.
-const THRESHOLDS: u32 = 20;
+/// Steps of the thresholds of the success curve: 0, 1/20 .. 20/20.
+const THRESHOLD_STEPS: u32 = 20;
 
-/// Largest error of the centre that counts as precise, pixels: the usual one of the benchmark above.
-const PRECISE_PX: f64 = 20.0;
+/// Largest centre error that counts as precise, pixels: that of the benchmark above.
+const MAX_PRECISE_PX: f64 = 20.0;
 
-/// An overlap below this is another place than the target's.
-const LOST_BELOW: f64 = 0.1;
+/// With an IoU below this the target is lost.
+const MIN_IOU: f64 = 0.1;
 
-/// What is known of the target in a frame.
+/// The label of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Label {
-    /// Where it is.
-    There(PixelBox),
-    /// It is not in the picture, or wholly hidden.
+    /// The target's box.
+    Visible(PixelBox),
+    /// The target is not in the picture, or wholly occluded.
     Absent,
 }
 
@@ -38,21 +38,25 @@ pub(crate) struct Score {
     pub(crate) lost: f64,
     /// Frames labelled with the target in them.
     pub(crate) scored: usize,
-    /// Frames labelled as without it.
+    /// Frames labelled as without the target.
     pub(crate) absent: usize,
-    /// Frames labelled as without it in which it was reported.
+    /// Of those, the frames in which a box was reported.
     pub(crate) absent_reported: usize,
 }
 
 impl Score {
-    /// Share of the frames without the target in which one was reported; none where every frame has it.
+    /// Share of the frames without the target in which a box was reported; `None` where no frame is without it.
     pub(crate) fn absent_share(&self) -> Option<f64> {
         (self.absent > 0).then(|| self.absent_reported as f64 / self.absent as f64)
     }
 }
 
-/// Scores boxes against labels, frame by frame (both without the selection's).
-pub(crate) fn score(labels: &[Option<Label>], boxes: &[Option<PixelBox>], picture: PictureSize) -> Score {
+/// Scores boxes against labels, frame by frame, both without the selection's.
+pub(crate) fn score_boxes(
+    labels: &[Option<Label>],
+    boxes: &[Option<PixelBox>],
+    picture: PictureSize,
+) -> Score {
     let mut score = Score::default();
     let (mut above, mut precise, mut lost) = (0_usize, 0_usize, 0_usize);
     for (label, reported) in labels.iter().zip(boxes) {
@@ -62,34 +66,34 @@ pub(crate) fn score(labels: &[Option<Label>], boxes: &[Option<PixelBox>], pictur
                 score.absent += 1;
                 score.absent_reported += usize::from(reported.is_some());
             }
-            Some(Label::There(truth)) => {
-                let overlap = overlap(*truth, *reported, picture);
+            Some(Label::Visible(truth)) => {
+                let iou = iou(*truth, *reported, picture);
                 score.scored += 1;
-                above += (0..=THRESHOLDS)
-                    .filter(|step| overlap > f64::from(*step) / f64::from(THRESHOLDS))
+                above += (0..=THRESHOLD_STEPS)
+                    .filter(|step| iou > f64::from(*step) / f64::from(THRESHOLD_STEPS))
                     .count();
                 precise += usize::from(
-                    centre_error_px(*truth, *reported, picture).is_some_and(|error| error <= PRECISE_PX),
+                    centre_error_px(*truth, *reported, picture).is_some_and(|error| error <= MAX_PRECISE_PX),
                 );
-                lost += usize::from(overlap < LOST_BELOW);
+                lost += usize::from(iou < MIN_IOU);
             }
         }
     }
     if score.scored > 0 {
-        let all = score.scored as f64;
-        score.auc = above as f64 / (all * f64::from(THRESHOLDS + 1));
-        score.precision = precise as f64 / all;
-        score.lost = lost as f64 / all;
+        let scored = score.scored as f64;
+        score.auc = above as f64 / (scored * f64::from(THRESHOLD_STEPS + 1));
+        score.precision = precise as f64 / scored;
+        score.lost = lost as f64 / scored;
     }
     score
 }
 
-/// Intersection over union of what of both boxes lies in the picture; 0 where nothing was reported.
-pub(crate) fn overlap(truth: PixelBox, reported: Option<PixelBox>, picture: PictureSize) -> f64 {
+/// Intersection over union of both boxes, each clipped to the picture; 0 where no box was reported.
+pub(crate) fn iou(truth: PixelBox, reported: Option<PixelBox>, picture: PictureSize) -> f64 {
     reported.map_or(0.0, |reported| truth.clipped(picture).iou(reported.clipped(picture)))
 }
 
-/// Distance of the centres of both boxes' parts in the picture; none where there is no such part.
+/// Distance between the centres of both boxes, each clipped to the picture; `None` where no box is in the picture.
 fn centre_error_px(truth: PixelBox, reported: Option<PixelBox>, picture: PictureSize) -> Option<f64> {
     let reported =
         reported.map(|reported| reported.clipped(picture)).filter(|clipped| !clipped.is_empty())?;
@@ -108,13 +112,13 @@ mod tests {
         Some(PixelBox { u: TARGET.u + by, ..TARGET })
     }
 
-    fn of(labels: &[Option<Label>], boxes: &[Option<PixelBox>]) -> Score {
-        score(labels, boxes, PICTURE)
+    fn score_in_picture(labels: &[Option<Label>], boxes: &[Option<PixelBox>]) -> Score {
+        score_boxes(labels, boxes, PICTURE)
     }
 
     fn check(boxes: &[Option<PixelBox>], auc: f64, precision: f64, lost: f64) {
-        let labels = vec![Some(Label::There(TARGET)); boxes.len()];
-        let score = of(&labels, boxes);
+        let labels = vec![Some(Label::Visible(TARGET)); boxes.len()];
+        let score = score_in_picture(&labels, boxes);
         // Sums of a few shares: rounded in the last digits only.
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(close(score.auc, auc), "AUC {} for {boxes:?}", score.auc);
@@ -154,25 +158,26 @@ mod tests {
     fn what_lies_outside_the_picture_is_cut_off() {
         let label = PixelBox { u: -40.0, v: 0.0, w: 80.0, h: 20.0 };
         let seen = PixelBox { u: 0.0, v: 0.0, w: 40.0, h: 20.0 };
-        let score = of(&[Some(Label::There(label))], &[Some(seen)]);
+        let score = score_in_picture(&[Some(Label::Visible(label))], &[Some(seen)]);
         assert_eq!((score.auc, score.precision), (20.0 / 21.0, 1.0));
-        let score = of(&[Some(Label::There(seen))], &[Some(label)]);
+        let score = score_in_picture(&[Some(Label::Visible(seen))], &[Some(label)]);
         assert_eq!((score.auc, score.precision), (20.0 / 21.0, 1.0));
         let outside = PixelBox { u: -90.0, ..label };
-        assert_eq!(of(&[Some(Label::There(seen))], &[Some(outside)]).lost, 1.0);
+        assert_eq!(score_in_picture(&[Some(Label::Visible(seen))], &[Some(outside)]).lost, 1.0);
     }
 
     #[test]
     fn frames_without_a_label_do_not_count() {
-        let score = of(&[None, Some(Label::There(TARGET)), None], &[None, moved(0.0), moved(90.0)]);
+        let score =
+            score_in_picture(&[None, Some(Label::Visible(TARGET)), None], &[None, moved(0.0), moved(90.0)]);
         assert_eq!((score.scored, score.absent, score.auc), (1, 0, 20.0 / 21.0));
         assert_eq!(score.absent_share(), None);
     }
 
     #[test]
     fn an_absent_target_counts_by_itself() {
-        let labels = [Some(Label::Absent), Some(Label::Absent), Some(Label::There(TARGET))];
-        let score = of(&labels, &[None, moved(0.0), moved(0.0)]);
+        let labels = [Some(Label::Absent), Some(Label::Absent), Some(Label::Visible(TARGET))];
+        let score = score_in_picture(&labels, &[None, moved(0.0), moved(0.0)]);
         assert_eq!((score.scored, score.auc, score.lost), (1, 20.0 / 21.0, 0.0));
         assert_eq!(score.absent_share(), Some(0.5));
     }

@@ -1,4 +1,4 @@
-//! Clips enlarged: what a tracker costs on a larger picture of the same scene.
+//! Enlarged clips: for the tracker's cost on a larger picture of the same scene.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::scoring::Label;
 /// Enlarges 1280x720 to 1920x1080.
 const FACTOR: f64 = 1.5;
 
-/// The clip with every side half as long again.
+/// A clip with both sides enlarged by [`FACTOR`].
 pub(crate) fn enlarged(clip: &Clip) -> Clip {
     Clip {
         name: clip.name.clone(),
@@ -20,7 +20,7 @@ pub(crate) fn enlarged(clip: &Clip) -> Clip {
             .labels
             .iter()
             .map(|label| match label {
-                Some(Label::There(bounds)) => Some(Label::There(enlarged_box(*bounds))),
+                Some(Label::Visible(bounds)) => Some(Label::Visible(enlarged_box(*bounds))),
                 other => *other,
             })
             .collect(),
@@ -29,8 +29,8 @@ pub(crate) fn enlarged(clip: &Clip) -> Clip {
     }
 }
 
-fn enlarged_box(of: PixelBox) -> PixelBox {
-    PixelBox { u: of.u * FACTOR, v: of.v * FACTOR, w: of.w * FACTOR, h: of.h * FACTOR }
+fn enlarged_box(bounds: PixelBox) -> PixelBox {
+    PixelBox { u: bounds.u * FACTOR, v: bounds.v * FACTOR, w: bounds.w * FACTOR, h: bounds.h * FACTOR }
 }
 
 fn enlarged_frame(frame: &VideoFrame) -> VideoFrame {
@@ -46,24 +46,26 @@ fn enlarged_frame(frame: &VideoFrame) -> VideoFrame {
     VideoFrame { picture: Arc::new(to), ..frame.clone() }
 }
 
-/// Fills a plane by bilinear interpolation. Sample centres lie at half pixels; the border is repeated outwards.
+/// Fills a plane by bilinear interpolation. Sample centres are at half pixels; samples beyond the border repeat it.
 fn interpolate(from: Plane<'_>, size: PictureSize, to: &mut [u8]) {
     let columns = taps(from.width, size.width as usize);
     let rows = taps(from.height, size.height as usize);
     for (out, row) in to.chunks_exact_mut(size.width as usize).zip(rows) {
         let (above, below) = (from.row(row.low), from.row(row.high));
         for (sample, column) in out.iter_mut().zip(&columns) {
-            let along = |line: &[u8]| {
+            let interpolate_row = |line: &[u8]| {
                 u32::from(line[column.low]) * (256 - column.weight)
                     + u32::from(line[column.high]) * column.weight
             };
-            // Weights of 1/256 twice: rounded by half of 1/65536's reciprocal.
-            *sample = ((along(above) * (256 - row.weight) + along(below) * row.weight + 32_768) >> 16) as u8;
+            // Two weights of 1/256 each: 32768 rounds the quotient by 65536.
+            *sample =
+                ((interpolate_row(above) * (256 - row.weight) + interpolate_row(below) * row.weight + 32_768)
+                    >> 16) as u8;
         }
     }
 }
 
-/// The two samples that one is interpolated from, and the weight of the second, of 256.
+/// The two samples that a sample is interpolated from, and the weight of the second, in 1/256.
 struct Tap {
     low: usize,
     high: usize,

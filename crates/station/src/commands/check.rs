@@ -192,7 +192,7 @@ fn check_link(url: &str, findings: &mut Vec<Finding>) {
         }
     };
     let shown = format!("link {parsed}");
-    if parsed.endpoint == Endpoint::World {
+    if parsed.endpoint == Endpoint::SimulatedCamera {
         findings.push(finding(
             shown,
             Verdict::Ok,

@@ -16,11 +16,12 @@ use barrelman_vocab::{Picture, PictureSize, Timestamp};
 use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 use indicatif::ProgressBar;
 
-use super::run::{self, Outputs};
+use super::run;
 use crate::cli::{DemoArgs, RunArgs};
 use crate::emulator::fotokite_pro::FotokitePro;
 use crate::emulator::host_port::HostPort;
 use crate::emulator::log::StationLog;
+use crate::live::session::Outputs;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
@@ -77,7 +78,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     )?;
     out.flush()?;
     let selection = practice.truth(0).selection;
-    let code = run::run_into(
+    let code = run::run_with_outputs(
         &RunArgs {
             config: None,
             video: Some(format!("file:{}", clip.display())),

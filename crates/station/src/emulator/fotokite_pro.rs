@@ -167,7 +167,7 @@ impl FotokitePro {
             let rates = VehicleRates { yaw: rates.yaw, pitch: rates.pitch };
             self.mount.command(self.profile.from_vehicle(rates));
             if let Some(world) = &self.world {
-                world.keep(rates);
+                world.send_latched(rates);
             }
         }
         match line {

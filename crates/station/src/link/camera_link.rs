@@ -1,22 +1,21 @@
-//! The link to a simulated camera: rates go in on one side, and the world takes them at its next tick.
+//! The link to a simulated camera: the world reads the requested rates at each tick.
 //!
-//! It has the dead man's switch of a real link: rates that move are in force until the time by which they were to be
-//! renewed, and a little longer; then the camera rests.
+//! The link has the dead-man's switch of a real link: rates that move the camera expire without a renewal.
 
 use std::fmt;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
+use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 
-use super::worker::RENEWAL_GRACE;
-use barrelman_host::fault::{FaultKind, FaultPlan};
+use super::dead_mans_switch::{DeadMansSwitch, RequestedRates};
 
-/// How long the last zeros may take to the camera: many ticks.
+/// Longest time from the request to close until the camera rests: many ticks.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// The way to a simulated camera. Clones are the same link.
+/// The link to a simulated camera. Clones are the same link.
 #[derive(Debug, Clone, Default)]
 pub struct CameraLink(Arc<Shared>);
 
@@ -31,114 +30,106 @@ pub struct Pointing {
 
 #[derive(Default)]
 struct Shared {
-    asked: Mutex<Asked>,
-    taken: Condvar,
-    listener: OnceLock<Listener>,
+    state: Mutex<State>,
+    rates_read: Condvar,
+    tilt_listener: OnceLock<TiltListener>,
 }
 
 impl fmt::Debug for Shared {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("CameraLink").field("asked", &self.asked).finish_non_exhaustive()
+        f.debug_struct("CameraLink").field("state", &self.state).finish_non_exhaustive()
     }
 }
 
-/// Whom the gimbal reports its tilt to.
-type Listener = Box<dyn Fn(Angle) + Send + Sync>;
+/// Receives the tilt reports of the gimbal.
+type TiltListener = Box<dyn Fn(Angle) + Send + Sync>;
 
 #[derive(Debug, Default)]
-struct Asked {
-    rates: VehicleRates,
-    renew_by: Option<Timestamp>,
+struct State {
+    requested: RequestedRates,
+    switch: DeadMansSwitch,
     faults: FaultPlan,
-    /// What the camera was told last.
+    /// The rates that the camera received last.
     in_force: VehicleRates,
     pointing: Option<Pointing>,
-    told: u32,
-    world_ended: bool,
-    overdue: bool,
+    ticks_since_report: u32,
+    has_world_ended: bool,
 }
 
 impl CameraLink {
-    fn asked(&self) -> MutexGuard<'_, Asked> {
+    fn state(&self) -> MutexGuard<'_, State> {
         // Plain data, whole at any time: a panic elsewhere does not spoil it.
-        self.0.asked.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is to go wrong on it; times count from the program's start.
+    /// Sets the deliberate faults. Times count from the program's start.
     pub fn set_faults(&self, faults: FaultPlan) {
-        self.asked().faults = faults;
+        self.state().faults = faults;
     }
 
-    /// Asks for rates, in the vehicle's own signs, which are renewed by `renew_by`.
+    /// Requests rates, in the vehicle's own signs, which will be renewed by `renew_by`.
     pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
-        let mut asked = self.asked();
-        (asked.rates, asked.renew_by) = (rates, renew_by);
+        self.state().requested = RequestedRates { rates, renew_by };
     }
 
-    /// Asks for rates that last until others are asked for, as a vehicle that keeps its last rate does.
-    pub fn keep(&self, rates: VehicleRates) {
+    /// Requests latched rates: they last until the next request, as those of a vehicle that keeps its last rate.
+    pub fn send_latched(&self, rates: VehicleRates) {
         self.send(rates, Some(Timestamp::from_nanos(u64::MAX)));
     }
 
-    /// Where the camera points.
+    /// Where the camera points; `None` before the first tick of the world.
     pub fn pointing(&self) -> Option<Pointing> {
-        self.asked().pointing
+        self.state().pointing
     }
 
-    /// Lets the gimbal report the camera's tilt, ten times a second, to whom must not make the world wait. Only the
-    /// first one who asks is told.
+    /// Reports the tilt at 10 Hz; the callback must not block. Only the first callback is used.
     pub fn on_tilt_report(&self, listener: impl Fn(Angle) + Send + Sync + 'static) {
-        let _ = self.0.listener.set(Box::new(listener));
+        let _ = self.0.tilt_listener.set(Box::new(listener));
     }
 
-    /// For the world: where the camera points at this tick.
-    pub fn tell(&self, pointing: Pointing) {
+    /// For the world: reports where the camera points at this tick.
+    pub fn set_pointing(&self, pointing: Pointing) {
         let is_due = {
-            let mut asked = self.asked();
-            asked.pointing = Some(pointing);
-            asked.told = (asked.told + 1) % TICKS_PER_TILT_REPORT;
-            asked.told == 0
+            let mut state = self.state();
+            state.pointing = Some(pointing);
+            state.ticks_since_report = (state.ticks_since_report + 1) % TICKS_PER_TILT_REPORT;
+            state.ticks_since_report == 0
         };
-        if let Some(listener) = self.0.listener.get().filter(|_| is_due) {
+        if let Some(listener) = self.0.tilt_listener.get().filter(|_| is_due) {
             listener(pointing.tilt);
         }
     }
 
-    /// Asks for rest, and waits until the camera was told so. Returns whether it was.
+    /// Requests rest and waits until the camera has received it. Returns whether the camera rests.
     pub fn close(&self) -> bool {
-        let mut asked = self.asked();
-        (asked.rates, asked.renew_by) = (VehicleRates::REST, None);
-        let moves = |asked: &mut Asked| !asked.in_force.is_rest() && !asked.world_ended;
-        let (asked, _) = self
+        let mut state = self.state();
+        state.requested = RequestedRates::REST;
+        let is_moving = |state: &mut State| !state.in_force.is_rest() && !state.has_world_ended;
+        let (state, _) = self
             .0
-            .taken
-            .wait_timeout_while(asked, CLOSE_TIMEOUT, moves)
+            .rates_read
+            .wait_timeout_while(state, CLOSE_TIMEOUT, is_moving)
             .unwrap_or_else(PoisonError::into_inner);
-        asked.in_force.is_rest() || asked.world_ended
+        state.in_force.is_rest() || state.has_world_ended
     }
 
     /// For the world: the rates of this tick.
-    pub fn take(&self, now: Timestamp) -> VehicleRates {
-        let mut asked = self.asked();
-        let deaf = [FaultKind::Drop, FaultKind::Stall, FaultKind::Disconnect];
-        if deaf.into_iter().any(|kind| asked.faults.is_active(kind, now)) {
-            return asked.in_force;
+    pub fn read_rates(&self, now: Timestamp) -> VehicleRates {
+        let mut state = self.state();
+        let interruptions = [FaultKind::Drop, FaultKind::Stall, FaultKind::Disconnect];
+        if interruptions.into_iter().any(|kind| state.faults.is_active(kind, now)) {
+            return state.in_force;
         }
-        let moves = !asked.rates.is_rest();
-        let expired = moves && asked.renew_by.is_none_or(|at| at.plus(RENEWAL_GRACE) <= now);
-        if expired && !asked.overdue {
-            tracing::error!("the pilot is held up: the link rests the camera");
-        }
-        asked.overdue = expired;
-        asked.in_force = if expired { VehicleRates::REST } else { asked.rates };
-        self.0.taken.notify_all();
-        asked.in_force
+        let requested = state.requested;
+        state.in_force = state.switch.rates_in_force(&requested, now);
+        self.0.rates_read.notify_all();
+        state.in_force
     }
 
-    /// For the world: there is no camera any more.
-    pub fn world_ended(&self) {
-        self.asked().world_ended = true;
-        self.0.taken.notify_all();
+    /// For the world: the simulated camera no longer exists.
+    pub fn end_world(&self) {
+        self.state().has_world_ended = true;
+        self.0.rates_read.notify_all();
     }
 }
 
@@ -160,23 +151,23 @@ mod tests {
         let link = CameraLink::default();
         link.send(MOVING, Some(at(100)));
         assert_eq!(
-            [link.take(at(90)), link.take(at(149)), link.take(at(150))],
+            [link.read_rates(at(90)), link.read_rates(at(149)), link.read_rates(at(150))],
             [MOVING, MOVING, VehicleRates::REST]
         );
         link.send(MOVING, None);
-        assert!(link.take(at(160)).is_rest(), "rates that move need a time by which they are renewed");
+        assert!(link.read_rates(at(160)).is_rest(), "rates that move need a time by which they are renewed");
     }
 
     #[test]
     fn the_tilt_is_reported_ten_times_a_second() {
         let link = CameraLink::default();
-        let told = Arc::new(Mutex::new(Vec::new()));
-        let listener = Arc::clone(&told);
+        let reports = Arc::new(Mutex::new(Vec::new()));
+        let listener = Arc::clone(&reports);
         link.on_tilt_report(move |tilt| listener.lock().unwrap().push(tilt.degrees().round() as i32));
         for tick in 1..=120 {
-            link.tell(Pointing { pan: Angle::ZERO, tilt: Angle::from_degrees(-f64::from(tick)) });
+            link.set_pointing(Pointing { pan: Angle::ZERO, tilt: Angle::from_degrees(-f64::from(tick)) });
         }
-        assert_eq!(*told.lock().unwrap(), [-12, -24, -36, -48, -60, -72, -84, -96, -108, -120]);
+        assert_eq!(*reports.lock().unwrap(), [-12, -24, -36, -48, -60, -72, -84, -96, -108, -120]);
     }
 
     #[test]
@@ -184,17 +175,17 @@ mod tests {
         let link = CameraLink::default();
         link.set_faults(FaultPlan::parse("drop@1+1").unwrap());
         link.send(MOVING, Some(at(900)));
-        assert_eq!(link.take(at(800)), MOVING);
+        assert_eq!(link.read_rates(at(800)), MOVING);
         link.send(VehicleRates::REST, None);
-        assert_eq!([link.take(at(1500)), link.take(at(2100))], [MOVING, VehicleRates::REST]);
+        assert_eq!([link.read_rates(at(1500)), link.read_rates(at(2100))], [MOVING, VehicleRates::REST]);
     }
 
     #[test]
     fn the_last_zeros_are_waited_for_unless_the_world_has_ended() {
         let link = CameraLink::default();
         link.send(MOVING, Some(at(100)));
-        link.take(at(0));
-        link.world_ended();
+        link.read_rates(at(0));
+        link.end_world();
         assert!(link.close());
     }
 }

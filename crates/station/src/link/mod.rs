@@ -4,21 +4,29 @@
 //! pilot's rates -> Mailbox -> link thread: Session (wire) <-> Port (serial or TCP)
 //!                                   \-> telemetry, link state -> events
 //! ```
-//! `sim:` has no port and no thread: a [`crate::link::CameraLink`] takes the rates to the world itself.
+//! `sim:` has neither port nor thread: a [`crate::link::CameraLink`] passes the rates to the simulated world.
 //!
-//! The thread decides nothing: what goes out and when is the session's. Whatever happens (the program ends, this
-//! thread or any other panics), zeros and the vehicle's own stop are the last things sent.
+//! The thread makes no decisions: the session decides which line is sent when. However a run ends (the program ends, this
+//! or any other thread panics), zeros and the vehicle's own stop are sent last.
+
+mod vehicle_link;
+
+pub mod handle;
+mod worker;
+
+mod mailbox;
+mod port_io;
+
+mod dead_mans_switch;
+pub mod port;
+mod report;
+
+pub mod camera_link;
 
 pub mod url;
 
-pub mod worker;
-
-pub mod port;
-
-pub mod camera_link;
-mod vehicle_link;
-
 pub use camera_link::CameraLink;
+pub use handle::LinkHandle;
+pub use report::LinkReport;
 pub use url::{LinkUrl, LinkUrlError};
-pub use vehicle_link::Link;
-pub use worker::{LinkHandle, LinkReport};
+pub use vehicle_link::{Link, VehicleLink};

@@ -1,8 +1,8 @@
-//! Serial ports and TCP connections as one thing: bytes in and out, with a bound on every wait.
+//! Ports: a serial port or a TCP connection. Every wait is bounded.
 //!
-//! A serial port is locked twice, so that nobody else talks on it meanwhile: `flock` keeps out other programs
-//! that ask for the lock, root's too, and `TIOCEXCL` keeps out those that do not ask. Lock files are not used:
-//! they outlive the programs that made them.
+//! A serial port is locked twice, so that no other program writes to it: `flock` keeps out programs that request the
+//! lock, including root's, and `TIOCEXCL` keeps out programs that do not. Lock files are not used: they outlive the
+//! programs that made them.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
@@ -15,21 +15,21 @@ use serial2::SerialPort;
 
 use super::url::Endpoint;
 
-/// How long a write may take before the port counts as dead.
+/// Longest time of a write. The port then counts as lost.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
-/// How long connecting may take.
+/// Longest time of a connection attempt.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A port cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
-    /// There is no such device.
+    /// The device does not exist.
     #[error("the port {} does not exist: is the ground station plugged in and on? `ls /dev/ttyACM* /dev/ttyUSB*` lists what is there", path.display())]
     Missing {
         /// The device.
         path: PathBuf,
     },
-    /// This user may not open it.
+    /// The user may not open the device.
     #[error(
         "the port {} may not be opened by this user: add the user to its group (`sudo usermod -aG dialout $USER`, \
          then log in again), or install config/udev/70-barrelman.rules", path.display()
@@ -38,38 +38,38 @@ pub enum PortError {
         /// The device.
         path: PathBuf,
     },
-    /// Another program uses it.
+    /// Another program uses the device.
     #[error(
-        "the port {} is taken by another program: `fuser -v {}` names it; ModemManager is kept away by \
+        "the port {} is in use by another program: `fuser -v {}` names it; ModemManager is kept out by \
          config/udev/70-barrelman.rules", path.display(), path.display()
     )]
-    Taken {
+    InUse {
         /// The device.
         path: PathBuf,
     },
-    /// It is no serial port.
-    #[error("{} is no serial port: name its device, as in serial:/dev/ttyACM0 (`ls /dev/ttyACM* /dev/ttyUSB*` lists them)", path.display())]
+    /// The file is not a serial port.
+    #[error("{} is not a serial port: give the device, as in serial:/dev/ttyACM0 (`ls /dev/ttyACM* /dev/ttyUSB*` lists them)", path.display())]
     NotSerial {
         /// The file.
         path: PathBuf,
     },
-    /// Nobody answers at that address.
-    #[error("{address} cannot be connected to: is the pass-through server on the ground computer running?")]
+    /// The address refuses connections, or does not answer.
+    #[error("{address} cannot be reached: is the pass-through server on the ground computer running?")]
     Unreachable {
         /// `host:port`.
         address: String,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// A simulated camera has no port.
-    #[error("sim: is no port: it moves the camera of the world that --video sim:SCENARIO shows")]
+    /// The address is that of a simulated camera, which has no port.
+    #[error("sim: has no port: it moves the camera of the world of --video sim:SCENARIO")]
     Simulated,
-    /// Anything else.
+    /// The device cannot be opened for another reason.
     #[error("the port {} cannot be opened", path.display())]
     Other {
         /// The device.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
 }
@@ -91,7 +91,7 @@ impl Port {
     pub fn open(endpoint: &Endpoint) -> Result<Self, PortError> {
         match endpoint {
             Endpoint::Serial { path, baud } => open_serial(path, *baud).map(Self::Serial),
-            Endpoint::World => Err(PortError::Simulated),
+            Endpoint::SimulatedCamera => Err(PortError::Simulated),
             Endpoint::Tcp { address } => connect(address)
                 .map(Self::Tcp)
                 .map_err(|source| PortError::Unreachable { address: address.clone(), source }),
@@ -101,7 +101,7 @@ impl Port {
     /// Writes all bytes, or fails within a bounded time.
     ///
     /// # Errors
-    /// If the port takes no bytes any more.
+    /// If the port does not accept the bytes in time, or is lost.
     pub fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Self::Serial(port) => port.write_all(bytes),
@@ -109,17 +109,19 @@ impl Port {
         }
     }
 
-    /// Reads what has come, after `poll` has said that there is something.
+    /// Reads the bytes that have arrived, after `poll` has reported the port as readable.
     ///
     /// # Errors
-    /// If the port is gone; a connection that was closed at the other end is an error too.
+    /// If the port is lost. A connection that the other end has closed is an error too.
     pub fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let read = match self {
             Self::Serial(port) => port.read(buffer),
             Self::Tcp(stream) => stream.read(buffer),
         };
         match read {
-            Ok(0) => Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has gone")),
+            Ok(0) => {
+                Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has closed the connection"))
+            }
             Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock) => {
                 Ok(0)
             }
@@ -140,8 +142,8 @@ impl AsFd for Port {
 impl Drop for Port {
     fn drop(&mut self) {
         if let Self::Serial(port) = self {
-            // The exclusive mode belongs to the device and would outlive this program where another still has it
-            // open. A port that is gone cannot be told, and need not be.
+            // The exclusive mode belongs to the device. It would outlive this program where another program still has
+            // the device open. For a lost port the call fails without consequence.
             let _ = rustix::termios::ioctl_tiocnxcl(port.as_fd());
         }
     }
@@ -152,10 +154,10 @@ fn open_serial(path: &Path, baud: u32) -> Result<SerialPort, PortError> {
     let explain = |source: io::Error| match source.kind() {
         io::ErrorKind::NotFound => PortError::Missing { path: path_buf() },
         io::ErrorKind::PermissionDenied => PortError::NotAllowed { path: path_buf() },
-        io::ErrorKind::ResourceBusy => PortError::Taken { path: path_buf() },
+        io::ErrorKind::ResourceBusy => PortError::InUse { path: path_buf() },
         _ => PortError::Other { path: path_buf(), source },
     };
-    // A directory or a plain file is told apart before the terminal settings fail on it with an odd message.
+    // On a folder or a plain file, the terminal settings would fail with a misleading message.
     let kind = std::fs::metadata(path).map_err(explain)?;
     if kind.is_dir() || kind.is_file() {
         return Err(PortError::NotSerial { path: path_buf() });
@@ -168,7 +170,7 @@ fn open_serial(path: &Path, baud: u32) -> Result<SerialPort, PortError> {
     })?;
     rustix::fs::flock(port.as_fd(), FlockOperation::NonBlockingLockExclusive).map_err(|error| {
         if error == rustix::io::Errno::WOULDBLOCK {
-            PortError::Taken { path: path_buf() }
+            PortError::InUse { path: path_buf() }
         } else {
             PortError::Other { path: path_buf(), source: error.into() }
         }

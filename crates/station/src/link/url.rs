@@ -1,4 +1,4 @@
-//! Where commands go: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, or `sim:` to a simulated camera.
+//! Addresses of links: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, or `sim:` for a simulated camera.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
 use barrelman_host::redaction::without_logins;
 
-/// Baud rate where the URL does not say: what all public clients use.
+/// Default baud rate: that of all public clients.
 pub const DEFAULT_BAUD: u32 = 115_200;
 
 /// A link's address.
@@ -14,7 +14,7 @@ pub const DEFAULT_BAUD: u32 = 115_200;
 pub struct LinkUrl {
     /// What is opened.
     pub endpoint: Endpoint,
-    /// What is to go wrong on it.
+    /// Deliberate faults of the link.
     pub faults: FaultPlan,
 }
 
@@ -23,9 +23,9 @@ pub struct LinkUrl {
 pub enum Endpoint {
     /// A serial port.
     Serial {
-        /// Its device.
+        /// The device.
         path: PathBuf,
-        /// Its speed.
+        /// The baud rate.
         baud: u32,
     },
     /// A TCP connection to a pass-through server.
@@ -34,62 +34,60 @@ pub enum Endpoint {
         address: String,
     },
     /// The camera of the simulated world that the video comes from.
-    World,
+    SimulatedCamera,
 }
 
-/// A link's address that cannot be read.
+/// An unusable address of a link.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LinkUrlError {
     /// The scheme is unknown.
     #[error(
-        "{0:?} is no link: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port, or sim: with --video sim:SCENARIO"
+        "{0:?} is not the address of a link: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port, or sim: with --video sim:SCENARIO"
     )]
-    Unknown(String),
-    /// Nothing stands behind the scheme.
+    UnknownScheme(String),
+    /// The scheme is followed by no port.
     #[error("the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
-    Nowhere(String),
-    /// It has a login, which nothing on this link would ask for.
-    #[error(
-        "the link {0:?} has a login, and a pass-through server asks for none: leave out what stands before the @"
-    )]
+    MissingPort(String),
+    /// The address contains a login, but no link uses one.
+    #[error("the link {0:?} has a login, but a pass-through server uses none: remove the part before the @")]
     Login(String),
-    /// An option is unknown or has no value that can be used.
+    /// An option is unknown, or its value is unusable.
     #[error(
-        "the link's option {0:?} cannot be used: a serial link takes baud=9600 or baud=115200, and every link fault=KIND@SECONDS"
+        "the link's option {0:?} is unusable: a serial link has baud=9600 or baud=115200, and every link fault=KIND@SECONDS"
     )]
     Option(String),
-    /// The faults cannot be read.
+    /// The faults are unusable.
     #[error(transparent)]
     Faults(#[from] FaultPlanError),
 }
 
 impl LinkUrl {
-    /// Reads an address.
+    /// Parses an address.
     ///
     /// # Errors
-    /// [`LinkUrlError`] says what cannot be read, and the remedy.
+    /// [`LinkUrlError`] names the unusable part and the remedy.
     pub fn parse(text: &str) -> Result<Self, LinkUrlError> {
         let (address, options) = text.split_once('?').unwrap_or((text, ""));
-        let nowhere = || LinkUrlError::Nowhere(without_logins(text));
+        let missing_port = || LinkUrlError::MissingPort(without_logins(text));
         let mut endpoint = if let Some(path) = address.strip_prefix("serial:") {
             if path.is_empty() {
-                return Err(nowhere());
+                return Err(missing_port());
             }
             Endpoint::Serial { path: PathBuf::from(path), baud: DEFAULT_BAUD }
         } else if let Some(address) = address.strip_prefix("tcp://") {
-            // The @ of a fault's time is none of a login.
+            // A fault's time contains an @ too.
             if text.split("fault=").next().is_some_and(|text| text.contains('@')) {
                 return Err(LinkUrlError::Login(without_logins(text)));
             }
-            let (host, port) = address.rsplit_once(':').ok_or_else(nowhere)?;
+            let (host, port) = address.rsplit_once(':').ok_or_else(missing_port)?;
             if host.is_empty() || port.parse::<u16>().is_err() {
-                return Err(nowhere());
+                return Err(missing_port());
             }
             Endpoint::Tcp { address: address.to_owned() }
         } else if address == "sim:" {
-            Endpoint::World
+            Endpoint::SimulatedCamera
         } else {
-            return Err(LinkUrlError::Unknown(without_logins(text)));
+            return Err(LinkUrlError::UnknownScheme(without_logins(text)));
         };
         let mut faults = FaultPlan::default();
         for option in options.split('&').filter(|option| !option.is_empty()) {
@@ -105,11 +103,11 @@ impl LinkUrl {
         Ok(Self { endpoint, faults })
     }
 
-    /// How fast the line is; TCP counts as the fastest serial line.
+    /// The baud rate. A TCP connection counts as a serial line with the default baud rate.
     pub fn baud(&self) -> u32 {
         match &self.endpoint {
             Endpoint::Serial { baud, .. } => *baud,
-            Endpoint::Tcp { .. } | Endpoint::World => DEFAULT_BAUD,
+            Endpoint::Tcp { .. } | Endpoint::SimulatedCamera => DEFAULT_BAUD,
         }
     }
 }
@@ -119,7 +117,7 @@ impl fmt::Display for LinkUrl {
         match &self.endpoint {
             Endpoint::Serial { path, baud } => write!(f, "serial:{}?baud={baud}", path.display()),
             Endpoint::Tcp { address } => write!(f, "tcp://{address}"),
-            Endpoint::World => f.write_str("sim:"),
+            Endpoint::SimulatedCamera => f.write_str("sim:"),
         }
     }
 }
@@ -131,7 +129,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str, expected: Result<&str, &str>) {
         match (LinkUrl::parse(text), expected) {
-            (Ok(url), Ok(shown)) => assert_eq!(url.to_string(), shown),
+            (Ok(url), Ok(text)) => assert_eq!(url.to_string(), text),
             (Err(error), Err(part)) => assert!(error.to_string().contains(part), "{error}"),
             (got, expected) => panic!("{text}: {got:?}, expected {expected:?}"),
         }

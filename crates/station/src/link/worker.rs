@@ -1,179 +1,90 @@
 //! The link thread: one session after the other, on one port.
 
 use std::io;
-use std::os::fd::OwnedFd;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
+use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::fotokite_pro::session::{NextAction, STOP_DELAY};
-use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
-use rustix::event::{EventfdFlags, PollFd, PollFlags, poll};
-
-use super::port::{Port, PortError};
-use super::url::LinkUrl;
-use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultKind;
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_wire::fotokite_pro::session::{NextAction, STOP_DELAY};
+use barrelman_wire::fotokite_pro::{Session, SessionSettings};
 
-/// From one attempt to open a lost port to the next.
-const REOPEN_PAUSE: Duration = Duration::from_millis(250);
-/// How long rates may stay in force after the time by which they were to be renewed: the pilot has then been held
-/// up, and the link rests the camera in its place.
-pub(crate) const RENEWAL_GRACE: Duration = Duration::from_millis(50);
-/// How long the last words may take before the program ends without them.
+use super::dead_mans_switch::DeadMansSwitch;
+use super::mailbox::Mailbox;
+use super::port::PortError;
+use super::port_io::PortIo;
+use super::report::LinkReport;
+use super::url::LinkUrl;
+
+#[cfg(test)]
+mod tests;
+
+/// Interval between attempts to reopen a lost port.
+const REOPEN_INTERVAL: Duration = Duration::from_millis(250);
+/// Longest wait of a session: a deliberate fault begins at most this late.
+const MAX_WAIT: Duration = Duration::from_millis(100);
+/// Longest time from the request to close to `stop`. The program then ends without `stop`.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(3);
+/// Number of zeros in an emergency stop, and the pause after each.
+const EMERGENCY_ZEROS: usize = 3;
+const EMERGENCY_ZERO_PAUSE: Duration = Duration::from_millis(50);
 
-/// What the link thread tells the rest of the program.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LinkReport {
-    /// A report of the vehicle, or of the link itself.
-    Telemetry(Telemetry),
-    /// The port was lost; it is being opened anew.
-    Lost(String),
-    /// The link thread panicked; zeros and stop were sent by its last will.
-    Panicked,
+/// The work of the link thread.
+pub(super) struct Worker<I, R> {
+    pub(super) url: LinkUrl,
+    pub(super) settings: SessionSettings,
+    pub(super) mailbox: Arc<Mailbox>,
+    pub(super) io: I,
+    /// Receives the reports of the thread.
+    pub(super) report: R,
 }
 
-/// What the pilot wants of the link, newest first.
-#[derive(Debug, Default)]
-struct Mailbox {
-    rates: VehicleRates,
-    /// When rates that move must have been renewed.
-    renew_by: Option<Timestamp>,
-    close: bool,
-    /// Set by the thread once the last words are out, or cannot be said.
-    ended: Option<bool>,
+/// How a session ended without an error.
+enum SessionEnd {
+    /// Zeros and stop were sent.
+    Closed,
+    /// The ground station does not answer.
+    Unanswered,
 }
 
-#[derive(Debug)]
-struct Shared {
-    mailbox: Mutex<Mailbox>,
-    waker: OwnedFd,
-}
-
-impl Shared {
-    fn with<T>(&self, change: impl FnOnce(&mut Mailbox) -> T) -> T {
-        // A panic elsewhere must not silence the link: the mailbox is plain data and always whole.
-        change(&mut self.mailbox.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    fn wake(&self) {
-        // The counter only fills up if the thread never wakes, and then another count would not help.
-        let _ = rustix::io::write(&self.waker, &1_u64.to_ne_bytes());
-    }
-}
-
-/// The link, as the rest of the program holds it. Dropping it ends it: zeros, stop, and the port is closed.
-#[derive(Debug)]
-pub struct LinkHandle {
-    shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl LinkHandle {
-    /// Opens the port and starts the thread.
-    ///
-    /// # Errors
-    /// If the port cannot be opened now; later losses are mended by the thread.
-    pub fn open(
-        url: &LinkUrl,
-        framing: Framing,
-        clock: Clock,
-        report: impl Fn(LinkReport) + Send + 'static,
-    ) -> anyhow::Result<Self> {
-        let port = Port::open(&url.endpoint)?;
-        let waker = rustix::event::eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
-        let shared = Arc::new(Shared { mailbox: Mutex::default(), waker });
-        let settings = SessionSettings::for_baud(framing, url.baud());
-        let worker = Worker { url: url.clone(), settings, clock, shared: Arc::clone(&shared), report };
-        let thread = std::thread::Builder::new().name("link".to_owned()).spawn(move || worker.run(port))?;
-        Ok(Self { shared, thread: Some(thread) })
-    }
-
-    /// Asks for rates, in the vehicle's own signs; what was asked for before and is not out yet is forgotten.
-    /// Rates that move are in force until `renew_by`: where nothing comes by then, the link rests the camera by
-    /// itself.
-    pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
-        let changed = self.shared.with(|mailbox| {
-            mailbox.renew_by = renew_by;
-            std::mem::replace(&mut mailbox.rates, rates) != rates
-        });
-        if changed {
-            self.shared.wake();
-        }
-    }
-
-    /// Ends the link: zeros, half a second, stop. Returns whether they were sent.
-    pub fn close(mut self) -> bool {
-        self.end()
-    }
-
-    fn end(&mut self) -> bool {
-        let Some(thread) = self.thread.take() else { return true };
-        self.shared.with(|mailbox| {
-            mailbox.rates = VehicleRates::REST;
-            mailbox.close = true;
-        });
-        self.shared.wake();
-        // The thread bounds its own closing; a panic in it has run its last will.
-        let joined = thread.join().is_ok();
-        joined && self.shared.with(|mailbox| mailbox.ended).unwrap_or(false)
-    }
-}
-
-impl Drop for LinkHandle {
-    fn drop(&mut self) {
-        self.end();
-    }
-}
-
-struct Worker<R> {
-    url: LinkUrl,
-    settings: SessionSettings,
-    clock: Clock,
-    shared: Arc<Shared>,
-    report: R,
-}
-
-impl<R: Fn(LinkReport)> Worker<R> {
-    fn run(self, port: Port) {
+impl<I: PortIo, R: Fn(LinkReport)> Worker<I, R> {
+    /// Serves the port until the link is closed. A panic sends the emergency stop.
+    pub(super) fn run(self, port: I::Port) {
+        // The port is outside of the code that may panic: the emergency stop needs it.
         let mut port = Some(port);
-        let framing = self.settings.framing;
-        // The port lives outside of what may panic, so that the last will can still be spoken on it.
-        let ended = catch_unwind(AssertUnwindSafe(|| self.serve(&mut port)));
-        let said = ended.unwrap_or_else(|_| {
-            let said = port.as_mut().is_some_and(|port| send_last_will(port, framing).is_ok());
+        let served = catch_unwind(AssertUnwindSafe(|| self.serve(&mut port)));
+        let is_stop_sent = served.unwrap_or_else(|_| {
+            let is_sent = port.as_mut().is_some_and(|port| self.send_emergency_stop(port).is_ok());
             (self.report)(LinkReport::Panicked);
-            said
+            is_sent
         });
-        self.shared.with(|mailbox| mailbox.ended = Some(said));
+        self.mailbox.set_stop_sent(is_stop_sent);
     }
 
-    /// Serves the port until the link is closed. Returns whether the last words were said.
-    fn serve(&self, port: &mut Option<Port>) -> bool {
-        let mut shown = None;
-        let mut first_loss = true;
+    /// Serves the port until the link is closed. Returns whether zeros and stop were sent.
+    fn serve(&self, port: &mut Option<I::Port>) -> bool {
+        let mut reported_state = None;
+        let mut is_first_silence = true;
         loop {
             let Some(open) = port else {
-                self.show(LinkState::Opening, &mut shown);
-                if self.shared.with(|mailbox| mailbox.close) {
-                    // The vehicle keeps its last rate: one more try to reach it.
-                    let said = |mut port| send_last_will(&mut port, self.settings.framing).is_ok();
-                    return self.reopen().is_ok_and(said);
+                self.report_state(LinkState::Opening, &mut reported_state);
+                let (_, is_closing) = self.mailbox.requested();
+                if is_closing {
+                    // The vehicle keeps its last rate, so the link tries once more to reach the vehicle.
+                    return self.reopen().is_ok_and(|mut port| self.send_emergency_stop(&mut port).is_ok());
                 }
                 match self.reopen() {
                     Ok(reopened) => *port = Some(reopened),
-                    Err(_) => self.wait(REOPEN_PAUSE),
+                    Err(_) => drop(self.io.wait(None, REOPEN_INTERVAL)),
                 }
                 continue;
             };
-            match self.session(open, &mut shown) {
-                Ok(Ended::Closed) => return true,
-                Ok(Ended::Unanswered) => {
-                    if std::mem::take(&mut first_loss) {
+            match self.serve_session(open, &mut reported_state) {
+                Ok(SessionEnd::Closed) => return true,
+                Ok(SessionEnd::Unanswered) => {
+                    if std::mem::take(&mut is_first_silence) {
                         (self.report)(LinkReport::Lost("the ground station does not answer".to_owned()));
                     }
                 }
@@ -183,75 +94,63 @@ impl<R: Fn(LinkReport)> Worker<R> {
         }
     }
 
-    fn reopen(&self) -> Result<Port, PortError> {
-        if self.url.faults.is_active(FaultKind::Disconnect, self.clock.now()) {
+    fn reopen(&self) -> Result<I::Port, PortError> {
+        if self.url.faults.is_active(FaultKind::Disconnect, self.io.now()) {
             let source = io::Error::new(io::ErrorKind::NotConnected, "disconnected on purpose");
             return Err(PortError::Unreachable { address: self.url.to_string(), source });
         }
-        Port::open(&self.url.endpoint)
+        self.io.open()
     }
 
-    /// One session, to its end.
-    fn session(&self, port: &mut Port, shown: &mut Option<LinkState>) -> io::Result<Ended> {
-        let mut session = Session::open(self.settings, self.clock.now());
+    /// Serves one session to its end.
+    fn serve_session(
+        &self,
+        port: &mut I::Port,
+        reported_state: &mut Option<LinkState>,
+    ) -> io::Result<SessionEnd> {
+        let mut session = Session::open(self.settings, self.io.now());
+        let mut switch = DeadMansSwitch::default();
         let mut out = Vec::new();
         let mut buffer = [0; 1024];
         let mut closing_since: Option<Timestamp> = None;
-        let mut overdue = false;
         loop {
-            let now = self.clock.now();
+            let now = self.io.now();
             self.apply_faults(now)?;
-            let (rates, expires, close) = self.wanted();
-            let expired = !rates.is_rest() && expires <= now;
-            if expired && !std::mem::replace(&mut overdue, true) {
-                tracing::error!("the pilot is held up: the link rests the camera");
-            }
-            overdue &= expired;
-            session.set_rates(if expired { VehicleRates::REST } else { rates });
-            if close && closing_since.is_none() {
+            let (requested, is_closing) = self.mailbox.requested();
+            let rates = switch.rates_in_force(&requested, now);
+            session.set_rates(rates);
+            if is_closing && closing_since.is_none() {
                 closing_since = Some(now);
                 session.close(now);
             }
             if closing_since.is_some_and(|since| now.since(since) > CLOSING_TIMEOUT) {
-                return Err(io::Error::new(io::ErrorKind::TimedOut, "the last words could not be sent"));
+                return Err(io::Error::new(io::ErrorKind::TimedOut, "zeros and stop could not be sent"));
             }
             out.clear();
             let next = session.poll(now, &mut out);
             if !out.is_empty() && !self.url.faults.is_active(FaultKind::Drop, now) {
-                port.write_all(&out)?;
+                self.io.write_all(port, &out)?;
             }
-            self.show(session.link_state(), shown);
-            match next {
-                NextAction::Closed => return Ok(Ended::Closed),
-                NextAction::Reopen => return Ok(Ended::Unanswered),
-                NextAction::WaitUntil(wake_at) => {
-                    // At least ten looks a second, so that a fault on purpose begins in time.
-                    let moves_until = if rates.is_rest() || expired { wake_at } else { expires };
-                    let wake_at = wake_at.min(moves_until);
-                    let wait = wake_at.since(self.clock.now()).min(Duration::from_millis(100));
-                    if self.wait_for(port, wait) {
-                        let read = port.read(&mut buffer)?;
-                        session.receive(&buffer[..read], self.clock.now(), |telemetry| {
-                            (self.report)(LinkReport::Telemetry(telemetry));
-                        });
-                    }
-                }
+            self.report_state(session.link_state(), reported_state);
+            let wake_at = match next {
+                NextAction::Closed => return Ok(SessionEnd::Closed),
+                NextAction::Reopen => return Ok(SessionEnd::Unanswered),
+                NextAction::WaitUntil(wake_at) if rates.is_rest() => wake_at,
+                NextAction::WaitUntil(wake_at) => wake_at.min(requested.expires_at()),
+            };
+            let wait = wake_at.since(self.io.now()).min(MAX_WAIT);
+            if self.io.wait(Some(port), wait) {
+                let read = self.io.read(port, &mut buffer)?;
+                session.receive(&buffer[..read], self.io.now(), |telemetry| {
+                    (self.report)(LinkReport::Telemetry(telemetry));
+                });
             }
         }
     }
 
-    /// The rates wanted, when they expire, and whether the link is to be closed. Rates without a time by which
-    /// they are renewed have expired already.
-    fn wanted(&self) -> (VehicleRates, Timestamp, bool) {
-        self.shared.with(|mailbox| {
-            let expires = mailbox.renew_by.map_or(Timestamp::ZERO, |at| at.plus(RENEWAL_GRACE));
-            (mailbox.rates, expires, mailbox.close)
-        })
-    }
-
     fn apply_faults(&self, now: Timestamp) -> io::Result<()> {
         let faults = &self.url.faults;
-        #[allow(clippy::panic, reason = "asked for on the command line, to test the last will")]
+        #[allow(clippy::panic, reason = "requested on the command line, to test the emergency stop")]
         if faults.is_active(FaultKind::Panic, now) {
             panic!("the link thread panics on purpose");
         }
@@ -261,46 +160,22 @@ impl<R: Fn(LinkReport)> Worker<R> {
         Ok(())
     }
 
-    fn show(&self, state: LinkState, shown: &mut Option<LinkState>) {
-        if *shown != Some(state) {
-            *shown = Some(state);
-            let telemetry = Telemetry { at: self.clock.now(), report: Report::Link(state) };
+    /// Reports the state of the link if it has changed.
+    fn report_state(&self, state: LinkState, reported_state: &mut Option<LinkState>) {
+        if reported_state.replace(state) != Some(state) {
+            let telemetry = Telemetry { at: self.io.now(), report: Report::Link(state) };
             (self.report)(LinkReport::Telemetry(telemetry));
         }
     }
 
-    fn wait_for(&self, port: &Port, wait: Duration) -> bool {
-        let mut fds = [PollFd::new(&self.shared.waker, PollFlags::IN), PollFd::new(port, PollFlags::IN)];
-        self.poll(&mut fds, wait);
-        !fds[1].revents().is_empty()
+    /// Stops the vehicle without a session: zeros, half a second, stop.
+    fn send_emergency_stop(&self, port: &mut I::Port) -> io::Result<()> {
+        let (zeros, stop) = Session::emergency_stop(self.settings.framing);
+        for _ in 0..EMERGENCY_ZEROS {
+            self.io.write_all(port, &zeros)?;
+            self.io.sleep(EMERGENCY_ZERO_PAUSE);
+        }
+        self.io.sleep(STOP_DELAY);
+        self.io.write_all(port, &stop)
     }
-
-    fn wait(&self, wait: Duration) {
-        self.poll(&mut [PollFd::new(&self.shared.waker, PollFlags::IN)], wait);
-    }
-
-    fn poll(&self, fds: &mut [PollFd<'_>], wait: Duration) {
-        // Both ends of the conversion are small: `wait` is at most a second.
-        let timeout = rustix::event::Timespec::try_from(wait).ok();
-        // An interrupted wait is a short wait.
-        let _ = poll(fds, timeout.as_ref());
-        let mut counted = [0; 8];
-        let _ = rustix::io::read(&self.shared.waker, &mut counted);
-    }
-}
-
-enum Ended {
-    Closed,
-    Unanswered,
-}
-
-/// The last words of a link whose thread panicked.
-fn send_last_will(port: &mut Port, framing: Framing) -> io::Result<()> {
-    let (zeros, stop) = Session::emergency_stop(framing);
-    for _ in 0..3 {
-        port.write_all(&zeros)?;
-        std::thread::sleep(Duration::from_millis(50));
-    }
-    std::thread::sleep(STOP_DELAY);
-    port.write_all(&stop)
 }

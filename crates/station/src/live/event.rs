@@ -1,43 +1,47 @@
-//! Everything that can wake the run loop.
+//! Everything that can wake the run loop, and where the loop waits for it.
 
-use barrelman_vocab::OperatorRequest;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::Duration;
+
+use barrelman_host::clock::Clock;
+use barrelman_video::VideoState;
+use barrelman_vocab::{OperatorRequest, Timestamp};
 
 use crate::link::LinkReport;
-use barrelman_video::VideoState;
 
 /// An event.
 #[derive(Debug)]
 pub enum Event {
-    /// A video frame lies in the slot of the newest frame.
+    /// The slot of the newest frame holds a video frame.
     Frame,
-    /// The video came, went, or ended.
+    /// The video source changed its state.
     Video(VideoState),
-    /// The link has something to say.
+    /// The link reports something.
     Link(LinkReport),
-    /// The operator asks for something.
+    /// The operator requests something.
     Request(OperatorRequest),
-    /// The program is to end, for this reason.
+    /// The program must end.
     Quit(QuitCause),
     /// A thread panicked.
     ThreadPanicked {
-        /// Its name.
+        /// The name of the thread.
         thread: String,
     },
     /// The recording had to stop.
     RecordingFailed {
-        /// Why.
+        /// What happened.
         reason: String,
     },
 }
 
-/// Why the program is to end.
+/// Why the program must end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QuitCause {
     /// The operator pressed `q`.
     Key,
     /// A signal, by its name.
     Signal(&'static str),
-    /// Nobody reads our output any more.
+    /// The reader of the standard output has closed it.
     OutputClosed,
 }
 
@@ -48,5 +52,36 @@ impl std::fmt::Display for QuitCause {
             Self::Signal(name) => write!(f, "{name} was received"),
             Self::OutputClosed => f.write_str("the output was closed"),
         }
+    }
+}
+
+/// The events of a run and the time at which they arrive.
+pub trait EventSource {
+    /// The time now.
+    fn now(&self) -> Timestamp;
+
+    /// Waits for the next event, at most for `wait`.
+    ///
+    /// # Errors
+    /// `Timeout` if no event arrived, `Disconnected` if no further event can arrive.
+    fn next_event(&mut self, wait: Duration) -> Result<Event, RecvTimeoutError>;
+}
+
+/// The queue into which the threads of a live run put their events.
+#[derive(Debug)]
+pub struct EventQueue<'a> {
+    /// The queue.
+    pub queue: &'a Receiver<Event>,
+    /// The program's clock.
+    pub clock: Clock,
+}
+
+impl EventSource for EventQueue<'_> {
+    fn now(&self) -> Timestamp {
+        self.clock.now()
+    }
+
+    fn next_event(&mut self, wait: Duration) -> Result<Event, RecvTimeoutError> {
+        self.queue.recv_timeout(wait)
     }
 }

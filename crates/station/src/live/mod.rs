@@ -1,18 +1,27 @@
 //! A live run: threads, one queue of events, and the loop that steps the pilot.
 //!
 //! ```text
-//! video thread ---frames--> Latest -------+
+//! video thread ----frames--> Latest ------+
 //!    \--units--> recorder                 |
-//! link thread ---telemetry--------------> events -> run_loop: Pilot::step -> link, recorder, overlay, status
-//! terminal thread -keys, signals--------> +
+//! link thread -----telemetry----------> events -> run_loop: Pilot::step -> link, recorder, overlay, status
+//! terminal thread --keys, signals---------+
 //! ```
-//! [`run_loop`] is the only place that steps the pilot. The other threads hold no decisions.
+//! [`session`] opens and closes the parts of a run. Only [`run_loop`] steps the pilot. The other threads make no
+//! decisions.
+
+pub mod session;
 
 pub mod event;
 pub mod run_loop;
 
+mod open_link;
+mod recording_start;
+pub mod source;
+mod video_sink;
+
 pub mod overlay_video;
 pub mod recorder;
-pub mod status;
+pub mod status_line;
+pub mod status_writer;
 pub mod terminal;
 pub mod threads;

@@ -1,35 +1,35 @@
-//! The recorder: takes entries from a bounded queue and writes them, on a thread of its own.
+//! The recorder: receives entries through a bounded queue and writes them on a thread of its own.
 //!
-//! It flushes twice a second, so a process that is killed loses less than one second. Where the disk is full, or slower
-//! than what comes, the recording stops with an alarm; the pilot goes on.
+//! The recorder flushes twice a second, so a killed process loses less than one second. If the disk is full or too slow,
+//! the recording stops with an alarm; the run goes on.
 
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+use barrelman_host::clock::Clock;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter, WriteError,
 };
 use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
 use super::event::Event;
+use super::run_loop::{LiveStep, LiveStepObserver};
 use super::threads::{self, FaultInjector};
-use barrelman_host::clock::Clock;
-use barrelman_host::output::OutputFile;
 
-/// Entries that may wait to be written: some ten seconds of a run.
-const QUEUE: usize = 2048;
-/// How often what was written is handed to the system: twice a second, so that what a killed process loses stays
-/// below one.
+/// Capacity of the queue of entries: some ten seconds of a run.
+pub const QUEUE_CAPACITY: usize = 2048;
+/// Interval between flushes.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 enum Item {
     Unit(EncodedUnit),
-    /// A frame that was put into the pilot: stamped here, since that reads its whole luma plane.
+    /// A video frame that the pilot processed. The recorder thread computes the fingerprint, as this reads the whole
+    /// luma plane.
     Frame {
         step: u64,
         now: Timestamp,
@@ -44,48 +44,44 @@ enum Item {
     End,
 }
 
-/// The way into a recording. Cloning it gives another thread a way in.
+/// Adds entries to a recording. Clones add to the same recording.
 #[derive(Clone)]
 pub struct RecorderInput {
     items: SyncSender<Item>,
     events: SyncSender<Event>,
-    failed: Arc<AtomicBool>,
+    has_failed: Arc<AtomicBool>,
 }
 
 impl RecorderInput {
-    /// A unit of video as received.
+    /// Adds a unit of video as received.
     pub fn unit(&self, unit: &EncodedUnit) {
-        self.put(Item::Unit(unit.clone()));
+        self.enqueue(Item::Unit(unit.clone()));
     }
 
-    /// A frame that was put into the pilot.
-    pub fn frame(&self, step: u64, now: Timestamp, frame: &VideoFrame) {
-        self.put(Item::Frame { step, now, frame: frame.clone() });
-    }
-
-    /// Any other input of the pilot.
-    pub fn input(&self, step: u64, now: Timestamp, input: RecordedInput) {
-        self.put(Item::Input { step, now, input });
-    }
-
-    /// What came of a step.
-    pub fn outcome(&self, outcome: RecordedOutcome) {
-        self.put(Item::Outcome(Box::new(outcome)));
-    }
-
-    /// Never waits: a recording that cannot keep up must not hold the pilot. One with a gap in it could not be
-    /// replayed, so it ends there.
-    fn put(&self, item: Item) {
-        if self.failed.load(Ordering::Relaxed) {
+    /// Adds an item without blocking. A full queue ends the recording, as a recording with a gap cannot be replayed.
+    fn enqueue(&self, item: Item) {
+        if self.has_failed.load(Ordering::Relaxed) {
             return;
         }
         if let Err(TrySendError::Full(_)) = self.items.try_send(item)
-            && !self.failed.swap(true, Ordering::Relaxed)
+            && !self.has_failed.swap(true, Ordering::Relaxed)
         {
             let reason = "the disk is slower than what is to be recorded".to_owned();
-            // A full queue of events means that the loop is far behind: it will see the status soon enough.
+            // A full event queue means that the loop is held up; the alarm is then dropped.
             let _ = self.events.try_send(Event::RecordingFailed { reason });
         }
+    }
+}
+
+impl LiveStepObserver for RecorderInput {
+    fn on_step(&mut self, step: &LiveStep<'_>) {
+        let (index, now) = (step.index, step.outcome.at);
+        self.enqueue(match RecordedInput::from_frameless(&step.input) {
+            Ok(input) => Item::Input { step: index, now, input },
+            Err(frame) => Item::Frame { step: index, now, frame: frame.clone() },
+        });
+        let outcome = RecordedOutcome::new(index, step.outcome, step.rates);
+        self.enqueue(Item::Outcome(Box::new(outcome)));
     }
 }
 
@@ -96,28 +92,27 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Begins a recording.
+    /// Begins a recording: writes its first record and starts the thread.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// If the output cannot be written.
     pub fn begin(
-        file: OutputFile,
+        output: impl Write + Send + 'static,
         start: &RecordingStart,
         clock: Clock,
         fault_injector: FaultInjector,
         events: SyncSender<Event>,
     ) -> Result<Self> {
-        let cannot_be_written = format!("the recording {} cannot be written", file.path().display());
-        let writer = RecordingWriter::begin(BufWriter::new(file), start)
-            .and_then(|mut writer| writer.flush().map(|()| writer))
-            .context(cannot_be_written)?;
-        let (items, queue) = sync_channel(QUEUE);
-        let failed = Arc::new(AtomicBool::new(false));
-        let input = RecorderInput { items, events: events.clone(), failed: Arc::clone(&failed) };
+        let mut writer = RecordingWriter::begin(BufWriter::new(output), start)?;
+        writer.flush()?;
+        let (items, queue) = sync_channel(QUEUE_CAPACITY);
+        let has_failed = Arc::new(AtomicBool::new(false));
+        let input = RecorderInput { items, events: events.clone(), has_failed: Arc::clone(&has_failed) };
         let alarm = events.clone();
         let thread = threads::spawn("recorder", events, move || {
-            if let Err(error) = write(&queue, writer, clock, &fault_injector) {
-                failed.store(true, Ordering::Relaxed);
+            let apply_faults = || fault_injector.apply_faults("recorder", clock.now());
+            if let Err(error) = write(&queue, writer, apply_faults) {
+                has_failed.store(true, Ordering::Relaxed);
                 let reason = format!("{:#}", anyhow::Error::from(error));
                 let _ = alarm.send(Event::RecordingFailed { reason });
             }
@@ -125,28 +120,27 @@ impl Recorder {
         Ok(Self { input, thread })
     }
 
-    /// A way into the recording.
+    /// A handle that adds entries to the recording.
     pub fn input(&self) -> RecorderInput {
         self.input.clone()
     }
 
-    /// Ends the recording: what was put in before is written, with the file's index.
+    /// Ends the recording: writes the entries added before, and the file's index.
     pub fn finish(self) {
-        // Of a recorder that has failed nobody listens at the other end.
+        // A thread that has failed no longer receives.
         let _ = self.input.items.send(Item::End);
         let _ = self.thread.join();
     }
 }
 
-fn write(
+fn write<W: Write>(
     queue: &Receiver<Item>,
-    mut writer: RecordingWriter<BufWriter<OutputFile>>,
-    clock: Clock,
-    fault_injector: &FaultInjector,
+    mut writer: RecordingWriter<W>,
+    apply_faults: impl Fn(),
 ) -> Result<(), WriteError> {
     let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
-        fault_injector.apply_faults("recorder", clock.now());
+        apply_faults();
         match queue.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
             Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return writer.finish(),
             Ok(Item::Unit(unit)) => writer.write(&Entry::Unit(unit))?,

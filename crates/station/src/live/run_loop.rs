@@ -1,163 +1,154 @@
-//! The loop: takes the next event, steps the pilot, and hands the outcome to whoever wants it.
+//! The run loop: receives the next event, steps the pilot, and distributes the outcome.
 //!
-//! It decides nothing about the camera: that is the pilot's. It ends when the video has ended, when the operator
-//! or the system asks for it, or when a part of the program has failed; each of these is first put to the pilot
-//! as a stop, so that the last thing that leaves is a rest.
+//! The loop makes no decision about the camera; the pilot does. A run ends when the video ends, when the operator or
+//! the system requests it, or when a part of the program fails. In each case the pilot first receives a stop, so that
+//! rest is the last command sent.
+//!
+//! Everything around the loop is a trait: the events with their time ([`EventSource`]), the link ([`VehicleLink`]), the
+//! observers of steps ([`LiveStepObserver`]), and the status output ([`StatusOutput`]).
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
-use barrelman_pilot::{Input, Notice, Outcome, Pilot};
-use barrelman_trial::records::{RecordedInput, RecordedOutcome};
-use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates, VideoFrame};
-
-use super::event::Event;
-use super::recorder::RecorderInput;
-use super::status::{self, Status};
-use super::threads::FaultInjector;
-use crate::link::{Link, LinkReport};
-use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
+use barrelman_pilot::{Input, Notice, Outcome, Pilot};
 use barrelman_video::VideoState;
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{OperatorRequest, StopCause, Telemetry, VehicleProfile, VehicleRates, VideoFrame};
 
-/// Longest wait without an event: bounds how late the status line is.
+use super::event::{Event, EventSource};
+use super::status_line::{StatusLine, StatusOutput, link_state_text};
+use super::threads::FaultInjector;
+use crate::link::{LinkReport, VehicleLink};
+
+/// Longest wait for an event: bounds the delay of the status line.
 const MAX_WAIT: Duration = Duration::from_millis(200);
 
-/// What watches the outcome of every frame, with the frame.
-pub trait FrameObserver {
-    /// A frame was put into the pilot.
-    fn watch(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates);
+/// One step of the pilot in a live run. The time of the step is `outcome.at`.
+#[derive(Debug, Clone, Copy)]
+pub struct LiveStep<'a> {
+    /// Number of the step, from 0.
+    pub index: u64,
+    /// The input.
+    pub input: Input<'a>,
+    /// The outcome.
+    pub outcome: &'a Outcome,
+    /// The rates sent to the link, in the vehicle's own signs.
+    pub rates: VehicleRates,
+}
+
+/// Reads each step and changes nothing: the recording, the annotated video.
+pub trait LiveStepObserver {
+    /// The pilot made a step. Must not block.
+    fn on_step(&mut self, step: &LiveStep<'_>);
 }
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RunEnd {
-    /// The video came to its end.
+    /// The video ended.
     VideoEnded,
-    /// It was asked for.
-    Asked(String),
-    /// Something failed.
+    /// The operator or the system requested the end, for this reason.
+    Requested(String),
+    /// A part of the program failed.
     Failed(String),
 }
 
-/// The loop with all that it hands outcomes to.
+/// The loop with everything that it connects.
 pub struct RunLoop<'a> {
     /// The pilot.
     pub pilot: Pilot,
-    /// The vehicle, for its door.
+    /// The vehicle profile, for the vehicle boundary.
     pub profile: VehicleProfile,
-    /// The clock.
-    pub clock: Clock,
-    /// Where frames come from.
+    /// The events and the time.
+    pub events: &'a mut dyn EventSource,
+    /// The slot of the newest video frame.
     pub latest: Arc<Latest<VideoFrame>>,
     /// The link; `None`: a dry run.
-    pub link: Option<&'a Link>,
+    pub link: Option<&'a dyn VehicleLink>,
     /// The recording, if there is one.
-    pub recorder: Option<RecorderInput>,
+    pub recorder: Option<Box<dyn LiveStepObserver + 'a>>,
     /// The status line.
-    pub status: Status,
-    /// Whether a selection can only be made at the start: one that is refused then ends the run.
-    pub selects_once: bool,
+    pub status: StatusLine,
+    /// Where the status line is shown.
+    pub status_output: Box<dyn StatusOutput + 'a>,
+    /// Whether a refused selection ends the run: where a selection can be made at the start only.
+    pub ends_on_refused_selection: bool,
     /// The annotated video, if there is one.
-    pub observer: Option<Box<dyn FrameObserver + 'a>>,
-    /// Faults on purpose.
+    pub overlay: Option<Box<dyn LiveStepObserver + 'a>>,
+    /// Deliberate faults.
     pub fault_injector: FaultInjector,
 }
 
+/// The state of the loop between events.
+#[derive(Default)]
+struct LoopState {
+    steps: u64,
+    outcome: Option<Outcome>,
+    rates: VehicleRates,
+    /// Why the selection of the last step was refused.
+    refusal: Option<String>,
+    has_video_been_up: bool,
+    /// Failed attempts to connect to the video since it was last up.
+    failed_connections: u64,
+}
+
+/// An end of the run, with the cause for the pilot's stop.
+type Ending = (StopCause, RunEnd);
+
+fn failed(reason: impl Into<String>) -> Ending {
+    (StopCause::Fault, RunEnd::Failed(reason.into()))
+}
+
 impl RunLoop<'_> {
-    /// Runs until something ends it. `requests` are put to the pilot first.
-    pub fn run(mut self, events: &Receiver<Event>, requests: &[OperatorRequest]) -> RunEnd {
-        let mut state = Stepping::default();
+    /// Runs until an event ends the run. The pilot receives `requests` first.
+    pub fn run(mut self, requests: &[OperatorRequest]) -> RunEnd {
+        let mut state = LoopState::default();
         for request in requests {
-            self.step_with(&mut state, Input::Request(*request), None);
+            self.step(&mut state, Input::Request(*request));
         }
-        loop {
-            let now = self.clock.now();
-            self.fault_injector.apply_faults("pilot", now);
-            self.status.show(state.outcome.as_ref(), state.rates, now);
-            let wake_at = state.outcome.as_ref().and_then(|outcome| outcome.wake_at);
-            let wait = wake_at.map_or(MAX_WAIT, |at| at.since(now).min(MAX_WAIT));
-            let event = match events.recv_timeout(wait) {
-                Ok(event) => event,
-                Err(RecvTimeoutError::Timeout) => {
-                    if wake_at.is_some_and(|at| at <= self.clock.now()) {
-                        self.step_with(&mut state, Input::Tick, None);
-                    }
-                    continue;
-                }
-                Err(RecvTimeoutError::Disconnected) => {
-                    return self.end(
-                        &mut state,
-                        StopCause::Fault,
-                        RunEnd::Failed("every source has gone".to_owned()),
-                    );
-                }
-            };
-            if let Some((cause, end)) = self.take(&mut state, event) {
-                return self.end(&mut state, cause, end);
+        let (cause, end) = loop {
+            if let Some(ending) = self.wait_and_handle(&mut state) {
+                break ending;
             }
+        };
+        self.step(&mut state, Input::Request(OperatorRequest::Stop(cause)));
+        end
+    }
+
+    /// Waits for the next event or the pilot's deadline, whichever is first, and handles it.
+    fn wait_and_handle(&mut self, state: &mut LoopState) -> Option<Ending> {
+        let now = self.events.now();
+        self.fault_injector.apply_faults("pilot", now);
+        if let Some(line) = self.status.next_line(state.outcome.as_ref(), state.rates, now) {
+            self.status_output.show(line);
+        }
+        let wake_at = state.outcome.as_ref().and_then(|outcome| outcome.wake_at);
+        let wait = wake_at.map_or(MAX_WAIT, |at| at.since(now).min(MAX_WAIT));
+        match self.events.next_event(wait) {
+            Ok(event) => self.handle(state, event),
+            Err(RecvTimeoutError::Timeout) => {
+                if wake_at.is_some_and(|at| at <= self.events.now()) {
+                    self.step(state, Input::Tick);
+                }
+                None
+            }
+            Err(RecvTimeoutError::Disconnected) => Some(failed("every source has gone")),
         }
     }
 
-    /// Takes an event; what comes back ends the run.
-    fn take(&mut self, state: &mut Stepping, event: Event) -> Option<(StopCause, RunEnd)> {
+    /// Handles an event. Returns the end of the run if the event ends it.
+    fn handle(&mut self, state: &mut LoopState, event: Event) -> Option<Ending> {
         match event {
-            Event::Frame => {
-                if let Some(frame) = self.latest.take() {
-                    let dropped = self.latest.replaced();
-                    self.step_with(state, Input::Frame(&frame), Some(&frame));
-                    let age = state.outcome.as_ref().and_then(|outcome| outcome.age);
-                    self.status.frame(self.clock.now(), age, dropped);
-                    if let Some(why) = state.refused.take().filter(|_| self.selects_once) {
-                        return Some((StopCause::Fault, RunEnd::Failed(why)));
-                    }
-                }
-            }
-            Event::Request(request) => self.step_with(state, Input::Request(request), None),
-            Event::Link(LinkReport::Telemetry(telemetry)) => {
-                if let Report::Link(link) = telemetry.report {
-                    tracing::info!("{}", status::in_words(link));
-                    self.status.link(link);
-                }
-                self.step_with(state, Input::Telemetry(telemetry), None);
-            }
-            Event::Link(LinkReport::Lost(reason)) => {
-                tracing::warn!("the link was lost ({reason}): it is being opened anew");
-            }
-            Event::Link(LinkReport::Panicked) => {
-                return Some((StopCause::Fault, RunEnd::Failed("the link thread panicked".to_owned())));
-            }
-            Event::Video(VideoState::Connecting) => {}
-            Event::Video(VideoState::Up) => {
-                match std::mem::take(&mut state.video_losses) {
-                    0 | 1 => tracing::info!("video: up"),
-                    tries => tracing::info!("video: up, after {tries} tries"),
-                }
-                state.was_up = true;
-            }
-            Event::Video(VideoState::Lost { reason }) => {
-                // Said once; the tries that follow are counted.
-                state.video_losses += 1;
-                match (state.video_losses, state.was_up) {
-                    (1, true) => tracing::warn!("the video was lost ({reason}): it is being connected again"),
-                    (1, false) => tracing::warn!("no video yet ({reason}): it is tried until it answers"),
-                    _ => {}
-                }
-            }
-            Event::Video(VideoState::Ended) => return Some((StopCause::VideoEnded, RunEnd::VideoEnded)),
-            Event::Video(VideoState::Failed(error)) => {
-                let reason = format!("{:#}", anyhow::Error::from(error));
-                return Some((StopCause::Fault, RunEnd::Failed(reason)));
-            }
-            Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Asked(cause.to_string()))),
-            Event::ThreadPanicked { thread } => {
-                let reason = format!("the {thread} thread panicked");
-                return Some((StopCause::Fault, RunEnd::Failed(reason)));
-            }
+            Event::Frame => return self.on_frame(state),
+            Event::Request(request) => self.step(state, Input::Request(request)),
+            Event::Link(report) => return self.on_link_report(state, report),
+            Event::Video(video) => return on_video_state(state, video),
+            Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),
+            Event::ThreadPanicked { thread } => return Some(failed(format!("the {thread} thread panicked"))),
             Event::RecordingFailed { reason } => {
-                tracing::error!("the recording has stopped: {reason}; the camera is moved on without one");
+                tracing::error!("the recording has stopped: {reason}; the run goes on without a recording");
                 self.status.alarm(format!("recording stopped: {reason}"));
                 self.recorder = None;
             }
@@ -165,58 +156,90 @@ impl RunLoop<'_> {
         None
     }
 
-    fn end(&mut self, state: &mut Stepping, cause: StopCause, end: RunEnd) -> RunEnd {
-        self.step_with(state, Input::Request(OperatorRequest::Stop(cause)), None);
-        end
+    fn on_frame(&mut self, state: &mut LoopState) -> Option<Ending> {
+        let frame = self.latest.take()?;
+        let dropped = self.latest.replaced();
+        self.step(state, Input::Frame(&frame));
+        let age = state.outcome.as_ref().and_then(|outcome| outcome.age);
+        self.status.frame(self.events.now(), age, dropped);
+        state.refusal.take().filter(|_| self.ends_on_refused_selection).map(failed)
     }
 
-    fn step_with(&mut self, state: &mut Stepping, input: Input<'_>, frame: Option<&VideoFrame>) {
-        let now = self.clock.now();
-        let outcome = self.pilot.step(input, now);
-        // The door: the only place of a live run where the vehicle's own signs are applied.
+    fn on_link_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
+        match report {
+            LinkReport::Telemetry(telemetry) => self.on_telemetry(state, telemetry),
+            LinkReport::Lost(reason) => tracing::warn!("the link was lost ({reason}); reopening it"),
+            LinkReport::Panicked => return Some(failed("the link thread panicked")),
+        }
+        None
+    }
+
+    fn on_telemetry(&mut self, state: &mut LoopState, telemetry: Telemetry) {
+        if let Report::Link(link) = telemetry.report {
+            tracing::info!("{}", link_state_text(link));
+            self.status.link(link);
+        }
+        self.step(state, Input::Telemetry(telemetry));
+    }
+
+    /// Steps the pilot, sends the rates, and informs the observers, in this order.
+    fn step(&mut self, state: &mut LoopState, input: Input<'_>) {
+        let outcome = self.pilot.step(input, self.events.now());
+        // The vehicle boundary: the only place of a live run that applies the vehicle's own signs.
         let rates = self.profile.to_vehicle(outcome.command);
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
         }
-        self.record(state.step, now, input, &outcome, rates);
+        let step = LiveStep { index: state.steps, input, outcome: &outcome, rates };
+        if let Some(recorder) = &mut self.recorder {
+            recorder.on_step(&step);
+        }
         if let Some(notice) = &outcome.notice {
-            match notice {
-                Notice::Selected(_) => tracing::info!("{notice}"),
-                Notice::SelectionRefused(_) if self.selects_once => {}
-                Notice::SelectionRefused(_) | Notice::VideoClockWentBack => tracing::warn!("{notice}"),
-            }
+            self.log(notice);
         }
-        if let (Some(observer), Some(frame)) = (&mut self.observer, frame) {
-            observer.watch(frame, &outcome, rates);
+        if let Some(overlay) = &mut self.overlay {
+            overlay.on_step(&step);
         }
-        state.refused = match &outcome.notice {
+        state.refusal = match &outcome.notice {
             Some(notice @ Notice::SelectionRefused(_)) => Some(notice.to_string()),
             _ => None,
         };
-        state.step += 1;
+        state.steps += 1;
         state.rates = rates;
         state.outcome = Some(outcome);
     }
 
-    fn record(&self, step: u64, now: Timestamp, input: Input<'_>, outcome: &Outcome, rates: VehicleRates) {
-        let Some(recorder) = &self.recorder else { return };
-        match RecordedInput::from_frameless(&input) {
-            Ok(recorded) => recorder.input(step, now, recorded),
-            Err(frame) => recorder.frame(step, now, frame),
+    fn log(&self, notice: &Notice) {
+        match notice {
+            Notice::Selected(_) => tracing::info!("{notice}"),
+            // Reported as the end of the run.
+            Notice::SelectionRefused(_) if self.ends_on_refused_selection => {}
+            Notice::SelectionRefused(_) | Notice::VideoClockWentBack => tracing::warn!("{notice}"),
         }
-        recorder.outcome(RecordedOutcome::new(step, outcome, rates));
     }
 }
 
-/// What the loop remembers from one event to the next.
-#[derive(Default)]
-struct Stepping {
-    step: u64,
-    outcome: Option<Outcome>,
-    rates: VehicleRates,
-    /// Why the selection of the last step was refused.
-    refused: Option<String>,
-    was_up: bool,
-    /// Attempts at the video that failed since it was last up.
-    video_losses: u64,
+/// Logs a change of the video. The first failed connection is logged; the following ones are counted.
+fn on_video_state(state: &mut LoopState, video: VideoState) -> Option<Ending> {
+    match video {
+        VideoState::Connecting => {}
+        VideoState::Up => {
+            match std::mem::take(&mut state.failed_connections) {
+                0 | 1 => tracing::info!("video: up"),
+                attempts => tracing::info!("video: up, after {attempts} attempts"),
+            }
+            state.has_video_been_up = true;
+        }
+        VideoState::Lost { reason } => {
+            state.failed_connections += 1;
+            match (state.failed_connections, state.has_video_been_up) {
+                (1, true) => tracing::warn!("the video was lost ({reason}); reconnecting"),
+                (1, false) => tracing::warn!("no video yet ({reason}); retrying until the source answers"),
+                _ => {}
+            }
+        }
+        VideoState::Ended => return Some((StopCause::VideoEnded, RunEnd::VideoEnded)),
+        VideoState::Failed(error) => return Some(failed(format!("{:#}", anyhow::Error::from(error)))),
+    }
+    None
 }

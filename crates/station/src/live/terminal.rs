@@ -1,10 +1,11 @@
-//! Keys, signals, and whether anybody still reads our output, on one thread.
+//! Keys, signals, and the state of the standard output, on one thread.
 //!
-//! Signals become bytes in pipes, so that a second one can never skip the zeros: it only adds a byte. Where the
-//! input is a terminal its keys come one by one, without echo; the terminal is put back as it was at the end.
+//! Signals become bytes in pipes. A second signal only adds a byte, so it cannot skip the zeros at the end of a run.
+//! Where the input is a terminal, its keys arrive one by one and without echo; the settings of the terminal are restored
+//! at the end.
 
 use std::io::{IsTerminal as _, Read as _};
-use std::os::fd::AsFd as _;
+use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,6 +14,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::Result;
+use barrelman_host::clock::Clock;
 use barrelman_vocab::{OperatorRequest, StopCause};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
@@ -20,7 +22,6 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
 use super::threads::{self, FaultInjector};
-use barrelman_host::clock::Clock;
 
 const SIGNALS: [(i32, &str); 5] = [
     (SIGINT, "SIGINT"),
@@ -30,106 +31,117 @@ const SIGNALS: [(i32, &str); 5] = [
     (SIGTSTP, "SIGTSTP"),
 ];
 
-/// From one look at the end flag to the next.
+/// Longest wait for keys and signals: bounds the time until the thread notices its end.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// The thread that watches keys, signals and the output.
 pub struct Terminal {
-    ended: Arc<AtomicBool>,
+    is_ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
-    _keys: Option<RawKeys>,
+    _raw: Option<RawTerminal>,
 }
 
 impl Terminal {
-    /// Starts watching.
+    /// Catches the signals, switches the terminal to single keys, and starts the thread.
     ///
     /// # Errors
     /// If a signal cannot be caught.
     pub fn watch(events: SyncSender<Event>, clock: Clock, fault_injector: FaultInjector) -> Result<Self> {
-        let mut pipes = Vec::new();
+        let mut signals = Vec::new();
         for (signal, name) in SIGNALS {
             let (read, write) = UnixStream::pair()?;
             read.set_nonblocking(true)?;
             signal_hook::low_level::pipe::register(signal, write)?;
-            pipes.push((read, name));
+            signals.push(SignalPipe { read, name });
         }
-        let keys = RawKeys::take();
-        let watch_keys = keys.is_some();
-        let ended = Arc::new(AtomicBool::new(false));
-        let end = Arc::clone(&ended);
+        let raw = RawTerminal::enable();
+        let watches_keys = raw.is_some();
+        let is_ending = Arc::new(AtomicBool::new(false));
+        let end = Arc::clone(&is_ending);
         let to_loop = events.clone();
         let thread = threads::spawn("terminal", events, move || {
-            watch(&pipes, watch_keys, &to_loop, &end, || {
-                fault_injector.apply_faults("terminal", clock.now())
-            });
+            let (stdin, stdout) = (std::io::stdin(), std::io::stdout());
+            let keys = watches_keys.then(|| stdin.as_fd());
+            let mut watcher = Watcher { signals: &signals, keys, output: Some(stdout.as_fd()) };
+            while !end.load(Ordering::Relaxed) {
+                fault_injector.apply_faults("terminal", clock.now());
+                watcher.poll(POLL_INTERVAL, |event| drop(to_loop.send(event)));
+            }
         })?;
-        Ok(Self { ended, thread: Some(thread), _keys: keys })
+        Ok(Self { is_ending, thread: Some(thread), _raw: raw })
     }
 }
 
 impl Drop for Terminal {
     fn drop(&mut self) {
-        self.ended.store(true, Ordering::Relaxed);
+        self.is_ending.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
     }
 }
 
-fn watch(
-    pipes: &[(UnixStream, &'static str)],
-    watch_keys: bool,
-    events: &SyncSender<Event>,
-    ended: &AtomicBool,
-    apply_faults: impl Fn(),
-) {
-    let (stdin, stdout) = (std::io::stdin(), std::io::stdout());
-    let mut output_open = true;
-    let mut input_open = watch_keys;
-    while !ended.load(Ordering::Relaxed) {
-        apply_faults();
+/// A pipe that receives one byte per signal.
+struct SignalPipe {
+    read: UnixStream,
+    name: &'static str,
+}
+
+/// Reads keys and signals, and notices a closed output.
+struct Watcher<'a> {
+    signals: &'a [SignalPipe],
+    /// The input, until it ends.
+    keys: Option<BorrowedFd<'a>>,
+    /// The output, until its reader closes it.
+    output: Option<BorrowedFd<'a>>,
+}
+
+impl Watcher<'_> {
+    /// Waits for keys, signals or a closed output, at most for `wait`, and passes the events on.
+    fn poll(&mut self, wait: Duration, mut on_event: impl FnMut(Event)) {
         let mut fds: Vec<PollFd<'_>> =
-            pipes.iter().map(|(pipe, _)| PollFd::new(pipe, PollFlags::IN)).collect();
-        // No flag is asked for on the output: an error or a hang-up is always told.
-        let stdout_fd = stdout.as_fd();
-        fds.push(PollFd::from_borrowed_fd(stdout_fd, PollFlags::empty()));
-        if input_open {
-            fds.push(PollFd::from_borrowed_fd(stdin.as_fd(), PollFlags::IN));
-        }
-        let timeout = rustix::event::Timespec::try_from(POLL_INTERVAL).ok();
+            self.signals.iter().map(|pipe| PollFd::new(&pipe.read, PollFlags::IN)).collect();
+        // `poll` always reports errors and hang-ups; no other flag of the output is needed.
+        let output = self.output.map(|output| PollFd::from_borrowed_fd(output, PollFlags::empty()));
+        let output_index = output.map(|output| push(&mut fds, output));
+        let keys = self.keys.map(|keys| PollFd::from_borrowed_fd(keys, PollFlags::IN));
+        let keys_index = keys.map(|keys| push(&mut fds, keys));
+        let timeout = rustix::event::Timespec::try_from(wait).ok();
         if poll(&mut fds, timeout.as_ref()).is_err() {
-            continue;
+            return;
         }
-        let flags: Vec<PollFlags> = fds.iter().map(PollFd::revents).collect();
-        for ((pipe, name), flags) in pipes.iter().zip(&flags) {
-            if flags.contains(PollFlags::IN) {
+        for (pipe, fd) in self.signals.iter().zip(&fds) {
+            if fd.revents().contains(PollFlags::IN) {
                 let mut bytes = [0; 16];
-                let _ = (&*pipe).read(&mut bytes);
-                let _ = events.send(Event::Quit(QuitCause::Signal(name)));
+                let _ = (&pipe.read).read(&mut bytes);
+                on_event(Event::Quit(QuitCause::Signal(pipe.name)));
             }
         }
-        if output_open && flags[pipes.len()].intersects(PollFlags::ERR | PollFlags::HUP | PollFlags::NVAL) {
-            output_open = false;
-            let _ = events.send(Event::Quit(QuitCause::OutputClosed));
+        let closed = PollFlags::ERR | PollFlags::HUP | PollFlags::NVAL;
+        if output_index.is_some_and(|index| fds[index].revents().intersects(closed)) {
+            self.output = None;
+            on_event(Event::Quit(QuitCause::OutputClosed));
         }
-        if !output_open {
-            // A closed output is told at every look: do not spin on it.
-            std::thread::sleep(POLL_INTERVAL);
-        }
-        if input_open && flags.last().is_some_and(|flags| !flags.is_empty()) {
+        if let Some(keys) = self.keys
+            && keys_index.is_some_and(|index| !fds[index].revents().is_empty())
+        {
             let mut bytes = [0; 16];
-            match rustix::io::read(stdin.as_fd(), &mut bytes) {
-                Ok(0) | Err(_) => input_open = false,
-                Ok(read) => bytes[..read].iter().filter_map(|key| meaning(*key)).for_each(|event| {
-                    let _ = events.send(event);
-                }),
+            match rustix::io::read(keys, &mut bytes) {
+                Ok(0) | Err(_) => self.keys = None,
+                Ok(read) => bytes[..read].iter().filter_map(|key| key_event(*key)).for_each(on_event),
             }
         }
     }
 }
 
-/// The keys; the help of `run` lists them.
-fn meaning(key: u8) -> Option<Event> {
+/// Adds an element and returns its index.
+fn push<T>(elements: &mut Vec<T>, element: T) -> usize {
+    elements.push(element);
+    elements.len() - 1
+}
+
+/// The event of a key. The help of `run` lists the keys.
+fn key_event(key: u8) -> Option<Event> {
     match key {
         b'e' => Some(Event::Request(OperatorRequest::Engage)),
         b'd' => Some(Event::Request(OperatorRequest::Disengage)),
@@ -139,27 +151,98 @@ fn meaning(key: u8) -> Option<Event> {
     }
 }
 
-/// A terminal whose keys come one by one; put back when dropped.
-struct RawKeys {
+/// A terminal whose keys arrive one by one, without echo. Dropping it restores the settings.
+struct RawTerminal {
     before: Termios,
 }
 
-impl RawKeys {
-    fn take() -> Option<Self> {
+impl RawTerminal {
+    /// Switches the standard input, where it is a terminal.
+    fn enable() -> Option<Self> {
         let stdin = std::io::stdin();
         if !stdin.is_terminal() {
             return None;
         }
         let before = tcgetattr(&stdin).ok()?;
-        let mut keys = before.clone();
-        keys.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
-        tcsetattr(&stdin, OptionalActions::Now, &keys).ok()?;
+        let mut raw = before.clone();
+        raw.local_modes -= LocalModes::ICANON | LocalModes::ECHO;
+        tcsetattr(&stdin, OptionalActions::Now, &raw).ok()?;
         Some(Self { before })
     }
 }
 
-impl Drop for RawKeys {
+impl Drop for RawTerminal {
     fn drop(&mut self) {
         let _ = tcsetattr(std::io::stdin(), OptionalActions::Now, &self.before);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write as _;
+
+    use super::*;
+
+    /// The events of one call of `poll`, as text.
+    fn events(watcher: &mut Watcher<'_>) -> Vec<String> {
+        let mut events = Vec::new();
+        watcher.poll(Duration::ZERO, |event| events.push(format!("{event:?}")));
+        events
+    }
+
+    fn pair() -> (UnixStream, UnixStream) {
+        UnixStream::pair().unwrap()
+    }
+
+    #[test]
+    fn each_key_has_one_meaning() {
+        for (key, expected) in [
+            (b'e', "Some(Request(Engage))"),
+            (b'd', "Some(Request(Disengage))"),
+            (b' ', "Some(Request(Stop(Operator)))"),
+            (b'q', "Some(Quit(Key))"),
+            (b'E', "None"),
+            (b'Q', "None"),
+            (b'\n', "None"),
+            (0x1b, "None"),
+            (0, "None"),
+            (0xff, "None"),
+        ] {
+            assert_eq!(format!("{:?}", key_event(key)), expected, "key {key:#x}");
+        }
+    }
+
+    #[test]
+    fn keys_arrive_in_the_order_typed_until_the_input_ends() {
+        let ((mut typist, keys), (_reader, output)) = (pair(), pair());
+        let mut watcher = Watcher { signals: &[], keys: Some(keys.as_fd()), output: Some(output.as_fd()) };
+        assert_eq!(events(&mut watcher), [""; 0]);
+        typist.write_all(b"ex ").unwrap();
+        assert_eq!(events(&mut watcher), ["Request(Engage)", "Request(Stop(Operator))"]);
+        drop(typist);
+        assert_eq!(events(&mut watcher), [""; 0]);
+        assert!(watcher.keys.is_none(), "an input that has ended is not read again");
+    }
+
+    #[test]
+    fn a_closed_output_ends_the_run_once() {
+        let (reader, output) = pair();
+        let mut watcher = Watcher { signals: &[], keys: None, output: Some(output.as_fd()) };
+        assert_eq!(events(&mut watcher), [""; 0]);
+        drop(reader);
+        assert_eq!(events(&mut watcher), ["Quit(OutputClosed)"]);
+        assert_eq!(events(&mut watcher), [""; 0]);
+    }
+
+    #[test]
+    fn a_signal_that_comes_again_quits_again() {
+        let ((mut sender, read), (_reader, output)) = (pair(), pair());
+        let signals = [SignalPipe { read, name: "SIGTERM" }];
+        let mut watcher = Watcher { signals: &signals, keys: None, output: Some(output.as_fd()) };
+        for _ in 0..2 {
+            sender.write_all(b"X").unwrap();
+            assert_eq!(events(&mut watcher), ["Quit(Signal(\"SIGTERM\"))"]);
+        }
+        assert_eq!(events(&mut watcher), [""; 0]);
     }
 }

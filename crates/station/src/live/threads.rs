@@ -1,4 +1,4 @@
-//! Threads that cannot die unseen: a panic in one becomes an event.
+//! Threads whose panics become events, and deliberate faults in them.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::SyncSender;
@@ -9,7 +9,7 @@ use barrelman_vocab::Timestamp;
 use super::event::Event;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 
-/// Starts a named thread; if it panics, [`Event::ThreadPanicked`] says so.
+/// Starts a named thread. A panic in the thread sends [`Event::ThreadPanicked`].
 ///
 /// # Errors
 /// If the system has no more threads.
@@ -21,23 +21,23 @@ pub fn spawn(
     let thread = name.to_owned();
     std::thread::Builder::new().name(name.to_owned()).spawn(move || {
         if catch_unwind(AssertUnwindSafe(work)).is_err() {
-            // If nobody listens any more, everything is ending already.
+            // Without a receiver, the run is ending already.
             let _ = events.send(Event::ThreadPanicked { thread });
         }
     })
 }
 
-/// Faults that were asked for in the program's own threads, to test that each ends in zeros.
+/// Deliberate faults of the program's own threads, to test that each fault ends in zeros.
 #[derive(Debug, Clone, Default)]
 pub struct FaultInjector {
     plans: Vec<(String, FaultPlan)>,
 }
 
-/// The threads that can be broken on purpose by `--fault`; the video's and the link's have it in their URLs.
+/// The threads that `--fault` applies to. Faults of the video and the link are part of their URLs.
 pub const FAULT_THREADS: [&str; 5] = ["pilot", "recorder", "overlay", "terminal", "status"];
 
 impl FaultInjector {
-    /// Reads `THREAD:panic@SECONDS` or `THREAD:stall@SECONDS+DURATION`, several times.
+    /// Parses texts of the form `THREAD:panic@SECONDS` or `THREAD:stall@SECONDS+DURATION`.
     ///
     /// # Errors
     /// If a thread or a fault is unknown.
@@ -53,7 +53,7 @@ impl FaultInjector {
         Ok(Self { plans })
     }
 
-    /// Panics, or holds the thread up, if that was asked for of this thread by now.
+    /// Panics or sleeps, if a fault of this thread is active at `now`.
     pub fn apply_faults(&self, thread: &str, now: Timestamp) {
         let since_start = now.since(Timestamp::ZERO);
         let plans = self.plans.iter().filter(|(name, _)| name == thread);
@@ -62,10 +62,10 @@ impl FaultInjector {
         if let Some((_, end)) = ends.into_iter().find(|(from, end)| (*from..*end).contains(&since_start)) {
             std::thread::sleep(end - since_start);
         }
-        let struck =
+        let panics =
             |(name, plan): &(String, FaultPlan)| name == thread && plan.is_active(FaultKind::Panic, now);
-        #[allow(clippy::panic, reason = "asked for on the command line, to test the stops")]
-        if self.plans.iter().any(struck) {
+        #[allow(clippy::panic, reason = "requested on the command line, to test the stops")]
+        if self.plans.iter().any(panics) {
             panic!("the {thread} thread panics on purpose");
         }
     }

@@ -1,4 +1,4 @@
-//! Delivers pictures of a simulated world when they arrive, through the deliberate faults.
+//! Delivers the pictures of a simulated world at their times of arrival, with the deliberate faults applied.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::Receiver;
@@ -7,11 +7,11 @@ use barrelman_video::feed::{Feed, StopSignal};
 use barrelman_video::{VideoError, VideoSink, VideoState};
 use barrelman_vocab::{EncodedUnit, PixelBox, Timestamp};
 
-/// What the thread `render` hands over.
+/// A message of the thread `render`.
 pub(super) enum SourceEvent {
-    /// A picture, and the time at which it arrives.
+    /// A picture, its time of arrival, and the target's bounds in the picture.
     Picture { at: Timestamp, unit: EncodedUnit, target: Option<PixelBox> },
-    /// A picture could not be encoded; no further one comes.
+    /// A picture could not be encoded. No further picture follows.
     Failed(VideoError),
     /// The world is over.
     End,
@@ -20,8 +20,8 @@ pub(super) enum SourceEvent {
 /// Delivers until the world is over or the signal is raised.
 pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut Feed<S>, stop: &StopSignal) {
     let mut targets: VecDeque<(Timestamp, PixelBox)> = VecDeque::new();
-    let mut is_target_told = false;
-    // A channel that closes without an end belongs to a thread that panicked.
+    let mut is_target_reported = false;
+    // The channel closes without `End` if a thread panicked.
     while let Ok(delivery) = arriving.recv() {
         let (at, unit, target) = match delivery {
             SourceEvent::Picture { at, unit, target } => (at, unit, target),
@@ -32,7 +32,7 @@ pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut
         if stop.wait_until(feed.clock.instant(at)) {
             return;
         }
-        if let Some(target) = target.filter(|_| !is_target_told) {
+        if let Some(target) = target.filter(|_| !is_target_reported) {
             targets.push_back((unit.capture.at, target));
         }
         let decoded = feed.decode(Some(unit));
@@ -42,8 +42,8 @@ pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut
                 targets.pop_front();
             }
             let is_of_frame = |(at, _): &mut (Timestamp, PixelBox)| *at == frame.capture.at;
-            if !is_target_told && let Some((_, target)) = targets.pop_front_if(is_of_frame) {
-                is_target_told = true;
+            if !is_target_reported && let Some((_, target)) = targets.pop_front_if(is_of_frame) {
+                is_target_reported = true;
                 feed.sink.on_target(target);
             }
             feed.sink.on_frame(frame);

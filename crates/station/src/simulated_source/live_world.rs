@@ -26,7 +26,7 @@ impl LiveWorld {
     /// Loads a world.
     ///
     /// # Errors
-    /// There is no such scenario, or the scenario has a mistake.
+    /// If the scenario does not exist or has a mistake.
     pub fn load(url: &WorldUrl) -> Result<Self> {
         let changes = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
         let scenario = scenario::load(&url.scenario, &changes)?.scenario;
@@ -54,7 +54,7 @@ impl LiveWorld {
         self.link.clone()
     }
 
-    /// Sets the vehicle, whose signs the rates on the link have.
+    /// Sets the vehicle profile. The rates on the link have its signs.
     #[must_use]
     pub fn with_profile(self, profile: &VehicleProfile) -> Self {
         Self { profile: profile.clone(), ..self }

@@ -2,11 +2,11 @@
 //!
 //! | thread | does |
 //! |---|---|
-//! | `world` | runs one tick every 1/120 s by the clock, without leaving any out; reads the camera's rates from the link at each tick |
+//! | `world` | runs one tick every 1/120 s of the clock, and skips none; reads the camera's rates from the link at each tick |
 //! | `render` | renders (with the render threads) and encodes the newest picture that was taken |
 //! | `video` | delivers each picture when it arrives: the scenario's latency after the picture was taken |
 //!
-//! Where rendering is slower than the scenario's picture rate, the newest moment wins and the others are counted; the
+//! If rendering is slower than the scenario's picture rate, the newest moment is rendered and the others are counted; the
 //! world never waits. Pictures are stamped with the program's time of the tick at which they were taken. Pictures travel
 //! as encoded units like any other video: as H.264 where they are recorded or served, so that a replay sees what the
 //! pilot saw, and otherwise as plain samples.
@@ -28,10 +28,10 @@ pub use live_world::LiveWorld;
 
 use crate::source_url::SimulatedUrl;
 
-/// Starts a world whose camera nobody moves. A scenario that cannot be used reaches the sink as a failure.
+/// Starts a world whose camera is not moved. The sink receives an unusable scenario as a failure.
 ///
 /// # Errors
-/// The system has no thread left.
+/// If the system has no more threads.
 pub fn spawn(
     url: &SimulatedUrl,
     clock: Clock,
@@ -47,10 +47,10 @@ pub fn spawn(
     })
 }
 
-/// Starts a world that was loaded before, so that a link can move its camera.
+/// Starts a world that is already loaded, so that a link can move its camera.
 ///
 /// # Errors
-/// The system has no thread left.
+/// If the system has no more threads.
 pub fn spawn_world(
     world: LiveWorld,
     url: &SimulatedUrl,

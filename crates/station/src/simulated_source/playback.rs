@@ -18,10 +18,10 @@ use super::rendering::{Rendering, RenderingSettings};
 use crate::link::CameraLink;
 use crate::link::camera_link::Pointing;
 
-/// Pictures that may be between rendering and arrival.
+/// Largest number of pictures between rendering and arrival.
 const MAX_IN_TRANSIT: usize = 128;
 
-/// Plays a world to its end. Returns when the world is over or when the signal is raised.
+/// Runs a world. Returns when the world is over or when the signal is raised.
 pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopSignal) {
     let LiveWorld { scenario, world, seed, link, profile, encoded, threads } = live;
     feed.sink.on_state(VideoState::Up);
@@ -39,7 +39,7 @@ pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &Stop
     let ticking =
         Ticking { world, camera: &scenario.camera, seed, link: &link, profile: &profile, clock, start };
     let (units, arriving) = sync_channel(MAX_IN_TRANSIT);
-    // The feed is outside: where a thread of the scope panics, its sink is dropped with the panic and reports it.
+    // The feed lives outside the scope: a panic in a thread of the scope drops its sink, which reports the panic.
     thread::scope(|scope| {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         let moments = &moments;
@@ -52,7 +52,7 @@ pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &Stop
         } else {
             deliver(&arriving, &mut feed, stop);
         }
-        // A thread that still waits for a picture, or to hand one on, is released.
+        // Releases a thread that waits for a moment or for room in the channel.
         moments.close(false);
         drop(arriving);
     });
@@ -67,7 +67,7 @@ struct EndGuard<'a> {
 impl Drop for EndGuard<'_> {
     fn drop(&mut self) {
         self.moments.close(thread::panicking());
-        self.link.world_ended();
+        self.link.end_world();
     }
 }
 
@@ -94,12 +94,12 @@ impl Ticking<'_> {
             if stop.wait_until(clock.instant(due)) || world.is_over() || moments.newest.is_closed() {
                 return;
             }
-            let rates = link.take(clock.now());
+            let rates = link.read_rates(clock.now());
             if std::mem::replace(&mut commanded, rates) != rates {
                 world.command(profile.from_vehicle(rates));
             }
             let pose = world.camera_pose();
-            link.tell(Pointing { pan: pose.pan, tilt: pose.tilt });
+            link.set_pointing(Pointing { pan: pose.pan, tilt: pose.tilt });
             if world.is_frame_due() {
                 match video.send(world.tick()) {
                     Delivery::Lost => {}

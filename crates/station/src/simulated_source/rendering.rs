@@ -19,7 +19,7 @@ use bytes::Bytes;
 use super::delivery::SourceEvent;
 use super::moments::Moments;
 
-/// What pictures are rendered with.
+/// Settings of the rendering.
 pub(super) struct RenderingSettings<'a> {
     /// The world at its start.
     pub(super) first: World,
@@ -57,7 +57,7 @@ impl<'a> Rendering<'a> {
         }
     }
 
-    /// Renders each newest moment until no further one comes.
+    /// Renders the newest moment repeatedly, until no further moment follows.
     pub(super) fn run(mut self, moments: &Moments, units: &SyncSender<SourceEvent>) {
         while let Some(moment) = moments.newest.wait() {
             let (Delivery::Arrives { at } | Delivery::Frozen { at }) = moment.delivery else { continue };

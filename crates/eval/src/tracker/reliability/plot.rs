@@ -1,9 +1,10 @@
-//! The reliability curve as a picture: share of right frames over confidence above, frames in each bin below.
+//! The plot of the reliability curve: above, the share of correct frames over the confidence; below, the frames of each
+//! bin.
 
-use super::Bin;
+use super::curve::Bin;
 use crate::svg::Svg;
 
-/// Outer size and the edges of both plots, pixels.
+/// Size of the document and edges of both panels, pixels.
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 620.0;
 const LEFT: f64 = 70.0;
@@ -11,13 +12,13 @@ const RIGHT: f64 = 490.0;
 const CURVE: (f64, f64) = (40.0, 400.0);
 const COUNTS: (f64, f64) = (450.0, 560.0);
 
-/// An SVG document.
-pub(super) fn svg(bins: &[Bin]) -> String {
-    // The tallest bar leaves room for its number.
-    let full = bins.iter().map(|bin| bin.frames).max().unwrap_or(0).max(1) as f64 * 1.2;
+/// The plot as an SVG document.
+pub(super) fn plot(bins: &[Bin]) -> String {
+    // The tallest bar leaves room for its count.
+    let full_scale = bins.iter().map(|bin| bin.frames).max().unwrap_or(0).max(1) as f64 * 1.2;
     let x = |confidence: f64| LEFT + (RIGHT - LEFT) * confidence;
     let y = |(top, bottom): (f64, f64), share: f64| bottom - (bottom - top) * share;
-    let mut out = Svg::of(WIDTH, HEIGHT);
+    let mut out = Svg::new(WIDTH, HEIGHT);
     for step in 0..=5 {
         let share = f64::from(step) / 5.0;
         out.line("grid", [LEFT, y(CURVE, share), RIGHT, y(CURVE, share)]);
@@ -28,7 +29,7 @@ pub(super) fn svg(bins: &[Bin]) -> String {
     }
     out.line("ideal", [x(0.0), y(CURVE, 0.0), x(1.0), y(CURVE, 1.0)]);
     for bin in bins.iter().filter(|bin| bin.frames > 0) {
-        let top = y(COUNTS, bin.frames as f64 / full);
+        let top = y(COUNTS, bin.frames as f64 / full_scale);
         let (left, width) = (x(bin.low) + 2.0, x(bin.high) - x(bin.low) - 4.0);
         out.rectangle("bar", [left, top, width, COUNTS.1 - top]);
         out.text("middle", [left + width / 2.0, top - 4.0], &bin.frames.to_string());
@@ -36,7 +37,7 @@ pub(super) fn svg(bins: &[Bin]) -> String {
     let points: Vec<[f64; 2]> = bins
         .iter()
         .filter(|bin| bin.frames > 0)
-        .map(|bin| [x(bin.confidence()), y(CURVE, bin.share())])
+        .map(|bin| [x(bin.mean_confidence()), y(CURVE, bin.share_correct())])
         .collect();
     out.polyline("curve", &points);
     for point in points {

@@ -1,0 +1,96 @@
+//! The table of laws and conditions: each law's metrics beside the motor schema's, with the limits that are judged.
+
+use anyhow::Result;
+use barrelman_control::optimal::Tuning;
+use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
+use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
+
+use super::conditions::Condition;
+use super::law_under_test::LawUnderTest;
+use super::options::Options;
+use super::requirements::max_ratio;
+use crate::output::print_line;
+
+/// The rows of a law: the printed name, and the metric of a comparison.
+const METRICS: [(&str, &str); 11] = [
+    ("outside", "time outside"),
+    ("rate2", "integral of rate squared"),
+    ("moves", "moves"),
+    ("|rate|", "integral of |rate|"),
+    ("moving", "movement time"),
+    ("variat.", "variation"),
+    ("jerk", "jerk"),
+    ("s", "sensitivity"),
+    ("max P", "largest P"),
+    ("out pic", "time out of the picture"),
+    ("lost", "lost"),
+];
+
+/// Most trials of each condition for a law that solves an optimisation problem for each picture.
+const MAX_SEEDS_OF_SLOW_LAW: u64 = 48;
+
+/// Prints the table. Returns whether every requirement holds.
+pub(super) fn print(conditions: &[&Condition], options: &Options, minimum_energy: &Tuning) -> Result<bool> {
+    let Options { first_seed, seeds, .. } = *options;
+    let laws = [
+        ("minimum-energy", LawUnderTest::Optimal(*minimum_energy)),
+        ("time-fuel", LawUnderTest::Optimal(Tuning::TIME_FUEL)),
+        ("eco", LawUnderTest::Optimal(Tuning::ECO)),
+        ("centre", LawUnderTest::Centring),
+        ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
+        ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
+        ("MPC", LawUnderTest::Mpc),
+    ];
+    let mut is_met = true;
+    for condition in conditions {
+        let plan = condition.plan()?;
+        let baseline = LawUnderTest::MotorSchema.simulate(&plan, first_seed..first_seed + seeds)?;
+        print_line(&format!(
+            "\n{}: {seeds} trials, seeds from {first_seed} on; ratios to the schema's means, 95 %",
+            condition.name()
+        ));
+        for (name, law) in laws.iter().filter(|(name, _)| options.includes_law(name)) {
+            let count = if law.is_slow() { seeds.min(MAX_SEEDS_OF_SLOW_LAW) } else { seeds };
+            let trials = law.simulate(&plan, first_seed..first_seed + count)?;
+            let comparison = CampaignComparison::new(&baseline, &trials, &Bootstrap::DEFAULT);
+            is_met &= print_law(condition, name, &comparison);
+        }
+    }
+    Ok(is_met)
+}
+
+/// Prints the rows of a law. Returns whether its requirements hold.
+fn print_law(condition: &Condition, law: &str, comparison: &CampaignComparison) -> bool {
+    let mut is_met = true;
+    for (printed_name, metric) in METRICS {
+        let Some(paired) = comparison.metrics.iter().find(|paired| paired.metric == metric) else { continue };
+        let limit = max_ratio(condition, law, metric);
+        let is_missed = limit.is_some_and(|limit| !is_within(paired, limit));
+        is_met &= !is_missed;
+        print_line(&format!(
+            "  {law:15} {printed_name:8} {:>9.3} {:>9.3}  {}  {}",
+            paired.first,
+            paired.second,
+            ratio_cell(paired.ratio),
+            match (limit, is_missed) {
+                (None, _) => String::new(),
+                (Some(limit), false) => format!("<= {limit}"),
+                (Some(limit), true) => format!("<= {limit} MISSED"),
+            }
+        ));
+    }
+    is_met
+}
+
+/// A ratio with its interval, as a cell; empty where there is no ratio.
+pub(super) fn ratio_cell(ratio: Option<Interval>) -> String {
+    ratio.map_or_else(String::new, |r| format!("{:.3} [{:.3}, {:.3}]", r.value, r.low, r.high))
+}
+
+/// Whether the upper end of a ratio's interval is within a limit. Where the schema's mean is 0, the law's must be, too.
+fn is_within(paired: &PairedMetric, limit: f64) -> bool {
+    match paired.ratio {
+        Some(ratio) => ratio.high <= limit,
+        None => paired.second <= 0.0,
+    }
+}

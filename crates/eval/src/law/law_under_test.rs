@@ -1,0 +1,60 @@
+//! The laws that are compared, and their trials.
+
+use std::ops::Range;
+
+use anyhow::Result;
+use barrelman_control::optimal::{OptimalLaw, Tuning};
+use barrelman_control::{CentringGains, Law, MotorSchema};
+use barrelman_experiments::campaign::plan::CampaignPlan;
+use barrelman_trial::metrics::TrialEntry;
+use barrelman_vocab::VehicleProfile;
+
+use super::lqg::Lqg;
+use super::mpc::Mpc;
+use crate::parallel;
+
+/// A law under test.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum LawUnderTest {
+    MotorSchema,
+    Centring,
+    Optimal(Tuning),
+    /// A linear-quadratic regulator with this weight of the squared rate, s².
+    Lqg(f64),
+    /// Model predictive control with a soft ellipse.
+    Mpc,
+}
+
+impl LawUnderTest {
+    /// Whether its trials take many times as long as those of the other laws.
+    pub(super) const fn is_slow(&self) -> bool {
+        matches!(self, Self::Mpc)
+    }
+
+    fn build(&self, profile: &VehicleProfile) -> Box<dyn Law> {
+        match self {
+            Self::MotorSchema => Box::new(MotorSchema::new(profile.motor_schema_rates)),
+            Self::Centring => Box::new(barrelman_control::centring::Centring::new(
+                CentringGains::HAND_TUNED,
+                profile.limits,
+            )),
+            Self::Optimal(tuning) => Box::new(OptimalLaw::with_tuning(*tuning, profile)),
+            Self::Lqg(weight) => Box::new(Lqg::new(*weight, profile)),
+            Self::Mpc => Box::new(Mpc::new(profile)),
+        }
+    }
+
+    /// Simulates a trial for each seed.
+    ///
+    /// # Errors
+    /// If a trial cannot be simulated.
+    pub(super) fn simulate(&self, plan: &CampaignPlan, seeds: Range<u64>) -> Result<Vec<TrialEntry>> {
+        let seeds: Vec<u64> = seeds.collect();
+        parallel::map(&seeds, |seed| {
+            let log = plan.simulate_with_law(Some(self.build(plan.profile())), *seed, &mut ())?;
+            Ok(plan.entry(*seed, &log))
+        })
+        .into_iter()
+        .collect()
+    }
+}

@@ -1,0 +1,315 @@
+//! The link thread in front of a simulated ground station, with a simulated clock: no test waits.
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use barrelman_host::fault::FaultPlan;
+use barrelman_vocab::telemetry::Quaternion;
+use barrelman_vocab::{AngularRate, VehicleRates};
+use barrelman_wire::fotokite_pro::Framing;
+use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings, SensorReadings};
+
+use super::super::dead_mans_switch::RequestedRates;
+use super::super::url::Endpoint;
+use super::*;
+
+/// The session is up well before this time, ms.
+const UP_MS: u64 = 4_000;
+const MOVING: VehicleRates = VehicleRates {
+    yaw: AngularRate::from_radians_per_second(0.2),
+    pitch: AngularRate::from_radians_per_second(-0.1),
+};
+
+const READINGS: SensorReadings = SensorReadings {
+    attitude: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
+    gimbal: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
+    elevation_rad: 0.2,
+    azimuth_rad: 0.0,
+    altitude_m: 10.0,
+    tether_m: 10.2,
+    ground_battery_v: 15.8,
+    backup_battery_v: 8.1,
+    flight_mode: 2,
+    flags: 0,
+};
+
+fn at(ms: u64) -> Timestamp {
+    Timestamp::from_nanos(ms * 1_000_000)
+}
+
+/// What happens at a time of the test.
+#[derive(Debug, Clone, Copy)]
+enum Action {
+    /// The run loop requests rates, to be renewed by this time, ms.
+    Request(VehicleRates, u64),
+    /// The run loop closes the link.
+    Close,
+    /// The port fails, and cannot be opened.
+    Unplug,
+    /// The port can be opened again.
+    Plug,
+    /// The ground station no longer answers.
+    Silence,
+}
+
+use Action::{Close, Plug, Request, Silence, Unplug};
+
+/// A ground station behind a port, with the clock and the script of the test.
+struct Bench {
+    mailbox: Arc<Mailbox>,
+    now: Cell<Timestamp>,
+    script: RefCell<VecDeque<(u64, Action)>>,
+    station: RefCell<GroundStation>,
+    is_silent: Cell<bool>,
+    is_plugged: Cell<bool>,
+    /// Bytes on the way to the link thread.
+    incoming: RefCell<Vec<u8>>,
+    /// The lines that the ground station received, with their times.
+    lines: RefCell<Vec<(Timestamp, String)>>,
+    /// The rates in force at the ground station whenever they changed.
+    rates: RefCell<Vec<(Timestamp, VehicleRates)>>,
+}
+
+/// A port of the bench. It fails for good once it was unplugged.
+struct BenchPort;
+
+impl Bench {
+    /// Lets one millisecond pass. Returns whether the mailbox was changed.
+    fn advance(&self) -> bool {
+        self.now.set(self.now.get().plus(Duration::from_millis(1)));
+        let now = self.now.get();
+        let mut is_woken = false;
+        while let Some((_, action)) = self.script.borrow_mut().pop_front_if(|(ms, _)| at(*ms) <= now) {
+            match action {
+                Request(rates, renew_by) => {
+                    self.mailbox.request(RequestedRates { rates, renew_by: Some(at(renew_by)) });
+                    is_woken = true;
+                }
+                Close => {
+                    self.mailbox.close();
+                    is_woken = true;
+                }
+                Unplug => self.is_plugged.set(false),
+                Plug => self.is_plugged.set(true),
+                Silence => self.is_silent.set(true),
+            }
+        }
+        if !self.is_silent.get() {
+            let mut station = self.station.borrow_mut();
+            station.tick(now);
+            station.write_telemetry(&READINGS, now, &mut self.incoming.borrow_mut());
+        }
+        is_woken
+    }
+
+    fn gone() -> io::Error {
+        io::Error::new(io::ErrorKind::BrokenPipe, "unplugged")
+    }
+}
+
+impl PortIo for &Bench {
+    type Port = BenchPort;
+
+    fn now(&self) -> Timestamp {
+        self.now.get()
+    }
+
+    fn open(&self) -> Result<BenchPort, PortError> {
+        let unreachable = || PortError::Unreachable { address: "bench".to_owned(), source: Bench::gone() };
+        self.is_plugged.get().then_some(BenchPort).ok_or_else(unreachable)
+    }
+
+    fn write_all(&self, _: &mut BenchPort, bytes: &[u8]) -> io::Result<()> {
+        if !self.is_plugged.get() {
+            return Err(Bench::gone());
+        }
+        let now = self.now.get();
+        let mut answer = Vec::new();
+        let mut station = self.station.borrow_mut();
+        let log = |line: &str| self.lines.borrow_mut().push((now, line.to_owned()));
+        station.receive(bytes, now, &mut answer, log);
+        if !self.is_silent.get() {
+            self.incoming.borrow_mut().extend(answer);
+        }
+        let rates = VehicleRates { yaw: station.rates().yaw, pitch: station.rates().pitch };
+        let mut changes = self.rates.borrow_mut();
+        if changes.last().map_or(VehicleRates::REST, |(_, last)| *last) != rates {
+            changes.push((now, rates));
+        }
+        Ok(())
+    }
+
+    fn read(&self, _: &mut BenchPort, buffer: &mut [u8]) -> io::Result<usize> {
+        if !self.is_plugged.get() {
+            return Err(Bench::gone());
+        }
+        let mut incoming = self.incoming.borrow_mut();
+        let read = incoming.len().min(buffer.len());
+        buffer[..read].copy_from_slice(&incoming[..read]);
+        incoming.drain(..read);
+        Ok(read)
+    }
+
+    fn wait(&self, port: Option<&BenchPort>, wait: Duration) -> bool {
+        let until = self.now.get().plus(wait);
+        let is_readable = || port.is_some() && (!self.incoming.borrow().is_empty() || !self.is_plugged.get());
+        while self.now.get() < until && !is_readable() {
+            if self.advance() {
+                break;
+            }
+        }
+        is_readable()
+    }
+
+    fn sleep(&self, pause: Duration) {
+        let until = self.now.get().plus(pause);
+        while self.now.get() < until {
+            self.advance();
+        }
+    }
+}
+
+/// What a link thread did.
+struct Served {
+    is_stop_sent: bool,
+    lines: Vec<(Timestamp, String)>,
+    rates: Vec<(Timestamp, VehicleRates)>,
+    /// The reports, without the vehicle's telemetry.
+    reports: Vec<String>,
+}
+
+impl Served {
+    /// The names of the last lines: `Yaw`, `Gimbal`, `stop`.
+    fn last_lines(&self, count: usize) -> Vec<&str> {
+        let lines = &self.lines[self.lines.len() - count..];
+        lines.iter().map(|(_, line)| line.split(' ').next().unwrap()).collect()
+    }
+
+    #[track_caller]
+    fn check_ends_with_zeros_and_stop(&self) {
+        assert!(self.is_stop_sent);
+        assert_eq!(self.rates.last().map(|(_, rates)| *rates), Some(VehicleRates::REST), "{:?}", self.rates);
+        let [.., (zeros_at, zeros), (stop_at, stop)] = &self.lines[..] else { panic!("{:?}", self.lines) };
+        assert!(zeros.ends_with(" 0.000000"), "{zeros}");
+        assert_eq!(stop, "stop");
+        assert!(stop_at.since(*zeros_at) >= STOP_DELAY);
+    }
+}
+
+/// Runs the link thread through a script of times in milliseconds and actions.
+fn serve(faults: &str, script: &[(u64, Action)]) -> Served {
+    let mailbox = Arc::new(Mailbox::new().unwrap());
+    let bench = Bench {
+        mailbox: Arc::clone(&mailbox),
+        now: Cell::new(at(0)),
+        script: RefCell::new(script.iter().copied().collect()),
+        station: RefCell::new(GroundStation::boot(GroundStationSettings::default(), at(0))),
+        is_silent: Cell::new(false),
+        is_plugged: Cell::new(true),
+        incoming: RefCell::default(),
+        lines: RefCell::default(),
+        rates: RefCell::default(),
+    };
+    let reports = Rc::new(RefCell::new(Vec::new()));
+    let reported = Rc::clone(&reports);
+    let worker = Worker {
+        url: LinkUrl {
+            endpoint: Endpoint::Tcp { address: "bench:1".to_owned() },
+            faults: FaultPlan::parse(faults).unwrap(),
+        },
+        settings: SessionSettings::for_baud(Framing::LineFeed, 115_200),
+        mailbox: Arc::clone(&mailbox),
+        io: &bench,
+        report: move |report| {
+            let text = match report {
+                LinkReport::Telemetry(Telemetry { report: Report::Link(state), .. }) => format!("{state:?}"),
+                LinkReport::Telemetry(_) => return,
+                LinkReport::Lost(reason) => format!("lost: {reason}"),
+                LinkReport::Panicked => "panicked".to_owned(),
+            };
+            reported.borrow_mut().push(text);
+        },
+    };
+    worker.run(BenchPort);
+    Served {
+        is_stop_sent: mailbox.is_stop_sent(),
+        lines: bench.lines.into_inner(),
+        rates: bench.rates.into_inner(),
+        reports: reports.take(),
+    }
+}
+
+#[test]
+fn requested_rates_are_written() {
+    let served = serve("", &[(UP_MS, Request(MOVING, 9_000)), (5_000, Close)]);
+    let moving = served.rates.iter().find(|(_, rates)| *rates == MOVING).unwrap();
+    assert!(moving.0.since(at(UP_MS)) <= Duration::from_millis(50), "{:?}", served.rates);
+    assert_eq!(served.reports, ["Starting", "Up", "Closing", "Closed"]);
+}
+
+#[test]
+fn rates_that_are_not_renewed_rest_the_camera() {
+    let served = serve("", &[(UP_MS, Request(MOVING, 5_000)), (7_000, Close)]);
+    let (rest_at, rates) = *served.rates.last().unwrap();
+    assert_eq!(rates, VehicleRates::REST);
+    assert!(rest_at >= at(5_050) && rest_at <= at(5_060), "{:?}", served.rates);
+}
+
+#[test]
+fn renewed_rates_go_on_after_an_expiry() {
+    let served =
+        serve("", &[(UP_MS, Request(MOVING, 4_500)), (6_000, Request(MOVING, 9_000)), (7_000, Close)]);
+    assert!(served.rates.iter().any(|(time, rates)| *time >= at(6_000) && *rates == MOVING));
+    served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn closing_writes_zeros_at_once_and_stop_half_a_second_later() {
+    let served = serve("", &[(UP_MS, Request(MOVING, 9_000)), (5_000, Close)]);
+    assert_eq!(served.rates.last(), Some(&(at(5_000), VehicleRates::REST)), "{:?}", served.rates);
+    served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn closing_before_the_session_is_up_stops_the_vehicle() {
+    let served = serve("", &[(100, Close)]);
+    assert!(served.is_stop_sent);
+    assert_eq!(served.last_lines(3), ["Gimbal", "Yaw", "stop"]);
+}
+
+#[test]
+fn a_lost_port_is_reopened_and_rates_are_written_again() {
+    let script = [(UP_MS, Request(MOVING, 60_000)), (5_000, Unplug), (6_000, Plug), (12_000, Close)];
+    let served = serve("", &script);
+    assert_eq!(
+        served.reports,
+        ["Starting", "Up", "lost: unplugged", "Opening", "Starting", "Up", "Closing", "Closed"]
+    );
+    assert!(served.rates.iter().any(|(time, rates)| *time > at(6_000) && *rates == MOVING));
+    served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn a_ground_station_that_falls_silent_is_reported_once() {
+    let served = serve("", &[(UP_MS, Silence), (20_000, Unplug), (20_001, Close)]);
+    let silences = served.reports.iter().filter(|report| report.ends_with("does not answer")).count();
+    assert_eq!(silences, 1, "{:?}", served.reports);
+    assert!(!served.is_stop_sent, "nothing can be sent on a port that is lost");
+}
+
+#[test]
+fn closing_a_lost_link_tries_the_port_once_more() {
+    let script = [(UP_MS, Request(MOVING, 60_000)), (5_000, Unplug), (5_600, Plug), (5_600, Close)];
+    let served = serve("", &script);
+    served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn a_panic_sends_the_emergency_stop() {
+    let served = serve("panic@5", &[(UP_MS, Request(MOVING, 60_000))]);
+    assert_eq!(served.reports, ["Starting", "Up", "panicked"]);
+    let zeros = ["Gimbal", "Yaw"];
+    assert_eq!(served.last_lines(7), [&zeros[..], &zeros, &zeros, &["stop"]].concat());
+    served.check_ends_with_zeros_and_stop();
+}

@@ -1,0 +1,188 @@
+//! One live run from the opening of its parts to their closing, in an order that never leaves the camera turning.
+//!
+//! 1. The terminal thread catches signals. From here on no signal ends the program without zeros.
+//! 2. The link, the recording, the annotated video, the video source and the status line are opened.
+//! 3. The loop runs until something ends it.
+//! 4. The link is closed first: zeros and the vehicle's own stop. The other parts follow.
+
+use std::io::stdout;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+use anyhow::{Context as _, Result};
+use barrelman_host::clock::Clock;
+use barrelman_host::latest::Latest;
+use barrelman_host::output::OutputFile;
+use barrelman_pilot::Pilot;
+use barrelman_video::VideoHandle;
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{OperatorRequest, PixelBox};
+
+use super::event::{Event, EventQueue};
+use super::open_link::open_link;
+use super::overlay_video::OverlayVideo;
+use super::recorder::Recorder;
+use super::recording_start::recording_start;
+use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
+use super::source::Source;
+use super::status_line::StatusLine;
+use super::status_writer::{LineStyle, StatusWriter};
+use super::terminal::Terminal;
+use super::threads::FaultInjector;
+use super::video_sink::LiveVideoSink;
+use crate::config::Configuration;
+use crate::link::{Link, LinkUrl, VehicleLink};
+
+/// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
+const EVENT_QUEUE_CAPACITY: usize = 1024;
+
+/// The files of a run, open.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    /// The recording.
+    pub record: Option<OutputFile>,
+    /// The annotated video.
+    pub overlay: Option<OutputFile>,
+}
+
+/// Everything a run needs.
+pub struct Session<'a> {
+    /// The effective configuration.
+    pub configuration: &'a Configuration,
+    /// The pilot of that configuration.
+    pub pilot: Pilot,
+    /// The video source.
+    pub source: Source,
+    /// The link; `None`: a dry run.
+    pub link: Option<LinkUrl>,
+    /// The output files.
+    pub outputs: Outputs,
+    /// The operator's selection in the first video frame. Without a selection, a simulated world selects its target.
+    pub selection: Option<PixelBox>,
+    /// Whether the camera may move from the start.
+    pub engage: bool,
+    /// Deliberate faults of the program's own threads.
+    pub fault_injector: FaultInjector,
+    /// The clock.
+    pub clock: Clock,
+}
+
+/// The open parts of a run that are closed explicitly.
+struct OpenParts {
+    link: Option<Link>,
+    recorder: Option<Recorder>,
+    overlay: Option<OverlayVideo>,
+    source: VideoHandle,
+}
+
+impl Session<'_> {
+    /// Opens the parts of the run, runs the loop, and closes the parts.
+    ///
+    /// # Errors
+    /// If a part cannot be opened. The parts opened before it are closed.
+    pub fn run(self) -> Result<RunEnd> {
+        let (events, queue) = sync_channel(EVENT_QUEUE_CAPACITY);
+        let terminal = Terminal::watch(events.clone(), self.clock, self.fault_injector.clone())?;
+        let framing = self.configuration.framing;
+        let link = open_link(self.link.as_ref(), self.source.world(), framing, self.clock, &events)?;
+        self.warn_without_selection();
+        let end = self.run_with(link, events, &queue)?;
+        drop(terminal);
+        Ok(end)
+    }
+
+    fn warn_without_selection(&self) {
+        if self.selection.is_none() && self.source.world().is_none() {
+            tracing::warn!(
+                "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"
+            );
+        }
+    }
+
+    fn run_with(
+        self,
+        link: Option<Link>,
+        events: SyncSender<Event>,
+        queue: &Receiver<Event>,
+    ) -> Result<RunEnd> {
+        let Self { configuration, pilot, source, link: link_url, outputs, clock, fault_injector, .. } = self;
+        let profile = &configuration.profile;
+        let is_recorded = outputs.record.is_some();
+        let recorder = match outputs.record {
+            Some(file) => {
+                let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
+                let context = format!("the recording {} cannot be written", file.path().display());
+                let recorder = Recorder::begin(file, &start, clock, fault_injector.clone(), events.clone());
+                Some(recorder.context(context)?)
+            }
+            None => None,
+        };
+        let begin_overlay =
+            |file| OverlayVideo::begin(file, profile.region, clock, fault_injector.clone(), events.clone());
+        let overlay = outputs.overlay.map(begin_overlay).transpose()?;
+        let latest = Arc::new(Latest::default());
+        let sink = LiveVideoSink {
+            latest: Arc::clone(&latest),
+            recorder: recorder.as_ref().map(Recorder::input),
+            events: events.clone(),
+            selects_target: self.selection.is_none(),
+            damaged_units: 0,
+        };
+        let source = source.start(profile, is_recorded, clock, sink)?;
+        let parts = OpenParts { link, recorder, overlay, source };
+        let link_state = parts.link.as_ref().map(|_| LinkState::Opening);
+        let style = LineStyle::for_stdout();
+        let status_output = StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events)?;
+        let requests = first_requests(self.selection, self.engage);
+        let run_loop = RunLoop {
+            pilot,
+            profile: profile.clone(),
+            events: &mut EventQueue { queue, clock },
+            latest,
+            link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
+            recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
+            status: StatusLine::new(link_state, style.interval()),
+            status_output: Box::new(status_output),
+            ends_on_refused_selection: true,
+            overlay: parts.overlay.as_ref().map(|overlay| observer(overlay.input())),
+            fault_injector,
+        };
+        // A panic in the pilot must not unwind past the link's shutdown.
+        let end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&requests)))
+            .unwrap_or_else(|_| RunEnd::Failed("the pilot's thread panicked".to_owned()));
+        Ok(parts.close(end))
+    }
+}
+
+fn observer<'a>(observer: impl LiveStepObserver + 'a) -> Box<dyn LiveStepObserver + 'a> {
+    Box::new(observer)
+}
+
+/// The requests that the pilot receives before the first event.
+fn first_requests(selection: Option<PixelBox>, engage: bool) -> Vec<OperatorRequest> {
+    let select = selection.map(OperatorRequest::Select);
+    select.into_iter().chain(engage.then_some(OperatorRequest::Engage)).collect()
+}
+
+impl OpenParts {
+    /// Closes the link, and then the other parts. A link that could not send its last zeros makes the run a failed one.
+    fn close(self, end: RunEnd) -> RunEnd {
+        let is_stop_sent = self.link.is_none_or(Link::close);
+        if let Err(error) = self.source.stop() {
+            tracing::warn!("{error}");
+        }
+        if let Some(recorder) = self.recorder {
+            recorder.finish();
+        }
+        if let Some(Err(error)) = self.overlay.map(OverlayVideo::finish) {
+            tracing::error!("{error:#}");
+        }
+        if is_stop_sent {
+            return end;
+        }
+        RunEnd::Failed(
+            "the last zeros and the vehicle's stop could not be sent, as the link was down: the camera may still be turning. Stop it from the ground station itself".to_owned(),
+        )
+    }
+}

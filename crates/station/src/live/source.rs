@@ -1,0 +1,79 @@
+//! The video source of a live run: a stream or file, or a simulated world.
+
+use anyhow::Result;
+use barrelman_host::clock::Clock;
+use barrelman_video::{VideoHandle, VideoUrl};
+use barrelman_vocab::VehicleProfile;
+
+use super::video_sink::LiveVideoSink;
+use crate::simulated_source::{self, LiveWorld};
+use crate::source_url::{SimulatedUrl, SourceUrl};
+
+/// A video source that has not started.
+pub enum Source {
+    /// A stream, a file, or a folder of pictures.
+    Video(VideoUrl),
+    /// A simulated world.
+    Simulated(SimulatedUrl, Box<LiveWorld>),
+}
+
+impl Source {
+    /// Loads a source. A stream or file is opened later, by [`Self::start`].
+    ///
+    /// # Errors
+    /// If the scenario of a simulated world does not exist or has a mistake.
+    pub fn load(url: SourceUrl) -> Result<Self> {
+        Ok(match url {
+            SourceUrl::Video(url) => Self::Video(url),
+            SourceUrl::Simulated(url) => {
+                let world = Box::new(LiveWorld::load(&url.world)?);
+                Self::Simulated(url, world)
+            }
+        })
+    }
+
+    /// The simulated world, where the source is one.
+    pub fn world(&self) -> Option<&LiveWorld> {
+        match self {
+            Self::Video(_) => None,
+            Self::Simulated(_, world) => Some(world),
+        }
+    }
+
+    /// The address without a password.
+    pub fn address(&self) -> String {
+        match self {
+            Self::Video(url) => url.to_string(),
+            Self::Simulated(url, _) => url.to_string(),
+        }
+    }
+
+    /// Whether the video frames come at the speed of the scene, not of a file.
+    pub fn is_live(&self) -> bool {
+        match self {
+            Self::Video(url) => url.is_live(),
+            Self::Simulated(..) => true,
+        }
+    }
+
+    /// Starts the source. `is_recorded`: a simulated world encodes its pictures, so that a replay decodes what the
+    /// pilot saw.
+    ///
+    /// # Errors
+    /// If the system has no more threads.
+    pub(super) fn start(
+        self,
+        profile: &VehicleProfile,
+        is_recorded: bool,
+        clock: Clock,
+        sink: LiveVideoSink,
+    ) -> Result<VideoHandle> {
+        Ok(match self {
+            Self::Simulated(url, world) => {
+                let world = (*world).with_profile(profile).with_encoding(is_recorded);
+                simulated_source::spawn_world(world, &url, clock, sink)?
+            }
+            Self::Video(url) => barrelman_video::spawn(url, clock, sink)?,
+        })
+    }
+}

@@ -1,0 +1,111 @@
+//! Writes status lines on a thread of its own.
+//!
+//! An output that nobody reads, or a terminal held with Ctrl-S, must not block the pilot. A line that cannot be written
+//! in time is dropped; the next line replaces it.
+
+use std::io::{IsTerminal as _, Write, stdout};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use barrelman_host::clock::Clock;
+
+use super::event::Event;
+use super::status_line::StatusOutput;
+use super::threads::{self, FaultInjector};
+
+/// Interval between lines on a terminal.
+const TERMINAL_INTERVAL: Duration = Duration::from_millis(200);
+/// Interval between lines on any other output.
+const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
+/// How long the end of the run waits for the last line.
+const LAST_LINE_TIMEOUT: Duration = Duration::from_millis(200);
+
+/// How status lines follow each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LineStyle {
+    /// Each line overwrites the one before.
+    Overwritten,
+    /// Each line is a line of text.
+    Plain,
+}
+
+impl LineStyle {
+    /// The style for the standard output.
+    pub fn for_stdout() -> Self {
+        if stdout().is_terminal() { Self::Overwritten } else { Self::Plain }
+    }
+
+    /// Interval between two lines.
+    pub const fn interval(self) -> Duration {
+        match self {
+            Self::Overwritten => TERMINAL_INTERVAL,
+            Self::Plain => PLAIN_INTERVAL,
+        }
+    }
+}
+
+/// The thread that writes status lines.
+#[derive(Debug)]
+pub struct StatusWriter {
+    lines: Option<SyncSender<String>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl StatusWriter {
+    /// Starts the thread.
+    ///
+    /// # Errors
+    /// If the system has no more threads.
+    pub fn start(
+        output: impl Write + Send + 'static,
+        style: LineStyle,
+        clock: Clock,
+        fault_injector: FaultInjector,
+        events: SyncSender<Event>,
+    ) -> std::io::Result<Self> {
+        let (lines, queue) = sync_channel(1);
+        let apply_faults = move || fault_injector.apply_faults("status", clock.now());
+        let thread =
+            threads::spawn("status", events, move || write_lines(&queue, output, style, apply_faults))?;
+        Ok(Self { lines: Some(lines), thread: Some(thread) })
+    }
+}
+
+impl StatusOutput for StatusWriter {
+    fn show(&self, line: String) {
+        if let Some(lines) = &self.lines {
+            // The queue is full while the line before is not written yet: this line is dropped.
+            let _ = lines.try_send(line);
+        }
+    }
+}
+
+impl Drop for StatusWriter {
+    fn drop(&mut self) {
+        self.lines = None;
+        // The program ends without a thread that cannot finish its last line.
+        let deadline = Instant::now() + LAST_LINE_TIMEOUT;
+        while self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+fn write_lines(queue: &Receiver<String>, mut output: impl Write, style: LineStyle, apply_faults: impl Fn()) {
+    let mut is_line_open = false;
+    while let Ok(line) = queue.recv() {
+        apply_faults();
+        // The terminal thread reports a closed output; here a line that cannot be written is ignored.
+        let _ = match style {
+            LineStyle::Overwritten => {
+                is_line_open = true;
+                write!(output, "\r\x1b[K{line}").and_then(|()| output.flush())
+            }
+            LineStyle::Plain => writeln!(output, "{line}"),
+        };
+    }
+    if is_line_open {
+        let _ = writeln!(output);
+    }
+}

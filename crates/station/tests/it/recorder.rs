@@ -1,0 +1,187 @@
+//! The recorder, with outputs in memory that can block and fail.
+
+use std::io::{self, Write};
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::sync::{Arc, Condvar, Mutex};
+
+use barrelman_host::clock::Clock;
+use barrelman_pilot::{Input, Pilot};
+use barrelman_station::live::event::Event;
+use barrelman_station::live::recorder::{Recorder, RecorderInput};
+use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver as _};
+use barrelman_station::live::threads::FaultInjector;
+use barrelman_trial::behaviour::BehaviourVersions;
+use barrelman_trial::records::{
+    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
+};
+use barrelman_vocab::unit::{Rotation, UnitCodec};
+use barrelman_vocab::video::{Capture, CaptureQuality};
+use barrelman_vocab::{EncodedUnit, OperatorRequest, VehicleRates};
+use bytes::Bytes;
+
+use crate::live_scenes::{SELECTION, at, frame, pilot};
+
+/// A unit of this size fills a chunk, which is written before the next entry.
+const WHOLE_CHUNK: usize = 1 << 20;
+
+/// How an output answers to writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Writes {
+    Succeed,
+    Block,
+    Fail,
+}
+
+/// An output in memory. Clones are the same output.
+#[derive(Clone)]
+struct MemoryOutput(Arc<(Mutex<(Writes, Vec<u8>)>, Condvar)>);
+
+impl MemoryOutput {
+    fn new() -> Self {
+        Self(Arc::new((Mutex::new((Writes::Succeed, Vec::new())), Condvar::new())))
+    }
+
+    fn set(&self, writes: Writes) {
+        self.0.0.lock().unwrap().0 = writes;
+        self.0.1.notify_all();
+    }
+
+    fn entries(&self) -> Vec<Entry> {
+        let bytes = self.0.0.lock().unwrap().1.clone();
+        RecordingReader::new(&bytes[..]).map(Result::unwrap).collect()
+    }
+}
+
+impl Write for MemoryOutput {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let state = self.0.0.lock().unwrap();
+        let mut state = self.0.1.wait_while(state, |(writes, _)| *writes == Writes::Block).unwrap();
+        if state.0 == Writes::Fail {
+            return Err(io::Error::from(io::ErrorKind::StorageFull));
+        }
+        state.1.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn recording_start() -> RecordingStart {
+    RecordingStart {
+        program_version: "0".to_owned(),
+        monotonic_ns: 1,
+        unix_ns: 2,
+        configuration: String::new(),
+        video: "sim:test".to_owned(),
+        link: String::new(),
+        live_video: true,
+        behaviour: BehaviourVersions::default(),
+    }
+}
+
+fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
+    let (events, queue) = sync_channel(16);
+    let output = MemoryOutput::new();
+    let recorder =
+        Recorder::begin(output.clone(), &recording_start(), Clock::start(), FaultInjector::default(), events);
+    (output, recorder.unwrap(), queue)
+}
+
+fn unit(index: u64, bytes: usize) -> EncodedUnit {
+    EncodedUnit {
+        epoch: 0,
+        index,
+        capture: Capture { at: at(index), quality: CaptureQuality::Sensor },
+        key: true,
+        shown: true,
+        rotation: Rotation::None,
+        codec: UnitCodec::H264AnnexB,
+        payload: Bytes::from(vec![1; bytes]),
+    }
+}
+
+/// Steps a pilot and the recorder. Returns the entries that the recording must have of the step.
+fn step(pilot: &mut Pilot, recorder: &mut RecorderInput, index: u64, input: Input<'_>) -> [Entry; 2] {
+    let now = at(1_000 + index * 10);
+    let outcome = pilot.step(input, now);
+    recorder.on_step(&LiveStep { index, input, outcome: &outcome, rates: VehicleRates::REST });
+    let recorded = match input {
+        Input::Frame(frame) => RecordedInput::Frame(FrameFingerprint::from_frame(frame)),
+        other => RecordedInput::from_frameless(&other).unwrap(),
+    };
+    [
+        Entry::Input { step: index, now, input: recorded },
+        Entry::Outcome(RecordedOutcome::new(index, &outcome, VehicleRates::REST)),
+    ]
+}
+
+#[test]
+fn entries_are_written_in_order_and_can_be_read_back() {
+    let (output, recorder, events) = begin();
+    let (mut input, mut pilot) = (recorder.input(), pilot());
+    let frame = frame(0, at(1_030));
+    let mut expected = vec![Entry::Start(recording_start())];
+    expected.extend(step(&mut pilot, &mut input, 0, Input::Request(OperatorRequest::Select(SELECTION))));
+    expected.extend(step(&mut pilot, &mut input, 1, Input::Request(OperatorRequest::Engage)));
+    // The video thread has a handle of its own.
+    recorder.input().unit(&unit(0, 100));
+    expected.push(Entry::Unit(unit(0, 100)));
+    expected.extend(step(&mut pilot, &mut input, 2, Input::Frame(&frame)));
+    expected.extend(step(&mut pilot, &mut input, 3, Input::Tick));
+    recorder.finish();
+    assert_eq!(output.entries(), expected);
+    assert!(events.try_recv().is_err(), "no alarm");
+}
+
+#[test]
+fn a_full_queue_stops_the_recording_with_one_alarm_and_never_blocks() {
+    let (output, recorder, events) = begin();
+    let input = recorder.input();
+    output.set(Writes::Block);
+    input.unit(&unit(0, WHOLE_CHUNK));
+    let mut added = 1;
+    let reason = loop {
+        input.unit(&unit(added, 1));
+        added += 1;
+        match events.try_recv() {
+            Ok(Event::RecordingFailed { reason }) => break reason,
+            Ok(other) => panic!("{other:?}"),
+            Err(error) => assert_eq!(error, TryRecvError::Empty),
+        }
+    };
+    assert!(reason.contains("disk is slower"), "{reason}");
+    output.set(Writes::Succeed);
+    (0..10).for_each(|more| input.unit(&unit(added + more, 1)));
+    recorder.finish();
+    assert!(events.try_recv().is_err(), "one alarm");
+    let units = output.entries().into_iter().filter_map(|entry| match entry {
+        Entry::Unit(unit) => Some(unit.index),
+        _ => None,
+    });
+    assert!(units.eq(0..added - 1), "what was added before the alarm is there, without a gap");
+}
+
+#[test]
+fn a_write_error_stops_the_recording_with_one_alarm() {
+    let (output, recorder, events) = begin();
+    let input = recorder.input();
+    output.set(Writes::Fail);
+    input.unit(&unit(0, WHOLE_CHUNK));
+    input.unit(&unit(1, 1));
+    let Event::RecordingFailed { reason } = events.recv().unwrap() else { panic!("no alarm") };
+    assert!(reason.starts_with("the recording cannot be written"), "{reason}");
+    (2..10).for_each(|index| input.unit(&unit(index, 1)));
+    recorder.finish();
+    assert!(events.try_recv().is_err(), "one alarm");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_at_the_start() {
+    let output = MemoryOutput::new();
+    output.set(Writes::Fail);
+    let (events, _queue) = sync_channel(1);
+    let start = recording_start();
+    assert!(Recorder::begin(output, &start, Clock::start(), FaultInjector::default(), events).is_err());
+}

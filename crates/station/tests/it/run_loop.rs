@@ -1,0 +1,329 @@
+//! The run loop with scripted events and time, and a link in memory: no test waits.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::Duration;
+
+use barrelman_host::latest::Latest;
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::{Input, Mode};
+use barrelman_station::link::{LinkReport, VehicleLink};
+use barrelman_station::live::event::{Event, EventSource, QuitCause};
+use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver, RunEnd, RunLoop};
+use barrelman_station::live::status_line::{StatusLine, StatusOutput};
+use barrelman_station::live::threads::FaultInjector;
+use barrelman_video::{VideoError, VideoState};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{
+    OperatorRequest, StopCause, Telemetry, Timestamp, VehicleProfile, VehicleRates, VideoFrame,
+};
+
+use crate::live_scenes::{REFUSED, SELECTION, at, frame, pilot};
+
+/// How long rates last after a fresh video frame, ms: `coast_motion` of the Fotokite Pro.
+const COAST_MS: u64 = 250;
+const SELECT: OperatorRequest = OperatorRequest::Select(SELECTION);
+const ENGAGE: OperatorRequest = OperatorRequest::Engage;
+
+/// What arrives at a time of the test.
+enum Arrival {
+    /// A video frame, with its event.
+    Frame,
+    /// Any other event.
+    Event(Event),
+    /// The end of all threads.
+    Gone,
+}
+
+use Arrival::{Frame, Gone};
+
+fn event(event: Event) -> Arrival {
+    Arrival::Event(event)
+}
+
+fn quit() -> Arrival {
+    event(Event::Quit(QuitCause::Key))
+}
+
+/// Scripted events: the time advances to the next event, or to the end of the wait.
+struct Script {
+    now: Timestamp,
+    arrivals: VecDeque<(u64, Arrival)>,
+    latest: Arc<Latest<VideoFrame>>,
+    frames: u64,
+}
+
+impl EventSource for Script {
+    fn now(&self) -> Timestamp {
+        self.now
+    }
+
+    fn next_event(&mut self, wait: Duration) -> Result<Event, RecvTimeoutError> {
+        let until = self.now.plus(wait);
+        let Some((ms, arrival)) = self.arrivals.pop_front_if(|(ms, _)| at(*ms) <= until) else {
+            assert!(!self.arrivals.is_empty(), "the run should have ended by {:?}", self.now);
+            self.now = until;
+            return Err(RecvTimeoutError::Timeout);
+        };
+        self.now = self.now.max(at(ms));
+        match arrival {
+            Frame => {
+                self.latest.put(frame(self.frames, self.now));
+                self.frames += 1;
+                Ok(Event::Frame)
+            }
+            Arrival::Event(event) => Ok(event),
+            Gone => Err(RecvTimeoutError::Disconnected),
+        }
+    }
+}
+
+/// A link that remembers what it was asked to send.
+#[derive(Default)]
+struct MemoryLink(RefCell<Vec<(VehicleRates, Option<Timestamp>)>>);
+
+impl VehicleLink for MemoryLink {
+    fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
+        self.0.borrow_mut().push((rates, renew_by));
+    }
+}
+
+/// A step as its time and input, with the mode that it led to.
+type SeenStep = (u64, String, Mode);
+
+/// Remembers the steps of a run.
+#[derive(Default)]
+struct MemoryObserver(RefCell<Vec<SeenStep>>);
+
+impl LiveStepObserver for &MemoryObserver {
+    fn on_step(&mut self, step: &LiveStep<'_>) {
+        let input = match step.input {
+            Input::Frame(frame) => format!("frame {}", frame.sequence),
+            Input::Localisation(_) => "localisation".to_owned(),
+            Input::Telemetry(_) => "telemetry".to_owned(),
+            Input::Request(request) => format!("{request:?}"),
+            Input::Tick => "tick".to_owned(),
+        };
+        let mut steps = self.0.borrow_mut();
+        assert_eq!(step.index, steps.len() as u64, "steps are numbered in order");
+        steps.push((step.outcome.at.as_nanos() / 1_000_000, input, step.outcome.mode));
+    }
+}
+
+#[derive(Default)]
+struct MemoryStatus(RefCell<Vec<String>>);
+
+impl StatusOutput for &MemoryStatus {
+    fn show(&self, line: String) {
+        self.0.borrow_mut().push(line);
+    }
+}
+
+/// What a run did.
+struct Run {
+    end: RunEnd,
+    sent: Vec<(VehicleRates, Option<Timestamp>)>,
+    recorded: Vec<SeenStep>,
+    overlaid: Vec<SeenStep>,
+    lines: Vec<String>,
+}
+
+impl Run {
+    /// The last step: its input and its mode.
+    fn last(&self) -> (&str, Mode) {
+        let (_, input, mode) = self.recorded.last().unwrap();
+        (input, *mode)
+    }
+
+    /// Times and inputs of the recorded steps.
+    fn inputs(&self) -> Vec<(u64, &str)> {
+        self.recorded.iter().map(|(ms, input, _)| (*ms, input.as_str())).collect()
+    }
+}
+
+/// Runs the loop, from 1 s on, on events with their times in milliseconds.
+fn run(requests: &[OperatorRequest], arrivals: impl IntoIterator<Item = (u64, Arrival)>) -> Run {
+    run_with(requests, arrivals, true)
+}
+
+fn run_with(
+    requests: &[OperatorRequest],
+    arrivals: impl IntoIterator<Item = (u64, Arrival)>,
+    ends_on_refused_selection: bool,
+) -> Run {
+    let latest = Arc::new(Latest::default());
+    let mut script = Script {
+        now: at(1_000),
+        arrivals: arrivals.into_iter().collect(),
+        latest: Arc::clone(&latest),
+        frames: 0,
+    };
+    let (link, recorder, overlay) =
+        (MemoryLink::default(), MemoryObserver::default(), MemoryObserver::default());
+    let status = MemoryStatus::default();
+    let end = RunLoop {
+        pilot: pilot(),
+        profile: VehicleProfile::fotokite_pro(),
+        events: &mut script,
+        latest,
+        link: Some(&link),
+        recorder: Some(Box::new(&recorder)),
+        status: StatusLine::new(Some(LinkState::Opening), Duration::from_millis(100)),
+        status_output: Box::new(&status),
+        ends_on_refused_selection,
+        overlay: Some(Box::new(&overlay)),
+        fault_injector: FaultInjector::default(),
+    }
+    .run(requests);
+    Run {
+        end,
+        sent: link.0.into_inner(),
+        recorded: recorder.0.into_inner(),
+        overlaid: overlay.0.into_inner(),
+        lines: status.0.into_inner(),
+    }
+}
+
+/// The rates that a frame with the target on the right leads to.
+fn moving() -> VehicleRates {
+    let run = run(&[SELECT, ENGAGE], [(1_100, Frame), (1_110, quit())]);
+    let rates = run.sent[2].0;
+    assert!(!rates.is_rest());
+    rates
+}
+
+#[test]
+fn a_frame_is_stepped_and_its_rates_are_sent_with_their_time_to_live() {
+    let run = run(&[SELECT, ENGAGE], [(1_100, Frame), (1_200, Frame), (1_210, quit())]);
+    let profile = VehicleProfile::fotokite_pro();
+    assert_eq!(profile.from_vehicle(run.sent[2].0).pan, profile.motor_schema_rates.pan, "to the right");
+    let frames = &run.sent[2..4];
+    assert_eq!(frames, [1_100, 1_200].map(|ms| (moving(), Some(at(ms + COAST_MS)))));
+    assert_eq!(run.recorded.len(), run.sent.len(), "each step is sent and recorded");
+    assert_eq!(run.overlaid, run.recorded, "the annotated video sees the same steps");
+    assert_eq!(run.recorded[3], (1_200, "frame 1".to_owned(), Mode::Servoing));
+}
+
+#[test]
+fn requests_are_stepped_before_the_first_event() {
+    let run = run(&[SELECT, ENGAGE], [(1_000, quit())]);
+    let inputs = run.inputs();
+    assert_eq!(inputs[..2], [(1_000, &*format!("{SELECT:?}")), (1_000, "Engage")]);
+}
+
+#[test]
+fn a_stop_request_is_sent_as_rest_at_once() {
+    let stop = OperatorRequest::Stop(StopCause::Operator);
+    let arrivals = [(1_100, Frame), (1_150, event(Event::Request(stop))), (1_200, Frame), (1_201, quit())];
+    let run = run(&[SELECT, ENGAGE], arrivals);
+    assert_eq!(run.sent[2].0, moving());
+    assert_eq!(run.recorded[3], (1_150, "Stop(Operator)".to_owned(), Mode::Stopped(StopCause::Operator)));
+    assert!(run.sent[3..].iter().all(|(rates, _)| rates.is_rest()), "also after the next frame");
+}
+
+#[test]
+fn each_end_of_a_run_sends_a_stop_last() {
+    let failed = |reason: &str| (StopCause::Fault, RunEnd::Failed(reason.to_owned()));
+    let requested = |reason: &str| (StopCause::Ending, RunEnd::Requested(reason.to_owned()));
+    let panicked = |thread: &str| event(Event::ThreadPanicked { thread: thread.to_owned() });
+    let broken = VideoError::Provided { reason: "no such video".to_owned() };
+    for (arrival, (cause, end)) in [
+        (event(Event::Video(VideoState::Ended)), (StopCause::VideoEnded, RunEnd::VideoEnded)),
+        (event(Event::Video(VideoState::Failed(broken))), failed("no such video")),
+        (quit(), requested("q was pressed")),
+        (event(Event::Quit(QuitCause::Signal("SIGTERM"))), requested("SIGTERM was received")),
+        (event(Event::Quit(QuitCause::OutputClosed)), requested("the output was closed")),
+        (panicked("recorder"), failed("the recorder thread panicked")),
+        (panicked("video"), failed("the video thread panicked")),
+        (event(Event::Link(LinkReport::Panicked)), failed("the link thread panicked")),
+        (Gone, failed("every source has gone")),
+    ] {
+        let run = run(&[SELECT, ENGAGE], [(1_100, Frame), (1_150, arrival)]);
+        assert_eq!(run.end, end);
+        assert_eq!(run.last(), (&*format!("Stop({cause:?})"), Mode::Stopped(cause)), "{end:?}");
+        let [.., before, last] = run.sent[..] else { panic!("{:?}", run.sent) };
+        assert_eq!(before.0, moving(), "the camera moves until then: {end:?}");
+        assert_eq!(last, (VehicleRates::REST, None), "{end:?}");
+    }
+}
+
+#[test]
+fn a_refused_selection_ends_the_run_where_it_cannot_be_made_again() {
+    let refused = [OperatorRequest::Select(REFUSED), ENGAGE];
+    let run = run(&refused, [(1_100, Frame), (1_200, Frame)]);
+    assert!(matches!(&run.end, RunEnd::Failed(reason) if reason.contains("width")), "{:?}", run.end);
+    assert_eq!(run.last(), ("Stop(Fault)", Mode::Stopped(StopCause::Fault)));
+    assert_eq!(run.overlaid.len(), 4, "the second frame is not processed");
+}
+
+#[test]
+fn a_refused_selection_can_be_made_again_elsewhere() {
+    let refused = [OperatorRequest::Select(REFUSED), ENGAGE];
+    let arrivals = [(1_100, Frame), (1_150, event(Event::Request(SELECT))), (1_200, Frame), (1_210, quit())];
+    let run = run_with(&refused, arrivals, false);
+    assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
+    assert!(run.recorded.iter().any(|(_, input, mode)| input == "frame 1" && *mode == Mode::Servoing));
+}
+
+#[test]
+fn a_failed_recording_raises_an_alarm_and_the_run_goes_on_without_it() {
+    let failure = event(Event::RecordingFailed { reason: "disk full".to_owned() });
+    let run = run(&[SELECT, ENGAGE], [(1_100, Frame), (1_150, failure), (1_200, Frame), (1_400, quit())]);
+    assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
+    assert_eq!(run.recorded.len(), 3, "nothing is recorded after the failure");
+    assert_eq!(run.sent[3].0, moving(), "the camera is moved as before");
+    assert!(run.lines.last().unwrap().ends_with("ALARM: recording stopped: disk full"), "{:?}", run.lines);
+}
+
+#[test]
+fn ticks_come_when_the_pilots_deadline_is_due() {
+    let run = run(&[SELECT, ENGAGE], [(1_100, Frame), (3_000, quit())]);
+    let silent = Mode::Holding(HoldCause::VideoSilent);
+    assert_eq!(
+        run.recorded[3..],
+        [
+            (1_100 + COAST_MS, "tick".to_owned(), silent),
+            (3_000, "Stop(Ending)".to_owned(), Mode::Stopped(StopCause::Ending))
+        ],
+        "one tick at the deadline, and none without a deadline"
+    );
+    assert_eq!(run.sent[3], (VehicleRates::REST, None));
+}
+
+#[test]
+fn an_event_without_a_frame_in_the_slot_makes_no_step() {
+    let run = run(&[], [(1_100, event(Event::Frame)), (1_200, quit())]);
+    assert_eq!(run.inputs(), [(1_200, "Stop(Ending)")]);
+}
+
+#[test]
+fn losses_of_video_and_link_are_survived() {
+    let lost = || event(Event::Video(VideoState::Lost { reason: "time-out".to_owned() }));
+    let run = run(
+        &[SELECT, ENGAGE],
+        [
+            (1_050, event(Event::Video(VideoState::Connecting))),
+            (1_060, lost()),
+            (1_070, event(Event::Video(VideoState::Up))),
+            (1_100, Frame),
+            (1_120, event(Event::Link(LinkReport::Lost("unplugged".to_owned())))),
+            (1_130, lost()),
+            (1_140, lost()),
+            (1_200, Frame),
+            (1_210, quit()),
+        ],
+    );
+    assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
+    assert_eq!(run.sent[3].0, moving());
+}
+
+#[test]
+fn the_links_state_is_stepped_and_shown() {
+    let up = Telemetry { at: at(1_050), report: Report::Link(LinkState::Up) };
+    let run = run(&[], [(1_050, event(Event::Link(LinkReport::Telemetry(up)))), (1_300, quit())]);
+    assert_eq!(run.inputs()[0], (1_050, "telemetry"));
+    assert!(run.lines[0].ends_with("link opening"), "{:?}", run.lines);
+    assert!(run.lines.last().unwrap().ends_with("link up"), "{:?}", run.lines);
+}

@@ -1,0 +1,182 @@
+//! The status line: its content, and an output that does not take it.
+
+use std::io::{self, Write};
+use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
+use std::time::Duration;
+
+use barrelman_control::{Percept, Region};
+use barrelman_host::clock::Clock;
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::{Advice, Mode, Outcome};
+use barrelman_station::live::status_line::{StatusLine, StatusOutput as _};
+use barrelman_station::live::status_writer::{LineStyle, StatusWriter};
+use barrelman_station::live::threads::FaultInjector;
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{
+    AngularRate, CameraCommand, ImagePoint, StopCause, Track, VehicleProfile, VehicleRates,
+};
+
+use crate::live_scenes::{PICTURE, at, localisation};
+
+const NOW_MS: u64 = 10_000;
+const RIGHT: CameraCommand =
+    CameraCommand { pan: AngularRate::from_radians_per_second(0.3), ..CameraCommand::REST };
+
+/// An outcome in this mode with this track, and the command that the law advises.
+fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome {
+    let region = Region::from_shares(VehicleProfile::fotokite_pro().region, PICTURE);
+    let is_moving = mode == Mode::Servoing;
+    Outcome {
+        at: at(NOW_MS),
+        mode,
+        track,
+        age: None,
+        region: Some(region),
+        percept: track.localisation().map(|_| Percept::new(ImagePoint { x: 96.0, y: 0.0 }, region)),
+        advice: advised.map(|command| Advice { command, sector: None }),
+        command: advised.filter(|_| is_moving).unwrap_or(CameraCommand::REST),
+        wake_at: None,
+        notice: None,
+    }
+}
+
+/// Checks the line of an outcome. `prepare` sets the rest of the content.
+#[track_caller]
+fn check(
+    link: Option<LinkState>,
+    prepare: impl FnOnce(&mut StatusLine),
+    outcome: Option<&Outcome>,
+    expected: &str,
+) {
+    let mut status = StatusLine::new(link, Duration::from_secs(1));
+    prepare(&mut status);
+    let rates = VehicleProfile::fotokite_pro()
+        .to_vehicle(outcome.map_or(CameraCommand::REST, |outcome| outcome.command));
+    assert_eq!(status.next_line(outcome, rates, at(NOW_MS)).as_deref(), Some(expected));
+}
+
+#[test]
+fn each_state_has_its_line() {
+    let seen = || Track::Tracking(localisation(at(9_800)));
+    let coasting = Track::Coasting(localisation(at(9_800)));
+    let lost = Track::Lost { since: at(7_500), confidence: 0.1 };
+    let nothing = |_: &mut StatusLine| {};
+    let up = Some(LinkState::Up);
+    check(
+        None,
+        nothing,
+        None,
+        "waiting for video | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s (not sent) | 0 fps, age -, dropped 0 | dry run",
+    );
+    check(
+        up,
+        nothing,
+        Some(&outcome(Mode::Idle, Track::Unseeded, None)),
+        "idle | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+    );
+    check(
+        up,
+        nothing,
+        Some(&outcome(Mode::Idle, seen(), Some(RIGHT))),
+        "idle | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s (would pan +0.30 tilt +0.00) | 0 fps, age -, dropped 0 | link up",
+    );
+    check(
+        up,
+        nothing,
+        Some(&outcome(Mode::Servoing, seen(), Some(RIGHT))),
+        "servoing | confidence 0.90 | P 0.25 | yaw -0.30 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+    );
+    check(
+        Some(LinkState::Starting),
+        nothing,
+        Some(&outcome(Mode::Servoing, seen(), Some(RIGHT))),
+        "servoing | confidence 0.90 | P 0.25 | yaw -0.30 pitch +0.00 rad/s (not sent) | 0 fps, age -, dropped 0 | link starting",
+    );
+    check(
+        up,
+        nothing,
+        Some(&outcome(Mode::Holding(HoldCause::Coasting), coasting, Some(CameraCommand::REST))),
+        "holding: coasting | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+    );
+    check(
+        up,
+        nothing,
+        Some(&outcome(Mode::Holding(HoldCause::TrackLost), lost, None)),
+        "holding: track lost | lost for 2.5 s | P - | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+    );
+    check(
+        Some(LinkState::Opening),
+        |status| {
+            (0..=40).for_each(|frame| {
+                status.frame(at(8_000 + frame * 50), Some(Duration::from_millis(213)), 7);
+            });
+            status.link(LinkState::Closing);
+            status.alarm("recording stopped: disk full".to_owned());
+        },
+        Some(&outcome(Mode::Stopped(StopCause::Operator), Track::Unseeded, None)),
+        "stopped by the operator | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s (not sent) | 20 fps, age 213 ms, dropped 7 | link closing  ALARM: recording stopped: disk full",
+    );
+}
+
+#[test]
+fn a_line_is_due_once_per_interval() {
+    let mut status = StatusLine::new(None, Duration::from_millis(200));
+    let times = [1_000, 1_100, 1_199, 1_200, 1_390, 5_000];
+    let is_due = times.map(|ms| status.next_line(None, VehicleRates::REST, at(ms)).is_some());
+    assert_eq!(is_due, [true, false, false, true, false, true]);
+}
+
+/// An output that passes each write on.
+struct Forward(Sender<String>);
+
+impl Write for Forward {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let _ = self.0.send(String::from_utf8_lossy(bytes).into_owned());
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// An output whose writes last until the other end is dropped.
+struct Blocked(Receiver<()>);
+
+impl Write for Blocked {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let _ = self.0.recv();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn start(output: impl Write + Send + 'static, style: LineStyle) -> StatusWriter {
+    let (events, _) = sync_channel(1);
+    StatusWriter::start(output, style, Clock::start(), FaultInjector::default(), events).unwrap()
+}
+
+#[test]
+fn a_terminal_shows_one_line_that_is_overwritten() {
+    for (style, expected) in [(LineStyle::Overwritten, "\r\u{1b}[Kfirst\n"), (LineStyle::Plain, "first\n")] {
+        let (writes, written) = channel();
+        let writer = start(Forward(writes), style);
+        writer.show("first".to_owned());
+        drop(writer);
+        assert_eq!(written.iter().collect::<String>(), expected);
+    }
+}
+
+#[test]
+fn an_output_that_blocks_delays_nobody() {
+    let (_open, gate) = channel();
+    let writer = start(Blocked(gate), LineStyle::Plain);
+    for line in 0..100 {
+        writer.show(line.to_string());
+    }
+    // The end of the run does not wait for the blocked thread either.
+    drop(writer);
+}
