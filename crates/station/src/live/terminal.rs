@@ -62,7 +62,7 @@ impl Terminal {
         let thread = threads::spawn("terminal", events, move || {
             let (stdin, stdout) = (std::io::stdin(), std::io::stdout());
             let keys = watches_keys.then(|| stdin.as_fd());
-            let mut watcher = Watcher { signals: &signals, keys, output: Some(stdout.as_fd()) };
+            let mut watcher = TerminalPoll { signals: &signals, keys, output: Some(stdout.as_fd()) };
             while !end.load(Ordering::Relaxed) {
                 fault_injector.apply_faults("terminal", clock.now());
                 watcher.poll(POLL_INTERVAL, |event| drop(to_loop.send(event)));
@@ -88,7 +88,7 @@ struct SignalPipe {
 }
 
 /// Reads keys and signals, and notices a closed output.
-struct Watcher<'a> {
+struct TerminalPoll<'a> {
     signals: &'a [SignalPipe],
     /// The input, until it ends.
     keys: Option<BorrowedFd<'a>>,
@@ -96,7 +96,7 @@ struct Watcher<'a> {
     output: Option<BorrowedFd<'a>>,
 }
 
-impl Watcher<'_> {
+impl TerminalPoll<'_> {
     /// Waits for keys, signals or a closed output, at most for `wait`, and passes the events on.
     fn poll(&mut self, wait: Duration, mut on_event: impl FnMut(Event)) {
         let mut fds: Vec<PollFd<'_>> =
@@ -184,7 +184,7 @@ mod tests {
     use super::*;
 
     /// The events of one call of `poll`, as text.
-    fn events(watcher: &mut Watcher<'_>) -> Vec<String> {
+    fn events(watcher: &mut TerminalPoll<'_>) -> Vec<String> {
         let mut events = Vec::new();
         watcher.poll(Duration::ZERO, |event| events.push(format!("{event:?}")));
         events
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn keys_arrive_in_the_order_typed_until_the_input_ends() {
         let ((mut typist, keys), (_reader, output)) = (pair(), pair());
-        let mut watcher = Watcher { signals: &[], keys: Some(keys.as_fd()), output: Some(output.as_fd()) };
+        let mut watcher = TerminalPoll { signals: &[], keys: Some(keys.as_fd()), output: Some(output.as_fd()) };
         assert_eq!(events(&mut watcher), [""; 0]);
         typist.write_all(b"ex ").unwrap();
         assert_eq!(events(&mut watcher), ["Request(Engage)", "Request(Stop(Operator))"]);
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn a_closed_output_ends_the_run_once() {
         let (reader, output) = pair();
-        let mut watcher = Watcher { signals: &[], keys: None, output: Some(output.as_fd()) };
+        let mut watcher = TerminalPoll { signals: &[], keys: None, output: Some(output.as_fd()) };
         assert_eq!(events(&mut watcher), [""; 0]);
         drop(reader);
         assert_eq!(events(&mut watcher), ["Quit(OutputClosed)"]);
@@ -238,7 +238,7 @@ mod tests {
     fn a_signal_that_comes_again_quits_again() {
         let ((mut sender, read), (_reader, output)) = (pair(), pair());
         let signals = [SignalPipe { read, name: "SIGTERM" }];
-        let mut watcher = Watcher { signals: &signals, keys: None, output: Some(output.as_fd()) };
+        let mut watcher = TerminalPoll { signals: &signals, keys: None, output: Some(output.as_fd()) };
         for _ in 0..2 {
             sender.write_all(b"X").unwrap();
             assert_eq!(events(&mut watcher), ["Quit(Signal(\"SIGTERM\"))"]);

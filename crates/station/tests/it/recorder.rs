@@ -25,41 +25,50 @@ use crate::live_scenes::{SELECTION, at, frame, pilot};
 const WHOLE_CHUNK: usize = 1 << 20;
 
 /// How an output answers to writes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Writes {
+    #[default]
     Succeed,
     Block,
     Fail,
 }
 
 /// An output in memory. Clones are the same output.
-#[derive(Clone)]
-struct MemoryOutput(Arc<(Mutex<(Writes, Vec<u8>)>, Condvar)>);
+#[derive(Clone, Default)]
+struct MemoryOutput(Arc<Shared>);
+
+#[derive(Default)]
+struct Shared {
+    state: Mutex<OutputState>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct OutputState {
+    writes: Writes,
+    bytes: Vec<u8>,
+}
 
 impl MemoryOutput {
-    fn new() -> Self {
-        Self(Arc::new((Mutex::new((Writes::Succeed, Vec::new())), Condvar::new())))
-    }
-
     fn set(&self, writes: Writes) {
-        self.0.0.lock().unwrap().0 = writes;
-        self.0.1.notify_all();
+        self.0.state.lock().unwrap().writes = writes;
+        self.0.changed.notify_all();
     }
 
     fn entries(&self) -> Vec<Entry> {
-        let bytes = self.0.0.lock().unwrap().1.clone();
+        let bytes = self.0.state.lock().unwrap().bytes.clone();
         RecordingReader::new(&bytes[..]).map(Result::unwrap).collect()
     }
 }
 
 impl Write for MemoryOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let state = self.0.0.lock().unwrap();
-        let mut state = self.0.1.wait_while(state, |(writes, _)| *writes == Writes::Block).unwrap();
-        if state.0 == Writes::Fail {
+        let state = self.0.state.lock().unwrap();
+        let mut state = self.0.changed.wait_while(state, |state| state.writes == Writes::Block).unwrap();
+        if state.writes == Writes::Fail {
             return Err(io::Error::from(io::ErrorKind::StorageFull));
         }
-        state.1.extend_from_slice(bytes);
+        state.bytes.extend_from_slice(bytes);
         Ok(bytes.len())
     }
 
@@ -83,7 +92,7 @@ fn recording_start() -> RecordingStart {
 
 fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
     let (events, queue) = sync_channel(16);
-    let output = MemoryOutput::new();
+    let output = MemoryOutput::default();
     let recorder =
         Recorder::begin(output.clone(), &recording_start(), Clock::start(), FaultInjector::default(), events);
     (output, recorder.unwrap(), queue)
@@ -179,7 +188,7 @@ fn a_write_error_stops_the_recording_with_one_alarm() {
 
 #[test]
 fn an_output_that_cannot_be_written_is_refused_at_the_start() {
-    let output = MemoryOutput::new();
+    let output = MemoryOutput::default();
     output.set(Writes::Fail);
     let (events, _queue) = sync_channel(1);
     let start = recording_start();
