@@ -215,7 +215,8 @@ mod tests {
     #[test]
     fn keys_arrive_in_the_order_typed_until_the_input_ends() {
         let ((mut typist, keys), (_reader, output)) = (pair(), pair());
-        let mut watcher = TerminalPoll { signals: &[], keys: Some(keys.as_fd()), output: Some(output.as_fd()) };
+        let mut watcher =
+            TerminalPoll { signals: &[], keys: Some(keys.as_fd()), output: Some(output.as_fd()) };
         assert_eq!(events(&mut watcher), [""; 0]);
         typist.write_all(b"ex ").unwrap();
         assert_eq!(events(&mut watcher), ["Request(Engage)", "Request(Stop(Operator))"]);
