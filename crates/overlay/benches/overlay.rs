@@ -1,4 +1,4 @@
-//! Milliseconds to draw a scene on a copy of a frame.
+//! Time to draw a scene on a copy of a frame.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ fn main() {
     divan::main();
 }
 
-/// A boat in the right sector, which is the larger kind, with all that can be shown.
+/// A boat in the right sector, which has a large area, with all elements.
 #[divan::bench(args = [PictureSize::new(640, 360), PictureSize::new(1280, 720), PictureSize::new(1920, 1080)])]
 fn servoing_with_explanation(bencher: Bencher<'_, '_>, size: PictureSize) {
     draw(bencher, size, 108);

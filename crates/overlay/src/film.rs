@@ -1,7 +1,6 @@
-//! An annotated video on disk: frames with what was seen and done drawn on them.
+//! Writes an annotated video: frames with their scenes drawn on them.
 //!
-//! The first frame sets the size; frames of another size, as after a change of the stream's resolution, end the
-//! film with an error that says so.
+//! The first frame sets the size. A frame of another size, as after a change of the stream's resolution, is an error.
 
 use std::path::PathBuf;
 
@@ -17,10 +16,10 @@ use barrelman_host::output::OutputFile;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::writer::Mp4Writer;
 
-/// Frames per second that the encoder plans for; the times in the file are the frames' own.
+/// Frames per second that the encoder expects. The times in the file are those of the frames.
 const NOMINAL_FPS: f64 = 30.0;
 
-/// A film that is being written.
+/// Writes a film.
 pub struct Film {
     path: PathBuf,
     /// The file, until the first frame.
@@ -32,8 +31,7 @@ pub struct Film {
 }
 
 impl Film {
-    /// A film in `file`, with the region that takes up these shares of the picture. Without a frame nothing is
-    /// written.
+    /// A film in `file`, with a region of these shares of the picture. Nothing is written before the first frame.
     pub fn new(file: OutputFile, shares: RegionShares) -> Self {
         Self {
             path: file.path().to_owned(),
@@ -68,25 +66,30 @@ impl Film {
     /// Adds a frame with the outcome of its step.
     ///
     /// # Errors
-    /// If the frame has another size than the first, or the file cannot be written.
+    /// The frame has another size than the first, or the file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
         let Some(scene) = Scene::from_outcome(outcome) else { return Ok(()) };
         self.add(frame, &Scene { rates: Some(rates), ..scene })
     }
 
-    /// Adds a frame with what a tracker alone made of it.
+    /// Adds a frame with the track of a tracker, without a pilot.
     ///
     /// # Errors
-    /// If the frame has another size than the first, or the file cannot be written.
-    pub fn add_track(&mut self, frame: &VideoFrame, track: &Track, why: Option<&Explanation>) -> Result<()> {
+    /// The frame has another size than the first, or the file cannot be written.
+    pub fn add_track(
+        &mut self,
+        frame: &VideoFrame,
+        track: &Track,
+        explanation: Option<&Explanation>,
+    ) -> Result<()> {
         let region = Region::from_shares(self.shares, frame.picture.size());
-        self.add(frame, &Scene { explanation: why, ..Scene::from_track(track, region) })
+        self.add(frame, &Scene { explanation, ..Scene::from_track(track, region) })
     }
 
-    /// Ends the film.
+    /// Finishes the film.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// The file cannot be written.
     pub fn finish(self) -> Result<()> {
         match self.writer {
             Some((writer, ..)) => writer.finish().with_context(|| format!("{}", self.path.display())),

@@ -1,14 +1,14 @@
-//! A transparent layer of premultiplied red, green, blue and opacity, and which parts of it were drawn on.
+//! A transparent layer of premultiplied red, green, blue and opacity.
 //!
-//! The layer is divided into square tiles. Whatever draws marks the tiles that it can reach; only those are cleared
-//! for the next frame and mixed into a picture.
+//! The layer is divided into square tiles. Each drawing operation marks the tiles that it can reach; only those are
+//! cleared for the next frame and blended into a picture.
 
 use barrelman_vocab::{PictureSize, PixelBox};
 use tiny_skia::{BlendMode, FillRule, Paint, Path, PathSegment, Pixmap, Point, Rect, Stroke, Transform};
 
-use super::style::Ink;
+use super::style::Rgba;
 
-/// Pixels along a tile's side: even, so that a tile covers whole chroma samples.
+/// Side of a tile, pixels: even, so that a tile covers whole chroma samples.
 pub(super) const TILE: usize = 8;
 
 /// A layer of one picture's size.
@@ -19,7 +19,7 @@ pub(super) struct Layer {
     drawn: Vec<bool>,
 }
 
-/// How much of each pixel a glyph covers, and where it lies from its origin.
+/// The share of each pixel that a glyph covers, and the offset from the glyph's origin.
 #[derive(Debug, Default)]
 pub(super) struct Coverage {
     offset: (i32, i32),
@@ -28,12 +28,12 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// Nothing covered yet of `width` x `height` pixels.
+    /// An empty glyph of `width` x `height` pixels.
     pub(super) fn new(offset: (i32, i32), (width, height): (usize, usize)) -> Self {
         Self { offset, width, shares: vec![0; width * height] }
     }
 
-    /// Covers a share, 0 to 1, of one pixel. What lies outside is left out.
+    /// Sets the covered share of one pixel, 0 to 1. Pixels outside of the glyph are ignored.
     pub(super) fn set(&mut self, column: usize, row: usize, share: f32) {
         if column < self.width
             && let Some(cell) = self.shares.get_mut(row * self.width + column)
@@ -44,8 +44,8 @@ impl Coverage {
 }
 
 impl Layer {
-    /// Makes the layer transparent and as large as a picture. `false` where there is no room to draw: an empty
-    /// picture, or one that no layer can be as large as.
+    /// Makes the layer transparent, in the size of a picture. `false` if no layer of this size is possible: the picture
+    /// is empty or too large.
     pub(super) fn begin(&mut self, size: PictureSize) -> bool {
         if self
             .pixels
@@ -63,19 +63,19 @@ impl Layer {
         self.pixels.is_some()
     }
 
-    /// Makes the layer a copy of another of the same size, and looks only at what was drawn on either.
-    pub(super) fn begin_on(&mut self, ground: &Self) {
-        if self.size() != ground.size() {
-            self.begin(ground.size());
+    /// Makes the layer a copy of `base`. Only the tiles that were drawn on in either layer are copied.
+    pub(super) fn begin_on(&mut self, base: &Self) {
+        if self.size() != base.size() {
+            self.begin(base.size());
         }
-        for (drawn, below) in self.drawn.iter_mut().zip(&ground.drawn) {
+        for (drawn, below) in self.drawn.iter_mut().zip(&base.drawn) {
             *drawn |= below;
         }
-        self.copy_tiles(Some(ground));
-        self.drawn.clone_from(&ground.drawn);
+        self.copy_tiles(Some(base));
+        self.drawn.clone_from(&base.drawn);
     }
 
-    /// Makes the tiles that were drawn on equal to those of another layer of the same size, or transparent.
+    /// Copies the tiles that were drawn on from another layer of the same size, or clears them.
     fn copy_tiles(&mut self, from: Option<&Self>) {
         let Some(pixels) = &mut self.pixels else { return };
         let bytes_per_row = pixels.width() as usize * 4;
@@ -101,7 +101,7 @@ impl Layer {
             .map_or(PictureSize::new(0, 0), |pixels| PictureSize::new(pixels.width(), pixels.height()))
     }
 
-    /// Red, green, blue (premultiplied) and opacity of all pixels, four bytes each, rows tightly packed.
+    /// Red, green, blue (premultiplied) and opacity of all pixels, four bytes each, rows without padding.
     pub(super) fn rgba(&self) -> &[u8] {
         self.pixels.as_ref().map_or(&[], Pixmap::data)
     }
@@ -114,66 +114,66 @@ impl Layer {
     }
 
     /// Fills a closed path.
-    pub(super) fn fill(&mut self, path: &Path, ink: Ink) {
+    pub(super) fn fill(&mut self, path: &Path, colour: Rgba) {
         let bounds = path.bounds();
-        self.mark(bounds.left(), bounds.top(), bounds.right(), bounds.bottom());
+        self.mark_drawn(bounds.left(), bounds.top(), bounds.right(), bounds.bottom());
         if let Some(pixels) = &mut self.pixels {
-            pixels.fill_path(path, &paint(ink), FillRule::Winding, Transform::identity(), None);
+            pixels.fill_path(path, &paint(colour), FillRule::Winding, Transform::identity(), None);
         }
     }
 
-    /// Fills a closed path with one colour instead of what was there, its edge not smoothed: for large faint
-    /// areas that are drawn before anything else.
-    pub(super) fn wash(&mut self, path: &Path, ink: Ink) {
+    /// Fills a closed path with one colour that replaces the pixels, without antialiasing: for large faint areas below
+    /// all else.
+    pub(super) fn fill_replacing(&mut self, path: &Path, colour: Rgba) {
         let bounds = path.bounds();
-        self.mark(bounds.left(), bounds.top(), bounds.right(), bounds.bottom());
+        self.mark_drawn(bounds.left(), bounds.top(), bounds.right(), bounds.bottom());
         if let Some(pixels) = &mut self.pixels {
-            let paint = Paint { anti_alias: false, blend_mode: BlendMode::Source, ..paint(ink) };
+            let paint = Paint { anti_alias: false, blend_mode: BlendMode::Source, ..paint(colour) };
             pixels.fill_path(path, &paint, FillRule::Winding, Transform::identity(), None);
         }
     }
 
     /// Fills an upright box.
-    pub(super) fn fill_box(&mut self, place: PixelBox, ink: Ink) {
+    pub(super) fn fill_box(&mut self, place: PixelBox, colour: Rgba) {
         let (u, v, w, h) = (place.u as f32, place.v as f32, place.w as f32, place.h as f32);
         if let (Some(pixels), Some(rect)) = (&mut self.pixels, Rect::from_xywh(u, v, w, h)) {
-            pixels.fill_rect(rect, &paint(ink), Transform::identity(), None);
-            self.mark(u, v, u + w, v + h);
+            pixels.fill_rect(rect, &paint(colour), Transform::identity(), None);
+            self.mark_drawn(u, v, u + w, v + h);
         }
     }
 
     /// Draws along a path.
-    pub(super) fn stroke(&mut self, path: &Path, stroke: &Stroke, ink: Ink) {
+    pub(super) fn stroke(&mut self, path: &Path, stroke: &Stroke, colour: Rgba) {
         self.mark_along(path, stroke.width / 2.0 + 1.0);
         if let Some(pixels) = &mut self.pixels {
-            pixels.stroke_path(path, &paint(ink), stroke, Transform::identity(), None);
+            pixels.stroke_path(path, &paint(colour), stroke, Transform::identity(), None);
         }
     }
 
-    /// Lays a glyph on the layer, its origin at a pixel.
-    pub(super) fn cover(&mut self, glyph: &Coverage, origin: (i32, i32), ink: Ink) {
+    /// Draws a glyph with its origin at a pixel.
+    pub(super) fn draw_glyph(&mut self, glyph: &Coverage, origin: (i32, i32), colour: Rgba) {
         if glyph.width == 0 {
             return;
         }
         let (width, height) = (glyph.width, glyph.shares.len() / glyph.width);
         let corner = (origin.0.saturating_add(glyph.offset.0), origin.1.saturating_add(glyph.offset.1));
-        self.lay(corner, (width, height), |column, row| {
-            let opacity = u32::from(glyph.shares[row * width + column]) * u32::from(ink.opacity) / 255;
-            Ink { opacity: opacity as u8, ..ink }
+        self.paint_pixels(corner, (width, height), |column, row| {
+            let opacity = u32::from(glyph.shares[row * width + column]) * u32::from(colour.opacity) / 255;
+            Rgba { opacity: opacity as u8, ..colour }
         });
     }
 
-    /// Lays a colour for each whole pixel of a box: `ink` is given a column and a row from the box's corner.
-    pub(super) fn paint(&mut self, place: PixelBox, ink: impl FnMut(usize, usize) -> Ink) {
+    /// Blends a colour over each pixel of a box. `colour` gets the column and the row from the box's corner.
+    pub(super) fn paint(&mut self, place: PixelBox, colour: impl FnMut(usize, usize) -> Rgba) {
         let corner = (place.u.round() as i32, place.v.round() as i32);
-        self.lay(corner, (place.w.round() as usize, place.h.round() as usize), ink);
+        self.paint_pixels(corner, (place.w.round() as usize, place.h.round() as usize), colour);
     }
 
-    fn lay(
+    fn paint_pixels(
         &mut self,
         (left, top): (i32, i32),
         (width, height): (usize, usize),
-        mut ink: impl FnMut(usize, usize) -> Ink,
+        mut colour: impl FnMut(usize, usize) -> Rgba,
     ) {
         let Some(pixels) = &mut self.pixels else { return };
         let (across, down) = (pixels.width() as usize, pixels.height() as usize);
@@ -188,10 +188,10 @@ impl Layer {
             let start = (top + row as i32) as usize * across;
             for column in columns.clone() {
                 let pixel = &mut pixels.pixels_mut()[start + (left + column as i32) as usize];
-                *pixel = ink(column, row).over(*pixel);
+                *pixel = colour(column, row).blend_over(*pixel);
             }
         }
-        self.mark(left as f32, top as f32, left as f32 + width as f32, top as f32 + height as f32);
+        self.mark_drawn(left as f32, top as f32, left as f32 + width as f32, top as f32 + height as f32);
     }
 
     /// Marks the tiles near a path's lines and curves.
@@ -235,18 +235,18 @@ impl Layer {
     }
 
     fn mark_box(&mut self, points: &[Point], reach: f32) {
-        let least = |of: fn(&Point) -> f32| points.iter().map(of).fold(f32::INFINITY, f32::min) - reach;
-        let most = |of: fn(&Point) -> f32| points.iter().map(of).fold(f32::NEG_INFINITY, f32::max) + reach;
-        self.mark(
-            least(|point| point.x),
-            least(|point| point.y),
-            most(|point| point.x),
-            most(|point| point.y),
+        let min = |of: fn(&Point) -> f32| points.iter().map(of).fold(f32::INFINITY, f32::min) - reach;
+        let max = |of: fn(&Point) -> f32| points.iter().map(of).fold(f32::NEG_INFINITY, f32::max) + reach;
+        self.mark_drawn(
+            min(|point| point.x),
+            min(|point| point.y),
+            max(|point| point.x),
+            max(|point| point.y),
         );
     }
 
     /// Marks the tiles that a box of the picture reaches into.
-    fn mark(&mut self, left: f32, top: f32, right: f32, bottom: f32) {
+    fn mark_drawn(&mut self, left: f32, top: f32, right: f32, bottom: f32) {
         let down = self.drawn.len() / self.tiles_across.max(1);
         // A float-to-integer cast saturates: what lies left of or above the picture becomes its first tile.
         let first = |edge: f32| (edge - 1.0).max(0.0) as usize / TILE;
@@ -261,8 +261,8 @@ impl Layer {
     }
 }
 
-fn paint(ink: Ink) -> Paint<'static> {
+fn paint(colour: Rgba) -> Paint<'static> {
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
-    paint.set_color(ink.colour());
+    paint.set_color(colour.to_skia());
     paint
 }

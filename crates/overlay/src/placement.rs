@@ -1,61 +1,62 @@
-//! Where there is room: boxes that are taken, and the first of some places that is free of them.
+//! Places labels: keeps the reserved boxes of a picture and finds free places.
 
 use barrelman_vocab::{PixelBox, PixelPoint};
 
-/// What is taken of one picture.
+/// The reserved boxes of one picture.
 #[derive(Debug, Default)]
 pub(super) struct LabelPlacement {
-    page: PixelBox,
+    picture_bounds: PixelBox,
     gap: f64,
-    taken: Vec<PixelBox>,
+    reserved: Vec<PixelBox>,
 }
 
 impl LabelPlacement {
-    /// Frees everything. `gap` is kept between things that are placed.
-    pub(super) fn begin(&mut self, page: PixelBox, gap: f64) {
-        self.page = page;
+    /// Removes all reservations. Placed boxes keep a distance of `gap`.
+    pub(super) fn begin(&mut self, picture_bounds: PixelBox, gap: f64) {
+        self.picture_bounds = picture_bounds;
         self.gap = gap;
-        self.taken.clear();
+        self.reserved.clear();
     }
 
-    /// The picture.
-    pub(super) fn page(&self) -> PixelBox {
-        self.page
+    /// The bounds of the picture.
+    pub(super) fn picture_bounds(&self) -> PixelBox {
+        self.picture_bounds
     }
 
-    /// Takes a box, whether or not it was free.
-    pub(super) fn reserve(&mut self, taken: PixelBox) {
-        self.taken.push(taken);
+    /// Reserves a box, whether or not it is free.
+    pub(super) fn reserve(&mut self, reserved: PixelBox) {
+        self.reserved.push(reserved);
     }
 
-    /// Whether a box lies in the picture and meets nothing that is taken. One that covers nothing does not.
+    /// Whether a box is not empty, lies in the picture and meets no reserved box.
     pub(super) fn is_free(&self, wanted: PixelBox) -> bool {
-        let inside = !wanted.is_empty() && wanted.intersection(self.page).area() >= wanted.area() - 1e-6;
+        let is_inside =
+            !wanted.is_empty() && wanted.intersection(self.picture_bounds).area() >= wanted.area() - 1e-6;
         let gap = self.gap / 2.0;
-        let wide = PixelBox {
+        let with_gap = PixelBox {
             u: wanted.u - gap,
             v: wanted.v - gap,
             w: wanted.w + 2.0 * gap,
             h: wanted.h + 2.0 * gap,
         };
-        inside && self.taken.iter().all(|taken| wide.intersection(*taken).is_empty())
+        is_inside && self.reserved.iter().all(|reserved| with_gap.intersection(*reserved).is_empty())
     }
 
-    /// Takes the first free one of some places, given by their middles, for a box of that size.
-    pub(super) fn place_first(
+    /// Reserves a box of this size at the first free place. The places are given by their centres.
+    pub(super) fn place_at_first_free(
         &mut self,
         (w, h): (f64, f64),
-        middles: impl IntoIterator<Item = PixelPoint>,
+        centres: impl IntoIterator<Item = PixelPoint>,
     ) -> Option<PixelBox> {
-        let around = |middle: PixelPoint| PixelBox { u: middle.u - w / 2.0, v: middle.v - h / 2.0, w, h };
-        let free = middles.into_iter().map(around).find(|wanted| self.is_free(*wanted))?;
+        let around = |centre: PixelPoint| PixelBox { u: centre.u - w / 2.0, v: centre.v - h / 2.0, w, h };
+        let free = centres.into_iter().map(around).find(|wanted| self.is_free(*wanted))?;
         self.reserve(free);
         Some(free)
     }
 
-    /// Takes one of some boxes: the one of last time while it is free, so that things do not jump; else the first
-    /// that is.
-    pub(super) fn place_steadily(
+    /// Reserves one of the boxes: the last one while it is free, so that labels do not jump; otherwise the first free
+    /// one.
+    pub(super) fn place_stable(
         &mut self,
         last: &mut Option<usize>,
         choices: &[PixelBox],

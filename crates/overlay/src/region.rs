@@ -1,5 +1,4 @@
-//! The elliptical region, the diagonals that divide what is outside it into four sectors, and the sector that the
-//! target is in.
+//! The elliptical region, the diagonals that divide the picture outside of it into four sectors, and the active sector.
 //!
 //! The diagonals are |x| = |y| in pixels: they do not run to the picture's corners. See `docs/law.md`.
 
@@ -8,12 +7,12 @@ use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use barrelman_control::{MotorSchema, Percept, Region, Sector};
 use barrelman_vocab::{ImagePoint, PictureSize};
 
+use super::canvas::Canvas;
 use super::layer::Layer;
-use super::pen::Pen;
 use super::shapes::{Line, polyline};
-use super::style::{Detail, Ink};
+use super::style::{Detail, Rgba};
 
-/// Chords that the whole ellipse is drawn with: at 1080 lines none is off by more than a twentieth of a pixel.
+/// Number of chords of the ellipse: at 1080 lines the error is below a twentieth of a pixel.
 const CHORDS: u32 = 256;
 
 /// The region's ellipse in the direction of an angle from the picture's centre, anticlockwise from image right.
@@ -28,7 +27,7 @@ fn in_pixels(point: ImagePoint, picture: PictureSize) -> (f32, f32) {
     (point.u as f32, point.v as f32)
 }
 
-/// The region as it was drawn last, on a layer of its own: it seldom changes from one frame to the next.
+/// The region as last drawn, on a layer of its own, because it rarely changes between frames.
 #[derive(Debug, Default)]
 pub(super) struct RegionLayer {
     layer: Layer,
@@ -36,11 +35,11 @@ pub(super) struct RegionLayer {
 }
 
 impl RegionLayer {
-    /// Begins the pen's layer with the region on it, and where P > 1 the sector that is active. `false` where
-    /// there is no room to draw.
+    /// Begins the canvas's layer with the region and, where P > 1, the active sector. `false` if the layer cannot have
+    /// the size of the picture.
     pub(super) fn begin(
         &mut self,
-        pen: &mut Pen,
+        canvas: &mut Canvas,
         picture: PictureSize,
         region: Region,
         percept: Option<&Percept>,
@@ -49,66 +48,66 @@ impl RegionLayer {
         let wanted = (picture, region, active.map(|percept| Sector::from_point(percept.position)));
         if self.shows != Some(wanted) {
             self.shows = Some(wanted);
-            core::mem::swap(&mut pen.layer, &mut self.layer);
-            if pen.layer.begin(picture) {
-                draw(pen, region, wanted.2);
+            core::mem::swap(&mut canvas.layer, &mut self.layer);
+            if canvas.layer.begin(picture) {
+                draw(canvas, region, wanted.2);
             }
-            core::mem::swap(&mut pen.layer, &mut self.layer);
+            core::mem::swap(&mut canvas.layer, &mut self.layer);
         }
-        pen.layer.begin_on(&self.layer);
+        canvas.layer.begin_on(&self.layer);
         self.layer.size() == picture
     }
 }
 
-fn draw(pen: &mut Pen, region: Region, active: Option<Sector>) {
-    let sound = |semi_axis: f64| semi_axis > 0.0 && semi_axis < 1e5;
-    if !sound(region.a_px) || !sound(region.b_px) {
+fn draw(canvas: &mut Canvas, region: Region, active: Option<Sector>) {
+    let is_usable = |semi_axis: f64| semi_axis > 0.0 && semi_axis < 1e5;
+    if !is_usable(region.a_px) || !is_usable(region.b_px) {
         return;
     }
-    let picture = pen.layer.size();
+    let picture = canvas.layer.size();
     if let Some(sector) = active {
-        fill_sector(pen, region, sector);
+        fill_sector(canvas, region, sector);
     }
-    if pen.style.detail > Detail::Bare {
-        draw_diagonals(pen, region);
+    if canvas.style.detail > Detail::Bare {
+        draw_diagonals(canvas, region);
     }
     let around = |chord: u32| {
-        // The parameter of the ellipse, not the direction: chords are then shortest where it bends most.
+        // The parameter of the ellipse, not the direction: the chords are shortest where the curvature is largest.
         let parameter = f64::from(chord) * TAU / f64::from(CHORDS);
         let (x, y) = (region.a_px * libm::cos(parameter), region.b_px * libm::sin(parameter));
         in_pixels(ImagePoint { x, y }, picture)
     };
-    pen.line(polyline((0..CHORDS).map(around), true), Line::of(Ink::LIGHT.at(0.75)));
+    canvas.line(polyline((0..CHORDS).map(around), true), Line::new(Rgba::LIGHT.with_opacity(0.75)));
     if let Some(sector) = active {
         let arc = arc_of(region, sector, picture);
-        pen.line(polyline(arc, false), Line::of(Ink::ACCENT).wide(1.8));
+        canvas.line(polyline(arc, false), Line::new(Rgba::ACCENT).with_weight(1.8));
     }
-    draw_centre(pen);
+    draw_centre(canvas);
 }
 
-fn draw_diagonals(pen: &mut Pen, region: Region) {
-    let picture = pen.layer.size();
+fn draw_diagonals(canvas: &mut Canvas, region: Region) {
+    let picture = canvas.layer.size();
     let edge = f64::from(picture.width.min(picture.height)) / 2.0;
     for quarter in 0..4 {
         let from = on_ellipse(region, FRAC_PI_4 + f64::from(quarter) * FRAC_PI_2);
         if from.x.abs() < edge {
             let to = ImagePoint { x: edge.copysign(from.x), y: edge.copysign(from.y) };
             let (from, to) = (in_pixels(from, picture), in_pixels(to, picture));
-            pen.segment(from, to, Line::of(Ink::LIGHT.at(0.28)));
+            canvas.segment(from, to, Line::new(Rgba::LIGHT.with_opacity(0.28)));
         }
     }
 }
 
-/// A small cross at the picture's centre, where r begins.
-fn draw_centre(pen: &mut Pen) {
-    let (u, v) = in_pixels(ImagePoint::default(), pen.layer.size());
-    let arm = pen.style.scaled(9.0).max(3.0);
-    let line = Line::of(Ink::LIGHT.at(0.9));
-    pen.segment((u - arm, v), (u + arm, v), line);
-    pen.segment((u, v - arm), (u, v + arm), line);
+/// A small cross at the picture's centre, the origin of r.
+fn draw_centre(canvas: &mut Canvas) {
+    let (u, v) = in_pixels(ImagePoint::default(), canvas.layer.size());
+    let arm = canvas.style.scaled(9.0).max(3.0);
+    let line = Line::new(Rgba::LIGHT.with_opacity(0.9));
+    canvas.segment((u - arm, v), (u + arm, v), line);
+    canvas.segment((u, v - arm), (u, v + arm), line);
 }
 
-/// The part of the ellipse that borders on a sector.
+/// The arc of the ellipse that borders a sector.
 fn arc_of(region: Region, sector: Sector, picture: PictureSize) -> impl Iterator<Item = (f32, f32)> {
     let middle = f64::from(quarter_of(sector)) * FRAC_PI_2;
     let chords = CHORDS / 4;
@@ -118,8 +117,8 @@ fn arc_of(region: Region, sector: Sector, picture: PictureSize) -> impl Iterator
     })
 }
 
-fn fill_sector(pen: &mut Pen, region: Region, sector: Sector) {
-    let picture = pen.layer.size();
+fn fill_sector(canvas: &mut Canvas, region: Region, sector: Sector) {
+    let picture = canvas.layer.size();
     let first = f64::from(quarter_of(sector)) * FRAC_PI_2 + FRAC_PI_4;
     let far = f64::from(picture.width.max(picture.height));
     let beyond = [first, first - FRAC_PI_2].map(|direction| {
@@ -128,7 +127,7 @@ fn fill_sector(pen: &mut Pen, region: Region, sector: Sector) {
     });
     let outline = arc_of(region, sector, picture).chain(beyond);
     if let Some(path) = polyline(outline, true) {
-        pen.layer.wash(&path, Ink::ACCENT.at(0.1));
+        canvas.layer.fill_replacing(&path, Rgba::ACCENT.with_opacity(0.1));
     }
 }
 

@@ -1,46 +1,46 @@
-//! The paths and plates that the parts of an overlay are made of.
+//! Lines, plates and text on a canvas.
 
 use barrelman_vocab::PixelBox;
 use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Rect, Stroke, StrokeDash};
 
-use super::pen::Pen;
-use super::style::Ink;
+use super::canvas::Canvas;
+use super::style::Rgba;
 
-/// How a line looks.
+/// Style of a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     /// Its colour.
-    pub(super) ink: Ink,
-    /// Its width over that of a usual line.
+    pub(super) colour: Rgba,
+    /// Width relative to the usual line.
     pub(super) weight: f32,
-    /// Whether it is broken.
+    /// Whether the line is dashed.
     pub(super) dashed: bool,
 }
 
 impl Line {
-    /// An unbroken line of the usual width.
-    pub(super) const fn of(ink: Ink) -> Self {
-        Self { ink, weight: 1.0, dashed: false }
+    /// A solid line of the usual width.
+    pub(super) const fn new(colour: Rgba) -> Self {
+        Self { colour, weight: 1.0, dashed: false }
     }
 
-    /// The same, so many times as wide.
-    pub(super) const fn wide(self, weight: f32) -> Self {
+    /// The line with another weight.
+    pub(super) const fn with_weight(self, weight: f32) -> Self {
         Self { weight, ..self }
     }
 
-    /// The same, broken.
+    /// The line dashed.
     pub(super) const fn dashed(self) -> Self {
         Self { dashed: true, ..self }
     }
 }
 
-/// How opaque the dark casing of a line is, to the line itself: it keeps lines visible on bright water.
+/// Opacity of the dark casing relative to its line. The casing keeps lines visible on bright water.
 const CASING: f32 = 0.55;
-/// How opaque the plates behind text are: enough for white letters on foam.
+/// Opacity of the plates behind text: enough for white letters on foam.
 pub(super) const PLATE: f32 = 0.68;
 
-impl Pen {
-    /// Draws along a path, on a dark casing.
+impl Canvas {
+    /// Draws a line along a path, on a dark casing.
     pub(super) fn line(&mut self, path: Option<Path>, line: Line) {
         let Some(path) = path else { return };
         let width = self.style.line * line.weight;
@@ -52,10 +52,10 @@ impl Pen {
             dash: if line.dashed { StrokeDash::new(vec![dash, dash * 0.8], 0.0) } else { None },
             ..Stroke::default()
         };
-        let opacity = f32::from(line.ink.opacity) / 255.0;
-        self.layer.stroke(&path, &stroke, Ink::DARK.at(CASING * opacity));
+        let opacity = f32::from(line.colour.opacity) / 255.0;
+        self.layer.stroke(&path, &stroke, Rgba::DARK.with_opacity(CASING * opacity));
         stroke.width = width;
-        self.layer.stroke(&path, &stroke, line.ink);
+        self.layer.stroke(&path, &stroke, line.colour);
     }
 
     /// A straight line between two points.
@@ -64,25 +64,26 @@ impl Pen {
     }
 
     /// A dot with a dark rim.
-    pub(super) fn dot(&mut self, (u, v): (f32, f32), radius: f32, ink: Ink) {
-        for (radius, ink) in [(radius + self.style.line.min(2.0) / 2.0, Ink::DARK.at(CASING)), (radius, ink)]
+    pub(super) fn dot(&mut self, (u, v): (f32, f32), radius: f32, colour: Rgba) {
+        for (radius, colour) in
+            [(radius + self.style.line.min(2.0) / 2.0, Rgba::DARK.with_opacity(CASING)), (radius, colour)]
         {
             if let Some(path) = PathBuilder::from_circle(u, v, radius) {
-                self.layer.fill(&path, ink);
+                self.layer.fill(&path, colour);
             }
         }
     }
 
     /// A dark translucent plate with rounded corners.
     pub(super) fn plate(&mut self, place: PixelBox) {
-        self.rounded(place, Ink::DARK.at(PLATE));
+        self.rounded(place, Rgba::DARK.with_opacity(PLATE));
     }
 
     /// A filled box with rounded corners.
-    pub(super) fn rounded(&mut self, place: PixelBox, ink: Ink) {
+    pub(super) fn rounded(&mut self, place: PixelBox, colour: Rgba) {
         let radius = self.style.scaled(5.0).min(place.h.min(place.w) as f32 / 2.0);
         if let Some(path) = rounded_box(place, radius) {
-            self.layer.fill(&path, ink);
+            self.layer.fill(&path, colour);
         }
     }
 
@@ -93,22 +94,22 @@ impl Pen {
     }
 
     /// Text, centred in a box.
-    pub(super) fn centred_text(&mut self, text: &str, place: PixelBox, ink: Ink) {
+    pub(super) fn centred_text(&mut self, text: &str, place: PixelBox, colour: Rgba) {
         let size = self.style.text_px;
         let middle = place.centre();
         let u = middle.u as f32 - self.type_face.width(text, size) / 2.0;
-        self.text(text, (u, middle.v as f32), ink);
+        self.text(text, (u, middle.v as f32), colour);
     }
 
     /// Text with its left end at `u` and the middle of its capitals at `middle`; returns where it ends.
-    pub(super) fn text(&mut self, text: &str, (u, middle): (f32, f32), ink: Ink) -> f32 {
+    pub(super) fn text(&mut self, text: &str, (u, middle): (f32, f32), colour: Rgba) -> f32 {
         let size = self.style.text_px;
         let baseline = middle + self.type_face.capital_height(size) / 2.0;
-        self.type_face.draw(&mut self.layer, text, (u, baseline), (size, ink))
+        self.type_face.draw(&mut self.layer, text, (u, baseline), (size, colour))
     }
 }
 
-/// A path through some points.
+/// A path through points.
 pub(super) fn polyline(points: impl IntoIterator<Item = (f32, f32)>, closed: bool) -> Option<Path> {
     let mut path = PathBuilder::new();
     for (index, (u, v)) in points.into_iter().enumerate() {
@@ -124,7 +125,7 @@ pub(super) fn polyline(points: impl IntoIterator<Item = (f32, f32)>, closed: boo
     path.finish()
 }
 
-/// An upright box.
+/// The path of an axis-aligned box.
 pub(super) fn upright(place: PixelBox) -> Option<Path> {
     rect(place).map(PathBuilder::from_rect)
 }

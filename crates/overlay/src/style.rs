@@ -1,23 +1,23 @@
-//! Colours, line widths and text sizes, and how much is shown at which size of picture.
+//! Colours, line widths, text sizes, and the level of detail for a size of picture.
 
 use barrelman_vocab::PictureSize;
 use tiny_skia::{Color, PremultipliedColorU8};
 
 /// A colour with its opacity, 0 to 255 each, not premultiplied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Ink {
+pub(super) struct Rgba {
     pub(super) red: u8,
     pub(super) green: u8,
     pub(super) blue: u8,
     pub(super) opacity: u8,
 }
 
-impl Ink {
-    /// The accent: the target while it is tracked, and whatever the camera is made to do.
+impl Rgba {
+    /// Accent: a tracked target, and camera motion.
     pub(super) const ACCENT: Self = Self::opaque(94, 234, 212);
-    /// Where the target's pattern fits.
+    /// Response of the correlation filter.
     pub(super) const PATTERN: Self = Self::opaque(167, 110, 250);
-    /// The target while it coasts; a pilot that holds.
+    /// A coasting target; a holding pilot.
     pub(super) const CAUTION: Self = Self::opaque(251, 191, 36);
     /// A lost target; a stop.
     pub(super) const ALARM: Self = Self::opaque(239, 68, 68);
@@ -33,12 +33,12 @@ impl Ink {
     }
 
     /// The same colour at another opacity, 0 to 1.
-    pub(super) fn at(self, opacity: f32) -> Self {
+    pub(super) fn with_opacity(self, opacity: f32) -> Self {
         Self { opacity: (opacity * 255.0 + 0.5) as u8, ..self }
     }
 
-    /// This colour laid over a pixel.
-    pub(super) fn over(self, under: PremultipliedColorU8) -> PremultipliedColorU8 {
+    /// This colour blended over a pixel.
+    pub(super) fn blend_over(self, under: PremultipliedColorU8) -> PremultipliedColorU8 {
         let opacity = u32::from(self.opacity);
         // Each channel is rounded once, as (over × opacity + under × (1 - opacity)); none can exceed the opacity.
         let mix = |over: u8, under: u8| {
@@ -53,15 +53,15 @@ impl Ink {
         mixed.unwrap_or(under)
     }
 
-    pub(super) fn colour(self) -> Color {
+    pub(super) fn to_skia(self) -> Color {
         Color::from_rgba8(self.red, self.green, self.blue, self.opacity)
     }
 }
 
-/// How much is shown.
+/// Level of detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) enum Detail {
-    /// Lines only: below 200 x 120 pixels there is no room for words.
+    /// Lines only: there is no room for text below 200 x 120 pixels.
     #[default]
     Bare,
     /// The status strip, the lost banner and the tracker's panel, but no labels in the picture: below 480 x 300 pixels.
@@ -70,27 +70,28 @@ pub(super) enum Detail {
     Full,
 }
 
-/// Measures of one size of picture, pixels.
+/// Dimensions for one size of picture, pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Style {
-    /// How much is shown.
+    /// Level of detail.
     pub(super) detail: Detail,
-    /// Width of a usual line.
+    /// Width of a line of weight 1.
     pub(super) line: f32,
     /// Height of a line of text from the highest to the lowest stroke.
     pub(super) text_px: u16,
-    /// What is kept free along the picture's edges and between things.
+    /// Distance from the picture's edges and between elements.
     pub(super) margin: f64,
 }
 
-/// Lines, texts and margins count in pixels of a picture with this many lines, and grow and shrink with it.
+/// Height of the reference picture, lines: the sizes of lines, text and margins are given for it and scale with the
+/// picture.
 const REFERENCE_LINES: f32 = 720.0;
 
 impl Style {
-    /// The measures for pictures of that size.
-    pub(super) fn of(picture: PictureSize) -> Self {
+    /// The dimensions for pictures of this size.
+    pub(super) fn for_picture(picture: PictureSize) -> Self {
         let (width, height) = (picture.width, picture.height);
-        // A narrow picture is measured by its width, as one of 16:9 would be.
+        // A narrow picture counts as one of 16:9 with its width.
         let lines = (height as f32).min(width as f32 * 9.0 / 16.0);
         let scale = lines / REFERENCE_LINES;
         Self {
@@ -100,13 +101,13 @@ impl Style {
                 () => Detail::Bare,
             },
             line: (1.8 * scale).clamp(1.0, 6.0),
-            // Smaller letters than 12 pixels cannot be read.
+            // Text below 12 pixels is not legible.
             text_px: (18.0 * scale).clamp(12.0, 60.0) as u16,
             margin: f64::from((12.0 * scale).clamp(3.0, 40.0)),
         }
     }
 
-    /// Lengths of the drawing at 720 lines, brought to this picture.
+    /// A length at 720 lines, scaled to this picture.
     pub(super) fn scaled(&self, px_at_720_lines: f32) -> f32 {
         px_at_720_lines * self.line / 1.8
     }

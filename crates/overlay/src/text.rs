@@ -1,7 +1,7 @@
-//! Text: DejaVu Sans Condensed, drawn glyph by glyph from a store of coverages.
+//! Draws text in DejaVu Sans Condensed, glyph by glyph, from a cache of coverages.
 //!
-//! The font is embedded from the `dejavu` crate, under the Bitstream Vera licence, which allows it. Glyphs are kept
-//! for four positions within a pixel, so that letters stay evenly spaced at small sizes.
+//! The font is embedded from the `dejavu` crate; the Bitstream Vera licence allows this. Glyphs are cached for four
+//! positions within a pixel, so that letters are evenly spaced at small sizes.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,12 +9,12 @@ use std::fmt::Write;
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 
 use super::layer::{Coverage, Layer};
-use super::style::Ink;
+use super::style::Rgba;
 
-/// Positions within a pixel that a glyph is kept for.
+/// Positions within a pixel for which a glyph is cached.
 const STEPS: f32 = 4.0;
 
-/// The font and the glyphs drawn so far.
+/// The font and its cached glyphs.
 #[derive(Debug)]
 pub(super) struct Typeface {
     font: FontRef<'static>,
@@ -30,8 +30,8 @@ impl Default for Typeface {
 }
 
 impl Typeface {
-    /// Drops the glyphs drawn so far, which another size of text has no use for.
-    pub(super) fn forget(&mut self) {
+    /// Drops the cached glyphs, at a change of the text size.
+    pub(super) fn clear_cache(&mut self) {
         self.glyphs.clear();
     }
 
@@ -53,16 +53,16 @@ impl Typeface {
         layer: &mut Layer,
         text: &str,
         (u, baseline): (f32, f32),
-        (size_px, ink): (u16, Ink),
+        (size_px, colour): (u16, Rgba),
     ) -> f32 {
         let scale = PxScale::from(f32::from(size_px));
-        let (mut pen, baseline) = (u, baseline.round() as i32);
+        let (mut cursor, baseline) = (u, baseline.round() as i32);
         for letter in text.chars() {
             let font = self.font.as_scaled(scale);
             let id = font.glyph_id(letter);
             let advance = font.h_advance(id);
-            let column = pen.floor();
-            let step = (((pen - column) * STEPS) as u8).min(STEPS as u8 - 1);
+            let column = cursor.floor();
+            let step = (((cursor - column) * STEPS) as u8).min(STEPS as u8 - 1);
             let glyph = self.glyphs.entry((letter, size_px, step)).or_insert_with(|| {
                 let shifted = id.with_scale_and_position(scale, point(f32::from(step) / STEPS, 0.0));
                 self.font.outline_glyph(shifted).map_or_else(Coverage::default, |outline| {
@@ -75,14 +75,14 @@ impl Typeface {
                     glyph
                 })
             });
-            layer.cover(glyph, (column as i32, baseline), ink);
-            pen += advance;
+            layer.draw_glyph(glyph, (column as i32, baseline), colour);
+            cursor += advance;
         }
-        pen
+        cursor
     }
 }
 
-/// Writes a number with a sign that is as wide as the figures: `+0.300`, `−0.300`, and `0.000` for zero.
+/// Appends a number with a sign as wide as the digits: `+0.300`, `−0.300`, and `0.000` for zero.
 pub(super) fn push_signed(text: &mut String, value: f64, decimals: usize) {
     let start = text.len();
     // Writing into a string cannot fail.

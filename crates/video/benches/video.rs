@@ -1,7 +1,7 @@
-//! What decoding and encoding a picture costs. `cargo bench -p barrelman --bench video`; CPU of one thread.
+//! Time to decode and to encode a picture, on one thread: `cargo bench -p barrelman-video`.
 //!
-//! The clip is made here: 1280x720, a moving texture, baseline, 4 Mbit/s. nasm on the PATH at build time halves
-//! the cost.
+//! The clip is generated: 1280x720, a moving texture, baseline profile, 4 Mbit/s. With nasm on the PATH at build time, the
+//! cost is half.
 
 use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};

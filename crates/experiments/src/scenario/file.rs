@@ -1,45 +1,45 @@
-//! A scenario's file as written.
+//! The form of a scenario file (TOML).
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// A scenario's file.
+/// A scenario file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioFile {
-    /// What it is called.
+    /// Name of the scenario.
     pub name: String,
-    /// What it is about, in one line.
+    /// Summary in one line.
     pub summary: String,
-    /// Which of `sway` it has unless something else is asked for.
+    /// Default setting: a name in `sway` or `kite`.
     pub setting: String,
-    /// No trial lasts longer, seconds.
+    /// Maximum duration of a trial, seconds.
     pub longest_s: f64,
     /// The camera.
     pub camera: CameraSection,
-    /// Its axes.
+    /// The pan axis.
     pub pan: AxisSection,
-    /// Its axes.
+    /// The tilt axis.
     pub tilt: AxisSection,
-    /// What of the plant is drawn with `--plant drawn`.
+    /// Intervals of the plant for `--plant drawn`.
     pub drawn: SampledSection,
-    /// How the kite sways, by the names of settings.
+    /// Sway of the camera's carrier, by the names of settings.
     #[serde(default)]
     pub sway: BTreeMap<String, SwaySection>,
-    /// Or a kite on its line in the wind, by the names of settings.
+    /// A kite on its line in the wind, by the names of settings.
     #[serde(default)]
     pub kite: BTreeMap<String, KiteSection>,
-    /// The water; left out: the laboratory's floor.
+    /// The water; without it, the laboratory's floor.
     pub water: Option<WaterSection>,
     /// The light.
     pub light: LightSection,
-    /// The target: something that is moved along a path,
+    /// A target that is moved along a path. A scenario has either a target or a boat.
     pub target: Option<TargetSection>,
-    /// or a boat that is driven along one.
+    /// A boat that is driven along a path.
     pub boat: Option<BoatSection>,
-    /// Whether the path's way-points are marked.
+    /// Whether there are marks along the path.
     pub marks: bool,
-    /// What else there is.
+    /// Objects beside the target.
     #[serde(default)]
     pub thing: Vec<SceneObjectSection>,
     /// Localisations without pixels.
@@ -54,39 +54,39 @@ pub struct CameraSection {
     pub height_m: f64,
     /// Width and height of the picture, pixels.
     pub picture: [u32; 2],
-    /// Width and height of the frame around it, pixels; left out: the picture's.
+    /// Width and height of the frame around the picture, pixels; without it, those of the picture.
     pub frame: Option<[u32; 2]>,
     /// Focal length, pixels.
     pub focal_px: f64,
-    /// Barrel distortion.
+    /// Coefficient of the barrel distortion.
     #[serde(default)]
     pub barrel: f64,
     /// Pictures per second.
     pub pictures_per_second: u32,
-    /// From the first row to the last, seconds.
+    /// Time from the readout of the first row to that of the last, seconds.
     #[serde(default)]
     pub rolling_shutter_s: f64,
-    /// How long each row is exposed, seconds.
+    /// Exposure of each row, seconds.
     pub exposure_s: f64,
-    /// Drift of the brightness, and of the gains of red and blue: shares, and the times after which it is forgotten.
+    /// Standard deviation of the drift of the brightness, a share.
     pub brightness_drift: f64,
-    /// Seconds.
+    /// Time constant of the drift of the brightness, seconds.
     pub brightness_time_s: f64,
-    /// A share.
+    /// Standard deviation of the drift of the gains of red and blue, a share.
     pub white_balance_drift: f64,
-    /// Seconds.
+    /// Time constant of the drift of the gains, seconds.
     pub white_balance_time_s: f64,
     /// From capture to arrival, seconds.
     pub latency_s: f64,
-    /// What comes on top of it by chance, seconds.
+    /// Random addition to the latency, seconds.
     #[serde(default)]
     pub latency_jitter_s: f64,
-    /// Pictures that are lost or frozen; left out: none.
+    /// Lost and frozen pictures; without it, none.
     pub loss: Option<LossSection>,
-    /// How far the first view points past the target on average, pan and tilt, radians.
+    /// Mean error of the first view, pan and tilt, radians.
     #[serde(default)]
     pub first_view_rad: [f64; 2],
-    /// Deviation of that from trial to trial.
+    /// Standard deviation of that error, radians.
     pub first_view_deviation_rad: [f64; 2],
 }
 
@@ -94,34 +94,34 @@ pub struct CameraSection {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisSection {
-    /// From a command that moves to what is seen of it, seconds: the camera's latency is part of it.
+    /// Time from a command to move to the motion in the picture, seconds. It includes the latency of the camera.
     pub start_dead_time_s: f64,
-    /// From a zero to what is seen of it, likewise.
+    /// Time from a zero rate to the stop in the picture, seconds. It includes the latency of the camera.
     pub stop_dead_time_s: f64,
     /// Time constant, seconds.
     pub lag_s: f64,
     /// Largest rate, rad/s.
     pub limit_rad_per_s: f64,
-    /// End stops, degrees; left out: none.
+    /// End stops, degrees; without it, none.
     pub stops_deg: Option<[f64; 2]>,
-    /// Largest change of the rate, rad/s²; left out: the lag alone limits it.
+    /// Maximum acceleration, rad/s²; without it, only the lag limits the acceleration.
     pub acceleration_rad_per_s2: Option<f64>,
-    /// A rate below this moves nothing, rad/s.
+    /// Dead band: a smaller rate does not move the axis, rad/s.
     #[serde(default)]
     pub dead_band_rad_per_s: f64,
 }
 
-/// Pictures that are lost or frozen.
+/// Lost and frozen pictures (a link with a good and a bad state).
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LossSection {
-    /// Chance from picture to picture that the link becomes bad.
+    /// Probability per picture that a good link becomes bad.
     pub to_bad: f64,
-    /// And good again.
+    /// Probability per picture that a bad link becomes good.
     pub to_good: f64,
-    /// Share of the pictures that a bad link spoils.
+    /// Share of the pictures of a bad link that are lost or frozen.
     pub spoilt: f64,
-    /// Share of those that show the picture before; the others do not come.
+    /// Share of these that repeat the picture before; the others are lost.
     pub frozen: f64,
 }
 
@@ -129,7 +129,7 @@ pub struct LossSection {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KiteSection {
-    /// How often gusts come and how strong they are: 1 as usual.
+    /// Factor of the frequency and the strength of gusts; 1 is the usual wind.
     pub gustiness: f64,
 }
 
@@ -137,11 +137,11 @@ pub struct KiteSection {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WaterSection {
-    /// 0 (glassy) to 4 (moderate).
+    /// Sea state, 0 (glassy) to 4 (moderate).
     pub sea_state: u8,
-    /// Mean wind, m/s; left out: what raises such a sea.
+    /// Mean wind, m/s; without it, the wind that raises this sea.
     pub wind_m_per_s: Option<f64>,
-    /// Where it blows to: 0 along x, anticlockwise.
+    /// Direction to which the wind blows, degrees: 0 along x, anticlockwise.
     pub wind_towards_deg: f64,
 }
 
@@ -149,11 +149,11 @@ pub struct WaterSection {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightSection {
-    /// Where the sun stands: 0 ahead of the first view, positive to the right.
+    /// Bearing of the sun, degrees: 0 ahead of the first view, positive to the right.
     pub sun_bearing_deg: f64,
-    /// Its height above the horizon.
+    /// Elevation of the sun above the horizon, degrees.
     pub sun_elevation_deg: f64,
-    /// 0 (clear) to 1 (overcast).
+    /// Cloud cover, 0 (clear) to 1 (overcast).
     pub overcast: f64,
 }
 
@@ -161,48 +161,48 @@ pub struct LightSection {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoatSection {
-    /// A built-in path.
+    /// Name of a built-in path.
     pub path: Option<String>,
-    /// Or way-points, metres.
+    /// Way-points, metres, instead of a built-in path.
     pub way_points: Option<Vec<[f64; 2]>>,
-    /// By what the path is stretched.
+    /// Scale of the path.
     pub scale: f64,
     /// Median speed of the trials, m/s.
     pub speed_m_per_s: f64,
-    /// Deviation of its logarithm.
+    /// Standard deviation of the logarithm of the speed.
     pub speed_spread: f64,
-    /// Largest throttle, 0 to 1.
+    /// Maximum throttle, 0 to 1.
     pub most_throttle: f64,
-    /// How far ahead on the path it aims, metres.
+    /// Look-ahead distance on the path, metres.
     pub look_ahead_m: f64,
-    /// Deviation of each way-point, metres.
+    /// Standard deviation of each way-point, metres.
     pub way_point_jitter_m: f64,
 }
 
-/// A thing beside the target.
+/// An object beside the target.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneObjectSection {
-    /// What it is.
+    /// Kind of the object.
     pub kind: SceneObjectName,
-    /// Where, metres.
+    /// Position, metres.
     pub at: [f64; 2],
-    /// Deviation of that from trial to trial, metres.
+    /// Standard deviation of the position from trial to trial, metres.
     #[serde(default)]
     pub jitter_m: f64,
-    /// How it lies: 0 along x, anticlockwise.
+    /// Heading, degrees: 0 along x, anticlockwise.
     #[serde(default)]
     pub heading_deg: f64,
-    /// Its velocity along x and y, m/s.
+    /// Velocity along x and y, m/s.
     #[serde(default)]
     pub velocity_m_per_s: [f64; 2],
-    /// It goes to and fro and turns round after so many seconds.
+    /// Time after which the object reverses its velocity, again and again, seconds.
     pub turns_after_s: Option<f64>,
-    /// Of a pier: length and breadth, metres.
+    /// Length and breadth of a pier, metres.
     pub size_m: Option<[f64; 2]>,
 }
 
-/// What there may be beside the target.
+/// The kinds of objects beside the target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SceneObjectName {
@@ -220,7 +220,7 @@ pub enum SceneObjectName {
     Shore,
 }
 
-/// Intervals of what is drawn.
+/// Intervals of the sampled parameters of the plant.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampledSection {
@@ -230,106 +230,106 @@ pub struct SampledSection {
     pub pan: SampledAxisSection,
     /// Tilt.
     pub tilt: SampledAxisSection,
-    /// Share of each axis's rate that turns the other one too; left out: the nominal one.
+    /// Cross-talk: share of an axis's rate that also turns the other axis; without it, the nominal value.
     pub cross_talk: Option<[f64; 2]>,
-    /// How fast the tilt sinks, degrees per second; left out: the nominal one.
+    /// Rate at which the tilt sinks, degrees per second; without it, the nominal value.
     pub droop_deg_per_s: Option<[f64; 2]>,
 }
 
-/// Intervals of what is drawn of an axis, seconds.
+/// Intervals of the sampled parameters of an axis.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampledAxisSection {
-    /// As in the axis.
+    /// As in [`AxisSection`], seconds.
     pub start_dead_time_s: [f64; 2],
-    /// As in the axis.
+    /// As in [`AxisSection`], seconds.
     pub stop_dead_time_s: [f64; 2],
-    /// As in the axis.
+    /// As in [`AxisSection`], seconds.
     pub lag_s: [f64; 2],
-    /// What share of the rate asked for it turns at; left out: 1.
+    /// Gain: actual rate over commanded rate; without it, 1.
     pub gain: Option<[f64; 2]>,
 }
 
-/// How the kite sways: deviations, and the times after which they are forgotten.
+/// Sway of the carrier: standard deviations and time constants.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SwaySection {
-    /// Degrees.
+    /// Standard deviation of the yaw, degrees.
     pub yaw_deg: f64,
-    /// Seconds.
+    /// Time constant of the yaw, seconds.
     pub yaw_time_s: f64,
-    /// Degrees.
+    /// Standard deviation of the pitch, degrees.
     pub pitch_deg: f64,
-    /// Seconds.
+    /// Time constant of the pitch, seconds.
     pub pitch_time_s: f64,
-    /// Degrees.
+    /// Standard deviation of the roll, degrees.
     pub roll_deg: f64,
-    /// Seconds.
+    /// Time constant of the roll, seconds.
     pub roll_time_s: f64,
-    /// Metres, in each coordinate.
+    /// Standard deviation of the position in each coordinate, metres.
     pub place_m: f64,
-    /// Seconds.
+    /// Time constant of the position, seconds.
     pub place_time_s: f64,
 }
 
-/// The target.
+/// A target that is moved along a path.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetSection {
-    /// A built-in path.
+    /// Name of a built-in path.
     pub path: Option<String>,
-    /// Or way-points, metres.
+    /// Way-points, metres, instead of a built-in path.
     pub way_points: Option<Vec<[f64; 2]>>,
-    /// A way-point before the first of the path; left out: it begins with that.
+    /// A way-point before the first of the path; without it, the path starts with its first way-point.
     pub start_m: Option<[f64; 2]>,
-    /// By what the path is stretched.
+    /// Scale of the path.
     pub scale: f64,
-    /// By what it is stretched across in addition; left out: not at all.
+    /// Additional scale of x; without it, 1.
     pub breadth: Option<f64>,
     /// Median speed of the trials, m/s.
     pub speed_m_per_s: f64,
-    /// Deviation of the logarithm of the trials' speeds.
+    /// Standard deviation of the logarithm of the trials' speeds.
     pub speed_spread: f64,
-    /// Deviation of the logarithm of the speed during a trial.
+    /// Standard deviation of the logarithm of the speed during a trial.
     pub gust_share: f64,
-    /// Time after which that is forgotten, seconds.
+    /// Time constant of the speed's variation, seconds.
     pub gust_time_s: f64,
-    /// Deviation by which its heading weaves, radians.
+    /// Standard deviation of the weaving of the heading, radians.
     #[serde(default)]
     pub weave_rad: f64,
-    /// Time after which that is forgotten, seconds.
+    /// Time constant of the weaving, seconds.
     #[serde(default = "one_second")]
     pub weave_time_s: f64,
-    /// How far ahead on the path it looks, metres.
+    /// Look-ahead distance on the path, metres.
     pub look_ahead_m: f64,
-    /// Deviation of each way-point, metres.
+    /// Standard deviation of each way-point, metres.
     pub way_point_jitter_m: f64,
-    /// Turn rate for each radian that it points off, 1/s.
+    /// Turn rate per radian of heading error, 1/s.
     pub heading_gain: f64,
-    /// Largest turn rate, rad/s.
+    /// Maximum turn rate, rad/s.
     pub most_turn_rad_per_s: f64,
-    /// Time constant of its speed, seconds.
+    /// Time constant of the speed, seconds.
     pub surge_lag_s: f64,
-    /// Time constant of its turn rate, seconds.
+    /// Time constant of the turn rate, seconds.
     pub turn_lag_s: f64,
-    /// Share of its speed that it gives up at a right angle.
+    /// Reduction of the speed in a corner of 90 degrees, a share.
     pub corner_slow_down: f64,
-    /// Over so many of the path's last metres it comes to rest.
+    /// Distance before the end of the path over which the target comes to rest, metres.
     #[serde(default)]
     pub arrival_m: f64,
-    /// Mean time that it stands before it starts, seconds.
+    /// Mean time at rest before the start, seconds.
     pub stand_before_s: f64,
-    /// Mean time that it stands at the end, seconds.
+    /// Mean time at rest at the end, seconds.
     pub stand_after_s: f64,
-    /// Pauses for each second under way.
+    /// Pauses per second under way.
     pub pauses_per_s: f64,
-    /// At what share of the path's corners it pauses in addition, 0 to 1.
+    /// Share of the path's corners with an additional pause, 0 to 1.
     #[serde(default)]
     pub corner_pauses: f64,
-    /// What share of its speed it gives up at the ends of each leg from corner to corner, 0 to 1.
+    /// Reduction of the speed at both ends of each leg from corner to corner, a share from 0 to 1.
     #[serde(default)]
     pub leg_rhythm: f64,
-    /// By which power of its distance from below the camera its speed grows, 0 to 1.
+    /// Exponent of the horizontal distance from the camera in the speed, 0 to 1.
     #[serde(default)]
     pub range_exponent: f64,
     /// Mean duration of a pause, seconds.
@@ -342,18 +342,18 @@ pub struct TargetSection {
 pub struct SensingSection {
     /// Length and breadth of the target, metres.
     pub target_size_m: [f64; 2],
-    /// Deviation, pixels.
+    /// Standard deviation, pixels.
     pub noise_px: f64,
-    /// After what time it is another, seconds; 0: with each picture.
+    /// Time constant of the noise, seconds; 0 for independent noise of each picture.
     #[serde(default)]
     pub noise_time_s: f64,
-    /// Whole pixels.
+    /// Whether the position is rounded to whole pixels.
     pub rounded: bool,
-    /// A target out of the picture is said to be at its border: largest |x| and |y|, pixels; left out: it is lost.
+    /// Limits of |x| and |y|, pixels: a target outside of the picture is reported at the limit. Without them it is lost.
     pub clamped_at_px: Option<[f64; 2]>,
 }
 
-/// A path's file.
+/// A path file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PathFile {

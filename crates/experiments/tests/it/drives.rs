@@ -22,13 +22,13 @@ use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 const SMALL: PictureSize = PictureSize::new(192, 108);
 
-fn setup(law: LawChoice, coded: bool) -> DriveSetup {
+fn setup(law: LawChoice, encoded: bool) -> DriveSetup {
     let url = WorldUrl { size: Some(SMALL), ..WorldUrl::new("open") };
-    DriveSetup::new(url, TrackerName::Camshift, law, coded).unwrap()
+    DriveSetup::new(url, TrackerName::Camshift, law, encoded).unwrap()
 }
 
 /// The hash of a drive of one second with these inputs.
-fn drive_inputs(setup: &DriveSetup, inputs: &[(u64, DriveInput)]) -> String {
+fn hash_of_drive(setup: &DriveSetup, inputs: &[(u64, DriveInput)]) -> String {
     let threads = RenderThreads::new().unwrap();
     let mut drive = Drive::new(setup, &threads).unwrap();
     let mut hash = DriveHasher::default();
@@ -45,53 +45,54 @@ const AHEAD: DriveInput = DriveInput::Helm { thrust: 100, rudder: 20 };
 
 #[test]
 fn the_same_inputs_at_the_same_ticks_give_the_same_drive() {
-    for (law, coded) in [(LawChoice::OPTIMAL, false), (LawChoice::MOTOR_SCHEMA, true)] {
-        let setup = setup(law, coded);
-        let first = drive_inputs(&setup, &[(0, DriveInput::Engage), (30, AHEAD)]);
-        assert_eq!(drive_inputs(&setup, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
+    for (law, encoded) in [(LawChoice::OPTIMAL, false), (LawChoice::MOTOR_SCHEMA, true)] {
+        let setup = setup(law, encoded);
+        let first = hash_of_drive(&setup, &[(0, DriveInput::Engage), (30, AHEAD)]);
+        assert_eq!(hash_of_drive(&setup, &[(0, DriveInput::Engage), (30, AHEAD)]), first);
         let paused =
             [(0, DriveInput::Engage), (10, DriveInput::Pause), (10, DriveInput::Resume), (30, AHEAD)];
-        assert_eq!(drive_inputs(&setup, &paused), first, "a pause changes nothing in the world");
-        assert_ne!(drive_inputs(&setup, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
+        assert_eq!(hash_of_drive(&setup, &paused), first, "a pause changes nothing in the world");
+        assert_ne!(hash_of_drive(&setup, &[(0, DriveInput::Engage), (31, AHEAD)]), first);
     }
 }
 
-/// Follows a drive, and the schema's shadow beside it.
-struct Beside {
+/// Observes a drive with the motor schema's shadow beside it.
+struct ShadowObserver {
     shadow: MotorSchemaShadow,
-    /// P, and P as the schema would have kept it.
-    seen: Vec<(f64, f64)>,
+    /// P, and P under the motor schema.
+    values: Vec<(f64, f64)>,
 }
 
-impl StepObserver for Beside {
+impl StepObserver for ShadowObserver {
     fn on_step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
         self.shadow.step(now, outcome);
-        self.seen.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
+        self.values.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
     }
 
     fn on_truth(&mut self, _truth: &Truth) {}
 }
 
-impl DriveObserver for Beside {}
+impl DriveObserver for ShadowObserver {}
 
 #[test]
 fn the_schemas_shadow_is_the_schema_and_another_law_differs_from_it() {
-    let seen = |law| {
+    let values = |law| {
         let (setup, threads) = (setup(law, false), RenderThreads::new().unwrap());
         let mut drive = Drive::new(&setup, &threads).unwrap();
-        let mut beside = Beside { shadow: MotorSchemaShadow::new(&setup.profile), seen: Vec::new() };
-        drive.apply(DriveInput::Engage, &mut beside);
-        drive.apply(DriveInput::Helm { thrust: 100, rudder: 0 }, &mut beside);
-        (0..1200).for_each(|_| drive.tick(&mut beside));
-        beside.seen
+        let mut observer =
+            ShadowObserver { shadow: MotorSchemaShadow::new(&setup.profile), values: Vec::new() };
+        drive.apply(DriveInput::Engage, &mut observer);
+        drive.apply(DriveInput::Helm { thrust: 100, rudder: 0 }, &mut observer);
+        (0..1200).for_each(|_| drive.tick(&mut observer));
+        observer.values
     };
     let apart = |(p, schema): &(f64, f64)| (p - schema).abs();
-    let of_schema = seen(LawChoice::MOTOR_SCHEMA);
+    let of_schema = values(LawChoice::MOTOR_SCHEMA);
     assert!(of_schema.iter().any(|(p, _)| *p > 1.0), "the schema moves the camera");
-    // Where a camera pointed is looked up between moments that are remembered, and the two remember others.
-    let most = of_schema.iter().map(apart).fold(0.0, f64::max);
-    assert!(most < 1.0e-3, "{most}");
-    assert!(seen(LawChoice::OPTIMAL).iter().map(apart).fold(0.0, f64::max) > 0.2);
+    // The camera's past direction is interpolated between stored times, and the two models store different times.
+    let max = of_schema.iter().map(apart).fold(0.0, f64::max);
+    assert!(max < 1.0e-3, "{max}");
+    assert!(values(LawChoice::OPTIMAL).iter().map(apart).fold(0.0, f64::max) > 0.2);
 }
 
 #[test]
@@ -99,7 +100,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
     let path = std::env::temp_dir().join(format!("barrelman-driven-{}.jsonl", std::process::id()));
     let setup = setup(LawChoice::MOTOR_SCHEMA, false);
     let inputs = [(0, DriveInput::Engage), (30, AHEAD)];
-    let hash = drive_inputs(&setup, &inputs);
+    let hash = hash_of_drive(&setup, &inputs);
     let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
     inputs.iter().for_each(|(tick, input)| writer.add(*tick, *input).unwrap());
     writer.finish(120, hash.clone()).unwrap();
@@ -119,7 +120,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
     let log = plan.simulate(setup.url.seed, &mut again).unwrap();
     assert_eq!(again.hex(), hash);
     assert_eq!(plan.run(setup.url.seed).unwrap().campaign.drive.map(|drive| drive.len()), Some(16));
-    // The boat goes the same way whatever the camera does.
+    // The boat's path does not depend on the camera.
     let law = LawChoice::OPTIMAL;
     let other =
         CampaignPlan::new(&CampaignRequest { law, perception: Perception::Truth, ..request }).unwrap();
@@ -142,12 +143,12 @@ fn a_stored_drive_is_read_as_it_was_written() {
     let text = std::fs::read_to_string(&path).unwrap();
     let key = r#""law":{"name":"optimal","mode":"eco","horizon_s":1.5},"#;
     std::fs::write(&path, text.replace(key, "")).unwrap();
-    let of_before = StoredDrive::read(&path).unwrap();
+    let without_law = StoredDrive::read(&path).unwrap();
     std::fs::write(&path, text.replace("optimal", "schema")).unwrap();
     let contradicts = format!("{:#}", StoredDrive::read(&path).unwrap_err());
     std::fs::remove_file(&path).unwrap();
     assert!(text.contains(key), "{text}");
-    assert_eq!(of_before.setup.law, LawChoice::MOTOR_SCHEMA, "a drive that does not say its law");
+    assert_eq!(without_law.setup.law, LawChoice::MOTOR_SCHEMA, "a drive that does not say its law");
     assert!(contradicts.contains("law.mode is for the law"), "{contradicts}");
     assert_eq!((cut.end, cut.inputs.len()), (None, 2));
     assert_eq!(whole.inputs, [(0, DriveInput::Engage), (30, AHEAD)]);

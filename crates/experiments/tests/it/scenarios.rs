@@ -1,4 +1,4 @@
-//! Scenarios: the built-in ones, and what is said of mistakes.
+//! The built-in scenarios, and the messages for mistakes in a scenario file.
 
 use barrelman_experiments::scenario::{BUILT_IN, ScenarioOverrides, load, resolve};
 use barrelman_sim::scenario::{BeyondBorder, Platform};
@@ -9,8 +9,8 @@ fn text(name: &str) -> String {
     BUILT_IN.iter().find(|built_in| built_in.name == name).map(|built_in| built_in.text.to_owned()).unwrap()
 }
 
-/// What is said of a scenario's text.
-fn said_of(text: &str) -> String {
+/// The message for a scenario's text with a mistake.
+fn message_for(text: &str) -> String {
     let mistake = resolve::read(text, &ScenarioOverrides::default()).unwrap_err();
     mistake.located_in("mine.toml", text).to_string()
 }
@@ -83,9 +83,9 @@ fn a_mistake_is_shown_with_its_line() {
         assert!(original.contains(old), "{name} has no {old}");
         let changed = original.replacen(old, new, 1);
         let number = changed.lines().position(|line| line.contains(line_holds)).unwrap() + 1;
-        let said = said_of(&changed);
-        assert!(said.contains(&format!("line {number}")), "{said}\nexpected line {number}");
-        assert!(said.contains(words), "{said}\nexpected {words}");
+        let message = message_for(&changed);
+        assert!(message.contains(&format!("line {number}")), "{message}\nexpected line {number}");
+        assert!(message.contains(words), "{message}\nexpected {words}");
     };
     check("arena1", "sea_state = 1", "sea_state = 7", "sea_state = 7", "0 (glassy) to 4 (moderate)");
     check("lab1", "height_m = 1.83", "height_m = -3", "height_m = -3", "metres from 0.2 to 500");

@@ -1,4 +1,4 @@
-//! The overlay, tried from outside.
+//! Integration tests of the overlay.
 
 #![allow(
     clippy::unwrap_used,

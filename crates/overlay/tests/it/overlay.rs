@@ -23,7 +23,7 @@ fn framed(picture: Picture) -> VideoFrame {
     VideoFrame { sequence: 126, capture, picture: Arc::new(picture) }
 }
 
-/// A frame of one grey, so that whatever is drawn shows.
+/// A uniformly grey frame, on which all drawing is visible.
 fn grey(size: PictureSize, colour: ColourEncoding) -> VideoFrame {
     let mut picture = Picture::black(size, colour);
     picture.planes_mut()[0].fill(90);
@@ -34,7 +34,7 @@ fn region_of(size: PictureSize) -> Region {
     Region::from_shares(VehicleProfile::fotokite_pro().region, size)
 }
 
-/// A target at a place given in shares of half the picture, image coordinates, a tenth of the picture large.
+/// A target of a tenth of the picture's size. Its centre is given in image coordinates as shares of half the picture.
 fn target_at(size: PictureSize, x: f64, y: f64) -> Localisation {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let centre = ImagePoint { x: x * width / 2.0, y: y * height / 2.0 }.in_pixels(size);
@@ -60,8 +60,8 @@ fn explanation_of(size: PictureSize) -> Explanation {
     }
 }
 
-/// What a tracker by pattern and colour gives: maps coarser than the picture, and a state.
-fn fused_explanation_of(size: PictureSize, stage: TrackerState, confidence: f64) -> Explanation {
+/// The explanation of the fused tracker: maps coarser than the picture, and a state.
+fn fused_explanation_of(size: PictureSize, state: TrackerState, confidence: f64) -> Explanation {
     let window = PixelBox { u: -9.0, v: 12.0, w: 64.0, h: 64.0 };
     let map = |side: usize| GreyMap {
         bounds: window,
@@ -73,13 +73,13 @@ fn fused_explanation_of(size: PictureSize, stage: TrackerState, confidence: f64)
         back_projection: map(16),
         response: map(32),
         histogram: Vec::new(),
-        state: Some(stage),
+        state: Some(state),
         confidence,
         ..explanation_of(size)
     }
 }
 
-/// A scene as a pilot in that mode would give it, with all that can be shown.
+/// The scene of a pilot in this mode, with all elements.
 fn scene_of<'a>(
     size: PictureSize,
     track: &'a Track,
@@ -152,7 +152,7 @@ fn samples_far_from_anything_drawn_keep_their_bits() {
     let mut picture = Picture::black(HD, clip.colour());
     clip.render(100, &mut picture);
     let frame = framed(picture);
-    // Within the region at the centre's right: the left half of the region holds no line and no label.
+    // The target is in the right half of the region: the left half holds no line and no label.
     let track = Track::Tracking(target_at(HD, 0.3, -0.1));
     let out = drawn(&frame, &scene_of(HD, &track, Some(Mode::Idle), None));
     let same = |v: usize, u: core::ops::Range<usize>| {
@@ -208,7 +208,7 @@ fn the_target_is_covered_by_no_strip_panel_arrow_or_label() {
     for (x, y) in
         [(0.0, 0.95), (0.0, -0.95), (0.93, 0.9), (-0.93, -0.9), (0.93, 0.0), (0.3, 0.3), (0.05, 0.0)]
     {
-        // Without axes and heading, a box's inner quarter holds the line to the centre and nothing else.
+        // Without axes and heading, the inner quarter of the box holds only the line to the centre.
         let seen = Localisation { shape: None, heading: None, ..target_at(HD, x, y) };
         let track = Track::Tracking(seen);
         let with = drawn(&frame, &scene_of(HD, &track, Some(Mode::Servoing), Some(&explanation)));
@@ -222,7 +222,7 @@ fn the_target_is_covered_by_no_strip_panel_arrow_or_label() {
                 all += 1;
             }
         }
-        // Plates are dark; so are the casings of the line to the target, which are thin.
+        // Plates are dark, and so are the thin casings of the line to the target.
         assert!(plates * 10 < all, "{plates} of {all} places in the box are dark at {x}, {y}");
     }
 }
@@ -314,7 +314,7 @@ fn each_way_that_the_camera_turns_has_its_arrow() {
         for (pan, tilt) in [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1), (0.1, -0.1)] {
             let command = CameraCommand { pan: rate(pan), tilt: rate(tilt) };
             let moving = drawn(&frame, &Scene { command, ..scene_of(size, &track, scene.mode, None) });
-            // How much differs near the right, left, upper and lower edge, the strip along the lowest rows aside.
+            // Differing samples near the right, left, upper and lower edge, without the strip along the lowest rows.
             let (width, height) = (size.width as usize, size.height as usize);
             let near = |rows: Range<usize>, columns: Range<usize>| {
                 let [a, b] = [&still, &moving].map(|picture| picture.y());
@@ -334,7 +334,7 @@ fn each_way_that_the_camera_turns_has_its_arrow() {
     }
 }
 
-/// How many luma samples of a corner's quarter of the picture differ between two drawings.
+/// Number of luma samples that differ between two pictures.
 fn differing(a: &Picture, b: &Picture) -> usize {
     let size = a.size();
     let rows = 0..size.height as usize;

@@ -1,4 +1,4 @@
-//! The clips of `fixtures/video`, read and decoded, and what several tests need beside them.
+//! Helpers of several tests: reads and decodes the clips of `fixtures/video`.
 
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,7 @@ pub(crate) fn output(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
-/// Ends a test that needs a program that is not here; where everything must be here, in CI, it fails instead.
+/// Reports a test as skipped because a program is not installed. In CI, where all programs must be installed, it fails.
 pub(crate) fn skip(reason: &str) {
     assert!(std::env::var_os("CI").is_none(), "{reason}");
     println!("skipped: {reason}");

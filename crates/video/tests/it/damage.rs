@@ -2,14 +2,14 @@
 
 use crate::clips::{fixture, output, read};
 
-/// SplitMix64, so that the same bytes are changed each time.
+/// SplitMix64, so that the same bytes are changed in each run.
 fn random(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb) >> 16
 }
 
-/// Reads a file with some bytes changed or cut off, `times` over: whatever comes, it is frames or an error.
+/// Reads a file `times` times with some bytes changed or cut off: the result is frames or an error.
 fn check_survives_damage(file: &str, times: u64) {
     let whole = std::fs::read(fixture(file)).unwrap();
     let path = output(&format!("damaged_{}", file.replace('/', "_")));

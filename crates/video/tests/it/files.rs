@@ -54,8 +54,8 @@ fn md5(bytes: &[u8]) -> String {
     format!("{:x}", <md5::Md5 as md5::Digest>::digest(bytes))
 }
 
-/// Compares a file with what ffmpeg decodes from it: number, times (to the microsecond that ffmpeg prints) and
-/// sizes of the frames, and their samples, to the bit or by the means of planes and blocks.
+/// Compares a file with ffmpeg's decoding of it: number, times (to the microsecond that ffmpeg prints) and sizes of the
+/// frames, and their samples, bit for bit or by the means of planes and blocks.
 fn check_like_ffmpeg(file: &str, same: Same) {
     let expected: Vec<_> = expected().into_iter().filter(|row| row.file == file).collect();
     assert!(!expected.is_empty(), "{file} is not in expected.csv");
@@ -89,7 +89,7 @@ fn check_like_ffmpeg(file: &str, same: Same) {
 enum Same {
     /// Every sample.
     Bits,
-    /// The means of each plane and of 4x4 blocks of luma, within so much.
+    /// The means of each plane and of 4x4 blocks of luma, within a tolerance.
     Means(f64),
 }
 
@@ -139,7 +139,7 @@ fn pictures_become_planes_of_bt_601_in_full_range() {
     for name in ["f1", "f2", "f3", "f9", "f10"] {
         check_like_ffmpeg(&format!("png/{name}.png"), Same::Means(0.5));
     }
-    // Another inverse transform, and chroma that was smoothed on its way through 4:4:4.
+    // ffmpeg uses another inverse transform, and smooths the chroma in a conversion through 4:4:4.
     for name in ["1", "2", "3"] {
         check_like_ffmpeg(&format!("jpeg/{name}.jpg"), Same::Means(0.5));
     }

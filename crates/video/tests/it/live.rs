@@ -1,5 +1,5 @@
-//! Video sources in real time: a file paced by its times, and RTSP from a real server
-//! (`scripts/rtsp_server.py`, GStreamer) that is killed and started again.
+//! Video sources in real time: a file paced by its times, and RTSP from a GStreamer server (`scripts/rtsp_server.py`) that
+//! is killed and restarted.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use barrelman_vocab::video::{CaptureQuality, VideoFrame};
 
 use crate::clips;
 
-/// What a source delivered, in its order, with the time at which it did.
+/// The output of a source in its order; frames with their time of delivery.
 enum Delivered {
     Unit(EncodedUnit),
     Frame(VideoFrame, Timestamp),
@@ -54,7 +54,7 @@ fn fixture(name: &str) -> String {
     clips::fixture(name).display().to_string()
 }
 
-/// Waits for something that `wanted` makes a value of, and passes over all else.
+/// Waits for an output for which `wanted` returns a value, and skips all others.
 fn wait_for<T>(
     from: &Receiver<Delivered>,
     within: Duration,
@@ -123,7 +123,7 @@ fn a_source_stops_at_once_when_told_to() {
 #[test]
 fn a_panic_of_the_thread_is_seen_by_whoever_stops_it() {
     let (handle, from, _) = start(&format!("{}?fault=panic@0.1", fixture("baseline.mp4")));
-    // The sink goes with the thread.
+    // The panic drops the sink with its channel.
     assert!(wait_for(&from, SOON, |_| None::<()>).is_none());
     assert_eq!(handle.stop(), Err(StopError::Panicked));
 }
@@ -143,7 +143,7 @@ fn dropped_units_are_not_shown_and_the_rest_is_intact() {
     assert!(ended.is_some() && (10..20).contains(&frames), "{frames}");
 }
 
-/// A GStreamer RTSP server in a process of its own, which ends with this value.
+/// A GStreamer RTSP server in a process of its own, which is killed when the value is dropped.
 struct Server {
     process: Child,
     url: String,
@@ -154,7 +154,7 @@ impl Server {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/rtsp_server.py")
     }
 
-    /// Whether there is what the server needs. Where everything must be here, in CI, it must be.
+    /// Whether the server's dependencies are installed. In CI they must be.
     fn is_available() -> bool {
         let check = Command::new("/usr/bin/python3").arg(Self::script()).arg("--check").output();
         let reason = match check {
@@ -193,7 +193,7 @@ impl Drop for Server {
     }
 }
 
-/// Waits for so many frames; panics with what came instead.
+/// Waits for `count` frames. The panic message lists the states that came instead.
 fn frames(from: &Receiver<Delivered>, count: usize, within: Duration) -> Vec<(VideoFrame, Timestamp)> {
     let mut frames = Vec::new();
     let mut states = Vec::new();
@@ -287,7 +287,7 @@ fn an_rtsp_stream_of_another_codec_is_refused_by_name() {
 
 #[test]
 fn a_server_that_is_not_there_is_tried_again_and_can_be_given_up() {
-    // Nobody listens on a port that was free a moment ago.
+    // No server listens on a port that was free a moment ago.
     let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (handle, from, _) = start(&format!("rtsp://user:secret@{free}/video"));
     let mut attempts = 0;

@@ -1,4 +1,4 @@
-//! Video in and out, tried from outside.
+//! Integration tests of video input and output.
 
 #![allow(
     clippy::unwrap_used,

@@ -15,7 +15,7 @@ use crate::clips::{decode, output, read, skip, units, units_of};
 
 const SETTINGS: EncoderSettings = EncoderSettings { fps: 30.0, bits_per_second: 2_000_000 };
 
-/// A picture with something to see in it, that moves.
+/// A picture with a moving texture.
 fn scene(size: PictureSize, colour: ColourEncoding, shift: usize) -> Picture {
     let mut picture = Picture::black(size, colour);
     let width = size.width as usize;
@@ -40,7 +40,7 @@ fn pictures_written_are_read_back_with_their_times_and_colours() {
     {
         let colour = ColourEncoding { matrix, range };
         let size = PictureSize::new(96, 64);
-        // A varying rate, from some moment of the clock on.
+        // A varying rate, with a start other than 0.
         let times: Vec<_> = (0..45).map(|n| Duration::from_millis(7000 + 40 * n + n * n / 4)).collect();
         let mut writer = writer(&path);
         for (shift, time) in times.iter().enumerate() {

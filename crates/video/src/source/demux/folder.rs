@@ -52,7 +52,7 @@ impl FolderReader {
         Ok(Self { files, next: 0, fps: fps.unwrap_or(DEFAULT_FPS) })
     }
 
-    /// A single picture as a video of one.
+    /// A video of a single picture.
     pub fn from_picture(path: &Path, fps: Option<f64>) -> Self {
         Self { files: vec![path.to_owned()], next: 0, fps: fps.unwrap_or(DEFAULT_FPS) }
     }
