@@ -22,7 +22,7 @@ use super::run_loop::{LiveStep, LiveStepObserver};
 use super::threads::{self, FaultInjector};
 
 /// Capacity of the queue of entries: some ten seconds of a run.
-pub const QUEUE_CAPACITY: usize = 2048;
+const QUEUE_CAPACITY: usize = 2048;
 /// Interval between flushes.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 

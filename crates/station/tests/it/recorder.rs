@@ -55,6 +55,12 @@ impl MemoryOutput {
         self.0.changed.notify_all();
     }
 
+    /// Waits until so many bytes are written.
+    fn wait_for(&self, bytes: usize) {
+        let state = self.0.state.lock().unwrap();
+        drop(self.0.changed.wait_while(state, |state| state.bytes.len() < bytes).unwrap());
+    }
+
     fn entries(&self) -> Vec<Entry> {
         let bytes = self.0.state.lock().unwrap().bytes.clone();
         RecordingReader::new(&bytes[..]).map(Result::unwrap).collect()
@@ -69,6 +75,7 @@ impl Write for MemoryOutput {
             return Err(io::Error::from(io::ErrorKind::StorageFull));
         }
         state.bytes.extend_from_slice(bytes);
+        self.0.changed.notify_all();
         Ok(bytes.len())
     }
 
@@ -162,6 +169,8 @@ fn a_full_queue_stops_the_recording_with_one_alarm_and_never_blocks() {
     };
     assert!(reason.contains("disk is slower"), "{reason}");
     output.set(Writes::Succeed);
+    // The writer has emptied part of the queue: there is room again.
+    output.wait_for(WHOLE_CHUNK + 4096);
     (0..10).for_each(|more| input.unit(&unit(added + more, 1)));
     recorder.finish();
     assert!(events.try_recv().is_err(), "one alarm");
