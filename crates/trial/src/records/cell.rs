@@ -13,7 +13,7 @@ use prost_reflect::{DynamicMessage, FieldDescriptor, Kind, MapKey, Value};
 pub(super) const MAX_JSON_BYTES: usize = 1 << 20;
 
 /// The cell of a field that is present.
-pub(super) fn of(field: &FieldDescriptor, value: &Value) -> String {
+pub(super) fn render_cell(field: &FieldDescriptor, value: &Value) -> String {
     match value {
         Value::Bool(value) => value.to_string(),
         Value::I32(value) => value.to_string(),

@@ -127,7 +127,7 @@ impl Columns {
             if node.fields.is_some() {
                 self.add_cells(*index, value.as_deref().and_then(Value::as_message), cells);
             } else {
-                cells.push(value.map(|value| cell::of(field, &value)).unwrap_or_default());
+                cells.push(value.map(|value| cell::render_cell(field, &value)).unwrap_or_default());
             }
         }
     }

@@ -38,6 +38,10 @@ pub(super) fn objects(
     clippy::disallowed_methods,
     reason = "libm::hypot may differ in the last bit, which would move the marks of the existing scenarios"
 )]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the marks of stored drives were placed with the system's hypot, whose last bit can differ from libm's"
+)]
 fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ObjectScript> {
     let mark = |kind, at| ObjectScript {
         kind,
