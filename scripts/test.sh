@@ -7,6 +7,8 @@ scripts/setup.sh test
 
 if cargo nextest --version >/dev/null 2>&1; then
   cargo nextest run --workspace
+  # nextest does not run the examples in the documentation.
+  cargo test --quiet --workspace --doc
 else
   cargo test --workspace
 fi
