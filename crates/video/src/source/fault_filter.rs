@@ -18,6 +18,7 @@ use barrelman_vocab::time::Timestamp;
 use bytes::Bytes;
 
 use barrelman_host::fault::{FaultKind, FaultPlan};
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::unit::EncodedUnit;
 
 /// The delay of a delayed unit.
@@ -31,7 +32,7 @@ const PROTECTED_BYTES: usize = 24;
 pub(super) struct FaultFilter {
     plan: FaultPlan,
     delayed: VecDeque<(Timestamp, EncodedUnit)>,
-    random: u64,
+    rng: SplitMix64,
     /// Time of the last check for planned panics.
     last_check: Option<Timestamp>,
 }
@@ -39,7 +40,7 @@ pub(super) struct FaultFilter {
 impl FaultFilter {
     /// A filter whose random numbers are the same in each run.
     pub(super) const fn new(plan: FaultPlan) -> Self {
-        Self { plan, delayed: VecDeque::new(), random: 0x5eed, last_check: None }
+        Self { plan, delayed: VecDeque::new(), rng: SplitMix64::new(0x5eed), last_check: None }
     }
 
     /// Whether a disconnect is active.
@@ -95,20 +96,11 @@ impl FaultFilter {
         let mut bytes = unit.payload.to_vec();
         let length = bytes.len().saturating_sub(PROTECTED_BYTES);
         for _ in 0..length.div_ceil(64).min(32) {
-            let at = PROTECTED_BYTES + (self.next_random() % length as u64) as usize;
-            bytes[at] ^= (self.next_random() % 255) as u8 + 1;
+            let at = PROTECTED_BYTES + (self.rng.next_u64() % length as u64) as usize;
+            bytes[at] ^= (self.rng.next_u64() % 255) as u8 + 1;
         }
         unit.payload = Bytes::from(bytes);
         unit
-    }
-
-    /// SplitMix64 (Steele, Lea and Flood, 2014).
-    fn next_random(&mut self) -> u64 {
-        self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.random;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
     }
 }
 

@@ -1,31 +1,26 @@
 //! Damaged files and damaged parameters: frames or an error, never a panic.
 
-use crate::clips::{fixture, output, read};
+use barrelman_vocab::rng::SplitMix64;
 
-/// SplitMix64, so that the same bytes are changed in each run.
-fn random(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb) >> 16
-}
+use crate::clips::{fixture, output, read};
 
 /// Reads a file `times` times with some bytes changed or cut off: the result is frames or an error.
 fn check_survives_damage(file: &str, times: u64) {
     let whole = std::fs::read(fixture(file)).unwrap();
     let path = output(&format!("damaged_{}", file.replace('/', "_")));
     for seed in 0..times {
-        let mut state = seed;
+        let mut rng = SplitMix64::new(seed);
         let mut bytes = whole.clone();
-        for _ in 0..=random(&mut state) % 8 {
-            let at = random(&mut state) as usize % bytes.len();
-            bytes[at] = match random(&mut state) % 3 {
+        for _ in 0..=rng.next_u64() % 8 {
+            let at = rng.next_u64() as usize % bytes.len();
+            bytes[at] = match rng.next_u64() % 3 {
                 0 => 0,
                 1 => 0xff,
-                _ => random(&mut state) as u8,
+                _ => rng.next_u64() as u8,
             };
         }
         if seed % 4 == 0 {
-            bytes.truncate(random(&mut state) as usize % bytes.len());
+            bytes.truncate(rng.next_u64() as usize % bytes.len());
         }
         std::fs::write(&path, &bytes).unwrap();
         let _ = read(path.clone());

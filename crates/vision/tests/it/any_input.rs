@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use barrelman_vision::{CamShift, CamShiftConfig, Explanation, Tracker};
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
     Localisation, MotionPrior, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame,
@@ -18,11 +19,11 @@ fn any_frame() -> impl Strategy<Value = VideoFrame> {
     (0..70u32, 0..50u32, encoding, any::<[u8; 3]>(), any::<bool>()).prop_map(
         |(width, height, colour, yuv, noise)| {
             let mut picture = Picture::black(PictureSize::new(width, height), colour);
-            let mut state = u32::from_le_bytes([yuv[0], yuv[1], yuv[2], 1]);
+            let mut rng = SplitMix64::new(u64::from(u32::from_le_bytes([yuv[0], yuv[1], yuv[2], 1])));
             for (plane, sample) in picture.planes_mut().into_iter().zip(yuv) {
                 for slot in plane {
-                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                    *slot = if noise { (state >> 24) as u8 } else { sample };
+                    let random = (rng.next_u64() >> 56) as u8;
+                    *slot = if noise { random } else { sample };
                 }
             }
             let capture = Capture { at: Timestamp::ZERO, quality: CaptureQuality::Arrival };

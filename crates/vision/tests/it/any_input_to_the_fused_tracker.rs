@@ -4,6 +4,7 @@ use core::time::Duration;
 use std::sync::Arc;
 
 use barrelman_vision::{Explanation, FusedConfig, FusedTracker, SelectionError, Tracker};
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
     Localisation, MotionPrior, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame,
@@ -24,13 +25,12 @@ enum Content {
 fn frame((width, height): (u32, u32), content: Content, at_ms: u64, colour: ColourEncoding) -> VideoFrame {
     let mut picture = Picture::black(PictureSize::new(width, height), colour);
     let chroma_width = width.div_ceil(2) as usize;
-    let mut state = if let Content::Noise(seed) = content { seed } else { 1 };
+    let mut rng = SplitMix64::new(if let Content::Noise(seed) = content { u64::from(seed) } else { 1 });
     let planes = picture.planes_mut().into_iter().zip([width as usize, chroma_width, chroma_width]);
     for (plane, (samples, row_length)) in planes.enumerate() {
         let pixels_a_sample = if plane == 0 { 1 } else { 2 };
         for (index, slot) in samples.iter_mut().enumerate() {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let noise = (state >> 24) as u8;
+            let noise = (rng.next_u64() >> 56) as u8;
             let at = |k: usize| k as i32 * pixels_a_sample;
             let (column, row) = (at(index % row_length), at(index / row_length));
             *slot = match content {

@@ -4,6 +4,7 @@ use core::time::Duration;
 use std::sync::Arc;
 
 use barrelman_vision::{BELOW_FLOORS, CamShift, CamShiftConfig, Explanation, Floors, Tracker, YuvToHue};
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::{Localisation, MotionPrior, PixelBox, Timestamp, Track, VideoFrame};
 
 use crate::scenes::{BLACK, BLUE, GREY, ORANGE_RED, RED, Yuv, at_ms, frame, pixels};
@@ -176,10 +177,9 @@ fn every_pixel_weighs_what_its_hue_weighs_in_the_histogram() {
     // Odd sides, so that the last column and row are half a block each, with samples of every kind.
     let mut scene = frame((61, 45), RED, &[]);
     let mut picture = (*scene.picture).clone();
-    let mut state = 1u32;
+    let mut rng = SplitMix64::new(1);
     for sample in picture.planes_mut().into_iter().flatten() {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        *sample = (state >> 24) as u8;
+        *sample = (rng.next_u64() >> 56) as u8;
     }
     scene.picture = Arc::new(picture);
     let mut tracker = seeded(&scene, pixels(0.0, 0.0, 61.0, 45.0));
