@@ -8,7 +8,7 @@ scripts/setup.sh test
 if cargo nextest --version >/dev/null 2>&1; then
   cargo nextest run --workspace
   # nextest does not run the examples in the documentation.
-  cargo test --quiet --workspace --doc
+  cargo test --quiet --workspace --doc --no-fail-fast
 else
   cargo test --workspace
 fi
