@@ -125,7 +125,7 @@ fn follow(tracker: &mut dyn Tracker, bytes: &[u8]) {
             shift_u_px: bytes.number(),
             shift_v_px: bytes.number(),
             std_dev_px: bytes.number(),
-            over: Duration::from_millis(33),
+            interval: Duration::from_millis(33),
         });
         match tracker.track(&frame, prior.as_ref()) {
             Track::Unseeded => assert!(!seeded),
