@@ -53,14 +53,6 @@ impl SourceUrl {
         let decoded = percent_encoding::percent_decode_str(&faults).decode_utf8_lossy();
         Ok(Self::Simulated(SimulatedUrl { world, faults: FaultPlan::parse(&decoded)? }))
     }
-
-    /// Whether the source is live: it delivers at its own pace, and may come back after a loss.
-    pub const fn is_live(&self) -> bool {
-        match self {
-            Self::Video(url) => url.is_live(),
-            Self::Simulated(_) => true,
-        }
-    }
 }
 
 impl fmt::Display for SourceUrl {

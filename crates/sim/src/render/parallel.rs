@@ -24,7 +24,7 @@ pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The contents of a mutex that nobody else holds; ignores poisoning as [`lock`] does.
+/// The contents of a mutex that this thread owns; ignores poisoning as [`lock`] does.
 pub(super) fn get_mut<T>(mutex: &mut Mutex<T>) -> &mut T {
     mutex.get_mut().unwrap_or_else(PoisonError::into_inner)
 }

@@ -74,7 +74,7 @@ pub(super) struct Trajectory {
 }
 
 impl Trajectory {
-    /// Plans a clip of so many frames.
+    /// Plans a clip of a number of frames.
     pub(super) fn new(
         script: &SceneScript,
         frames: usize,

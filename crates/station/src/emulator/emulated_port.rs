@@ -75,7 +75,7 @@ impl EmulatedPort {
         }
     }
 
-    /// Writes without blocking. Bytes that do not fit are lost, as on a serial line that nobody reads.
+    /// Writes without blocking. Bytes that do not fit are lost, as on a serial line without a reader.
     pub fn write(&mut self, bytes: &[u8]) {
         // A port without a client is not an error.
         match self {

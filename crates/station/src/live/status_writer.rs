@@ -1,6 +1,6 @@
 //! Writes status lines on a thread of its own.
 //!
-//! An output that nobody reads, or a terminal held with Ctrl-S, must not block the pilot. A line that cannot be written
+//! An output without a reader, or a terminal held with Ctrl-S, must not block the pilot. A line that cannot be written
 //! in time is dropped; the next line replaces it.
 
 use std::io::{IsTerminal as _, Write, stdout};

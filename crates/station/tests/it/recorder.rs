@@ -55,7 +55,7 @@ impl MemoryOutput {
         self.0.changed.notify_all();
     }
 
-    /// Waits until so many bytes are written.
+    /// Waits until this number of bytes is written.
     fn wait_for(&self, bytes: usize) {
         let state = self.0.state.lock().unwrap();
         drop(self.0.changed.wait_while(state, |state| state.bytes.len() < bytes).unwrap());

@@ -1,5 +1,6 @@
 //! MCAP files that this program did not write, or that were damaged.
 
+use crate::single_message::read_single_message;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
@@ -166,23 +167,9 @@ fn a_message_that_lies_in_its_own_kind_has_columns_to_the_first_of_them() {
     let message = [field(1, b"Link"), field(2, &next), field(2, &weight)].concat();
     let name = [field(1, b"chain.proto"), field(2, b"chain")].concat();
     let schema = field(1, &[name, field(4, &message), field(12, b"proto3")].concat());
-    let mut bytes = Cursor::new(Vec::new());
-    let mut writer = mcap::WriteOptions::new().compression(None).create(&mut bytes).unwrap();
-    let schema = writer.add_schema("chain.Link", "protobuf", &schema).unwrap();
-    let channel_id = writer.add_channel(schema, "/chain", "protobuf", &BTreeMap::new()).unwrap();
-    let header = MessageHeader { channel_id, sequence: 0, log_time: 8, publish_time: 8 };
     // A link of weight 5 with another one behind it.
-    writer.write_to_known_channel(&header, &[0x0a, 2, 0x10, 6, 0x10, 5]).unwrap();
-    writer.finish().unwrap();
-    drop(writer);
-    let mut rows: Vec<TableRow> = Vec::new();
-    read_rows(bytes.into_inner().as_slice(), |row| -> Result<(), ReadError> {
-        rows.push(row);
-        Ok(())
-    })
-    .unwrap();
-    assert_eq!(rows.len(), 1);
-    assert_eq!(rows[0].columns, ["log_time_ns", "next", "weight"]);
-    assert_eq!(rows[0].cells, ["8", "\"{\"\"weight\"\":6}\"", "5"]);
-    assert_eq!(rows[0].json_columns, ["next"]);
+    let row = read_single_message("chain.Link", &schema, "/chain", &[0x0a, 2, 0x10, 6, 0x10, 5]);
+    assert_eq!(row.columns, ["log_time_ns", "next", "weight"]);
+    assert_eq!(row.cells, ["8", "\"{\"\"weight\"\":6}\"", "5"]);
+    assert_eq!(row.json_columns, ["next"]);
 }

@@ -13,6 +13,7 @@ mod log_text;
 mod lost_trials;
 mod replay;
 mod simulated_trials;
+mod single_message;
 mod statistics;
 mod summaries;
 mod trial_logs;

@@ -1,12 +1,9 @@
 //! Tables of channels whose own schema nests without end, fans out, or has more fields than a table has columns.
 
-use std::collections::BTreeMap;
-use std::io::Cursor;
+use crate::single_message::read_single_message;
 
-use barrelman_trial::records::ReadError;
 use barrelman_trial::records::columns::{MAX_COLUMNS, MAX_DEPTH};
-use barrelman_trial::records::table::{TableRow, read_rows};
-use mcap::records::MessageHeader;
+use barrelman_trial::records::table::TableRow;
 use prost::Message as _;
 use prost_reflect::prost_types::field_descriptor_proto::{Label, Type};
 use prost_reflect::prost_types::{
@@ -52,22 +49,7 @@ fn row(schema: &FileDescriptorSet, fill: impl FnOnce(&mut DynamicMessage)) -> Ta
     let pool = DescriptorPool::from_file_descriptor_set(schema.clone()).unwrap();
     let mut content = DynamicMessage::new(pool.get_message_by_name("deep.L0").unwrap());
     fill(&mut content);
-    let mut bytes = Cursor::new(Vec::new());
-    let mut writer = mcap::WriteOptions::new().compression(None).create(&mut bytes).unwrap();
-    let schema = writer.add_schema("deep.L0", "protobuf", &schema.encode_to_vec()).unwrap();
-    let channel_id = writer.add_channel(schema, "/deep", "protobuf", &BTreeMap::new()).unwrap();
-    let header = MessageHeader { channel_id, sequence: 0, log_time: 8, publish_time: 8 };
-    writer.write_to_known_channel(&header, &content.encode_to_vec()).unwrap();
-    writer.finish().unwrap();
-    drop(writer);
-    let mut rows: Vec<TableRow> = Vec::new();
-    read_rows(bytes.into_inner().as_slice(), |row| -> Result<(), ReadError> {
-        rows.push(row);
-        Ok(())
-    })
-    .unwrap();
-    assert_eq!(rows.len(), 1);
-    let row = rows.remove(0);
+    let row = read_single_message("deep.L0", &schema.encode_to_vec(), "/deep", &content.encode_to_vec());
     assert_eq!(row.columns.len(), row.cells.len());
     assert!(row.columns.len() <= MAX_COLUMNS + 1, "{} columns", row.columns.len());
     for column in &row.json_columns {
@@ -87,7 +69,7 @@ fn json(row: &TableRow, column: &str) -> serde_json::Value {
     serde_json::from_str(&text).unwrap()
 }
 
-/// Messages `L0` to `L<depth>`, each with a number and so many of the next one.
+/// Messages `L0` to `L<depth>`, each with a number field and fields of the next message.
 fn fan(depth: usize, width: usize) -> FileDescriptorSet {
     let level = |at: usize| {
         let mut fields = vec![number("n", 1)];

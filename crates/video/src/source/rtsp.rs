@@ -54,7 +54,7 @@ pub(super) fn run<S: VideoSink>(address: &Url, login: Option<&Login>, feed: Feed
             End::Stopped => return,
             End::Lost(reason) => receiver.feed.sink.on_state(VideoState::Lost { reason }),
             End::Final(error) if !receiver.was_up => return receiver.feed.fail(error),
-            // The stream was usable before: somebody changed its settings and may change them back.
+            // The stream was usable before: its settings were changed and may be changed back.
             End::Final(error) => {
                 receiver.notify(Event::Broken);
                 receiver.feed.sink.on_state(VideoState::Lost { reason: error.to_string() });

@@ -24,7 +24,7 @@ use crate::silhouette::Silhouette;
 /// ADMM steps of the filter at the selection, and per learned frame, which continues from the last solution.
 const INITIAL_ADMM_STEPS: usize = 6;
 const ADMM_STEPS: usize = 2;
-/// The colours are counted in every so many learned frames.
+/// Interval, in learned frames, at which the colours are counted.
 const COLOUR_INTERVAL: u32 = 4;
 /// Minimum relative contrast at which the colours adapt.
 const MIN_ADAPTED_CONTRAST: f32 = 0.6;
