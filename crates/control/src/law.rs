@@ -86,6 +86,11 @@ impl CameraLaw {
         Self { camera: CameraModel::new(profile.camera, profile.limits), law }
     }
 
+    /// Changes the law. The camera model keeps its state.
+    pub fn change_law(&mut self, settings: LawSettings, profile: &VehicleProfile) {
+        self.law = Self::new(settings, profile).law;
+    }
+
     /// Computes the command of one step.
     pub fn command(&mut self, input: &LawInput<'_>) -> CameraCommand {
         self.camera.advance_to(input.now);

@@ -8,6 +8,7 @@ pub mod clock;
 pub mod fault;
 pub mod input;
 pub mod output;
+pub mod random;
 pub mod redaction;
 
 pub mod latest;

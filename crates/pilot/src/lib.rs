@@ -12,10 +12,14 @@ pub mod step;
 
 pub mod safety;
 
+mod history;
+mod selecting;
+
 pub mod input;
 pub mod outcome;
 
 pub use barrelman_control::LawSettings;
 pub use input::Input;
-pub use outcome::{Advice, Mode, Notice, Outcome};
+pub use outcome::{Advice, Mode, Notice, Outcome, Refusal};
+pub use safety::NUDGE_RATE_RAD_PER_S;
 pub use step::{Pilot, PilotSettings};

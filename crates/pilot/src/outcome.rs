@@ -1,10 +1,11 @@
 //! The outcome of a step: the track, the command with its reason, and the time of the next step.
 
 use core::fmt;
+use core::time::Duration;
 
 use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
-use barrelman_vocab::{CameraCommand, StopCause, Timestamp, Track};
+use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, Track};
 
 /// The outcome of one step.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +17,7 @@ pub struct Outcome {
     /// The track after this step.
     pub track: Track,
     /// Age of this step's observation, from its capture to `at`; `None` without observation.
-    pub age: Option<core::time::Duration>,
+    pub age: Option<Duration>,
     /// The region in the picture of the newest observation; `None` before the first one.
     pub region: Option<Region>,
     /// Percept of the newest localisation; `None` while the target's position is unknown.
@@ -28,6 +29,8 @@ pub struct Outcome {
     /// Latest time of the next step. Without any other input, a tick at that time makes the pilot stop the camera.
     /// `None` if no deadline is pending.
     pub wake_at: Option<Timestamp>,
+    /// Whether a selection waits for its confirmation. The camera rests meanwhile.
+    pub is_confirming: bool,
     /// A message for the operator.
     pub notice: Option<Notice>,
 }
@@ -46,15 +49,18 @@ pub struct Advice {
 /// ```text
 ///            engage                       fresh localisation
 ///   Idle ----------------> (engaged): Holding <----------------> Servoing
-///    ^  <--- disengage ---                     nothing fresh for coast_motion
-///    |                                |
-///    +--- disengage --- Stopped <-----+--- stop, from every mode
+///   ^  ^ <--- disengage ---                     nothing fresh for coast_motion
+///   |  +-- nudge, renewed within 250 ms --> Nudging
+///   |                                 |
+///   +---- disengage --- Stopped <-----+--- stop, from every mode
 ///                          |   --- engage ---> (engaged)
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Not engaged: the pilot tracks, and the camera rests.
     Idle,
+    /// Not engaged: the operator turns the camera by hand.
+    Nudging,
     /// Engaged: the camera follows the law's advice.
     Servoing,
     /// Engaged, but the camera rests for lack of fresh localisations.
@@ -76,6 +82,8 @@ pub enum HoldCause {
     VideoStale,
     /// No video frames arrive.
     VideoSilent,
+    /// A selection waits for its confirmation.
+    Confirming,
 }
 
 /// A message for the operator about a step.
@@ -87,6 +95,51 @@ pub enum Notice {
     SelectionRefused(SelectionError),
     /// The times of capture ran backwards: a new epoch begins.
     VideoClockWentBack,
+    /// The request of this step, or the selection that was pending, was refused and has no effect.
+    RequestRefused(Refusal),
+    /// The track of a selection has been confirmed on the newest video frame.
+    SelectionConfirmed(Localisation),
+    /// The track of a selection could not be confirmed: nothing is followed.
+    SelectionUnconfirmed(Unconfirmed),
+    /// The object that was followed is not followed any more, and will not be taken again.
+    TargetRejected,
+    /// The target was forgotten.
+    Deselected,
+    /// This law is in force.
+    LawChanged(LawId),
+}
+
+/// The reason why a request has no effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// The video frame of the selection is no longer kept.
+    SelectionTooOld {
+        /// Age of the video frame.
+        age: Duration,
+        /// How long video frames are kept.
+        kept: Duration,
+    },
+    /// A nudge or a change of the law while the pilot is engaged.
+    Engaged,
+    /// A nudge while the pilot is stopped.
+    Stopped,
+    /// A nudge without fresh video: nobody can see what the camera looks at.
+    NoFreshVideo,
+    /// No object is followed that could be rejected.
+    NothingToReject,
+}
+
+/// The reason why a selection was not confirmed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Unconfirmed {
+    /// The track was lost before it reached the newest video frame.
+    LostBeforeNewest,
+    /// The track was lost on the newest video frames.
+    Lost,
+    /// The target's size changed implausibly.
+    SizeChanged,
+    /// The confidence stayed low.
+    NotSure,
 }
 
 impl fmt::Display for Notice {
@@ -101,7 +154,50 @@ impl fmt::Display for Notice {
             }
             Self::SelectionRefused(refusal) => refusal.fmt(f),
             Self::VideoClockWentBack => f.write_str("the video's clock ran backwards"),
+            Self::RequestRefused(refusal) => refusal.fmt(f),
+            Self::SelectionConfirmed(seen) => {
+                write!(f, "following the selection; confidence {:.2}", seen.confidence)
+            }
+            Self::SelectionUnconfirmed(why) => {
+                let why = match why {
+                    Unconfirmed::LostBeforeNewest => "the boat was lost between the frozen picture and now",
+                    Unconfirmed::Lost => "the boat was lost at once",
+                    Unconfirmed::SizeChanged => "the box did not stay on the boat",
+                    Unconfirmed::NotSure => "the boat is not clear enough in the picture",
+                };
+                write!(f, "the selection could not be followed: {why}; select again")
+            }
+            Self::TargetRejected => f.write_str("not that one: searching for the selected boat elsewhere"),
+            Self::Deselected => f.write_str("nothing is followed"),
+            Self::LawChanged(law) => write!(f, "camera law: {}", law_text(*law)),
         }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SelectionTooOld { age, kept } => write!(
+                f,
+                "the picture of the selection is {:.1} s old; select within {:.1} s",
+                age.as_secs_f64(),
+                kept.as_secs_f64()
+            ),
+            Self::Engaged => f.write_str("the camera is engaged: disengage first"),
+            Self::Stopped => f.write_str("the camera is stopped: disengage first"),
+            Self::NoFreshVideo => f.write_str("there is no fresh video: the camera is not turned blindly"),
+            Self::NothingToReject => f.write_str("no object is followed"),
+        }
+    }
+}
+
+/// A law in words.
+const fn law_text(law: LawId) -> &'static str {
+    match law {
+        LawId::MotorSchema => "the paper's motor schema",
+        LawId::MinimumEnergy => "optimal, minimum energy",
+        LawId::TimeFuel => "optimal, time and fuel",
+        LawId::Eco => "optimal, eco",
     }
 }
 
@@ -109,12 +205,14 @@ impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Idle => "idle",
+            Self::Nudging => "nudging",
             Self::Servoing => "servoing",
             Self::Holding(HoldCause::NoSelection) => "holding: nothing selected",
             Self::Holding(HoldCause::TrackLost) => "holding: track lost",
             Self::Holding(HoldCause::Coasting) => "holding: coasting",
             Self::Holding(HoldCause::VideoStale) => "holding: video stale",
             Self::Holding(HoldCause::VideoSilent) => "holding: no video",
+            Self::Holding(HoldCause::Confirming) => "holding: confirming the selection",
             Self::Stopped(StopCause::Operator) => "stopped by the operator",
             Self::Stopped(StopCause::Ending) => "stopped: ending",
             Self::Stopped(StopCause::VideoEnded) => "stopped: video ended",

@@ -6,12 +6,21 @@
 //!    lower it.
 //! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates become
 //!    zero. They also become zero if the current time lies before that arrival, because its age is then unknown.
+//! 4. A nudge moves the camera only while disengaged, with fresh video, at a low rate, and lasts at most [`NUDGE_LASTS`]
+//!    after its last renewal.
 
 use core::time::Duration;
 
-use barrelman_vocab::{AngularRate, CameraCommand, OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, StopCause, Timestamp};
 
-use crate::outcome::{HoldCause, Mode};
+use crate::outcome::{HoldCause, Mode, Refusal};
+
+/// Rate of a nudge, rad/s: about 6 degrees a second.
+pub const NUDGE_RATE_RAD_PER_S: f64 = 0.1;
+/// How long a nudge lasts without a renewal: a page that is lost during a nudge ends in rest.
+pub const NUDGE_LASTS: Duration = Duration::from_millis(250);
+/// A nudge needs a video frame that arrived within this time.
+const NUDGE_NEEDS_VIDEO: Duration = Duration::from_millis(1000);
 
 /// What the observation of one step means for motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +51,9 @@ pub struct Safety {
     /// The cause to report if the camera rests for lack of fresh localisations.
     hold_cause: HoldCause,
     command_in_force: CameraCommand,
+    /// The nudge, and when it ends.
+    nudge: Option<(CameraCommand, Timestamp)>,
+    last_video_at: Option<Timestamp>,
 }
 
 /// The decision of one step.
@@ -64,23 +76,68 @@ impl Safety {
             last_fresh_at: None,
             hold_cause: HoldCause::NoSelection,
             command_in_force: CameraCommand::REST,
+            nudge: None,
+            last_video_at: None,
         }
     }
 
+    /// A video frame, or another observation, arrived.
+    pub fn on_video(&mut self, now: Timestamp) {
+        self.last_video_at = Some(now);
+    }
+
     /// Processes an operator request. A stop keeps its first cause until the next `Engage` or `Disengage`.
-    pub fn on_request(&mut self, request: &OperatorRequest) {
+    ///
+    /// # Errors
+    /// The reason, if the request is not permitted now. It then has no effect.
+    pub fn on_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Result<(), Refusal> {
+        match request {
+            OperatorRequest::Nudge(nudge) => return self.on_nudge(*nudge, now),
+            OperatorRequest::ChangeLaw(_) if self.engagement == Engagement::Engaged => {
+                return Err(Refusal::Engaged);
+            }
+            _ => self.nudge = None,
+        }
         self.engagement = match (self.engagement, request) {
             (stopped @ Engagement::Stopped(_), OperatorRequest::Stop(_)) => stopped,
             (_, OperatorRequest::Stop(cause)) => Engagement::Stopped(*cause),
             (_, OperatorRequest::Engage) => Engagement::Engaged,
             (_, OperatorRequest::Disengage) => Engagement::Disengaged,
-            (unchanged, OperatorRequest::Select(_)) => {
+            (unchanged, OperatorRequest::Nudge(_) | OperatorRequest::ChangeLaw(_)) => unchanged,
+            (
+                unchanged,
+                OperatorRequest::Select(_)
+                | OperatorRequest::SelectOn(_)
+                | OperatorRequest::Reject
+                | OperatorRequest::Deselect,
+            ) => {
                 // The command in force was based on another target.
                 self.command_in_force = CameraCommand::REST;
                 self.last_fresh_at = None;
                 unchanged
             }
         };
+        Ok(())
+    }
+
+    /// Starts or renews a nudge. A nudge of zero ends it.
+    fn on_nudge(&mut self, nudge: Nudge, now: Timestamp) -> Result<(), Refusal> {
+        match self.engagement {
+            Engagement::Engaged => return Err(Refusal::Engaged),
+            Engagement::Stopped(_) => return Err(Refusal::Stopped),
+            Engagement::Disengaged => {}
+        }
+        let is_fresh = |at: Timestamp| at <= now && now.since(at) <= NUDGE_NEEDS_VIDEO;
+        let command = nudge_command(nudge);
+        if command.is_rest() {
+            self.nudge = None;
+        } else if self.last_video_at.is_some_and(is_fresh) {
+            self.nudge = Some((command, now.plus(NUDGE_LASTS)));
+        } else {
+            self.nudge = None;
+            return Err(Refusal::NoFreshVideo);
+        }
+        Ok(())
     }
 
     /// Decides the mode and the command of one step.
@@ -99,10 +156,12 @@ impl Safety {
             (Mode::Servoing, ObservationResult::Fresh(advised)) => advised,
             (Mode::Servoing, ObservationResult::Coasting(advised)) => reduced(self.command_in_force, advised),
             (Mode::Servoing, _) => self.command_in_force,
+            (Mode::Nudging, _) => self.nudge.map_or(CameraCommand::REST, |(command, _)| command),
             (Mode::Idle | Mode::Holding(_) | Mode::Stopped(_), _) => CameraCommand::REST,
         };
         let wake_at = match mode {
             Mode::Servoing => self.expires_at(),
+            Mode::Nudging => self.nudge.map(|(_, ends)| ends),
             Mode::Idle | Mode::Holding(_) | Mode::Stopped(_) => None,
         };
         Decision { mode, command: self.command_in_force, wake_at }
@@ -114,6 +173,7 @@ impl Safety {
 
     fn mode(&self, now: Timestamp) -> Mode {
         match self.engagement {
+            Engagement::Disengaged if self.is_nudged(now) => Mode::Nudging,
             Engagement::Disengaged => Mode::Idle,
             Engagement::Stopped(cause) => Mode::Stopped(cause),
             Engagement::Engaged if self.has_fresh_observation(now) => Mode::Servoing,
@@ -121,9 +181,23 @@ impl Safety {
         }
     }
 
+    /// Whether a nudge is in force. The current time must not lie before its renewal.
+    fn is_nudged(&self, now: Timestamp) -> bool {
+        self.nudge.is_some_and(|(_, ends)| now < ends && ends.since(now) <= NUDGE_LASTS)
+    }
+
     fn has_fresh_observation(&self, now: Timestamp) -> bool {
         self.last_fresh_at.is_some_and(|at| at <= now && now < at.plus(self.coast_motion))
     }
+}
+
+/// The command of a nudge. A share that is no number is zero.
+fn nudge_command(nudge: Nudge) -> CameraCommand {
+    let rate = |share: f64| {
+        let share = if share.is_nan() { 0.0 } else { share.clamp(-1.0, 1.0) };
+        AngularRate::from_radians_per_second(share * NUDGE_RATE_RAD_PER_S)
+    };
+    CameraCommand { pan: rate(nudge.pan), tilt: rate(nudge.tilt) }
 }
 
 /// The command in force, with each axis limited to the advised rate. An axis with the opposite direction rests.

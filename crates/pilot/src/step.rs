@@ -2,16 +2,19 @@
 
 use core::time::Duration;
 
+use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
+    LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
 };
 
+use crate::history::FrameHistory;
 use crate::input::Input;
-use crate::outcome::{Advice, HoldCause, Notice, Outcome};
+use crate::outcome::{Advice, HoldCause, Notice, Outcome, Refusal};
 use crate::safety::{ObservationResult, Safety};
+use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
 
 /// Settings of a pilot.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +32,8 @@ pub struct Pilot {
     law: CameraLaw,
     safety: Safety,
     pending_selection: Option<PixelBox>,
+    drawn_selection: Option<PendingSelection>,
+    history: FrameHistory,
     track: Track,
     region: Option<Region>,
     percept: Option<Percept>,
@@ -61,11 +66,32 @@ impl Pilot {
             settings,
             tracker,
             pending_selection: None,
+            drawn_selection: None,
+            history: FrameHistory::default(),
             track: Track::Unseeded,
             region: None,
             percept: None,
             advice: None,
             last_capture: None,
+        }
+    }
+
+    /// The same pilot, which keeps the video frames of the last 1.5 s, so that an operator can select on an earlier one.
+    #[must_use]
+    pub fn keeping_frames(self) -> Self {
+        Self { history: FrameHistory::keeping(), ..self }
+    }
+
+    /// The law; `None`: a law that an operator cannot choose.
+    pub const fn law_id(&self) -> Option<LawId> {
+        match self.settings.law {
+            LawSettings::MotorSchema => Some(LawId::MotorSchema),
+            LawSettings::Centring(_) => None,
+            LawSettings::Optimal(settings) => Some(match settings.mode {
+                OptimalMode::MinimumEnergy => LawId::MinimumEnergy,
+                OptimalMode::TimeFuel => LawId::TimeFuel,
+                OptimalMode::Eco => LawId::Eco,
+            }),
         }
     }
 
@@ -80,8 +106,8 @@ impl Pilot {
                 Some(Observation { track, captured, picture, notice: None })
             }
             Input::Request(request) => {
-                self.on_request(&request);
-                None
+                let notice = self.on_request(&request, now);
+                return self.finish_step(ObservationResult::NoObservation, None, notice, now);
             }
             Input::Telemetry(telemetry) => {
                 self.on_telemetry(&telemetry);
@@ -108,12 +134,70 @@ impl Pilot {
         self.finish_step(result, age, observation.notice, now)
     }
 
-    fn on_request(&mut self, request: &OperatorRequest) {
-        self.safety.on_request(request);
-        if let OperatorRequest::Select(selection) = request {
-            self.pending_selection = Some(*selection);
-            self.law.reset_target();
+    /// Processes a request. Returns what the operator has to know.
+    fn on_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
+        if *request == OperatorRequest::Reject && !self.tracker.reject() {
+            return Some(Notice::RequestRefused(Refusal::NothingToReject));
         }
+        if let Err(refusal) = self.safety.on_request(request, now) {
+            return Some(Notice::RequestRefused(refusal));
+        }
+        match request {
+            OperatorRequest::Select(selection) => {
+                self.pending_selection = Some(*selection);
+                self.begin_target();
+                None
+            }
+            OperatorRequest::SelectOn(selection) => {
+                self.begin_target();
+                self.pending_selection = None;
+                self.drawn_selection = Some(PendingSelection::new(*selection));
+                None
+            }
+            OperatorRequest::Reject => {
+                self.begin_target();
+                self.pending_selection = None;
+                self.set_unlocalised(Track::Lost { since: self.last_capture.unwrap_or(now), confidence: 0.0 });
+                Some(Notice::TargetRejected)
+            }
+            OperatorRequest::Deselect => {
+                self.tracker.forget();
+                self.begin_target();
+                self.pending_selection = None;
+                self.set_unlocalised(Track::Unseeded);
+                Some(Notice::Deselected)
+            }
+            OperatorRequest::ChangeLaw(law) => {
+                self.change_law(*law);
+                Some(Notice::LawChanged(*law))
+            }
+            OperatorRequest::Engage
+            | OperatorRequest::Disengage
+            | OperatorRequest::Nudge(_)
+            | OperatorRequest::Stop(_) => None,
+        }
+    }
+
+    /// Another target is followed from now on.
+    fn begin_target(&mut self) {
+        self.law.reset_target();
+        self.drawn_selection = None;
+    }
+
+    /// The target's position is not known.
+    fn set_unlocalised(&mut self, track: Track) {
+        (self.track, self.percept, self.advice) = (track, None, None);
+    }
+
+    fn change_law(&mut self, law: LawId) {
+        let optimal = |mode| LawSettings::Optimal(OptimalSettings::new(mode));
+        self.settings.law = match law {
+            LawId::MotorSchema => LawSettings::MotorSchema,
+            LawId::MinimumEnergy => optimal(OptimalMode::MinimumEnergy),
+            LawId::TimeFuel => optimal(OptimalMode::TimeFuel),
+            LawId::Eco => optimal(OptimalMode::Eco),
+        };
+        self.law.change_law(self.settings.law, &self.settings.profile);
     }
 
     /// Passes reports of the camera on to the law.
@@ -127,12 +211,23 @@ impl Pilot {
 
     /// Tracks the target in a video frame, or takes the pending selection in it.
     fn observe_frame(&mut self, frame: &VideoFrame) -> Observation {
+        self.history.add(frame);
+        let size = frame.picture.size();
+        let (track, notice) = match self.drawn_selection.take() {
+            Some(pending) => self.advance_selection(pending, frame),
+            None => self.track_frame(frame),
+        };
+        let picture = track.localisation().map_or(size, |measured| measured.picture);
+        Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
+    }
+
+    fn track_frame(&mut self, frame: &VideoFrame) -> (Track, Option<Notice>) {
         let size = frame.picture.size();
         let prior = self
             .last_capture
             .filter(|last| *last <= frame.capture.at)
             .map(|last| self.law.motion_prior(last, frame.capture.at, size));
-        let (track, notice) = match self.pending_selection.take() {
+        match self.pending_selection.take() {
             None => (self.tracker.track(frame, prior.as_ref()), None),
             Some(selection) => match self.tracker.select(frame, selection) {
                 Ok(report) => (Track::Tracking(report.localisation), Some(Notice::Selected(report))),
@@ -140,9 +235,34 @@ impl Pilot {
                     (self.tracker.track(frame, prior.as_ref()), Some(Notice::SelectionRefused(refusal)))
                 }
             },
-        };
-        let picture = track.localisation().map_or(size, |measured| measured.picture);
-        Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
+        }
+    }
+
+    /// Brings a selection that was drawn on an earlier frame closer to its confirmation.
+    fn advance_selection(
+        &mut self,
+        mut pending: PendingSelection,
+        frame: &VideoFrame,
+    ) -> (Track, Option<Notice>) {
+        let law = &self.law;
+        let result = pending.advance(&mut SelectingContext {
+            tracker: &mut *self.tracker,
+            history: &self.history,
+            frame,
+            prior: &|from, to, size| law.motion_prior(from, to, size),
+        });
+        match result {
+            SelectingResult::Pending(track) => {
+                self.drawn_selection = Some(pending);
+                (track, None)
+            }
+            SelectingResult::Confirmed(track, notice) => (track, Some(notice)),
+            SelectingResult::Refused(notice) => {
+                let (track, _) = self.track_frame(frame);
+                (track, Some(notice))
+            }
+            SelectingResult::GivenUp(notice) => (Track::Unseeded, Some(notice)),
+        }
     }
 
     /// Computes percept and advice from the newest track, and classifies the observation for the safety rule.
@@ -165,8 +285,12 @@ impl Pilot {
         self.percept = evaluated.map(|(percept, _)| percept);
         self.advice = evaluated.map(|(_, advice)| advice);
         let is_stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
+        if !is_stale {
+            self.safety.on_video(now);
+        }
         let advised = self.advice.map(|advice| advice.command);
         match (self.track, advised) {
+            _ if self.drawn_selection.is_some() => ObservationResult::Unusable(HoldCause::Confirming),
             (Track::Unseeded, _) => ObservationResult::Unusable(HoldCause::NoSelection),
             (Track::Lost { .. }, _) | (_, None) => ObservationResult::Unusable(HoldCause::TrackLost),
             _ if is_stale => ObservationResult::Unusable(HoldCause::VideoStale),
@@ -195,6 +319,7 @@ impl Pilot {
             advice: self.advice,
             command: decision.command,
             wake_at: decision.wake_at,
+            is_confirming: self.drawn_selection.is_some(),
             notice,
         }
     }

@@ -192,6 +192,15 @@ impl Tracker for CamShift {
         }
     }
 
+    fn forget(&mut self) {
+        self.target = None;
+    }
+
+    /// CamShift cannot tell two objects of one hue apart, and does not search: it forgets the target.
+    fn reject(&mut self) -> bool {
+        self.target.take().is_some()
+    }
+
     fn explain(&self, out: &mut Explanation) {
         out.clear();
         let Some(target) = &self.target else {

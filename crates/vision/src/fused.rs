@@ -33,6 +33,7 @@ mod config;
 
 mod workspace;
 
+mod distractors;
 mod following;
 mod learning;
 mod recovery;
@@ -53,6 +54,8 @@ mod target;
 use barrelman_vocab::{MotionPrior, PixelBox, Track, VideoFrame};
 
 pub use self::config::{FusedConfig, FusedConfigError};
+use self::distractors::Distractors;
+use self::phase::Phase;
 use self::target::Target;
 use self::workspace::Workspace;
 use crate::explanation::Explanation;
@@ -105,6 +108,9 @@ pub struct FusedTracker {
     config: FusedConfig,
     workspace: Workspace,
     target: Option<Target>,
+    /// The target as it was selected: what is searched for after a rejection.
+    selected: Option<Target>,
+    distractors: Distractors,
 }
 
 impl FusedTracker {
@@ -114,7 +120,13 @@ impl FusedTracker {
     /// If a setting is out of range.
     pub fn new(config: FusedConfig) -> Result<Self, FusedConfigError> {
         let config = config.validated()?;
-        Ok(Self { config, workspace: Workspace::new(&config), target: None })
+        Ok(Self {
+            config,
+            workspace: Workspace::new(&config),
+            target: None,
+            selected: None,
+            distractors: Distractors::default(),
+        })
     }
 
     /// The tracker's settings.
@@ -130,7 +142,9 @@ impl Tracker for FusedTracker {
         let used = window.to_pixel_box();
         let (target, colours) = self.workspace.learn_selection(&self.config, frame, used);
         let localisation = target.localisation(frame, used, 1.0);
+        self.selected = Some(target.clone());
         self.target = Some(target);
+        self.distractors.clear();
         Ok(SelectionReport {
             used,
             is_clipped: exceeds_picture(selection, picture),
@@ -144,7 +158,28 @@ impl Tracker for FusedTracker {
         let Some(target) = &mut self.target else {
             return Track::Unseeded;
         };
+        if !self.distractors.is_empty() {
+            target.loss.excluded = self.distractors.advance(&self.config, frame, prior);
+        }
         self.workspace.advance(&self.config, target, frame, prior)
+    }
+
+    fn forget(&mut self) {
+        (self.target, self.selected) = (None, None);
+        self.distractors.clear();
+    }
+
+    fn reject(&mut self) -> bool {
+        let (Some(target), Some(selected)) = (self.target.take(), &self.selected) else { return false };
+        let is_followed = matches!(target.phase, Phase::Tracking | Phase::Coasting { .. });
+        let mut search = selected.clone();
+        search.begin_search(&target);
+        if is_followed {
+            self.distractors.add(&self.config, target);
+            search.loss.excluded = self.distractors.places();
+        }
+        self.target = Some(search);
+        is_followed
     }
 
     fn explain(&self, out: &mut Explanation) {

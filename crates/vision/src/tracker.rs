@@ -22,6 +22,14 @@ pub trait Tracker: Send {
     /// last frame, caused by the camera's motion. Returns [`Track::Unseeded`] before the first selection.
     fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track;
 
+    /// Forgets the target: the tracker is as before its first selection.
+    fn forget(&mut self);
+
+    /// The operator says that the object followed now is not the target. The tracker searches for the target as it was
+    /// selected, and does not take that object again while the object can be told from the target. Returns whether an
+    /// object was followed. Allocates memory.
+    fn reject(&mut self) -> bool;
+
     /// Writes what the last answer is based on, for an overlay. Costs nothing if it is not called.
     fn explain(&self, out: &mut Explanation);
 }

@@ -24,7 +24,7 @@ pub mod rng;
 pub use angle::{Angle, AngularRate};
 pub use command::CameraCommand;
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
-pub use operator::{OperatorRequest, StopCause};
+pub use operator::{DrawnSelection, LawId, Nudge, OperatorRequest, StopCause};
 pub use profile::{VehicleProfile, VehicleRates};
 pub use telemetry::Telemetry;
 pub use time::Timestamp;

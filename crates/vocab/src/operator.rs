@@ -1,18 +1,61 @@
 //! Requests to the pilot from the operator, or from a program on behalf of the operator.
 
 use crate::image::PixelBox;
+use crate::time::Timestamp;
 
 /// A request to the pilot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OperatorRequest {
     /// Track the content of this box of the next video frame.
     Select(PixelBox),
+    /// Track what this box contained in the video frame on which it was drawn. The track is brought up to the newest
+    /// frame, and then has to be confirmed.
+    SelectOn(DrawnSelection),
+    /// "Not that one": forget the present track, do not take that object again, and search for the selected target.
+    Reject,
+    /// Forget the target and follow nothing.
+    Deselect,
+    /// Turn the camera slowly, for a short time unless this is renewed; while disengaged only.
+    Nudge(Nudge),
+    /// Change the camera law; while not engaged only.
+    ChangeLaw(LawId),
     /// Let the pilot move the camera. After a stop, only `Engage` allows motion again.
     Engage,
     /// Continue tracking with the camera at rest. This also ends a stop, without allowing motion.
     Disengage,
     /// Rest the camera immediately. The camera stays at rest until the next `Engage`.
     Stop(StopCause),
+}
+
+/// A selection, and the video frame on which it was drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnSelection {
+    /// The box, pixels.
+    pub bounds: PixelBox,
+    /// Time of capture of the video frame.
+    pub captured: Timestamp,
+}
+
+/// A slow turn of the camera by hand, in shares of the nudge rate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Nudge {
+    /// -1 to 1, positive to the right.
+    pub pan: f64,
+    /// -1 to 1, positive upwards.
+    pub tilt: f64,
+}
+
+/// The camera laws that an operator can choose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum LawId {
+    /// The paper's motor schema.
+    MotorSchema,
+    /// Optimal law: least energy.
+    MinimumEnergy,
+    /// Optimal law: time in motion and energy.
+    TimeFuel,
+    /// Optimal law: longest rest.
+    Eco,
 }
 
 /// The reason for a stop.

@@ -7,16 +7,17 @@ use xxhash_rust::xxh3::Xxh3;
 use crate::drive::{DriveInput, StoredDrive};
 
 /// The inputs of a drive, each with its tick, and the last tick.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DriveInputs {
     inputs: Vec<(u64, DriveInput)>,
     last_tick: u64,
+    hands_on: bool,
 }
 
 impl DriveInputs {
     /// The inputs of a stored drive.
     pub fn from_drive(stored: &StoredDrive) -> Self {
-        Self { inputs: stored.inputs.clone(), last_tick: stored.last_tick() }
+        Self { inputs: stored.inputs.clone(), last_tick: stored.last_tick(), hands_on: stored.setup.hands_on }
     }
 
     /// Runs a trial from its start to the last tick of the drive.
@@ -26,6 +27,9 @@ impl DriveInputs {
         mut camera: Option<&mut dyn FrameSource>,
         observer: &mut dyn StepObserver,
     ) -> TrialLog {
+        if self.hands_on {
+            simulation = simulation.without_selection();
+        }
         let mut inputs = self.inputs.iter().peekable();
         loop {
             let tick = simulation.world().tick();

@@ -244,6 +244,8 @@ impl CampaignPlan {
             Some(law) => Pilot::with_law(settings, CameraLaw::from_law(law, &self.profile), tracker),
             None => Pilot::new(settings, tracker),
         };
+        // A person who drove may have selected on an earlier picture.
+        let pilot = if self.drive_inputs.is_some() { pilot.keeping_frames() } else { pilot };
         // Trials run in parallel, each on one thread.
         let in_pixels = self.settings.tracker.is_some();
         let mut camera =

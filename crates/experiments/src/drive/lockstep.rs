@@ -9,7 +9,7 @@ use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
 use barrelman_video::encoder::EncoderSettings;
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates};
+use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates};
 
 use super::encoded_camera::EncodedCamera;
 use super::input::DriveInput;
@@ -35,7 +35,7 @@ impl<'a> Drive<'a> {
         let world = World::new(scenario, seed)
             .map_err(|_| anyhow!("the way-points of {} make no path with seed {seed}", scenario.name))?;
         let settings = PilotSettings { profile: setup.profile.clone(), law: setup.law.settings() };
-        let pilot = Pilot::new(settings, TrackerSettings::new(setup.tracker).build()?);
+        let pilot = Pilot::new(settings, TrackerSettings::new(setup.tracker).build()?).keeping_frames();
         let simd = Simd::at_most(SimdLevel::Avx512);
         let rendered = RenderedCamera::new(&world, scenario.camera.clone(), seed, simd, threads);
         let (to_recorder, units) = channel();
@@ -47,12 +47,23 @@ impl<'a> Drive<'a> {
             Box::new(rendered)
         };
         let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile);
+        let simulation = if setup.hands_on { simulation.without_selection() } else { simulation };
         Ok(Self { simulation, camera, units, helm: None })
     }
 
     /// The world after the last tick.
     pub const fn world(&self) -> &World {
         self.simulation.world()
+    }
+
+    /// The law; `None`: a law that an operator cannot choose.
+    pub const fn law_id(&self) -> Option<LawId> {
+        self.simulation.law_id()
+    }
+
+    /// The outcome of the pilot's newest step.
+    pub const fn outcome(&self) -> Option<&Outcome> {
+        self.simulation.outcome()
     }
 
     /// The helm of the person who steers; `None` while the helmsman steers.

@@ -4,7 +4,7 @@
 
 use barrelman_control::{CameraModel, LawInput, ShadowController};
 use barrelman_pilot::Outcome;
-use barrelman_vocab::{Timestamp, VehicleProfile};
+use barrelman_vocab::{CameraCommand, Timestamp, VehicleProfile};
 
 /// The motor schema with a model of the camera that it would have moved.
 pub struct MotorSchemaShadow {
@@ -13,6 +13,7 @@ pub struct MotorSchemaShadow {
     /// Time of capture of the last localisation used.
     last_captured: Option<Timestamp>,
     p: Option<f64>,
+    command: CameraCommand,
 }
 
 impl MotorSchemaShadow {
@@ -23,6 +24,7 @@ impl MotorSchemaShadow {
             shadow: ShadowController::new(profile),
             last_captured: None,
             p: None,
+            command: CameraCommand::REST,
         }
     }
 
@@ -33,12 +35,18 @@ impl MotorSchemaShadow {
                 self.last_captured = Some(seen.captured);
                 let (picture, captured) = (seen.picture, seen.captured);
                 let input = LawInput { percept: &percept, region, picture, captured, is_measured: true, now };
-                self.p = Some(self.shadow.step(&input, &self.camera).p);
+                let step = self.shadow.step(&input, &self.camera);
+                (self.p, self.command) = (Some(step.p), step.command);
             }
             (Some(_), Some(_), Some(_)) => {}
-            _ => self.p = None,
+            _ => (self.p, self.command) = (None, CameraCommand::REST),
         }
         self.camera.apply_command(outcome.command, now);
+    }
+
+    /// What the motor schema would command.
+    pub const fn command(&self) -> CameraCommand {
+        self.command
     }
 
     /// P under the motor schema; `None` while the target is not localised.

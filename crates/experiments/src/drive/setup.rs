@@ -26,6 +26,8 @@ pub struct DriveSetup {
     pub law: LawChoice,
     /// Whether pictures are encoded as H.264.
     pub encoded: bool,
+    /// Whether the person selects the boat and engages; otherwise the world selects the boat.
+    pub hands_on: bool,
 }
 
 impl DriveSetup {
@@ -38,6 +40,6 @@ impl DriveSetup {
         let mut loaded = scenario::load(&url.scenario, &overrides)?;
         loaded.scenario.max_s = MAX_DRIVE_S;
         let profile = loaded.profile()?;
-        Ok(Self { url, loaded, profile, tracker, law, encoded })
+        Ok(Self { url, loaded, profile, tracker, law, encoded, hands_on: false })
     }
 }

@@ -43,6 +43,8 @@ struct Header {
     law_behaviour: u32,
     #[serde(rename = "coded")]
     encoded: bool,
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    hands_on: bool,
     program: String,
 }
 
@@ -55,7 +57,7 @@ const fn first_version() -> u32 {
 }
 
 /// Every other line.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 enum Line {
     Input {
@@ -92,6 +94,7 @@ impl DriveWriter {
             law: setup.law,
             law_behaviour: setup.law.behaviour_version(),
             encoded: setup.encoded,
+            hands_on: setup.hands_on,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         })?;
         Ok(writer)
@@ -159,7 +162,9 @@ impl StoredDrive {
         let behaviour = BehaviourVersions { tracker: header.tracker_behaviour, law: header.law_behaviour };
         let size = header.size.map(|(width, height)| PictureSize::new(width, height));
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
-        let setup = DriveSetup::new(url, header.tracker, header.law.validated("law.")?, header.encoded)?;
+        let law = header.law.validated("law.")?;
+        let setup = DriveSetup::new(url, header.tracker, law, header.encoded)?;
+        let setup = DriveSetup { hands_on: header.hands_on, ..setup };
         if format!("{:016x}", setup.loaded.hash) != header.scenario_hash {
             bail!("the scenario {} is another than it was then", setup.url.scenario);
         }

@@ -1,12 +1,12 @@
 //! The arguments of `demo`.
 
-use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_vocab::PictureSize;
 use clap::Args;
 
+use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
 use super::values::{parse_seconds, parse_size};
 
@@ -14,20 +14,23 @@ use super::values::{parse_seconds, parse_size};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   barrelman demo
+  barrelman demo --hands-on
   barrelman demo arena1 --store drive.jsonl
   barrelman demo --replay drive.jsonl
   barrelman demo --clip --output demo-output
 
-Keys on the page: arrows steer the boat, p pauses, space stops the camera, e engages it,
-h returns the helm to the scenario's helmsman.
+Keys on the console: arrows steer the boat, space stops the camera, e engages it; ? shows all keys.
 Keys on a terminal: e engages, space and d stop the camera, q quits.
 --clip runs the live loop on a rendered practice clip, with an emulated ground station.")]
 pub struct DemoArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open.
     pub scenario: Option<String>,
-    /// Address of the page; default: 127.0.0.1:8480, or the next free port.
-    #[arg(long, value_name = "ADDR")]
-    pub listen: Option<SocketAddr>,
+    /// The console.
+    #[command(flatten)]
+    pub console: ConsoleOptions,
+    /// Begin unselected and disengaged: the operator draws the box around the boat, and engages.
+    #[arg(long, conflicts_with = "replay")]
+    pub hands_on: bool,
     /// Size of the picture; the field of view stays the same. Default: the scenario's, at most 960 wide.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<PictureSize>,
@@ -45,7 +48,7 @@ pub struct DemoArgs {
     pub store: Option<PathBuf>,
     /// Replay a stored drive, without a page and at full speed; exit 1 unless it is the same,
     /// bit for bit.
-    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "law", "mode", "horizon"])]
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "console_token_file", "on_console_lost", "size", "seed", "seconds", "law", "mode", "horizon"])]
     pub replay: Option<PathBuf>,
     /// The tracker.
     #[arg(long, value_enum, value_name = "NAME", default_value_t, conflicts_with = "replay")]
@@ -54,7 +57,7 @@ pub struct DemoArgs {
     #[command(flatten)]
     pub law: LawOptions,
     /// Run the live loop on a practice clip instead, with an emulated ground station.
-    #[arg(long, conflicts_with_all = ["scenario", "listen", "size", "seed", "seconds", "record", "store", "replay"])]
+    #[arg(long, conflicts_with_all = ["scenario", "listen", "console_token_file", "on_console_lost", "size", "seed", "seconds", "record", "store", "replay", "hands_on"])]
     pub clip: bool,
     /// With --clip: folder of the clip, the annotated video and the recording.
     #[arg(long, default_value = "demo-output", requires = "clip")]
@@ -71,7 +74,8 @@ impl Default for DemoArgs {
     fn default() -> Self {
         Self {
             scenario: None,
-            listen: None,
+            console: ConsoleOptions::default(),
+            hands_on: false,
             size: None,
             seed: 1,
             seconds: None,

@@ -22,6 +22,7 @@ mod emulate;
 mod check;
 mod config;
 
+mod console_options;
 mod law_options;
 mod log_options;
 mod region_options;
@@ -33,6 +34,7 @@ use clap::{Parser, Subcommand};
 
 pub use check::CheckArgs;
 pub use config::{ConfigArgs, ConfigCommand};
+pub use console_options::{ConsoleOptions, OnConsoleLost};
 pub use demo::DemoArgs;
 pub use emulate::{EmulateArgs, EmulateFotokiteProArgs, StationName};
 pub use law_options::LawOptions;

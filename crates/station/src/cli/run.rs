@@ -6,6 +6,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_vocab::PixelBox;
 use clap::Args;
 
+use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
 use super::values::parse_box;
 
@@ -17,7 +18,8 @@ use super::values::parse_box;
   barrelman run --video sim:arena1 --link sim: --engage
   barrelman run barrelman.toml --select 600,300,80,60
 
-The run starts disengaged. Keys on a terminal: e engages, d disengages, space stops, q quits.")]
+The run starts disengaged. The console's link is printed; on the console the operator selects the boat, engages, and
+stops. Keys on a terminal: e engages, d disengages, space stops, q quits.")]
 pub struct RunArgs {
     /// Configuration file (TOML). Options on the command line override it.
     pub config: Option<PathBuf>,
@@ -36,9 +38,12 @@ pub struct RunArgs {
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
     /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing is
-    /// tracked, except in a simulated world, where the world selects its boat.
+    /// tracked until the operator selects, except in a simulated world, where the world selects its boat.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
+    /// Wait for the operator to select the boat on the console, in a simulated world, too.
+    #[arg(long, conflicts_with_all = ["select", "headless"])]
+    pub hands_on: bool,
     /// The tracker; default: the configuration's, or fused.
     #[arg(long, value_enum, value_name = "NAME")]
     pub tracker: Option<TrackerName>,
@@ -48,12 +53,18 @@ pub struct RunArgs {
     /// Engage at the start.
     #[arg(long)]
     pub engage: bool,
-    /// Accepted for scripts, without effect: `run` has no page in this build.
-    #[arg(long)]
+    /// The console.
+    #[command(flatten)]
+    pub console: ConsoleOptions,
+    /// No console.
+    #[arg(long, conflicts_with_all = ["listen", "console_token_file", "on_console_lost"])]
     pub headless: bool,
-    /// Record to this file.
+    /// Record to this file; default: a file of its own in the folder of the configuration, or `recordings`.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// Do not record.
+    #[arg(long, conflicts_with = "record")]
+    pub no_record: bool,
     /// Write the annotated video to this file.
     #[arg(long, value_name = "OUT.mp4")]
     pub overlay: Option<PathBuf>,

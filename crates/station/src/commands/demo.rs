@@ -4,17 +4,17 @@
 //! stored drive replays bit for bit.
 
 use std::io::{Write as _, stdout};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use barrelman_trial::behaviour::VersionDifference;
 use barrelman_vocab::PictureSize;
 
 use super::practice;
 use crate::cli::DemoArgs;
+use crate::console::ConsoleSettings;
 use crate::demo::live_drive::DriveEnd;
 use crate::demo::replay;
 use crate::demo::session::DriveSession;
@@ -25,8 +25,6 @@ use barrelman_experiments::world_url::WorldUrl;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 
-/// Ports of the page where no address is given: the first free one is used.
-const PORTS: std::ops::Range<u16> = 8480..8490;
 /// Default limit of the picture's width, pixels: pictures are rendered on the CPU.
 const MAX_WIDTH: u32 = 960;
 
@@ -62,9 +60,13 @@ fn drive(
     url.size = Some(picture_size(&url)?);
     let setup =
         DriveSetup::new(url, args.tracker, args.law.resolve(LawChoice::OPTIMAL)?, args.record.is_some())?;
-    let listener = listen(args.listen)?;
+    let setup = DriveSetup { hands_on: args.hands_on, ..setup };
+    let options = &args.console;
+    let console =
+        ConsoleSettings::without_tokens_on_loopback(options.listen, options.console_token_file.as_deref())?;
+    let console = ConsoleSettings { stops_on_lost: options.stops_on_lost(), ..console };
     let max_duration = args.seconds.map(Duration::from_secs_f64);
-    let end = DriveSession { setup, listener, record, store, max_duration, clock }.run()?;
+    let end = DriveSession { setup, console, record, store, max_duration, clock }.run()?;
     print_outputs(args)?;
     Ok(match end {
         DriveEnd::Quit(cause) => {
@@ -87,23 +89,6 @@ fn picture_size(url: &WorldUrl) -> Result<PictureSize> {
     let own = scenario::load(&url.scenario, &ScenarioOverrides::default())?.scenario.camera.optics.picture;
     let height = (own.height * MAX_WIDTH / own.width.max(1)) & !1;
     Ok(if own.width > MAX_WIDTH { PictureSize::new(MAX_WIDTH, height) } else { own })
-}
-
-fn listen(address: Option<SocketAddr>) -> Result<TcpListener> {
-    if let Some(address) = address {
-        return TcpListener::bind(address).with_context(|| {
-            format!(
-                "cannot listen on {address}: does another program use it? choose another address with --listen"
-            )
-        });
-    }
-    let loopback = |port| SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
-    match PORTS.map(loopback).find_map(|address| TcpListener::bind(address).ok()) {
-        Some(listener) => Ok(listener),
-        None => {
-            bail!("ports {} to {} of this machine are in use: give --listen ADDR", PORTS.start, PORTS.end - 1)
-        }
-    }
 }
 
 /// Prints what was written, and the commands that use it.

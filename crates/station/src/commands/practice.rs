@@ -17,7 +17,7 @@ use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 use indicatif::ProgressBar;
 
 use super::run;
-use crate::cli::{DemoArgs, RunArgs};
+use crate::cli::{ConsoleOptions, DemoArgs, RunArgs};
 use crate::emulator::emulated_port::EmulatedPort;
 use crate::emulator::fotokite_pro::FotokitePro;
 use crate::emulator::log::StationLog;
@@ -90,7 +90,10 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             tracker: Some(args.tracker),
             law: args.law.resolve(LawChoice::MOTOR_SCHEMA)?.into(),
             engage: true,
+            hands_on: false,
+            console: ConsoleOptions::default(),
             headless: true,
+            no_record: false,
             record: Some(recording.clone()),
             overlay: Some(film.clone()),
             force: args.force,

@@ -8,6 +8,7 @@ use barrelman_pilot::{Pilot, PilotSettings};
 
 use crate::cli::{RunArgs, UsageError};
 use crate::config::{self, ConfigFile, Configuration};
+use crate::console::ConsoleSettings;
 use crate::link::LinkUrl;
 use crate::link::url::Endpoint;
 use crate::live::run_loop::RunEnd;
@@ -62,6 +63,7 @@ pub fn run_with_outputs(
     }
     let outputs = open()?;
     let fault_injector = FaultInjector::parse(&args.fault)?;
+    let console = (!args.headless).then(|| open_console(args)).transpose()?;
     let session = Session {
         pilot: build_pilot(&configuration)?,
         configuration: &configuration,
@@ -69,6 +71,8 @@ pub fn run_with_outputs(
         link,
         outputs,
         selection: args.select,
+        waits_for_selection: args.hands_on,
+        console,
         engage: args.engage,
         fault_injector,
         clock,
@@ -87,6 +91,13 @@ pub fn run_with_outputs(
             ExitCode::FAILURE
         }
     })
+}
+
+/// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
+fn open_console(args: &RunArgs) -> Result<ConsoleSettings> {
+    let options = &args.console;
+    let console = ConsoleSettings::with_tokens(options.listen, options.console_token_file.as_deref())?;
+    Ok(ConsoleSettings { stops_on_lost: options.stops_on_lost(), ..console })
 }
 
 /// Opens the output files that the arguments name.
@@ -132,5 +143,5 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
 pub fn build_pilot(configuration: &Configuration) -> Result<Pilot> {
     let settings =
         PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
-    Ok(Pilot::new(settings, configuration.tracker.build()?))
+    Ok(Pilot::new(settings, configuration.tracker.build()?).keeping_frames())
 }

@@ -1,26 +1,26 @@
-//! One drive, paced by the clock: inputs of the page and the terminal, ticks when they are due, and the status for the
-//! page.
+//! One drive, paced by the clock: requests of the console and the terminal, ticks when they are due, and the state for the
+//! console.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use anyhow::Result;
-use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
 use barrelman_experiments::drive::{Drive, DriveInput, DriveSetup, DriveWriter};
 use barrelman_host::clock::Clock;
-use barrelman_pilot::Mode;
-use barrelman_vocab::{OperatorRequest, Timestamp, Track, VehicleRates};
+use barrelman_vocab::{OperatorRequest, StopCause, Timestamp};
 
+use super::helm::RenewedHelm;
 use super::observers::DriveObservers;
 use super::pacing::Pacing;
-use super::page::{DriveStatus, PageState};
-use super::page_helm::PageHelm;
+use crate::console::SessionTime;
 use crate::live::event::{Event, QuitCause};
+use crate::operator::{Answer, Gateway, Request, Submitted};
+use crate::snapshot::DriveState;
 
-/// Interval at which inputs are read while the drive is paused.
+/// Interval at which requests are read while the drive is paused.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
-/// Ticks from one status of the page to the next.
-const STATUS_TICKS: u64 = 4;
+/// Ticks from one published state of the world to the next.
+const STATE_TICKS: u64 = 4;
 
 /// How a drive ended.
 #[derive(Debug)]
@@ -41,10 +41,11 @@ pub(super) struct LiveDrive<'a> {
     pub(super) observers: DriveObservers<'a>,
     /// The file that the inputs are stored in, if there is one.
     pub(super) store: Option<DriveWriter>,
-    pub(super) page: &'a PageState,
+    pub(super) gateway: &'a Gateway,
     pub(super) setup: &'a DriveSetup,
     pub(super) clock: Clock,
-    pub(super) helm: PageHelm,
+    pub(super) time: SessionTime,
+    pub(super) helm: RenewedHelm,
     pub(super) is_paused: bool,
 }
 
@@ -53,15 +54,13 @@ impl LiveDrive<'_> {
     ///
     /// # Errors
     /// If an input cannot be stored.
-    pub(super) fn run(
-        &mut self,
-        events: &Receiver<Event>,
-        inputs: &Receiver<DriveInput>,
-        until: Option<Timestamp>,
-    ) -> Result<DriveEnd> {
-        self.apply(DriveInput::Engage)?;
+    pub(super) fn run(&mut self, events: &Receiver<Event>, until: Option<Timestamp>) -> Result<DriveEnd> {
+        if !self.setup.hands_on {
+            self.apply(DriveInput::Engage)?;
+        }
         let mut pacing = Pacing::new(0, self.clock.now());
         loop {
+            self.take_requests()?;
             let (tick, now) = (self.drive.world().tick(), self.clock.now());
             if until.is_some_and(|until| until <= now) {
                 return Ok(DriveEnd::TimeIsUp);
@@ -72,7 +71,7 @@ impl LiveDrive<'_> {
             let due = if self.is_paused { now.plus(POLL_INTERVAL) } else { pacing.due(tick, now) };
             match events.recv_timeout(due.since(now)) {
                 Ok(event) => {
-                    if let Some(end) = self.on_event(event)? {
+                    if let Some(end) = self.on_event(event) {
                         return Ok(end);
                     }
                     continue;
@@ -82,49 +81,81 @@ impl LiveDrive<'_> {
                     return Ok(DriveEnd::Failed("all threads have ended".to_owned()));
                 }
             }
-            let was_paused = self.is_paused;
-            for input in inputs.try_iter() {
-                self.on_page_input(input)?;
-            }
             if let Some(neutral) = self.helm.expire(self.clock.now()) {
                 self.apply(neutral)?;
             }
             if self.is_paused {
-                self.publish_status(pacing.pace(), false);
+                self.publish_state(pacing.pace(), false);
+                pacing.resume(tick, self.clock.now());
                 continue;
             }
-            if was_paused {
-                pacing.resume(tick, self.clock.now());
-            }
             self.drive.tick(&mut self.observers);
-            if tick.is_multiple_of(STATUS_TICKS) {
-                self.publish_status(pacing.pace(), false);
+            self.time.set(self.drive.world().now());
+            if tick.is_multiple_of(STATE_TICKS) {
+                self.publish_state(pacing.pace(), false);
             }
         }
     }
 
     /// Handles an event of the program's threads. Returns how the drive ends, if the event ends it.
-    fn on_event(&mut self, event: Event) -> Result<Option<DriveEnd>> {
+    fn on_event(&mut self, event: Event) -> Option<DriveEnd> {
         match event {
-            Event::Quit(cause) => return Ok(Some(DriveEnd::Quit(cause))),
+            Event::Quit(cause) => return Some(DriveEnd::Quit(cause)),
             Event::ThreadPanicked { thread } => {
-                return Ok(Some(DriveEnd::Failed(format!("the {thread} thread panicked"))));
+                return Some(DriveEnd::Failed(format!("the {thread} thread panicked")));
             }
-            Event::Request(OperatorRequest::Engage) => self.apply(DriveInput::Engage)?,
-            Event::Request(OperatorRequest::Stop(_) | OperatorRequest::Disengage) => {
-                self.apply(DriveInput::Stop)?;
+            Event::ConsoleLost(is_lost) => {
+                let now = self.drive.world().now();
+                if let Some(console) = &mut self.observers.console {
+                    console.publisher.set_console_lost(is_lost, now);
+                }
             }
-            Event::Request(OperatorRequest::Select(_))
+            // The requests are taken before the next tick.
+            Event::Operator
             | Event::Frame
             | Event::Video(_)
             | Event::Link(_)
             | Event::RecordingFailed { .. } => {}
         }
-        Ok(None)
+        None
     }
 
-    /// Handles an input of the page. A helm that is already in force is only renewed, not stored again.
-    fn on_page_input(&mut self, input: DriveInput) -> Result<()> {
+    /// Takes a pressed stop, and all requests that wait.
+    fn take_requests(&mut self) -> Result<()> {
+        loop {
+            self.take_stop()?;
+            let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(()) };
+            match request {
+                Request::World(input) => {
+                    self.on_world_input(input)?;
+                    answer.give(Answer::ACCEPTED);
+                }
+                Request::Pilot(request) => {
+                    self.apply(DriveInput::from(request))?;
+                    if let (Some(console), Some(outcome)) =
+                        (&mut self.observers.console, self.drive.outcome())
+                    {
+                        console.answers.on_request_step(&request, answer, outcome);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes a pressed stop. The requests that were made before it are superseded.
+    fn take_stop(&mut self) -> Result<()> {
+        let Some(press) = self.gateway.stop_latch().pending() else { return Ok(()) };
+        self.gateway.refuse_waiting();
+        if let Some(console) = &mut self.observers.console {
+            console.publisher.set_stops_taken(press);
+        }
+        self.apply(DriveInput::from(OperatorRequest::Stop(StopCause::Operator)))?;
+        self.gateway.stop_latch().acknowledge(press);
+        Ok(())
+    }
+
+    /// Handles an input of the world. A helm that is already in force is only renewed, not stored again.
+    fn on_world_input(&mut self, input: DriveInput) -> Result<()> {
         match input {
             DriveInput::Helm { .. } => {
                 if !self.helm.set(input, self.clock.now()) {
@@ -134,7 +165,7 @@ impl LiveDrive<'_> {
             DriveInput::Helmsman => self.helm.release(),
             DriveInput::Pause => self.is_paused = true,
             DriveInput::Resume => self.is_paused = false,
-            DriveInput::Engage | DriveInput::Stop => {}
+            _ => {}
         }
         self.apply(input)
     }
@@ -145,47 +176,30 @@ impl LiveDrive<'_> {
             store.add(self.drive.world().tick(), input)?;
         }
         self.drive.apply(input, &mut self.observers);
+        if let Some(console) = &mut self.observers.console {
+            console.law = self.drive.law_id();
+        }
         Ok(())
     }
 
-    fn publish_status(&self, pace: f64, over: bool) {
-        self.page.set_status(&self.status(pace, over));
+    fn publish_state(&mut self, pace: f64, over: bool) {
+        let (state, now) = (self.state(pace, over), self.drive.world().now());
+        if let Some(console) = &mut self.observers.console {
+            console.publisher.set_drive(state, now);
+        }
     }
 
-    fn status(&self, pace: f64, over: bool) -> DriveStatus {
-        let world = self.drive.world();
-        let (outcome, rates) = match &self.observers.newest {
-            Some((outcome, rates)) => (Some(outcome), *rates),
-            None => (None, VehicleRates::REST),
-        };
-        let track = outcome.map_or(Track::Unseeded, |outcome| outcome.track);
-        let (track, confidence) = match track {
-            Track::Unseeded => ("unseeded", None),
-            Track::Tracking(seen) => ("tracking", Some(seen.confidence)),
-            Track::Coasting(seen) => ("coasting", Some(seen.confidence)),
-            Track::Lost { confidence, .. } => ("lost", Some(confidence)),
-        };
-        let helm = self.drive.helm();
-        let command = outcome.map(|outcome| outcome.command).unwrap_or_default();
-        DriveStatus {
+    fn state(&self, pace: f64, over: bool) -> DriveState {
+        let (world, helm) = (self.drive.world(), self.drive.helm());
+        let (pan, tilt) = world.camera_rates();
+        DriveState {
             scenario: self.setup.url.scenario.clone(),
             seed: self.setup.url.seed,
             tick: world.tick(),
             time_s: world.now().as_secs_f64(),
             paused: self.is_paused,
             pace,
-            law: self.setup.law.name_str(),
-            mode: outcome.map_or_else(String::new, |outcome| outcome.mode.to_string()),
-            engaged: outcome.is_some_and(|outcome| matches!(outcome.mode, Mode::Servoing | Mode::Holding(_))),
-            track,
-            confidence,
-            p: outcome.and_then(|outcome| outcome.percept).map(|percept| percept.p),
-            schema_p: self.observers.shadow.as_ref().and_then(MotorSchemaShadow::p),
-            pan: command.pan.radians_per_second(),
-            tilt: command.tilt.radians_per_second(),
-            yaw_rate: rates.yaw.radians_per_second(),
-            pitch_rate: rates.pitch.radians_per_second(),
-            achieved: world.camera_rates(),
+            achieved: [pan, tilt],
             speed_m_per_s: world.target_speed_m_per_s(),
             helm: match helm {
                 _ if !world.is_steerable() => "nobody",
@@ -199,12 +213,12 @@ impl LiveDrive<'_> {
         }
     }
 
-    /// Publishes the last status and completes the recording and the stored drive.
+    /// Publishes the last state and completes the recording and the stored drive.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub(super) fn finish(self, over: bool) -> Result<()> {
-        self.publish_status(1.0, over);
+    pub(super) fn finish(mut self, over: bool) -> Result<()> {
+        self.publish_state(1.0, over);
         let (tick, hash) = (self.drive.world().tick(), self.observers.hash.hex());
         if let Some(recorder) = self.observers.recorder {
             recorder.finish()?;

@@ -1,7 +1,7 @@
 //! The demo: a simulated boat that a person steers in the browser.
 //!
 //! ```text
-//! page -> inputs, each at a tick -> Drive: trial's Simulation, tick by tick -> pictures -> page
+//! console -> gateway -> inputs, each at a tick -> Drive: trial's Simulation, tick by tick -> snapshots, pictures -> console
 //! ```
 //! The world of a demo waits for the pilot, so the same inputs at the same ticks give the same drive, bit for bit. (In
 //! `run --video sim:` the world follows the clock instead, see [`crate::simulated_source`].)
@@ -11,16 +11,8 @@ pub mod session;
 pub mod live_drive;
 pub mod pacing;
 
+mod helm;
 mod observers;
-mod page_helm;
 mod recording;
 
 pub mod replay;
-
-pub mod page;
-pub mod page_pictures;
-pub mod server;
-
-mod routes;
-
-mod jpeg;

@@ -1,16 +1,15 @@
-//! The step observers of a drive: hash, recording, pictures for the page, and the motor schema's shadow.
+//! The step observers of a drive: hash, recording, and what the console shows.
 
 use barrelman_experiments::campaign::recording::TrialRecorder;
-use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
-use barrelman_experiments::drive::{DriveHasher, DriveObserver, DriveSetup};
-use barrelman_experiments::law_choice::LawName;
-use barrelman_host::latest::Latest;
+use barrelman_experiments::drive::{DriveHasher, DriveObserver};
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_trial::campaign::StepObserver;
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates};
+use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates};
 
-use super::page_pictures::AnnotatedFrame;
+use crate::console::{PictureSlot, VideoRelay};
+use crate::operator::Answers;
+use crate::snapshot::Publisher;
 
 /// The step observers of a drive.
 #[derive(Default)]
@@ -19,19 +18,21 @@ pub(super) struct DriveObservers<'a> {
     pub(super) hash: DriveHasher,
     /// The recording, if the drive is recorded.
     pub(super) recorder: Option<TrialRecorder>,
-    /// The slot of the page's pictures.
-    pub(super) frames: Option<&'a Latest<AnnotatedFrame>>,
-    /// What the motor schema would have done, where another law moves the camera.
-    pub(super) shadow: Option<MotorSchemaShadow>,
-    /// The outcome of the newest step, and the rates that were sent.
-    pub(super) newest: Option<(Outcome, VehicleRates)>,
+    /// What the console shows; `None`: there is no console.
+    pub(super) console: Option<ConsoleObserver<'a>>,
     /// Whether the target is in the newest picture.
     pub(super) is_in_picture: Option<bool>,
 }
 
-/// The motor schema's shadow of a drive; `None` where the motor schema is the drive's law.
-pub(super) fn shadow_of(setup: &DriveSetup) -> Option<MotorSchemaShadow> {
-    (setup.law.name != LawName::MotorSchema).then(|| MotorSchemaShadow::new(&setup.profile))
+/// Passes the steps of a drive on to the console.
+pub(super) struct ConsoleObserver<'a> {
+    pub(super) publisher: &'a mut Publisher,
+    pub(super) pictures: &'a PictureSlot,
+    pub(super) relay: &'a VideoRelay,
+    /// Answers that are still to be given.
+    pub(super) answers: Answers,
+    /// The law in force.
+    pub(super) law: Option<LawId>,
 }
 
 impl StepObserver for DriveObservers<'_> {
@@ -40,13 +41,15 @@ impl StepObserver for DriveObservers<'_> {
         if let Some(recorder) = &mut self.recorder {
             recorder.on_step(now, input, outcome, rates);
         }
-        if let (Some(frames), Input::Frame(frame)) = (self.frames, input) {
-            frames.put(AnnotatedFrame { frame: (*frame).clone(), outcome: outcome.clone(), rates });
+        if let Some(console) = &mut self.console {
+            if let Input::Frame(frame) = input {
+                console.pictures.put(frame);
+            }
+            if !matches!(input, Input::Request(_)) {
+                console.answers.on_step(outcome);
+            }
+            console.publisher.on_step(input, outcome, rates, console.law);
         }
-        if let Some(shadow) = &mut self.shadow {
-            shadow.step(now, outcome);
-        }
-        self.newest = Some((outcome.clone(), rates));
     }
 
     fn on_truth(&mut self, truth: &Truth) {
@@ -57,6 +60,9 @@ impl StepObserver for DriveObservers<'_> {
 
 impl DriveObserver for DriveObservers<'_> {
     fn on_unit(&mut self, unit: EncodedUnit) {
+        if let Some(console) = &self.console {
+            console.relay.add(&unit);
+        }
         if let Some(recorder) = &mut self.recorder {
             recorder.add_unit(unit);
         }

@@ -1,7 +1,6 @@
-//! A session of the demo: one drive after the other, with the page, the terminal and the threads that they need.
+//! A session of the demo: one drive after the other, with the console, the terminal and the threads that they need.
 
 use std::io::{Write as _, stdout};
-use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::Duration;
@@ -10,18 +9,19 @@ use anyhow::Result;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
-use barrelman_host::latest::Latest;
 use barrelman_host::output::OutputFile;
 
+use super::helm::RenewedHelm;
 use super::live_drive::{DriveEnd, LiveDrive};
-use super::observers::{self, DriveObservers};
-use super::page::PageState;
-use super::page_helm::PageHelm;
-use super::page_pictures;
+use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
-use super::server::PageServer;
+use crate::console::{
+    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
+};
 use crate::live::terminal::Terminal;
-use crate::live::threads::{self, FaultInjector};
+use crate::live::threads::FaultInjector;
+use crate::operator::{Answers, Gateway};
+use crate::snapshot::{LinkStatus, Publisher, RecordingState, VideoSourceState};
 
 /// Capacity of the queue of events.
 const EVENTS: usize = 64;
@@ -30,8 +30,8 @@ const EVENTS: usize = 64;
 pub struct DriveSession {
     /// The first drive. Each further drive has the next seed.
     pub setup: DriveSetup,
-    /// The listener of the page's server.
-    pub listener: TcpListener,
+    /// The console.
+    pub console: ConsoleSettings,
     /// The recording. A session that is recorded or stored has one drive.
     pub record: Option<OutputFile>,
     /// The stored drive.
@@ -46,42 +46,66 @@ impl DriveSession {
     /// Runs drives until the session is ended.
     ///
     /// # Errors
-    /// If the world, a thread or the page cannot be started, or a file cannot be written.
+    /// If the world, a thread or the console cannot be started, or a file cannot be written.
     pub fn run(self) -> Result<DriveEnd> {
-        let Self { mut setup, listener, mut record, mut store, max_duration, clock } = self;
+        let Self { mut setup, console, mut record, mut store, max_duration, clock } = self;
         let has_one_drive = record.is_some() || store.is_some();
+        let recording = record.as_ref().map(|file| file.path().display().to_string());
+        let recording = recording.map_or(RecordingState::Off, RecordingState::On);
         let threads = RenderThreads::new()?;
         let (events, queue) = sync_channel(EVENTS);
-        let terminal = Terminal::watch(events.clone(), clock, FaultInjector::default())?;
-        let (page, inputs) = PageState::new();
-        let (page, frames) = (Arc::new(page), Arc::new(Latest::default()));
-        let renderer = {
-            let (frames, page) = (Arc::clone(&frames), Arc::clone(&page));
-            let render = move || page_pictures::render_page_pictures(&frames, &page);
-            threads::spawn("page-pictures", events.clone(), render)?
+        let gateway = Arc::new(Gateway::new(events.clone()));
+        let terminal =
+            Terminal::watch(Arc::clone(&gateway), events.clone(), clock, FaultInjector::default())?;
+        let mut publisher = Publisher::new(&setup.profile, LinkStatus::Simulated, recording);
+        let (relay, pictures) = (Arc::new(VideoRelay::default()), Arc::new(PictureSlot::default()));
+        let time = SessionTime::new(clock);
+        let parts = ConsoleParts {
+            facts: SessionFacts {
+                command: "demo",
+                source: setup.url.to_string(),
+                link: Some("the simulated camera".to_owned()),
+                vehicle: setup.profile.name.clone(),
+                stops_on_console_lost: console.stops_on_lost,
+            },
+            gateway: Arc::clone(&gateway),
+            snapshots: publisher.subscribe(),
+            events: publisher.events(),
+            relay: Arc::clone(&relay),
+            pictures: Arc::clone(&pictures),
+            time: time.clone(),
         };
-        let server = PageServer::start(listener, Arc::clone(&page), events.clone())?;
-        drop(events);
-        announce(&server, &setup)?;
+        let server = ConsoleServer::open(console, parts, events)?;
+        print_keys(&setup)?;
 
         let until = max_duration.map(|duration| clock.now().plus(duration));
         let end = loop {
+            let drive = Drive::new(&setup, &threads)?;
+            publisher.begin_drive(drive.world().now());
+            publisher.set_video(VideoSourceState::Up, drive.world().now());
+            let console = ConsoleObserver {
+                publisher: &mut publisher,
+                pictures: &pictures,
+                relay: &relay,
+                answers: Answers::default(),
+                law: drive.law_id(),
+            };
             let mut live = LiveDrive {
-                drive: Drive::new(&setup, &threads)?,
+                drive,
                 observers: DriveObservers {
                     recorder: recording::begin(record.take(), &setup)?,
-                    frames: Some(&frames),
-                    shadow: observers::shadow_of(&setup),
+                    console: Some(console),
                     ..DriveObservers::default()
                 },
                 store: store.take().map(|file| DriveWriter::begin(file, &setup)).transpose()?,
-                page: &page,
+                gateway: &gateway,
                 setup: &setup,
                 clock,
-                helm: PageHelm::default(),
+                time: time.clone(),
+                helm: RenewedHelm::default(),
                 is_paused: false,
             };
-            let end = live.run(&queue, &inputs, until)?;
+            let end = live.run(&queue, until)?;
             live.finish(matches!(end, DriveEnd::Over))?;
             if !matches!(end, DriveEnd::Over) || has_one_drive {
                 break end;
@@ -89,23 +113,16 @@ impl DriveSession {
             setup.url.seed = setup.url.seed.wrapping_add(1);
             tracing::info!("the drive is over; the next drive has seed {}", setup.url.seed);
         };
-        frames.close();
-        let _ = renderer.join();
         drop(server);
         drop(terminal);
         Ok(end)
     }
 }
 
-/// Prints where the page is. Scripts wait for the first line.
-fn announce(server: &PageServer, setup: &DriveSetup) -> Result<()> {
+/// Prints what the keys do.
+fn print_keys(setup: &DriveSetup) -> Result<()> {
     let mut out = stdout();
-    let address = server.address();
-    writeln!(out, "steer the boat of {} at http://{address}/", setup.url.scenario)?;
-    writeln!(out, "arrow keys steer, p pauses, space stops the camera, e engages it; Ctrl-C quits")?;
-    out.flush()?;
-    if !address.ip().is_loopback() {
-        tracing::warn!("anybody who can reach {address} can steer this simulated boat");
-    }
-    Ok(())
+    let begin = if setup.hands_on { "draw a box around the boat, then engage; " } else { "" };
+    writeln!(out, "{begin}arrow keys steer the boat, space stops the camera, e engages it; Ctrl-C quits")?;
+    Ok(out.flush()?)
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use barrelman_host::clock::Clock;
 use barrelman_video::VideoState;
-use barrelman_vocab::{OperatorRequest, Timestamp};
+use barrelman_vocab::Timestamp;
 
 use crate::link::LinkReport;
 
@@ -18,8 +18,10 @@ pub enum Event {
     Video(VideoState),
     /// The link reports something.
     Link(LinkReport),
-    /// The operator requests something.
-    Request(OperatorRequest),
+    /// The gateway holds requests, or a stop.
+    Operator,
+    /// The controlling page is gone (`true`), or has come back.
+    ConsoleLost(bool),
     /// The program must end.
     Quit(QuitCause),
     /// A thread panicked.

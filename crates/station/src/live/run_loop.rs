@@ -5,7 +5,8 @@
 //! rest is the last command sent.
 //!
 //! Everything around the loop is a trait: the events with their time ([`EventSource`]), the link ([`VehicleLink`]), the
-//! observers of steps ([`LiveStepObserver`]), and the status output ([`StatusOutput`]).
+//! observers of steps ([`LiveStepObserver`]), and the status output ([`StatusOutput`]). Requests come through the
+//! [`Gateway`]: before each event the loop takes a pressed stop, then the requests that wait, in their order.
 
 use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
@@ -15,12 +16,14 @@ use barrelman_host::latest::Latest;
 use barrelman_pilot::{Input, Notice, Outcome, Pilot};
 use barrelman_video::VideoState;
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{OperatorRequest, StopCause, Telemetry, VehicleProfile, VehicleRates, VideoFrame};
+use barrelman_vocab::{OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates, VideoFrame};
 
 use super::event::{Event, EventSource};
-use super::status_line::{StatusLine, StatusOutput, link_state_text};
+use super::status_line::{StatusLine, StatusOutput};
 use super::threads::FaultInjector;
 use crate::link::{LinkReport, VehicleLink};
+use crate::operator::{Answer, Answers, Gateway, Request, Submitted};
+use crate::snapshot::{Publisher, RecordingState, VideoSourceState, link_state_text};
 
 /// Longest wait for an event: bounds the delay of the status line.
 const MAX_WAIT: Duration = Duration::from_millis(200);
@@ -63,6 +66,10 @@ pub struct RunLoop<'a> {
     pub profile: VehicleProfile,
     /// The events and the time.
     pub events: &'a mut dyn EventSource,
+    /// Where requests come from.
+    pub gateway: Arc<Gateway>,
+    /// Where the state after each step goes.
+    pub publisher: Publisher,
     /// The slot of the newest video frame.
     pub latest: Arc<Latest<VideoFrame>>,
     /// The link; `None`: a dry run.
@@ -75,8 +82,8 @@ pub struct RunLoop<'a> {
     pub status_output: Box<dyn StatusOutput + 'a>,
     /// Whether a refused selection ends the run: where a selection can be made at the start only.
     pub ends_on_refused_selection: bool,
-    /// The annotated video, if there is one.
-    pub overlay: Option<Box<dyn LiveStepObserver + 'a>>,
+    /// Further observers: the annotated video, the pictures of the console.
+    pub observers: Vec<Box<dyn LiveStepObserver + 'a>>,
     /// Deliberate faults.
     pub fault_injector: FaultInjector,
 }
@@ -84,11 +91,11 @@ pub struct RunLoop<'a> {
 /// The state of the loop between events.
 #[derive(Default)]
 struct LoopState {
-    steps: u64,
-    outcome: Option<Outcome>,
-    rates: VehicleRates,
+    /// The pilot's deadline.
+    wake_at: Option<Timestamp>,
     /// Why the selection of the last step was refused.
     refusal: Option<String>,
+    answers: Answers,
     has_video_been_up: bool,
     /// Failed attempts to connect to the video since it was last up.
     failed_connections: u64,
@@ -117,19 +124,24 @@ impl RunLoop<'_> {
         end
     }
 
-    /// Waits for the next event or the pilot's deadline, whichever is first, and handles it.
+    /// Takes what the operator requested; then waits for the next event or the pilot's deadline, whichever is first, and
+    /// handles it.
     fn wait_and_handle(&mut self, state: &mut LoopState) -> Option<Ending> {
         let now = self.events.now();
         self.fault_injector.apply_faults("pilot", now);
-        if let Some(line) = self.status.next_line(state.outcome.as_ref(), state.rates, now) {
+        self.take_requests(state);
+        if let Some(line) = self.status.next_line(self.publisher.newest(), now) {
             self.status_output.show(line);
         }
-        let wake_at = state.outcome.as_ref().and_then(|outcome| outcome.wake_at);
-        let wait = wake_at.map_or(MAX_WAIT, |at| at.since(now).min(MAX_WAIT));
+        let wait = state.wake_at.map_or(MAX_WAIT, |at| at.since(now).min(MAX_WAIT));
         match self.events.next_event(wait) {
-            Ok(event) => self.handle(state, event),
+            Ok(event) => {
+                // A stop that was pressed during the wait comes before the event.
+                self.take_stop(state);
+                self.handle(state, event)
+            }
             Err(RecvTimeoutError::Timeout) => {
-                if wake_at.is_some_and(|at| at <= self.events.now()) {
+                if state.wake_at.is_some_and(|at| at <= self.events.now()) {
                     self.step(state, Input::Tick);
                 }
                 None
@@ -138,18 +150,46 @@ impl RunLoop<'_> {
         }
     }
 
+    /// Takes a pressed stop. The requests that were made before it are superseded.
+    fn take_stop(&mut self, state: &mut LoopState) {
+        let Some(press) = self.gateway.stop_latch().pending() else { return };
+        self.gateway.refuse_waiting();
+        self.publisher.set_stops_taken(press);
+        self.step(state, Input::Request(OperatorRequest::Stop(StopCause::Operator)));
+        self.gateway.stop_latch().acknowledge(press);
+    }
+
+    /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the next request.
+    fn take_requests(&mut self, state: &mut LoopState) {
+        loop {
+            self.take_stop(state);
+            let Some(Submitted { request, answer }) = self.gateway.next_request() else { break };
+            match request {
+                Request::Pilot(request) => {
+                    let outcome = self.step(state, Input::Request(request));
+                    state.answers.on_request_step(&request, answer, &outcome);
+                }
+                Request::World(_) => {
+                    answer.give(Answer::Refused("there is no simulated boat to steer here".to_owned()));
+                }
+            }
+        }
+    }
+
     /// Handles an event. Returns the end of the run if the event ends it.
     fn handle(&mut self, state: &mut LoopState, event: Event) -> Option<Ending> {
         match event {
             Event::Frame => return self.on_frame(state),
-            Event::Request(request) => self.step(state, Input::Request(request)),
+            // The requests are taken before the next event.
+            Event::Operator => {}
+            Event::ConsoleLost(is_lost) => self.publisher.set_console_lost(is_lost, self.events.now()),
             Event::Link(report) => return self.on_link_report(state, report),
-            Event::Video(video) => return on_video_state(state, video),
+            Event::Video(video) => return self.on_video_state(state, video),
             Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),
             Event::ThreadPanicked { thread } => return Some(failed(format!("the {thread} thread panicked"))),
             Event::RecordingFailed { reason } => {
                 tracing::error!("the recording has stopped: {reason}; the run goes on without a recording");
-                self.status.alarm(format!("recording stopped: {reason}"));
+                self.publisher.set_recording(RecordingState::Failed(reason), self.events.now());
                 self.recorder = None;
             }
         }
@@ -158,88 +198,97 @@ impl RunLoop<'_> {
 
     fn on_frame(&mut self, state: &mut LoopState) -> Option<Ending> {
         let frame = self.latest.take()?;
-        let dropped = self.latest.replaced();
+        self.publisher.set_dropped(self.latest.replaced());
         self.step(state, Input::Frame(&frame));
-        let age = state.outcome.as_ref().and_then(|outcome| outcome.age);
-        self.status.frame(self.events.now(), age, dropped);
         state.refusal.take().filter(|_| self.ends_on_refused_selection).map(failed)
     }
 
     fn on_link_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
         match report {
-            LinkReport::Telemetry(telemetry) => self.on_telemetry(state, telemetry),
+            LinkReport::Telemetry(telemetry) => {
+                if let Report::Link(link) = telemetry.report {
+                    tracing::info!("{}", link_state_text(link));
+                }
+                self.step(state, Input::Telemetry(telemetry));
+            }
             LinkReport::Lost(reason) => tracing::warn!("the link was lost ({reason}); reopening it"),
             LinkReport::Panicked => return Some(failed("the link thread panicked")),
         }
         None
     }
 
-    fn on_telemetry(&mut self, state: &mut LoopState, telemetry: Telemetry) {
-        if let Report::Link(link) = telemetry.report {
-            tracing::info!("{}", link_state_text(link));
-            self.status.link(link);
-        }
-        self.step(state, Input::Telemetry(telemetry));
-    }
-
     /// Steps the pilot, sends the rates, and informs the observers, in this order.
-    fn step(&mut self, state: &mut LoopState, input: Input<'_>) {
+    fn step(&mut self, state: &mut LoopState, input: Input<'_>) -> Outcome {
         let outcome = self.pilot.step(input, self.events.now());
         // The vehicle boundary: the only place of a live run that applies the vehicle's own signs.
         let rates = self.profile.to_vehicle(outcome.command);
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
         }
-        let step = LiveStep { index: state.steps, input, outcome: &outcome, rates };
+        let step = LiveStep { index: self.publisher.newest().steps, input, outcome: &outcome, rates };
         if let Some(recorder) = &mut self.recorder {
             recorder.on_step(&step);
         }
         if let Some(notice) = &outcome.notice {
             self.log(notice);
         }
-        if let Some(overlay) = &mut self.overlay {
-            overlay.on_step(&step);
+        for observer in &mut self.observers {
+            observer.on_step(&step);
+        }
+        if !matches!(input, Input::Request(_)) {
+            state.answers.on_step(&outcome);
         }
         state.refusal = match &outcome.notice {
             Some(notice @ Notice::SelectionRefused(_)) => Some(notice.to_string()),
             _ => None,
         };
-        state.steps += 1;
-        state.rates = rates;
-        state.outcome = Some(outcome);
+        state.wake_at = outcome.wake_at;
+        self.publisher.on_step(&input, &outcome, rates, self.pilot.law_id());
+        outcome
     }
 
     fn log(&self, notice: &Notice) {
         match notice {
-            Notice::Selected(_) => tracing::info!("{notice}"),
             // Reported as the end of the run.
             Notice::SelectionRefused(_) if self.ends_on_refused_selection => {}
-            Notice::SelectionRefused(_) | Notice::VideoClockWentBack => tracing::warn!("{notice}"),
+            Notice::SelectionRefused(_)
+            | Notice::SelectionUnconfirmed(_)
+            | Notice::RequestRefused(_)
+            | Notice::VideoClockWentBack => tracing::warn!("{notice}"),
+            _ => tracing::info!("{notice}"),
         }
     }
-}
 
-/// Logs a change of the video. The first failed connection is logged; the following ones are counted.
-fn on_video_state(state: &mut LoopState, video: VideoState) -> Option<Ending> {
-    match video {
-        VideoState::Connecting => {}
-        VideoState::Up => {
-            match std::mem::take(&mut state.failed_connections) {
-                0 | 1 => tracing::info!("video: up"),
-                attempts => tracing::info!("video: up, after {attempts} attempts"),
+    /// Logs a change of the video. The first failed connection is logged; the following ones are counted.
+    fn on_video_state(&mut self, state: &mut LoopState, video: VideoState) -> Option<Ending> {
+        let now = self.events.now();
+        match video {
+            VideoState::Connecting => {}
+            VideoState::Up => {
+                match std::mem::take(&mut state.failed_connections) {
+                    0 | 1 => tracing::info!("video: up"),
+                    attempts => tracing::info!("video: up, after {attempts} attempts"),
+                }
+                state.has_video_been_up = true;
+                self.publisher.set_video(VideoSourceState::Up, now);
             }
-            state.has_video_been_up = true;
-        }
-        VideoState::Lost { reason } => {
-            state.failed_connections += 1;
-            match (state.failed_connections, state.has_video_been_up) {
-                (1, true) => tracing::warn!("the video was lost ({reason}); reconnecting"),
-                (1, false) => tracing::warn!("no video yet ({reason}); retrying until the source answers"),
-                _ => {}
+            VideoState::Lost { reason } => {
+                state.failed_connections += 1;
+                match (state.failed_connections, state.has_video_been_up) {
+                    (1, true) => tracing::warn!("the video was lost ({reason}); reconnecting"),
+                    (1, false) => {
+                        tracing::warn!("no video yet ({reason}); retrying until the source answers");
+                    }
+                    _ => {}
+                }
+                self.publisher.set_video(VideoSourceState::Lost(reason), now);
             }
+            VideoState::Ended => {
+                self.publisher.set_video(VideoSourceState::Ended, now);
+                return Some((StopCause::VideoEnded, RunEnd::VideoEnded));
+            }
+            VideoState::Failed(error) => return Some(failed(format!("{:#}", anyhow::Error::from(error)))),
         }
-        VideoState::Ended => return Some((StopCause::VideoEnded, RunEnd::VideoEnded)),
-        VideoState::Failed(error) => return Some(failed(format!("{:#}", anyhow::Error::from(error)))),
+        None
     }
-    None
 }

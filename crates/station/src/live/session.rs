@@ -32,7 +32,12 @@ use super::terminal::Terminal;
 use super::threads::FaultInjector;
 use super::video_sink::LiveVideoSink;
 use crate::config::Configuration;
+use crate::console::{
+    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
+};
 use crate::link::{Link, LinkUrl, VehicleLink};
+use crate::operator::Gateway;
+use crate::snapshot::{LinkStatus, Publisher, RecordingState};
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
 const EVENT_QUEUE_CAPACITY: usize = 1024;
@@ -60,8 +65,12 @@ pub struct Session<'a> {
     pub outputs: Outputs,
     /// The operator's selection in the first video frame. Without a selection, a simulated world selects its target.
     pub selection: Option<PixelBox>,
+    /// Whether the operator selects, also in a simulated world.
+    pub waits_for_selection: bool,
     /// Whether the camera may move from the start.
     pub engage: bool,
+    /// The console; `None`: no console.
+    pub console: Option<ConsoleSettings>,
     /// Deliberate faults of the program's own threads.
     pub fault_injector: FaultInjector,
     /// The clock.
@@ -74,6 +83,7 @@ struct OpenParts {
     recorder: Option<Recorder>,
     overlay: Option<OverlayVideo>,
     source: VideoHandle,
+    console: Option<ConsoleServer>,
 }
 
 impl Session<'_> {
@@ -83,17 +93,24 @@ impl Session<'_> {
     /// If a part cannot be opened. The parts opened before it are closed.
     pub fn run(self) -> Result<RunEnd> {
         let (events, queue) = sync_channel(EVENT_QUEUE_CAPACITY);
-        let terminal = Terminal::watch(events.clone(), self.clock, self.fault_injector.clone())?;
+        let gateway = Arc::new(Gateway::new(events.clone()));
+        let terminal =
+            Terminal::watch(Arc::clone(&gateway), events.clone(), self.clock, self.fault_injector.clone())?;
         let framing = self.configuration.framing;
         let link = open_link(self.link.as_ref(), self.source.world(), framing, self.clock, &events)?;
         self.warn_without_selection();
-        let end = self.run_with(link, events, &queue)?;
+        let end = self.run_with(link, gateway, events, &queue)?;
         drop(terminal);
         Ok(end)
     }
 
     fn warn_without_selection(&self) {
-        if self.selection.is_none() && self.source.world().is_none() {
+        if self.selection.is_some() || self.source.world().is_some() {
+            return;
+        }
+        if self.console.is_some() {
+            tracing::info!("nothing is selected yet: draw a box around the boat on the console");
+        } else {
             tracing::warn!(
                 "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"
             );
@@ -103,11 +120,18 @@ impl Session<'_> {
     fn run_with(
         self,
         link: Option<Link>,
+        gateway: Arc<Gateway>,
         events: SyncSender<Event>,
         queue: &Receiver<Event>,
     ) -> Result<RunEnd> {
-        let Self { configuration, pilot, source, link: link_url, outputs, clock, fault_injector, .. } = self;
+        let Self { configuration, pilot, source, link: link_url, outputs, clock, fault_injector, console, .. } =
+            self;
         let profile = &configuration.profile;
+        let recording = outputs.record.as_ref().map(|file| file.path().display().to_string());
+        let link_status = link.as_ref().map_or(LinkStatus::DryRun, |_| LinkStatus::Link(LinkState::Opening));
+        let publisher =
+            Publisher::new(profile, link_status, recording.map_or(RecordingState::Off, RecordingState::On));
+        let address = source.address();
         let is_recorded = outputs.record.is_some();
         let recorder = match outputs.record {
             Some(file) => {
@@ -122,30 +146,61 @@ impl Session<'_> {
             |file| OverlayVideo::begin(file, profile.region, clock, fault_injector.clone(), events.clone());
         let overlay = outputs.overlay.map(begin_overlay).transpose()?;
         let latest = Arc::new(Latest::default());
+        let relay = console.as_ref().map(|_| Arc::new(VideoRelay::default()));
         let sink = LiveVideoSink {
             latest: Arc::clone(&latest),
             recorder: recorder.as_ref().map(Recorder::input),
+            relay: relay.clone(),
             events: events.clone(),
-            selects_target: self.selection.is_none(),
+            gateway: Arc::clone(&gateway),
+            selects_target: self.selection.is_none() && !self.waits_for_selection,
             damaged_units: 0,
         };
         let source = source.start(profile, is_recorded, clock, sink)?;
-        let parts = OpenParts { link, recorder, overlay, source };
-        let link_state = parts.link.as_ref().map(|_| LinkState::Opening);
+        let is_headless = console.is_none();
+        let pictures = Arc::new(PictureSlot::default());
+        let facts = |settings: &ConsoleSettings| SessionFacts {
+            command: "run",
+            source: address,
+            link: link_url.as_ref().map(ToString::to_string),
+            vehicle: profile.name.clone(),
+            stops_on_console_lost: settings.stops_on_lost,
+        };
+        let open_console = |(settings, relay): (ConsoleSettings, Arc<VideoRelay>)| {
+            let parts = ConsoleParts {
+                facts: facts(&settings),
+                gateway: Arc::clone(&gateway),
+                snapshots: publisher.subscribe(),
+                events: publisher.events(),
+                relay,
+                pictures: Arc::clone(&pictures),
+                time: SessionTime::new(clock),
+            };
+            ConsoleServer::open(settings, parts, events.clone())
+        };
+        let console = console.zip(relay).map(open_console).transpose()?;
+        let parts = OpenParts { link, recorder, overlay, source, console };
         let style = LineStyle::for_stdout();
         let status_output = StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events)?;
+        let mut observers: Vec<Box<dyn LiveStepObserver + '_>> = Vec::new();
+        observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
+        if parts.console.is_some() {
+            observers.push(Box::new(pictures));
+        }
         let requests = first_requests(self.selection, self.engage);
         let run_loop = RunLoop {
             pilot,
             profile: profile.clone(),
             events: &mut EventQueue { queue, clock },
+            gateway,
+            publisher,
             latest,
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
             recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
-            status: StatusLine::new(link_state, style.interval()),
+            status: StatusLine::new(style.interval()),
             status_output: Box::new(status_output),
-            ends_on_refused_selection: true,
-            overlay: parts.overlay.as_ref().map(|overlay| observer(overlay.input())),
+            ends_on_refused_selection: is_headless,
+            observers,
             fault_injector,
         };
         // A panic in the pilot must not unwind past the link's shutdown.
@@ -172,6 +227,7 @@ impl OpenParts {
         if let Err(error) = self.source.stop() {
             tracing::warn!("{error}");
         }
+        drop(self.console);
         if let Some(recorder) = self.recorder {
             recorder.finish();
         }

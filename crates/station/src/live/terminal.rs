@@ -21,6 +21,7 @@ use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
+use crate::operator::Gateway;
 use super::threads::{self, FaultInjector};
 
 const SIGNALS: [(i32, &str); 5] = [
@@ -46,7 +47,12 @@ impl Terminal {
     ///
     /// # Errors
     /// If a signal cannot be caught.
-    pub fn watch(events: SyncSender<Event>, clock: Clock, fault_injector: FaultInjector) -> Result<Self> {
+    pub fn watch(
+        gateway: Arc<Gateway>,
+        events: SyncSender<Event>,
+        clock: Clock,
+        fault_injector: FaultInjector,
+    ) -> Result<Self> {
         let mut signals = Vec::new();
         for (signal, name) in SIGNALS {
             let (read, write) = UnixStream::pair()?;
@@ -65,7 +71,10 @@ impl Terminal {
             let mut watcher = TerminalPoll { signals: &signals, keys, output: Some(stdout.as_fd()) };
             while !end.load(Ordering::Relaxed) {
                 fault_injector.apply_faults("terminal", clock.now());
-                watcher.poll(POLL_INTERVAL, |event| drop(to_loop.send(event)));
+                watcher.poll(POLL_INTERVAL, |input| match input {
+                    TerminalInput::Request(request) => gateway.submit_logged(request),
+                    TerminalInput::Quit(cause) => drop(to_loop.send(Event::Quit(cause))),
+                });
             }
         })?;
         Ok(Self { is_ending, thread: Some(thread), _raw: raw })
@@ -97,8 +106,8 @@ struct TerminalPoll<'a> {
 }
 
 impl TerminalPoll<'_> {
-    /// Waits for keys, signals or a closed output, at most for `wait`, and passes the events on.
-    fn poll(&mut self, wait: Duration, mut on_event: impl FnMut(Event)) {
+    /// Waits for keys, signals or a closed output, at most for `wait`, and passes on what came in.
+    fn poll(&mut self, wait: Duration, mut on_input: impl FnMut(TerminalInput)) {
         let mut fds: Vec<PollFd<'_>> =
             self.signals.iter().map(|pipe| PollFd::new(&pipe.read, PollFlags::IN)).collect();
         // `poll` always reports errors and hang-ups; no other flag of the output is needed.
@@ -114,13 +123,13 @@ impl TerminalPoll<'_> {
             if fd.revents().contains(PollFlags::IN) {
                 let mut bytes = [0; 16];
                 let _ = (&pipe.read).read(&mut bytes);
-                on_event(Event::Quit(QuitCause::Signal(pipe.name)));
+                on_input(TerminalInput::Quit(QuitCause::Signal(pipe.name)));
             }
         }
         let closed = PollFlags::ERR | PollFlags::HUP | PollFlags::NVAL;
         if output_index.is_some_and(|index| fds[index].revents().intersects(closed)) {
             self.output = None;
-            on_event(Event::Quit(QuitCause::OutputClosed));
+            on_input(TerminalInput::Quit(QuitCause::OutputClosed));
         }
         if let Some(keys) = self.keys
             && keys_index.is_some_and(|index| !fds[index].revents().is_empty())
@@ -128,7 +137,7 @@ impl TerminalPoll<'_> {
             let mut bytes = [0; 16];
             match rustix::io::read(keys, &mut bytes) {
                 Ok(0) | Err(_) => self.keys = None,
-                Ok(read) => bytes[..read].iter().filter_map(|key| key_event(*key)).for_each(on_event),
+                Ok(read) => bytes[..read].iter().filter_map(|key| key_input(*key)).for_each(on_input),
             }
         }
     }
@@ -140,13 +149,22 @@ fn push<T>(elements: &mut Vec<T>, element: T) -> usize {
     elements.len() - 1
 }
 
-/// The event of a key. The help of `run` lists the keys.
-fn key_event(key: u8) -> Option<Event> {
+/// What comes in from the terminal or the system.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum TerminalInput {
+    /// A key that stands for a request.
+    Request(OperatorRequest),
+    /// The program must end.
+    Quit(QuitCause),
+}
+
+/// The meaning of a key. The help of `run` lists the keys.
+fn key_input(key: u8) -> Option<TerminalInput> {
     match key {
-        b'e' => Some(Event::Request(OperatorRequest::Engage)),
-        b'd' => Some(Event::Request(OperatorRequest::Disengage)),
-        b' ' => Some(Event::Request(OperatorRequest::Stop(StopCause::Operator))),
-        b'q' => Some(Event::Quit(QuitCause::Key)),
+        b'e' => Some(TerminalInput::Request(OperatorRequest::Engage)),
+        b'd' => Some(TerminalInput::Request(OperatorRequest::Disengage)),
+        b' ' => Some(TerminalInput::Request(OperatorRequest::Stop(StopCause::Operator))),
+        b'q' => Some(TerminalInput::Quit(QuitCause::Key)),
         _ => None,
     }
 }
@@ -186,7 +204,7 @@ mod tests {
     /// The events of one call of `poll`, as text.
     fn events(watcher: &mut TerminalPoll<'_>) -> Vec<String> {
         let mut events = Vec::new();
-        watcher.poll(Duration::ZERO, |event| events.push(format!("{event:?}")));
+        watcher.poll(Duration::ZERO, |input| events.push(format!("{input:?}")));
         events
     }
 
@@ -208,7 +226,7 @@ mod tests {
             (0, "None"),
             (0xff, "None"),
         ] {
-            assert_eq!(format!("{:?}", key_event(key)), expected, "key {key:#x}");
+            assert_eq!(format!("{:?}", key_input(key)), expected, "key {key:#x}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! What a live run does with the output of the video thread: frames to the loop, units to the recording.
+//! What a live run does with the output of the video thread: frames to the loop, units to the recording and the console.
 
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
@@ -9,12 +9,17 @@ use barrelman_vocab::{EncodedUnit, OperatorRequest, PixelBox, VideoFrame};
 
 use super::event::Event;
 use super::recorder::RecorderInput;
+use crate::console::VideoRelay;
+use crate::operator::Gateway;
 
 /// Receives the output of the video thread.
 pub(super) struct LiveVideoSink {
     pub(super) latest: Arc<Latest<VideoFrame>>,
     pub(super) recorder: Option<RecorderInput>,
+    /// The video for the console's pages.
+    pub(super) relay: Option<Arc<VideoRelay>>,
     pub(super) events: SyncSender<Event>,
+    pub(super) gateway: Arc<Gateway>,
     /// Whether to select the target that a simulated world reports.
     pub(super) selects_target: bool,
     pub(super) damaged_units: u64,
@@ -24,6 +29,9 @@ impl VideoSink for LiveVideoSink {
     fn on_unit(&mut self, unit: &EncodedUnit) {
         if let Some(recorder) = &self.recorder {
             recorder.unit(unit);
+        }
+        if let Some(relay) = &self.relay {
+            relay.add(unit);
         }
     }
 
@@ -36,7 +44,7 @@ impl VideoSink for LiveVideoSink {
     fn on_target(&mut self, target: PixelBox) {
         if self.selects_target {
             tracing::info!("no --select: the simulated world says where the boat is, {target}");
-            let _ = self.events.send(Event::Request(OperatorRequest::Select(target)));
+            self.gateway.submit_logged(OperatorRequest::Select(target));
         }
     }
 

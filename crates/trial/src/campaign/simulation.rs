@@ -17,7 +17,7 @@ use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{LocalisationSensor, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+    LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
 };
 
 use super::frame_source::{CapturedFrame, FrameSource};
@@ -110,6 +110,12 @@ impl<'a> Simulation<'a> {
         Self { reports_tilt, ..self }
     }
 
+    /// The same trial in which a person selects the target: the world does not select it.
+    #[must_use]
+    pub fn without_selection(self) -> Self {
+        Self { is_selected: true, ..self }
+    }
+
     /// Runs the trial to its end: in pixels with a frame source, on the sensor's localisations without one.
     pub fn run(
         mut self,
@@ -136,6 +142,16 @@ impl<'a> Simulation<'a> {
     /// Sets the boat's helm from now on; `None` returns control to the scenario's helmsman.
     pub fn steer(&mut self, helm: Option<HelmCommand>) {
         self.world.override_helm(helm);
+    }
+
+    /// The law; `None`: a law that an operator cannot choose.
+    pub const fn law_id(&self) -> Option<LawId> {
+        self.pilot.law_id()
+    }
+
+    /// The outcome of the pilot's newest step.
+    pub const fn outcome(&self) -> Option<&Outcome> {
+        self.outcome.as_ref()
     }
 
     /// The world in its present state.

@@ -11,7 +11,7 @@ const INITIAL_PEAK_HEIGHT: f32 = 0.7;
 const INITIAL_SIMILARITY: f32 = 0.95;
 
 /// Filter and colour models of the target.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Appearance {
     pub(super) filter: CorrelationFilter,
     /// Spectrum of the response that the filter is trained for.

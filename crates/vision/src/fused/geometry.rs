@@ -18,7 +18,7 @@ const MIN_WINDOW_PX: f32 = 24.0;
 const BLANKED_HALF_LENGTHS: f32 = 2.2;
 
 /// The target's pose and size in the last frame.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct TargetGeometry {
     /// Proportions, at the size of the selection.
     pub(super) extent: Extent,

@@ -2,10 +2,11 @@
 
 use barrelman_vocab::Timestamp;
 
+use super::distractors::ExcludedPlaces;
 use super::extent::Extent;
 
 /// State of the search for a lost target.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct LossState {
     /// Where and when the target was lost.
     pub(super) lost_at: LossPoint,
@@ -17,6 +18,8 @@ pub(super) struct LossState {
     pub(super) frames_searched: u32,
     /// Index of the next window of the systematic search.
     pub(super) scan_index: u32,
+    /// Places of objects that the operator rejected, in the present frame.
+    pub(super) excluded: ExcludedPlaces,
 }
 
 /// Where and when the target was lost.
@@ -48,6 +51,7 @@ impl LossState {
             reliable_size: (1.0, extent),
             frames_searched: 0,
             scan_index: 0,
+            excluded: ExcludedPlaces::default(),
         }
     }
 }

@@ -23,7 +23,7 @@ const RESTART_STD_DEV_SIZES: f64 = 0.1;
 const RESTART_SPEED_SIZES_PER_S: f64 = 1.0;
 
 /// Predicted motion of the target in the picture.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct TargetMotion {
     /// Filters along u and v.
     axes: (AxisFilter, AxisFilter),

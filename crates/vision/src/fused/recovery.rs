@@ -129,6 +129,9 @@ impl Workspace {
         let observation = self.observe(target, picture, pose);
         target.confidence = target.confidence.max(rejected_confidence(&observation, target));
         let evidence = observation.evidence(config, target);
+        if target.loss.excluded.contains(observation.centre) {
+            return;
+        }
         if best.is_none_or(|(_, most)| evidence > most)
             && let Some(score) = self.recognition_score(config, target, picture, &observation)
             && score >= target.min_recognition_score(&observation)

@@ -29,7 +29,7 @@ const FREE_DISTANCE_DEVIATIONS: f64 = 3.0;
 const FREE_DISTANCE_SIZES: f64 = 0.5;
 
 /// The target as it was last seen.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) phase: Phase,
     pub(super) geometry: TargetGeometry,
@@ -123,6 +123,19 @@ impl Target {
         self.loss.frames_searched = 0;
         self.loss.lost_at = LossPoint { at: self.motion.last_capture, centre, is_in_picture };
         self.restore_reliable_size();
+    }
+
+    /// Makes this target, as it was selected, a lost one that is searched for everywhere, after `rejected` was followed in
+    /// its place.
+    pub(super) fn begin_search(&mut self, rejected: &Self) {
+        self.rescale_to_picture(rejected.geometry.picture);
+        self.motion = rejected.motion.clone();
+        self.motion.restart_at(rejected.motion.position_f32(), f64::from(self.geometry.size_px()));
+        self.heading.reset();
+        self.drift = DriftCheck::default();
+        self.mark_lost(false);
+        self.phase = Phase::Lost { since: self.motion.last_capture };
+        self.confidence = 0.0;
     }
 
     /// Restores the last reliable size, after a loss or a rejected candidate.

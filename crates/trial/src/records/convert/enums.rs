@@ -2,7 +2,7 @@
 
 use barrelman_control::Sector;
 use barrelman_pilot::outcome::HoldCause;
-use barrelman_vocab::StopCause;
+use barrelman_vocab::{LawId, StopCause};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
 
@@ -62,6 +62,13 @@ variants!(HoldCause, HoldCause, "hold_cause", [
     HoldCause::Coasting => Coasting,
     HoldCause::VideoStale => VideoStale,
     HoldCause::VideoSilent => VideoSilent,
+    HoldCause::Confirming => Confirming,
+]);
+variants!(LawId, LawId, "law", [
+    LawId::MotorSchema => MotorSchema,
+    LawId::MinimumEnergy => MinimumEnergy,
+    LawId::TimeFuel => TimeFuel,
+    LawId::Eco => Eco,
 ]);
 variants!(Sector, Sector, "sector", [
     Sector::Right => Right,

@@ -20,6 +20,7 @@ impl From<&RecordedOutcome> for stored::Outcome {
         let mode = match outcome.mode {
             Mode::Idle => stored::Mode::Idle,
             Mode::Servoing => stored::Mode::Servoing,
+            Mode::Nudging => stored::Mode::Nudging,
             Mode::Holding(why) => {
                 hold = why.into();
                 stored::Mode::Holding
@@ -66,6 +67,7 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
         let mode = match stored::Mode::try_from(outcome.mode).map_err(|_| missing("mode"))? {
             stored::Mode::Idle => Mode::Idle,
             stored::Mode::Servoing => Mode::Servoing,
+            stored::Mode::Nudging => Mode::Nudging,
             stored::Mode::Holding => Mode::Holding(outcome.hold_cause().try_into()?),
             stored::Mode::Stopped => Mode::Stopped(outcome.stop_cause().try_into()?),
         };

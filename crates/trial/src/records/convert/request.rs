@@ -1,6 +1,6 @@
 //! The operator's requests, to and from their stored form.
 
-use barrelman_vocab::OperatorRequest;
+use barrelman_vocab::{DrawnSelection, Nudge, OperatorRequest, Timestamp};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;
@@ -12,6 +12,21 @@ impl From<&OperatorRequest> for stored::RequestInput {
             OperatorRequest::Select(selection) => {
                 message.selection = Some((*selection).into());
                 stored::RequestKind::Select
+            }
+            OperatorRequest::SelectOn(DrawnSelection { bounds, captured }) => {
+                message.selection = Some((*bounds).into());
+                message.drawn_on_ns = captured.as_nanos();
+                stored::RequestKind::SelectOn
+            }
+            OperatorRequest::Reject => stored::RequestKind::Reject,
+            OperatorRequest::Deselect => stored::RequestKind::Deselect,
+            OperatorRequest::Nudge(nudge) => {
+                (message.nudge_pan, message.nudge_tilt) = (nudge.pan, nudge.tilt);
+                stored::RequestKind::Nudge
+            }
+            OperatorRequest::ChangeLaw(law) => {
+                message.law = stored::LawId::from(*law) as i32;
+                stored::RequestKind::ChangeLaw
             }
             OperatorRequest::Engage => stored::RequestKind::Engage,
             OperatorRequest::Disengage => stored::RequestKind::Disengage,
@@ -32,6 +47,16 @@ impl TryFrom<stored::RequestInput> for OperatorRequest {
             stored::RequestKind::Select => {
                 Self::Select(message.selection.ok_or_else(|| missing("selection"))?.into())
             }
+            stored::RequestKind::SelectOn => Self::SelectOn(DrawnSelection {
+                bounds: message.selection.ok_or_else(|| missing("selection"))?.into(),
+                captured: Timestamp::from_nanos(message.drawn_on_ns),
+            }),
+            stored::RequestKind::Reject => Self::Reject,
+            stored::RequestKind::Deselect => Self::Deselect,
+            stored::RequestKind::Nudge => {
+                Self::Nudge(Nudge { pan: message.nudge_pan, tilt: message.nudge_tilt })
+            }
+            stored::RequestKind::ChangeLaw => Self::ChangeLaw(message.law().try_into()?),
             stored::RequestKind::Engage => Self::Engage,
             stored::RequestKind::Disengage => Self::Disengage,
             stored::RequestKind::Stop => Self::Stop(message.stop_cause().try_into()?),

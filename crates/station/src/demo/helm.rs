@@ -1,4 +1,4 @@
-//! The helm of the page: a position that the page must renew, or it goes back to neutral.
+//! The helm of the console: a position that a page must renew, or it goes back to neutral.
 
 use std::time::Duration;
 
@@ -12,12 +12,12 @@ const NEUTRAL: DriveInput = DriveInput::Helm { thrust: 0, rudder: 0 };
 
 /// The helm as the page set it last.
 #[derive(Debug, Default)]
-pub(super) struct PageHelm {
+pub(super) struct RenewedHelm {
     /// The position, and when it was set or renewed; `None` while the scenario's helmsman steers.
     set: Option<(DriveInput, Timestamp)>,
 }
 
-impl PageHelm {
+impl RenewedHelm {
     /// Sets or renews the position. Returns whether the position is new.
     pub(super) fn set(&mut self, helm: DriveInput, now: Timestamp) -> bool {
         let is_new = self.set.is_none_or(|(before, _)| before != helm);
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn a_helm_that_is_renewed_is_kept_and_is_not_new() {
-        let mut helm = PageHelm::default();
+        let mut helm = RenewedHelm::default();
         assert!(helm.set(AHEAD, at(0)));
         assert!(!helm.set(AHEAD, at(400)));
         assert_eq!(helm.expire(at(900)), None);
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn a_helm_that_is_not_renewed_goes_back_to_neutral_once() {
-        let mut helm = PageHelm::default();
+        let mut helm = RenewedHelm::default();
         helm.set(AHEAD, at(0));
         assert_eq!(helm.expire(at(501)), Some(NEUTRAL));
         assert_eq!(helm.expire(at(2000)), None);
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_helm_that_was_released_does_not_expire() {
-        let mut helm = PageHelm::default();
+        let mut helm = RenewedHelm::default();
         helm.set(AHEAD, at(0));
         helm.release();
         assert_eq!(helm.expire(at(2000)), None);

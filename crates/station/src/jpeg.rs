@@ -1,4 +1,4 @@
-//! Encodes pictures as JPEG for the page.
+//! Encodes pictures as JPEG for a page.
 //!
 //! JPEG files hold BT.601 in the full range (JFIF). Samples of another encoding are converted by one matrix, computed
 //! once a picture.
@@ -14,7 +14,7 @@ const QUALITY: u8 = 78;
 ///
 /// # Errors
 /// If a side of the picture is longer than 65535 pixels.
-pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
+pub(crate) fn encode(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
     let mut bytes = Vec::with_capacity(picture.size().area() / 6);
     let mut encoder = Encoder::new(&mut bytes, QUALITY);
     encoder.set_sampling_factor(SamplingFactor::F_2_2);

@@ -1,0 +1,38 @@
+//! Options of the console, for `run` and `demo`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+/// Options of the console.
+#[derive(Debug, Clone, Args, Default)]
+pub struct ConsoleOptions {
+    /// Address of the console; default: 127.0.0.1:8480, or the next free port.
+    #[arg(long, value_name = "ADDR")]
+    pub listen: Option<SocketAddr>,
+    /// File with the console's tokens, two lines: control, watch. Without it, tokens are made and printed as links.
+    #[arg(long, value_name = "FILE")]
+    pub console_token_file: Option<PathBuf>,
+    /// What happens when the controlling page is gone for two seconds: the camera goes on, or stops.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub on_console_lost: Option<OnConsoleLost>,
+}
+
+impl ConsoleOptions {
+    /// Whether the camera stops when the controlling page is gone.
+    pub fn stops_on_lost(&self) -> bool {
+        self.on_console_lost == Some(OnConsoleLost::Stop)
+    }
+}
+
+/// What happens when the controlling page is gone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OnConsoleLost {
+    /// An engaged camera stays engaged.
+    #[default]
+    Stay,
+    /// The camera stops.
+    Stop,
+}

@@ -1,0 +1,140 @@
+//! Messages of the socket, in both directions.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::request::{ConsoleRequest, LawName};
+use super::snapshot::{ControlSeat, StatusSnapshot};
+use crate::snapshot::EventEntry;
+
+/// How a page receives video.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum VideoPath {
+    /// Received H.264 unchanged, for WebCodecs.
+    H264,
+    /// The newest picture as JPEG.
+    Jpeg,
+    /// No video.
+    None,
+}
+
+/// A message to the program. Text, JSON, at most 4096 bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ClientMessage {
+    /// A request. Answered by `answer` with the same `id`.
+    Request {
+        /// Number of the request, chosen by the page.
+        id: u64,
+        /// The request.
+        request: ConsoleRequest,
+    },
+    /// Choose how video is sent. Nothing is sent before the first choice.
+    Video {
+        /// The way.
+        path: VideoPath,
+    },
+    /// Measure the clocks. Answered by `pong`. Also shows that the page is alive: to be sent at least every 5 s.
+    Ping {
+        /// The page's own time, milliseconds.
+        sent_ms: f64,
+    },
+    /// What the page shows, for the other screens and for measurements.
+    View {
+        /// Which way is drawn.
+        path: VideoPath,
+        /// Median time from capture to drawing over the last seconds, milliseconds.
+        delay_ms: Option<f64>,
+    },
+}
+
+/// A message to the page. Text, JSON.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "kebab-case")]
+pub enum ServerMessage {
+    /// The first message.
+    Hello(Box<Hello>),
+    /// The newest state; at most 40 a second, fewer where the reader is slow.
+    Snapshot(Box<StatusSnapshot>),
+    /// The answer to a request.
+    Answer(Answer),
+    /// The events of the last hour, oldest first; after `hello`.
+    Events {
+        /// The events.
+        events: Vec<EventEntry>,
+    },
+    /// A new event.
+    Event(EventEntry),
+    /// Who controls, and who asks for the control; after `hello` and after each change.
+    Control(ControlSeat),
+    /// The answer to `ping`.
+    Pong {
+        /// The page's time, as sent.
+        sent_ms: f64,
+        /// The program's time.
+        now_ns: u64,
+    },
+}
+
+/// What does not change while the page is open.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct Hello {
+    /// Number of this page.
+    pub client: u64,
+    /// Whether the page's token permits control; a page without it watches and can only stop.
+    pub may_control: bool,
+    /// Version of the program.
+    pub version: &'static str,
+    /// `run` or `demo`.
+    pub command: &'static str,
+    /// Where the video comes from, without passwords.
+    pub source: String,
+    /// Where commands go, without passwords; `null`: a dry run.
+    pub link: Option<String>,
+    /// The vehicle profile.
+    pub vehicle: String,
+    /// The laws that can be chosen.
+    pub laws: Vec<LawName>,
+    /// Rate of a nudge, rad/s.
+    pub nudge_rate: f64,
+    /// What happens when the controlling page is gone: `stay` or `stop`.
+    pub on_console_lost: &'static str,
+    /// Unix time at the program's start, milliseconds: turns `_ns` into the time of day.
+    pub start_unix_ms: f64,
+}
+
+/// The answer to a request.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Answer {
+    /// Number of the request.
+    pub id: u64,
+    /// The answer.
+    pub answer: AnswerKind,
+    /// Why a request was refused or superseded, or what was noticed; in words for the operator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// What became of a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AnswerKind {
+    /// The request is in force.
+    Accepted,
+    /// The request has no effect.
+    Refused,
+    /// A later request took its place.
+    Superseded,
+}
+
+/// The body of `POST /api/v1/requests`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RequestBody {
+    /// Number of the request, returned in the answer.
+    #[serde(default)]
+    pub id: u64,
+    /// The request.
+    pub request: ConsoleRequest,
+}

@@ -1,0 +1,78 @@
+//! What a page or a program can request.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A request of the operator. Requests are refused with a reason, or accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ConsoleRequest {
+    /// Track what this box contained. Replaces an earlier selection at any time. The answer comes when the track has
+    /// been confirmed in the newest video frame (accepted), could not be confirmed (refused), or another selection came
+    /// (superseded).
+    Select {
+        /// Left, top, width, height, pixels of the displayed picture, origin at the top left corner.
+        #[serde(rename = "box")]
+        bounds: [f64; 4],
+        /// Time of capture of the video frame on which the box was drawn.
+        captured_ns: u64,
+    },
+    /// "Not that one": forget the present track, and do not take that object again.
+    Reject,
+    /// Forget the target and follow nothing.
+    Deselect,
+    /// Let the program move the camera.
+    Engage,
+    /// Continue tracking with the camera at rest; also ends a stop.
+    Disengage,
+    /// Rest the camera at once, until the next `engage`. Taken from watchers, too.
+    Stop,
+    /// Turn the camera slowly while this is renewed, at least every 250 ms; while disengaged only.
+    Nudge {
+        /// Share of the nudge rate, -1 to 1, positive to the right.
+        pan: f64,
+        /// Share of the nudge rate, -1 to 1, positive upwards.
+        tilt: f64,
+    },
+    /// Change the camera law; while not engaged only.
+    Law {
+        /// The law.
+        law: LawName,
+    },
+    /// Steer the simulated boat for half a second (demo only).
+    Helm {
+        /// -1 (astern) to 1 (ahead).
+        thrust: f64,
+        /// -1 (right) to 1 (left).
+        rudder: f64,
+    },
+    /// Return the helm to the scenario's helmsman (demo only).
+    Helmsman,
+    /// Pause the simulated world (demo only).
+    Pause,
+    /// Resume the simulated world (demo only).
+    Resume,
+    /// Take the control, also from another page, which is told.
+    TakeControl,
+    /// Ask the page in control for the control.
+    AskControl,
+    /// Give the control to another page.
+    GiveControl {
+        /// Number of the other page (`hello.client`).
+        client: u64,
+    },
+}
+
+/// The camera laws that can be switched to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawName {
+    /// The paper's motor schema.
+    Schema,
+    /// Optimal law: least energy.
+    MinimumEnergy,
+    /// Optimal law: time in motion and energy.
+    TimeFuel,
+    /// Optimal law: longest rest.
+    Eco,
+}

@@ -1,0 +1,204 @@
+//! The state after the newest step, as the page and programs see it.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::request::LawName;
+use crate::snapshot::DriveState;
+
+/// A value of each camera axis, rad/s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct AxisPair {
+    /// Positive to the right.
+    pub pan: f64,
+    /// Positive upwards.
+    pub tilt: f64,
+}
+
+/// The state after the newest step: the body of `/api/v1/status`.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct StatusSnapshot {
+    /// Steps of the pilot so far.
+    pub step: u64,
+    /// Time of the newest step.
+    pub at_ns: u64,
+    /// The pilot's mode.
+    pub mode: ModeStatus,
+    /// The track.
+    pub track: TrackStatus,
+    /// The region in the newest picture; `null` before the first.
+    pub region: Option<RegionStatus>,
+    /// The percept of the newest localisation.
+    pub percept: Option<PerceptStatus>,
+    /// What the law advises, whether or not the camera may move.
+    pub advice: Option<AxisPair>,
+    /// The command in force.
+    pub command: AxisPair,
+    /// Yaw rate handed to the link, in the vehicle's own sign.
+    pub yaw_rate: f64,
+    /// Pitch rate handed to the link, in the vehicle's own sign.
+    pub pitch_rate: f64,
+    /// The law; `null`: a law that cannot be chosen here.
+    pub law: Option<LawName>,
+    /// The video.
+    pub video: VideoStatus,
+    /// The link to the vehicle.
+    pub link: LinkStatus,
+    /// The recording.
+    pub recording: RecordingStatus,
+    /// The camera's work so far, and that of the paper's schema beside it.
+    pub work: CameraWork,
+    /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `control-lost`, `end-stop`,
+    /// `battery-low`, `recording-failed`, `console-lost`, `track-lost`.
+    pub alarms: Vec<&'static str>,
+    /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
+    pub stops_taken: u64,
+    /// The simulated boat and world; `null` in a live run.
+    pub drive: Option<DriveState>,
+}
+
+/// The pilot's mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct ModeStatus {
+    /// `idle`, `servoing`, `holding`, `nudging` or `stopped`.
+    pub name: &'static str,
+    /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`; of stopped:
+    /// `operator`, `ending`, `video-ended`, `fault`; otherwise `null`.
+    pub cause: Option<&'static str>,
+    /// Whether the pilot is engaged (servoing or holding).
+    pub engaged: bool,
+}
+
+/// The track.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct TrackStatus {
+    /// `unseeded`, `tracking`, `coasting` or `lost`.
+    pub state: &'static str,
+    /// Whether a selection waits for its confirmation.
+    pub confirming: bool,
+    /// Time of capture of the localisation.
+    pub captured_ns: Option<u64>,
+    /// Left, top, width, height of the target, pixels.
+    #[serde(rename = "box")]
+    pub bounds: Option<[f64; 4]>,
+    /// The target's centre, pixels.
+    pub centre: Option<[f64; 2]>,
+    /// Full lengths of the major and minor axes, pixels.
+    pub axes: Option<[f64; 2]>,
+    /// Direction of the major axis, degrees in [0, 180).
+    pub axis_deg: Option<f64>,
+    /// Direction of the bow, degrees in [0, 360).
+    pub heading_deg: Option<f64>,
+    /// The tracker's confidence, 0 to 1.
+    pub confidence: Option<f64>,
+    /// For how long the track has been lost, seconds.
+    pub lost_s: Option<f64>,
+}
+
+/// The region in which the camera rests.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct RegionStatus {
+    /// Horizontal semi-axis of the ellipse around the picture's centre, pixels.
+    pub a_px: f64,
+    /// Vertical semi-axis, pixels.
+    pub b_px: f64,
+}
+
+/// The percept.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct PerceptStatus {
+    /// To the right of the picture's centre, pixels.
+    pub x: f64,
+    /// Above the picture's centre, pixels.
+    pub y: f64,
+    /// P; above 1 outside of the region.
+    pub p: f64,
+    /// `right`, `top`, `left`, `bottom`; `null` inside the region.
+    pub sector: Option<&'static str>,
+}
+
+/// The video.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct VideoStatus {
+    /// `connecting`, `up`, `lost` or `ended`.
+    pub state: &'static str,
+    /// Why the video was lost.
+    pub reason: Option<String>,
+    /// Width and height of the displayed picture, pixels.
+    pub size: Option<[u32; 2]>,
+    /// Time of capture of the newest video frame that the pilot processed.
+    pub captured_ns: Option<u64>,
+    /// Age of that frame when the pilot had processed it, milliseconds.
+    pub age_ms: Option<f64>,
+    /// Frames a second.
+    pub fps: f64,
+    /// Video frames that were replaced by newer ones before the pilot took them.
+    pub dropped: u64,
+    /// Whether the video can be sent as H.264.
+    pub h264: bool,
+}
+
+/// The link to the vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct LinkStatus {
+    /// `dry-run`, `simulated`, `opening`, `starting`, `up`, `closing` or `closed`.
+    pub state: &'static str,
+    /// Whether the vehicle accepts commands from this program.
+    pub in_control: Option<bool>,
+    /// Battery voltage, volts.
+    pub battery_v: Option<f64>,
+    /// Elevation of the camera, degrees, positive above the horizon.
+    pub tilt_deg: Option<f64>,
+    /// Altitude of the vehicle, metres.
+    pub altitude_m: Option<f64>,
+    /// `idle`, `flying`, `emergency` or `other`.
+    pub flight: Option<&'static str>,
+}
+
+/// The recording.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct RecordingStatus {
+    /// `off`, `recording` or `failed`.
+    pub state: &'static str,
+    /// The file.
+    pub path: Option<String>,
+    /// Why the recording failed.
+    pub reason: Option<String>,
+}
+
+/// The camera's work.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, JsonSchema)]
+pub struct CameraWork {
+    /// The camera's own.
+    pub camera: WorkFigures,
+    /// What the paper's motor schema would have done; `null` where the schema is the law.
+    pub schema: Option<WorkFigures>,
+    /// P as the schema would have kept it.
+    pub schema_p: Option<f64>,
+}
+
+/// Figures of a camera's work since the first engage.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, JsonSchema)]
+pub struct WorkFigures {
+    /// Starts of a command from rest.
+    pub moves: u64,
+    /// Integral of the absolute rates of both axes, rad.
+    pub travel_rad: f64,
+    /// Share of the time at rest, 0 to 1.
+    pub rest_share: f64,
+    /// The time, seconds.
+    pub seconds: f64,
+}
+
+/// Who controls.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, JsonSchema)]
+pub struct ControlSeat {
+    /// Number of the page in control; `null`: nobody.
+    pub holder: Option<u64>,
+    /// Whether the page in control is connected; `false` in the seconds after it was lost.
+    pub holder_connected: bool,
+    /// Numbers of all connected pages.
+    pub clients: Vec<u64>,
+    /// Numbers of the pages that ask for the control.
+    pub asking: Vec<u64>,
+}

@@ -1,0 +1,73 @@
+//! The head of a binary message: one unit of video.
+//!
+//! | bytes | content (little-endian) |
+//! |---|---|
+//! | 0 | version, 1 |
+//! | 1 | kind: 1 an H.264 access unit (Annex B), 2 a JPEG picture |
+//! | 2 | flags: bit 0 key frame, bit 1 displayed |
+//! | 3 | clockwise quarter turns that make the picture upright, 0 to 3 |
+//! | 4..8 | number of the connection to the source; decode no unit with those of another |
+//! | 8..16 | time of capture, nanoseconds since the program's start |
+//! | 16..24 | number of the unit; a gap: units were left out, and decoding starts again with a key frame |
+//! | 24..26, 26..28 | width and height of the stored picture, pixels; 0: not known |
+//! | 28..32 | 0 |
+
+use barrelman_vocab::unit::Rotation;
+
+/// Length of the head, bytes.
+pub const HEAD_BYTES: usize = 32;
+/// Version of the head.
+const VERSION: u8 = 1;
+
+/// What a binary message contains after its head.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum VideoKind {
+    /// An H.264 access unit.
+    H264 = 1,
+    /// A JPEG picture.
+    Jpeg = 2,
+}
+
+/// The head of a binary message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VideoHead {
+    /// What follows.
+    pub kind: VideoKind,
+    /// Whether decoding can start here.
+    pub key: bool,
+    /// Whether the picture is displayed.
+    pub shown: bool,
+    /// Rotation that makes the picture upright.
+    pub rotation: Rotation,
+    /// Number of the connection to the source.
+    pub epoch: u32,
+    /// Time of capture, nanoseconds since the program's start.
+    pub captured_ns: u64,
+    /// Number of the unit.
+    pub index: u64,
+    /// Stored width and height; (0, 0) where they are not known.
+    pub size: (u16, u16),
+}
+
+impl VideoHead {
+    /// The bytes of the head.
+    pub fn to_bytes(self) -> [u8; HEAD_BYTES] {
+        let mut bytes = [0; HEAD_BYTES];
+        bytes[0] = VERSION;
+        bytes[1] = self.kind as u8;
+        bytes[2] = u8::from(self.key) | u8::from(self.shown) << 1;
+        bytes[3] = match self.rotation {
+            Rotation::None => 0,
+            Rotation::Clockwise90 => 1,
+            Rotation::Half => 2,
+            Rotation::Clockwise270 => 3,
+        };
+        bytes[4..8].copy_from_slice(&self.epoch.to_le_bytes());
+        bytes[8..16].copy_from_slice(&self.captured_ns.to_le_bytes());
+        bytes[16..24].copy_from_slice(&self.index.to_le_bytes());
+        bytes[24..26].copy_from_slice(&self.size.0.to_le_bytes());
+        bytes[26..28].copy_from_slice(&self.size.1.to_le_bytes());
+        bytes
+    }
+}

@@ -1,0 +1,32 @@
+//! The files of the page, embedded in the program.
+
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse as _, Response};
+
+macro_rules! files {
+    ($($name:literal),+ $(,)?) => {
+        /// Name and content of each file.
+        pub(super) const FILES: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../../../console/", $name)))),+];
+    };
+}
+
+files!["index.html"];
+
+/// The answer with a file of the page.
+pub(super) fn response(name: &str) -> Response {
+    match FILES.iter().find(|(own, _)| *own == name) {
+        Some((name, content)) => ([(header::CONTENT_TYPE, content_type(name))], *content).into_response(),
+        None => (StatusCode::NOT_FOUND, "there is no such file\n").into_response(),
+    }
+}
+
+fn content_type(name: &str) -> &'static str {
+    match name.rsplit_once('.').map(|(_, ending)| ending) {
+        Some("html") => "text/html; charset=utf-8",
+        Some("css") => "text/css; charset=utf-8",
+        Some("js") => "text/javascript; charset=utf-8",
+        Some("svg") => "image/svg+xml",
+        _ => "text/plain; charset=utf-8",
+    }
+}

@@ -1,0 +1,117 @@
+//! Which requests are answered at all: those for a name of this server, and from its own page or from no page.
+//!
+//! A foreign web site can point its own name at this server's address (DNS rebinding), or make a browser send requests
+//! here. Both show in the headers `Host`, `Origin` and `Sec-Fetch-Site`. An address in numbers cannot be a foreign name,
+//! so that a server for other machines answers to its addresses, and to the names of its configuration.
+
+use std::net::{IpAddr, SocketAddr};
+
+/// The names that a server answers to.
+#[derive(Debug, Clone)]
+pub(super) struct Hosts {
+    port: u16,
+    is_loopback: bool,
+    names: Vec<String>,
+}
+
+/// The headers that are judged.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Provenance<'a> {
+    pub(super) host: Option<&'a str>,
+    pub(super) origin: Option<&'a str>,
+    pub(super) fetch_site: Option<&'a str>,
+    /// Whether the request opens the page itself: a link elsewhere may lead here.
+    pub(super) opens_page: bool,
+}
+
+impl Hosts {
+    /// The names of a server that listens on `address`; `names`: further names, without port.
+    pub(super) fn new(address: SocketAddr, names: Vec<String>) -> Self {
+        Self { port: address.port(), is_loopback: address.ip().is_loopback(), names }
+    }
+
+    /// Why a request is refused; `None`: it is answered.
+    pub(super) fn refusal(&self, request: Provenance<'_>) -> Option<&'static str> {
+        let Some(host) = request.host else { return Some("the request names no host") };
+        if !self.is_own(host) {
+            return Some("this server answers to its own names only; add the name to console.hosts");
+        }
+        if let Some(origin) = request.origin {
+            let authority = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+            if authority != Some(host) {
+                return Some("requests of other web pages are refused");
+            }
+        }
+        let is_foreign = request.fetch_site.is_some_and(|site| site != "same-origin" && site != "none");
+        (is_foreign && !request.opens_page).then_some("requests of other web pages are refused")
+    }
+
+    fn is_own(&self, host: &str) -> bool {
+        let (name, port) = match host.rsplit_once(':') {
+            Some((name, port)) if !port.ends_with(']') => (name, port.parse().ok()),
+            _ => (host, Some(80)),
+        };
+        if port != Some(self.port) {
+            return self.names.iter().any(|own| own.eq_ignore_ascii_case(host));
+        }
+        let numbers = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
+        match numbers {
+            Ok(address) => address.is_loopback() || !self.is_loopback,
+            Err(_) => {
+                name.eq_ignore_ascii_case("localhost")
+                    || self.names.iter().any(|own| own.eq_ignore_ascii_case(name))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hosts(address: &str) -> Hosts {
+        Hosts::new(address.parse().unwrap(), vec!["boat.example".to_owned()])
+    }
+
+    #[test]
+    fn a_server_answers_to_its_own_names_only() {
+        for (address, host, is_answered) in [
+            ("127.0.0.1:8480", "127.0.0.1:8480", true),
+            ("127.0.0.1:8480", "localhost:8480", true),
+            ("127.0.0.1:8480", "[::1]:8480", true),
+            ("127.0.0.1:8480", "boat.example:8480", true),
+            ("127.0.0.1:8480", "192.168.1.7:8480", false),
+            ("127.0.0.1:8480", "127.0.0.1:8481", false),
+            ("127.0.0.1:8480", "evil.example:8480", false),
+            ("127.0.0.1:8480", "127.0.0.1", false),
+            ("0.0.0.0:8480", "192.168.1.7:8480", true),
+            ("0.0.0.0:8480", "[fe80::1]:8480", true),
+            ("0.0.0.0:8480", "boat.example:8480", true),
+            ("0.0.0.0:8480", "evil.example:8480", false),
+            ("0.0.0.0:80", "192.168.1.7", true),
+        ] {
+            let request = Provenance { host: Some(host), ..Provenance::default() };
+            assert_eq!(hosts(address).refusal(request).is_none(), is_answered, "{address} {host}");
+        }
+        assert!(hosts("127.0.0.1:1").refusal(Provenance::default()).is_some(), "no host");
+    }
+
+    #[test]
+    fn requests_of_foreign_pages_are_refused_off_loopback_too() {
+        for address in ["127.0.0.1:8480", "0.0.0.0:8480"] {
+            let own = Provenance { host: Some("127.0.0.1:8480"), ..Provenance::default() };
+            for (request, is_answered) in [
+                (Provenance { origin: Some("http://127.0.0.1:8480"), ..own }, true),
+                (Provenance { origin: Some("http://evil.example"), ..own }, false),
+                (Provenance { origin: Some("null"), ..own }, false),
+                (Provenance { fetch_site: Some("same-origin"), ..own }, true),
+                (Provenance { fetch_site: Some("none"), ..own }, true),
+                (Provenance { fetch_site: Some("cross-site"), ..own }, false),
+                (Provenance { fetch_site: Some("same-site"), ..own }, false),
+                (Provenance { fetch_site: Some("cross-site"), opens_page: true, ..own }, true),
+            ] {
+                assert_eq!(hosts(address).refusal(request).is_none(), is_answered, "{request:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The operator's console: a web page and an interface for programs, served by the program itself.
+//!
+//! ```text
+//!                 +--- routes: page files, /api/v1/..., /metrics, /healthz
+//! thread console -+--- sockets: one task each; snapshots, events, answers, video
+//!                 |       Snapshot <- watch   EventLog <- broadcast   VideoRelay <- broadcast
+//!                 +--- requests -> seats (who controls?) -> Gateway -> loop
+//! ```
+//! The server reads what the loop publishes and submits requests to the gateway. Nothing here decides about the camera
+//! or can delay the loop: each queue is bounded, and a reader that is slow loses frames.
+//!
+//! What a request must pass: [`guard`] (host, origin), [`access`] (token), [`seats`] (control). A stop needs a token of
+//! either kind, and nothing else.
+
+pub mod server;
+
+mod routes;
+mod socket;
+
+pub mod access;
+mod guard;
+mod limits;
+mod session_time;
+mod settings;
+mod seats;
+
+pub mod api;
+mod files;
+mod metrics;
+mod requests;
+mod status;
+
+mod pictures;
+mod video_relay;
+
+mod links;
+
+pub use pictures::PictureSlot;
+pub use server::{ConsoleParts, ConsoleServer, SessionFacts};
+pub use session_time::SessionTime;
+pub use settings::ConsoleSettings;
+pub use video_relay::VideoRelay;

@@ -1,0 +1,120 @@
+//! The newest video frame as JPEG for the pages, on a thread of its own, and only while a page asks for it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use barrelman_host::latest::Latest;
+use barrelman_pilot::Input;
+use barrelman_vocab::VideoFrame;
+use barrelman_vocab::unit::Rotation;
+use bytes::Bytes;
+use tokio::sync::watch;
+
+use super::api::{HEAD_BYTES, VideoHead, VideoKind};
+use crate::jpeg;
+use crate::live::run_loop::{LiveStep, LiveStepObserver};
+
+/// Interval at which the thread looks for a page that asks for pictures.
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
+
+/// The newest video frame, and the newest JPEG of one.
+#[derive(Debug)]
+pub struct PictureSlot {
+    frames: Latest<VideoFrame>,
+    pictures: watch::Sender<Bytes>,
+    viewers: AtomicUsize,
+}
+
+impl Default for PictureSlot {
+    fn default() -> Self {
+        Self {
+            frames: Latest::default(),
+            pictures: watch::Sender::new(Bytes::new()),
+            viewers: AtomicUsize::new(0),
+        }
+    }
+}
+
+/// A page that receives pictures. Dropping it ends the subscription.
+#[derive(Debug)]
+pub(super) struct PictureViewer {
+    slot: Arc<PictureSlot>,
+    pictures: watch::Receiver<Bytes>,
+}
+
+impl PictureViewer {
+    /// Subscribes to the pictures. The first picture is the newest one, if there is one.
+    pub(super) fn new(slot: Arc<PictureSlot>) -> Self {
+        slot.viewers.fetch_add(1, Ordering::Relaxed);
+        let mut pictures = slot.pictures.subscribe();
+        if !pictures.borrow().is_empty() {
+            pictures.mark_changed();
+        }
+        Self { slot, pictures }
+    }
+
+    /// Waits for the next picture, as a message. `None` at the end of the session.
+    pub(super) async fn next(&mut self) -> Option<Bytes> {
+        self.pictures.changed().await.ok()?;
+        Some(self.pictures.borrow_and_update().clone())
+    }
+}
+
+impl Drop for PictureViewer {
+    fn drop(&mut self) {
+        self.slot.viewers.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+impl PictureSlot {
+    /// The newest video frame. The picture is shared, not copied.
+    pub fn put(&self, frame: &VideoFrame) {
+        self.frames.put(frame.clone());
+    }
+
+    /// Ends the thread that encodes.
+    pub fn close(&self) {
+        self.frames.close();
+    }
+
+    fn has_viewer(&self) -> bool {
+        self.viewers.load(Ordering::Relaxed) > 0
+    }
+}
+
+/// Passes the video frames of a live run on.
+impl LiveStepObserver for Arc<PictureSlot> {
+    fn on_step(&mut self, step: &LiveStep<'_>) {
+        if let Input::Frame(frame) = step.input {
+            self.put(frame);
+        }
+    }
+}
+
+/// Encodes the newest frame, again and again, until the slot is closed.
+pub(super) fn encode_pictures(slot: &PictureSlot) {
+    while let Some(frame) = slot.frames.wait_until_wanted(POLL_INTERVAL, || slot.has_viewer()) {
+        match jpeg::encode(&frame.picture) {
+            Ok(payload) => {
+                let size = frame.picture.size();
+                let side = |length: u32| u16::try_from(length).unwrap_or(u16::MAX);
+                let head = VideoHead {
+                    kind: VideoKind::Jpeg,
+                    key: true,
+                    shown: true,
+                    rotation: Rotation::None,
+                    epoch: 0,
+                    captured_ns: frame.capture.at.as_nanos(),
+                    index: frame.sequence,
+                    size: (side(size.width), side(size.height)),
+                };
+                let mut message = Vec::with_capacity(HEAD_BYTES + payload.len());
+                message.extend_from_slice(&head.to_bytes());
+                message.extend_from_slice(&payload);
+                slot.pictures.send_replace(message.into());
+            }
+            Err(error) => tracing::error!("a picture for the console cannot be encoded: {error}"),
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Who controls: one page at a time; the others watch.
+//!
+//! A page that may control takes the empty seat when it connects. Otherwise control is taken or given by an explicit
+//! request. The seat of a page that was lost is kept for [`GRACE`], so that a reload keeps the control.
+
+use std::time::Duration;
+
+use barrelman_vocab::Timestamp;
+
+use super::access::Role;
+use super::api::ControlSeat;
+
+/// How long the seat of a lost page is kept.
+pub(super) const GRACE: Duration = Duration::from_secs(2);
+
+/// The largest number of pages at a time.
+pub(super) const MAX_CLIENTS: usize = 16;
+
+/// Number of a page.
+pub(super) type ClientId = u64;
+
+#[derive(Debug, Clone)]
+struct Client {
+    id: ClientId,
+    /// The page's own name, which a reload keeps.
+    name: String,
+    role: Role,
+    /// When the page last sent anything.
+    heard: Timestamp,
+    asks: bool,
+}
+
+/// The page in control.
+#[derive(Debug, Clone)]
+struct Holder {
+    name: String,
+    id: ClientId,
+    /// When the page was lost; `None` while it is connected.
+    lost: Option<Timestamp>,
+}
+
+/// The connected pages, and the one in control.
+#[derive(Debug, Default)]
+pub(super) struct Seats {
+    clients: Vec<Client>,
+    holder: Option<Holder>,
+    next_id: ClientId,
+}
+
+/// What a change of the seats means for the rest of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Joined {
+    /// The page's number.
+    pub(super) id: ClientId,
+    /// The page that has to go, as there are too many.
+    pub(super) dropped: Option<ClientId>,
+}
+
+impl Seats {
+    /// A page connects. With too many pages, the watcher goes that was silent longest.
+    pub(super) fn join(&mut self, name: &str, role: Role, now: Timestamp) -> Joined {
+        let id = self.next_id;
+        self.next_id += 1;
+        let dropped = (self.clients.len() >= MAX_CLIENTS).then(|| self.idlest()).flatten();
+        self.clients.retain(|client| Some(client.id) != dropped);
+        // A page without a name of its own is another one each time.
+        let name = if name.is_empty() { format!("page {id}") } else { name.to_owned() };
+        self.clients.push(Client { id, name: name.clone(), role, heard: now, asks: false });
+        match &mut self.holder {
+            Some(holder) if holder.name == name && role == Role::Control => {
+                (holder.id, holder.lost) = (id, None);
+            }
+            None if role == Role::Control => self.seat(id),
+            _ => {}
+        }
+        Joined { id, dropped }
+    }
+
+    /// A page is gone.
+    pub(super) fn leave(&mut self, id: ClientId, now: Timestamp) {
+        self.clients.retain(|client| client.id != id);
+        if let Some(holder) = self.holder.as_mut().filter(|holder| holder.id == id) {
+            holder.lost = Some(now);
+        }
+    }
+
+    /// A page sent something.
+    pub(super) fn hear(&mut self, id: ClientId, now: Timestamp) {
+        if let Some(client) = self.client(id) {
+            client.heard = now;
+        }
+    }
+
+    /// Frees the seat of a page that was lost for longer than [`GRACE`]. Returns whether that happened now.
+    pub(super) fn expire(&mut self, now: Timestamp) -> bool {
+        let lost = self.holder.as_ref().and_then(|holder| holder.lost);
+        let is_over = lost.is_some_and(|lost| now.since(lost) > GRACE);
+        if is_over {
+            self.holder = None;
+        }
+        is_over
+    }
+
+    /// Whether a page is in control.
+    pub(super) fn controls(&self, id: ClientId) -> bool {
+        self.holder.as_ref().is_some_and(|holder| holder.id == id && holder.lost.is_none())
+    }
+
+    /// Whether nobody is in control.
+    pub(super) const fn is_empty(&self) -> bool {
+        self.holder.is_none()
+    }
+
+    /// A page takes the control.
+    ///
+    /// # Errors
+    /// The reason, in words, if the page may only watch.
+    pub(super) fn take(&mut self, id: ClientId) -> Result<(), &'static str> {
+        self.permitted(id)?;
+        self.seat(id);
+        Ok(())
+    }
+
+    /// A page asks for the control. It gets an empty seat at once.
+    ///
+    /// # Errors
+    /// The reason, in words, if the page may only watch.
+    pub(super) fn ask(&mut self, id: ClientId) -> Result<(), &'static str> {
+        self.permitted(id)?;
+        if self.holder.is_none() {
+            self.seat(id);
+        } else if !self.controls(id)
+            && let Some(client) = self.client(id)
+        {
+            client.asks = true;
+        }
+        Ok(())
+    }
+
+    /// The page in control gives the control to another page.
+    ///
+    /// # Errors
+    /// The reason, in words.
+    pub(super) fn give(&mut self, from: ClientId, to: ClientId) -> Result<(), &'static str> {
+        if !self.controls(from) {
+            return Err("only the page in control can give the control");
+        }
+        if self.clients.iter().all(|client| client.id != to) {
+            return Err("that page is not connected");
+        }
+        self.permitted(to).map_err(|_| "that page may only watch")?;
+        self.seat(to);
+        Ok(())
+    }
+
+    /// The state for the pages.
+    pub(super) fn state(&self) -> ControlSeat {
+        ControlSeat {
+            holder: self.holder.as_ref().map(|holder| holder.id),
+            holder_connected: self.holder.as_ref().is_some_and(|holder| holder.lost.is_none()),
+            clients: self.clients.iter().map(|client| client.id).collect(),
+            asking: self.clients.iter().filter(|client| client.asks).map(|client| client.id).collect(),
+        }
+    }
+
+    fn permitted(&self, id: ClientId) -> Result<(), &'static str> {
+        match self.clients.iter().find(|client| client.id == id) {
+            Some(client) if client.role == Role::Control => Ok(()),
+            _ => Err("this page may only watch: open the control link"),
+        }
+    }
+
+    fn seat(&mut self, id: ClientId) {
+        if let Some(client) = self.client(id) {
+            client.asks = false;
+            let name = client.name.clone();
+            self.holder = Some(Holder { name, id, lost: None });
+        }
+    }
+
+    fn client(&mut self, id: ClientId) -> Option<&mut Client> {
+        self.clients.iter_mut().find(|client| client.id == id)
+    }
+
+    /// The page that was silent longest, a watcher before the page in control.
+    fn idlest(&self) -> Option<ClientId> {
+        let idlest = self.clients.iter().min_by_key(|client| (self.controls(client.id), client.heard));
+        idlest.map(|client| client.id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(ms: u64) -> Timestamp {
+        Timestamp::from_nanos(ms * 1_000_000)
+    }
+
+    fn pages(roles: &[(&str, Role)]) -> Seats {
+        let mut seats = Seats::default();
+        for (name, role) in roles {
+            seats.join(name, *role, at(0));
+        }
+        seats
+    }
+
+    #[test]
+    fn the_first_page_that_may_control_takes_the_seat() {
+        let seats = pages(&[("w", Role::Watch), ("a", Role::Control), ("b", Role::Control)]);
+        assert!(!seats.controls(0) && seats.controls(1) && !seats.controls(2));
+    }
+
+    #[test]
+    fn a_watcher_never_controls() {
+        let mut seats = pages(&[("a", Role::Control), ("w", Role::Watch)]);
+        assert!(seats.take(1).is_err() && seats.ask(1).is_err() && seats.give(0, 1).is_err());
+        assert!(seats.controls(0));
+    }
+
+    #[test]
+    fn control_is_asked_for_given_and_taken() {
+        let mut seats = pages(&[("a", Role::Control), ("b", Role::Control)]);
+        assert_eq!(seats.ask(1), Ok(()));
+        assert_eq!(seats.state().asking, [1]);
+        assert!(seats.give(1, 1).is_err(), "who asks does not give");
+        assert_eq!(seats.give(0, 1), Ok(()));
+        assert!(seats.controls(1) && seats.state().asking.is_empty());
+        assert!(seats.give(1, 7).is_err());
+        assert_eq!(seats.take(0), Ok(()));
+        assert!(seats.controls(0) && !seats.controls(1));
+    }
+
+    #[test]
+    fn a_reload_keeps_the_seat_and_a_lost_page_frees_it() {
+        let mut seats = pages(&[("a", Role::Control), ("b", Role::Control)]);
+        seats.leave(0, at(1000));
+        assert!(!seats.controls(0) && !seats.is_empty() && !seats.expire(at(2500)));
+        let id = seats.join("a", Role::Control, at(2600)).id;
+        assert!(seats.controls(id));
+        seats.leave(id, at(3000));
+        assert!(seats.expire(at(5001)) && seats.is_empty() && !seats.expire(at(5002)));
+        assert_eq!(seats.ask(1), Ok(()), "an empty seat is free");
+        assert!(seats.controls(1));
+    }
+
+    #[test]
+    fn with_too_many_pages_the_idlest_watcher_goes() {
+        let mut seats = Seats::default();
+        for number in 0..MAX_CLIENTS as u64 {
+            seats.join(&number.to_string(), Role::Control, at(number));
+        }
+        seats.hear(1, at(900));
+        assert_eq!(seats.join("new", Role::Watch, at(1000)).dropped, Some(2));
+        assert!(seats.controls(0), "the page in control stays, though it was silent longer");
+    }
+}

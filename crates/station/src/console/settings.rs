@@ -1,0 +1,68 @@
+//! How a console is served: its address, its tokens, and what happens when the controlling page is gone.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+
+use super::access::Tokens;
+
+/// Ports that are tried where no address is given.
+const PORTS: std::ops::Range<u16> = 8480..8490;
+
+/// How a console is served.
+pub struct ConsoleSettings {
+    /// The socket.
+    pub listener: TcpListener,
+    /// The tokens; `None`: everybody who reaches the socket may control.
+    pub tokens: Option<Tokens>,
+    /// Further names that the server answers to, besides its addresses.
+    pub host_names: Vec<String>,
+    /// Whether the pilot is stopped when the controlling page is gone.
+    pub stops_on_lost: bool,
+}
+
+impl ConsoleSettings {
+    /// A console at `address`, or at the first free port of loopback from 8480 on. `token_file`: two lines, control and
+    /// watch; without it, tokens are made.
+    ///
+    /// # Errors
+    /// If the address is in use, or the tokens cannot be read or made.
+    pub fn with_tokens(address: Option<SocketAddr>, token_file: Option<&Path>) -> Result<Self> {
+        let tokens = match token_file {
+            Some(path) => Tokens::read(path)?,
+            None => Tokens::random().context("no random numbers for the console's tokens")?,
+        };
+        Ok(Self { tokens: Some(tokens), ..Self::open(address)? })
+    }
+
+    /// The same, without tokens where only this machine can reach the console.
+    ///
+    /// # Errors
+    /// As [`Self::with_tokens`].
+    pub fn without_tokens_on_loopback(address: Option<SocketAddr>, token_file: Option<&Path>) -> Result<Self> {
+        let is_loopback = address.is_none_or(|address| address.ip().is_loopback());
+        if is_loopback && token_file.is_none() { Self::open(address) } else { Self::with_tokens(address, token_file) }
+    }
+
+    fn open(address: Option<SocketAddr>) -> Result<Self> {
+        Ok(Self { listener: listen(address)?, tokens: None, host_names: Vec::new(), stops_on_lost: false })
+    }
+}
+
+fn listen(address: Option<SocketAddr>) -> Result<TcpListener> {
+    if let Some(address) = address {
+        return TcpListener::bind(address).with_context(|| {
+            format!(
+                "cannot listen on {address}: does another program use it? choose another address with --listen"
+            )
+        });
+    }
+    let loopback = |port| SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
+    match PORTS.map(loopback).find_map(|address| TcpListener::bind(address).ok()) {
+        Some(listener) => Ok(listener),
+        None => {
+            bail!("ports {} to {} of this machine are in use: give --listen ADDR", PORTS.start, PORTS.end - 1)
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! The socket of one page: requests in; snapshots, answers, events and video out.
+//!
+//! Reading and writing are two halves of one task, so that a page that stops reading can still stop the camera. What is
+//! sent is always the newest: a slow page misses snapshots and video, and delays nobody.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
+use bytes::Bytes;
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt as _, StreamExt as _};
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{broadcast, mpsc, watch};
+use tokio::time::{Instant, sleep_until, timeout};
+
+use super::access::Role;
+use super::api::{Answer, ClientMessage, ConsoleRequest, ServerMessage, VideoPath};
+use super::limits::{IDLE_TIMEOUT, RateLimit, SEND_TIMEOUT};
+use super::pictures::PictureViewer;
+use super::requests::{Requester, answer, begin_request};
+use super::seats::ClientId;
+use super::server::Console;
+use super::status::status_of;
+use super::video_relay::RelayedUnit;
+use crate::snapshot::{EventEntry, SharedSnapshot};
+
+/// Shortest time between two snapshots.
+const SNAPSHOT_INTERVAL: Duration = Duration::from_millis(10);
+/// Answers that wait to be sent. A page that reads none loses those beyond.
+const OUTBOX: usize = 128;
+
+/// Serves one page until either side ends the connection.
+pub(super) async fn serve(console: Arc<Console>, socket: WebSocket, role: Role, name: String) {
+    let now = console.time.clock();
+    let joined = console.with_seats(|seats| seats.join(&name, role, now));
+    console.publish_seats();
+    let id = joined.id;
+    let (sink, stream) = socket.split();
+    let (outbox, outgoing) = mpsc::channel(OUTBOX);
+    let (path, paths) = watch::channel(VideoPath::None);
+    let requester = Requester { role, client: Some(id) };
+    let reader = Reader { console: Arc::clone(&console), requester, outbox, path };
+    tokio::select! {
+        () = reader.run(stream) => {}
+        _ = write(&console, sink, id, role, outgoing, paths) => {}
+    }
+    console.with_seats(|seats| seats.leave(id, console.time.clock()));
+    console.publish_seats();
+}
+
+/// The half that reads.
+struct Reader {
+    console: Arc<Console>,
+    requester: Requester,
+    outbox: mpsc::Sender<ServerMessage>,
+    path: watch::Sender<VideoPath>,
+}
+
+impl Reader {
+    /// Reads until the page is gone, silent for too long, or breaks the rules.
+    async fn run(self, mut stream: SplitStream<WebSocket>) {
+        let mut limit = RateLimit::new(self.console.time.clock());
+        while let Ok(Some(Ok(message))) = timeout(IDLE_TIMEOUT, stream.next()).await {
+            let now = self.console.time.clock();
+            let Message::Text(text) = message else {
+                match message {
+                    Message::Ping(_) | Message::Pong(_) => continue,
+                    _ => return,
+                }
+            };
+            let Ok(message) = serde_json::from_str::<ClientMessage>(&text) else {
+                tracing::warn!("a page sent a message that cannot be read; it is disconnected");
+                return;
+            };
+            let is_stop = matches!(message, ClientMessage::Request { request: ConsoleRequest::Stop, .. });
+            if !limit.permits(now) {
+                if is_stop {
+                    self.console.gateway.stop();
+                }
+                tracing::warn!("a page sent too many messages; it is disconnected");
+                return;
+            }
+            if let Some(client) = self.requester.client {
+                self.console.with_seats(|seats| seats.hear(client, now));
+            }
+            self.on_message(message);
+        }
+    }
+
+    fn on_message(&self, message: ClientMessage) {
+        match message {
+            ClientMessage::Request { id, request } => {
+                let pending = begin_request(&self.console, self.requester, request);
+                let (console, outbox) = (Arc::clone(&self.console), self.outbox.clone());
+                tokio::spawn(async move {
+                    let (answer, reason) = answer(&console, pending).await;
+                    let _ = outbox.try_send(ServerMessage::Answer(Answer { id, answer, reason }));
+                });
+            }
+            ClientMessage::Video { path } => drop(self.path.send_replace(path)),
+            ClientMessage::Ping { sent_ms } => {
+                let now_ns = self.console.time.now().as_nanos();
+                let _ = self.outbox.try_send(ServerMessage::Pong { sent_ms, now_ns });
+            }
+            ClientMessage::View { .. } => {}
+        }
+    }
+}
+
+/// The connection is over.
+struct Closed;
+
+/// The half that writes.
+struct Writer {
+    sink: SplitSink<WebSocket, Message>,
+}
+
+impl Writer {
+    async fn send(&mut self, message: Message) -> Result<(), Closed> {
+        match timeout(SEND_TIMEOUT, self.sink.send(message)).await {
+            Ok(Ok(())) => Ok(()),
+            _ => Err(Closed),
+        }
+    }
+
+    async fn send_json(&mut self, message: &ServerMessage) -> Result<(), Closed> {
+        let text = serde_json::to_string(message).map_err(|_| Closed)?;
+        self.send(Message::Text(text.into())).await
+    }
+}
+
+/// Writes until the page is gone, or has to go.
+async fn write(
+    console: &Arc<Console>,
+    sink: SplitSink<WebSocket, Message>,
+    id: ClientId,
+    role: Role,
+    mut outgoing: mpsc::Receiver<ServerMessage>,
+    mut paths: watch::Receiver<VideoPath>,
+) -> Result<(), Closed> {
+    let mut writer = Writer { sink };
+    let mut snapshots = console.snapshots.clone();
+    let mut seats = console.seat_changes.subscribe();
+    writer.send_json(&ServerMessage::Hello(Box::new(console.hello(id, role)))).await?;
+    let (events, mut later_events) = console.events.subscribe();
+    writer.send_json(&ServerMessage::Events { events }).await?;
+    seats.mark_changed();
+    snapshots.mark_changed();
+    let mut video = VideoFeed::None;
+    let mut snapshot_at = Instant::now();
+    loop {
+        tokio::select! {
+            biased;
+            message = outgoing.recv() => {
+                let Some(message) = message else { return Err(Closed) };
+                writer.send_json(&message).await?;
+            }
+            changed = seats.changed() => {
+                changed.map_err(|_| Closed)?;
+                let seat = seats.borrow_and_update().clone();
+                if !seat.clients.contains(&id) {
+                    return dismiss(&mut writer).await;
+                }
+                writer.send_json(&ServerMessage::Control(seat)).await?;
+            }
+            changed = newest(&mut snapshots, snapshot_at) => {
+                changed.map_err(|_| Closed)?;
+                snapshot_at = Instant::now() + SNAPSHOT_INTERVAL;
+                let status = status_of(&snapshots.borrow_and_update(), console.relay.has_h264());
+                writer.send_json(&ServerMessage::Snapshot(Box::new(status))).await?;
+            }
+            event = next_event(&mut later_events) => {
+                writer.send_json(&ServerMessage::Event(event.ok_or(Closed)?)).await?;
+            }
+            changed = paths.changed() => {
+                changed.map_err(|_| Closed)?;
+                video = VideoFeed::begin(*paths.borrow_and_update(), console);
+            }
+            message = video.next() => writer.send(Message::Binary(message.ok_or(Closed)?)).await?,
+        }
+    }
+}
+
+/// Tells a page that it has to go.
+async fn dismiss(writer: &mut Writer) -> Result<(), Closed> {
+    let frame = CloseFrame { code: close_code::AGAIN, reason: "too many pages are open".into() };
+    let _ = writer.send(Message::Close(Some(frame))).await;
+    Err(Closed)
+}
+
+async fn newest(
+    snapshots: &mut watch::Receiver<SharedSnapshot>,
+    not_before: Instant,
+) -> Result<(), watch::error::RecvError> {
+    sleep_until(not_before).await;
+    snapshots.changed().await
+}
+
+/// The next event; events that came too fast for this page are left out.
+async fn next_event(events: &mut broadcast::Receiver<EventEntry>) -> Option<EventEntry> {
+    loop {
+        match events.recv().await {
+            Ok(event) => return Some(event),
+            Err(RecvError::Lagged(_)) => {}
+            Err(RecvError::Closed) => return None,
+        }
+    }
+}
+
+/// The video of one page.
+enum VideoFeed {
+    None,
+    Jpeg(PictureViewer),
+    H264 {
+        /// Units of the group of pictures that is going on, next one last.
+        group: Vec<RelayedUnit>,
+        units: broadcast::Receiver<RelayedUnit>,
+        /// Whether units are left out until the next key frame.
+        waits_for_key: bool,
+    },
+}
+
+impl VideoFeed {
+    fn begin(path: VideoPath, console: &Console) -> Self {
+        match path {
+            VideoPath::None => Self::None,
+            VideoPath::Jpeg => Self::Jpeg(PictureViewer::new(Arc::clone(&console.pictures))),
+            VideoPath::H264 => {
+                let (mut group, units) = console.relay.subscribe();
+                group.reverse();
+                let waits_for_key = group.is_empty();
+                Self::H264 { group, units, waits_for_key }
+            }
+        }
+    }
+
+    /// The next message. Waits for ever where no video is sent; `None` at the end of the session.
+    async fn next(&mut self) -> Option<Bytes> {
+        match self {
+            Self::None => std::future::pending().await,
+            Self::Jpeg(viewer) => viewer.next().await,
+            Self::H264 { group, units, waits_for_key } => {
+                if let Some(unit) = group.pop() {
+                    return Some(unit.message);
+                }
+                loop {
+                    match units.recv().await {
+                        Ok(unit) if unit.key || !*waits_for_key => {
+                            *waits_for_key = false;
+                            return Some(unit.message);
+                        }
+                        Ok(_) => {}
+                        Err(RecvError::Lagged(_)) => *waits_for_key = true,
+                        Err(RecvError::Closed) => return None,
+                    }
+                }
+            }
+        }
+    }
+}

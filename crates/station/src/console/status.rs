@@ -1,0 +1,207 @@
+//! The API's form of a snapshot.
+
+use barrelman_control::Sector;
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::{Mode, Outcome};
+use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
+use barrelman_vocab::{CameraCommand, LawId, PixelBox, StopCause, Track};
+
+use super::api::{
+    AxisPair, CameraWork, LawName, LinkStatus, ModeStatus, PerceptStatus, RecordingStatus, RegionStatus,
+    StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+};
+use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
+
+/// The API's form of a snapshot. `h264`: whether the video can be sent as H.264.
+pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
+    let outcome = snapshot.outcome.as_ref();
+    StatusSnapshot {
+        step: snapshot.steps,
+        at_ns: outcome.map_or(0, |outcome| outcome.at.as_nanos()),
+        mode: mode_of(outcome.map_or(Mode::Idle, |outcome| outcome.mode)),
+        track: outcome.map_or(NO_TRACK, track_of),
+        region: outcome
+            .and_then(|outcome| outcome.region)
+            .map(|region| RegionStatus { a_px: region.a_px, b_px: region.b_px }),
+        percept: outcome.and_then(percept_of),
+        advice: outcome.and_then(|outcome| outcome.advice).map(|advice| axes_of(advice.command)),
+        command: outcome.map_or_else(|| axes_of(CameraCommand::REST), |outcome| axes_of(outcome.command)),
+        yaw_rate: snapshot.rates.yaw.radians_per_second(),
+        pitch_rate: snapshot.rates.pitch.radians_per_second(),
+        law: snapshot.law.map(law_name),
+        video: video_of(&snapshot.video, h264),
+        link: link_of(&snapshot.vehicle),
+        recording: recording_of(&snapshot.recording),
+        work: work_of(&snapshot.work),
+        alarms: snapshot.alarms.iter().map(|alarm| alarm.key()).collect(),
+        stops_taken: snapshot.stops_taken,
+        drive: snapshot.drive.clone(),
+    }
+}
+
+/// The API's name of a law.
+pub(super) const fn law_name(law: LawId) -> LawName {
+    match law {
+        LawId::MotorSchema => LawName::Schema,
+        LawId::MinimumEnergy => LawName::MinimumEnergy,
+        LawId::TimeFuel => LawName::TimeFuel,
+        LawId::Eco => LawName::Eco,
+    }
+}
+
+fn mode_of(mode: Mode) -> ModeStatus {
+    let (name, cause) = match mode {
+        Mode::Idle => ("idle", None),
+        Mode::Servoing => ("servoing", None),
+        Mode::Nudging => ("nudging", None),
+        Mode::Holding(cause) => {
+            let cause = match cause {
+                HoldCause::NoSelection => "no-selection",
+                HoldCause::TrackLost => "track-lost",
+                HoldCause::Coasting => "coasting",
+                HoldCause::VideoStale => "video-stale",
+                HoldCause::VideoSilent => "video-silent",
+                HoldCause::Confirming => "confirming",
+            };
+            ("holding", Some(cause))
+        }
+        Mode::Stopped(cause) => {
+            let cause = match cause {
+                StopCause::Operator => "operator",
+                StopCause::Ending => "ending",
+                StopCause::VideoEnded => "video-ended",
+                StopCause::Fault => "fault",
+            };
+            ("stopped", Some(cause))
+        }
+    };
+    ModeStatus { name, cause, engaged: matches!(mode, Mode::Servoing | Mode::Holding(_)) }
+}
+
+const NO_TRACK: TrackStatus = TrackStatus {
+    state: "unseeded",
+    confirming: false,
+    captured_ns: None,
+    bounds: None,
+    centre: None,
+    axes: None,
+    axis_deg: None,
+    heading_deg: None,
+    confidence: None,
+    lost_s: None,
+};
+
+fn track_of(outcome: &Outcome) -> TrackStatus {
+    let confirming = outcome.is_confirming;
+    let (state, seen) = match outcome.track {
+        Track::Unseeded => return TrackStatus { confirming, ..NO_TRACK },
+        Track::Lost { since, confidence } => {
+            let lost_s = outcome.at.since(since).as_secs_f64();
+            return TrackStatus {
+                state: "lost",
+                confidence: Some(confidence),
+                lost_s: Some(lost_s),
+                ..NO_TRACK
+            };
+        }
+        Track::Tracking(seen) => ("tracking", seen),
+        Track::Coasting(seen) => ("coasting", seen),
+    };
+    let PixelBox { u, v, w, h } = seen.bounds;
+    TrackStatus {
+        state,
+        confirming,
+        captured_ns: Some(seen.captured.as_nanos()),
+        bounds: Some([u, v, w, h]),
+        centre: Some([seen.centre.u, seen.centre.v]),
+        axes: seen.shape.map(|shape| [shape.major_px, shape.minor_px]),
+        axis_deg: seen.shape.map(|shape| shape.axis.radians().to_degrees()),
+        heading_deg: seen.heading.map(|heading| heading.radians().to_degrees()),
+        confidence: Some(seen.confidence),
+        lost_s: None,
+    }
+}
+
+fn percept_of(outcome: &Outcome) -> Option<PerceptStatus> {
+    let percept = outcome.percept?;
+    let sector = outcome.advice.and_then(|advice| advice.sector).map(|sector| match sector {
+        Sector::Right => "right",
+        Sector::Top => "top",
+        Sector::Left => "left",
+        Sector::Bottom => "bottom",
+    });
+    Some(PerceptStatus { x: percept.position.x, y: percept.position.y, p: percept.p, sector })
+}
+
+fn axes_of(command: CameraCommand) -> AxisPair {
+    AxisPair { pan: command.pan.radians_per_second(), tilt: command.tilt.radians_per_second() }
+}
+
+fn video_of(video: &VideoSnapshot, h264: bool) -> VideoStatus {
+    let (state, reason) = match &video.state {
+        VideoSourceState::Connecting => ("connecting", None),
+        VideoSourceState::Up => ("up", None),
+        VideoSourceState::Lost(reason) => ("lost", Some(reason.clone())),
+        VideoSourceState::Ended => ("ended", None),
+    };
+    VideoStatus {
+        state,
+        reason,
+        size: video.frame.map(|(_, size)| [size.width, size.height]),
+        captured_ns: video.frame.map(|(captured, _)| captured.as_nanos()),
+        age_ms: video.age.map(|age| age.as_secs_f64() * 1e3),
+        fps: video.fps,
+        dropped: video.dropped,
+        h264,
+    }
+}
+
+fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
+    LinkStatus {
+        state: match vehicle.link {
+            snapshot::LinkStatus::DryRun => "dry-run",
+            snapshot::LinkStatus::Simulated => "simulated",
+            snapshot::LinkStatus::Link(LinkState::Opening) => "opening",
+            snapshot::LinkStatus::Link(LinkState::Starting) => "starting",
+            snapshot::LinkStatus::Link(LinkState::Up) => "up",
+            snapshot::LinkStatus::Link(LinkState::Closing) => "closing",
+            snapshot::LinkStatus::Link(LinkState::Closed) => "closed",
+        },
+        in_control: vehicle.control.map(|control| control == ControlState::Ours),
+        battery_v: vehicle.battery_v,
+        tilt_deg: vehicle.tilt.map(|tilt| tilt.radians().to_degrees()),
+        altitude_m: vehicle.altitude_m,
+        flight: vehicle.flight.map(|state| match state {
+            FlightState::Idle => "idle",
+            FlightState::Flying => "flying",
+            FlightState::Emergency => "emergency",
+            FlightState::Other(_) => "other",
+        }),
+    }
+}
+
+fn recording_of(recording: &RecordingState) -> RecordingStatus {
+    match recording {
+        RecordingState::Off => RecordingStatus { state: "off", path: None, reason: None },
+        RecordingState::On(path) => {
+            RecordingStatus { state: "recording", path: Some(path.clone()), reason: None }
+        }
+        RecordingState::Failed(reason) => {
+            RecordingStatus { state: "failed", path: None, reason: Some(reason.clone()) }
+        }
+    }
+}
+
+fn work_of(work: &snapshot::CameraWork) -> CameraWork {
+    let figures = |figures: snapshot::WorkFigures| WorkFigures {
+        moves: figures.moves,
+        travel_rad: figures.travel_rad,
+        rest_share: if figures.seconds > 0.0 { figures.rest_s / figures.seconds } else { 1.0 },
+        seconds: figures.seconds,
+    };
+    CameraWork {
+        camera: figures(work.camera),
+        schema: work.schema.map(figures),
+        schema_p: work.schema_p,
+    }
+}

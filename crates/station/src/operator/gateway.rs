@@ -1,0 +1,147 @@
+//! The gateway: a bounded queue of requests, the stop latch, and the event that wakes the loop.
+
+use std::collections::VecDeque;
+use std::sync::mpsc::SyncSender;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use barrelman_experiments::drive::DriveInput;
+use barrelman_vocab::{OperatorRequest, StopCause};
+use tokio::sync::oneshot;
+
+use super::answer::{Answer, AnswerSlot};
+use super::stop_latch::StopLatch;
+use crate::live::event::Event;
+
+/// Capacity of the queue of requests. The loop empties the queue before each event.
+const CAPACITY: usize = 64;
+
+/// What an operator can request of a session.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Request {
+    /// A request to the pilot.
+    Pilot(OperatorRequest),
+    /// An input of the simulated world: helm, helmsman, pause, resume.
+    World(DriveInput),
+}
+
+/// A request that waits for the loop.
+#[derive(Debug)]
+pub struct Submitted {
+    /// The request.
+    pub request: Request,
+    /// Where the answer goes.
+    pub answer: AnswerSlot,
+}
+
+/// Takes requests from any thread.
+#[derive(Debug)]
+pub struct Gateway {
+    stop: StopLatch,
+    queue: Mutex<VecDeque<Submitted>>,
+    events: SyncSender<Event>,
+}
+
+impl Gateway {
+    /// A gateway that wakes the loop through `events`.
+    pub fn new(events: SyncSender<Event>) -> Self {
+        Self { stop: StopLatch::default(), queue: Mutex::new(VecDeque::new()), events }
+    }
+
+    /// Presses Stop. Cannot be refused. Returns the number of the press.
+    pub fn stop(&self) -> u64 {
+        let press = self.stop.press();
+        self.wake();
+        press
+    }
+
+    /// The stop latch.
+    pub const fn stop_latch(&self) -> &StopLatch {
+        &self.stop
+    }
+
+    /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the operator goes
+    /// to the latch and is answered at once: it is taken before any request.
+    pub fn submit(&self, request: Request) -> oneshot::Receiver<Answer> {
+        let (answer, receiver) = AnswerSlot::new();
+        self.submit_with(request, answer);
+        receiver
+    }
+
+    /// Submits a request of the terminal or of the program itself; a refusal is logged.
+    pub fn submit_logged(&self, request: OperatorRequest) {
+        self.submit_with(Request::Pilot(request), AnswerSlot::logged());
+    }
+
+    fn submit_with(&self, request: Request, answer: AnswerSlot) {
+        if let Request::Pilot(OperatorRequest::Stop(StopCause::Operator)) = request {
+            self.stop();
+            return answer.give(Answer::ACCEPTED);
+        }
+        let mut queue = self.queue();
+        if queue.len() >= CAPACITY {
+            drop(queue);
+            return answer.give(Answer::Refused("too many requests are waiting; retry".to_owned()));
+        }
+        queue.push_back(Submitted { request, answer });
+        drop(queue);
+        self.wake();
+    }
+
+    /// The next request, oldest first.
+    pub fn next_request(&self) -> Option<Submitted> {
+        self.queue().pop_front()
+    }
+
+    /// Refuses all requests that wait, as they were made before a stop.
+    pub fn refuse_waiting(&self) {
+        let waiting = std::mem::take(&mut *self.queue());
+        for submitted in waiting {
+            submitted.answer.give(Answer::Superseded("stopped".to_owned()));
+        }
+    }
+
+    /// Wakes the loop. Where the queue of events is full, the loop is awake, and looks here before its next event.
+    fn wake(&self) {
+        let _ = self.events.try_send(Event::Operator);
+    }
+
+    fn queue(&self) -> MutexGuard<'_, VecDeque<Submitted>> {
+        // Each change is one call: a panic elsewhere leaves the queue whole.
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::sync_channel;
+
+    use super::*;
+
+    const ENGAGE: Request = Request::Pilot(OperatorRequest::Engage);
+
+    #[test]
+    fn a_full_queue_refuses_requests_but_never_a_stop() {
+        let (events, _queue) = sync_channel(1);
+        let gateway = Gateway::new(events);
+        for _ in 0..CAPACITY {
+            gateway.submit(ENGAGE);
+        }
+        let mut refused = gateway.submit(ENGAGE);
+        assert!(matches!(refused.try_recv(), Ok(Answer::Refused(_))));
+        assert_eq!(gateway.stop(), 1);
+        assert_eq!(gateway.stop_latch().pending(), Some(1));
+    }
+
+    #[test]
+    fn requests_come_out_in_their_order_and_a_stop_supersedes_them() {
+        let (events, queue) = sync_channel(8);
+        let gateway = Gateway::new(events);
+        gateway.submit(ENGAGE);
+        let mut second = gateway.submit(Request::Pilot(OperatorRequest::Disengage));
+        assert_eq!(gateway.next_request().map(|submitted| submitted.request), Some(ENGAGE));
+        gateway.refuse_waiting();
+        assert!(matches!(second.try_recv(), Ok(Answer::Superseded(_))));
+        assert!(gateway.next_request().is_none());
+        assert!(matches!(queue.try_recv(), Ok(Event::Operator)));
+    }
+}

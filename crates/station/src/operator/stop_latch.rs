@@ -1,0 +1,57 @@
+//! Stop as a latch: pressing it needs no room in a queue, and it stays pressed until the loop has taken it.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Counts presses of Stop, and the presses that the pilot has taken.
+#[derive(Debug, Default)]
+pub struct StopLatch {
+    pressed: AtomicU64,
+    taken: AtomicU64,
+}
+
+impl StopLatch {
+    /// Presses Stop. Returns the number of the press, from 1; it has been taken when [`Self::taken`] has reached it.
+    pub fn press(&self) -> u64 {
+        self.pressed.fetch_add(1, Ordering::SeqCst) + 1
+    }
+
+    /// The newest press that the pilot has not taken.
+    pub fn pending(&self) -> Option<u64> {
+        let pressed = self.pressed.load(Ordering::SeqCst);
+        (pressed > self.taken()).then_some(pressed)
+    }
+
+    /// Notes that the pilot has taken the stop: all presses up to `press`.
+    pub fn acknowledge(&self, press: u64) {
+        self.taken.fetch_max(press, Ordering::SeqCst);
+    }
+
+    /// The number of presses that the pilot has taken.
+    pub fn taken(&self) -> u64 {
+        self.taken.load(Ordering::SeqCst)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_press_is_pending_until_it_is_acknowledged() {
+        let latch = StopLatch::default();
+        assert_eq!(latch.pending(), None);
+        assert_eq!([latch.press(), latch.press()], [1, 2]);
+        assert_eq!(latch.pending(), Some(2));
+        latch.acknowledge(2);
+        assert_eq!((latch.pending(), latch.taken()), (None, 2));
+    }
+
+    #[test]
+    fn a_press_during_the_acknowledgement_stays_pending() {
+        let latch = StopLatch::default();
+        let taken = latch.press();
+        latch.press();
+        latch.acknowledge(taken);
+        assert_eq!(latch.pending(), Some(2));
+    }
+}

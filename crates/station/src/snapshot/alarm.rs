@@ -1,0 +1,56 @@
+//! The alarms of a session.
+
+/// What an operator has to know at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Alarm {
+    /// The track is lost.
+    TrackLost,
+    /// The video frames are too old.
+    StaleVideo,
+    /// No video arrives.
+    NoVideo,
+    /// Commands do not reach the vehicle.
+    LinkDown,
+    /// The vehicle does not accept commands from this program.
+    ControlLost,
+    /// The camera is near a mechanical end stop.
+    EndStop,
+    /// The battery is low, or the vehicle reports an emergency.
+    BatteryLow,
+    /// The recording has stopped.
+    RecordingFailed,
+    /// The controlling page is gone while the pilot is engaged.
+    ConsoleLost,
+}
+
+impl Alarm {
+    /// The alarm's name in the API.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::TrackLost => "track-lost",
+            Self::StaleVideo => "stale-video",
+            Self::NoVideo => "no-video",
+            Self::LinkDown => "link-down",
+            Self::ControlLost => "control-lost",
+            Self::EndStop => "end-stop",
+            Self::BatteryLow => "battery-low",
+            Self::RecordingFailed => "recording-failed",
+            Self::ConsoleLost => "console-lost",
+        }
+    }
+
+    /// The alarm in words, for the event log.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::TrackLost => "the track is lost: select the boat again",
+            Self::StaleVideo => "the video is delayed",
+            Self::NoVideo => "no video arrives",
+            Self::LinkDown => "the link is down: commands do not reach the camera",
+            Self::ControlLost => "the vehicle does not accept commands from this program",
+            Self::EndStop => "the camera is near its end stop",
+            Self::BatteryLow => "the vehicle's battery is low",
+            Self::RecordingFailed => "the recording has stopped",
+            Self::ConsoleLost => "the controlling page is gone; the camera stays engaged",
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The events of the last hour: changes of mode, track, link and video, refusals, alarms.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use barrelman_vocab::Timestamp;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tokio::sync::broadcast;
+
+/// How long an event is kept.
+const KEPT: Duration = Duration::from_secs(3600);
+/// Largest number of events that are kept.
+const CAPACITY: usize = 2000;
+/// Events that a reader may be behind before it misses some.
+const BACKLOG: usize = 256;
+
+/// An entry of the event log.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct EventEntry {
+    /// Number of the entry, from 0.
+    pub number: u64,
+    /// When it happened.
+    pub at_ns: u64,
+    /// How serious it is.
+    pub level: Level,
+    /// The key of the page's table of words; empty where there is none.
+    pub key: String,
+    /// What happened, in English.
+    pub text: String,
+}
+
+/// How serious an event is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Level {
+    /// For the record.
+    Info,
+    /// To be noticed.
+    Warning,
+    /// To be acted on.
+    Alarm,
+}
+
+/// The event log. Adding never waits for a reader.
+#[derive(Debug)]
+pub struct EventLog {
+    entries: Mutex<(u64, VecDeque<EventEntry>)>,
+    readers: broadcast::Sender<EventEntry>,
+}
+
+impl Default for EventLog {
+    fn default() -> Self {
+        Self { entries: Mutex::default(), readers: broadcast::channel(BACKLOG).0 }
+    }
+}
+
+impl EventLog {
+    /// Adds an event.
+    pub fn add(&self, at: Timestamp, level: Level, key: &str, text: impl Into<String>) {
+        let mut entries = self.entries();
+        let (number, kept) = &mut *entries;
+        let at_ns = at.as_nanos();
+        let entry = EventEntry { number: *number, at_ns, level, key: key.to_owned(), text: text.into() };
+        *number += 1;
+        let is_old = |entry: &EventEntry| at.since(Timestamp::from_nanos(entry.at_ns)) > KEPT;
+        while kept.len() >= CAPACITY || kept.front().is_some_and(is_old) {
+            kept.pop_front();
+        }
+        kept.push_back(entry.clone());
+        // Sent under the lock, so that a new reader gets each event once.
+        let _ = self.readers.send(entry);
+    }
+
+    /// The kept events, oldest first, and a receiver of all later ones.
+    pub fn subscribe(&self) -> (Vec<EventEntry>, broadcast::Receiver<EventEntry>) {
+        let entries = self.entries();
+        (entries.1.iter().cloned().collect(), self.readers.subscribe())
+    }
+
+    fn entries(&self) -> MutexGuard<'_, (u64, VecDeque<EventEntry>)> {
+        self.entries.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_keeps_an_hour_and_a_reader_gets_what_follows() {
+        let log = EventLog::default();
+        log.add(Timestamp::from_secs_f64(1.0), Level::Info, "a", "first");
+        log.add(Timestamp::from_secs_f64(3000.0), Level::Info, "b", "second");
+        let (kept, mut later) = log.subscribe();
+        assert_eq!(kept.iter().map(|entry| entry.number).collect::<Vec<_>>(), [0, 1]);
+        log.add(Timestamp::from_secs_f64(3700.0), Level::Alarm, "c", "third");
+        assert_eq!(later.try_recv().map(|entry| entry.text).ok(), Some("third".to_owned()));
+        assert_eq!(log.subscribe().0.iter().map(|entry| entry.number).collect::<Vec<_>>(), [1, 2]);
+    }
+
+    #[test]
+    fn the_log_is_bounded() {
+        let log = EventLog::default();
+        for _ in 0..CAPACITY + 10 {
+            log.add(Timestamp::ZERO, Level::Info, "", "");
+        }
+        assert_eq!(log.subscribe().0.len(), CAPACITY);
+    }
+}

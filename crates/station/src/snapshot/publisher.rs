@@ -1,0 +1,249 @@
+//! Builds the snapshot of each step, and writes the event log.
+
+use std::sync::Arc;
+
+use barrelman_pilot::{Input, Notice, Outcome};
+use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
+use barrelman_vocab::{LawId, Timestamp, Track, VehicleProfile, VehicleRates};
+use tokio::sync::watch;
+
+use super::alarm::Alarm;
+use super::camera_work::CameraWorkMeter;
+use super::event_log::{EventLog, Level};
+use super::frame_rate::FrameRate;
+use super::vehicle::LinkStatus;
+use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState};
+use barrelman_pilot::Mode;
+use barrelman_pilot::outcome::HoldCause;
+
+/// Nearer to an end stop than this, the alarm is raised, rad (3 degrees).
+const END_STOP_MARGIN_RAD: f64 = 0.052;
+
+/// Publishes a snapshot after each step.
+pub struct Publisher {
+    state: Snapshot,
+    snapshots: watch::Sender<SharedSnapshot>,
+    events: Arc<EventLog>,
+    frames: FrameRate,
+    work: CameraWorkMeter,
+    tilt_stops: (f64, f64),
+    is_console_lost: bool,
+}
+
+impl Publisher {
+    /// A publisher of a session with this vehicle and link.
+    pub fn new(profile: &VehicleProfile, link: LinkStatus, recording: RecordingState) -> Self {
+        let mut state = Snapshot { recording, ..Snapshot::default() };
+        state.vehicle.link = link;
+        let (low, high) = profile.camera.tilt_stops;
+        Self {
+            snapshots: watch::Sender::new(Arc::new(state.clone())),
+            state,
+            events: Arc::default(),
+            frames: FrameRate::default(),
+            work: CameraWorkMeter::new(profile),
+            tilt_stops: (low.radians(), high.radians()),
+            is_console_lost: false,
+        }
+    }
+
+    /// The newest snapshot, for readers.
+    pub fn subscribe(&self) -> watch::Receiver<SharedSnapshot> {
+        self.snapshots.subscribe()
+    }
+
+    /// The event log.
+    pub fn events(&self) -> Arc<EventLog> {
+        Arc::clone(&self.events)
+    }
+
+    /// The newest snapshot.
+    pub const fn newest(&self) -> &Snapshot {
+        &self.state
+    }
+
+    /// The pilot made a step.
+    pub fn on_step(
+        &mut self,
+        input: &Input<'_>,
+        outcome: &Outcome,
+        rates: VehicleRates,
+        law: Option<LawId>,
+    ) {
+        match input {
+            Input::Frame(frame) => {
+                self.frames.add(outcome.at);
+                self.state.video.frame = Some((frame.capture.at, frame.picture.size()));
+                self.state.video.age = outcome.age;
+            }
+            Input::Telemetry(telemetry) => {
+                let before = self.state.vehicle;
+                self.state.vehicle.on_telemetry(telemetry);
+                self.log_link_change(before.link, outcome.at);
+            }
+            Input::Localisation(_) | Input::Request(_) | Input::Tick => {}
+        }
+        self.work.on_step(outcome);
+        self.log_outcome(outcome);
+        self.state.steps += 1;
+        self.state.outcome = Some(outcome.clone());
+        self.state.rates = rates;
+        self.state.law = law;
+        self.publish(outcome.at);
+    }
+
+    /// A drive begins: its times do not follow those of the drive before.
+    pub fn begin_drive(&mut self, now: Timestamp) {
+        self.frames = FrameRate::default();
+        self.publish(now);
+    }
+
+    /// Frames that were replaced before the pilot took them, so far. Published with the next step.
+    pub fn set_dropped(&mut self, dropped: u64) {
+        self.state.video.dropped = dropped;
+    }
+
+    /// The presses of Stop that the pilot has taken. Published with the next step.
+    pub fn set_stops_taken(&mut self, stops: u64) {
+        self.state.stops_taken = stops;
+    }
+
+    /// The state of a demo's world.
+    pub fn set_drive(&mut self, drive: DriveState, now: Timestamp) {
+        self.state.drive = Some(drive);
+        self.publish(now);
+    }
+
+    /// The state of the video source.
+    pub fn set_video(&mut self, state: VideoSourceState, now: Timestamp) {
+        if self.state.video.state != state {
+            match &state {
+                VideoSourceState::Connecting => {}
+                VideoSourceState::Up => self.events.add(now, Level::Info, "video-up", "video: up"),
+                VideoSourceState::Lost(reason) => {
+                    let is_new = !matches!(self.state.video.state, VideoSourceState::Lost(_));
+                    if is_new {
+                        self.events.add(now, Level::Alarm, "video-lost", format!("video lost: {reason}"));
+                    }
+                }
+                VideoSourceState::Ended => self.events.add(now, Level::Warning, "video-ended", "the video has ended"),
+            }
+        }
+        self.state.video.state = state;
+        self.publish(now);
+    }
+
+    /// The state of the recording.
+    pub fn set_recording(&mut self, recording: RecordingState, now: Timestamp) {
+        if let RecordingState::Failed(reason) = &recording {
+            let text = format!("the recording has stopped: {reason}");
+            self.events.add(now, Level::Alarm, "recording-failed", text);
+        }
+        self.state.recording = recording;
+        self.publish(now);
+    }
+
+    /// Whether the controlling page is gone.
+    pub fn set_console_lost(&mut self, is_lost: bool, now: Timestamp) {
+        if self.is_console_lost != is_lost {
+            self.is_console_lost = is_lost;
+            self.publish(now);
+        }
+    }
+
+    fn publish(&mut self, now: Timestamp) {
+        self.state.video.fps = self.frames.per_second(now);
+        self.state.work = self.work.work(self.state.law);
+        let alarms = self.alarms();
+        for alarm in alarms.iter().filter(|alarm| !self.state.alarms.contains(alarm)) {
+            // The recording's alarm is logged with its reason.
+            if *alarm != Alarm::RecordingFailed {
+                self.events.add(now, Level::Alarm, alarm.key(), alarm.text());
+            }
+        }
+        self.state.alarms = alarms;
+        self.snapshots.send_replace(Arc::new(self.state.clone()));
+    }
+
+    fn alarms(&self) -> Vec<Alarm> {
+        let (state, vehicle) = (&self.state, &self.state.vehicle);
+        let mode = state.outcome.as_ref().map(|outcome| outcome.mode);
+        let is_engaged = matches!(mode, Some(Mode::Servoing | Mode::Holding(_)));
+        let is_lost = matches!(state.outcome.as_ref().map(|outcome| outcome.track), Some(Track::Lost { .. }));
+        let is_at_stop = vehicle.tilt.is_some_and(|tilt| {
+            let (low, high) = self.tilt_stops;
+            tilt.radians() < low + END_STOP_MARGIN_RAD || tilt.radians() > high - END_STOP_MARGIN_RAD
+        });
+        let is_link_down = matches!(vehicle.link, LinkStatus::Link(link) if link != LinkState::Up);
+        [
+            (Alarm::TrackLost, is_lost),
+            (Alarm::StaleVideo, mode == Some(Mode::Holding(HoldCause::VideoStale))),
+            (
+                Alarm::NoVideo,
+                mode == Some(Mode::Holding(HoldCause::VideoSilent))
+                    || matches!(state.video.state, VideoSourceState::Lost(_)),
+            ),
+            (Alarm::LinkDown, is_link_down),
+            (Alarm::ControlLost, vehicle.control == Some(ControlState::NotOurs)),
+            (Alarm::EndStop, is_at_stop),
+            (Alarm::BatteryLow, vehicle.flight == Some(FlightState::Emergency)),
+            (Alarm::RecordingFailed, matches!(state.recording, RecordingState::Failed(_))),
+            (Alarm::ConsoleLost, self.is_console_lost && is_engaged),
+        ]
+        .into_iter()
+        .filter_map(|(alarm, is_raised)| is_raised.then_some(alarm))
+        .collect()
+    }
+
+    fn log_outcome(&self, outcome: &Outcome) {
+        let before = self.state.outcome.as_ref();
+        let add = |level, key, text: String| self.events.add(outcome.at, level, key, text);
+        if before.map(|before| before.mode) != Some(outcome.mode) {
+            let level = match outcome.mode {
+                Mode::Holding(_) | Mode::Stopped(_) => Level::Warning,
+                _ => Level::Info,
+            };
+            add(level, "mode", outcome.mode.to_string());
+        }
+        let track = track_name(outcome.track);
+        if track != before.map_or("unseeded", |before| track_name(before.track)) {
+            add(Level::Info, "track", format!("track: {track}"));
+        }
+        match &outcome.notice {
+            None => {}
+            Some(notice @ (Notice::RequestRefused(_) | Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_))) => {
+                add(Level::Warning, "refused", notice.to_string());
+            }
+            Some(notice) => add(Level::Info, "notice", notice.to_string()),
+        }
+    }
+
+    fn log_link_change(&self, before: LinkStatus, now: Timestamp) {
+        if let LinkStatus::Link(state) = self.state.vehicle.link
+            && before != self.state.vehicle.link
+        {
+            let level = if state == LinkState::Up { Level::Info } else { Level::Warning };
+            self.events.add(now, level, "link", link_state_text(state));
+        }
+    }
+}
+
+/// The state of a link as text.
+pub const fn link_state_text(state: LinkState) -> &'static str {
+    match state {
+        LinkState::Opening => "link opening",
+        LinkState::Starting => "link starting",
+        LinkState::Up => "link up",
+        LinkState::Closing => "link closing",
+        LinkState::Closed => "link closed",
+    }
+}
+
+const fn track_name(track: Track) -> &'static str {
+    match track {
+        Track::Unseeded => "unseeded",
+        Track::Tracking(_) => "tracking",
+        Track::Coasting(_) => "coasting",
+        Track::Lost { .. } => "lost",
+    }
+}
