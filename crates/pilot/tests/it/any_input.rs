@@ -142,7 +142,7 @@ proptest! {
                 Some(OperatorRequest::Engage) => engaged = true,
                 Some(OperatorRequest::Disengage | OperatorRequest::Stop(_)) => engaged = false,
                 Some(OperatorRequest::Select(_)) => last_fresh = None,
-                None => {}
+                Some(_) | None => {}
             }
             if taken.fresh {
                 last_fresh = Some(now);

@@ -168,6 +168,14 @@ impl Tracker for Scripted {
         self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.track(frame.capture.at))
     }
 
+    fn forget(&mut self) {
+        self.tracks.clear();
+    }
+
+    fn reject(&mut self) -> bool {
+        true
+    }
+
     fn explain(&self, _: &mut Explanation) {}
 }
 

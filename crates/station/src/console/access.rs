@@ -214,9 +214,9 @@ mod tests {
         let access = access();
         let pair = |cookie: String| cookie.split(';').next().unwrap().to_owned();
         let first = pair(access.new_cookie(Role::Control).unwrap());
-        let last = (0..MAX_COOKIES).map(|_| access.new_cookie(Role::Control).unwrap()).next_back();
+        let later: Vec<_> = (0..MAX_COOKIES).map(|_| access.new_cookie(Role::Control).unwrap()).collect();
         assert_eq!(access.role(None, Some(&first)), None);
-        assert_eq!(access.role(None, Some(&pair(last.unwrap()))), Some(Role::Control));
+        assert_eq!(access.role(None, Some(&pair(later[MAX_COOKIES - 1].clone()))), Some(Role::Control));
         assert_eq!(access.cookies().roles.len(), MAX_COOKIES);
     }
 

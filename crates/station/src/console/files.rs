@@ -11,7 +11,33 @@ macro_rules! files {
     };
 }
 
-files!["index.html"];
+files![
+    "access.js",
+    "clock.js",
+    "control_seat.js",
+    "decoder.js",
+    "events.js",
+    "geometry.js",
+    "held.js",
+    "held_controls.js",
+    "index.html",
+    "layout.css",
+    "link.js",
+    "main.js",
+    "next_action.js",
+    "overlay.js",
+    "sounds.js",
+    "stage.js",
+    "status.js",
+    "stop.js",
+    "strips.js",
+    "style.css",
+    "video.js",
+    "video_message.js",
+    "wake_lock.js",
+    "words.en.js",
+    "words.js",
+];
 
 /// The answer with a file of the page.
 pub(super) fn response(name: &str) -> Response {

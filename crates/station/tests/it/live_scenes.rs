@@ -56,6 +56,14 @@ impl Tracker for FixedTracker {
         if self.has_target { Track::Tracking(localisation(frame.capture.at)) } else { Track::Unseeded }
     }
 
+    fn forget(&mut self) {
+        self.has_target = false;
+    }
+
+    fn reject(&mut self) -> bool {
+        std::mem::take(&mut self.has_target)
+    }
+
     fn explain(&self, _: &mut Explanation) {}
 }
 

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::RecvTimeoutError;
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 use barrelman_host::latest::Latest;
@@ -14,6 +14,8 @@ use barrelman_station::live::event::{Event, EventSource, QuitCause};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver, RunEnd, RunLoop};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput};
 use barrelman_station::live::threads::FaultInjector;
+use barrelman_station::operator::Gateway;
+use barrelman_station::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
@@ -33,6 +35,8 @@ enum Arrival {
     Frame,
     /// Any other event.
     Event(Event),
+    /// A request of the operator, through the gateway.
+    Request(OperatorRequest),
     /// The end of all threads.
     Gone,
 }
@@ -49,6 +53,7 @@ fn quit() -> Arrival {
 
 /// Scripted events: the time advances to the next event, or to the end of the wait.
 struct Script {
+    gateway: Arc<Gateway>,
     now: Timestamp,
     arrivals: VecDeque<(u64, Arrival)>,
     latest: Arc<Latest<VideoFrame>>,
@@ -75,6 +80,10 @@ impl EventSource for Script {
                 Ok(Event::Frame)
             }
             Arrival::Event(event) => Ok(event),
+            Arrival::Request(request) => {
+                self.gateway.submit_logged(request);
+                Ok(Event::Operator)
+            }
             Gone => Err(RecvTimeoutError::Disconnected),
         }
     }
@@ -154,7 +163,12 @@ fn run_with(
     ends_on_refused_selection: bool,
 ) -> Run {
     let latest = Arc::new(Latest::default());
+    let (events, _queue) = sync_channel(8);
+    let gateway = Arc::new(Gateway::new(events));
+    let profile = VehicleProfile::fotokite_pro();
+    let publisher = Publisher::new(&profile, LinkStatus::Link(LinkState::Opening), RecordingState::Off);
     let mut script = Script {
+        gateway: Arc::clone(&gateway),
         now: at(1_000),
         arrivals: arrivals.into_iter().collect(),
         latest: Arc::clone(&latest),
@@ -167,13 +181,15 @@ fn run_with(
         pilot: pilot(),
         profile: VehicleProfile::fotokite_pro(),
         events: &mut script,
+        gateway,
+        publisher,
         latest,
         link: Some(&link),
         recorder: Some(Box::new(&recorder)),
-        status: StatusLine::new(Some(LinkState::Opening), Duration::from_millis(100)),
+        status: StatusLine::new(Duration::from_millis(100)),
         status_output: Box::new(&status),
         ends_on_refused_selection,
-        overlay: Some(Box::new(&overlay)),
+        observers: vec![Box::new(&overlay)],
         fault_injector: FaultInjector::default(),
     }
     .run(requests);
@@ -216,7 +232,7 @@ fn requests_are_stepped_before_the_first_event() {
 #[test]
 fn a_stop_request_is_sent_as_rest_at_once() {
     let stop = OperatorRequest::Stop(StopCause::Operator);
-    let arrivals = [(1_100, Frame), (1_150, event(Event::Request(stop))), (1_200, Frame), (1_201, quit())];
+    let arrivals = [(1_100, Frame), (1_150, Arrival::Request(stop)), (1_200, Frame), (1_201, quit())];
     let run = run(&[SELECT, ENGAGE], arrivals);
     assert_eq!(run.sent[2].0, moving());
     assert_eq!(run.recorded[3], (1_150, "Stop(Operator)".to_owned(), Mode::Stopped(StopCause::Operator)));
@@ -261,7 +277,7 @@ fn a_refused_selection_ends_the_run_where_it_cannot_be_made_again() {
 #[test]
 fn a_refused_selection_can_be_made_again_elsewhere() {
     let refused = [OperatorRequest::Select(REFUSED), ENGAGE];
-    let arrivals = [(1_100, Frame), (1_150, event(Event::Request(SELECT))), (1_200, Frame), (1_210, quit())];
+    let arrivals = [(1_100, Frame), (1_150, Arrival::Request(SELECT)), (1_200, Frame), (1_210, quit())];
     let run = run_with(&refused, arrivals, false);
     assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
     assert!(run.recorded.iter().any(|(_, input, mode)| input == "frame 1" && *mode == Mode::Servoing));

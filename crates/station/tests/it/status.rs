@@ -12,9 +12,8 @@ use barrelman_station::live::status_line::{StatusLine, StatusOutput as _};
 use barrelman_station::live::status_writer::{LineStyle, StatusWriter};
 use barrelman_station::live::threads::FaultInjector;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{
-    AngularRate, CameraCommand, ImagePoint, StopCause, Track, VehicleProfile, VehicleRates,
-};
+use barrelman_station::snapshot::{LinkStatus, RecordingState, Snapshot};
+use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, StopCause, Track, VehicleProfile};
 
 use crate::live_scenes::{PICTURE, at, localisation};
 
@@ -36,6 +35,7 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
         advice: advised.map(|command| Advice { command, sector: None }),
         command: advised.filter(|_| is_moving).unwrap_or(CameraCommand::REST),
         wake_at: None,
+        is_confirming: false,
         notice: None,
     }
 }
@@ -44,15 +44,17 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
 #[track_caller]
 fn check(
     link: Option<LinkState>,
-    prepare: impl FnOnce(&mut StatusLine),
+    prepare: impl FnOnce(&mut Snapshot),
     outcome: Option<&Outcome>,
     expected: &str,
 ) {
-    let mut status = StatusLine::new(link, Duration::from_secs(1));
-    prepare(&mut status);
-    let rates = VehicleProfile::fotokite_pro()
+    let mut snapshot = Snapshot { outcome: outcome.cloned(), ..Snapshot::default() };
+    snapshot.vehicle.link = link.map_or(LinkStatus::DryRun, LinkStatus::Link);
+    snapshot.rates = VehicleProfile::fotokite_pro()
         .to_vehicle(outcome.map_or(CameraCommand::REST, |outcome| outcome.command));
-    assert_eq!(status.next_line(outcome, rates, at(NOW_MS)).as_deref(), Some(expected));
+    prepare(&mut snapshot);
+    let line = StatusLine::new(Duration::from_secs(1)).next_line(&snapshot, at(NOW_MS));
+    assert_eq!(line.as_deref(), Some(expected));
 }
 
 #[test]
@@ -60,7 +62,7 @@ fn each_state_has_its_line() {
     let seen = || Track::Tracking(localisation(at(9_800)));
     let coasting = Track::Coasting(localisation(at(9_800)));
     let lost = Track::Lost { since: at(7_500), confidence: 0.1 };
-    let nothing = |_: &mut StatusLine| {};
+    let nothing = |_: &mut Snapshot| {};
     let up = Some(LinkState::Up);
     check(
         None,
@@ -106,12 +108,11 @@ fn each_state_has_its_line() {
     );
     check(
         Some(LinkState::Opening),
-        |status| {
-            (0..=40).for_each(|frame| {
-                status.frame(at(8_000 + frame * 50), Some(Duration::from_millis(213)), 7);
-            });
-            status.link(LinkState::Closing);
-            status.alarm("recording stopped: disk full".to_owned());
+        |snapshot| {
+            let video = &mut snapshot.video;
+            (video.fps, video.age, video.dropped) = (20.4, Some(Duration::from_millis(213)), 7);
+            snapshot.vehicle.link = LinkStatus::Link(LinkState::Closing);
+            snapshot.recording = RecordingState::Failed("disk full".to_owned());
         },
         Some(&outcome(Mode::Stopped(StopCause::Operator), Track::Unseeded, None)),
         "stopped by the operator | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s (not sent) | 20 fps, age 213 ms, dropped 7 | link closing  ALARM: recording stopped: disk full",
@@ -120,9 +121,10 @@ fn each_state_has_its_line() {
 
 #[test]
 fn a_line_is_due_once_per_interval() {
-    let mut status = StatusLine::new(None, Duration::from_millis(200));
+    let mut status = StatusLine::new(Duration::from_millis(200));
+    let snapshot = Snapshot::default();
     let times = [1_000, 1_100, 1_199, 1_200, 1_390, 5_000];
-    let is_due = times.map(|ms| status.next_line(None, VehicleRates::REST, at(ms)).is_some());
+    let is_due = times.map(|ms| status.next_line(&snapshot, at(ms)).is_some());
     assert_eq!(is_due, [true, false, false, true, false, true]);
 }
 

@@ -108,7 +108,7 @@ fn a_number_that_means_nothing_is_an_error_and_no_other_value() {
         assert!(found.contains(reason), "{topic}, {data:?}: {found}");
     };
     // An outcome with an unseeded track and a mode, a hold cause, a stop cause, a sector.
-    check("/outcome", &[0x32, 0, 0x18, 9], "mode is missing");
+    check("/outcome", &[0x32, 0, 0x18, 99], "mode is missing");
     check("/outcome", &[0x32, 0, 0x18, 2], "hold_cause is missing");
     check("/outcome", &[0x32, 0, 0x18, 2, 0x20, 9], "hold_cause is missing");
     check("/outcome", &[0x32, 0, 0x18, 3, 0x28, 9], "stop_cause is missing");
@@ -118,7 +118,7 @@ fn a_number_that_means_nothing_is_an_error_and_no_other_value() {
     check("/input/localisation", &[0x1a, 2, 0x08, 9], "state is missing");
     check("/input/localisation", &[0x1a, 2, 0x08, 1], "localisation is missing");
     // Kind, link and flight state.
-    check("/input/request", &[0x18, 9], "kind is missing");
+    check("/input/request", &[0x18, 99], "kind is missing");
     check("/input/telemetry", &[0x20, 0], "link is missing");
     check("/input/telemetry", &[0x20, 9], "link is missing");
     check("/input/telemetry", &[0x4a, 2, 0x08, 9], "state is missing");

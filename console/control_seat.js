@@ -1,0 +1,60 @@
+// Who controls: shows it, and takes, asks for and gives the control.
+
+import { toast } from "./status.js";
+import { words } from "./words.js";
+
+const at = (id) => document.getElementById(id);
+
+export class ControlSeat {
+  #own = null;
+  #mayControl = false;
+  #holder = undefined;
+  isControlling = false;
+
+  /** @param {import("./link.js").Link} link */
+  constructor(link) {
+    link.addEventListener("hello", ({ detail }) => {
+      [this.#own, this.#mayControl, this.#holder] = [detail.client, detail.may_control, undefined];
+    });
+    link.addEventListener("control", ({ detail }) => this.#show(detail));
+    const request = async (wanted) => {
+      const { answer, reason } = await link.request(wanted);
+      if (answer !== "accepted" && reason) toast(`${words.answers.refused}: ${reason}`);
+    };
+    this.give = (client) => request({ kind: "give-control", client });
+    at("ask-control").addEventListener("click", () => request({ kind: "ask-control" }));
+    at("take-control").addEventListener("click", () => {
+      if (this.#holder === null) request({ kind: "take-control" });
+      else at("take-dialog").showModal();
+    });
+    at("take-dialog").addEventListener("close", () => {
+      if (at("take-dialog").returnValue === "take") request({ kind: "take-control" });
+      at("take-dialog").returnValue = "";
+    });
+  }
+
+  #show(seat) {
+    const before = this.#holder;
+    const was = this.isControlling;
+    this.#holder = seat.holder;
+    this.isControlling = seat.holder === this.#own && seat.holder_connected;
+    if (was && !this.isControlling && seat.holder !== null) toast(words.took(seat.holder), true);
+    else if (!was && this.isControlling && before !== undefined) toast(words.gotControl);
+    const text = !this.#mayControl ? words.mayWatch
+      : this.isControlling ? words.youControl
+      : seat.holder === null ? words.nobodyControls
+      : seat.holder_connected ? words.youWatch(seat.holder) : words.holderLost(seat.holder);
+    at("seat").textContent = text;
+    at("control").hidden = this.isControlling || !this.#mayControl;
+    const asking = this.isControlling ? seat.asking.filter((client) => client !== this.#own) : [];
+    at("asking").replaceChildren(...asking.map((client) => {
+      const [row, button] = [document.createElement("p"), document.createElement("button")];
+      row.textContent = words.asks(client);
+      button.textContent = words.giveControl(client);
+      button.dataset.give = client;
+      button.addEventListener("click", () => this.give(client));
+      row.append(button);
+      return row;
+    }));
+  }
+}

@@ -1,0 +1,95 @@
+// Decodes H.264 by WebCodecs. Reports when the browser cannot do it, so that JPEG takes over.
+
+import { codecOf } from "./video_message.js";
+
+const MAX_ERRORS = 2;
+const ERROR_WINDOW_MS = 5000;
+const SILENCE_MS = 2000;
+/** Units in the decoder beyond which a stream counts as reordered: the delay would grow. */
+const MAX_REORDERED = 6;
+
+export const isWebCodecsPossible = () => "VideoDecoder" in window && window.isSecureContext;
+
+export class H264Decoder {
+  #decoder = null;
+  #codec = null;
+  #epoch = null;
+  #next = null;
+  #needsKey = true;
+  #errors = [];
+  #sentAt = new Map();
+  #firstSent = 0;
+  #hasOutput = false;
+
+  /** @param {(frame: VideoFrame, captured: number, quarters: number) => void} onFrame @param {(why: string) => void} onGiveUp */
+  constructor(onFrame, onGiveUp) {
+    [this.onFrame, this.onGiveUp] = [onFrame, onGiveUp];
+  }
+
+  /** Decodes one unit; see `readVideoMessage`. */
+  async decode(unit) {
+    if (unit.epoch !== this.#epoch || unit.index !== this.#next) this.#needsKey = true;
+    [this.#epoch, this.#next] = [unit.epoch, unit.index + 1];
+    if (this.#needsKey && !unit.key) return;
+    if (unit.key && !this.#configure(unit)) return;
+    this.#needsKey = false;
+    const now = performance.now();
+    if (!this.#hasOutput) {
+      this.#firstSent ||= now;
+      if (now - this.#firstSent > SILENCE_MS) return this.#giveUp("no pictures");
+    }
+    const timestamp = Math.round(unit.captured / 1000);
+    this.#sentAt.set(timestamp, unit);
+    if (this.#hasOutput && this.#sentAt.size > MAX_REORDERED * 4) return this.#giveUp("reordered pictures");
+    try {
+      this.#decoder.decode(new EncodedVideoChunk({ type: unit.key ? "key" : "delta", timestamp, data: unit.payload }));
+    } catch (error) {
+      this.#onError(error);
+    }
+  }
+
+  #configure(unit) {
+    const codec = codecOf(unit.payload);
+    if (codec === null) return this.#codec !== null;
+    if (codec === this.#codec && this.#decoder?.state === "configured") return true;
+    this.close();
+    this.#codec = codec;
+    this.#decoder = new VideoDecoder({
+      output: (frame) => {
+        this.#hasOutput = true;
+        const sent = this.#sentAt.get(frame.timestamp);
+        for (const timestamp of this.#sentAt.keys()) if (timestamp <= frame.timestamp) this.#sentAt.delete(timestamp);
+        if (sent?.shown) this.onFrame(frame, sent.captured, sent.quarters);
+        else frame.close();
+      },
+      error: (error) => this.#onError(error),
+    });
+    try {
+      this.#decoder.configure({ codec, optimizeForLatency: true });
+    } catch (error) {
+      this.#onError(error);
+      return false;
+    }
+    return true;
+  }
+
+  #onError(error) {
+    const now = performance.now();
+    this.#errors = this.#errors.filter((at) => now - at < ERROR_WINDOW_MS);
+    this.#errors.push(now);
+    this.close();
+    this.#needsKey = true;
+    if (this.#errors.length >= MAX_ERRORS) this.#giveUp(String(error));
+  }
+
+  #giveUp(why) {
+    this.close();
+    this.onGiveUp(why);
+  }
+
+  close() {
+    if (this.#decoder && this.#decoder.state !== "closed") this.#decoder.close();
+    [this.#decoder, this.#codec] = [null, null];
+    this.#sentAt.clear();
+  }
+}

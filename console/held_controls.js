@@ -1,0 +1,64 @@
+// Buttons and keys that are held: turning the camera by hand, and driving the simulated boat.
+
+import { HeldDirections } from "./held.js";
+
+/** Sends a request again and again while a direction is held, and once more when everything is let go. */
+export class HeldControl {
+  #held = new HeldDirections();
+  #timer = 0;
+
+  /**
+   * @param {object} options
+   * @param {Record<string, string>} options.keys direction by key
+   * @param {string} options.buttons prefix of the buttons' ids
+   * @param {number} options.everyMs
+   * @param {() => boolean} options.mayStart
+   * @param {(axes: number[]) => void} options.send
+   */
+  constructor({ keys, buttons, everyMs, mayStart, send }) {
+    Object.assign(this, { keys, everyMs, mayStart, send });
+    for (const direction of ["up", "down", "left", "right"]) {
+      const button = document.getElementById(`${buttons}-${direction}`);
+      button.addEventListener("pointerdown", (event) => {
+        button.setPointerCapture(event.pointerId);
+        this.#set(direction, event.pointerId, true);
+        event.preventDefault();
+      });
+      for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+        button.addEventListener(end, (event) => this.#set(direction, event.pointerId, false));
+      }
+      button.addEventListener("keydown", (event) => {
+        if (event.key !== "Enter") return;
+        this.#set(direction, "Enter", true);
+        event.preventDefault();
+      });
+      button.addEventListener("keyup", (event) => event.key === "Enter" && this.#set(direction, "Enter", false));
+      button.addEventListener("blur", () => this.#set(direction, "Enter", false));
+    }
+    addEventListener("blur", () => this.release());
+    document.addEventListener("visibilitychange", () => document.hidden && this.release());
+  }
+
+  /** A key went down or up. Returns whether it is one of this control's. */
+  onKey(key, isDown) {
+    const direction = this.keys[key];
+    if (!direction) return false;
+    this.#set(direction, key, isDown);
+    return true;
+  }
+
+  release() {
+    if (this.#held.release()) this.#apply();
+  }
+
+  #set(direction, by, isHeld) {
+    if (isHeld && !this.#held.isHeld && !this.mayStart()) return;
+    if (this.#held.hold(direction, by, isHeld)) this.#apply();
+  }
+
+  #apply() {
+    clearInterval(this.#timer);
+    this.send(this.#held.axes);
+    if (this.#held.isHeld) this.#timer = setInterval(() => this.send(this.#held.axes), this.everyMs);
+  }
+}

@@ -1,0 +1,112 @@
+// The socket to the program: messages in both directions, reconnection, and the answers to requests.
+
+import { pageName } from "./access.js";
+import { ProgramClock } from "./clock.js";
+
+const STALE_MS = 1500;
+const LONGEST_WAIT_MS = 2000;
+
+export class Link extends EventTarget {
+  #socket = null;
+  #nextId = 1;
+  #waiting = new Map();
+  #wait = 250;
+  #heard = 0;
+  #video = "none";
+  isUp = false;
+  clock = new ProgramClock();
+
+  /** Connects, and reconnects for ever. */
+  start() {
+    this.#connect();
+    setInterval(() => this.#watch(), 250);
+    setInterval(() => this.#ping(), 1000);
+  }
+
+  #connect() {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/api/v1/socket?client=${pageName()}`);
+    socket.binaryType = "arraybuffer";
+    this.#socket = socket;
+    this.#heard = performance.now();
+    socket.onopen = () => {
+      this.#wait = 250;
+      this.clock.reset();
+      this.#send({ type: "video", path: this.#video });
+      this.#ping();
+    };
+    socket.onmessage = (event) => {
+      if (socket !== this.#socket) return;
+      this.#heard = performance.now();
+      if (!this.isUp) this.#setUp(true);
+      if (event.data instanceof ArrayBuffer) this.dispatchEvent(new CustomEvent("video", { detail: event.data }));
+      else this.#onText(JSON.parse(event.data));
+    };
+    socket.onclose = () => {
+      if (socket !== this.#socket) return;
+      this.#setUp(false);
+      this.#socket = null;
+      setTimeout(() => this.#connect(), this.#wait);
+      this.#wait = Math.min(2 * this.#wait, LONGEST_WAIT_MS);
+    };
+  }
+
+  #setUp(isUp) {
+    if (this.isUp === isUp) return;
+    this.isUp = isUp;
+    if (!isUp) {
+      for (const resolve of this.#waiting.values()) resolve({ answer: "refused", reason: null, lost: true });
+      this.#waiting.clear();
+    }
+    this.dispatchEvent(new CustomEvent("up", { detail: isUp }));
+  }
+
+  /** A socket that is open but silent counts as lost. */
+  #watch() {
+    const socket = this.#socket;
+    if (socket && performance.now() - this.#heard > STALE_MS && socket.readyState <= WebSocket.OPEN) {
+      this.#setUp(false);
+      if (performance.now() - this.#heard > 3 * STALE_MS) socket.close();
+    }
+  }
+
+  #ping() {
+    this.#send({ type: "ping", sent_ms: performance.now() });
+  }
+
+  #onText(message) {
+    if (message.type === "pong") {
+      this.clock.add(message.sent_ms, performance.now(), message.now_ns);
+    } else if (message.type === "answer") {
+      this.#waiting.get(message.id)?.(message);
+      this.#waiting.delete(message.id);
+    }
+    this.dispatchEvent(new CustomEvent(message.type, { detail: message }));
+  }
+
+  #send(message) {
+    if (this.#socket?.readyState !== WebSocket.OPEN) return false;
+    this.#socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** Makes a request. The promise gives its answer; `lost` where the connection was lost. */
+  request(request) {
+    const id = this.#nextId++;
+    return new Promise((resolve) => {
+      if (!this.#send({ type: "request", id, request })) return resolve({ answer: "refused", reason: null, lost: true });
+      this.#waiting.set(id, resolve);
+    });
+  }
+
+  /** Chooses how video is sent. */
+  chooseVideo(path) {
+    this.#video = path;
+    this.#send({ type: "video", path });
+  }
+
+  /** Tells the program what is drawn. */
+  sendView(path, delayMs) {
+    this.#send({ type: "view", path, delay_ms: delayMs });
+  }
+}

@@ -1,0 +1,186 @@
+// The page: joins its parts.
+
+import { askForToken, enter } from "./access.js";
+import { ControlSeat } from "./control_seat.js";
+import { EventList } from "./events.js";
+import { HeldControl } from "./held_controls.js";
+import { Link } from "./link.js";
+import { LAYERS } from "./overlay.js";
+import { Sounds } from "./sounds.js";
+import { Stage } from "./stage.js";
+import { showStatus, toast } from "./status.js";
+import { Stopper } from "./stop.js";
+import { Strips } from "./strips.js";
+import { Video } from "./video.js";
+import { keepAwake } from "./wake_lock.js";
+import { fillWords, words } from "./words.js";
+
+const at = (id) => document.getElementById(id);
+fillWords();
+
+const link = new Link();
+const stopper = new Stopper(link);
+const stage = new Stage(at("picture"));
+const video = new Video(link, (image, quarters, of) => stage.show(image, quarters, of));
+const seat = new ControlSeat(link);
+const events = new EventList();
+const sounds = new Sounds();
+const strips = new Strips(at("strips"), words.strip);
+let snapshot = null;
+
+const show = () => showStatus({ snapshot, isConnected: link.isUp, isControlling: seat.isControlling, stopper, stage, video });
+
+/** Makes a request; a refusal is shown with its reason. */
+async function request(wanted) {
+  const { answer, reason, lost } = await link.request(wanted);
+  if (lost) toast(words.reasons.notConnected, true);
+  else if (answer !== "accepted") toast(`${words.answers[answer]}: ${reason ?? ""}`);
+  else if (reason) toast(reason);
+}
+
+stage.label = ({ percept, track }) =>
+  [percept ? `P ${percept.p.toFixed(2)}` : "", track.state === "tracking" ? "" : words.tracks[track.state]].filter(Boolean).join("  ");
+stage.addEventListener("change", () => {
+  at("frozen").hidden = !stage.isFrozen;
+  at("frozen-bar").style.width = `${Math.round(100 * stage.frozenShare)}px`;
+  at("freeze").textContent = stage.isFrozen ? words.unfreeze : words.freeze;
+  at("freeze").setAttribute("aria-pressed", String(stage.isFrozen));
+});
+stage.addEventListener("say", ({ detail }) => toast(words.reasons[detail]));
+stage.addEventListener("select", ({ detail }) => {
+  if (!seat.isControlling) return toast(words.reasons.watcher);
+  stage.trail.clear();
+  request({ kind: "select", ...detail });
+});
+
+let lastMode = null;
+link.addEventListener("snapshot", ({ detail }) => {
+  snapshot = detail;
+  strips.add(snapshot, video.delay?.median ?? null);
+  keepAwake(snapshot.mode.engaged);
+  const alarms = snapshot.alarms.join();
+  if (lastMode && lastMode.alarms !== alarms && alarms.length > lastMode.alarms.length) sounds.play("alarm");
+  else if (lastMode && lastMode.name !== snapshot.mode.name) sounds.play(snapshot.mode.name === "stopped" ? "stop" : "good");
+  lastMode = { name: snapshot.mode.name, alarms };
+});
+link.addEventListener("hello", ({ detail }) => {
+  at("where").textContent = `${detail.command}  ${detail.source}`;
+  at("law").replaceChildren(...detail.laws.map((law) => new Option(words.laws[law], law)));
+  events.startUnixMs = detail.start_unix_ms;
+});
+link.addEventListener("events", ({ detail }) => events.reset(detail.events));
+link.addEventListener("event", ({ detail }) => events.add(detail));
+link.addEventListener("up", ({ detail: isUp }) => {
+  at("lost").hidden = isUp;
+  at("lost").textContent = isUp ? "" : words.connectionLost;
+  at("stage").classList.toggle("stale", !isUp);
+  if (!isUp) sounds.play("alarm");
+});
+let wasOverdue = false;
+setInterval(() => {
+  stage.tick();
+  show();
+  if (stopper.isOverdue && !wasOverdue) {
+    toast(words.reasons.unacknowledged, true);
+    sounds.play("alarm");
+  }
+  wasOverdue = stopper.isOverdue;
+}, 100);
+stopper.addEventListener("change", show);
+
+const turn = new HeldControl({
+  keys: { w: "up", a: "left", s: "down", d: "right" },
+  buttons: "nudge",
+  everyMs: 80,
+  mayStart: () => seat.isControlling && ["idle", "nudging"].includes(snapshot?.mode.name),
+  send: ([pan, tilt]) => request({ kind: "nudge", pan, tilt }),
+});
+const helm = new HeldControl({
+  keys: { ArrowUp: "up", ArrowLeft: "left", ArrowDown: "down", ArrowRight: "right" },
+  buttons: "helm",
+  everyMs: 150,
+  mayStart: () => seat.isControlling && Boolean(snapshot?.drive),
+  // A positive rudder turns to the left.
+  send: ([right, ahead]) => request({ kind: "helm", thrust: ahead, rudder: -right }),
+});
+
+const act = {
+  engage: () => request({ kind: "engage" }),
+  disengage: () => request({ kind: "disengage" }),
+  reject: () => request({ kind: "reject" }),
+  deselect: () => request({ kind: "deselect" }),
+  pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
+  helmsman: () => request({ kind: "helmsman" }),
+  freeze: () => (stage.isFrozen ? stage.unfreeze() : stage.freeze()),
+  stop: () => stopper.press(),
+  theme: () => {
+    const isNight = document.documentElement.dataset.theme !== "night";
+    document.documentElement.dataset.theme = isNight ? "night" : "day";
+    at("theme").textContent = isNight ? words.themeDay : words.theme;
+    localStorage.setItem("theme", isNight ? "night" : "day");
+  },
+  sound: () => {
+    sounds.toggle();
+    at("sound").textContent = sounds.isOn ? words.soundOn : words.sound;
+    at("sound").setAttribute("aria-pressed", String(sounds.isOn));
+  },
+  keys: () => at("keys-dialog").showModal(),
+  "zoom-in": () => stage.zoomBy(1.5),
+  "zoom-out": () => stage.zoomBy(1 / 1.5),
+  "zoom-reset": () => stage.resetZoom(),
+};
+for (const [id, action] of Object.entries(act)) if (id !== "stop") at(id).addEventListener("click", action);
+// Stop acts when it is pressed, not when it is let go.
+at("stop").addEventListener("pointerdown", act.stop);
+at("stop").addEventListener("click", (event) => event.detail === 0 && act.stop());
+at("law").addEventListener("change", (event) => request({ kind: "law", law: event.target.value }));
+
+const KEYS = { e: "engage", r: "disengage", f: "freeze", x: "reject", p: "pause", h: "helmsman", n: "theme", m: "sound", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
+addEventListener("keydown", (event) => {
+  const isText = event.target instanceof HTMLInputElement;
+  if (event.key === " " && !isText) {
+    if (!event.repeat) act.stop();
+    event.preventDefault();
+    event.stopPropagation();
+    return;
+  }
+  if (isText || event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (turn.onKey(key, true) || helm.onKey(key, true)) event.preventDefault();
+  else if (!event.repeat && KEYS[key] && !at(KEYS[key]).disabled) act[KEYS[key]]();
+}, { capture: false });
+addEventListener("keyup", (event) => {
+  if (event.key === " " && !(event.target instanceof HTMLInputElement)) event.preventDefault();
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  turn.onKey(key, false) || helm.onKey(key, false);
+});
+
+/** The switches of the overlay, kept for the next time. */
+function fillLayers() {
+  const off = new Set((localStorage.getItem("layersOff") ?? "").split(",").filter(Boolean));
+  for (const layer of LAYERS) {
+    if (!off.has(layer)) stage.layers.add(layer);
+    const [row, box] = [document.createElement("label"), document.createElement("input")];
+    [box.type, box.id, box.checked] = ["checkbox", `layer-${layer}`, !off.has(layer)];
+    box.addEventListener("change", () => {
+      if (box.checked) stage.layers.add(layer);
+      else stage.layers.delete(layer);
+      localStorage.setItem("layersOff", LAYERS.filter((name) => !stage.layers.has(name)).join());
+      stage.redraw();
+    });
+    row.append(box, ` ${words.layers[layer]}`);
+    at("overlay-list").append(row);
+  }
+}
+
+for (const [key, meaning] of words.keyList) {
+  const [name, text] = [document.createElement("dt"), document.createElement("dd")];
+  [name.textContent, text.textContent] = [key, meaning];
+  at("keys-list").append(name, text);
+}
+fillLayers();
+if (localStorage.getItem("theme") === "night") act.theme();
+at("log").open = innerWidth >= 1100;
+at("next-action").textContent = words.connecting;
+if (!(await enter())) await askForToken(words);
+link.start();

@@ -1,0 +1,24 @@
+// What the operator should do next: one line, from the state alone. Pure.
+
+/**
+ * @param {object} state
+ * @returns {string} the key of a line in `words.next`
+ */
+export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot }) {
+  if (isStopOverdue) return "stopUnacknowledged";
+  if (!isConnected || !snapshot) return "connect";
+  if (!isControlling) return "watch";
+  const { mode, track, video, link, alarms, drive } = snapshot;
+  if (drive?.paused) return "paused";
+  if (video.state !== "up" || alarms.includes("no-video")) return "video";
+  if (alarms.includes("link-down")) return "link";
+  if (alarms.includes("control-lost")) return "vehicle";
+  if (mode.name === "nudging") return "nudge";
+  if (track.confirming) return "confirm";
+  if (track.state === "unseeded") return "select";
+  if (track.state === "lost") return "reselect";
+  if (mode.name === "stopped") return "stopped";
+  if (alarms.includes("end-stop")) return "endStop";
+  if (mode.name === "idle") return "engage";
+  return track.state === "coasting" ? "hidden" : "follow";
+}

@@ -1,0 +1,247 @@
+// The canvas: the picture with its overlay, zoom and pan, and the box that the operator draws.
+
+import { View, boxBetween } from "./geometry.js";
+import { Trail, drawOverlay } from "./overlay.js";
+
+/** A frozen picture can be selected on for this long after its capture, ms; the program keeps 1.5 s. */
+export const FROZEN_MS = 1300;
+const MIN_BOX_PX = 4;
+const KEY_STEP_PX = 8;
+
+export class Stage extends EventTarget {
+  #canvas;
+  #pen;
+  #picture = document.createElement("canvas");
+  #shown = null;
+  #frozenAt = null;
+  #pointers = new Map();
+  #drag = null;
+  #keyBox = null;
+  #pinch = null;
+  view = new View();
+  trail = new Trail();
+  layers = new Set();
+  isFreezeWanted = false;
+
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
+    super();
+    this.#canvas = canvas;
+    this.#pen = canvas.getContext("2d", { alpha: false });
+    new ResizeObserver(() => this.redraw()).observe(canvas);
+    this.#listen();
+  }
+
+  /** Shows a picture. A frozen picture stays. */
+  show(image, quarters, { captured, snapshot }) {
+    if (snapshot) this.trail.add(snapshot);
+    if (this.isFrozen) return;
+    const [width, height] = [image.displayWidth ?? image.width, image.displayHeight ?? image.height];
+    const isTurned = quarters % 2 === 1;
+    const size = isTurned ? [height, width] : [width, height];
+    if (this.#picture.width !== size[0] || this.#picture.height !== size[1]) {
+      [this.#picture.width, this.#picture.height] = size;
+      this.#canvas.dataset.size = size.join("x");
+    }
+    const pen = this.#picture.getContext("2d", { alpha: false });
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    if (quarters) {
+      pen.translate(size[0] / 2, size[1] / 2);
+      pen.rotate((quarters * Math.PI) / 2);
+      pen.translate(-width / 2, -height / 2);
+    }
+    pen.drawImage(image, 0, 0, width, height);
+    this.#shown = { captured, snapshot };
+    this.redraw();
+  }
+
+  get isFrozen() {
+    return this.#frozenAt !== null;
+  }
+
+  /** Share of the time left for drawing on the frozen picture. */
+  get frozenShare() {
+    return this.isFrozen ? Math.max(0, 1 - (performance.now() - this.#frozenAt) / FROZEN_MS) : 0;
+  }
+
+  freeze() {
+    if (!this.#shown || this.isFrozen) return;
+    this.#frozenAt = performance.now();
+    this.#change();
+  }
+
+  unfreeze() {
+    [this.#frozenAt, this.#drag] = [null, null];
+    this.#change();
+  }
+
+  /** To be called often: ends a freeze that lasts too long. */
+  tick() {
+    if (!this.isFrozen) return;
+    if (this.frozenShare === 0) {
+      this.unfreeze();
+      this.#say("old");
+    }
+    this.#change();
+  }
+
+  #change() {
+    this.dispatchEvent(new Event("change"));
+    this.redraw();
+  }
+
+  #say(reason) {
+    this.dispatchEvent(new CustomEvent("say", { detail: reason }));
+  }
+
+  #select(box, captured) {
+    if (box[2] < MIN_BOX_PX || box[3] < MIN_BOX_PX) return this.#say(box[2] + box[3] < 2 ? "tap" : "small");
+    this.dispatchEvent(new CustomEvent("select", { detail: { box, captured_ns: captured } }));
+  }
+
+  /** Where an event is on the canvas, device pixels. */
+  #at(event) {
+    const area = this.#canvas.getBoundingClientRect();
+    const ratio = this.#canvas.width / area.width;
+    return [(event.clientX - area.left) * ratio, (event.clientY - area.top) * ratio];
+  }
+
+  #listen() {
+    const canvas = this.#canvas;
+    canvas.addEventListener("pointerdown", (event) => {
+      if (event.button > 1) return;
+      canvas.setPointerCapture(event.pointerId);
+      this.#pointers.set(event.pointerId, this.#at(event));
+      if (this.#pointers.size === 2) this.#beginPinch();
+      else if (event.button === 1) this.#drag = { pan: this.#at(event) };
+      else if (!this.#shown) this.#say("noPicture");
+      else {
+        this.freeze();
+        const from = this.view.toPicture(this.#at(event));
+        this.#drag = { from, to: from, captured: this.#shown.captured };
+      }
+      event.preventDefault();
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!this.#pointers.has(event.pointerId)) return;
+      const at = this.#at(event);
+      this.#pointers.set(event.pointerId, at);
+      if (this.#pinch) this.#movePinch();
+      else if (this.#drag?.pan) {
+        this.view.panBy([at[0] - this.#drag.pan[0], at[1] - this.#drag.pan[1]]);
+        this.#drag.pan = at;
+      } else if (this.#drag) this.#drag.to = this.view.toPicture(at);
+      this.redraw();
+    });
+    const end = (event, isDone) => {
+      if (!this.#pointers.delete(event.pointerId)) return;
+      const drag = this.#drag;
+      if (this.#pinch) {
+        if (this.#pointers.size === 0) this.#pinch = null;
+      } else if (drag?.from) {
+        this.unfreeze();
+        if (isDone) this.#select(boxBetween(drag.from, drag.to, this.view.picture), drag.captured);
+      }
+      this.#drag = null;
+      this.redraw();
+    };
+    canvas.addEventListener("pointerup", (event) => end(event, true));
+    canvas.addEventListener("pointercancel", (event) => end(event, false));
+    canvas.addEventListener("wheel", (event) => {
+      if (!this.#shown) return;
+      this.view.zoomBy(Math.exp(-event.deltaY / 400), this.#at(event));
+      this.redraw();
+      event.preventDefault();
+    }, { passive: false });
+    canvas.addEventListener("keydown", (event) => this.#onKey(event));
+  }
+
+  #beginPinch() {
+    const [a, b] = [...this.#pointers.values()];
+    [this.#drag, this.#pinch] = [null, { a, b }];
+    if (this.isFrozen) this.unfreeze();
+  }
+
+  #movePinch() {
+    const [a, b] = [...this.#pointers.values()];
+    if (!a || !b || !this.view.picture) return;
+    const before = this.#pinch;
+    const middle = (p, q) => [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
+    const distance = (p, q) => Math.max(1, Math.hypot(p[0] - q[0], p[1] - q[1]));
+    const [from, to] = [middle(before.a, before.b), middle(a, b)];
+    this.view.panBy([to[0] - from[0], to[1] - from[1]]);
+    this.view.zoomBy(distance(a, b) / distance(before.a, before.b), to);
+    this.#pinch = { a, b };
+  }
+
+  /** A box by keyboard, on the live picture. */
+  #onKey(event) {
+    if (!this.#shown || !this.view.picture) return;
+    const [width, height] = this.view.picture;
+    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+    if (event.key === "Enter") {
+      if (this.#keyBox) {
+        this.#select(this.#keyBox, this.#shown.captured);
+        this.#keyBox = null;
+      } else {
+        const [w, h] = [width / 8, height / 8];
+        const [u, v] = this.#shown.snapshot?.track.centre ?? [width / 2, height / 2];
+        this.#keyBox = boxBetween([u - w / 2, v - h / 2], [u + w / 2, v + h / 2], [width, height]);
+      }
+    } else if (event.key === "Escape" && this.#keyBox) {
+      this.#keyBox = null;
+    } else if (steps[event.key] && this.#keyBox) {
+      const [dx, dy] = steps[event.key].map((step) => step * KEY_STEP_PX);
+      const [u, v, w, h] = this.#keyBox;
+      this.#keyBox = event.shiftKey
+        ? [u, v, Math.max(MIN_BOX_PX, w + dx), Math.max(MIN_BOX_PX, h + dy)]
+        : [Math.min(width - w, Math.max(0, u + dx)), Math.min(height - h, Math.max(0, v + dy)), w, h];
+    } else return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.redraw();
+  }
+
+  zoomBy(factor) {
+    if (!this.#shown) return;
+    this.view.zoomBy(factor, [this.#canvas.width / 2, this.#canvas.height / 2]);
+    this.redraw();
+  }
+
+  resetZoom() {
+    this.view.reset();
+    this.redraw();
+  }
+
+  /** The label beside the box; set by the page. */
+  label = () => "";
+
+  redraw() {
+    const canvas = this.#canvas;
+    const unit = window.devicePixelRatio || 1;
+    const size = [Math.max(1, Math.round(canvas.clientWidth * unit)), Math.max(1, Math.round(canvas.clientHeight * unit))];
+    if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
+    const pen = this.#pen;
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.fillStyle = "#05090c";
+    pen.fillRect(0, 0, ...size);
+    if (!this.#shown) return;
+    const picture = [this.#picture.width, this.#picture.height];
+    this.view.fit(picture, size);
+    const [x, y] = this.view.toCanvas([0, 0]);
+    pen.imageSmoothingEnabled = this.view.scale < 3;
+    pen.drawImage(this.#picture, x, y, picture[0] * this.view.scale, picture[1] * this.view.scale);
+    const { snapshot } = this.#shown;
+    if (snapshot) drawOverlay(pen, this.view, snapshot, this.trail, this.layers, this.label(snapshot), unit);
+    const box = this.#keyBox ?? (this.#drag?.from ? boxBetween(this.#drag.from, this.#drag.to, picture) : null);
+    if (box) {
+      const corner = this.view.toCanvas([box[0], box[1]]);
+      pen.setLineDash([8 * unit, 5 * unit]);
+      for (const [colour, width] of [["#000", 5], ["#fff", 2.5]]) {
+        [pen.strokeStyle, pen.lineWidth] = [colour, width * unit];
+        pen.strokeRect(...corner, box[2] * this.view.scale, box[3] * this.view.scale);
+      }
+      pen.setLineDash([]);
+    }
+  }
+}

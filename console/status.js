@@ -1,0 +1,123 @@
+// The state in words: mode, alarms, next action, figures, control; and the same as data for scripts.
+
+import { nextAction } from "./next_action.js";
+import { words } from "./words.js";
+
+const at = (id) => document.getElementById(id);
+
+/** Sets a text only where it changed, so that screen readers are not told the same again. */
+function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+function modeText({ mode, track }) {
+  const cause = mode.cause ? `: ${words.causes[mode.cause] ?? mode.cause}` : "";
+  const confirming = track.confirming && !mode.cause ? `: ${words.causes.confirming}` : "";
+  return `${words.modes[mode.name]}${cause}${confirming}`;
+}
+
+function rateText({ pan, tilt }) {
+  const turn = (rate, plus, minus) => (rate ? [`${Math.abs(rate).toFixed(2)} rad/s ${rate > 0 ? plus : minus}`] : []);
+  const { left, right, up, down, rest } = words.turns;
+  return [...turn(pan, right, left), ...turn(tilt, up, down)].join(", ") || rest;
+}
+
+function factsOf(snapshot) {
+  const { track, percept, video, link, recording, work, drive } = snapshot;
+  const number = (value, digits = 2) => (value === null || value === undefined ? "–" : value.toFixed(digits));
+  const lost = track.lost_s !== null ? ` ${words.ago(track.lost_s.toFixed(0))}` : "";
+  const facts = [
+    [words.facts.track, words.tracks[track.confirming ? "confirming" : track.state] + lost],
+    [words.facts.p, `${number(percept?.p)}${work.schema_p === null ? "" : `  (${words.facts.schemaP}: ${number(work.schema_p)})`}`],
+    [words.facts.confidence, number(track.confidence)],
+    [words.facts.camera, rateText(snapshot.command)],
+    [words.facts.video, words.videoText(words.videos[video.state], video.fps, video.dropped)],
+    [words.facts.link, words.links[link.state] + (link.battery_v === null ? "" : `, ${link.battery_v.toFixed(1)} V`)],
+    [words.facts.recording, words.recordings[recording.state] + (recording.path ? `: ${recording.path.split("/").at(-1)}` : "")],
+    [words.facts.work, words.workText(work.camera)],
+  ];
+  if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
+  if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
+  return facts;
+}
+
+/** Shows a list of names and values; rows are reused. */
+function showFacts(list, facts) {
+  while (list.children.length > 2 * facts.length) list.lastElementChild.remove();
+  facts.forEach(([name, value], index) => {
+    if (!list.children[2 * index]) list.append(document.createElement("dt"), document.createElement("dd"));
+    setText(list.children[2 * index], name);
+    setText(list.children[2 * index + 1], value);
+  });
+}
+
+/** Shows the alarms in force. */
+function showAlarms(alarms) {
+  const list = at("alarms");
+  const text = alarms.join();
+  if (list.dataset.alarms === text) return;
+  list.dataset.alarms = text;
+  list.replaceChildren(...alarms.map((key) => {
+    const item = document.createElement("li");
+    item.textContent = `⚠ ${words.alarmTexts[key] ?? key}`;
+    return item;
+  }));
+}
+
+/** Shows everything. @param {{snapshot: any, isConnected: boolean, isControlling: boolean, stopper: any, stage: any, video: any}} state */
+export function showStatus(state) {
+  const { snapshot, isConnected, isControlling, stopper, stage, video } = state;
+  const root = document.documentElement.dataset;
+  root.connected = isConnected ? "yes" : "no";
+  root.controlling = isControlling ? "yes" : "no";
+  root.frozen = stage.isFrozen ? "yes" : "no";
+  const next = nextAction({ isConnected, isStopOverdue: stopper.isOverdue, isControlling, snapshot });
+  setText(at("next-action"), words.next[next]);
+  root.next = next;
+  setText(at("stop-word"), stopper.isPending ? words.stopping : words.stop);
+  at("stop").classList.toggle("pending", stopper.isPending);
+  if (!snapshot) return;
+  const { mode, track, percept } = snapshot;
+  Object.assign(root, {
+    mode: mode.name, cause: mode.cause ?? "", track: track.confirming ? "confirming" : track.state, p: percept?.p.toFixed(3) ?? "",
+    stops: snapshot.stops_taken, pan: snapshot.command.pan, tilt: snapshot.command.tilt, link: snapshot.link.state,
+    path: video.path, drawn: video.drawn, captured: video.captured,
+    delayMs: video.delay?.median.toFixed(1) ?? "", delayP95Ms: video.delay?.p95.toFixed(1) ?? "",
+  });
+  setText(at("mode"), modeText(snapshot));
+  at("mode").dataset.mode = mode.name;
+  showAlarms(snapshot.alarms);
+  showFacts(at("facts"), factsOf(snapshot));
+  const delay = video.delay;
+  setText(at("path"), words.picturePath(words.paths[video.path], delay ? Math.round(delay.median) : null, delay ? Math.round(delay.p95) : null));
+  const can = isConnected && isControlling;
+  const set = (id, isEnabled, why) => {
+    const element = at(id);
+    element.disabled = !isEnabled;
+    element.title = isEnabled ? "" : why;
+  };
+  const watcher = words.reasons.watcher;
+  set("engage", can && !mode.engaged, watcher);
+  set("disengage", can && mode.name !== "idle", watcher);
+  set("reject", can && (track.state === "tracking" || track.state === "coasting"), can ? words.reasons.nothingFollowed : watcher);
+  set("deselect", can && track.state !== "unseeded", can ? words.reasons.nothingFollowed : watcher);
+  set("law", can && !mode.engaged, can ? words.reasons.law : watcher);
+  const mayNudge = can && (mode.name === "idle" || mode.name === "nudging");
+  for (const direction of ["up", "down", "left", "right"]) {
+    set(`nudge-${direction}`, mayNudge, can ? words.reasons.nudge : watcher);
+    set(`helm-${direction}`, can, watcher);
+  }
+  for (const id of ["pause", "helmsman"]) set(id, can, watcher);
+  if (snapshot.law) at("law").value = snapshot.law;
+  at("drive").hidden = at("world").hidden = !snapshot.drive || snapshot.drive.helm === "nobody";
+  if (snapshot.drive) setText(at("pause"), snapshot.drive.paused ? words.resume : words.pause);
+}
+
+/** Shows a message for some seconds. */
+export function toast(text, isAlarm = false) {
+  const element = at("toast");
+  element.textContent = text;
+  element.classList.toggle("alarm", isAlarm);
+  clearTimeout(toast.timer);
+  toast.timer = setTimeout(() => setText(element, ""), 6000);
+}

@@ -1,0 +1,94 @@
+// Strips over the last two minutes: P, commands, confidence, delay. Drawn at most five times a second.
+
+const SPAN_MS = 120_000;
+const TOP_P = 2.5;
+const TOP_RATE = 0.4;
+const TOP_DELAY_MS = 500;
+
+export class Strips {
+  #samples = [];
+
+  /** @param {HTMLCanvasElement} canvas @param {Record<string, string>} words */
+  constructor(canvas, words) {
+    [this.canvas, this.words] = [canvas, words];
+    setInterval(() => this.#draw(), 200);
+  }
+
+  /** Adds the state of now; at most 20 samples a second are kept. */
+  add(snapshot, delayMs) {
+    const at = performance.now();
+    if (at - (this.#samples.at(-1)?.at ?? -1000) < 50) return;
+    this.#samples.push({
+      at,
+      p: snapshot.percept?.p ?? null,
+      schemaP: snapshot.work.schema_p,
+      pan: snapshot.command.pan,
+      tilt: snapshot.command.tilt,
+      confidence: snapshot.track.confidence,
+      delay: delayMs,
+    });
+    while (at - this.#samples[0].at > SPAN_MS) this.#samples.shift();
+  }
+
+  #draw() {
+    const { canvas } = this;
+    const unit = window.devicePixelRatio || 1;
+    const [width, height] = [Math.round(canvas.clientWidth * unit), Math.round(canvas.clientHeight * unit)];
+    if (!width || !height) return;
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name) => style.getPropertyValue(name).trim();
+    const pen = canvas.getContext("2d");
+    pen.clearRect(0, 0, width, height);
+    const rows = [
+      { name: this.words.p, share: 0.4, lines: [["schemaP", colour("--dim"), 1.5, [4, 4]], ["p", colour("--accent"), 2.5, []]], map: (v) => Math.min(v, TOP_P) / TOP_P, mark: 1 / TOP_P },
+      { name: this.words.command, share: 0.24, lines: [["pan", colour("--accent"), 2, []], ["tilt", colour("--warm"), 2, [6, 3]]], map: (v) => 0.5 + v / TOP_RATE / 2, mark: 0.5 },
+      { name: this.words.confidence, share: 0.18, lines: [["confidence", colour("--good"), 2, []]], map: (v) => v, mark: null },
+      { name: this.words.delay, share: 0.18, lines: [["delay", colour("--ink"), 2, []]], map: (v) => Math.min(v, TOP_DELAY_MS) / TOP_DELAY_MS, mark: null },
+    ];
+    const now = performance.now();
+    const x = (at) => width * (1 - (now - at) / SPAN_MS);
+    let top = 0;
+    for (const row of rows) {
+      const rowHeight = row.share * height;
+      const y = (value) => top + rowHeight * (0.94 - 0.88 * Math.min(1, Math.max(0, row.map(value))));
+      pen.strokeStyle = colour("--line");
+      pen.lineWidth = unit;
+      pen.setLineDash([]);
+      pen.beginPath();
+      pen.moveTo(0, top + rowHeight - 0.5);
+      pen.lineTo(width, top + rowHeight - 0.5);
+      pen.stroke();
+      if (row.mark !== null) {
+        const markY = top + rowHeight * (0.94 - 0.88 * row.mark);
+        pen.strokeStyle = row.name === this.words.p ? colour("--alarm") : colour("--line");
+        pen.setLineDash([6 * unit, 5 * unit]);
+        pen.beginPath();
+        pen.moveTo(0, markY);
+        pen.lineTo(width, markY);
+        pen.stroke();
+      }
+      for (const [key, ink, lineWidth, dash] of row.lines) {
+        [pen.strokeStyle, pen.lineWidth] = [ink, lineWidth * unit];
+        pen.setLineDash(dash.map((length) => length * unit));
+        pen.beginPath();
+        let isDown = false;
+        for (const sample of this.#samples) {
+          const value = sample[key];
+          if (value === null || value === undefined) isDown = false;
+          else if (isDown) pen.lineTo(x(sample.at), y(value));
+          else {
+            pen.moveTo(x(sample.at), y(value));
+            isDown = true;
+          }
+        }
+        pen.stroke();
+      }
+      pen.setLineDash([]);
+      pen.fillStyle = colour("--dim");
+      pen.font = `${12 * unit}px system-ui, sans-serif`;
+      pen.fillText(row.name, 4 * unit, top + 13 * unit);
+      top += rowHeight;
+    }
+  }
+}

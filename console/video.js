@@ -1,0 +1,86 @@
+// Video: chooses H.264 or JPEG, and pairs each picture with the snapshot that belongs to it.
+
+import { Percentiles } from "./clock.js";
+import { H264Decoder, isWebCodecsPossible } from "./decoder.js";
+import { H264, JPEG, readVideoMessage } from "./video_message.js";
+
+/** A picture waits this long for its snapshot, ms. */
+const WAIT_MS = 50;
+
+export class Video extends EventTarget {
+  path = "none";
+  #isH264Refused = new URLSearchParams(location.search).get("video") === "jpeg" || !isWebCodecsPossible();
+  #waiting = [];
+  #snapshot = null;
+  #delay = new Percentiles();
+  /** Time of capture of the drawn picture, ns, and their number. */
+  captured = 0;
+  drawn = 0;
+
+  /** @param {import("./link.js").Link} link @param {(image: any, quarters: number, snapshot: object) => void} draw */
+  constructor(link, draw) {
+    super();
+    [this.link, this.draw] = [link, draw];
+    this.decoder = new H264Decoder((frame, captured, quarters) => this.#add(frame, captured, quarters), () => {
+      this.#isH264Refused = true;
+      this.#choose();
+    });
+    link.addEventListener("video", ({ detail }) => this.#onMessage(detail));
+    link.addEventListener("snapshot", ({ detail }) => {
+      const isNew = !this.#snapshot || this.#snapshot.video.h264 !== detail.video.h264;
+      this.#snapshot = detail;
+      if (isNew) this.#choose();
+      this.#flush();
+    });
+    setInterval(() => this.#flush(), WAIT_MS / 2);
+    setInterval(() => this.link.sendView(this.path, this.delay?.median ?? null), 1000);
+  }
+
+  /** Median and 95th percentile of the time from capture to drawing, ms; null where they are not known. */
+  get delay() {
+    return this.#delay.get();
+  }
+
+  #choose() {
+    if (!this.#snapshot) return;
+    const path = this.#snapshot.video.h264 && !this.#isH264Refused ? "h264" : "jpeg";
+    if (path === this.path) return;
+    this.path = path;
+    this.link.chooseVideo(path);
+  }
+
+  async #onMessage(message) {
+    const unit = readVideoMessage(message);
+    if (!unit) return;
+    if (unit.kind === H264 && this.path === "h264") {
+      this.decoder.decode(unit);
+    } else if (unit.kind === JPEG && this.path === "jpeg") {
+      const image = await createImageBitmap(new Blob([unit.payload], { type: "image/jpeg" })).catch(() => null);
+      if (image) this.#add(image, unit.captured, 0);
+    }
+  }
+
+  #add(image, captured, quarters) {
+    this.#waiting.push({ image, captured, quarters, at: performance.now() });
+    this.#flush();
+  }
+
+  /** Draws the newest picture whose snapshot has come, or that has waited long enough. */
+  #flush() {
+    const now = performance.now();
+    const processed = this.#snapshot?.video.captured_ns ?? 0;
+    let ready = -1;
+    this.#waiting.forEach((picture, index) => {
+      if (picture.captured <= processed || now - picture.at >= WAIT_MS) ready = index;
+    });
+    if (ready < 0) return;
+    const passed = this.#waiting.splice(0, ready + 1);
+    const { image, captured, quarters } = passed[ready];
+    this.draw(image, quarters, { captured, snapshot: this.#snapshot });
+    for (const picture of passed) picture.image.close();
+    const programMs = this.link.clock.programMs(performance.now());
+    if (programMs !== null) this.#delay.add(now, programMs - captured / 1e6);
+    [this.captured, this.drawn] = [captured, this.drawn + 1];
+    this.dispatchEvent(new Event("drawn"));
+  }
+}

@@ -1,0 +1,270 @@
+"""The operator's console in real headless Chromium: on the demo, and on `run` with an emulated ground station.
+
+The boat is found in the picture as an operator finds it: by its colour. A box is dragged around it, the camera is
+engaged, turned by hand and stopped. What the camera was told is read from the log of the ground station.
+"""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import common
+from common import Emulator, Table
+from console_page import Page, Program, find_red
+from selenium.webdriver.common.by import By
+
+SIZE = "960x540"
+
+
+def select_boat(table, page, folder, what="the boat"):
+    """Drags a box around the boat until the track is confirmed."""
+    for attempt in range(1, 9):
+        box, size = find_red(page, folder)
+        if box:
+            page.drag(box, size)
+            try:
+                data = page.wait(lambda data: data["track"] == "tracking", 5, "the track")
+                return table.require(f"a box is dragged around {what}: the track is confirmed", True, f"attempt {attempt}, P {data['p']}")
+            except TimeoutError:
+                pass
+        time.sleep(0.4)
+    return table.require(f"a box is dragged around {what}: the track is confirmed", False, page.element("toast").text)
+
+
+def screenshots(page, keep, name):
+    """Pictures of the page in the sizes of a laptop, a tablet and a telephone."""
+    if not keep:
+        return
+    pathlib.Path(keep).mkdir(parents=True, exist_ok=True)
+    for width, height in ((1280, 800), (768, 1024), (390, 844)):
+        page.resize(width, height)
+        time.sleep(0.6)
+        page.screenshot(pathlib.Path(keep) / f"{name}-{width}x{height}.png")
+    page.resize(1280, 800)
+    time.sleep(0.3)
+
+
+def demo(table, args, folder):
+    print("\ndemo --hands-on", flush=True)
+    store = folder / "drive.jsonl"
+    program = Program(args, "demo", "open", "--hands-on", "--law", "schema", "--size", SIZE, "--store", store)
+    page = Page(program.url, folder)
+    data = page.ready()
+    table.require("a drive without encoding is drawn as JPEG", data["path"] == "jpeg", data["path"])
+    table.require("it begins unselected and disengaged", (data["mode"], data["track"]) == ("idle", "unseeded"), f"{data['mode']}, {data['track']}")
+    height = page.driver.execute_script("return document.documentElement.scrollHeight")
+    table.require("the page fits 1280x800", height <= 800, f"{height} px high", "at most 800")
+    select_boat(table, page, folder)
+    page.click("engage")
+    page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")
+    page.press("up")
+    out = program.wait(lambda status: (status["percept"] or {}).get("p", 0) > 1.05, 60, "an excursion")
+    table.require("arrow up, held: the boat leaves the ellipse", out["drive"]["helm"] == "page", f"P {out['percept']['p']:.2f}")
+    moved = program.wait(lambda status: abs(status["command"]["pan"]) + abs(status["command"]["tilt"]) > 0, 10, "a rate")
+    table.require("the camera follows", True, f"pan {moved['command']['pan']:+.2f}, tilt {moved['command']['tilt']:+.2f} rad/s")
+    screenshots(page, args.screenshots, "following")
+    page.release("up")
+    back = program.wait(lambda status: (status["percept"] or {}).get("p", 9) < 1, 40, "the boat in the ellipse")
+    table.require("and brings the boat back", True, f"P {back['percept']['p']:.2f}")
+    page.type("space")
+    page.wait(lambda data: data["mode"] == "stopped" and data["stops"] == "1", 5, "the stop")
+    status = program.status()
+    table.require("space: stopped, and acknowledged", status["command"] == {"pan": 0.0, "tilt": 0.0}, status["mode"]["cause"])
+    page.type("r")
+    page.wait(lambda data: data["mode"] == "idle", 5, "disengaged")
+    page.press("d")
+    data = page.wait(lambda data: data["mode"] == "nudging", 5, "the nudge")
+    page.release("d")
+    page.wait(lambda data: data["mode"] == "idle", 5, "the end of the nudge")
+    table.require("d, held, turns the camera by hand", float(data["pan"]) > 0, f"pan {data['pan']} rad/s")
+    page.click("reject")
+    page.wait(lambda data: data["track"] == "lost", 5, "the rejection")
+    table.require("Not that one: the track is given up", True)
+    page.click("deselect")
+    page.wait(lambda data: data["track"] == "unseeded", 5, "the deselection")
+    law = page.element("law")
+    law.send_keys("Optimal: most")
+    program.wait(lambda status: status["law"] == "eco", 5, "the law")
+    table.require("the law is switched while disengaged", True, "eco")
+    complaints = page.complaints()
+    table.require("the browser has nothing to complain about", not complaints, "; ".join(complaints)[:200])
+    page.end()
+    table.require("Ctrl-C ends it with exit 0", program.end() == 0)
+    again = common.run([args.barrelman, "demo", "--replay", store], timeout=300)
+    table.require("the drive runs again bit for bit, with every request", again.returncode == 0 and "bit for bit" in again.stdout, again.stdout.splitlines()[0] if again.stdout else again.stderr[-300:])
+
+
+def zeros_after(emulator, moment, seconds=3.0):
+    """When the ground station was at rest after a moment: the first zero after the last rate that it heard."""
+    time.sleep(min(seconds, 1.0))
+    rows = [row for row in emulator.heard() if row.is_motion and row.at >= moment]
+    moving = [row.at for row in rows if row.moves]
+    last = max(moving, default=moment)
+    zero = next((row.at for row in rows if row.is_zero and row.at >= last), None)
+    return None if zero is None else zero - moment
+
+
+def stop_among_requests(table, args, page, emulator):
+    """Stop among 200 requests at once, while the camera turns."""
+    delays = []
+    fire = "const l = document.getElementById('law'); for (let i = 0; i < 200; i++) { l.value = i % 2 ? 'eco' : 'minimum-energy'; l.dispatchEvent(new Event('change')); if (i === 100) document.getElementById('stop').click(); }"
+    for _ in range(args.stops):
+        if page.data["mode"] != "idle":
+            page.type("r")
+        page.wait(lambda data: data["mode"] == "idle", 5, "disengaged")
+        page.press("d")
+        page.wait(lambda data: data["mode"] == "nudging", 5, "the nudge")
+        emulator.wait_for(lambda row: row.moves and row.at > time.monotonic() - 0.3, 5, "a rate")
+        moment = time.monotonic()
+        page.driver.execute_script(fire)
+        page.wait(lambda data: data["mode"] == "stopped", 5, "the stop")
+        delays.append(zeros_after(emulator, moment))
+        page.release("d")
+        # The limit of requests fills again.
+        time.sleep(0.6)
+    known = [delay * 1e3 for delay in delays if delay is not None]
+    holds = len(known) == len(delays) and common.median(known) <= 150 and max(known) <= 350
+    table.require(f"Stop among 200 requests, {len(delays)} times: at rest at the ground station", holds, f"median {common.median(known):.0f} ms, worst {max(known, default=0):.0f} ms", "150 and 350 ms")
+
+
+def run(table, args, folder):
+    print("\nrun, with an emulated ground station", flush=True)
+    record = folder / "run.mcap"
+    options = ["--world", f"sim:arena1?size={SIZE}", "--video-listen", "127.0.0.1:0"]
+    emulator = Emulator(args.barrelman, folder, "station", *options)
+    _, line = emulator.lines.wait_for("rtsp://", 10)
+    url = next(word for word in line.split() if word.startswith("rtsp://")).rstrip(";")
+    program = Program(args, "run", "--video", url, "--link", emulator.url, "--record", record, "--law", "schema")
+    refusals(table, program)
+    page = Page(program.url, folder, "control")
+    data = page.ready()
+    table.require("a received stream is drawn by WebCodecs", data["path"] == "h264", data["path"])
+    table.require("the token is gone from the address", "token" not in page.driver.current_url, page.driver.current_url)
+    select_boat(table, page, folder)
+    page.click("engage")
+    page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")
+    heard = emulator.wait_for(lambda row: row.moves, 90, "a rate at the ground station")
+    table.require("engaged: the ground station hears rates", True, heard.raw)
+    data = page.data
+    table.show("capture to drawing by the page's own clock, WebCodecs", f"median {data['delayMs']} ms, 95 % {data['delayP95Ms']} ms", "with the latency of the simulated video")
+    page.click("disengage")
+
+    watchers(table, args, folder, program, page)
+
+    page.driver.refresh()
+    page.ready()
+    table.require("a reload keeps the control", page.wait(lambda data: data["controlling"] == "yes", 5, "the control")["controlling"] == "yes")
+    stop_among_requests(table, args, page, emulator)
+
+    page.type("r")
+    page.wait(lambda data: data["mode"] == "idle", 5, "disengaged")
+    page.click("deselect")
+    page.wait(lambda data: data["track"] == "unseeded", 5, "nothing followed")
+    select_boat(table, page, folder, "the boat, again")
+
+    jpeg = Page(program.url.replace("/#", "/?video=jpeg#"), folder, "jpeg")
+    data = jpeg.ready()
+    table.require("JPEG is drawn where it is asked for", data["path"] == "jpeg", data["path"])
+    jpeg.end()
+
+    emulator.close()
+    page.wait(lambda data: data["next"] in ("link", "video"), 20, "the alarm")
+    table.require("the cable is pulled: the page says so", True, page.element("next-action").text)
+    emulator = Emulator(args.barrelman, folder, "station", "--force", *options[:2], "--video-listen", url.split("/")[2])
+    page.wait(lambda data: data["link"] == "up", 30, "the link")
+    table.require("and back: the link is up again", True)
+    page.wait(lambda data: data["next"] in ("select", "reselect", "engage"), 30, "the video")
+
+    page.press("d")
+    page.wait(lambda data: data["mode"] == "nudging", 5, "the nudge")
+    emulator.wait_for(lambda row: row.moves, 5, "a rate")
+    processes = common.run(["pgrep", "-f", str(folder / "control")]).stdout.split()
+    moment = time.monotonic()
+    for process in processes:
+        try:
+            os.kill(int(process), signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    rest = zeros_after(emulator, moment)
+    table.require("the page is killed during a nudge: rest at the ground station", rest is not None and rest <= 0.35, "never" if rest is None else f"{rest * 1e3:.0f} ms", "350 ms")
+    time.sleep(2.5)
+    events = program.errors.text()
+    table.require("SIGINT ends it with exit 0", program.end() == 0, events[-200:] if program.child.returncode else "")
+    emulator.close()
+    replayed = common.run([args.barrelman, "replay", record, "--compare"], timeout=600)
+    table.require("the recording replays bit for bit, with every request", replayed.returncode == 0 and "bit for bit" in replayed.stdout, replayed.stdout.splitlines()[0] if replayed.stdout else replayed.stderr[-300:])
+
+
+def watchers(table, args, folder, program, page):
+    """A second page that watches, and a third that takes and gives the control."""
+    watcher = Page(program.watch_url, folder, "watch")
+    watcher.ready()
+    disabled = watcher.driver.execute_script("return ['engage','disengage','law','nudge-up'].every((id) => document.getElementById(id).disabled)")
+    table.require("a page with the watch link cannot command", disabled and watcher.data["controlling"] == "no", watcher.element("seat").text)
+    code, body, _ = program.ask("POST", "/api/v1/requests", {"request": {"kind": "engage"}}, token=program.watch_token)
+    table.require("  its token is refused a command", code == 200 and json.loads(body)["answer"] == "refused", json.loads(body).get("reason", ""))
+    watcher.click("stop")
+    page.wait(lambda data: data["mode"] == "stopped", 5, "the watcher's stop")
+    table.require("  but its Stop is taken", True)
+    watcher.end()
+    page.type("r")
+    other = Page(program.url, folder, "other")
+    other.ready()
+    table.require("a second control page does not control by itself", other.data["controlling"] == "no", other.element("seat").text)
+    other.click("ask-control")
+    common.wait_until(lambda: page.driver.find_elements(By.CSS_SELECTOR, "[data-give]"), 5, "the question")
+    page.driver.find_element(By.CSS_SELECTOR, "[data-give]").click()
+    other.wait(lambda data: data["controlling"] == "yes", 5, "the control")
+    table.require("control is asked for, and given", page.wait(lambda data: data["controlling"] == "no", 5, "the change")["controlling"] == "no")
+    page.click("take-control")
+    page.driver.find_element(By.CSS_SELECTOR, "#take-dialog button[value=take]").click()
+    page.wait(lambda data: data["controlling"] == "yes", 5, "the control")
+    told = other.wait(lambda data: data["controlling"] == "no", 5, "the notice") and other.element("toast").text
+    table.require("control is taken, and the other page is told", "took the control" in told, told)
+    other.end()
+
+
+def refusals(table, program):
+    """What the server refuses."""
+    get = lambda path, token=..., **headers: program.ask("GET", path, headers={name.replace("_", "-"): value for name, value in headers.items()}, token=token)
+    rows = [
+        ("no token", get("/api/v1/status", token=None)[0], 401),
+        ("a wrong token", get("/api/v1/status", token="x" * 22)[0], 401),
+        ("metrics without a token", get("/metrics", token=None)[0], 401),
+        ("a socket without a token", get("/api/v1/socket", token=None, Connection="Upgrade", Upgrade="websocket", Sec_WebSocket_Version="13", Sec_WebSocket_Key="dGhlIHNhbXBsZSBub25jZQ==")[0], 401),
+        ("a foreign Host", get("/api/v1/status", Host="evil.example")[0], 403),
+        ("a foreign Origin", get("/api/v1/status", Origin="http://evil.example")[0], 403),
+        ("a foreign page's fetch", get("/api/v1/status", Sec_Fetch_Site="cross-site")[0], 403),
+        ("a path with ..", get("/console/../../etc/passwd")[0], 404),
+        ("an encoded path with ..", get("/console/%2e%2e%2f%2e%2e%2fetc%2fpasswd")[0], 404),
+        ("a body of 5000 bytes", program.ask("POST", "/api/v1/requests", "x" * 5000)[0], 413),
+        ("a request that is none", program.ask("POST", "/api/v1/requests", {"request": {"kind": "fly"}})[0], 400),
+        ("a form in place of JSON", program.ask("POST", "/api/v1/requests", "kind=stop", {"Content-Type": "text/plain"})[0], 415),
+    ]
+    for name, code, wanted in rows:
+        table.require(f"refused: {name}", code == wanted, f"HTTP {code}", f"HTTP {wanted}")
+    code, body, headers = get("/", token=None)
+    table.require("the page itself needs no token", code == 200 and b"<title>Barrelman" in body)
+    policy = headers.get("Content-Security-Policy", "")
+    table.require("it cannot be embedded, and runs its own scripts alone", "frame-ancestors 'none'" in policy and "unsafe-inline" not in policy and headers.get("Cross-Origin-Resource-Policy") == "same-origin")
+    code, body, _ = get("/metrics")
+    table.require("/metrics for Prometheus", code == 200 and b"# TYPE barrelman_p gauge" in body or b"barrelman_steps_total" in body, f"{len(body)} bytes")
+    table.require("/healthz", get("/healthz", token=None)[1] == b"ok\n")
+
+
+def main():
+    args = common.arguments(__doc__, screenshots={"metavar": "DIR", "help": "keep pictures of the page here"}, stops={"type": int, "default": 20, "help": "how often Stop is pressed among 200 requests"}, only={"choices": ["demo", "run"], "help": "one half alone"})
+    folder = common.temporary_folder()
+    table = Table("The operator's console")
+    if args.only != "run":
+        demo(table, args, folder)
+    if args.only != "demo":
+        run(table, args, folder)
+    return table.finish(args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
