@@ -133,7 +133,11 @@ for (const [id, action] of Object.entries(act)) if (id !== "stop") at(id).addEve
 // Stop acts when it is pressed, not when it is let go.
 at("stop").addEventListener("pointerdown", act.stop);
 at("stop").addEventListener("click", (event) => event.detail === 0 && act.stop());
-at("law").addEventListener("change", (event) => request({ kind: "law", law: event.target.value }));
+at("law").addEventListener("change", async (event) => {
+  await request({ kind: "law", law: event.target.value });
+  // A refused choice goes back to the law in force.
+  delete event.target.dataset.law;
+});
 
 const KEYS = { e: "engage", r: "disengage", f: "freeze", x: "reject", p: "pause", h: "helmsman", n: "theme", m: "sound", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
 addEventListener("keydown", (event) => {

@@ -108,7 +108,8 @@ export function showStatus(state) {
     set(`helm-${direction}`, can, watcher);
   }
   for (const id of ["pause", "helmsman"]) set(id, can, watcher);
-  if (snapshot.law) at("law").value = snapshot.law;
+  // A list that the operator has open is left alone.
+  if (snapshot.law && at("law").dataset.law !== snapshot.law) at("law").value = at("law").dataset.law = snapshot.law;
   at("drive").hidden = at("world").hidden = !snapshot.drive || snapshot.drive.helm === "nobody";
   if (snapshot.drive) setText(at("pause"), snapshot.drive.paused ? words.resume : words.pause);
 }

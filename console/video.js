@@ -12,6 +12,7 @@ export class Video extends EventTarget {
   #isH264Refused = new URLSearchParams(location.search).get("video") === "jpeg" || !isWebCodecsPossible();
   #waiting = [];
   #snapshot = null;
+  #snapshotAt = 0;
   #delay = new Percentiles();
   /** Time of capture of the drawn picture, ns, and their number. */
   captured = 0;
@@ -28,7 +29,7 @@ export class Video extends EventTarget {
     link.addEventListener("video", ({ detail }) => this.#onMessage(detail));
     link.addEventListener("snapshot", ({ detail }) => {
       const isNew = !this.#snapshot || this.#snapshot.video.h264 !== detail.video.h264;
-      this.#snapshot = detail;
+      [this.#snapshot, this.#snapshotAt] = [detail, performance.now()];
       if (isNew) this.#choose();
       this.#flush();
     });
@@ -39,6 +40,13 @@ export class Video extends EventTarget {
   /** Median and 95th percentile of the time from capture to drawing, ms; null where they are not known. */
   get delay() {
     return this.#delay.get();
+  }
+
+  /** The time of the session: the program's clock, or that of a simulated world, which may be slower or stand still. */
+  #sessionMs(now) {
+    const drive = this.#snapshot?.drive;
+    if (!drive) return this.link.clock.programMs(now);
+    return this.#snapshot.at_ns / 1e6 + (now - this.#snapshotAt) * (drive.paused ? 0 : drive.pace);
   }
 
   #choose() {
@@ -78,7 +86,7 @@ export class Video extends EventTarget {
     const { image, captured, quarters } = passed[ready];
     this.draw(image, quarters, { captured, snapshot: this.#snapshot });
     for (const picture of passed) picture.image.close();
-    const programMs = this.link.clock.programMs(performance.now());
+    const programMs = this.#sessionMs(now);
     if (programMs !== null) this.#delay.add(now, programMs - captured / 1e6);
     [this.captured, this.drawn] = [captured, this.drawn + 1];
     this.dispatchEvent(new Event("drawn"));

@@ -52,6 +52,8 @@ class Bench:
         keywords = {"user": user, "group": user, "extra_groups": []} if user is not None and ROOT_USER else {}
         if user is not None and ROOT_USER:
             os.chmod(self.folder, 0o777)
+        # With a console, a refused selection does not end a run: the operator can select again.
+        words = [words[0], "--headless", *words[1:]] if words[0] == "run" else words
         try:
             done = common.run([self.program, *words], timeout=timeout, cwd=self.folder, **keywords)
         except subprocess.TimeoutExpired as error:

@@ -15,6 +15,7 @@ import common
 from common import Emulator, Table
 from console_page import Page, Program, find_red
 from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import Select
 
 SIZE = "960x540"
 
@@ -85,8 +86,7 @@ def demo(table, args, folder):
     table.require("Not that one: the track is given up", True)
     page.click("deselect")
     page.wait(lambda data: data["track"] == "unseeded", 5, "the deselection")
-    law = page.element("law")
-    law.send_keys("Optimal: most")
+    Select(page.element("law")).select_by_value("eco")
     program.wait(lambda status: status["law"] == "eco", 5, "the law")
     table.require("the law is switched while disengaged", True, "eco")
     complaints = page.complaints()
@@ -111,18 +111,20 @@ def stop_among_requests(table, args, page, emulator):
     """Stop among 200 requests at once, while the camera turns."""
     delays = []
     fire = "const l = document.getElementById('law'); for (let i = 0; i < 200; i++) { l.value = i % 2 ? 'eco' : 'minimum-energy'; l.dispatchEvent(new Event('change')); if (i === 100) document.getElementById('stop').click(); }"
-    for _ in range(args.stops):
+    for number in range(args.stops):
         if page.data["mode"] != "idle":
             page.type("r")
         page.wait(lambda data: data["mode"] == "idle", 5, "disengaged")
-        page.press("d")
+        # To and fro, so that the boat stays in view.
+        key = "ad"[number % 2]
+        page.press(key)
         page.wait(lambda data: data["mode"] == "nudging", 5, "the nudge")
         emulator.wait_for(lambda row: row.moves and row.at > time.monotonic() - 0.3, 5, "a rate")
         moment = time.monotonic()
         page.driver.execute_script(fire)
         page.wait(lambda data: data["mode"] == "stopped", 5, "the stop")
         delays.append(zeros_after(emulator, moment))
-        page.release("d")
+        page.release(key)
         # The limit of requests fills again.
         time.sleep(0.6)
     known = [delay * 1e3 for delay in delays if delay is not None]

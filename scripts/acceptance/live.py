@@ -116,7 +116,7 @@ def main():
 
     record = folder / "latency.mcap"
     began = time.monotonic()
-    child = common.spawn([args.barrelman, "run", "--video", url, "--select", SELECTION, "--record", record], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    child = common.spawn([args.barrelman, "run", "--headless", "--video", url, "--select", SELECTION, "--record", record], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     err = Lines(child.stderr)
     err.wait_for("video: up", 15)
     time.sleep(1.0)
@@ -142,7 +142,7 @@ def main():
     table.show("load of the program", f"{cpu * 100:.0f} % of a core")
 
     record = folder / "restarts.mcap"
-    child = common.spawn([args.barrelman, "run", "--video", url, "--record", record], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    child = common.spawn([args.barrelman, "run", "--headless", "--video", url, "--record", record], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     err = Lines(child.stderr)
     err.wait_for("video: up", 15)
     returns, memory = [], []

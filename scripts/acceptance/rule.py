@@ -165,7 +165,7 @@ def main():
     table = Table("The practice clip through `run`, against the rule that predicts it")
     record = folder / "record.mcap"
     with Emulator(args.barrelman, folder) as emulator, Standstills() as standstills:
-        command = [args.barrelman, "run", "--engage", "--tracker", "camshift", "--law", "schema", "--video", f"file:{clip}", "--select", common.selection(truth), "--link", emulator.url, "--record", record]
+        command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--law", "schema", "--video", f"file:{clip}", "--select", common.selection(truth), "--link", emulator.url, "--record", record]
         child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         out, err = child.communicate(timeout=len(truth) / 30 + 20)
         table.require("run ends with exit 0 when the video does", child.returncode == 0, f"exit {child.returncode}", "" if child.returncode == 0 else err)

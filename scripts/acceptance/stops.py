@@ -39,7 +39,7 @@ class Run:
         folder.mkdir()
         self.emulator = Emulator(args.barrelman, folder)
         self.record = folder / "record.mcap"
-        command = [args.barrelman, "run", "--engage", "--tracker", "camshift", "--video", f"file:{clip}{video_fault}", "--select", selection]
+        command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--video", f"file:{clip}{video_fault}", "--select", selection]
         command += ["--link", f"{self.emulator.url}{link_fault}", "--record", self.record, *more]
         self.terminal = self.pipe = None
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}

@@ -157,7 +157,10 @@ impl Pilot {
             OperatorRequest::Reject => {
                 self.begin_target();
                 self.pending_selection = None;
-                self.set_unlocalised(Track::Lost { since: self.last_capture.unwrap_or(now), confidence: 0.0 });
+                self.set_unlocalised(Track::Lost {
+                    since: self.last_capture.unwrap_or(now),
+                    confidence: 0.0,
+                });
                 Some(Notice::TargetRejected)
             }
             OperatorRequest::Deselect => {

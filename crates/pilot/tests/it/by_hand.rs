@@ -73,7 +73,10 @@ fn a_track_that_is_lost_on_the_way_is_given_up_and_nothing_is_followed() {
     let mut pilot = pilot(1, answers);
     // Frames without a target take no answers of the script: they are stepped before the selection.
     let mut before = frames(&mut pilot, 0..1);
-    assert_eq!(before.pop().map(|step| step.track), Some(Track::Tracking(crate::scenes::seen(RIGHT, at(1000)))));
+    assert_eq!(
+        before.pop().map(|step| step.track),
+        Some(Track::Tracking(crate::scenes::seen(RIGHT, at(1000))))
+    );
     frames(&mut pilot, 1..3);
     request(&mut pilot, select_on(0), 1070);
     let steps = frames(&mut pilot, 3..5);
@@ -202,7 +205,9 @@ impl Permission {
     }
 
     fn permits_motion(self, now: Timestamp) -> bool {
-        let lasts = |since: Option<Timestamp>| since.is_some_and(|since| now.since(since) < Duration::from_millis(250));
+        let lasts = |since: Option<Timestamp>| {
+            since.is_some_and(|since| now.since(since) < Duration::from_millis(250))
+        };
         (self.engaged && lasts(self.fresh)) || (!self.engaged && !self.stopped && lasts(self.nudged))
     }
 }
@@ -238,7 +243,10 @@ fn no_sequence_of_events_moves_the_camera_without_a_licence() {
             permission = permission.after(happening, &outcome, now);
             let moves = !outcome.command.is_rest();
             moving += u32::from(moves);
-            assert!(!moves || permission.permits_motion(now), "{code}: {happening:?} {permission:?} {outcome:?}");
+            assert!(
+                !moves || permission.permits_motion(now),
+                "{code}: {happening:?} {permission:?} {outcome:?}"
+            );
             if let Happening::Request(OperatorRequest::Stop(_)) = happening {
                 assert!(outcome.command.is_rest());
             }

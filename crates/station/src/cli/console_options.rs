@@ -3,7 +3,9 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+
+use crate::console::OnConsoleLost;
 
 /// Options of the console.
 #[derive(Debug, Clone, Args, Default)]
@@ -17,22 +19,4 @@ pub struct ConsoleOptions {
     /// What happens when the controlling page is gone for two seconds: the camera goes on, or stops.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub on_console_lost: Option<OnConsoleLost>,
-}
-
-impl ConsoleOptions {
-    /// Whether the camera stops when the controlling page is gone.
-    pub fn stops_on_lost(&self) -> bool {
-        self.on_console_lost == Some(OnConsoleLost::Stop)
-    }
-}
-
-/// What happens when the controlling page is gone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum OnConsoleLost {
-    /// An engaged camera stays engaged.
-    #[default]
-    Stay,
-    /// The camera stops.
-    Stop,
 }

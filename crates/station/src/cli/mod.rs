@@ -34,7 +34,7 @@ use clap::{Parser, Subcommand};
 
 pub use check::CheckArgs;
 pub use config::{ConfigArgs, ConfigCommand};
-pub use console_options::{ConsoleOptions, OnConsoleLost};
+pub use console_options::ConsoleOptions;
 pub use demo::DemoArgs;
 pub use emulate::{EmulateArgs, EmulateFotokiteProArgs, StationName};
 pub use law_options::LawOptions;

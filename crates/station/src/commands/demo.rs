@@ -64,7 +64,7 @@ fn drive(
     let options = &args.console;
     let console =
         ConsoleSettings::without_tokens_on_loopback(options.listen, options.console_token_file.as_deref())?;
-    let console = ConsoleSettings { stops_on_lost: options.stops_on_lost(), ..console };
+    let console = ConsoleSettings { on_lost: options.on_console_lost.unwrap_or_default(), ..console };
     let max_duration = args.seconds.map(Duration::from_secs_f64);
     let end = DriveSession { setup, console, record, store, max_duration, clock }.run()?;
     print_outputs(args)?;

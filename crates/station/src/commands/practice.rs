@@ -47,7 +47,8 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         .with_context(|| format!("the folder {} cannot be created", folder.display()))?;
     let open = |path: &Path| OutputFile::open(path, args.force);
     let (clip_file, truth_file) = (open(clip)?, open(truth)?);
-    let outputs = Outputs { overlay: Some(open(film)?), record: Some(open(recording)?) };
+    let outputs =
+        Outputs { overlay: Some(open(film)?), record: Some(open(recording)?), ..Outputs::default() };
     let mut log_file = open(station_log)?;
     let practice = PracticeClip::new(SIZE, SEED);
     let mut out = stdout();
@@ -99,7 +100,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             force: args.force,
             fault: Vec::new(),
         },
-        || Ok(outputs),
+        |_| Ok(outputs),
         clock,
     );
     ended.store(true, Ordering::Relaxed);

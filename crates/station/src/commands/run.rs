@@ -7,10 +7,11 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Pilot, PilotSettings};
 
 use crate::cli::{RunArgs, UsageError};
-use crate::config::{self, ConfigFile, Configuration};
+use crate::config::{self, ConfigFile, Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::ConsoleSettings;
 use crate::link::LinkUrl;
 use crate::link::url::Endpoint;
+use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
@@ -26,7 +27,7 @@ use barrelman_video::url::VideoSource;
 /// # Errors
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
-    run_with_outputs(args, || open_outputs(args), clock)
+    run_with_outputs(args, |recording| open_outputs(args, recording), clock)
 }
 
 /// Runs the command with the outputs of `open`, instead of those that the arguments name.
@@ -35,7 +36,7 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run_with_outputs(
     args: &RunArgs,
-    open: impl FnOnce() -> Result<Outputs>,
+    open: impl FnOnce(&RecordingConfig) -> Result<Outputs>,
     clock: Clock,
 ) -> Result<ExitCode> {
     let (mut configuration, latency_is_known) = effective_configuration(args)?;
@@ -61,9 +62,9 @@ pub fn run_with_outputs(
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
-    let outputs = open()?;
+    let outputs = open(&configuration.recording)?;
     let fault_injector = FaultInjector::parse(&args.fault)?;
-    let console = (!args.headless).then(|| open_console(args)).transpose()?;
+    let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let session = Session {
         pilot: build_pilot(&configuration)?,
         configuration: &configuration,
@@ -94,17 +95,31 @@ pub fn run_with_outputs(
 }
 
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
-fn open_console(args: &RunArgs) -> Result<ConsoleSettings> {
+fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
-    let console = ConsoleSettings::with_tokens(options.listen, options.console_token_file.as_deref())?;
-    Ok(ConsoleSettings { stops_on_lost: options.stops_on_lost(), ..console })
+    let token_file = options.console_token_file.as_deref().or(config.token_file.as_deref());
+    let console = ConsoleSettings::with_tokens(options.listen, token_file)?;
+    let on_lost = options.on_console_lost.unwrap_or(config.on_lost);
+    Ok(ConsoleSettings { on_lost, host_names: config.hosts.clone(), ..console })
 }
 
 /// Opens the output files that the arguments name.
-fn open_outputs(args: &RunArgs) -> Result<Outputs> {
+fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> {
     let open =
         |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
-    Ok(Outputs { record: open(&args.record)?, overlay: open(&args.overlay)? })
+    let mut outputs = Outputs { record: open(&args.record)?, overlay: open(&args.overlay)?, reserve: None };
+    if outputs.record.is_none() && recording.enabled && !args.no_record {
+        match recording_folder::open_next(recording) {
+            Ok(file) => {
+                tracing::info!("recording to {}; --no-record switches this off", file.path().display());
+                outputs.record = Some(file);
+                outputs.reserve = Some(DiskReserve::new(&recording.folder, recording.reserve_gb));
+            }
+            // A recording that nobody asked for must not keep the boat from being followed.
+            Err(error) => tracing::error!("this run is not recorded: {error:#}"),
+        }
+    }
+    Ok(outputs)
 }
 
 /// The configuration of a run: the file, overridden by the command line. The flag tells whether the file states the

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::camera::CameraSection;
+use super::console::{ConsoleSection, RecordingSection};
 use super::tracker::TrackerSection;
 use barrelman_experiments::law_choice::{LawName, ModeName};
 
@@ -25,6 +26,10 @@ pub struct ConfigFile {
     pub law: LawSection,
     /// The tracker.
     pub tracker: TrackerSection,
+    /// The operator's console.
+    pub console: ConsoleSection,
+    /// The recordings that `run` makes without being asked.
+    pub recording: RecordingSection,
 }
 
 /// The camera law.

@@ -7,6 +7,7 @@
 pub mod file;
 
 pub mod camera;
+pub mod console;
 pub mod tracker;
 
 pub mod resolve;
@@ -22,6 +23,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_host::input;
 use barrelman_host::redaction::without_logins;
 
+pub use console::{ConsoleConfig, RecordingConfig};
 pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
 

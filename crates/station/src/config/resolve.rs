@@ -8,6 +8,7 @@ use barrelman_vocab::{AngularRate, VehicleProfile};
 use barrelman_wire::fotokite_pro::Framing;
 
 use super::camera::CameraSection;
+use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::range::within;
 use super::tracker::TrackerSection;
@@ -32,6 +33,10 @@ pub struct Configuration {
     pub law: LawChoice,
     /// The tracker.
     pub tracker: TrackerSettings,
+    /// The operator's console.
+    pub console: ConsoleConfig,
+    /// The recordings that `run` makes without being asked.
+    pub recording: RecordingConfig,
 }
 
 /// Names of the built-in vehicle profiles.
@@ -106,6 +111,8 @@ impl Configuration {
             }
             .validated("law.")?,
             tracker: file.tracker.settings().validated()?,
+            console: file.console.resolve(),
+            recording: file.recording.resolve()?,
         })
     }
 
@@ -165,6 +172,8 @@ impl Configuration {
             camera: CameraSection::from_dynamics(&profile.camera),
             law: LawSection { name: Some(self.law.name), mode: self.law.mode, horizon: self.law.horizon_s },
             tracker: TrackerSection::from_settings(&self.tracker),
+            console: ConsoleSection::from_config(&self.console),
+            recording: RecordingSection::from_config(&self.recording),
         }
     }
 

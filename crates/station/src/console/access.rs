@@ -178,7 +178,8 @@ mod tests {
     use super::*;
 
     fn access() -> Access {
-        let tokens = Tokens { control: "control-0123456789".to_owned(), watch: "watch-0123456789".to_owned() };
+        let tokens =
+            Tokens { control: "control-0123456789".to_owned(), watch: "watch-0123456789".to_owned() };
         Access::new(Some(tokens), 8480)
     }
 
@@ -223,7 +224,9 @@ mod tests {
     #[test]
     fn a_token_file_needs_two_different_usable_lines() {
         assert!(Tokens::parse("control-0123456789\nwatch-0123456789\n").is_ok());
-        for text in ["", "short\nwatch-0123456789", "control-0123456789", "same-0123456789ab\nsame-0123456789ab"] {
+        for text in
+            ["", "short\nwatch-0123456789", "control-0123456789", "same-0123456789ab\nsame-0123456789ab"]
+        {
             let error = Tokens::parse(text).err().expect(text);
             assert!(!format!("{error:#}").contains("0123"), "the content is not repeated");
         }

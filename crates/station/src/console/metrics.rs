@@ -31,13 +31,23 @@ pub(super) fn metrics_text(status: &StatusSnapshot, clients: usize) -> String {
         "Age of the newest video frame when the pilot had processed it.",
         status.video.age_ms.map(|ms| ms / 1e3),
     );
-    add("video_dropped_total", "counter", "Video frames that were replaced by newer ones.", Some(status.video.dropped as f64));
+    add(
+        "video_dropped_total",
+        "counter",
+        "Video frames that were replaced by newer ones.",
+        Some(status.video.dropped as f64),
+    );
     let is_up = matches!(status.link.state, "up" | "simulated");
     add("link_up", "gauge", "1 while commands reach the camera.", flag(is_up));
     add("recording", "gauge", "1 while a recording is written.", flag(status.recording.state == "recording"));
     add("alarms", "gauge", "Alarms in force.", Some(status.alarms.len() as f64));
     add("stops_total", "counter", "Presses of Stop that were taken.", Some(status.stops_taken as f64));
-    add("camera_moves_total", "counter", "Starts of a camera command from rest.", Some(status.work.camera.moves as f64));
+    add(
+        "camera_moves_total",
+        "counter",
+        "Starts of a camera command from rest.",
+        Some(status.work.camera.moves as f64),
+    );
     add(
         "camera_travel_radians_total",
         "counter",

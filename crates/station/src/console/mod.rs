@@ -20,9 +20,10 @@ mod socket;
 pub mod access;
 mod guard;
 mod limits;
+mod on_lost;
+mod seats;
 mod session_time;
 mod settings;
-mod seats;
 
 pub mod api;
 mod files;
@@ -35,6 +36,7 @@ mod video_relay;
 
 mod links;
 
+pub use on_lost::OnConsoleLost;
 pub use pictures::PictureSlot;
 pub use server::{ConsoleParts, ConsoleServer, SessionFacts};
 pub use session_time::SessionTime;

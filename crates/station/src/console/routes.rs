@@ -99,7 +99,8 @@ fn provenance(request: &Request) -> Provenance<'_> {
 fn role_of(console: &Console, headers: &HeaderMap) -> Result<Role, Box<Response>> {
     let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
     console.access.role(text(header::AUTHORIZATION), text(header::COOKIE)).ok_or_else(|| {
-        let body = "a token is needed: open the link that the program printed, or send `Authorization: Bearer`\n";
+        let body =
+            "a token is needed: open the link that the program printed, or send `Authorization: Bearer`\n";
         Box::new((StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], body).into_response())
     })
 }
@@ -130,7 +131,9 @@ async fn login(State(console): Shared, headers: HeaderMap) -> Response {
     };
     match console.access.new_cookie(role) {
         Ok(cookie) => (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response(),
-        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("no random numbers: {error}\n")).into_response(),
+        Err(error) => {
+            (StatusCode::INTERNAL_SERVER_ERROR, format!("no random numbers: {error}\n")).into_response()
+        }
     }
 }
 

@@ -16,8 +16,9 @@ use tokio::sync::{Semaphore, oneshot, watch};
 use super::access::{Access, Role};
 use super::api::{ControlSeat, Hello, LawName};
 use super::guard::Hosts;
-use super::links::announce;
 use super::limits::{HEADER_TIMEOUT, MAX_CONNECTIONS};
+use super::links::announce;
+use super::on_lost::OnConsoleLost;
 use super::pictures::{PictureSlot, encode_pictures};
 use super::routes;
 use super::seats::{ClientId, Seats};
@@ -47,8 +48,6 @@ pub struct SessionFacts {
     pub link: Option<String>,
     /// Name of the vehicle profile.
     pub vehicle: String,
-    /// Whether the pilot is stopped when the controlling page is gone.
-    pub stops_on_console_lost: bool,
 }
 
 /// What a console is made of.
@@ -72,6 +71,7 @@ pub struct ConsoleParts {
 /// What all tasks of a console share.
 pub struct Console {
     pub(super) facts: SessionFacts,
+    on_lost: OnConsoleLost,
     pub(super) access: Access,
     pub(super) hosts: Hosts,
     pub(super) gateway: Arc<Gateway>,
@@ -88,11 +88,13 @@ pub struct Console {
 impl Console {
     pub(super) fn new(
         parts: ConsoleParts,
+        on_lost: OnConsoleLost,
         access: Access,
         hosts: Hosts,
         loop_events: SyncSender<Event>,
     ) -> Self {
         Self {
+            on_lost,
             access,
             hosts,
             facts: parts.facts,
@@ -129,7 +131,7 @@ impl Console {
         }
         let now = self.time.now();
         let is_engaged = super::status::status_of(&self.snapshots.borrow(), false).mode.engaged;
-        if self.facts.stops_on_console_lost {
+        if self.on_lost == OnConsoleLost::Stop {
             self.events.add(now, Level::Alarm, "console-lost", "the controlling page is gone: stopped");
             self.gateway.stop();
         } else {
@@ -155,7 +157,7 @@ impl Console {
             vehicle: self.facts.vehicle.clone(),
             laws: vec![LawName::MinimumEnergy, LawName::TimeFuel, LawName::Eco, LawName::Schema],
             nudge_rate: NUDGE_RATE,
-            on_console_lost: if self.facts.stops_on_console_lost { "stop" } else { "stay" },
+            on_console_lost: if self.on_lost == OnConsoleLost::Stop { "stop" } else { "stay" },
             start_unix_ms: unix.saturating_sub(since_start).as_secs_f64() * 1e3,
         }
     }
@@ -176,17 +178,16 @@ impl ConsoleServer {
     /// # Errors
     /// If the system has no more threads, or the socket or the standard output cannot be used.
     pub fn open(settings: ConsoleSettings, parts: ConsoleParts, events: SyncSender<Event>) -> Result<Self> {
-        let ConsoleSettings { listener, tokens, host_names, .. } = settings;
+        let ConsoleSettings { listener, tokens, host_names, on_lost } = settings;
         let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
-        let (access, hosts) =
-            (Access::new(tokens.clone(), address.port()), Hosts::new(address, host_names));
+        let (access, hosts) = (Access::new(tokens.clone(), address.port()), Hosts::new(address, host_names));
         let pictures = Arc::clone(&parts.pictures);
         let encoder = {
             let slot = Arc::clone(&pictures);
             threads::spawn("pictures", events.clone(), move || encode_pictures(&slot))?
         };
-        let console = Arc::new(Console::new(parts, access, hosts, events.clone()));
+        let console = Arc::new(Console::new(parts, on_lost, access, hosts, events.clone()));
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .build()

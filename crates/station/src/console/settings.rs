@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 
 use super::access::Tokens;
+use super::on_lost::OnConsoleLost;
 
 /// Ports that are tried where no address is given.
 const PORTS: std::ops::Range<u16> = 8480..8490;
@@ -18,8 +19,8 @@ pub struct ConsoleSettings {
     pub tokens: Option<Tokens>,
     /// Further names that the server answers to, besides its addresses.
     pub host_names: Vec<String>,
-    /// Whether the pilot is stopped when the controlling page is gone.
-    pub stops_on_lost: bool,
+    /// What happens when the controlling page is gone.
+    pub on_lost: OnConsoleLost,
 }
 
 impl ConsoleSettings {
@@ -40,13 +41,25 @@ impl ConsoleSettings {
     ///
     /// # Errors
     /// As [`Self::with_tokens`].
-    pub fn without_tokens_on_loopback(address: Option<SocketAddr>, token_file: Option<&Path>) -> Result<Self> {
+    pub fn without_tokens_on_loopback(
+        address: Option<SocketAddr>,
+        token_file: Option<&Path>,
+    ) -> Result<Self> {
         let is_loopback = address.is_none_or(|address| address.ip().is_loopback());
-        if is_loopback && token_file.is_none() { Self::open(address) } else { Self::with_tokens(address, token_file) }
+        if is_loopback && token_file.is_none() {
+            Self::open(address)
+        } else {
+            Self::with_tokens(address, token_file)
+        }
     }
 
     fn open(address: Option<SocketAddr>) -> Result<Self> {
-        Ok(Self { listener: listen(address)?, tokens: None, host_names: Vec::new(), stops_on_lost: false })
+        Ok(Self {
+            listener: listen(address)?,
+            tokens: None,
+            host_names: Vec::new(),
+            on_lost: OnConsoleLost::default(),
+        })
     }
 }
 

@@ -199,9 +199,5 @@ fn work_of(work: &snapshot::CameraWork) -> CameraWork {
         rest_share: if figures.seconds > 0.0 { figures.rest_s / figures.seconds } else { 1.0 },
         seconds: figures.seconds,
     };
-    CameraWork {
-        camera: figures(work.camera),
-        schema: work.schema.map(figures),
-        schema_p: work.schema_p,
-    }
+    CameraWork { camera: figures(work.camera), schema: work.schema.map(figures), schema_p: work.schema_p }
 }

@@ -66,7 +66,6 @@ impl DriveSession {
                 source: setup.url.to_string(),
                 link: Some("the simulated camera".to_owned()),
                 vehicle: setup.profile.name.clone(),
-                stops_on_console_lost: console.stops_on_lost,
             },
             gateway: Arc::clone(&gateway),
             snapshots: publisher.subscribe(),

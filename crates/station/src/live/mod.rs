@@ -15,6 +15,7 @@ pub mod event;
 pub mod run_loop;
 
 mod open_link;
+pub mod recording_folder;
 mod recording_start;
 pub mod source;
 mod video_sink;

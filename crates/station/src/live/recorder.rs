@@ -1,7 +1,7 @@
 //! The recorder: receives entries through a bounded queue and writes them on a thread of its own.
 //!
 //! The recorder flushes twice a second, so a killed process loses less than one second. If the disk is full or too slow,
-//! the recording stops with an alarm; the run goes on.
+//! the recording stops with an alarm; the run goes on. So does a recording that would use the disk's reserve.
 
 use std::io::{BufWriter, Write};
 use std::sync::Arc;
@@ -13,11 +13,12 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use barrelman_host::clock::Clock;
 use barrelman_trial::records::{
-    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter, WriteError,
+    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
 use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
 use super::event::Event;
+use super::recording_folder::DiskReserve;
 use super::run_loop::{LiveStep, LiveStepObserver};
 use super::threads::{self, FaultInjector};
 
@@ -102,6 +103,7 @@ impl Recorder {
         clock: Clock,
         fault_injector: FaultInjector,
         events: SyncSender<Event>,
+        reserve: Option<DiskReserve>,
     ) -> Result<Self> {
         let mut writer = RecordingWriter::begin(BufWriter::new(output), start)?;
         writer.flush()?;
@@ -111,9 +113,9 @@ impl Recorder {
         let alarm = events.clone();
         let thread = threads::spawn("recorder", events, move || {
             let apply_faults = || fault_injector.apply_faults("recorder", clock.now());
-            if let Err(error) = write(&queue, writer, apply_faults) {
+            if let Err(error) = write(&queue, writer, apply_faults, reserve.as_ref()) {
                 has_failed.store(true, Ordering::Relaxed);
-                let reason = format!("{:#}", anyhow::Error::from(error));
+                let reason = format!("{error:#}");
                 let _ = alarm.send(Event::RecordingFailed { reason });
             }
         })?;
@@ -137,12 +139,13 @@ fn write<W: Write>(
     queue: &Receiver<Item>,
     mut writer: RecordingWriter<W>,
     apply_faults: impl Fn(),
-) -> Result<(), WriteError> {
+    reserve: Option<&DiskReserve>,
+) -> Result<()> {
     let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
         apply_faults();
         match queue.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
-            Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return writer.finish(),
+            Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return Ok(writer.finish()?),
             Ok(Item::Unit(unit)) => writer.write(&Entry::Unit(unit))?,
             Ok(Item::Frame { step, now, frame }) => {
                 let input = RecordedInput::Frame(FrameFingerprint::from_frame(&frame));
@@ -154,6 +157,11 @@ fn write<W: Write>(
         }
         if Instant::now() >= flush_at {
             writer.flush()?;
+            if let Some(Err(full)) = reserve.map(DiskReserve::check) {
+                // What was recorded so far stays readable.
+                writer.finish()?;
+                return Err(full);
+            }
             flush_at = Instant::now() + FLUSH_INTERVAL;
         }
     }

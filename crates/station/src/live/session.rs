@@ -23,6 +23,7 @@ use super::event::{Event, EventQueue};
 use super::open_link::open_link;
 use super::overlay_video::OverlayVideo;
 use super::recorder::Recorder;
+use super::recording_folder::DiskReserve;
 use super::recording_start::recording_start;
 use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
 use super::source::Source;
@@ -49,6 +50,8 @@ pub struct Outputs {
     pub record: Option<OutputFile>,
     /// The annotated video.
     pub overlay: Option<OutputFile>,
+    /// The free space that the recording leaves on its disk.
+    pub reserve: Option<DiskReserve>,
 }
 
 /// Everything a run needs.
@@ -124,8 +127,17 @@ impl Session<'_> {
         events: SyncSender<Event>,
         queue: &Receiver<Event>,
     ) -> Result<RunEnd> {
-        let Self { configuration, pilot, source, link: link_url, outputs, clock, fault_injector, console, .. } =
-            self;
+        let Self {
+            configuration,
+            pilot,
+            source,
+            link: link_url,
+            outputs,
+            clock,
+            fault_injector,
+            console,
+            ..
+        } = self;
         let profile = &configuration.profile;
         let recording = outputs.record.as_ref().map(|file| file.path().display().to_string());
         let link_status = link.as_ref().map_or(LinkStatus::DryRun, |_| LinkStatus::Link(LinkState::Opening));
@@ -137,7 +149,14 @@ impl Session<'_> {
             Some(file) => {
                 let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
                 let context = format!("the recording {} cannot be written", file.path().display());
-                let recorder = Recorder::begin(file, &start, clock, fault_injector.clone(), events.clone());
+                let recorder = Recorder::begin(
+                    file,
+                    &start,
+                    clock,
+                    fault_injector.clone(),
+                    events.clone(),
+                    outputs.reserve,
+                );
                 Some(recorder.context(context)?)
             }
             None => None,
@@ -159,16 +178,15 @@ impl Session<'_> {
         let source = source.start(profile, is_recorded, clock, sink)?;
         let is_headless = console.is_none();
         let pictures = Arc::new(PictureSlot::default());
-        let facts = |settings: &ConsoleSettings| SessionFacts {
+        let facts = SessionFacts {
             command: "run",
             source: address,
             link: link_url.as_ref().map(ToString::to_string),
             vehicle: profile.name.clone(),
-            stops_on_console_lost: settings.stops_on_lost,
         };
         let open_console = |(settings, relay): (ConsoleSettings, Arc<VideoRelay>)| {
             let parts = ConsoleParts {
-                facts: facts(&settings),
+                facts: facts.clone(),
                 gateway: Arc::clone(&gateway),
                 snapshots: publisher.subscribe(),
                 events: publisher.events(),

@@ -21,8 +21,8 @@ use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
-use crate::operator::Gateway;
 use super::threads::{self, FaultInjector};
+use crate::operator::Gateway;
 
 const SIGNALS: [(i32, &str); 5] = [
     (SIGINT, "SIGINT"),

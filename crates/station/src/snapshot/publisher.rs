@@ -63,13 +63,7 @@ impl Publisher {
     }
 
     /// The pilot made a step.
-    pub fn on_step(
-        &mut self,
-        input: &Input<'_>,
-        outcome: &Outcome,
-        rates: VehicleRates,
-        law: Option<LawId>,
-    ) {
+    pub fn on_step(&mut self, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates, law: Option<LawId>) {
         match input {
             Input::Frame(frame) => {
                 self.frames.add(outcome.at);
@@ -126,7 +120,9 @@ impl Publisher {
                         self.events.add(now, Level::Alarm, "video-lost", format!("video lost: {reason}"));
                     }
                 }
-                VideoSourceState::Ended => self.events.add(now, Level::Warning, "video-ended", "the video has ended"),
+                VideoSourceState::Ended => {
+                    self.events.add(now, Level::Warning, "video-ended", "the video has ended")
+                }
             }
         }
         self.state.video.state = state;
@@ -211,7 +207,11 @@ impl Publisher {
         }
         match &outcome.notice {
             None => {}
-            Some(notice @ (Notice::RequestRefused(_) | Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_))) => {
+            Some(
+                notice @ (Notice::RequestRefused(_)
+                | Notice::SelectionRefused(_)
+                | Notice::SelectionUnconfirmed(_)),
+            ) => {
                 add(Level::Warning, "refused", notice.to_string());
             }
             Some(notice) => add(Level::Info, "notice", notice.to_string()),

@@ -100,8 +100,14 @@ fn recording_start() -> RecordingStart {
 fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
     let (events, queue) = sync_channel(16);
     let output = MemoryOutput::default();
-    let recorder =
-        Recorder::begin(output.clone(), &recording_start(), Clock::start(), FaultInjector::default(), events);
+    let recorder = Recorder::begin(
+        output.clone(),
+        &recording_start(),
+        Clock::start(),
+        FaultInjector::default(),
+        events,
+        None,
+    );
     (output, recorder.unwrap(), queue)
 }
 
@@ -201,5 +207,5 @@ fn an_output_that_cannot_be_written_is_refused_at_the_start() {
     output.set(Writes::Fail);
     let (events, _queue) = sync_channel(1);
     let start = recording_start();
-    assert!(Recorder::begin(output, &start, Clock::start(), FaultInjector::default(), events).is_err());
+    assert!(Recorder::begin(output, &start, Clock::start(), FaultInjector::default(), events, None).is_err());
 }

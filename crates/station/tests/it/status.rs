@@ -11,8 +11,8 @@ use barrelman_pilot::{Advice, Mode, Outcome};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput as _};
 use barrelman_station::live::status_writer::{LineStyle, StatusWriter};
 use barrelman_station::live::threads::FaultInjector;
-use barrelman_vocab::telemetry::LinkState;
 use barrelman_station::snapshot::{LinkStatus, RecordingState, Snapshot};
+use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, StopCause, Track, VehicleProfile};
 
 use crate::live_scenes::{PICTURE, at, localisation};

@@ -2,9 +2,9 @@
 
 use barrelman_control::Sector;
 use barrelman_pilot::outcome::HoldCause;
-use barrelman_vocab::{LawId, StopCause};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
+use barrelman_vocab::{LawId, StopCause};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;

@@ -1,0 +1,113 @@
+//! The console and the recordings in the configuration.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::range::within;
+use crate::console::OnConsoleLost;
+
+/// The operator's console.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ConsoleSection {
+    /// Further names by which the console is opened, besides the addresses of this machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hosts: Option<Vec<String>>,
+    /// File with the console's tokens, two lines: control, watch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub token_file: Option<PathBuf>,
+    /// What happens when the controlling page is gone for two seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_lost: Option<OnConsoleLost>,
+}
+
+/// The recordings that `run` makes without being asked.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RecordingSection {
+    /// Whether `run` records without `--record`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub enabled: Option<bool>,
+    /// The folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// Size of all recordings in the folder, gigabytes, 0.1 to 100000. The oldest make room for a new one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quota_gb: Option<f64>,
+    /// Free space of the disk that a recording leaves, gigabytes, 0 to 100000.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reserve_gb: Option<f64>,
+}
+
+/// The effective settings of the console.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ConsoleConfig {
+    /// Further names of the server.
+    pub hosts: Vec<String>,
+    /// The file with the tokens; `None`: tokens are made.
+    pub token_file: Option<PathBuf>,
+    /// What happens when the controlling page is gone.
+    pub on_lost: OnConsoleLost,
+}
+
+/// The effective settings of recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordingConfig {
+    /// Whether `run` records without `--record`.
+    pub enabled: bool,
+    /// The folder.
+    pub folder: PathBuf,
+    /// Size of all recordings in the folder, gigabytes.
+    pub quota_gb: f64,
+    /// Free space that a recording leaves, gigabytes.
+    pub reserve_gb: f64,
+}
+
+impl ConsoleSection {
+    /// The effective settings.
+    pub(super) fn resolve(&self) -> ConsoleConfig {
+        ConsoleConfig {
+            hosts: self.hosts.clone().unwrap_or_default(),
+            token_file: self.token_file.clone(),
+            on_lost: self.on_lost.unwrap_or_default(),
+        }
+    }
+
+    /// A complete section.
+    pub(super) fn from_config(config: &ConsoleConfig) -> Self {
+        Self {
+            hosts: Some(config.hosts.clone()),
+            token_file: config.token_file.clone(),
+            on_lost: Some(config.on_lost),
+        }
+    }
+}
+
+impl RecordingSection {
+    /// The effective settings.
+    ///
+    /// # Errors
+    /// If a value is out of range; the message names the key and the range.
+    pub(super) fn resolve(&self) -> Result<RecordingConfig> {
+        let gigabytes = "gigabytes";
+        Ok(RecordingConfig {
+            enabled: self.enabled.unwrap_or(true),
+            folder: self.folder.clone().unwrap_or_else(|| PathBuf::from("recordings")),
+            quota_gb: within("recording.quota_gb", self.quota_gb, 20.0, 0.1, 100_000.0, gigabytes)?,
+            reserve_gb: within("recording.reserve_gb", self.reserve_gb, 2.0, 0.0, 100_000.0, gigabytes)?,
+        })
+    }
+
+    /// A complete section.
+    pub(super) fn from_config(config: &RecordingConfig) -> Self {
+        Self {
+            enabled: Some(config.enabled),
+            folder: Some(config.folder.clone()),
+            quota_gb: Some(config.quota_gb),
+            reserve_gb: Some(config.reserve_gb),
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! What happens when the controlling page is gone.
+
+use clap::ValueEnum;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What happens when the controlling page is gone for two seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OnConsoleLost {
+    /// An engaged camera stays engaged.
+    #[default]
+    Stay,
+    /// The camera stops.
+    Stop,
+}
