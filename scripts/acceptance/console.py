@@ -152,6 +152,10 @@ def run(table, args, folder):
     table.require("engaged: the ground station hears rates", True, heard.raw)
     data = page.data
     table.show("capture to drawing by the page's own clock, WebCodecs", f"median {data['delayMs']} ms, 95 % {data['delayP95Ms']} ms", "with the latency of the simulated video")
+    page.click("deselect")
+    page.wait(lambda data: (data["mode"], data["track"]) == ("holding", "unseeded"), 5, "nothing followed")
+    select_boat(table, page, folder, "the boat, again, while engaged")
+    page.wait(lambda data: data["mode"] == "servoing", 5, "the camera")
     page.click("disengage")
 
     watchers(table, args, folder, program, page)
@@ -160,12 +164,6 @@ def run(table, args, folder):
     page.ready()
     table.require("a reload keeps the control", page.wait(lambda data: data["controlling"] == "yes", 5, "the control")["controlling"] == "yes")
     stop_among_requests(table, args, page, emulator)
-
-    page.type("r")
-    page.wait(lambda data: data["mode"] == "idle", 5, "disengaged")
-    page.click("deselect")
-    page.wait(lambda data: data["track"] == "unseeded", 5, "nothing followed")
-    select_boat(table, page, folder, "the boat, again")
 
     jpeg = Page(program.url.replace("/#", "/?video=jpeg#"), folder, "jpeg")
     data = jpeg.ready()

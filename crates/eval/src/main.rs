@@ -2,7 +2,7 @@
 //! and fits parameters, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|simulator|law|tune|views|fit
+//! cargo run --release -p barrelman-eval -- tracker|selection|simulator|law|tune|views|fit
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -40,6 +40,8 @@ struct Cli {
 enum Command {
     /// Measure the tracker on real clips and generated scenes: accuracy, confidence, cost.
     Tracker(tracker::Options),
+    /// Measure selections that were drawn on an earlier video frame.
+    Selection(tracker::past_selection::SelectionOptions),
     /// Compare simulated trials with recorded ones.
     Simulator(simulator::Options),
     /// Compare the camera laws on the same seeds.
@@ -55,6 +57,7 @@ enum Command {
 fn main() -> ExitCode {
     let (name, result) = match Cli::parse().command {
         Command::Tracker(options) => ("tracker", tracker::run(&options)),
+        Command::Selection(options) => ("selection", tracker::past_selection::run(&options)),
         Command::Simulator(options) => ("simulator", simulator::run(&options)),
         Command::Law(options) => ("law", law::run(&options)),
         Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),

@@ -120,7 +120,7 @@ impl PendingSelection {
             }
         };
         let report = context.tracker.select(frame, bounds).map_err(Notice::SelectionRefused)?;
-        let selected_share = share_of(report.used, frame.picture.size());
+        let selected_share = share_of(report.localisation.bounds, report.localisation.picture);
         let progress = Progress { processed: frame.capture.at, selected_share };
         if frame.capture.at >= newest.capture.at {
             self.stage = Stage::Confirming { progress, confirmed: 0, frames: 0 };

@@ -1,4 +1,4 @@
-//! Labelled clips: a folder each with `video.mp4` and `gt.csv`. A row of `gt.csv` is frame, x, y, w, h in pixels; w and
+//! Labelled clips: a folder each with `video.mp4` and `gt.csv` (or the simulator's `truth.csv`). A row of `gt.csv` is frame, x, y, w, h in pixels; w and
 //! h are 0 where the target is absent.
 
 use std::path::{Path, PathBuf};
@@ -57,7 +57,8 @@ pub(crate) fn list_clips(folder: &Path, names: &[String]) -> Result<Vec<ClipFold
     let mut clips = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(context)? {
         let folder = entry?.path();
-        if folder.join("video.mp4").is_file() && folder.join("gt.csv").is_file() {
+        let has_labels = folder.join("gt.csv").is_file() || folder.join("truth.csv").is_file();
+        if folder.join("video.mp4").is_file() && has_labels {
             let name = folder.file_name().context("a folder has a name")?.to_string_lossy().into_owned();
             clips.push(ClipFolder { name, folder });
         }
@@ -70,7 +71,7 @@ pub(crate) fn list_clips(folder: &Path, names: &[String]) -> Result<Vec<ClipFold
         }
     }
     clips.retain(|clip| names.is_empty() || names.contains(&clip.name));
-    ensure!(!clips.is_empty(), "{} holds no folder with video.mp4 and gt.csv", folder.display());
+    ensure!(!clips.is_empty(), "{} holds no folder with video.mp4 and gt.csv or truth.csv", folder.display());
     Ok(clips)
 }
 
@@ -91,8 +92,10 @@ impl ClipFolder {
         while let Some(frame) = reader.next_frame()? {
             frames.push(frame);
         }
-        let path = self.folder.join("gt.csv");
+        let (labels, truth) = (self.folder.join("gt.csv"), self.folder.join("truth.csv"));
+        let path = if labels.is_file() { labels } else { truth };
         let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let text = if path.ends_with("truth.csv") { labels_of_truth(&text)? } else { text };
         let labels = parse_labels(&text, frames.len()).with_context(|| path.display().to_string())?;
         let first = labels.iter().enumerate().find_map(|(frame, label)| match label {
             Some(Label::Visible(bounds)) => Some((frame, *bounds)),
@@ -102,6 +105,19 @@ impl ClipFolder {
             .with_context(|| format!("{}: the target is visible in no labelled frame", path.display()))?;
         Ok(Clip { name: self.name.clone(), frames, labels, start, selection })
     }
+}
+
+/// The labels in a truth.csv of the simulator. A target of which less than half is visible counts as absent.
+fn labels_of_truth(text: &str) -> Result<String> {
+    let mut labels = "frame,x,y,w,h\n".to_owned();
+    for line in text.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let [frame, _, u, v, w, h, _, _, visible, ..] = cells[..] else { bail!("{line}: not a row of truth") };
+        let is_visible = visible.parse::<f64>().is_ok_and(|share| share >= 0.5);
+        let (w, h) = if is_visible { (w, h) } else { ("0", "0") };
+        labels += &format!("{frame},{u},{v},{w},{h}\n");
+    }
+    Ok(labels)
 }
 
 /// Parses the labels of a number of frames. Labels of later frames are ignored.

@@ -20,6 +20,8 @@ mod orientation;
 
 mod leave_one_out;
 
+pub(crate) mod past_selection;
+
 mod csrt;
 mod synthetic_scenes;
 mod tracker_run;

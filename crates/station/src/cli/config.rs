@@ -24,6 +24,9 @@ pub enum ConfigCommand {
     /// The JSON schema, for editors.
     #[command(after_help = "Example:\n  barrelman config schema > barrelman.schema.json")]
     Schema,
+    /// The JSON schemas of the console's interface for programs (docs/api.md).
+    #[command(after_help = "Example:\n  barrelman config api > api.schema.json")]
+    Api,
     /// The effective configuration, complete.
     #[command(after_help = "Example:\n  barrelman config print barrelman.toml")]
     Print {

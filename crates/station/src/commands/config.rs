@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 
 use crate::cli::{ConfigArgs, ConfigCommand};
+use crate::console::api::api_schemas;
 use crate::config::{self, ConfigFile, Configuration};
 
 /// Runs the command.
@@ -16,6 +17,7 @@ pub fn run(args: &ConfigArgs) -> Result<ExitCode> {
     let text = match &args.command {
         ConfigCommand::Example => config::EXAMPLE.to_owned(),
         ConfigCommand::Schema => config::schema()? + "\n",
+        ConfigCommand::Api => serde_json::to_string_pretty(&api_schemas())? + "\n",
         ConfigCommand::Print { config: None } => Configuration::resolve(&ConfigFile::default())?.to_toml()?,
         ConfigCommand::Print { config: Some(path) } => {
             Configuration::resolve(&config::read(path)?)?.to_toml()?

@@ -1,0 +1,224 @@
+//! Selections drawn on an earlier video frame, through the pilot: how often the track that is confirmed is the target's.
+//!
+//! The pilot is stepped with the frames up to the moment of the request; the box is the truth of a frame that is 0.2,
+//! 0.5 or 1.0 s old then. *Right*: confirmed, and the box overlaps the truth by IoU 0.5 on confirmation and 1 s later.
+//! *Refused*: the pilot says that it follows nothing. *Wrong*: confirmed, but not right. Ten start frames of each clip,
+//! evenly spread over those from which the target stays visible until 1 s after the confirmation can come. Between
+//! sparse labels the truth is interpolated.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use barrelman_experiments::law_choice::LawChoice;
+use barrelman_pilot::{Input, Notice, Pilot, PilotSettings};
+use barrelman_vision::{FusedConfig, FusedTracker};
+use barrelman_vocab::{DrawnSelection, OperatorRequest, PixelBox, Timestamp, VehicleProfile};
+use clap::Args;
+use serde_json::json;
+
+use super::clips::{Clip, list_clips};
+use super::scoring::Label;
+use crate::output::print_line;
+use crate::workspace::path_or_default;
+
+/// Ages of the frame on which the box is drawn, seconds.
+const AGES_S: [f64; 3] = [0.2, 0.5, 1.0];
+/// Start frames of each clip.
+const STARTS: usize = 10;
+/// Longest time from the request to the confirmation that start frames allow for, seconds.
+const CONFIRMED_WITHIN_S: f64 = 0.6;
+/// How long after the confirmation the track is judged again, seconds.
+const JUDGED_AFTER_S: f64 = 1.0;
+/// Least IoU of a right track.
+const MIN_IOU: f64 = 0.5;
+/// Parts of the names of clips of boats.
+const BOATS: [&str; 5] = ["boat", "ship", "raft", "arena", "field"];
+
+/// Options of `selection`.
+#[derive(Debug, Args)]
+pub(crate) struct SelectionOptions {
+    /// The folder of clips: a folder each with video.mp4, and gt.csv or truth.csv (of `barrelman render`)
+    /// [default: ../shared/data/clips beside the workspace].
+    #[arg(long, value_name = "DIR")]
+    clips: Option<PathBuf>,
+    /// Only this clip (repeatable).
+    #[arg(long, value_name = "NAME")]
+    clip: Vec<String>,
+    /// Write all figures to this file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// What became of one selection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Right,
+    Refused,
+    Wrong,
+}
+
+/// Counts of verdicts.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    right: usize,
+    refused: usize,
+    wrong: usize,
+}
+
+impl Tally {
+    fn add(&mut self, verdict: Verdict) {
+        *match verdict {
+            Verdict::Right => &mut self.right,
+            Verdict::Refused => &mut self.refused,
+            Verdict::Wrong => &mut self.wrong,
+        } += 1;
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            right: self.right + other.right,
+            refused: self.refused + other.refused,
+            wrong: self.wrong + other.wrong,
+        }
+    }
+
+    fn text(self) -> String {
+        let all = (self.right + self.refused + self.wrong).max(1) as f64;
+        let share = |count: usize| 100.0 * count as f64 / all;
+        format!(
+            "{:>4} right ({:>5.1} %)  {:>3} refused ({:>4.1} %)  {:>3} wrong ({:>4.1} %)",
+            self.right,
+            share(self.right),
+            self.refused,
+            share(self.refused),
+            self.wrong,
+            share(self.wrong)
+        )
+    }
+}
+
+/// Measures selections on earlier frames. Returns whether clips of boats hold what is required: 95 % right, at most 5 %
+/// refused, none wrong.
+///
+/// # Errors
+/// If a clip or the output file cannot be used.
+pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
+    let folder = path_or_default(options.clips.as_ref(), "../shared/data/clips")?;
+    let (mut boats, mut all, mut figures) = (Tally::default(), Tally::default(), Vec::new());
+    let mut slowest_ms: f64 = 0.0;
+    for clip in list_clips(&folder, &options.clip)? {
+        let clip = clip.load()?;
+        let truth = interpolated(&clip);
+        let mut tallies = [Tally::default(); AGES_S.len()];
+        for (tally, age_s) in tallies.iter_mut().zip(AGES_S) {
+            for start in starts(&clip, &truth, age_s) {
+                let (verdict, step_ms) = select(&clip, &truth, start, age_s)?;
+                slowest_ms = slowest_ms.max(step_ms);
+                tally.add(verdict);
+            }
+        }
+        let sum = tallies.into_iter().fold(Tally::default(), Tally::plus);
+        let is_boat = BOATS.iter().any(|part| clip.name.contains(part));
+        print_line(&format!("{:<30} {}  {}", clip.name, if is_boat { "boat" } else { "    " }, sum.text()));
+        all = all.plus(sum);
+        if is_boat {
+            boats = boats.plus(sum);
+        }
+        for (tally, age_s) in tallies.iter().zip(AGES_S) {
+            figures.push(json!({"clip": clip.name, "age_s": age_s, "right": tally.right, "refused": tally.refused, "wrong": tally.wrong}));
+        }
+    }
+    print_line(&format!("{:<36} {}", "boats", boats.text()));
+    print_line(&format!("{:<36} {}", "all clips", all.text()));
+    print_line(&format!("longest step of the pilot with a selection: {slowest_ms:.1} ms"));
+    if let Some(path) = &options.json {
+        std::fs::write(path, json!({"clips": figures, "longest_step_ms": slowest_ms}).to_string() + "\n")?;
+    }
+    let count = boats.right + boats.refused + boats.wrong;
+    Ok(boats.wrong == 0 && 20 * boats.refused <= count && 20 * boats.right >= 19 * count)
+}
+
+/// The truth of each frame: labels, and between two visible labels the interpolated box.
+fn interpolated(clip: &Clip) -> Vec<Option<PixelBox>> {
+    let known: Vec<(usize, Label)> =
+        clip.labels.iter().enumerate().filter_map(|(index, label)| Some((index, (*label)?))).collect();
+    let mut truth = vec![None; clip.labels.len()];
+    for &(index, label) in &known {
+        if let Label::Visible(bounds) = label {
+            truth[index] = Some(bounds);
+        }
+    }
+    for pair in known.windows(2) {
+        let [(from, Label::Visible(a)), (to, Label::Visible(b))] = *pair else { continue };
+        for (offset, box_at) in truth[from..to].iter_mut().enumerate() {
+            let t = offset as f64 / (to - from) as f64;
+            let mix = |a: f64, b: f64| a + t * (b - a);
+            *box_at =
+                Some(PixelBox { u: mix(a.u, b.u), v: mix(a.v, b.v), w: mix(a.w, b.w), h: mix(a.h, b.h) });
+        }
+    }
+    truth
+}
+
+/// Evenly spread start frames from which the target stays visible for long enough.
+fn starts(clip: &Clip, truth: &[Option<PixelBox>], age_s: f64) -> Vec<usize> {
+    let at = |index: usize| clip.frames[index].capture.at;
+    let needed = Duration::from_secs_f64(age_s + CONFIRMED_WITHIN_S + JUDGED_AFTER_S);
+    let is_possible = |start: usize| {
+        let until = at(start).plus(needed);
+        let end = (start..clip.frames.len()).find(|index| at(*index) >= until);
+        end.is_some_and(|end| truth[start..=end].iter().all(Option::is_some))
+    };
+    let possible: Vec<usize> = (0..clip.frames.len()).filter(|start| is_possible(*start)).collect();
+    let count = possible.len().min(STARTS);
+    (0..count).map(|index| possible[index * possible.len() / count]).collect()
+}
+
+/// Makes one selection. Returns what became of it, and the longest step in milliseconds.
+fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> Result<(Verdict, f64)> {
+    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawChoice::OPTIMAL.settings() };
+    let tracker = FusedTracker::new(FusedConfig::default())?;
+    let mut pilot = Pilot::new(settings, Box::new(tracker)).keeping_frames();
+    let drawn_at = clip.frames[start].capture.at;
+    let requested_at = drawn_at.plus(Duration::from_secs_f64(age_s));
+    let bounds = truth[start].unwrap_or_default();
+    let (mut confirmed_at, mut is_requested): (Option<Timestamp>, bool) = (None, false);
+    let mut slowest_ms: f64 = 0.0;
+    for (index, frame) in clip.frames.iter().enumerate().skip(start) {
+        let now = frame.capture.at;
+        let begin = Instant::now();
+        let outcome = pilot.step(Input::Frame(frame), now);
+        if outcome.is_confirming || is_requested {
+            slowest_ms = slowest_ms.max(begin.elapsed().as_secs_f64() * 1e3);
+        }
+        let is_right = || {
+            let seen = outcome.track.localisation().map(|seen| seen.bounds);
+            seen.zip(truth[index]).is_some_and(|(seen, truth)| seen.iou(truth) >= MIN_IOU)
+        };
+        match &outcome.notice {
+            Some(Notice::SelectionConfirmed(_)) => {
+                confirmed_at = Some(now);
+                if !is_right() {
+                    return Ok((Verdict::Wrong, slowest_ms));
+                }
+            }
+            Some(Notice::RequestRefused(_) | Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_)) => {
+                return Ok((Verdict::Refused, slowest_ms));
+            }
+            _ => {}
+        }
+        if let Some(confirmed) = confirmed_at
+            && now.since(confirmed).as_secs_f64() >= JUDGED_AFTER_S
+        {
+            return Ok((if is_right() { Verdict::Right } else { Verdict::Wrong }, slowest_ms));
+        }
+        if !is_requested && now >= requested_at {
+            is_requested = true;
+            let selection = DrawnSelection { bounds, captured: drawn_at };
+            pilot.step(Input::Request(OperatorRequest::SelectOn(selection)), now);
+        }
+    }
+    // The clip ended before the second judgement: the confirmation took longer than the start frames allow for.
+    Ok((Verdict::Refused, slowest_ms))
+}
