@@ -112,7 +112,9 @@ fn labels_of_truth(text: &str) -> Result<String> {
     let mut labels = "frame,x,y,w,h\n".to_owned();
     for line in text.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
-        let [frame, _, u, v, w, h, _, _, visible, ..] = cells[..] else { bail!("{line}: not a row of truth") };
+        let [frame, _, u, v, w, h, _, _, visible, ..] = cells[..] else {
+            bail!("{line}: not a row of truth")
+        };
         let is_visible = visible.parse::<f64>().is_ok_and(|share| share >= 0.5);
         let (w, h) = if is_visible { (w, h) } else { ("0", "0") };
         labels += &format!("{frame},{u},{v},{w},{h}\n");

@@ -45,9 +45,22 @@ pub(crate) struct SelectionOptions {
     /// Only this clip (repeatable).
     #[arg(long, value_name = "NAME")]
     clip: Vec<String>,
+    /// Print each selection that was not right.
+    #[arg(long)]
+    each: bool,
     /// Write all figures to this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+}
+
+/// One selection: what became of it, and how well the track overlapped the truth.
+#[derive(Debug, Clone, Copy)]
+struct Selected {
+    verdict: Verdict,
+    /// IoU on confirmation and when it was judged again.
+    ious: [Option<f64>; 2],
+    /// Longest step, milliseconds.
+    step_ms: f64,
 }
 
 /// What became of one selection.
@@ -113,9 +126,16 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
         let mut tallies = [Tally::default(); AGES_S.len()];
         for (tally, age_s) in tallies.iter_mut().zip(AGES_S) {
             for start in starts(&clip, &truth, age_s) {
-                let (verdict, step_ms) = select(&clip, &truth, start, age_s)?;
-                slowest_ms = slowest_ms.max(step_ms);
-                tally.add(verdict);
+                let selected = select(&clip, &truth, start, age_s)?;
+                slowest_ms = slowest_ms.max(selected.step_ms);
+                tally.add(selected.verdict);
+                if options.each && selected.verdict != Verdict::Right {
+                    let Selected { verdict, ious, .. } = selected;
+                    print_line(&format!(
+                        "  {} from frame {start}, {age_s} s: {verdict:?}, IoU {ious:.2?}",
+                        clip.name
+                    ));
+                }
             }
         }
         let sum = tallies.into_iter().fold(Tally::default(), Tally::plus);
@@ -175,43 +195,49 @@ fn starts(clip: &Clip, truth: &[Option<PixelBox>], age_s: f64) -> Vec<usize> {
     (0..count).map(|index| possible[index * possible.len() / count]).collect()
 }
 
-/// Makes one selection. Returns what became of it, and the longest step in milliseconds.
-fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> Result<(Verdict, f64)> {
-    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawChoice::OPTIMAL.settings() };
+/// Makes one selection.
+fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> Result<Selected> {
+    let settings =
+        PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawChoice::OPTIMAL.settings() };
     let tracker = FusedTracker::new(FusedConfig::default())?;
     let mut pilot = Pilot::new(settings, Box::new(tracker)).keeping_frames();
     let drawn_at = clip.frames[start].capture.at;
     let requested_at = drawn_at.plus(Duration::from_secs_f64(age_s));
     let bounds = truth[start].unwrap_or_default();
     let (mut confirmed_at, mut is_requested): (Option<Timestamp>, bool) = (None, false);
-    let mut slowest_ms: f64 = 0.0;
+    // A clip that ends before the second judgement counts as refused: the confirmation took longer than the start
+    // frames allow for.
+    let mut selected = Selected { verdict: Verdict::Refused, ious: [None; 2], step_ms: 0.0 };
     for (index, frame) in clip.frames.iter().enumerate().skip(start) {
         let now = frame.capture.at;
         let begin = Instant::now();
         let outcome = pilot.step(Input::Frame(frame), now);
         if outcome.is_confirming || is_requested {
-            slowest_ms = slowest_ms.max(begin.elapsed().as_secs_f64() * 1e3);
+            selected.step_ms = selected.step_ms.max(begin.elapsed().as_secs_f64() * 1e3);
         }
-        let is_right = || {
-            let seen = outcome.track.localisation().map(|seen| seen.bounds);
-            seen.zip(truth[index]).is_some_and(|(seen, truth)| seen.iou(truth) >= MIN_IOU)
-        };
+        let seen = outcome.track.localisation().map(|seen| seen.bounds);
+        let iou = seen.zip(truth[index]).map(|(seen, truth)| seen.iou(truth));
+        let is_right = iou.is_some_and(|iou| iou >= MIN_IOU);
         match &outcome.notice {
             Some(Notice::SelectionConfirmed(_)) => {
                 confirmed_at = Some(now);
-                if !is_right() {
-                    return Ok((Verdict::Wrong, slowest_ms));
+                selected.ious[0] = iou;
+                if !is_right {
+                    selected.verdict = Verdict::Wrong;
+                    return Ok(selected);
                 }
             }
-            Some(Notice::RequestRefused(_) | Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_)) => {
-                return Ok((Verdict::Refused, slowest_ms));
+            Some(
+                Notice::RequestRefused(_) | Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_),
+            ) => {
+                return Ok(selected);
             }
             _ => {}
         }
-        if let Some(confirmed) = confirmed_at
-            && now.since(confirmed).as_secs_f64() >= JUDGED_AFTER_S
-        {
-            return Ok((if is_right() { Verdict::Right } else { Verdict::Wrong }, slowest_ms));
+        if confirmed_at.is_some_and(|confirmed| now.since(confirmed).as_secs_f64() >= JUDGED_AFTER_S) {
+            selected.ious[1] = iou;
+            selected.verdict = if is_right { Verdict::Right } else { Verdict::Wrong };
+            return Ok(selected);
         }
         if !is_requested && now >= requested_at {
             is_requested = true;
@@ -219,6 +245,5 @@ fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> 
             pilot.step(Input::Request(OperatorRequest::SelectOn(selection)), now);
         }
     }
-    // The clip ended before the second judgement: the confirmation took longer than the start frames allow for.
-    Ok((Verdict::Refused, slowest_ms))
+    Ok(selected)
 }

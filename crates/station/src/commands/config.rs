@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use anyhow::Result;
 
 use crate::cli::{ConfigArgs, ConfigCommand};
-use crate::console::api::api_schemas;
 use crate::config::{self, ConfigFile, Configuration};
+use crate::console::api::api_schemas;
 
 /// Runs the command.
 ///
