@@ -30,12 +30,12 @@ const MAX_AREA_FACTOR: f64 = 2.5;
 /// A selection that waits for its confirmation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PendingSelection {
-    stage: Stage,
+    state: SelectionState,
     selection: DrawnSelection,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Stage {
+enum SelectionState {
     /// The selection was requested after the last frame.
     Requested,
     /// The frames up to this time of capture have been processed.
@@ -83,22 +83,22 @@ pub(crate) struct SelectingContext<'a> {
 impl PendingSelection {
     /// A selection that was requested now.
     pub(crate) const fn new(selection: DrawnSelection) -> Self {
-        Self { stage: Stage::Requested, selection }
+        Self { state: SelectionState::Requested, selection }
     }
 
     /// Processes the newest frame.
     pub(crate) fn advance(&mut self, context: &mut SelectingContext<'_>) -> SelectingResult {
-        if self.stage == Stage::Requested {
+        if self.state == SelectionState::Requested {
             match self.begin(context) {
                 Ok(None) => {}
                 Ok(Some(track)) => return SelectingResult::Pending(track),
-                Err(notice) => return SelectingResult::Refused(notice),
+                Err(notice) => return SelectingResult::Refused(*notice),
             }
         }
-        match self.stage {
-            Stage::Requested => SelectingResult::Pending(Track::Unseeded),
-            Stage::CatchingUp(progress) => self.catch_up(progress, context),
-            Stage::Confirming { progress, confirmed, frames } => {
+        match self.state {
+            SelectionState::Requested => SelectingResult::Pending(Track::Unseeded),
+            SelectionState::CatchingUp(progress) => self.catch_up(progress, context),
+            SelectionState::Confirming { progress, confirmed, frames } => {
                 let track = track_after(context, progress.processed, context.frame);
                 let progress = Progress { processed: context.frame.capture.at, ..progress };
                 self.confirm(progress, confirmed, frames + 1, track, context)
@@ -107,7 +107,7 @@ impl PendingSelection {
     }
 
     /// Selects on the frame on which the box was drawn. Returns the track where that is the newest frame.
-    fn begin(&mut self, context: &mut SelectingContext<'_>) -> Result<Option<Track>, Notice> {
+    fn begin(&mut self, context: &mut SelectingContext<'_>) -> Result<Option<Track>, Box<Notice>> {
         let DrawnSelection { bounds, captured } = self.selection;
         let newest = context.frame;
         let frame = match context.history.find(captured) {
@@ -116,17 +116,20 @@ impl PendingSelection {
             None if newest.capture.at == captured => newest,
             None => {
                 let age = context.history.age(captured).unwrap_or_else(|| newest.capture.at.since(captured));
-                return Err(Notice::RequestRefused(Refusal::SelectionTooOld { age, kept: KEPT }));
+                return Err(Box::new(Notice::RequestRefused(Refusal::SelectionTooOld { age, kept: KEPT })));
             }
         };
-        let report = context.tracker.select(frame, bounds).map_err(Notice::SelectionRefused)?;
+        let report = context
+            .tracker
+            .select(frame, bounds)
+            .map_err(|refused| Box::new(Notice::SelectionRefused(refused)))?;
         let selected_share = share_of(report.localisation.bounds, report.localisation.picture);
         let progress = Progress { processed: frame.capture.at, selected_share };
         if frame.capture.at >= newest.capture.at {
-            self.stage = Stage::Confirming { progress, confirmed: 0, frames: 0 };
+            self.state = SelectionState::Confirming { progress, confirmed: 0, frames: 0 };
             return Ok(Some(Track::Tracking(report.localisation)));
         }
-        self.stage = Stage::CatchingUp(progress);
+        self.state = SelectionState::CatchingUp(progress);
         Ok(None)
     }
 
@@ -143,7 +146,7 @@ impl PendingSelection {
         if progress.processed >= context.frame.capture.at {
             return self.confirm(progress, 0, 1, track, context);
         }
-        self.stage = Stage::CatchingUp(progress);
+        self.state = SelectionState::CatchingUp(progress);
         SelectingResult::Pending(Track::Unseeded)
     }
 
@@ -175,7 +178,7 @@ impl PendingSelection {
         if frames >= MAX_CONFIRMING_FRAMES {
             return give_up(context, Unconfirmed::NotSure);
         }
-        self.stage = Stage::Confirming { progress, confirmed, frames };
+        self.state = SelectionState::Confirming { progress, confirmed, frames };
         SelectingResult::Pending(track)
     }
 }

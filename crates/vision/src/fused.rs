@@ -34,6 +34,7 @@ mod config;
 mod workspace;
 
 mod distractors;
+mod excluded_places;
 mod following;
 mod learning;
 mod recovery;

@@ -13,6 +13,7 @@
 //! either kind, and nothing else.
 
 pub mod server;
+mod shared;
 
 mod routes;
 mod socket;
@@ -38,7 +39,8 @@ mod links;
 
 pub use on_lost::OnConsoleLost;
 pub use pictures::PictureSlot;
-pub use server::{ConsoleParts, ConsoleServer, SessionFacts};
+pub use server::ConsoleServer;
 pub use session_time::SessionTime;
 pub use settings::ConsoleSettings;
+pub use shared::{ConsoleParts, SessionFacts};
 pub use video_relay::VideoRelay;

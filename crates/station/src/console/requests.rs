@@ -11,7 +11,7 @@ use tokio::sync::oneshot;
 use super::access::Role;
 use super::api::{AnswerKind, ConsoleRequest, LawName};
 use super::seats::{ClientId, Seats};
-use super::server::Console;
+use super::shared::Console;
 use crate::operator::{Answer, Request};
 use crate::snapshot::Level;
 

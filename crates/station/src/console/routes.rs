@@ -34,7 +34,7 @@ use super::guard::Provenance;
 use super::limits::MAX_MESSAGE_BYTES;
 use super::metrics::metrics_text;
 use super::requests::{Requester, answer, begin_request};
-use super::server::Console;
+use super::shared::Console;
 use super::socket;
 use super::status::status_of;
 

@@ -20,7 +20,7 @@ use super::limits::{IDLE_TIMEOUT, RateLimit, SEND_TIMEOUT};
 use super::pictures::PictureViewer;
 use super::requests::{Requester, answer, begin_request};
 use super::seats::ClientId;
-use super::server::Console;
+use super::shared::Console;
 use super::status::status_of;
 use super::video_relay::RelayedUnit;
 use crate::snapshot::{EventEntry, SharedSnapshot};
@@ -37,13 +37,13 @@ pub(super) async fn serve(console: Arc<Console>, socket: WebSocket, role: Role, 
     console.publish_seats();
     let id = joined.id;
     let (sink, stream) = socket.split();
-    let (outbox, outgoing) = mpsc::channel(OUTBOX);
+    let (outbox, answers) = mpsc::channel(OUTBOX);
     let (path, paths) = watch::channel(VideoPath::None);
     let requester = Requester { role, client: Some(id) };
     let reader = Reader { console: Arc::clone(&console), requester, outbox, path };
     tokio::select! {
         () = reader.run(stream) => {}
-        _ = write(&console, sink, id, role, outgoing, paths) => {}
+        _ = write(&console, sink, id, role, answers, paths) => {}
     }
     console.with_seats(|seats| seats.leave(id, console.time.clock()));
     console.publish_seats();
@@ -136,7 +136,7 @@ async fn write(
     sink: SplitSink<WebSocket, Message>,
     id: ClientId,
     role: Role,
-    mut outgoing: mpsc::Receiver<ServerMessage>,
+    mut answers: mpsc::Receiver<ServerMessage>,
     mut paths: watch::Receiver<VideoPath>,
 ) -> Result<(), Closed> {
     let mut writer = Writer { sink };
@@ -152,7 +152,7 @@ async fn write(
     loop {
         tokio::select! {
             biased;
-            message = outgoing.recv() => {
+            message = answers.recv() => {
                 let Some(message) = message else { return Err(Closed) };
                 writer.send_json(&message).await?;
             }

@@ -157,11 +157,7 @@ impl LiveDrive<'_> {
     /// Handles an input of the world. A helm that is already in force is only renewed, not stored again.
     fn on_world_input(&mut self, input: DriveInput) -> Result<()> {
         match input {
-            DriveInput::Helm { .. } => {
-                if !self.helm.set(input, self.clock.now()) {
-                    return Ok(());
-                }
-            }
+            DriveInput::Helm { .. } if !self.helm.set(input, self.clock.now()) => return Ok(()),
             DriveInput::Helmsman => self.helm.release(),
             DriveInput::Pause => self.is_paused = true,
             DriveInput::Resume => self.is_paused = false,

@@ -7,27 +7,17 @@
 use barrelman_vocab::{MotionPrior, VideoFrame};
 
 use super::config::FusedConfig;
+use super::excluded_places::{ExcludedPlaces, MAX_PLACES};
 use super::phase::Phase;
 use super::target::Target;
 use super::workspace::Workspace;
 
 /// Largest number of distractors; a further one takes the place of the oldest.
-const MAX_DISTRACTORS: usize = 2;
+const MAX_DISTRACTORS: usize = MAX_PLACES;
 /// A distractor that was not seen for longer is forgotten, seconds. Its place is predicted meanwhile.
 const KEPT_S: f64 = 10.0;
 /// Radius of the place that is excluded, in half diagonals of the distractor's box.
 const RADIUS_SHARE: f32 = 0.9;
-
-/// The places of distractors in one frame: circles, centre and radius in pixels.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct ExcludedPlaces([Option<((f32, f32), f32)>; MAX_DISTRACTORS]);
-
-impl ExcludedPlaces {
-    /// Whether a point lies in one of the places.
-    pub(super) fn contains(&self, point: (f32, f32)) -> bool {
-        self.0.iter().flatten().any(|((u, v), radius)| libm::hypotf(point.0 - u, point.1 - v) <= *radius)
-    }
-}
 
 /// A rejected object with the buffers for following it.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use barrelman_vocab::Timestamp;
 
-use super::distractors::ExcludedPlaces;
+use super::excluded_places::ExcludedPlaces;
 use super::extent::Extent;
 
 /// State of the search for a lost target.

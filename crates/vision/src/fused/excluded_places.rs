@@ -1,0 +1,16 @@
+//! Places of a video frame in which the search for the target must not find it: there are objects that the operator
+//! rejected.
+
+/// Largest number of places.
+pub(super) const MAX_PLACES: usize = 2;
+
+/// Places in one video frame: circles, centre and radius in pixels.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ExcludedPlaces(pub(super) [Option<((f32, f32), f32)>; MAX_PLACES]);
+
+impl ExcludedPlaces {
+    /// Whether a point lies in one of the places.
+    pub(super) fn contains(&self, point: (f32, f32)) -> bool {
+        self.0.iter().flatten().any(|((u, v), radius)| libm::hypotf(point.0 - u, point.1 - v) <= *radius)
+    }
+}
