@@ -2,14 +2,35 @@
 
 const TOKEN_IN_LINK = /[#&]token=([^&]+)/;
 
-/** The name of this page, which a reload keeps. */
-export function pageName() {
-  let name = sessionStorage.getItem("page");
-  if (!name) {
-    name = [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
-    sessionStorage.setItem("page", name);
+/** How long another tab may take to say that it has a name already, ms. */
+const NAME_WAIT_MS = 60;
+
+/** The name of this page. A reload keeps it; a duplicated tab, which begins with a copy of the name, gets its own. */
+export let pageName = "";
+
+function newName() {
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** Chooses the name of this page, and answers other tabs that begin with the same one. */
+async function chooseName() {
+  const tabs = new BroadcastChannel("barrelman-pages");
+  const wanted = sessionStorage.getItem("page");
+  let isTaken = !wanted;
+  if (wanted) {
+    tabs.onmessage = ({ data }) => (isTaken ||= data.has === wanted);
+    tabs.postMessage({ asks: wanted });
+    await new Promise((resolve) => setTimeout(resolve, NAME_WAIT_MS));
   }
-  return name;
+  pageName = isTaken ? newName() : wanted;
+  sessionStorage.setItem("page", pageName);
+  tabs.onmessage = ({ data }) => data.asks === pageName && tabs.postMessage({ has: pageName });
+}
+
+/** Whether the program accepts this page's token; `null` where the program cannot be reached. */
+export async function mayEnter() {
+  const response = await fetch("/api/v1/access").catch(() => null);
+  return response && (response.ok || response.status !== 401);
 }
 
 /** Logs in with a token. @param {string} token @returns {Promise<boolean>} */
@@ -26,9 +47,10 @@ export async function enter() {
     history.replaceState(null, "", location.pathname + location.search);
     await logIn(decodeURIComponent(found[1]));
   }
+  await chooseName();
   for (;;) {
-    const response = await fetch("/api/v1/access").catch(() => null);
-    if (response) return response.ok;
+    const isPermitted = await mayEnter();
+    if (isPermitted !== null) return isPermitted;
     await new Promise((resolve) => setTimeout(resolve, 500));
   }
 }

@@ -4,7 +4,6 @@ const MAX_ROWS = 300;
 
 export class EventList {
   #list = document.getElementById("events");
-  startUnixMs = 0;
 
   /** Shows all events anew. */
   reset(events) {
@@ -12,9 +11,9 @@ export class EventList {
     for (const event of events.slice(-MAX_ROWS)) this.add(event);
   }
 
-  add({ at_ns: at, level, text }) {
+  add({ unix_ms: at, level, text }) {
     const row = document.createElement("li");
-    const time = new Date(this.startUnixMs + at / 1e6).toLocaleTimeString();
+    const time = new Date(at).toLocaleTimeString();
     row.textContent = `${time}  ${level === "info" ? "" : level === "alarm" ? "⚠ " : "! "}${text}`;
     row.dataset.level = level;
     this.#list.prepend(row);

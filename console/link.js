@@ -1,10 +1,12 @@
 // The socket to the program: messages in both directions, reconnection, and the answers to requests.
 
-import { pageName } from "./access.js";
+import { mayEnter, pageName } from "./access.js";
 import { ProgramClock } from "./clock.js";
 
 const STALE_MS = 1500;
 const LONGEST_WAIT_MS = 2000;
+/** The program closes the socket with this code where too many pages are open. */
+const TRY_AGAIN_LATER = 1013;
 
 export class Link extends EventTarget {
   #socket = null;
@@ -14,6 +16,8 @@ export class Link extends EventTarget {
   #heard = 0;
   #video = "none";
   isUp = false;
+  /** Whether the program closed the connection because too many pages are open. */
+  isDismissed = false;
   clock = new ProgramClock();
 
   /** Connects, and reconnects for ever. */
@@ -25,7 +29,7 @@ export class Link extends EventTarget {
 
   #connect() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/api/v1/socket?client=${pageName()}`);
+    const socket = new WebSocket(`${scheme}://${location.host}/api/v1/socket?client=${pageName}`);
     socket.binaryType = "arraybuffer";
     this.#socket = socket;
     this.#heard = performance.now();
@@ -42,13 +46,22 @@ export class Link extends EventTarget {
       if (event.data instanceof ArrayBuffer) this.dispatchEvent(new CustomEvent("video", { detail: event.data }));
       else this.#onText(JSON.parse(event.data));
     };
-    socket.onclose = () => {
+    socket.onclose = ({ code }) => {
       if (socket !== this.#socket) return;
+      this.isDismissed = code === TRY_AGAIN_LATER;
       this.#setUp(false);
       this.#socket = null;
-      setTimeout(() => this.#connect(), this.#wait);
-      this.#wait = Math.min(2 * this.#wait, LONGEST_WAIT_MS);
+      if (!this.isDismissed) this.#retry();
     };
+  }
+
+  /** Connects again after a while, unless the program refuses the page. */
+  #retry() {
+    setTimeout(async () => {
+      if ((await mayEnter()) === false) this.dispatchEvent(new Event("refused"));
+      else this.#connect();
+    }, this.#wait);
+    this.#wait = Math.min(2 * this.#wait, LONGEST_WAIT_MS);
   }
 
   #setUp(isUp) {
@@ -103,10 +116,5 @@ export class Link extends EventTarget {
   chooseVideo(path) {
     this.#video = path;
     this.#send({ type: "video", path });
-  }
-
-  /** Tells the program what is drawn. */
-  sendView(path, delayMs) {
-    this.#send({ type: "view", path, delay_ms: delayMs });
   }
 }

@@ -66,16 +66,17 @@ link.addEventListener("snapshot", ({ detail }) => {
 link.addEventListener("hello", ({ detail }) => {
   at("where").textContent = `${detail.command}  ${detail.source}`;
   at("law").replaceChildren(...detail.laws.map((law) => new Option(words.laws[law], law)));
-  events.startUnixMs = detail.start_unix_ms;
 });
 link.addEventListener("events", ({ detail }) => events.reset(detail.events));
 link.addEventListener("event", ({ detail }) => events.add(detail));
 link.addEventListener("up", ({ detail: isUp }) => {
   at("lost").hidden = isUp;
-  at("lost").textContent = isUp ? "" : words.connectionLost;
+  at("lost").textContent = isUp ? "" : link.isDismissed ? words.dismissed : words.connectionLost;
   at("stage").classList.toggle("stale", !isUp);
   if (!isUp) sounds.play("alarm");
 });
+// A program that was started anew does not know the cookie: the page begins anew, and asks for a token.
+link.addEventListener("refused", () => location.reload());
 let wasOverdue = false;
 setInterval(() => {
   stage.tick();
@@ -140,8 +141,10 @@ at("law").addEventListener("change", async (event) => {
 });
 
 const KEYS = { e: "engage", r: "disengage", f: "freeze", x: "reject", p: "pause", h: "helmsman", n: "theme", m: "sound", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
+/** Whether keys write text there. A checkbox takes none: Enter switches it. */
+const takesText = (element) => element instanceof HTMLInputElement && element.type !== "checkbox";
 addEventListener("keydown", (event) => {
-  const isText = event.target instanceof HTMLInputElement;
+  const isText = takesText(event.target);
   if (event.key === " " && !isText) {
     if (!event.repeat) act.stop();
     event.preventDefault();
@@ -154,7 +157,7 @@ addEventListener("keydown", (event) => {
   else if (!event.repeat && KEYS[key] && !at(KEYS[key]).disabled) act[KEYS[key]]();
 }, { capture: false });
 addEventListener("keyup", (event) => {
-  if (event.key === " " && !(event.target instanceof HTMLInputElement)) event.preventDefault();
+  if (event.key === " " && !takesText(event.target)) event.preventDefault();
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   turn.onKey(key, false) || helm.onKey(key, false);
 });
@@ -166,6 +169,7 @@ function fillLayers() {
     if (!off.has(layer)) stage.layers.add(layer);
     const [row, box] = [document.createElement("label"), document.createElement("input")];
     [box.type, box.id, box.checked] = ["checkbox", `layer-${layer}`, !off.has(layer)];
+    box.addEventListener("keydown", (event) => event.key === "Enter" && box.click());
     box.addEventListener("change", () => {
       if (box.checked) stage.layers.add(layer);
       else stage.layers.delete(layer);

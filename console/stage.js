@@ -3,7 +3,7 @@
 import { View, boxBetween } from "./geometry.js";
 import { Trail, drawOverlay } from "./overlay.js";
 
-/** A frozen picture can be selected on for this long after its capture, ms; the program keeps 1.5 s. */
+/** How long a picture stays frozen, ms. The program keeps video frames for 1.5 s after their capture. */
 export const FROZEN_MS = 1300;
 const MIN_BOX_PX = 4;
 const KEY_STEP_PX = 8;
@@ -71,16 +71,16 @@ export class Stage extends EventTarget {
   }
 
   unfreeze() {
-    [this.#frozenAt, this.#drag] = [null, null];
+    this.#frozenAt = null;
     this.#change();
   }
 
-  /** To be called often: ends a freeze that lasts too long. */
+  /** To be called often: ends a freeze that lasts too long. A box that is being drawn goes on, on the moving picture. */
   tick() {
     if (!this.isFrozen) return;
     if (this.frozenShare === 0) {
       this.unfreeze();
-      this.#say("old");
+      if (this.#drag?.from) this.#say("old");
     }
     this.#change();
   }
@@ -139,8 +139,10 @@ export class Stage extends EventTarget {
       if (this.#pinch) {
         if (this.#pointers.size === 0) this.#pinch = null;
       } else if (drag?.from) {
+        // After the end of the freeze, the box was finished on the newest picture.
+        const captured = this.isFrozen ? drag.captured : this.#shown.captured;
         this.unfreeze();
-        if (isDone) this.#select(boxBetween(drag.from, drag.to, this.view.picture), drag.captured);
+        if (isDone) this.#select(boxBetween(drag.from, drag.to, this.view.picture), captured);
       }
       this.#drag = null;
       this.redraw();

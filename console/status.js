@@ -109,7 +109,9 @@ export function showStatus(state) {
   }
   for (const id of ["pause", "helmsman"]) set(id, can, watcher);
   // A list that the operator has open is left alone.
-  if (snapshot.law && at("law").dataset.law !== snapshot.law) at("law").value = at("law").dataset.law = snapshot.law;
+  // A law that is not in the list leaves it empty.
+  const law = snapshot.law ?? "";
+  if (at("law").dataset.law !== law) at("law").value = at("law").dataset.law = law;
   at("drive").hidden = at("world").hidden = !snapshot.drive || snapshot.drive.helm === "nobody";
   if (snapshot.drive) setText(at("pause"), snapshot.drive.paused ? words.resume : words.pause);
 }

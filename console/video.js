@@ -2,6 +2,7 @@
 
 import { Percentiles } from "./clock.js";
 import { H264Decoder, isWebCodecsPossible } from "./decoder.js";
+import { SnapshotHistory } from "./snapshot_history.js";
 import { H264, JPEG, readVideoMessage } from "./video_message.js";
 
 /** A picture waits this long for its snapshot, ms. */
@@ -12,6 +13,7 @@ export class Video extends EventTarget {
   #isH264Refused = new URLSearchParams(location.search).get("video") === "jpeg" || !isWebCodecsPossible();
   #waiting = [];
   #snapshot = null;
+  #history = new SnapshotHistory();
   #snapshotAt = 0;
   #delay = new Percentiles();
   /** Time of capture of the drawn picture, ns, and their number. */
@@ -30,11 +32,11 @@ export class Video extends EventTarget {
     link.addEventListener("snapshot", ({ detail }) => {
       const isNew = !this.#snapshot || this.#snapshot.video.h264 !== detail.video.h264;
       [this.#snapshot, this.#snapshotAt] = [detail, performance.now()];
+      this.#history.add(detail);
       if (isNew) this.#choose();
       this.#flush();
     });
     setInterval(() => this.#flush(), WAIT_MS / 2);
-    setInterval(() => this.link.sendView(this.path, this.delay?.median ?? null), 1000);
   }
 
   /** Median and 95th percentile of the time from capture to drawing, ms; null where they are not known. */
@@ -84,7 +86,7 @@ export class Video extends EventTarget {
     if (ready < 0) return;
     const passed = this.#waiting.splice(0, ready + 1);
     const { image, captured, quarters } = passed[ready];
-    this.draw(image, quarters, { captured, snapshot: this.#snapshot });
+    this.draw(image, quarters, { captured, snapshot: this.#history.of(captured) ?? this.#snapshot });
     for (const picture of passed) picture.image.close();
     const programMs = this.#sessionMs(now);
     if (programMs !== null) this.#delay.add(now, programMs - captured / 1e6);

@@ -19,6 +19,7 @@ export default {
   entryWrong: "This token is not known. The program makes new tokens at each start.",
   // State
   connecting: "Connecting.", connectionLost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
+  dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
   youControl: "You control", youWatch: (page) => `Page ${page} controls; you watch`, nobodyControls: "Nobody controls",
   mayWatch: "You watch (watch link)", holderLost: (page) => `Page ${page} controls, but is not connected`,
   took: (page) => `Page ${page} took the control.`, gotControl: "You have the control.",
@@ -33,7 +34,7 @@ export default {
   alarmTexts: {
     "track-lost": "Boat lost", "stale-video": "Video delayed", "no-video": "No video", "link-down": "Link down",
     "control-lost": "Vehicle does not accept commands", "end-stop": "Camera near its end stop",
-    "battery-low": "Vehicle emergency or low battery", "recording-failed": "Recording failed",
+    emergency: "Vehicle emergency", "battery-low": "Battery low", "recording-failed": "Recording failed",
     "console-lost": "Controlling page gone",
   },
   next: {
@@ -56,7 +57,7 @@ export default {
   },
   reasons: {
     tap: "Drag a box around the boat, from corner to corner.", small: "The box is too small: zoom in, and draw again.",
-    old: "The frozen picture is too old. Draw again, faster.", noPicture: "There is no picture yet.",
+    old: "The picture moves again: finish the box on the moving boat.", noPicture: "There is no picture yet.",
     notConnected: "Not connected.", watcher: "You watch: take the control first.",
     law: "Disengage before changing the law.", nudge: "Disengage before turning the camera by hand.",
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
@@ -88,7 +89,7 @@ export default {
   keyList: [
     ["Space", "Stop the camera"], ["e", "Engage"], ["r", "Disengage: the camera rests"],
     ["w a s d", "Turn the camera by hand, while disengaged"], ["Arrows", "Drive the simulated boat"],
-    ["f", "Freeze the picture"], ["x", "Not that one"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
+    ["f", "Freeze the picture"], ["Enter, on a switch of the overlay", "Switch it"], ["x", "Not that one"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
     ["+ - 0", "Zoom in, out, whole picture"], ["p", "Pause or resume the simulated world"], ["h", "Give the helm back"],
     ["n", "Night or day"], ["m", "Sound"], ["?", "These keys"],
   ],

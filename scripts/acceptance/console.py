@@ -176,7 +176,9 @@ def run(table, args, folder):
     emulator = Emulator(args.barrelman, folder, "station", "--force", *options[:2], "--video-listen", url.split("/")[2])
     page.wait(lambda data: data["link"] == "up", 30, "the link")
     table.require("and back: the link is up again", True)
-    page.wait(lambda data: data["next"] in ("select", "reselect", "engage"), 30, "the video")
+    page.wait(lambda data: data["next"] in ("select", "reselect", "stopped"), 30, "the video")
+    page.type("r")
+    page.wait(lambda data: data["mode"] == "idle", 5, "the end of the stop")
 
     page.press("d")
     page.wait(lambda data: data["mode"] == "nudging", 5, "the nudge")

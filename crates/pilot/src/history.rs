@@ -8,9 +8,11 @@ use barrelman_vocab::{Timestamp, VideoFrame};
 
 /// How long a video frame is kept after its capture. An operator draws a box within a second.
 pub(crate) const KEPT: Duration = Duration::from_millis(1500);
-/// Largest number of frames that are kept: 1.5 s at 60 frames a second. A frame of 1280 x 720 pixels takes 1.4 MB, shared
-/// with the decoder's pool.
+/// Largest number of frames that are kept: 1.5 s at 60 frames a second.
 const CAPACITY: usize = 96;
+/// Largest size of the kept pictures together, bytes. A frame of 1280 x 720 pixels takes 1.4 MB: at 30 frames a second,
+/// 46 frames take 64 MB. Of pictures of 3840 x 2160 pixels 21 frames are kept, 0.7 s.
+const MAX_BYTES: usize = 256 << 20;
 /// A selection whose frame was not processed is applied to the nearest one within this time.
 const NEAREST: Duration = Duration::from_millis(50);
 
@@ -36,7 +38,10 @@ impl FrameHistory {
         if self.frames.back().is_some_and(|last| last.capture.at > now) {
             self.frames.clear();
         }
-        while self.frames.len() >= CAPACITY
+        // Luma and two chroma planes of a quarter each.
+        let bytes = frame.picture.size().area() * 3 / 2;
+        let capacity = (MAX_BYTES / bytes.max(1)).clamp(1, CAPACITY);
+        while self.frames.len() >= capacity
             || self.frames.front().is_some_and(|first| now.since(first.capture.at) > KEPT)
         {
             self.frames.pop_front();

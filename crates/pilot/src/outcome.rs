@@ -167,7 +167,7 @@ impl fmt::Display for Notice {
                 };
                 write!(f, "the selection could not be followed: {why}; select again")
             }
-            Self::TargetRejected => f.write_str("not that one: searching for the selected boat elsewhere"),
+            Self::TargetRejected => f.write_str("not that one: that object is not followed any more"),
             Self::Deselected => f.write_str("nothing is followed"),
             Self::LawChanged(law) => write!(f, "camera law: {}", law_text(*law)),
         }

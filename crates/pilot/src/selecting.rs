@@ -7,8 +7,7 @@
 //!                  +-- too old, or the tracker refuses          +-- the track is lost: nothing is followed
 //! ```
 //! Each step processes at most [`MAX_CATCH_UP`] frames of the history, so that the duration of a step stays bounded;
-//! frames that arrive meanwhile join the history. Frames are tracked at the rate of the video: a second of 30 frames
-//! takes four steps.
+//! frames that arrive meanwhile join the history. A second of 30 frames takes three steps.
 
 use barrelman_vision::Tracker;
 use barrelman_vocab::{DrawnSelection, MotionPrior, PictureSize, PixelBox, Timestamp, Track, VideoFrame};

@@ -28,6 +28,8 @@ pub struct PilotSettings {
 /// Joins localisation and control, one input at a time.
 pub struct Pilot {
     settings: PilotSettings,
+    /// The law at the start.
+    first_law: LawSettings,
     tracker: Box<dyn Tracker>,
     law: CameraLaw,
     safety: Safety,
@@ -63,6 +65,7 @@ impl Pilot {
         Self {
             law,
             safety: Safety::new(settings.profile.coast_motion),
+            first_law: settings.law,
             settings,
             tracker,
             pending_selection: None,
@@ -84,15 +87,7 @@ impl Pilot {
 
     /// The law; `None`: a law that an operator cannot choose.
     pub const fn law_id(&self) -> Option<LawId> {
-        match self.settings.law {
-            LawSettings::MotorSchema => Some(LawId::MotorSchema),
-            LawSettings::Centring(_) => None,
-            LawSettings::Optimal(settings) => Some(match settings.mode {
-                OptimalMode::MinimumEnergy => LawId::MinimumEnergy,
-                OptimalMode::TimeFuel => LawId::TimeFuel,
-                OptimalMode::Eco => LawId::Eco,
-            }),
-        }
+        law_id(self.settings.law)
     }
 
     /// Processes one input at the time `now`.
@@ -192,9 +187,11 @@ impl Pilot {
         (self.track, self.percept, self.advice) = (track, None, None);
     }
 
+    /// Changes the law. The settings at the start are those of their own law; every other law has its defaults.
     fn change_law(&mut self, law: LawId) {
         let optimal = |mode| LawSettings::Optimal(OptimalSettings::new(mode));
         self.settings.law = match law {
+            _ if law_id(self.first_law) == Some(law) => self.first_law,
             LawId::MotorSchema => LawSettings::MotorSchema,
             LawId::MinimumEnergy => optimal(OptimalMode::MinimumEnergy),
             LawId::TimeFuel => optimal(OptimalMode::TimeFuel),
@@ -325,5 +322,18 @@ impl Pilot {
             is_confirming: self.drawn_selection.is_some(),
             notice,
         }
+    }
+}
+
+/// The law of these settings; `None`: a law that an operator cannot choose.
+const fn law_id(settings: LawSettings) -> Option<LawId> {
+    match settings {
+        LawSettings::MotorSchema => Some(LawId::MotorSchema),
+        LawSettings::Centring(_) => None,
+        LawSettings::Optimal(settings) => Some(match settings.mode {
+            OptimalMode::MinimumEnergy => LawId::MinimumEnergy,
+            OptimalMode::TimeFuel => LawId::TimeFuel,
+            OptimalMode::Eco => LawId::Eco,
+        }),
     }
 }

@@ -171,16 +171,17 @@ impl Tracker for FusedTracker {
     }
 
     fn reject(&mut self) -> bool {
-        let (Some(target), Some(selected)) = (self.target.take(), &self.selected) else { return false };
-        let is_followed = matches!(target.phase, Phase::Tracking | Phase::Coasting { .. });
+        let is_followed =
+            |target: &mut Target| matches!(target.phase, Phase::Tracking | Phase::Coasting { .. });
+        let (Some(target), Some(selected)) = (self.target.take_if(is_followed), &self.selected) else {
+            return false;
+        };
         let mut search = selected.clone();
         search.begin_search(&target);
-        if is_followed {
-            self.distractors.add(&self.config, target);
-            search.loss.excluded = self.distractors.places();
-        }
+        self.distractors.add(&self.config, target);
+        search.loss.excluded = self.distractors.places();
         self.target = Some(search);
-        is_followed
+        true
     }
 
     fn explain(&self, out: &mut Explanation) {

@@ -55,6 +55,8 @@ pub enum Report {
         backup_battery_v: f64,
         /// The vehicle's warning bits, unchanged.
         warnings: u32,
+        /// Whether the vehicle says that one of its batteries is low.
+        is_battery_low: bool,
     },
 }
 

@@ -62,11 +62,13 @@ pub fn run_with_outputs(
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
-    let outputs = open(&configuration.recording)?;
     let fault_injector = FaultInjector::parse(&args.fault)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
+    let pilot = build_pilot(&configuration)?;
+    // The last to be opened: making room for a recording removes older ones.
+    let outputs = open(&configuration.recording)?;
     let session = Session {
-        pilot: build_pilot(&configuration)?,
+        pilot,
         configuration: &configuration,
         source,
         link,
@@ -107,7 +109,8 @@ fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSetting
 fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> {
     let open =
         |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
-    let mut outputs = Outputs { record: open(&args.record)?, overlay: open(&args.overlay)?, reserve: None };
+    let mut outputs =
+        Outputs { record: open(&args.record)?, overlay: open(&args.overlay)?, ..Outputs::default() };
     if outputs.record.is_none() && recording.enabled && !args.no_record {
         match recording_folder::open_next(recording) {
             Ok(file) => {
@@ -116,7 +119,10 @@ fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> 
                 outputs.reserve = Some(DiskReserve::new(&recording.folder, recording.reserve_gb));
             }
             // A recording that nobody asked for must not keep the boat from being followed.
-            Err(error) => tracing::error!("this run is not recorded: {error:#}"),
+            Err(error) => {
+                tracing::error!("this run is not recorded: {error:#}");
+                outputs.not_recorded = Some(format!("{error:#}"));
+            }
         }
     }
     Ok(outputs)

@@ -26,6 +26,7 @@ files![
     "main.js",
     "next_action.js",
     "overlay.js",
+    "snapshot_history.js",
     "sounds.js",
     "stage.js",
     "status.js",

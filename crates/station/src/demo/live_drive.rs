@@ -172,8 +172,10 @@ impl LiveDrive<'_> {
             store.add(self.drive.world().tick(), input)?;
         }
         self.drive.apply(input, &mut self.observers);
+        let (law, now) = (self.drive.law_id(), self.drive.world().now());
         if let Some(console) = &mut self.observers.console {
-            console.law = self.drive.law_id();
+            console.law = law;
+            console.publisher.set_law(law, now);
         }
         Ok(())
     }

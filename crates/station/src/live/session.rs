@@ -1,7 +1,7 @@
 //! One live run from the opening of its parts to their closing, in an order that never leaves the camera turning.
 //!
 //! 1. The terminal thread catches signals. From here on no signal ends the program without zeros.
-//! 2. The link, the recording, the annotated video, the video source and the status line are opened.
+//! 2. The link, the recording, the annotated video, the video source, the console and the status line are opened.
 //! 3. The loop runs until something ends it.
 //! 4. The link is closed first: zeros and the vehicle's own stop. The other parts follow.
 
@@ -52,6 +52,8 @@ pub struct Outputs {
     pub overlay: Option<OutputFile>,
     /// The free space that the recording leaves on its disk.
     pub reserve: Option<DiskReserve>,
+    /// Why the recording that every run makes could not be opened.
+    pub not_recorded: Option<String>,
 }
 
 /// Everything a run needs.
@@ -139,10 +141,13 @@ impl Session<'_> {
             ..
         } = self;
         let profile = &configuration.profile;
-        let recording = outputs.record.as_ref().map(|file| file.path().display().to_string());
+        let recording = match (&outputs.record, outputs.not_recorded) {
+            (Some(file), _) => RecordingState::On(file.path().display().to_string()),
+            (None, Some(reason)) => RecordingState::Failed(reason),
+            (None, None) => RecordingState::Off,
+        };
         let link_status = link.as_ref().map_or(LinkStatus::DryRun, |_| LinkStatus::Link(LinkState::Opening));
-        let publisher =
-            Publisher::new(profile, link_status, recording.map_or(RecordingState::Off, RecordingState::On));
+        let publisher = Publisher::new(profile, link_status, recording);
         let address = source.address();
         let is_recorded = outputs.record.is_some();
         let recorder = match outputs.record {

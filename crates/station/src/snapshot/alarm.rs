@@ -15,7 +15,9 @@ pub enum Alarm {
     ControlLost,
     /// The camera is near a mechanical end stop.
     EndStop,
-    /// The battery is low, or the vehicle reports an emergency.
+    /// The vehicle reports an emergency.
+    Emergency,
+    /// A battery of the vehicle is low.
     BatteryLow,
     /// The recording has stopped.
     RecordingFailed,
@@ -33,6 +35,7 @@ impl Alarm {
             Self::LinkDown => "link-down",
             Self::ControlLost => "control-lost",
             Self::EndStop => "end-stop",
+            Self::Emergency => "emergency",
             Self::BatteryLow => "battery-low",
             Self::RecordingFailed => "recording-failed",
             Self::ConsoleLost => "console-lost",
@@ -48,7 +51,8 @@ impl Alarm {
             Self::LinkDown => "the link is down: commands do not reach the camera",
             Self::ControlLost => "the vehicle does not accept commands from this program",
             Self::EndStop => "the camera is near its end stop",
-            Self::BatteryLow => "the vehicle's battery is low",
+            Self::Emergency => "the vehicle reports an emergency",
+            Self::BatteryLow => "the vehicle says that a battery is low",
             Self::RecordingFailed => "the recording has stopped",
             Self::ConsoleLost => "the controlling page is gone; the camera stays engaged",
         }

@@ -102,6 +102,14 @@ impl Publisher {
         self.state.stops_taken = stops;
     }
 
+    /// The law in force.
+    pub fn set_law(&mut self, law: Option<LawId>, now: Timestamp) {
+        if self.state.law != law {
+            self.state.law = law;
+            self.publish(now);
+        }
+    }
+
     /// The state of a demo's world.
     pub fn set_drive(&mut self, drive: DriveState, now: Timestamp) {
         self.state.drive = Some(drive);
@@ -182,7 +190,8 @@ impl Publisher {
             (Alarm::LinkDown, is_link_down),
             (Alarm::ControlLost, vehicle.control == Some(ControlState::NotOurs)),
             (Alarm::EndStop, is_at_stop),
-            (Alarm::BatteryLow, vehicle.flight == Some(FlightState::Emergency)),
+            (Alarm::Emergency, vehicle.flight == Some(FlightState::Emergency)),
+            (Alarm::BatteryLow, vehicle.is_battery_low),
             (Alarm::RecordingFailed, matches!(state.recording, RecordingState::Failed(_))),
             (Alarm::ConsoleLost, self.is_console_lost && is_engaged),
         ]

@@ -24,6 +24,8 @@ pub struct VehicleSnapshot {
     pub control: Option<ControlState>,
     /// Battery voltage, volts.
     pub battery_v: Option<f64>,
+    /// Whether the vehicle says that one of its batteries is low.
+    pub is_battery_low: bool,
     /// Elevation of the camera's axis.
     pub tilt: Option<Angle>,
     /// Altitude, metres.
@@ -47,7 +49,9 @@ impl VehicleSnapshot {
             }
             Report::CameraTilt(tilt) => self.tilt = Some(tilt),
             Report::Tether { altitude_m, .. } => self.altitude_m = Some(altitude_m),
-            Report::Flight { state, .. } => self.flight = Some(state),
+            Report::Flight { state, is_battery_low, .. } => {
+                (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
+            }
             Report::VehicleAttitude(_) | Report::GimbalAttitude(_) | Report::FieldOfView(_) => {}
         }
     }

@@ -169,6 +169,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
             on_time_s: value,
             backup_battery_v: value,
             warnings: u32::MAX,
+            is_battery_low: true,
         }),
         Entry::Outcome(outcome(value)),
     ]
@@ -217,7 +218,13 @@ pub(crate) fn every_kind() -> Vec<Entry> {
     entries.extend(links.map(|state| telemetry(Report::Link(state))));
     let flights = [FlightState::Idle, FlightState::Flying, FlightState::Emergency, FlightState::Other(0)];
     entries.extend(flights.map(|state| {
-        telemetry(Report::Flight { state, on_time_s: 1.0, backup_battery_v: 12.0, warnings: 0 })
+        telemetry(Report::Flight {
+            state,
+            on_time_s: 1.0,
+            backup_battery_v: 12.0,
+            warnings: 0,
+            is_battery_low: false,
+        })
     }));
     let (uptime_s, battery_v, tether_m) = (1.0, 2.0, 3.0);
     let control = ControlState::NotOurs;

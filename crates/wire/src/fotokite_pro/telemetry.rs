@@ -35,11 +35,13 @@ pub fn parse(line: &str) -> Option<Report> {
         }
         "FlightStatus" => {
             let [mode, on_time_s, backup_battery_v, warnings] = numbers(fields)?;
+            let (mode, warnings) = (whole(mode)?, whole(warnings)?);
             Some(Report::Flight {
-                state: flight_state(whole(mode)?),
+                state: flight_state(mode),
                 on_time_s,
                 backup_battery_v,
-                warnings: whole(warnings)?,
+                warnings,
+                is_battery_low: warnings & LOW_BATTERY_BITS != 0 || mode == BATTERY_TOO_LOW_TO_START,
             })
         }
         _ => None,
@@ -65,6 +67,10 @@ fn quaternion(fields: &str) -> Option<Quaternion> {
     // Four zeros are not a rotation: the sensor has no value yet.
     ([w, x, y, z] != [0.0; 4]).then_some(Quaternion { w, x, y, z })
 }
+
+/// Warning bits: 2 CRIT_LOW_BATT, 6 LOW_BATT, 7 LOW_BACKUP_BATT.
+const LOW_BATTERY_BITS: u32 = 1 << 2 | 1 << 6 | 1 << 7;
+const BATTERY_TOO_LOW_TO_START: u32 = 53;
 
 /// Flight modes: 1 IDLE, 2 ANGLE, 3 ANGLE_RATE; 48 EMERGENCY_LAND, 49 MOTOR_STOP_RESTART, 50 TIMEOUT,
 /// 52 MOTOR_STOP_DISABLE, 53 BATTERY_TOO_LOW_TO_START, 54 NO_TETHER_POWER, 55 HARD_KILL.

@@ -66,6 +66,9 @@ fn meaning(text: &str) -> Option<Report> {
             on_time_s: number("on_time_s"),
             backup_battery_v: number("backup_battery_v"),
             warnings: flags(field("flags")),
+            is_battery_low: ["_BATT", "BATTERY"]
+                .iter()
+                .any(|part| field("flags").contains(part) || field("mode").contains(part)),
         },
         other => panic!("unknown meaning {other:?}"),
     })

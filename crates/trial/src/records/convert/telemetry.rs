@@ -32,7 +32,7 @@ impl From<&Telemetry> for stored::TelemetryInput {
                 azimuth_rad: azimuth.radians(),
                 altitude_m,
             }),
-            Report::Flight { state, on_time_s, backup_battery_v, warnings } => {
+            Report::Flight { state, on_time_s, backup_battery_v, warnings, is_battery_low } => {
                 let (state, mode) = match state {
                     FlightState::Idle => (stored::FlightState::Idle, 0),
                     FlightState::Flying => (stored::FlightState::Flying, 0),
@@ -40,7 +40,14 @@ impl From<&Telemetry> for stored::TelemetryInput {
                     FlightState::Other(mode) => (stored::FlightState::Other, mode),
                 };
                 let state = state as i32;
-                Stored::Flight(stored::FlightReport { state, mode, on_time_s, backup_battery_v, warnings })
+                Stored::Flight(stored::FlightReport {
+                    state,
+                    mode,
+                    on_time_s,
+                    backup_battery_v,
+                    warnings,
+                    is_battery_low,
+                })
             }
         };
         Self { step: 0, now_ns: 0, at_ns: telemetry.at.as_nanos(), report: Some(report) }
@@ -81,6 +88,7 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
                 on_time_s: flight.on_time_s,
                 backup_battery_v: flight.backup_battery_v,
                 warnings: flight.warnings,
+                is_battery_low: flight.is_battery_low,
             },
         };
         Ok(Self { at: Timestamp::from_nanos(message.at_ns), report })
