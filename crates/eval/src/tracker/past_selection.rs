@@ -2,9 +2,10 @@
 //!
 //! The pilot is stepped with the frames up to the moment of the request; the box is the truth of a frame that is 0.2,
 //! 0.5 or 1.0 s old then. *Right*: confirmed, and the box overlaps the truth by IoU 0.5 on confirmation and 1 s later.
-//! *Refused*: the pilot says that it follows nothing. *Wrong*: confirmed, but not right. Ten start frames of each clip,
-//! evenly spread over those from which the target stays visible until 1 s after the confirmation can come. Between
-//! sparse labels the truth is interpolated.
+//! *Refused*: the pilot says that it follows nothing. *Lost*: confirmed, but the pilot says that the target is lost when
+//! it is judged. *Wrong*: confirmed, and the box does not overlap the truth. Ten start frames of each clip, evenly spread
+//! over those from which the target stays visible until 1 s after the confirmation can come. In a clip with sparse labels
+//! the start frames are labelled ones, and the track is judged on the next labelled frame.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -68,6 +69,7 @@ struct Selected {
 enum Verdict {
     Right,
     Refused,
+    Lost,
     Wrong,
 }
 
@@ -76,6 +78,7 @@ enum Verdict {
 struct Tally {
     right: usize,
     refused: usize,
+    lost: usize,
     wrong: usize,
 }
 
@@ -84,6 +87,7 @@ impl Tally {
         *match verdict {
             Verdict::Right => &mut self.right,
             Verdict::Refused => &mut self.refused,
+            Verdict::Lost => &mut self.lost,
             Verdict::Wrong => &mut self.wrong,
         } += 1;
     }
@@ -92,19 +96,25 @@ impl Tally {
         Self {
             right: self.right + other.right,
             refused: self.refused + other.refused,
+            lost: self.lost + other.lost,
             wrong: self.wrong + other.wrong,
         }
     }
 
+    const fn count(self) -> usize {
+        self.right + self.refused + self.lost + self.wrong
+    }
+
     fn text(self) -> String {
-        let all = (self.right + self.refused + self.wrong).max(1) as f64;
+        let all = self.count().max(1) as f64;
         let share = |count: usize| 100.0 * count as f64 / all;
         format!(
-            "{:>4} right ({:>5.1} %)  {:>3} refused ({:>4.1} %)  {:>3} wrong ({:>4.1} %)",
+            "{:>4} right ({:>5.1} %)  {:>3} refused ({:>4.1} %)  {:>3} lost  {:>3} wrong ({:>4.1} %)",
             self.right,
             share(self.right),
             self.refused,
             share(self.refused),
+            self.lost,
             self.wrong,
             share(self.wrong)
         )
@@ -122,7 +132,7 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
     let mut slowest_ms: f64 = 0.0;
     for clip in list_clips(&folder, &options.clip)? {
         let clip = clip.load()?;
-        let truth = interpolated(&clip);
+        let truth = visible(&clip);
         let mut tallies = [Tally::default(); AGES_S.len()];
         for (tally, age_s) in tallies.iter_mut().zip(AGES_S) {
             for start in starts(&clip, &truth, age_s) {
@@ -146,7 +156,7 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
             boats = boats.plus(sum);
         }
         for (tally, age_s) in tallies.iter().zip(AGES_S) {
-            figures.push(json!({"clip": clip.name, "age_s": age_s, "right": tally.right, "refused": tally.refused, "wrong": tally.wrong}));
+            figures.push(json!({"clip": clip.name, "age_s": age_s, "right": tally.right, "refused": tally.refused, "lost": tally.lost, "wrong": tally.wrong}));
         }
     }
     print_line(&format!("{:<36} {}", "boats", boats.text()));
@@ -155,40 +165,29 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
     if let Some(path) = &options.json {
         std::fs::write(path, json!({"clips": figures, "longest_step_ms": slowest_ms}).to_string() + "\n")?;
     }
-    let count = boats.right + boats.refused + boats.wrong;
+    let count = boats.count();
     Ok(boats.wrong == 0 && 20 * boats.refused <= count && 20 * boats.right >= 19 * count)
 }
 
-/// The truth of each frame: labels, and between two visible labels the interpolated box.
-fn interpolated(clip: &Clip) -> Vec<Option<PixelBox>> {
-    let known: Vec<(usize, Label)> =
-        clip.labels.iter().enumerate().filter_map(|(index, label)| Some((index, (*label)?))).collect();
-    let mut truth = vec![None; clip.labels.len()];
-    for &(index, label) in &known {
-        if let Label::Visible(bounds) = label {
-            truth[index] = Some(bounds);
-        }
-    }
-    for pair in known.windows(2) {
-        let [(from, Label::Visible(a)), (to, Label::Visible(b))] = *pair else { continue };
-        for (offset, box_at) in truth[from..to].iter_mut().enumerate() {
-            let t = offset as f64 / (to - from) as f64;
-            let mix = |a: f64, b: f64| a + t * (b - a);
-            *box_at =
-                Some(PixelBox { u: mix(a.u, b.u), v: mix(a.v, b.v), w: mix(a.w, b.w), h: mix(a.h, b.h) });
-        }
-    }
-    truth
+/// The truth of each frame that is labelled as visible.
+fn visible(clip: &Clip) -> Vec<Option<PixelBox>> {
+    let bounds = |label: &Option<Label>| match label {
+        Some(Label::Visible(bounds)) => Some(*bounds),
+        _ => None,
+    };
+    clip.labels.iter().map(bounds).collect()
 }
 
-/// Evenly spread start frames from which the target stays visible for long enough.
+/// Evenly spread start frames: labelled, followed by enough labels, and with the target visible in all of them.
 fn starts(clip: &Clip, truth: &[Option<PixelBox>], age_s: f64) -> Vec<usize> {
     let at = |index: usize| clip.frames[index].capture.at;
     let needed = Duration::from_secs_f64(age_s + CONFIRMED_WITHIN_S + JUDGED_AFTER_S);
     let is_possible = |start: usize| {
         let until = at(start).plus(needed);
-        let end = (start..clip.frames.len()).find(|index| at(*index) >= until);
-        end.is_some_and(|end| truth[start..=end].iter().all(Option::is_some))
+        let end =
+            (start..clip.frames.len()).find(|index| at(*index) >= until && clip.labels[*index].is_some());
+        let is_visible = |index: usize| clip.labels[index].is_none() || truth[index].is_some();
+        truth[start].is_some() && end.is_some_and(|end| (start..=end).all(is_visible))
     };
     let possible: Vec<usize> = (0..clip.frames.len()).filter(|start| is_possible(*start)).collect();
     let count = possible.len().min(STARTS);
@@ -205,8 +204,7 @@ fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> 
     let requested_at = drawn_at.plus(Duration::from_secs_f64(age_s));
     let bounds = truth[start].unwrap_or_default();
     let (mut confirmed_at, mut is_requested): (Option<Timestamp>, bool) = (None, false);
-    // A clip that ends before the second judgement counts as refused: the confirmation took longer than the start
-    // frames allow for.
+    // A selection that is not confirmed counts as refused.
     let mut selected = Selected { verdict: Verdict::Refused, ious: [None; 2], step_ms: 0.0 };
     for (index, frame) in clip.frames.iter().enumerate().skip(start) {
         let now = frame.capture.at;
@@ -215,29 +213,27 @@ fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> 
         if outcome.is_confirming || is_requested {
             selected.step_ms = selected.step_ms.max(begin.elapsed().as_secs_f64() * 1e3);
         }
-        let seen = outcome.track.localisation().map(|seen| seen.bounds);
-        let iou = seen.zip(truth[index]).map(|(seen, truth)| seen.iou(truth));
-        let is_right = iou.is_some_and(|iou| iou >= MIN_IOU);
         match &outcome.notice {
-            Some(Notice::SelectionConfirmed(_)) => {
-                confirmed_at = Some(now);
-                selected.ious[0] = iou;
-                if !is_right {
-                    selected.verdict = Verdict::Wrong;
+            Some(Notice::SelectionConfirmed(_)) => confirmed_at = Some(now),
+            Some(
+                Notice::RequestRefused(_) | Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_),
+            ) => return Ok(selected),
+            _ => {}
+        }
+        if let (Some(confirmed), Some(truth)) = (confirmed_at, truth[index]) {
+            let iou = outcome.track.localisation().map(|seen| seen.bounds.iou(truth));
+            let is_second = now.since(confirmed).as_secs_f64() >= JUDGED_AFTER_S;
+            if selected.ious[0].is_none() || is_second {
+                selected.ious[usize::from(is_second)] = iou;
+                selected.verdict = match iou {
+                    Some(iou) if iou >= MIN_IOU => Verdict::Right,
+                    Some(_) => Verdict::Wrong,
+                    None => Verdict::Lost,
+                };
+                if is_second || selected.verdict != Verdict::Right {
                     return Ok(selected);
                 }
             }
-            Some(
-                Notice::RequestRefused(_) | Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_),
-            ) => {
-                return Ok(selected);
-            }
-            _ => {}
-        }
-        if confirmed_at.is_some_and(|confirmed| now.since(confirmed).as_secs_f64() >= JUDGED_AFTER_S) {
-            selected.ious[1] = iou;
-            selected.verdict = if is_right { Verdict::Right } else { Verdict::Wrong };
-            return Ok(selected);
         }
         if !is_requested && now >= requested_at {
             is_requested = true;

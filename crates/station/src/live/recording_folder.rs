@@ -8,7 +8,7 @@ use jiff::Timestamp;
 
 use crate::config::RecordingConfig;
 
-/// Recordings of this program in the folder: `run-20261123T021500Z.mcap`. Other files are never removed.
+/// Recordings of this program in the folder: `run-20261123T021500.250Z.mcap`. Other files are never removed.
 const PREFIX: &str = "run-";
 const ENDING: &str = ".mcap";
 const BYTES_PER_GB: f64 = 1e9;
@@ -61,7 +61,7 @@ pub fn open_next(config: &RecordingConfig) -> Result<OutputFile> {
             Err(error) => tracing::warn!("{} cannot be removed: {error}", path.display()),
         }
     }
-    let name = Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string();
+    let name = Timestamp::now().strftime("%Y%m%dT%H%M%S%.3fZ").to_string();
     OutputFile::open(&folder.join(format!("{PREFIX}{name}{ENDING}")), false)
 }
 
