@@ -36,6 +36,9 @@ mod video_relay;
 
 mod links;
 
+#[cfg(test)]
+mod in_memory;
+
 pub use on_lost::OnConsoleLost;
 pub use pictures::PictureSlot;
 pub use server::{ConsoleParts, ConsoleServer, SessionFacts};
