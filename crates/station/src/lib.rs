@@ -28,3 +28,6 @@ pub mod emulator;
 mod jpeg;
 pub mod logging;
 pub mod progress;
+
+#[cfg(test)]
+mod test_scenes;

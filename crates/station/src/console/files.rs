@@ -57,3 +57,78 @@ fn content_type(name: &str) -> &'static str {
         _ => "text/plain; charset=utf-8",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    use super::*;
+
+    fn content(name: &str) -> &'static str {
+        FILES.iter().find(|(own, _)| *own == name).unwrap_or_else(|| panic!("{name} is not served")).1
+    }
+
+    /// What stands between `before` and the next `after` in a text, each time.
+    fn all_between<'a>(text: &'a str, before: &'a str, after: char) -> impl Iterator<Item = &'a str> {
+        text.split(before).skip(1).filter_map(move |rest| rest.split(after).next())
+    }
+
+    #[test]
+    fn every_file_of_the_folder_is_served() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../console");
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+        let files = entries.filter(|entry| entry.file_type().unwrap().is_file());
+        let found: BTreeSet<String> = files.map(|entry| entry.file_name().into_string().unwrap()).collect();
+        assert_eq!(found, FILES.iter().map(|(name, _)| (*name).to_owned()).collect());
+    }
+
+    #[test]
+    fn everything_that_the_page_loads_is_served() {
+        let page = content("index.html");
+        let mut loaded: Vec<&str> = all_between(page, "=\"/console/", '"').collect();
+        for (_, script) in FILES.iter().filter(|(name, _)| name.ends_with(".js")) {
+            loaded.extend(all_between(script, "from \"./", '"'));
+            loaded.extend(all_between(script, "import(\"/console/", '"'));
+        }
+        assert!(loaded.len() > 20, "{loaded:?}");
+        for name in loaded {
+            content(name);
+        }
+    }
+
+    #[test]
+    fn the_page_obeys_its_content_security_policy() {
+        let page = content("index.html");
+        for tag in all_between(page, "<", '>') {
+            let attributes = tag.split_whitespace().skip(1);
+            for name in attributes.map(|attribute| attribute.split('=').next().unwrap_or_default()) {
+                assert!(name != "style" && !name.starts_with("on"), "{name} in <{tag}>");
+            }
+            assert!(!tag.starts_with("style") && !tag.starts_with("iframe"), "<{tag}>");
+            assert!(!tag.starts_with("script") || tag.contains(" src=\"/console/"), "<{tag}>");
+        }
+        for (name, text) in FILES {
+            for word in ["eval(", "new Function", "innerHTML", "document.write", "setAttribute(\"style\""] {
+                assert!(!text.contains(word), "{word} in {name}");
+            }
+            for start in ["http://", "https://", "ws://", "wss://"] {
+                assert!(!text.contains(&format!("\"{start}")), "a foreign address in {name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_has_the_content_type_of_its_ending() {
+        for (name, kind) in [
+            ("a.html", "text/html; charset=utf-8"),
+            ("a.css", "text/css; charset=utf-8"),
+            ("a.en.js", "text/javascript; charset=utf-8"),
+            ("a.svg", "image/svg+xml"),
+            ("a.json", "text/plain; charset=utf-8"),
+            ("html", "text/plain; charset=utf-8"),
+        ] {
+            assert_eq!(content_type(name), kind, "{name}");
+        }
+    }
+}

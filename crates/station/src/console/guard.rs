@@ -114,4 +114,61 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_host_that_only_looks_like_an_own_name_is_refused() {
+        for host in [
+            "",
+            ":",
+            ":8480",
+            "[::1",
+            "localhost",
+            "localhost:",
+            "localhost:8480:8480",
+            "localhost:84800",
+            "localhost.:8480",
+            "localhost.evil.example:8480",
+            "evil.example#localhost:8480",
+            "127.0.0.1:8480@evil.example",
+            "127.0.0.1.evil.example:8480",
+            "127.1:8480",
+            "2130706433:8480",
+            "0.0.0.0:8480",
+            "[::]:8480",
+            "boat.example.evil.example:8480",
+            "xboat.example:8480",
+        ] {
+            let request = Provenance { host: Some(host), ..Provenance::default() };
+            assert!(hosts("127.0.0.1:8480").refusal(request).is_some(), "{host:?}");
+        }
+    }
+
+    #[test]
+    fn names_are_compared_without_regard_to_case() {
+        for host in ["LOCALHOST:8480", "Boat.Example:8480", "boat.example"] {
+            let request = Provenance { host: Some(host), ..Provenance::default() };
+            assert_eq!(hosts("127.0.0.1:8480").refusal(request), None, "{host}");
+        }
+    }
+
+    #[test]
+    fn an_origin_is_the_scheme_and_the_host_and_nothing_else() {
+        let own = Provenance { host: Some("127.0.0.1:8480"), ..Provenance::default() };
+        for (origin, is_answered) in [
+            ("http://127.0.0.1:8480", true),
+            ("https://127.0.0.1:8480", true),
+            ("http://127.0.0.1", false),
+            ("http://127.0.0.1:8481", false),
+            ("http://localhost:8480", false),
+            ("http://127.0.0.1:8480.evil.example", false),
+            ("http://127.0.0.1:8480/", false),
+            ("http://evil.example@127.0.0.1:8480", false),
+            ("file://127.0.0.1:8480", false),
+            ("127.0.0.1:8480", false),
+            ("", false),
+        ] {
+            let request = Provenance { origin: Some(origin), ..own };
+            assert_eq!(hosts("127.0.0.1:8480").refusal(request).is_none(), is_answered, "{origin:?}");
+        }
+    }
 }

@@ -56,4 +56,39 @@ mod tests {
         assert!(!limit.permits(at(0)));
         assert!(limit.permits(at(10)) && limit.permits(at(10)) && !limit.permits(at(10)));
     }
+
+    /// A flood of one message every `interval_ms`, of which this share passes in the long run.
+    #[track_caller]
+    fn check(interval_ms: u64, passed: f64) {
+        const MESSAGES: u64 = 20_000;
+        let mut limit = RateLimit::new(Timestamp::ZERO);
+        let permits = (1..=MESSAGES)
+            .filter(|index| limit.permits(Timestamp::from_nanos(index * interval_ms * 1_000_000)))
+            .count() as f64;
+        let expected = (passed * MESSAGES as f64 + BURST).min(MESSAGES as f64);
+        assert!((permits - expected).abs() <= 1.0, "every {interval_ms} ms: {permits} of {expected}");
+    }
+
+    #[test]
+    fn two_hundred_messages_a_second_pass_for_ever() {
+        check(1, 0.2);
+        check(2, 0.4);
+        check(4, 0.8);
+        check(5, 1.0);
+        check(20, 1.0);
+    }
+
+    #[test]
+    fn silence_saves_no_more_than_one_burst() {
+        let day = Timestamp::from_secs_f64(86_400.0);
+        let mut limit = RateLimit::new(Timestamp::ZERO);
+        assert_eq!((0..1000).filter(|_| limit.permits(day)).count(), BURST as usize);
+    }
+
+    #[test]
+    fn a_clock_that_stands_still_or_goes_back_gives_no_permits() {
+        let mut limit = RateLimit::new(Timestamp::from_secs_f64(10.0));
+        let permits = (0..1000).filter(|_| limit.permits(Timestamp::from_secs_f64(9.0))).count();
+        assert_eq!(permits, BURST as usize);
+    }
 }

@@ -49,3 +49,27 @@ fn reachable(address: SocketAddr) -> SocketAddr {
     let ip = own.map_or(IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), |own| own.ip());
     SocketAddr::new(ip, address.port())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_link_carries_its_token_where_no_server_and_no_log_sees_it() {
+        for (address, expected) in [
+            ("127.0.0.1:8480", "http://127.0.0.1:8480/#token=abc"),
+            ("192.168.1.7:80", "http://192.168.1.7:80/#token=abc"),
+            ("[::1]:8480", "http://[::1]:8480/#token=abc"),
+        ] {
+            assert_eq!(link(address.parse().unwrap(), "abc"), expected);
+        }
+    }
+
+    #[test]
+    fn an_address_of_one_interface_is_shown_as_it_is() {
+        for address in ["127.0.0.1:8480", "192.168.1.7:8481", "[::1]:8480"] {
+            let address = address.parse().unwrap();
+            assert_eq!(reachable(address), address);
+        }
+    }
+}

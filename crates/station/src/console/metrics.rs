@@ -57,3 +57,6 @@ pub(super) fn metrics_text(status: &StatusSnapshot, clients: usize) -> String {
     add("console_clients", "gauge", "Connected pages.", Some(clients as f64));
     text
 }
+
+#[cfg(test)]
+mod tests;

@@ -37,6 +37,9 @@ mod video_relay;
 
 mod links;
 
+#[cfg(test)]
+mod in_memory;
+
 pub use on_lost::OnConsoleLost;
 pub use pictures::PictureSlot;
 pub use server::ConsoleServer;

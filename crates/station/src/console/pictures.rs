@@ -118,3 +118,54 @@ pub(super) fn encode_pictures(slot: &PictureSlot) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::in_memory::block_on;
+    use super::*;
+    use crate::test_scenes::{at, frame};
+
+    /// The number of the frame, its time of capture and its size, from the head of a message.
+    fn head_of(message: &[u8]) -> (u64, u64, u16, u16) {
+        let number = |from: usize| u64::from_le_bytes(message[from..from + 8].try_into().unwrap());
+        let side = |from: usize| u16::from_le_bytes(message[from..from + 2].try_into().unwrap());
+        (number(16), number(8), side(24), side(26))
+    }
+
+    #[test]
+    fn every_page_that_asks_gets_the_newest_frame_as_jpeg() {
+        let slot = Arc::new(PictureSlot::default());
+        let mut first = PictureViewer::new(Arc::clone(&slot));
+        slot.put(&frame(6, at(6)));
+        slot.put(&frame(7, at(7)));
+        let received = std::thread::scope(|scope| {
+            scope.spawn(|| encode_pictures(&slot));
+            let next = |viewer: &mut PictureViewer| block_on(viewer.next()).unwrap_or_default();
+            let shown = next(&mut first);
+            let mut second = PictureViewer::new(Arc::clone(&slot));
+            let shown_again = next(&mut second);
+            slot.put(&frame(8, at(8)));
+            let later = [next(&mut first), next(&mut second)];
+            slot.close();
+            (shown, shown_again, later)
+        });
+        let (shown, shown_again, later) = received;
+        assert_eq!(head_of(&shown), (7, at(7).as_nanos(), 640, 480));
+        assert_eq!(shown[1], VideoKind::Jpeg as u8);
+        assert_eq!(shown[HEAD_BYTES..HEAD_BYTES + 2], [0xff, 0xd8], "a JPEG file begins so");
+        assert_eq!(shown_again, shown, "a new page gets the picture that is there");
+        assert_eq!(later.map(|message| head_of(&message).0), [8, 8]);
+    }
+
+    #[test]
+    fn pictures_are_wanted_while_a_page_shows_them() {
+        let slot = Arc::new(PictureSlot::default());
+        assert!(!slot.has_viewer());
+        let viewers = [PictureViewer::new(Arc::clone(&slot)), PictureViewer::new(Arc::clone(&slot))];
+        let [first, second] = viewers;
+        drop(first);
+        assert!(slot.has_viewer());
+        drop(second);
+        assert!(!slot.has_viewer());
+    }
+}

@@ -176,3 +176,6 @@ fn in_share(share: f64) -> Result<i8, &'static str> {
         Err("the values must be numbers from -1 to 1")
     }
 }
+
+#[cfg(test)]
+mod tests;

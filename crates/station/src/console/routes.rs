@@ -194,3 +194,6 @@ async fn open_socket(
         .max_frame_size(MAX_MESSAGE_BYTES)
         .on_upgrade(move |socket| socket::serve(console, socket, role, name))
 }
+
+#[cfg(test)]
+mod tests;

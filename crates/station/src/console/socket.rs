@@ -259,3 +259,6 @@ impl VideoFeed {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -201,3 +201,6 @@ fn work_of(work: &snapshot::CameraWork) -> CameraWork {
     };
     CameraWork { camera: figures(work.camera), schema: work.schema.map(figures), schema_p: work.schema_p }
 }
+
+#[cfg(test)]
+mod tests;

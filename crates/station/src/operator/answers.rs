@@ -54,3 +54,125 @@ impl Answers {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use barrelman_pilot::Refusal;
+    use barrelman_pilot::outcome::Unconfirmed;
+    use barrelman_vision::SelectionError;
+    use barrelman_vocab::{DrawnSelection, LawId, Nudge, PixelBox, Timestamp};
+    use tokio::sync::oneshot::{Receiver, error::TryRecvError};
+
+    use super::*;
+    use crate::test_scenes::{PICTURE, at, idle, localisation};
+
+    const BOUNDS: PixelBox = PixelBox { u: 1.0, v: 2.0, w: 30.0, h: 40.0 };
+    const SELECT_ON: OperatorRequest =
+        OperatorRequest::SelectOn(DrawnSelection { bounds: BOUNDS, captured: Timestamp::ZERO });
+
+    fn outcome(notice: Option<Notice>) -> Outcome {
+        Outcome { notice, ..idle(at(0)) }
+    }
+
+    fn request(answers: &mut Answers, request: OperatorRequest, notice: Option<Notice>) -> Receiver<Answer> {
+        let (slot, receiver) = AnswerSlot::new();
+        answers.on_request_step(&request, slot, &outcome(notice));
+        receiver
+    }
+
+    fn refused_selection() -> Notice {
+        Notice::SelectionRefused(SelectionError::Empty { selection: BOUNDS, picture: PICTURE })
+    }
+
+    #[test]
+    fn a_request_is_answered_by_the_outcome_of_its_own_step() {
+        for (made, notice) in [
+            (OperatorRequest::Engage, None),
+            (OperatorRequest::Disengage, None),
+            (OperatorRequest::Nudge(Nudge::default()), None),
+            (OperatorRequest::Select(BOUNDS), None),
+            (OperatorRequest::ChangeLaw(LawId::Eco), Some(Notice::LawChanged(LawId::Eco))),
+            (OperatorRequest::Reject, Some(Notice::TargetRejected)),
+            (OperatorRequest::Deselect, Some(Notice::Deselected)),
+        ] {
+            let mut answer = request(&mut Answers::default(), made, notice);
+            assert_eq!(answer.try_recv(), Ok(Answer::ACCEPTED), "{made:?}");
+        }
+        for (made, refusal) in [
+            (OperatorRequest::Nudge(Nudge::default()), Refusal::Stopped),
+            (OperatorRequest::ChangeLaw(LawId::Eco), Refusal::Engaged),
+            (OperatorRequest::Reject, Refusal::NothingToReject),
+            (SELECT_ON, Refusal::NoFreshVideo),
+        ] {
+            let mut answer = request(&mut Answers::default(), made, Some(Notice::RequestRefused(refusal)));
+            assert_eq!(answer.try_recv(), Ok(Answer::Refused(refusal.to_string())), "{made:?}");
+        }
+    }
+
+    /// The answer to a selection after a later step with this notice; `None`: there is none yet.
+    fn answer_after(notice: Option<Notice>) -> Option<Answer> {
+        let mut answers = Answers::default();
+        let mut answer = request(&mut answers, SELECT_ON, None);
+        assert_eq!(answer.try_recv(), Err(TryRecvError::Empty), "not answered by its own step");
+        answers.on_step(&outcome(notice));
+        answer.try_recv().ok()
+    }
+
+    #[test]
+    fn a_selection_is_answered_when_it_is_confirmed_or_given_up() {
+        assert_eq!(answer_after(None), None);
+        assert_eq!(answer_after(Some(Notice::VideoClockWentBack)), None);
+        assert_eq!(answer_after(Some(Notice::LawChanged(LawId::Eco))), None);
+        let confirmed = Notice::SelectionConfirmed(localisation(at(0)));
+        let remark = "following the selection; confidence 0.75".to_owned();
+        assert_eq!(answer_after(Some(confirmed)), Some(Answer::Accepted(Some(remark))));
+        for notice in [
+            Notice::SelectionUnconfirmed(Unconfirmed::Lost),
+            Notice::SelectionUnconfirmed(Unconfirmed::NotSure),
+            refused_selection(),
+            Notice::RequestRefused(Refusal::NoFreshVideo),
+        ] {
+            let reason = notice.to_string();
+            assert_eq!(answer_after(Some(notice)), Some(Answer::Refused(reason)));
+        }
+    }
+
+    #[test]
+    fn a_later_choice_of_the_target_supersedes_a_selection_that_waits() {
+        let superseded_by = |made, notice| {
+            let mut answers = Answers::default();
+            let mut first = request(&mut answers, SELECT_ON, None);
+            request(&mut answers, made, notice);
+            first.try_recv().ok()
+        };
+        let superseded = |why: &str| Some(Answer::Superseded(why.to_owned()));
+        assert_eq!(superseded_by(SELECT_ON, None), superseded("another selection was made"));
+        let changed = superseded("the target was changed");
+        assert_eq!(superseded_by(OperatorRequest::Select(BOUNDS), None), changed);
+        assert_eq!(superseded_by(OperatorRequest::Reject, Some(Notice::TargetRejected)), changed);
+        assert_eq!(superseded_by(OperatorRequest::Deselect, Some(Notice::Deselected)), changed);
+        let refused = Some(Notice::RequestRefused(Refusal::NothingToReject));
+        assert_eq!(superseded_by(OperatorRequest::Reject, refused), None);
+        assert_eq!(superseded_by(OperatorRequest::Engage, None), None);
+        assert_eq!(superseded_by(OperatorRequest::Disengage, None), None);
+    }
+
+    #[test]
+    fn a_confirmation_answers_the_newest_selection_once() {
+        let mut answers = Answers::default();
+        request(&mut answers, SELECT_ON, None);
+        let mut newest = request(&mut answers, SELECT_ON, None);
+        let confirmed = outcome(Some(Notice::SelectionConfirmed(localisation(at(0)))));
+        answers.on_step(&confirmed);
+        answers.on_step(&confirmed);
+        assert!(matches!(newest.try_recv(), Ok(Answer::Accepted(Some(_)))));
+    }
+
+    #[test]
+    fn a_selection_that_waits_at_the_end_learns_that_the_session_has_ended() {
+        let mut answers = Answers::default();
+        let mut waiting = request(&mut answers, SELECT_ON, None);
+        drop(answers);
+        assert_eq!(waiting.try_recv(), Err(TryRecvError::Closed));
+    }
+}

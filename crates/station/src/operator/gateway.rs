@@ -144,4 +144,83 @@ mod tests {
         assert!(gateway.next_request().is_none());
         assert!(matches!(queue.try_recv(), Ok(Event::Operator)));
     }
+
+    const STOP: Request = Request::Pilot(OperatorRequest::Stop(StopCause::Operator));
+
+    #[test]
+    fn a_stop_is_never_queued_and_is_accepted_at_once() {
+        let (events, _queue) = sync_channel(8);
+        let gateway = Gateway::new(events);
+        for _ in 0..CAPACITY + 1 {
+            gateway.submit(ENGAGE);
+        }
+        let mut answer = gateway.submit(STOP);
+        assert_eq!(answer.try_recv(), Ok(Answer::ACCEPTED));
+        assert_eq!(gateway.stop_latch().pending(), Some(1));
+        let queued = std::iter::from_fn(|| gateway.next_request()).map(|submitted| submitted.request);
+        assert_eq!(queued.collect::<Vec<_>>(), [ENGAGE; CAPACITY]);
+    }
+
+    #[test]
+    fn a_full_queue_has_room_again_after_a_request_was_taken() {
+        let (events, _queue) = sync_channel(1);
+        let gateway = Gateway::new(events);
+        let mut waiting: Vec<_> = (0..CAPACITY).map(|_| gateway.submit(ENGAGE)).collect();
+        assert!(waiting.iter_mut().all(|answer| answer.try_recv().is_err()), "none is answered yet");
+        let refused = gateway.submit(ENGAGE).try_recv();
+        assert_eq!(refused, Ok(Answer::Refused("too many requests are waiting; retry".to_owned())));
+        gateway.next_request();
+        assert!(gateway.submit(ENGAGE).try_recv().is_err(), "it waits");
+    }
+
+    #[test]
+    fn each_request_wakes_the_loop_and_a_full_queue_of_events_delays_nobody() {
+        let (events, queue) = sync_channel(2);
+        let gateway = Gateway::new(events);
+        gateway.submit(ENGAGE);
+        gateway.stop();
+        assert_eq!(queue.try_iter().filter(|event| matches!(event, Event::Operator)).count(), 2);
+        for _ in 0..10 {
+            gateway.submit(ENGAGE);
+            gateway.stop();
+        }
+        assert_eq!(queue.try_iter().count(), 2, "the loop is awake, and finds all requests");
+        assert_eq!(gateway.stop_latch().pending(), Some(11));
+        drop(queue);
+        assert_eq!(gateway.stop(), 12, "a loop that has ended delays nobody either");
+    }
+
+    #[test]
+    fn a_request_whose_reader_is_gone_is_still_taken() {
+        let (events, _queue) = sync_channel(1);
+        let gateway = Gateway::new(events);
+        drop(gateway.submit(ENGAGE));
+        let submitted = gateway.next_request().unwrap();
+        assert_eq!(submitted.request, ENGAGE);
+        submitted.answer.give(Answer::ACCEPTED);
+    }
+
+    #[test]
+    fn the_end_of_the_session_ends_every_wait() {
+        let (events, _queue) = sync_channel(1);
+        let gateway = Gateway::new(events);
+        let mut waiting = gateway.submit(ENGAGE);
+        gateway.submit_logged(OperatorRequest::Disengage);
+        drop(gateway);
+        assert_eq!(waiting.try_recv(), Err(oneshot::error::TryRecvError::Closed));
+    }
+
+    #[test]
+    fn stops_that_the_program_makes_itself_keep_their_place_and_cause() {
+        let (events, _queue) = sync_channel(1);
+        let gateway = Gateway::new(events);
+        for cause in [StopCause::Ending, StopCause::VideoEnded, StopCause::Fault] {
+            gateway.submit_logged(OperatorRequest::Stop(cause));
+            let request = gateway.next_request().map(|submitted| submitted.request);
+            assert_eq!(request, Some(Request::Pilot(OperatorRequest::Stop(cause))));
+        }
+        assert_eq!(gateway.stop_latch().pending(), None);
+        gateway.submit_logged(OperatorRequest::Stop(StopCause::Operator));
+        assert_eq!(gateway.stop_latch().pending(), Some(1));
+    }
 }

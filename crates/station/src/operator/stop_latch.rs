@@ -54,4 +54,28 @@ mod tests {
         latch.acknowledge(taken);
         assert_eq!(latch.pending(), Some(2));
     }
+
+    #[test]
+    fn an_acknowledgement_never_takes_another_one_back() {
+        let latch = StopLatch::default();
+        let presses = [latch.press(), latch.press(), latch.press()];
+        latch.acknowledge(presses[2]);
+        latch.acknowledge(presses[0]);
+        assert_eq!((latch.pending(), latch.taken()), (None, 3));
+        assert_eq!(latch.press(), 4);
+        assert_eq!(latch.pending(), Some(4));
+    }
+
+    #[test]
+    fn presses_from_many_threads_are_counted_once_each() {
+        let latch = StopLatch::default();
+        let mut presses: Vec<u64> = std::thread::scope(|scope| {
+            let press = || (0..250).map(|_| latch.press()).collect::<Vec<_>>();
+            let threads = [(); 4].map(|()| scope.spawn(press));
+            threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+        });
+        presses.sort_unstable();
+        assert_eq!(presses, (1..=1000).collect::<Vec<_>>());
+        assert_eq!(latch.pending(), Some(1000));
+    }
 }

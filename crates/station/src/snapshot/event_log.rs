@@ -108,4 +108,80 @@ mod tests {
         }
         assert_eq!(log.subscribe().0.len(), CAPACITY);
     }
+
+    fn numbers(entries: &[EventEntry]) -> Vec<u64> {
+        entries.iter().map(|entry| entry.number).collect()
+    }
+
+    /// The numbers of the entries that are kept after events at these times, s.
+    #[track_caller]
+    fn check(times_s: &[u64], expected: &[u64]) {
+        let log = EventLog::default();
+        for time in times_s {
+            log.add(Timestamp::from_nanos(time * 1_000_000_000), Level::Info, "", "");
+        }
+        assert_eq!(numbers(&log.subscribe().0), expected, "{times_s:?}");
+    }
+
+    #[test]
+    fn an_event_is_kept_for_one_hour() {
+        check(&[], &[]);
+        check(&[0], &[0]);
+        check(&[0, 3600], &[0, 1]);
+        check(&[0, 3601], &[1]);
+        check(&[0, 1, 2, 3602], &[2, 3]);
+        check(&[0, 1, 2, 9000], &[3]);
+        check(&[5, 5, 5], &[0, 1, 2]);
+        // A demo's next drive begins at time zero again.
+        check(&[5000, 0, 10], &[0, 1, 2]);
+    }
+
+    #[test]
+    fn the_newest_events_are_kept_where_there_are_too_many() {
+        let log = EventLog::default();
+        for _ in 0..CAPACITY + 10 {
+            log.add(Timestamp::ZERO, Level::Info, "", "");
+        }
+        let expected: Vec<u64> = (10..CAPACITY as u64 + 10).collect();
+        assert_eq!(numbers(&log.subscribe().0), expected);
+    }
+
+    #[test]
+    fn an_entry_is_what_was_added() {
+        let log = EventLog::default();
+        log.add(Timestamp::from_nanos(7), Level::Alarm, "no-video", "no video arrives");
+        let (kept, _) = log.subscribe();
+        let json = r#"[{"number":0,"at_ns":7,"level":"alarm","key":"no-video","text":"no video arrives"}]"#;
+        assert_eq!(serde_json::to_string(&kept).unwrap(), json);
+    }
+
+    #[test]
+    fn each_reader_gets_each_later_event_once() {
+        let log = EventLog::default();
+        log.add(Timestamp::ZERO, Level::Info, "", "before");
+        let readers = [log.subscribe(), log.subscribe(), log.subscribe()];
+        let add = |text: &str| log.add(Timestamp::ZERO, Level::Info, "", text);
+        add("first");
+        let late = log.subscribe();
+        add("second");
+        for (kept, mut later) in readers {
+            assert_eq!(numbers(&kept), [0]);
+            let texts = std::iter::from_fn(|| later.try_recv().ok()).map(|entry| entry.text);
+            assert_eq!(texts.collect::<Vec<_>>(), ["first", "second"]);
+        }
+        let (kept, mut later) = late;
+        assert_eq!(numbers(&kept), [0, 1]);
+        assert_eq!(later.try_recv().map(|entry| entry.number), Ok(2));
+    }
+
+    #[test]
+    fn a_reader_that_is_slow_loses_the_oldest_events_and_delays_nobody() {
+        let log = EventLog::default();
+        let (_, mut slow) = log.subscribe();
+        for _ in 0..BACKLOG + 3 {
+            log.add(Timestamp::ZERO, Level::Info, "", "");
+        }
+        assert_eq!(slow.try_recv(), Err(broadcast::error::TryRecvError::Lagged(3)));
+        assert_eq!(slow.try_recv().map(|entry| entry.number), Ok(3));
+    }
 }

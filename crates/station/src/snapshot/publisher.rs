@@ -256,3 +256,6 @@ const fn track_name(track: Track) -> &'static str {
         Track::Lost { .. } => "lost",
     }
 }
+
+#[cfg(test)]
+mod tests;

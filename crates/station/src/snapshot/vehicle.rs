@@ -56,3 +56,62 @@ impl VehicleSnapshot {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::at;
+
+    /// The state after these reports.
+    fn after(reports: &[Report]) -> VehicleSnapshot {
+        let mut vehicle = VehicleSnapshot::default();
+        for report in reports {
+            vehicle.on_telemetry(&Telemetry { at: at(0), report: *report });
+        }
+        vehicle
+    }
+
+    const UP: Report = Report::Link(LinkState::Up);
+    const GROUND: Report =
+        Report::Ground { control: ControlState::Ours, uptime_s: 9.0, battery_v: 15.5, tether_m: 12.0 };
+    const TETHER: Report = Report::Tether { elevation: Angle::ZERO, azimuth: Angle::ZERO, altitude_m: 10.5 };
+    const FLIGHT: Report =
+        Report::Flight { state: FlightState::Flying, on_time_s: 9.0, backup_battery_v: 8.0, warnings: 0 };
+    const TILT: Report = Report::CameraTilt(Angle::from_degrees(-20.0));
+
+    const KNOWN: VehicleSnapshot = VehicleSnapshot {
+        link: LinkStatus::Link(LinkState::Up),
+        control: Some(ControlState::Ours),
+        battery_v: Some(15.5),
+        tilt: Some(Angle::from_degrees(-20.0)),
+        altitude_m: Some(10.5),
+        flight: Some(FlightState::Flying),
+    };
+
+    #[test]
+    fn each_report_sets_what_it_tells() {
+        let none = VehicleSnapshot::default();
+        let up = VehicleSnapshot { link: LinkStatus::Link(LinkState::Up), ..none };
+        for (reports, expected) in [
+            (&[][..], none),
+            (&[UP], up),
+            (&[UP, GROUND], VehicleSnapshot { control: KNOWN.control, battery_v: KNOWN.battery_v, ..up }),
+            (&[UP, TILT], VehicleSnapshot { tilt: KNOWN.tilt, ..up }),
+            (&[UP, TETHER], VehicleSnapshot { altitude_m: KNOWN.altitude_m, ..up }),
+            (&[UP, FLIGHT], VehicleSnapshot { flight: KNOWN.flight, ..up }),
+            (&[UP, Report::FieldOfView(Angle::ZERO)], up),
+            (&[UP, GROUND, TILT, TETHER, FLIGHT], KNOWN),
+        ] {
+            assert_eq!(after(reports), expected, "{reports:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_known_before_the_link_went_down_is_not_known_any_more() {
+        for state in [LinkState::Opening, LinkState::Starting, LinkState::Closing, LinkState::Closed] {
+            let expected = VehicleSnapshot { link: LinkStatus::Link(state), ..VehicleSnapshot::default() };
+            assert_eq!(after(&[UP, GROUND, TILT, TETHER, FLIGHT, Report::Link(state)]), expected);
+        }
+        assert_eq!(after(&[UP, GROUND, TILT, TETHER, FLIGHT, UP]), KNOWN);
+    }
+}

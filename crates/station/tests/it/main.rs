@@ -19,6 +19,7 @@ mod exports;
 mod live_scenes;
 mod output_files;
 mod recorder;
+mod recording_folder;
 mod replays;
 mod reports;
 mod run_loop;

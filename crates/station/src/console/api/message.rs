@@ -138,3 +138,96 @@ pub struct RequestBody {
     /// The request.
     pub request: ConsoleRequest,
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    /// A message of a page in its JSON form is this message.
+    #[track_caller]
+    fn check(json: Value, expected: ClientMessage) {
+        let text = json.to_string();
+        assert_eq!(serde_json::from_str::<ClientMessage>(&text).unwrap(), expected, "{text}");
+        assert_eq!(serde_json::to_value(expected).unwrap(), json);
+    }
+
+    #[test]
+    fn messages_of_a_page_are_read_and_written_in_one_form() {
+        let request = ConsoleRequest::Engage;
+        check(
+            json!({"type": "request", "id": 3, "request": {"kind": "engage"}}),
+            ClientMessage::Request { id: 3, request },
+        );
+        let request = ConsoleRequest::Select { bounds: [1.5, 2.0, 3.0, 4.0], captured_ns: u64::MAX };
+        check(
+            json!({"type": "request", "id": u64::MAX, "request": {
+                "kind": "select", "box": [1.5, 2.0, 3.0, 4.0], "captured_ns": u64::MAX,
+            }}),
+            ClientMessage::Request { id: u64::MAX, request },
+        );
+        let request = ConsoleRequest::GiveControl { client: 2 };
+        check(
+            json!({"type": "request", "id": 0, "request": {"kind": "give-control", "client": 2}}),
+            ClientMessage::Request { id: 0, request },
+        );
+        check(json!({"type": "video", "path": "h264"}), ClientMessage::Video { path: VideoPath::H264 });
+        check(json!({"type": "video", "path": "jpeg"}), ClientMessage::Video { path: VideoPath::Jpeg });
+        check(json!({"type": "video", "path": "none"}), ClientMessage::Video { path: VideoPath::None });
+        check(json!({"type": "ping", "sent_ms": 12.5}), ClientMessage::Ping { sent_ms: 12.5 });
+        let view = |delay_ms| ClientMessage::View { path: VideoPath::Jpeg, delay_ms };
+        check(json!({"type": "view", "path": "jpeg", "delay_ms": 80.5}), view(Some(80.5)));
+        check(json!({"type": "view", "path": "jpeg", "delay_ms": null}), view(None));
+    }
+
+    #[test]
+    fn other_messages_of_a_page_are_not_read() {
+        for text in [
+            "",
+            "1",
+            "\"stop\"",
+            "[]",
+            "{}",
+            r#"{"type":"stop"}"#,
+            r#"{"type":"request","id":1}"#,
+            r#"{"type":"request","request":{"kind":"stop"}}"#,
+            r#"{"type":"request","id":1.5,"request":{"kind":"stop"}}"#,
+            r#"{"type":"request","id":-1,"request":{"kind":"stop"}}"#,
+            r#"{"type":"request","id":1,"request":{"kind":"stop"},"more":1}"#,
+            r#"{"type":"video","path":"mjpeg"}"#,
+            r#"{"type":"video","path":"H264"}"#,
+            r#"{"type":"ping"}"#,
+            r#"{"type":"ping","sent_ms":"1"}"#,
+            r#"{"type":"ping","sent_ms":1} {"type":"ping","sent_ms":1}"#,
+        ] {
+            assert!(serde_json::from_str::<ClientMessage>(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn each_message_to_a_page_says_what_it_is() {
+        let kind = |message| serde_json::to_value::<ServerMessage>(message).unwrap();
+        let answer = |reason| Answer { id: 3, answer: AnswerKind::Refused, reason };
+        for (message, expected) in [
+            (ServerMessage::Answer(answer(None)), json!({"type": "answer", "id": 3, "answer": "refused"})),
+            (
+                ServerMessage::Answer(answer(Some("why".to_owned()))),
+                json!({"type": "answer", "id": 3, "answer": "refused", "reason": "why"}),
+            ),
+            (ServerMessage::Events { events: vec![] }, json!({"type": "events", "events": []})),
+            (
+                ServerMessage::Control(ControlSeat { holder: Some(1), ..ControlSeat::default() }),
+                json!({
+                    "type": "control", "holder": 1, "holder_connected": false, "clients": [], "asking": [],
+                }),
+            ),
+            (
+                ServerMessage::Pong { sent_ms: 1.5, now_ns: 7 },
+                json!({"type": "pong", "sent_ms": 1.5, "now_ns": 7}),
+            ),
+        ] {
+            assert_eq!(kind(message), expected);
+        }
+    }
+}

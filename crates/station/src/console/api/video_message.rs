@@ -71,3 +71,46 @@ impl VideoHead {
         bytes
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: VideoHead = VideoHead {
+        kind: VideoKind::H264,
+        key: false,
+        shown: false,
+        rotation: Rotation::None,
+        epoch: 0,
+        captured_ns: 0,
+        index: 0,
+        size: (0, 0),
+    };
+
+    /// The bytes of a head that are not zero, with their places.
+    #[track_caller]
+    fn check(head: VideoHead, expected: &[(usize, u8)]) {
+        let bytes = head.to_bytes();
+        let set = bytes.iter().copied().enumerate().filter(|(_, byte)| *byte != 0);
+        assert_eq!(set.collect::<Vec<_>>(), expected, "{head:?}");
+    }
+
+    #[test]
+    fn each_field_has_its_place() {
+        check(HEAD, &[(0, 1), (1, 1)]);
+        check(VideoHead { kind: VideoKind::Jpeg, ..HEAD }, &[(0, 1), (1, 2)]);
+        check(VideoHead { key: true, ..HEAD }, &[(0, 1), (1, 1), (2, 1)]);
+        check(VideoHead { shown: true, ..HEAD }, &[(0, 1), (1, 1), (2, 2)]);
+        check(VideoHead { key: true, shown: true, ..HEAD }, &[(0, 1), (1, 1), (2, 3)]);
+        check(VideoHead { rotation: Rotation::Clockwise90, ..HEAD }, &[(0, 1), (1, 1), (3, 1)]);
+        check(VideoHead { rotation: Rotation::Half, ..HEAD }, &[(0, 1), (1, 1), (3, 2)]);
+        check(VideoHead { rotation: Rotation::Clockwise270, ..HEAD }, &[(0, 1), (1, 1), (3, 3)]);
+        check(VideoHead { epoch: 0x0100_0002, ..HEAD }, &[(0, 1), (1, 1), (4, 2), (7, 1)]);
+        check(VideoHead { captured_ns: 3 << 56 | 4, ..HEAD }, &[(0, 1), (1, 1), (8, 4), (15, 3)]);
+        check(VideoHead { index: 5 << 56 | 6, ..HEAD }, &[(0, 1), (1, 1), (16, 6), (23, 5)]);
+        check(
+            VideoHead { size: (0x0201, 0x0403), ..HEAD },
+            &[(0, 1), (1, 1), (24, 1), (25, 2), (26, 3), (27, 4)],
+        );
+    }
+}

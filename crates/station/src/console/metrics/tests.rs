@@ -1,0 +1,102 @@
+//! The text of the metrics, line by line.
+
+use std::collections::BTreeSet;
+
+use barrelman_pilot::{Mode, Outcome};
+use barrelman_vocab::{StopCause, Timestamp, Track};
+
+use super::super::status::status_of;
+use super::*;
+use crate::snapshot::{LinkStatus, RecordingState, Snapshot, VehicleSnapshot};
+use crate::test_scenes::{at, command, idle, localisation};
+
+/// The samples of a text in Prometheus' format, after a check of each of its lines.
+fn samples_of(text: &str) -> Vec<(&str, f64)> {
+    assert!(text.ends_with('\n'), "the last line ends, too");
+    let lines: Vec<_> = text.lines().collect();
+    let samples = lines.chunks(3).map(|lines| {
+        let [help, kind, sample] = lines else { panic!("HELP, TYPE and a sample: {lines:?}") };
+        let (name, value) = sample.split_once(' ').unwrap();
+        let help = help.strip_prefix(&format!("# HELP {name} ")).unwrap_or_else(|| panic!("{help}"));
+        let kind = kind.strip_prefix(&format!("# TYPE {name} ")).unwrap_or_else(|| panic!("{kind}"));
+        assert!(!help.is_empty() && ["counter", "gauge"].contains(&kind), "{lines:?}");
+        assert_eq!(kind == "counter", name.ends_with("_total"), "{name} is a {kind}");
+        let own = name.strip_prefix("barrelman_").unwrap_or_else(|| panic!("{name}"));
+        assert!(own.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_'), "{name}");
+        (own, value.parse().unwrap())
+    });
+    let samples: Vec<_> = samples.collect();
+    let names: BTreeSet<_> = samples.iter().map(|(name, _)| name).collect();
+    assert_eq!(names.len(), samples.len(), "each metric is there once");
+    samples
+}
+
+/// The metrics of a snapshot, with two pages, contain these.
+#[track_caller]
+fn check(snapshot: &Snapshot, expected: &[(&str, f64)]) {
+    let text = metrics_text(&status_of(snapshot, false), 2);
+    let samples = samples_of(&text);
+    for sample in expected {
+        assert!(samples.contains(sample), "{sample:?} is not in {samples:?}");
+    }
+}
+
+fn after(outcome: Outcome) -> Snapshot {
+    Snapshot { steps: 7, outcome: Some(outcome), ..Snapshot::default() }
+}
+
+#[test]
+fn what_is_not_known_is_left_out() {
+    let text = metrics_text(&status_of(&Snapshot::default(), false), 0);
+    let names: Vec<_> = samples_of(&text).into_iter().map(|(name, _)| name).collect();
+    for unknown in ["p", "track_confidence", "video_age_seconds"] {
+        assert!(!names.contains(&unknown), "{unknown}");
+    }
+    assert!(names.contains(&"steps_total"), "{names:?}");
+}
+
+#[test]
+fn a_step_is_given_in_the_units_of_the_names() {
+    let track = Track::Tracking(localisation(at(0)));
+    let servoing =
+        after(Outcome { mode: Mode::Servoing, track, command: command(0.25, -0.125), ..idle(at(40)) });
+    let rates = [("pan_rate_radians_per_second", 0.25), ("tilt_rate_radians_per_second", -0.125)];
+    check(&servoing, &rates);
+    check(&servoing, &[("steps_total", 7.0), ("tracking", 1.0), ("track_confidence", 0.75)]);
+    check(&servoing, &[("engaged", 1.0), ("stopped", 0.0), ("alarms", 0.0), ("console_clients", 2.0)]);
+    let mut aged = servoing.clone();
+    aged.video.age = Some(std::time::Duration::from_millis(250));
+    (aged.video.fps, aged.video.dropped) = (25.0, 3);
+    let video =
+        [("video_age_seconds", 0.25), ("video_frames_per_second", 25.0), ("video_dropped_total", 3.0)];
+    check(&aged, &video);
+}
+
+#[test]
+fn flags_are_one_while_something_is_so() {
+    let stopped = Mode::Stopped(StopCause::Operator);
+    check(&after(Outcome { mode: stopped, ..idle(at(0)) }), &[("engaged", 0.0), ("stopped", 1.0)]);
+    let lost = Track::Lost { since: Timestamp::ZERO, confidence: 0.5 };
+    check(&after(Outcome { track: lost, ..idle(at(0)) }), &[("tracking", 0.0), ("track_confidence", 0.5)]);
+    for (link, is_up) in [(LinkStatus::DryRun, 0.0), (LinkStatus::Simulated, 1.0)] {
+        let vehicle = VehicleSnapshot { link, ..VehicleSnapshot::default() };
+        check(&Snapshot { vehicle, ..Snapshot::default() }, &[("link_up", is_up)]);
+    }
+    let recording = RecordingState::On("a.mcap".to_owned());
+    check(&Snapshot { recording, ..Snapshot::default() }, &[("recording", 1.0)]);
+    check(&Snapshot { stops_taken: 4, ..Snapshot::default() }, &[("stops_total", 4.0), ("recording", 0.0)]);
+}
+
+#[test]
+fn work_adds_up() {
+    let mut snapshot = Snapshot::default();
+    (snapshot.work.camera.moves, snapshot.work.camera.travel_rad) = (3, 1.5);
+    check(&snapshot, &[("camera_moves_total", 3.0), ("camera_travel_radians_total", 1.5)]);
+}
+
+#[test]
+fn numbers_without_end_are_numbers_to_prometheus_too() {
+    let mut snapshot = Snapshot::default();
+    snapshot.work.camera.travel_rad = f64::INFINITY;
+    check(&snapshot, &[("camera_travel_radians_total", f64::INFINITY)]);
+}

@@ -1,0 +1,100 @@
+//! What the console does when the controlling page is gone, on a console without a server.
+
+use barrelman_pilot::{Mode, Outcome};
+use barrelman_vocab::Timestamp;
+
+use super::super::in_memory::{InMemory, LIVE, Setup};
+use super::*;
+use crate::test_scenes::{at, idle};
+
+/// A page was lost at this time.
+fn lose_at(session: &InMemory, id: ClientId, lost: Timestamp) {
+    session.console.with_seats(|seats| seats.leave(id, lost));
+    session.console.publish_seats();
+}
+
+/// A page was lost long ago.
+fn lose(session: &InMemory, id: ClientId) {
+    lose_at(session, id, Timestamp::ZERO);
+}
+
+#[test]
+fn a_lost_page_leaves_the_camera_engaged_with_a_warning() {
+    for (mode, text) in [
+        (Mode::Servoing, "the controlling page is gone; the camera stays engaged"),
+        (Mode::Idle, "the controlling page is gone"),
+    ] {
+        let mut session = InMemory::new(LIVE);
+        let page = session.join("a", Role::Control);
+        session.step(&Outcome { mode, ..idle(at(0)) });
+        lose(&session, page);
+        session.console.expire_seats();
+        assert_eq!(session.logged("console-lost"), [text]);
+        assert_eq!(session.console.gateway.stop_latch().pending(), None);
+    }
+}
+
+#[test]
+fn a_lost_page_stops_the_camera_where_the_session_says_so() {
+    let session = InMemory::new(Setup { on_lost: OnConsoleLost::Stop, ..LIVE });
+    let page = session.join("a", Role::Control);
+    lose(&session, page);
+    session.console.expire_seats();
+    assert_eq!(session.logged("console-lost"), ["the controlling page is gone: stopped"]);
+    assert_eq!(session.console.gateway.stop_latch().pending(), Some(1));
+    session.console.expire_seats();
+    assert_eq!(session.console.gateway.stop_latch().pending(), Some(1), "once for each loss");
+}
+
+#[test]
+fn a_page_that_was_lost_just_now_has_time_to_come_back() {
+    let session = InMemory::new(Setup { on_lost: OnConsoleLost::Stop, ..LIVE });
+    let page = session.join("a", Role::Control);
+    // However long this test takes, the time to come back has not passed.
+    lose_at(&session, page, session.console.time.clock().plus(Duration::from_secs(3600)));
+    session.console.expire_seats();
+    let seat = session.console.seat_changes.borrow().clone();
+    assert_eq!((seat.holder, seat.holder_connected), (Some(page), false));
+    assert_eq!(session.console.gateway.stop_latch().pending(), None);
+    assert_eq!(session.join("a", Role::Control), page + 1);
+    assert!(session.console.seat_changes.borrow().holder_connected);
+}
+
+#[test]
+fn the_loop_is_told_when_the_page_in_control_is_gone_and_when_one_has_come() {
+    let session = InMemory::new(LIVE);
+    let page = session.join("a", Role::Control);
+    assert_eq!(session.reported_losses(), [false]);
+    lose(&session, page);
+    session.reported_losses();
+    session.console.expire_seats();
+    assert_eq!(session.reported_losses(), [true]);
+    session.join("w", Role::Watch);
+    assert_eq!(session.reported_losses(), [true; 0], "a watcher does not control");
+    session.join("b", Role::Control);
+    assert_eq!(session.reported_losses(), [false]);
+}
+
+#[test]
+fn a_session_without_a_page_is_not_a_lost_page() {
+    let session = InMemory::new(Setup { on_lost: OnConsoleLost::Stop, ..LIVE });
+    session.console.expire_seats();
+    let watcher = session.join("w", Role::Watch);
+    lose(&session, watcher);
+    session.console.expire_seats();
+    assert_eq!(session.logged("console-lost"), [""; 0]);
+    assert_eq!(session.console.gateway.stop_latch().pending(), None);
+}
+
+#[test]
+fn the_first_message_tells_a_page_what_it_may_do_and_what_it_looks_at() {
+    let session = InMemory::new(LIVE);
+    for (role, may_control) in [(Role::Control, true), (Role::Watch, false)] {
+        let hello = serde_json::to_value(session.console.hello(5, role)).unwrap();
+        assert_eq!((hello["client"].as_u64(), hello["may_control"].as_bool()), (Some(5), Some(may_control)));
+        assert_eq!((&hello["command"], &hello["source"]), (&"run".into(), &"rtsp://camera/main".into()));
+        assert_eq!(hello["link"], serde_json::Value::Null, "a dry run has no link");
+        assert_eq!(hello["on_console_lost"], "stay");
+        assert_eq!(hello["laws"], serde_json::json!(["minimum-energy", "time-fuel", "eco", "schema"]));
+    }
+}

@@ -1,0 +1,80 @@
+//! The folder of the recordings that `run` makes without being asked.
+
+use std::fs;
+use std::io::Write as _;
+
+use barrelman_station::config::RecordingConfig;
+use barrelman_station::live::recording_folder::open_next;
+
+use crate::program::empty_folder;
+
+const OLDEST: &str = "run-20260101T000000Z.mcap";
+const OLD: &str = "run-20260201T000000Z.mcap";
+const FOREIGN: &str = "sortie.mcap";
+
+/// Opens the next recording in a folder with files of 600 bytes. The names of the files that are there afterwards, the
+/// new one left out.
+fn kept(name: &str, files: &[&str], quota_bytes: f64) -> Vec<String> {
+    let folder = empty_folder(name);
+    for file in files {
+        fs::write(folder.join(file), [0; 600]).unwrap();
+    }
+    let config = RecordingConfig {
+        enabled: true,
+        folder: folder.clone(),
+        quota_gb: quota_bytes / 1e9,
+        reserve_gb: 0.0,
+    };
+    let mut file = open_next(&config).unwrap();
+    file.write_all(b"new").unwrap();
+    let own = file.path().to_owned();
+    assert_eq!(own.parent(), Some(folder.as_path()));
+    assert_eq!(fs::read(&own).unwrap(), b"new");
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let others = entries.filter(|path| *path != own);
+    let mut names: Vec<String> =
+        others.map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn recordings_within_the_quota_are_kept() {
+    assert_eq!(kept("recordings-within", &[OLDEST, OLD], 1200.0), [OLDEST, OLD]);
+}
+
+#[test]
+fn the_oldest_recordings_are_removed_beyond_the_quota() {
+    assert_eq!(kept("recordings-oldest", &[OLD, OLDEST], 1100.0), [OLD]);
+    assert_eq!(kept("recordings-all", &[OLD, OLDEST], 100.0), [""; 0]);
+}
+
+#[test]
+fn files_that_the_program_did_not_name_are_never_removed() {
+    let foreign = [FOREIGN, "notes.txt", "run-notes.txt", "old-run-20250101T000000Z.mcap"];
+    let mut expected = foreign.map(str::to_owned);
+    expected.sort();
+    assert_eq!(kept("recordings-foreign", &[&foreign[..], &[OLDEST]].concat(), 1.0), expected);
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_made() {
+    let folder = empty_folder("recordings-made").join("a/b");
+    let config = RecordingConfig { enabled: true, folder: folder.clone(), quota_gb: 1.0, reserve_gb: 0.0 };
+    drop(open_next(&config).unwrap());
+    assert_eq!(fs::read_dir(folder).unwrap().count(), 0, "a recording that was never written is removed");
+}
+
+#[test]
+fn a_folder_that_cannot_be_used_is_named() {
+    let folder = empty_folder("recordings-unusable");
+    fs::write(folder.join("file"), "").unwrap();
+    let config =
+        RecordingConfig { enabled: true, folder: folder.join("file"), quota_gb: 1.0, reserve_gb: 0.0 };
+    let error = format!("{:#}", open_next(&config).unwrap_err());
+    assert!(error.contains("the recordings' folder") && error.contains("file"), "{error}");
+    let full = RecordingConfig { folder: folder.clone(), reserve_gb: 1e9, ..config };
+    let error = format!("{:#}", open_next(&full).unwrap_err());
+    assert!(error.contains("recording.reserve_gb"), "{error}");
+    assert_eq!(fs::read_dir(folder).unwrap().count(), 1, "no recording was begun");
+}
