@@ -92,10 +92,11 @@ def schemas(table, args, program):
     import jsonschema
 
     printed = json.loads(common.run([args.barrelman, "config", "api"]).stdout)
-    check = lambda name, value: jsonschema.Draft202012Validator(printed[name]).validate(value)
-    check("GET /api/v1/status, response", program.status())
-    check("POST /api/v1/requests, response", program.request("disengage"))
-    check("POST /api/v1/requests, body", {"id": 1, "request": {"kind": "select", "box": [1, 2, 3, 4], "captured_ns": 5}})
+    check = lambda name, value: jsonschema.Draft202012Validator({"$ref": f"#/components/schemas/{name}", **printed}).validate(value)
+    check("StatusSnapshot", program.status())
+    check("Answer", program.request("disengage"))
+    check("RequestBody", {"id": 1, "request": {"kind": "select", "box": [1, 2, 3, 4], "captured_ns": 5}})
+    check("MessageToProgram", {"type": "request", "id": 7, "request": {"kind": "ask-control"}})
     page, seen = Socket(program), set()
     page.send({"type": "ping", "sent_ms": 1.5})
     page.send({"type": "request", "id": 7, "request": {"kind": "ask-control"}})
@@ -104,7 +105,7 @@ def schemas(table, args, program):
         kind, content = page.read()
         if kind == TEXT:
             message = json.loads(content)
-            check("/api/v1/socket, text from the program", message)
+            check("MessageToPage", message)
             seen.add(message["type"])
     table.require("every message fits its schema", seen >= wanted, ", ".join(sorted(seen)))
     page.socket.close()

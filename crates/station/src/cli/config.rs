@@ -24,8 +24,8 @@ pub enum ConfigCommand {
     /// The JSON schema, for editors.
     #[command(after_help = "Example:\n  barrelman config schema > barrelman.schema.json")]
     Schema,
-    /// The JSON schemas of the console's interface for programs (docs/api.md).
-    #[command(after_help = "Example:\n  barrelman config api > api.schema.json")]
+    /// The OpenAPI document of the console's interface for programs, with its JSON schemas (docs/api.md).
+    #[command(after_help = "Example:\n  barrelman config api > api.openapi.json")]
     Api,
     /// The effective configuration, complete.
     #[command(after_help = "Example:\n  barrelman config print barrelman.toml")]

@@ -16,7 +16,7 @@ pub struct ConsoleOptions {
     /// File with the console's tokens, two lines: control, watch. Without it, tokens are made and printed as links.
     #[arg(long, value_name = "FILE")]
     pub console_token_file: Option<PathBuf>,
-    /// What happens when the controlling page is gone for two seconds: the camera goes on, or stops.
+    /// What happens when the controlling page is gone (closed for 2 s, or silent for 3 s): the camera goes on, or stops.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub on_console_lost: Option<OnConsoleLost>,
 }

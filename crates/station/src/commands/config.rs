@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use crate::cli::{ConfigArgs, ConfigCommand};
 use crate::config::{self, ConfigFile, Configuration};
-use crate::console::api::api_schemas;
+use crate::console::api::api_document;
 
 /// Runs the command.
 ///
@@ -17,7 +17,7 @@ pub fn run(args: &ConfigArgs) -> Result<ExitCode> {
     let text = match &args.command {
         ConfigCommand::Example => config::EXAMPLE.to_owned(),
         ConfigCommand::Schema => config::schema()? + "\n",
-        ConfigCommand::Api => serde_json::to_string_pretty(&api_schemas())? + "\n",
+        ConfigCommand::Api => serde_json::to_string_pretty(&api_document())? + "\n",
         ConfigCommand::Print { config: None } => Configuration::resolve(&ConfigFile::default())?.to_toml()?,
         ConfigCommand::Print { config: Some(path) } => {
             Configuration::resolve(&config::read(path)?)?.to_toml()?

@@ -19,7 +19,7 @@ pub struct ConsoleSection {
     /// File with the console's tokens, two lines: control, watch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_file: Option<PathBuf>,
-    /// What happens when the controlling page is gone for two seconds.
+    /// What happens when the controlling page is gone: closed for 2 s, or silent for 3 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_lost: Option<OnConsoleLost>,
 }

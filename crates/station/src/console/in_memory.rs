@@ -4,7 +4,7 @@
 use std::future::Future as _;
 use std::pin::pin;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::sync_channel;
 use std::task::{Context, Waker};
 use std::time::Duration;
 
@@ -20,9 +20,8 @@ use super::api::ConsoleRequest;
 use super::guard::Hosts;
 use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
-use super::server::Console;
+use super::shared::Console;
 use super::{ConsoleParts, OnConsoleLost, PictureSlot, SessionFacts, SessionTime, VideoRelay, routes};
-use crate::live::event::Event;
 use crate::operator::{Answer, Gateway, Request as SessionRequest};
 use crate::snapshot::{LinkStatus, Publisher, RecordingState};
 use crate::test_scenes::{at, idle};
@@ -31,8 +30,6 @@ pub(super) const CONTROL_TOKEN: &str = "control-0123456789";
 pub(super) const WATCH_TOKEN: &str = "watch-0123456789ab";
 /// How long the program has been running when a test begins.
 const UPTIME: Duration = Duration::from_secs(3600);
-/// More events than any test makes.
-const EVENTS: usize = 64;
 
 /// How the console is served.
 #[derive(Debug, Clone, Copy)]
@@ -58,14 +55,12 @@ pub(super) struct InMemory {
     pub(super) answer: Answer,
     /// The requests that the session took.
     pub(super) taken: Vec<SessionRequest>,
-    loop_events: Receiver<Event>,
 }
 
 impl InMemory {
     pub(super) fn new(setup: Setup) -> Self {
         let publisher =
             Publisher::new(&VehicleProfile::fotokite_pro(), LinkStatus::DryRun, RecordingState::Off);
-        let (events, loop_events) = sync_channel(EVENTS);
         let parts = ConsoleParts {
             facts: SessionFacts {
                 command: "run",
@@ -73,7 +68,7 @@ impl InMemory {
                 link: None,
                 vehicle: "fotokite-pro".to_owned(),
             },
-            gateway: Arc::new(Gateway::new(events.clone())),
+            gateway: Arc::new(Gateway::new(sync_channel(1).0)),
             snapshots: publisher.subscribe(),
             events: publisher.events(),
             relay: Arc::new(VideoRelay::default()),
@@ -84,8 +79,8 @@ impl InMemory {
         let tokens = Tokens { control: CONTROL_TOKEN.to_owned(), watch: WATCH_TOKEN.to_owned() };
         let access = Access::new(setup.asks_for_tokens.then_some(tokens), address.port());
         let hosts = Hosts::new(address, vec!["boat.example".to_owned()]);
-        let console = Arc::new(Console::new(parts, setup.on_lost, access, hosts, events));
-        Self { console, publisher, answer: Answer::ACCEPTED, taken: Vec::new(), loop_events }
+        let console = Arc::new(Console::new(parts, setup.on_lost, access, hosts));
+        Self { console, publisher, answer: Answer::ACCEPTED, taken: Vec::new() }
     }
 
     /// A page connects.
@@ -147,13 +142,9 @@ impl InMemory {
         entries.into_iter().filter(|entry| entry.key == key).map(|entry| entry.text).collect()
     }
 
-    /// What the loop was told about the controlling page since the last call.
-    pub(super) fn reported_losses(&self) -> Vec<bool> {
-        let losses = self.loop_events.try_iter().filter_map(|event| match event {
-            Event::ConsoleLost(is_lost) => Some(is_lost),
-            _ => None,
-        });
-        losses.collect()
+    /// Whether the loop is told that the controlling page is gone.
+    pub(super) fn is_console_lost(&self) -> bool {
+        self.console.gateway.is_console_lost()
     }
 }
 

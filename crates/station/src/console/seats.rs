@@ -1,7 +1,8 @@
 //! Who controls: one page at a time; the others watch.
 //!
 //! A page that may control takes the empty seat when it connects. Otherwise control is taken or given by an explicit
-//! request. The seat of a page that was lost is kept for [`GRACE`], so that a reload keeps the control.
+//! request. The seat of a page that was lost is kept for [`GRACE`], so that a reload keeps the control. A page that sends
+//! nothing for [`MAX_SILENCE`] counts as lost.
 
 use std::time::Duration;
 
@@ -12,6 +13,9 @@ use super::api::ControlSeat;
 
 /// How long the seat of a lost page is kept.
 pub(super) const GRACE: Duration = Duration::from_secs(2);
+
+/// How long the page in control may be silent. A page sends something each second.
+pub(super) const MAX_SILENCE: Duration = Duration::from_secs(3);
 
 /// The largest number of pages at a time.
 pub(super) const MAX_CLIENTS: usize = 16;
@@ -91,12 +95,21 @@ impl Seats {
         }
     }
 
-    /// Frees the seat of a page that was lost for longer than [`GRACE`]. Returns whether that happened now.
+    /// Frees the seat of a page that was lost for longer than [`GRACE`], or silent for longer than [`MAX_SILENCE`]. A page
+    /// that asks for the control gets it. Returns whether the seat was freed now.
     pub(super) fn expire(&mut self, now: Timestamp) -> bool {
-        let lost = self.holder.as_ref().and_then(|holder| holder.lost);
-        let is_over = lost.is_some_and(|lost| now.since(lost) > GRACE);
+        let Some(holder) = &self.holder else { return false };
+        let is_over = match holder.lost {
+            Some(lost) => now.since(lost) > GRACE,
+            None => {
+                let client = self.clients.iter().find(|client| client.id == holder.id);
+                client.is_none_or(|client| now.since(client.heard) > MAX_SILENCE)
+            }
+        };
         if is_over {
             self.holder = None;
+            let asking = self.clients.iter().find(|client| client.asks).map(|client| client.id);
+            asking.into_iter().for_each(|id| self.seat(id));
         }
         is_over
     }

@@ -53,7 +53,7 @@ impl ConsoleServer {
             let slot = Arc::clone(&pictures);
             threads::spawn("pictures", events.clone(), move || encode_pictures(&slot))?
         };
-        let console = Arc::new(Console::new(parts, on_lost, access, hosts, events.clone()));
+        let console = Arc::new(Console::new(parts, on_lost, access, hosts));
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .build()

@@ -1,8 +1,6 @@
 //! What all tasks of a console share: the session's facts, and the sending and receiving ends of what the loop publishes.
 
-use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use tokio::sync::watch;
 
@@ -14,7 +12,6 @@ use super::pictures::PictureSlot;
 use super::seats::{ClientId, Seats};
 use super::session_time::SessionTime;
 use super::video_relay::VideoRelay;
-use crate::live::event::Event;
 use crate::operator::Gateway;
 use crate::snapshot::{EventLog, Level, SharedSnapshot};
 
@@ -66,17 +63,10 @@ pub(super) struct Console {
     pub(super) time: SessionTime,
     pub(super) seats: Mutex<Seats>,
     pub(super) seat_changes: watch::Sender<ControlSeat>,
-    loop_events: SyncSender<Event>,
 }
 
 impl Console {
-    pub(super) fn new(
-        parts: ConsoleParts,
-        on_lost: OnConsoleLost,
-        access: Access,
-        hosts: Hosts,
-        loop_events: SyncSender<Event>,
-    ) -> Self {
+    pub(super) fn new(parts: ConsoleParts, on_lost: OnConsoleLost, access: Access, hosts: Hosts) -> Self {
         Self {
             on_lost,
             access,
@@ -90,7 +80,6 @@ impl Console {
             time: parts.time,
             seats: Mutex::default(),
             seat_changes: watch::Sender::new(ControlSeat::default()),
-            loop_events,
         }
     }
 
@@ -103,7 +92,7 @@ impl Console {
     pub(super) fn publish_seats(&self) {
         let state = self.with_seats(|seats| seats.state());
         if state.holder.is_some() {
-            let _ = self.loop_events.try_send(Event::ConsoleLost(false));
+            self.gateway.set_console_lost(false);
         }
         self.seat_changes.send_replace(state);
     }
@@ -123,14 +112,12 @@ impl Console {
             let text = format!("the controlling page is gone{text}");
             self.events.add(now, Level::Warning, "console-lost", text);
         }
-        let _ = self.loop_events.try_send(Event::ConsoleLost(true));
+        self.gateway.set_console_lost(true);
         self.publish_seats();
     }
 
     /// The first message to a page.
     pub(super) fn hello(&self, client: ClientId, role: Role) -> Hello {
-        let since_start = Duration::from_nanos(self.time.now().as_nanos());
-        let unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Hello {
             client,
             may_control: role == Role::Control,
@@ -142,7 +129,6 @@ impl Console {
             laws: vec![LawName::MinimumEnergy, LawName::TimeFuel, LawName::Eco, LawName::Schema],
             nudge_rate: NUDGE_RATE,
             on_console_lost: if self.on_lost == OnConsoleLost::Stop { "stop" } else { "stay" },
-            start_unix_ms: unix.saturating_sub(since_start).as_secs_f64() * 1e3,
         }
     }
 }

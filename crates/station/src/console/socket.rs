@@ -103,7 +103,6 @@ impl Reader {
                 let now_ns = self.console.time.now().as_nanos();
                 let _ = self.outbox.try_send(ServerMessage::Pong { sent_ms, now_ns });
             }
-            ClientMessage::View { .. } => {}
         }
     }
 }

@@ -104,12 +104,6 @@ impl LiveDrive<'_> {
             Event::ThreadPanicked { thread } => {
                 return Some(DriveEnd::Failed(format!("the {thread} thread panicked")));
             }
-            Event::ConsoleLost(is_lost) => {
-                let now = self.drive.world().now();
-                if let Some(console) = &mut self.observers.console {
-                    console.publisher.set_console_lost(is_lost, now);
-                }
-            }
             // The requests are taken before the next tick.
             Event::Operator
             | Event::Frame
@@ -122,6 +116,10 @@ impl LiveDrive<'_> {
 
     /// Takes a pressed stop, and all requests that wait.
     fn take_requests(&mut self) -> Result<()> {
+        let (is_lost, now) = (self.gateway.is_console_lost(), self.drive.world().now());
+        if let Some(console) = &mut self.observers.console {
+            console.publisher.set_console_lost(is_lost, now);
+        }
         loop {
             self.take_stop()?;
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(()) };

@@ -18,10 +18,8 @@ pub enum Event {
     Video(VideoState),
     /// The link reports something.
     Link(LinkReport),
-    /// The gateway holds requests, or a stop.
+    /// The gateway holds requests or a stop, or the controlling page is gone or has come back.
     Operator,
-    /// The controlling page is gone (`true`), or has come back.
-    ConsoleLost(bool),
     /// The program must end.
     Quit(QuitCause),
     /// A thread panicked.

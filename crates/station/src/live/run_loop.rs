@@ -161,6 +161,7 @@ impl RunLoop<'_> {
 
     /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the next request.
     fn take_requests(&mut self, state: &mut LoopState) {
+        self.publisher.set_console_lost(self.gateway.is_console_lost(), self.events.now());
         loop {
             self.take_stop(state);
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { break };
@@ -182,7 +183,6 @@ impl RunLoop<'_> {
             Event::Frame => return self.on_frame(state),
             // The requests are taken before the next event.
             Event::Operator => {}
-            Event::ConsoleLost(is_lost) => self.publisher.set_console_lost(is_lost, self.events.now()),
             Event::Link(report) => return self.on_link_report(state, report),
             Event::Video(video) => return self.on_video_state(state, video),
             Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),

@@ -1,6 +1,8 @@
-//! The gateway: a bounded queue of requests, the stop latch, and the event that wakes the loop.
+//! The gateway: a bounded queue of requests, the stop latch, whether the controlling page is gone, and the event that
+//! wakes the loop.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -38,13 +40,19 @@ pub struct Submitted {
 pub struct Gateway {
     stop: StopLatch,
     queue: Mutex<VecDeque<Submitted>>,
+    is_console_lost: AtomicBool,
     events: SyncSender<Event>,
 }
 
 impl Gateway {
     /// A gateway that wakes the loop through `events`.
     pub fn new(events: SyncSender<Event>) -> Self {
-        Self { stop: StopLatch::default(), queue: Mutex::new(VecDeque::new()), events }
+        Self {
+            stop: StopLatch::default(),
+            queue: Mutex::default(),
+            is_console_lost: AtomicBool::new(false),
+            events,
+        }
     }
 
     /// Presses Stop. Cannot be refused. Returns the number of the press.
@@ -57,6 +65,18 @@ impl Gateway {
     /// The stop latch.
     pub const fn stop_latch(&self) -> &StopLatch {
         &self.stop
+    }
+
+    /// The controlling page is gone, or a page controls again.
+    pub fn set_console_lost(&self, is_lost: bool) {
+        if self.is_console_lost.swap(is_lost, Ordering::Relaxed) != is_lost {
+            self.wake();
+        }
+    }
+
+    /// Whether the controlling page is gone.
+    pub fn is_console_lost(&self) -> bool {
+        self.is_console_lost.load(Ordering::Relaxed)
     }
 
     /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the operator goes

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use barrelman_vocab::Timestamp;
 use schemars::JsonSchema;
@@ -21,8 +21,10 @@ const BACKLOG: usize = 256;
 pub struct EventEntry {
     /// Number of the entry, from 0.
     pub number: u64,
-    /// When it happened.
+    /// When it happened, in the time of the session.
     pub at_ns: u64,
+    /// When it happened: Unix time, milliseconds.
+    pub unix_ms: f64,
     /// How serious it is.
     pub level: Level,
     /// The key of the page's table of words; empty where there is none.
@@ -61,8 +63,15 @@ impl EventLog {
     pub fn add(&self, at: Timestamp, level: Level, key: &str, text: impl Into<String>) {
         let mut entries = self.entries();
         let (number, kept) = &mut *entries;
-        let at_ns = at.as_nanos();
-        let entry = EventEntry { number: *number, at_ns, level, key: key.to_owned(), text: text.into() };
+        let unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let entry = EventEntry {
+            number: *number,
+            at_ns: at.as_nanos(),
+            unix_ms: unix.as_secs_f64() * 1e3,
+            level,
+            key: key.to_owned(),
+            text: text.into(),
+        };
         *number += 1;
         let is_old = |entry: &EventEntry| at.since(Timestamp::from_nanos(entry.at_ns)) > KEPT;
         while kept.len() >= CAPACITY || kept.front().is_some_and(is_old) {

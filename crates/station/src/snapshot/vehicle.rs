@@ -75,8 +75,13 @@ mod tests {
     const GROUND: Report =
         Report::Ground { control: ControlState::Ours, uptime_s: 9.0, battery_v: 15.5, tether_m: 12.0 };
     const TETHER: Report = Report::Tether { elevation: Angle::ZERO, azimuth: Angle::ZERO, altitude_m: 10.5 };
-    const FLIGHT: Report =
-        Report::Flight { state: FlightState::Flying, on_time_s: 9.0, backup_battery_v: 8.0, warnings: 0 };
+    const FLIGHT: Report = Report::Flight {
+        state: FlightState::Flying,
+        on_time_s: 9.0,
+        backup_battery_v: 8.0,
+        warnings: 64,
+        is_battery_low: true,
+    };
     const TILT: Report = Report::CameraTilt(Angle::from_degrees(-20.0));
 
     const KNOWN: VehicleSnapshot = VehicleSnapshot {
@@ -86,6 +91,7 @@ mod tests {
         tilt: Some(Angle::from_degrees(-20.0)),
         altitude_m: Some(10.5),
         flight: Some(FlightState::Flying),
+        is_battery_low: true,
     };
 
     #[test]

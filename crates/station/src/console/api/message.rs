@@ -40,13 +40,6 @@ pub enum ClientMessage {
         /// The page's own time, milliseconds.
         sent_ms: f64,
     },
-    /// What the page shows, for the other screens and for measurements.
-    View {
-        /// Which way is drawn.
-        path: VideoPath,
-        /// Median time from capture to drawing over the last seconds, milliseconds.
-        delay_ms: Option<f64>,
-    },
 }
 
 /// A message to the page. Text, JSON.
@@ -55,7 +48,7 @@ pub enum ClientMessage {
 pub enum ServerMessage {
     /// The first message.
     Hello(Box<Hello>),
-    /// The newest state; at most 40 a second, fewer where the reader is slow.
+    /// The newest state; at most 100 a second, fewer where the reader is slow.
     Snapshot(Box<StatusSnapshot>),
     /// The answer to a request.
     Answer(Answer),
@@ -100,8 +93,6 @@ pub struct Hello {
     pub nudge_rate: f64,
     /// What happens when the controlling page is gone: `stay` or `stop`.
     pub on_console_lost: &'static str,
-    /// Unix time at the program's start, milliseconds: turns `_ns` into the time of day.
-    pub start_unix_ms: f64,
 }
 
 /// The answer to a request.
@@ -176,9 +167,6 @@ mod tests {
         check(json!({"type": "video", "path": "jpeg"}), ClientMessage::Video { path: VideoPath::Jpeg });
         check(json!({"type": "video", "path": "none"}), ClientMessage::Video { path: VideoPath::None });
         check(json!({"type": "ping", "sent_ms": 12.5}), ClientMessage::Ping { sent_ms: 12.5 });
-        let view = |delay_ms| ClientMessage::View { path: VideoPath::Jpeg, delay_ms };
-        check(json!({"type": "view", "path": "jpeg", "delay_ms": 80.5}), view(Some(80.5)));
-        check(json!({"type": "view", "path": "jpeg", "delay_ms": null}), view(None));
     }
 
     #[test]

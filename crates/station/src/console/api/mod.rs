@@ -1,11 +1,11 @@
 //! The interface of the console for the page and for programs: JSON messages and the head of a video message.
 //!
-//! Every type here is plain data with a JSON Schema (`barrelman config api`). Times are nanoseconds since the program's
+//! Every type here is plain data with a JSON Schema (`barrelman config api` prints the OpenAPI document). Times are nanoseconds since the program's
 //! start (`_ns`), unless a name says otherwise; angles of the picture are degrees, anticlockwise from image right; rates
 //! are rad/s, pan positive to the right, tilt positive upwards. `null` stands for what is not known.
 //!
 //! ```text
-//! page -> program   ClientMessage   request, video, ping, view
+//! page -> program   ClientMessage   request, video, ping
 //! program -> page   ServerMessage   hello, snapshot, answer, events, event, control, pong
 //!                   binary          one unit of video, with the head of `video_message`
 //! ```
@@ -21,7 +21,7 @@ mod video_message;
 pub use crate::snapshot::{DriveState, EventEntry, Level};
 pub use message::{Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerMessage, VideoPath};
 pub use request::{ConsoleRequest, LawName};
-pub use schema::api_schemas;
+pub use schema::api_document;
 pub use snapshot::{
     AxisPair, CameraWork, ControlSeat, LinkStatus, ModeStatus, PerceptStatus, RecordingStatus, RegionStatus,
     StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,

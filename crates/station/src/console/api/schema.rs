@@ -1,24 +1,122 @@
-//! The JSON Schemas of the API, generated from its types.
+//! The OpenAPI document of the API, with the JSON Schemas generated from its types.
 
-use schemars::{JsonSchema, generate::SchemaSettings};
+use schemars::{JsonSchema, SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Value, json};
 
 use super::{Answer, ClientMessage, RequestBody, ServerMessage, StatusSnapshot};
 
-/// The schemas by the place where each is used.
-pub fn api_schemas() -> Value {
+/// The OpenAPI 3.1 document. OpenAPI has no WebSockets: the schemas of the socket's messages are those of
+/// `components.schemas`, named in the description of the socket.
+pub fn api_document() -> Value {
+    let mut sent = generator(true);
+    let mut taken = generator(false);
+    let status = reference::<StatusSnapshot>(&mut sent);
+    let answer = reference::<Answer>(&mut sent);
+    let to_page = reference::<ServerMessage>(&mut sent);
+    let request = reference::<RequestBody>(&mut taken);
+    let to_program = reference::<ClientMessage>(&mut taken);
+    let mut schemas = sent.take_definitions(true);
+    schemas.extend(taken.take_definitions(true));
+    schemas.insert("MessageToPage".to_owned(), to_page);
+    schemas.insert("MessageToProgram".to_owned(), to_program);
+    let socket = "WebSocket. Text messages to the program: `#/components/schemas/MessageToProgram`; text messages from \
+         the program: `#/components/schemas/MessageToPage`; binary messages from the program: video.";
     json!({
-        "GET /api/v1/status, response": schema_of::<StatusSnapshot>(true),
-        "POST /api/v1/requests, body": schema_of::<RequestBody>(false),
-        "POST /api/v1/requests, response": schema_of::<Answer>(true),
-        "/api/v1/socket, text to the program": schema_of::<ClientMessage>(false),
-        "/api/v1/socket, text from the program": schema_of::<ServerMessage>(true),
+        "openapi": "3.1.0",
+        "info": {"title": "Barrelman", "version": env!("CARGO_PKG_VERSION")},
+        "security": [{"token": []}, {}],
+        "paths": {
+            "/api/v1/status": {"get": {
+                "summary": "The newest state",
+                "responses": {"200": response("The state", &status), "401": refused()},
+            }},
+            "/api/v1/requests": {"post": {
+                "summary": "Makes a request, and waits for its answer",
+                "requestBody": {"required": true, "content": {"application/json": {"schema": request}}},
+                "responses": {"200": response("The answer", &answer), "401": refused()},
+            }},
+            "/api/v1/socket": {"get": {
+                "summary": "The socket of a page",
+                "description": socket,
+                "responses": {"101": {"description": "The socket is open"}, "401": refused()},
+            }},
+            "/api/v1/access": {"get": {
+                "summary": "What the token permits",
+                "responses": {
+                    "200": {"description": "`may_control`: whether the token permits more than watching and stopping"},
+                    "401": refused(),
+                },
+            }},
+            "/api/v1/login": {"post": {
+                "summary": "A cookie for the token, for pages",
+                "responses": {"204": {"description": "The cookie is set"}, "401": refused()},
+            }},
+            "/metrics": {"get": {
+                "summary": "Metrics for Prometheus",
+                "responses": {"200": {"description": "Text format 0.0.4"}, "401": refused()},
+            }},
+            "/healthz": {"get": {
+                "summary": "Whether the server answers", "security": [],
+                "responses": {"200": {"description": "`ok`"}},
+            }},
+        },
+        "components": {
+            "securitySchemes": {"token": {"type": "http", "scheme": "bearer"}},
+            "schemas": schemas,
+        },
     })
 }
 
-/// `is_sent`: the program writes the value, and does not read it.
-fn schema_of<T: JsonSchema>(is_sent: bool) -> Value {
-    let settings = SchemaSettings::draft2020_12();
+/// `is_sent`: the program writes the values, and does not read them.
+fn generator(is_sent: bool) -> SchemaGenerator {
+    let settings = SchemaSettings::draft2020_12()
+        .with(|settings| settings.definitions_path = "/components/schemas".into());
     let settings = if is_sent { settings.for_serialize() } else { settings };
-    settings.into_generator().into_root_schema_for::<T>().to_value()
+    settings.into_generator()
+}
+
+/// The schema of a type: a reference to its definition.
+fn reference<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    generator.subschema_for::<T>().to_value()
+}
+
+fn response(description: &str, schema: &Value) -> Value {
+    json!({"description": description, "content": {"application/json": {"schema": schema}}})
+}
+
+fn refused() -> Value {
+    json!({"description": "A token is needed"})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All references in a document.
+    fn references(value: &Value, found: &mut Vec<String>) {
+        match value {
+            Value::Object(members) => {
+                for (name, member) in members {
+                    match member {
+                        Value::String(target) if name == "$ref" => found.push(target.clone()),
+                        _ => references(member, found),
+                    }
+                }
+            }
+            Value::Array(items) => items.iter().for_each(|item| references(item, found)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn every_reference_leads_to_a_schema() {
+        let document = api_document();
+        let mut found = Vec::new();
+        references(&document, &mut found);
+        assert!(found.len() > 20, "{found:?}");
+        for target in found {
+            let place = target.strip_prefix('#').unwrap_or_default();
+            assert!(document.pointer(place).is_some(), "{target}");
+        }
+    }
 }

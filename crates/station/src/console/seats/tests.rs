@@ -250,3 +250,17 @@ fn a_dropped_page_can_neither_ask_nor_take() {
     seats.leave(dropped, at(1));
     assert!(seats.controls(0), "its connection ends without an effect");
 }
+
+#[test]
+fn a_silent_page_loses_the_seat_and_a_page_that_asks_gets_it() {
+    let mut seats = Seats::default();
+    let (a, b) = (seats.join("a", Role::Control, at(0)).id, seats.join("b", Role::Control, at(0)).id);
+    seats.hear(a, at(1000));
+    seats.hear(b, at(3500));
+    assert!(!seats.expire(at(4000)) && seats.controls(a), "silent for three seconds");
+    assert!(seats.expire(at(4001)) && seats.is_empty());
+    assert_eq!(seats.take(a), Ok(()), "the page is still there, and can take the control");
+    seats.hear(a, at(4100));
+    assert_eq!(seats.ask(b), Ok(()));
+    assert!(seats.expire(at(7101)) && seats.controls(b) && seats.state().asking.is_empty());
+}

@@ -187,7 +187,7 @@ fn ground(control: ControlState) -> Report {
 }
 
 fn flight(state: FlightState) -> Report {
-    Report::Flight { state, on_time_s: 0.0, backup_battery_v: 8.0, warnings: 0 }
+    Report::Flight { state, on_time_s: 0.0, backup_battery_v: 8.0, warnings: 0, is_battery_low: false }
 }
 
 #[test]
@@ -206,7 +206,16 @@ fn alarms_of_the_vehicle_and_its_link() {
     check_alarms(DRY, &[&not_ours], &[Alarm::ControlLost]);
     check_alarms(DRY, &[&not_ours, &with_report(ground(ControlState::Ours))], &[]);
     check_alarms(DRY, &[&not_ours, &with_report(Report::Link(LinkState::Opening))], &[Alarm::LinkDown]);
-    check_alarms(DRY, &[&with_report(flight(FlightState::Emergency))], &[Alarm::BatteryLow]);
+    check_alarms(DRY, &[&with_report(flight(FlightState::Emergency))], &[Alarm::Emergency]);
+    let low = Report::Flight {
+        state: FlightState::Flying,
+        on_time_s: 0.0,
+        backup_battery_v: 7.0,
+        warnings: 64,
+        is_battery_low: true,
+    };
+    check_alarms(DRY, &[&with_report(low)], &[Alarm::BatteryLow]);
+    check_alarms(DRY, &[&with_report(low), &with_report(flight(FlightState::Flying))], &[]);
     for state in [FlightState::Idle, FlightState::Flying, FlightState::Other(7)] {
         check_alarms(DRY, &[&with_report(flight(FlightState::Emergency)), &with_report(flight(state))], &[]);
     }
