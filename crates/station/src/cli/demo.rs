@@ -20,7 +20,7 @@ use super::values::{parse_seconds, parse_size};
   barrelman demo --clip --output demo-output
 
 Keys on the console: arrows steer the boat, space stops the camera, e engages it; ? shows all keys.
-Keys on a terminal: e engages, space stops the camera, d disengages, q quits.
+Keys on a terminal: e engages, d disengages, space stops, q quits.
 --clip runs the live loop on a rendered practice clip, with an emulated ground station.")]
 pub struct DemoArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open.

@@ -80,7 +80,8 @@ mod tests {
         let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
         let files = entries.filter(|entry| entry.file_type().unwrap().is_file());
         let found: BTreeSet<String> = files.map(|entry| entry.file_name().into_string().unwrap()).collect();
-        assert_eq!(found, FILES.iter().map(|(name, _)| (*name).to_owned()).collect());
+        let served = FILES.iter().map(|(name, _)| *name);
+        assert_eq!(found, served.chain(["README.md"]).map(str::to_owned).collect());
     }
 
     #[test]

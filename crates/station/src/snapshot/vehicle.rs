@@ -104,7 +104,7 @@ mod tests {
             (&[UP, GROUND], VehicleSnapshot { control: KNOWN.control, battery_v: KNOWN.battery_v, ..up }),
             (&[UP, TILT], VehicleSnapshot { tilt: KNOWN.tilt, ..up }),
             (&[UP, TETHER], VehicleSnapshot { altitude_m: KNOWN.altitude_m, ..up }),
-            (&[UP, FLIGHT], VehicleSnapshot { flight: KNOWN.flight, ..up }),
+            (&[UP, FLIGHT], VehicleSnapshot { flight: KNOWN.flight, is_battery_low: true, ..up }),
             (&[UP, Report::FieldOfView(Angle::ZERO)], up),
             (&[UP, GROUND, TILT, TETHER, FLIGHT], KNOWN),
         ] {

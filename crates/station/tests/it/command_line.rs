@@ -100,9 +100,10 @@ fn the_help_lists_the_keys_of_the_terminal() {
         help.split_whitespace().collect::<Vec<_>>().join(" ")
     };
     let run = help_of("run");
-    assert!(run.contains("Keys on a terminal: e engages, d disengages, space stops, q quits."), "{run}");
+    let keys = "Keys on a terminal: e engages, d disengages, space stops, q quits.";
+    assert!(run.contains(keys), "{run}");
     let demo = help_of("demo");
-    assert!(demo.contains("Keys on a terminal: e engages, space and d stop the camera, q quits."), "{demo}");
+    assert!(demo.contains(keys), "{demo}");
 }
 
 #[test]

@@ -146,7 +146,7 @@ fn an_empty_seat_is_taken_by_joining_asking_or_taking() {
 fn a_taken_seat_changes_by_taking_and_giving_only() {
     let taken = [(0, Join("a")), (0, Join("b")), (0, Watch("w"))];
     let then = |acts: &[Act]| {
-        let acts: Vec<_> = acts.iter().map(|act| (100_000, *act)).collect();
+        let acts: Vec<_> = acts.iter().map(|act| (2900, *act)).collect();
         [&taken[..], &acts].concat()
     };
     check(&taken, "page 0");
@@ -189,7 +189,7 @@ fn the_seat_of_a_lost_page_is_kept_for_its_return() {
     check(&then(&[(1000 + GRACE_MS, Expire)]), "page 0, lost");
     check(&then(&[(1001 + GRACE_MS, Expire)]), "nobody");
     check(&then(&[(1500, Join("a"))]), "page 2");
-    check(&then(&[(1500, Join("a")), (90_000, Expire)]), "page 2");
+    check(&then(&[(1500, Join("a")), (3000, Expire)]), "page 2");
     check(&then(&[(1500, Join("c"))]), "page 0, lost");
     check(&then(&[(1500, Join(""))]), "page 0, lost");
     check(&then(&[(1500, Watch("a"))]), "page 0, lost");
@@ -205,7 +205,7 @@ fn the_seat_of_a_lost_page_is_kept_for_its_return() {
 fn a_page_that_reloads_before_its_old_connection_ends_keeps_the_seat() {
     let reloaded = [(0, Join("a")), (10, Join("a"))];
     check(&reloaded, "page 1");
-    check(&[&reloaded[..], &[(20, Leave(0)), (90_000, Expire)]].concat(), "page 1");
+    check(&[&reloaded[..], &[(20, Leave(0)), (3000, Expire)]].concat(), "page 1");
     check(&[&reloaded[..], &[(20, Leave(1))]].concat(), "page 1, lost");
 }
 
