@@ -14,7 +14,7 @@ import time
 import common
 import live
 from api import Socket, threads_of
-from common import HEIGHT, WIDTH, Table
+from common import Emulator, Table
 from console_page import Page, Program
 
 # Records when a picture is drawn and the time code in it, before the page's own code runs.
@@ -62,13 +62,13 @@ def delays(table, args, folder, program):
     for path, name, limits in (("h264", "WebCodecs", (60, 120)), ("jpeg", "JPEG", (120, 250))):
         url = program.url if path == "h264" else program.url.replace("/#", "/?video=jpeg#")
         page = HookedPage(url, folder, path)
-        data = page.ready()
+        page.ready()
         time.sleep(2)
         page.driver.execute_script("window.__codes = []")
         time.sleep(args.seconds)
         found = page.delays()
         median, worst = common.median(found), common.percentile(found, 0.95)
-        table.require(f"{name} draws", data["path"] == path and len(found) > 10 * args.seconds, f"{len(found)} pictures in {args.seconds:.0f} s")
+        table.require(f"{name} draws", page.data["path"] == path and len(found) > 10 * args.seconds, f"{len(found)} pictures in {args.seconds:.0f} s")
         text = f"median {median:.0f} ms, 95 % {worst:.0f} ms"
         if args.strict:
             table.require(f"  capture to drawing, {name}", median <= limits[0] and worst <= limits[1], text, f"{limits[0]} and {limits[1]} ms")
@@ -77,11 +77,12 @@ def delays(table, args, folder, program):
         page.end()
 
 
-def cpu(table, args, program):
-    """CPU of the program with 0, 1 and 3 viewers of the passed-through stream, by thread."""
-    totals = {}
+def cpu(table, args, program, emulator):
+    """CPU by thread, and the times of the pilot's step and of the link, with 0, 1 and 3 viewers of the passed-through stream."""
+    totals, steps, links = {}, {}, {}
     for viewers in (0, 1, 3):
-        sockets = [Socket(program) for _ in range(viewers)]
+        # Watchers, so that the requests below are not refused to a program without a page.
+        sockets = [Socket(program, token=program.watch_token) for _ in range(viewers)]
         for viewer in sockets:
             viewer.send({"type": "video", "path": "h264"})
         readers = [reader(viewer) for viewer in sockets]
@@ -91,6 +92,8 @@ def cpu(table, args, program):
         after, passed = threads_of(program.child), time.monotonic() - begin
         used = {name: (after[name] - before.get(name, 0)) / passed for name in after}
         totals[viewers] = used
+        steps[viewers] = common.median([program.status()["video"]["step_ms"] for _ in range(3)])
+        links[viewers] = reaction_ms(program, emulator)
         largest = sorted(used.items(), key=lambda item: -item[1])[:5]
         table.show(f"CPU with {viewers} viewers, share of a core", f"{sum(used.values()):.3f}", ", ".join(f"{name} {share:.3f}" for name, share in largest))
         for viewer in sockets:
@@ -100,6 +103,27 @@ def cpu(table, args, program):
     for viewers, limit in ((1, 0.05), (3, 0.10)):
         more = totals[viewers].get("console", 0) - totals[0].get("console", 0)
         table.require(f"{viewers} viewer(s) of the stream: CPU of the thread console", more <= limit, f"{more:.3f} of a core", f"{limit:.2f}")
+        for name, times in (("the pilot's step", steps), ("request to ground station", links)):
+            excess_ms = times[viewers] - times[0]
+            is_within = excess_ms <= max(0.05 * times[0], 0.02)
+            text = f"{times[0]:.3f} and {times[viewers]:.3f} ms"
+            if args.strict:
+                table.require(f"  median of {name}, without and with", is_within, text, "within 5 % or 0.02 ms")
+            else:
+                table.show(f"  median of {name}, without and with", text, "wanted: within 5 % or 0.02 ms")
+
+
+def reaction_ms(program, emulator):
+    """Median time from a nudge's request until the ground station has the rate, milliseconds."""
+    times = []
+    for _ in range(21):
+        begin = time.monotonic()
+        program.request("nudge", pan=1.0, tilt=0.0)
+        moved = emulator.wait_for(lambda row: row.at >= begin and row.moves, 2, "a rate").at
+        times.append((moved - begin) * 1e3)
+        emulator.wait_for(lambda row: row.at > moved and row.is_zero, 2, "rest")
+        time.sleep(0.05)
+    return common.median(times)
 
 
 def reader(viewer):
@@ -170,13 +194,16 @@ def main():
     table = Table("What the console costs")
     port = live.free_port()
     live.serve(port)
-    program = Program(args, "run", "--video", f"rtsp://127.0.0.1:{port}/video", "--select", live.SELECTION, "--record", folder / "run.mcap")
+    emulator = Emulator(args.barrelman, folder)
+    program = Program(args, "run", "--video", f"rtsp://127.0.0.1:{port}/video", "--link", emulator.url, "--select", live.SELECTION, "--record", folder / "run.mcap")
     program.wait(lambda status: status["track"]["state"] == "tracking", 30, "the track")
     page = size_and_paint(table, folder, program)
     accessibility(table, page)
     page.end()
     delays(table, args, folder, program)
-    cpu(table, args, program)
+    # The seat of the last page is kept for two seconds.
+    common.wait_until(lambda: program.request("disengage")["answer"] == "accepted", 5, "the empty seat")
+    cpu(table, args, program, emulator)
     table.require("SIGINT ends it with exit 0", program.end() == 0)
     return table.finish(args)
 

@@ -32,6 +32,12 @@ pub(super) fn metrics_text(status: &StatusSnapshot, clients: usize) -> String {
         status.video.age_ms.map(|ms| ms / 1e3),
     );
     add(
+        "step_seconds",
+        "gauge",
+        "Median time for a video frame, until the rates are handed to the link.",
+        status.video.step_ms.map(|ms| ms / 1e3),
+    );
+    add(
         "video_dropped_total",
         "counter",
         "Video frames that were replaced by newer ones.",

@@ -150,6 +150,7 @@ fn video_of(video: &VideoSnapshot, h264: bool) -> VideoStatus {
         size: video.frame.map(|(_, size)| [size.width, size.height]),
         captured_ns: video.frame.map(|(captured, _)| captured.as_nanos()),
         age_ms: video.age.map(|age| age.as_secs_f64() * 1e3),
+        step_ms: video.step_time.map(|time| time.as_secs_f64() * 1e3),
         fps: video.fps,
         dropped: video.dropped,
         h264,

@@ -219,11 +219,15 @@ impl RunLoop<'_> {
 
     /// Steps the pilot, sends the rates, and informs the observers, in this order.
     fn step(&mut self, state: &mut LoopState, input: Input<'_>) -> Outcome {
-        let outcome = self.pilot.step(input, self.events.now());
+        let begun = self.events.now();
+        let outcome = self.pilot.step(input, begun);
         // The vehicle boundary: the only place of a live run that applies the vehicle's own signs.
         let rates = self.profile.to_vehicle(outcome.command);
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
+        }
+        if matches!(input, Input::Frame(_)) {
+            self.publisher.add_step_time(self.events.now().since(begun));
         }
         let step = LiveStep { index: self.publisher.newest().steps, input, outcome: &outcome, rates };
         if let Some(recorder) = &mut self.recorder {

@@ -16,6 +16,7 @@ mod camera_work;
 mod drive_state;
 mod event_log;
 mod frame_rate;
+mod step_time;
 mod vehicle;
 
 use std::sync::Arc;
@@ -72,6 +73,8 @@ pub struct VideoSnapshot {
     pub age: Option<Duration>,
     /// Frames a second.
     pub fps: f64,
+    /// Median time that the loop took for a frame, until the rates were handed to the link, over the last frames.
+    pub step_time: Option<Duration>,
     /// Frames that were replaced by newer ones before the pilot took them.
     pub dropped: u64,
 }

@@ -1,6 +1,7 @@
 //! Builds the snapshot of each step, and writes the event log.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use barrelman_pilot::{Input, Notice, Outcome};
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
@@ -11,6 +12,7 @@ use super::alarm::Alarm;
 use super::camera_work::CameraWorkMeter;
 use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
+use super::step_time::StepTime;
 use super::vehicle::LinkStatus;
 use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState};
 use barrelman_pilot::Mode;
@@ -25,6 +27,7 @@ pub struct Publisher {
     snapshots: watch::Sender<SharedSnapshot>,
     events: Arc<EventLog>,
     frames: FrameRate,
+    step_time: StepTime,
     work: CameraWorkMeter,
     tilt_stops: (f64, f64),
     is_console_lost: bool,
@@ -41,6 +44,7 @@ impl Publisher {
             state,
             events: Arc::default(),
             frames: FrameRate::default(),
+            step_time: StepTime::default(),
             work: CameraWorkMeter::new(profile),
             tilt_stops: (low.radians(), high.radians()),
             is_console_lost: false,
@@ -100,6 +104,12 @@ impl Publisher {
     /// The presses of Stop that the pilot has taken. Published with the next step.
     pub fn set_stops_taken(&mut self, stops: u64) {
         self.state.stops_taken = stops;
+    }
+
+    /// The loop took this long for a video frame. Published with the next step.
+    pub fn add_step_time(&mut self, taken: Duration) {
+        self.step_time.add(taken);
+        self.state.video.step_time = self.step_time.median();
     }
 
     /// The law in force.

@@ -49,7 +49,7 @@ pub struct StatusSnapshot {
     /// The camera's work so far, and that of the paper's schema beside it.
     pub work: CameraWork,
     /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `control-lost`, `end-stop`,
-    /// `battery-low`, `recording-failed`, `console-lost`, `track-lost`.
+    /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`.
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
     pub stops_taken: u64,
@@ -132,6 +132,9 @@ pub struct VideoStatus {
     pub age_ms: Option<f64>,
     /// Frames a second.
     pub fps: f64,
+    /// Median time from the moment when the loop takes a frame until the rates are handed to the link, over the last
+    /// 60 frames, milliseconds; `null` in a demo.
+    pub step_ms: Option<f64>,
     /// Video frames that were replaced by newer ones before the pilot took them.
     pub dropped: u64,
     /// Whether the video can be sent as H.264.

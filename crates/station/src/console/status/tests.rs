@@ -167,12 +167,13 @@ fn the_video_is_given_in_milliseconds_and_frames_a_second() {
             frame: Some((at(40), PICTURE)),
             age: Some(Duration::from_micros(12_500)),
             fps: 25.0,
+            step_time: Some(Duration::from_micros(3500)),
             dropped: 3,
         };
         let status = status_of(&Snapshot { video, ..Snapshot::default() }, true);
         let expected = json!({
             "state": name, "reason": reason, "size": [640, 480], "captured_ns": 40_000_000, "age_ms": 12.5,
-            "fps": 25.0, "dropped": 3, "h264": true,
+            "fps": 25.0, "step_ms": 3.5, "dropped": 3, "h264": true,
         });
         assert_eq!(serde_json::to_value(status.video).unwrap(), expected);
     }
