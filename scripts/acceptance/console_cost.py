@@ -118,11 +118,12 @@ def reaction_ms(program, emulator):
     times = []
     for _ in range(21):
         begin = time.monotonic()
-        program.request("nudge", pan=1.0, tilt=0.0)
+        answer = program.request("nudge", pan=1.0, tilt=0.0)
+        assert answer["answer"] == "accepted", answer
         moved = emulator.wait_for(lambda row: row.at >= begin and row.moves, 2, "a rate").at
         times.append((moved - begin) * 1e3)
-        emulator.wait_for(lambda row: row.at > moved and row.is_zero, 2, "rest")
-        time.sleep(0.05)
+        emulator.wait_for(lambda row: row.at > moved and row.name == "Yaw" and row.is_zero, 2, "rest")
+        time.sleep(0.2)
     return common.median(times)
 
 
@@ -203,6 +204,7 @@ def main():
     delays(table, args, folder, program)
     # The seat of the last page is kept for two seconds.
     common.wait_until(lambda: program.request("disengage")["answer"] == "accepted", 5, "the empty seat")
+    program.wait(lambda status: status["link"]["state"] == "up", 30, "the link")
     cpu(table, args, program, emulator)
     table.require("SIGINT ends it with exit 0", program.end() == 0)
     return table.finish(args)
