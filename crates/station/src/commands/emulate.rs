@@ -41,6 +41,12 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
         (None, Some(address)) => EmulatedPort::listen(address)?,
         (None, None) => bail!("no port: give --pty PATH or --listen ADDR"),
     };
+    if port.is_public() {
+        tracing::warn!("other machines can move the emulated camera: the port asks for no password");
+    }
+    if world.is_some() && !args.video_listen.ip().is_loopback() {
+        tracing::warn!("other machines can see the world's video at {}", args.video_listen);
+    }
     let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
     let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
     let settings = GroundStationSettings {

@@ -5,7 +5,7 @@ use std::io::{self, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::os::fd::{AsFd, OwnedFd};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use rustix::event::{PollFd, PollFlags, poll};
@@ -20,13 +20,20 @@ pub enum EmulatedPort {
     /// A pseudo-terminal.
     Pty(Pty),
     /// A TCP listener with at most one client.
-    Tcp {
-        /// The listener.
-        listener: TcpListener,
-        /// The client, while there is one.
-        client: Option<TcpStream>,
-    },
+    Tcp(TcpPort),
 }
+
+/// A TCP listener with at most one client. A client that was silent for a while makes room for another one.
+#[derive(Debug)]
+pub struct TcpPort {
+    listener: TcpListener,
+    /// The client and when it last sent anything.
+    client: Option<(TcpStream, Instant)>,
+    silent_after: Duration,
+}
+
+/// How long a client must have been silent to make room for another one that connects.
+const SILENT_AFTER: Duration = Duration::from_secs(5);
 
 /// A pseudo-terminal with a symbolic link for clients. Dropping it removes the link.
 #[derive(Debug)]
@@ -52,16 +59,33 @@ impl EmulatedPort {
     /// # Errors
     /// If the address cannot be used.
     pub fn listen(address: &str) -> Result<Self> {
+        Self::listen_with(address, SILENT_AFTER)
+    }
+
+    /// Listens for TCP connections. A client that was silent for `silent_after` makes room for another one.
+    ///
+    /// # Errors
+    /// If the address cannot be used.
+    pub fn listen_with(address: &str, silent_after: Duration) -> Result<Self> {
         let listener = TcpListener::bind(address).with_context(|| format!("cannot listen on {address}"))?;
         listener.set_nonblocking(true)?;
-        Ok(Self::Tcp { listener, client: None })
+        Ok(Self::Tcp(TcpPort { listener, client: None, silent_after }))
+    }
+
+    /// Whether other machines can reach the port.
+    pub fn is_public(&self) -> bool {
+        match self {
+            Self::Pty(_) => false,
+            Self::Tcp(port) => port.listener.local_addr().is_ok_and(|address| !address.ip().is_loopback()),
+        }
     }
 
     /// The URL of the port, for `--link`.
     pub fn url(&self) -> String {
         match self {
             Self::Pty(pty) => format!("serial:{}", pty.link.path().display()),
-            Self::Tcp { listener, .. } => listener
+            Self::Tcp(port) => port
+                .listener
                 .local_addr()
                 .map_or_else(|_| "tcp: (unknown address)".to_owned(), |address| format!("tcp://{address}")),
         }
@@ -71,7 +95,7 @@ impl EmulatedPort {
     pub fn read(&mut self, buffer: &mut [u8], wait: Duration) -> usize {
         match self {
             Self::Pty(pty) => pty.read(buffer, wait),
-            Self::Tcp { listener, client } => read_tcp(listener, client, buffer, wait),
+            Self::Tcp(port) => port.read(buffer, wait),
         }
     }
 
@@ -80,8 +104,8 @@ impl EmulatedPort {
         // A port without a client is not an error.
         match self {
             Self::Pty(pty) => drop(rustix::io::write(&pty.master, bytes)),
-            Self::Tcp { client: Some(client), .. } => drop(client.write(bytes)),
-            Self::Tcp { client: None, .. } => {}
+            Self::Tcp(TcpPort { client: Some((client, _)), .. }) => drop(client.write(bytes)),
+            Self::Tcp(TcpPort { client: None, .. }) => {}
         }
     }
 
@@ -89,7 +113,7 @@ impl EmulatedPort {
     pub fn unplug(&mut self) {
         match self {
             Self::Pty(pty) => pty.link.remove(),
-            Self::Tcp { client, .. } => *client = None,
+            Self::Tcp(port) => port.client = None,
         }
     }
 
@@ -133,30 +157,34 @@ impl Pty {
     }
 }
 
-fn read_tcp(
-    listener: &TcpListener,
-    client: &mut Option<TcpStream>,
-    buffer: &mut [u8],
-    wait: Duration,
-) -> usize {
-    let Some(stream) = client.as_mut() else {
-        if is_readable(listener, wait)
-            && let Ok((stream, _)) = listener.accept()
-            && stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok()
-        {
-            *client = Some(stream);
+impl TcpPort {
+    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> usize {
+        let is_silent = |(_, heard): &(TcpStream, Instant)| heard.elapsed() >= self.silent_after;
+        if self.client.as_ref().is_some_and(is_silent) && is_readable(&self.listener, Duration::ZERO) {
+            self.client = None;
         }
-        return 0;
-    };
-    if !is_readable(&*stream, wait) {
-        return 0;
-    }
-    match stream.read(buffer) {
-        Ok(read) if read > 0 => read,
-        Err(error) if error.kind() == io::ErrorKind::WouldBlock => 0,
-        Ok(_) | Err(_) => {
-            *client = None;
-            0
+        let Some((stream, heard)) = self.client.as_mut() else {
+            if is_readable(&self.listener, wait)
+                && let Ok((stream, _)) = self.listener.accept()
+                && stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok()
+            {
+                self.client = Some((stream, Instant::now()));
+            }
+            return 0;
+        };
+        if !is_readable(&*stream, wait) {
+            return 0;
+        }
+        match stream.read(buffer) {
+            Ok(read) if read > 0 => {
+                *heard = Instant::now();
+                read
+            }
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => 0,
+            Ok(_) | Err(_) => {
+                self.client = None;
+                0
+            }
         }
     }
 }

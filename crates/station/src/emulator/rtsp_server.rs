@@ -6,7 +6,8 @@
 //! | `rtsp-viewer` | answers one viewer's requests, and sends the video |
 //!
 //! The video is interleaved into the RTSP connection, from the next key frame on. A viewer that is too slow misses
-//! pictures up to the next key frame. Not handled: UDP, authentication, seeking, RTCP. The server is meant for loopback.
+//! pictures up to the next key frame; a viewer that requests nothing for [`CLIENT_TIMEOUT`] before it plays is
+//! disconnected. Not handled: UDP, authentication, seeking, RTCP. The server is meant for loopback.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -31,7 +32,8 @@ const MAX_VIEWERS: usize = 4;
 const MAX_REQUEST_BYTES: usize = 4096;
 /// Capacity of a viewer's queue of pictures.
 const QUEUE: usize = 32;
-/// How long a viewer waits for the first picture, and how long a write to a viewer may block.
+/// How long a viewer waits for the first picture, how long a write to a viewer may block, and how long a viewer that does
+/// not play may be silent.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Interval at which a viewer's requests are read.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
@@ -51,6 +53,7 @@ pub struct RtspServer {
 
 #[derive(Default)]
 struct Shared {
+    client_timeout: Duration,
     viewers: Mutex<Vec<SyncSender<EncodedUnit>>>,
     /// SPS and PPS of the newest key frame.
     parameter_sets: Mutex<Option<(Vec<u8>, Vec<u8>)>>,
@@ -70,11 +73,15 @@ impl RtspServer {
     /// # Errors
     /// If the address cannot be used, or the system has no more threads.
     pub fn start(address: SocketAddr) -> Result<Self> {
+        Self::start_with(address, CLIENT_TIMEOUT)
+    }
+
+    fn start_with(address: SocketAddr, client_timeout: Duration) -> Result<Self> {
         let listener =
             TcpListener::bind(address).with_context(|| format!("cannot serve video at {address}"))?;
         let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(Shared { client_timeout, ..Shared::default() });
         let of_thread = Arc::clone(&shared);
         let thread = Builder::new().name("rtsp".to_owned()).spawn(move || accept(&listener, &of_thread))?;
         Ok(Self { address, shared, thread: Some(thread) })
@@ -143,24 +150,32 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             std::thread::sleep(POLL_INTERVAL);
             continue;
         };
-        let is_full = {
-            let mut connections = locked(&shared.connections);
-            let is_full = *connections >= MAX_VIEWERS;
-            *connections += usize::from(!is_full);
-            is_full
-        };
-        if is_full {
-            continue;
-        }
-        let of_viewer = Arc::clone(shared);
-        let spawned = Builder::new().name("rtsp-viewer".to_owned()).spawn(move || {
+        let Some(slot) = ViewerSlot::take(shared) else { continue };
+        // Without a further thread, the viewer is disconnected, and the slot is free again.
+        let _ = Builder::new().name("rtsp-viewer".to_owned()).spawn(move || {
             // A viewer that hangs up is not an error.
-            let _ = Viewer::new(stream, Arc::clone(&of_viewer)).and_then(Viewer::serve);
-            *locked(&of_viewer.connections) -= 1;
+            let _ = Viewer::new(stream, Arc::clone(&slot.0)).and_then(Viewer::serve);
         });
-        if spawned.is_err() {
-            *locked(&shared.connections) -= 1;
+    }
+}
+
+/// One of the [`MAX_VIEWERS`] viewers. Dropping it, also by a panic, makes room for another viewer.
+struct ViewerSlot(Arc<Shared>);
+
+impl ViewerSlot {
+    fn take(shared: &Arc<Shared>) -> Option<Self> {
+        let mut connections = locked(&shared.connections);
+        if *connections >= MAX_VIEWERS {
+            return None;
         }
+        *connections += 1;
+        Some(Self(Arc::clone(shared)))
+    }
+}
+
+impl Drop for ViewerSlot {
+    fn drop(&mut self) {
+        *locked(&self.0.connections) -= 1;
     }
 }
 
@@ -196,6 +211,7 @@ impl Viewer {
 
     fn serve(mut self) -> io::Result<()> {
         let mut buffer = [0; 1024];
+        let mut heard = Instant::now();
         while !self.shared.is_ended.load(Ordering::Relaxed) {
             match self.stream.read(&mut buffer) {
                 Ok(0) => return Ok(()),
@@ -205,12 +221,15 @@ impl Viewer {
                 Err(error) => return Err(error),
             }
             while let Some(request) = next_request(&mut self.received)? {
+                heard = Instant::now();
                 if !self.answer(&request)? {
                     return Ok(());
                 }
             }
             if self.units.is_some() {
                 self.play()?;
+            } else if heard.elapsed() > self.shared.client_timeout {
+                return Ok(());
             }
         }
         Ok(())
@@ -291,7 +310,7 @@ impl Viewer {
 
     /// The session description (SDP). Waits for the first key frame; `None` where none comes in time.
     fn session_description(&self) -> Option<String> {
-        let deadline = Instant::now() + CLIENT_TIMEOUT;
+        let deadline = Instant::now() + self.shared.client_timeout;
         let (sps, pps) = loop {
             if let Some(sets) = locked(&self.shared.parameter_sets).clone() {
                 break sets;
@@ -395,6 +414,33 @@ impl RtpPacketiser {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn silent_viewers_make_room_for_one_that_speaks() {
+        let server = RtspServer::start_with(([127, 0, 0, 1], 0).into(), Duration::from_millis(300)).unwrap();
+        let connect = || TcpStream::connect(server.address).unwrap();
+        let silent: Vec<TcpStream> = (0..MAX_VIEWERS).map(|_| connect()).collect();
+        for mut viewer in silent {
+            assert_eq!(viewer.read(&mut [0; 16]).unwrap(), 0, "disconnected");
+        }
+        let mut speaking = connect();
+        speaking.write_all(b"OPTIONS * RTSP/1.0\r\nCSeq: 7\r\n\r\n").unwrap();
+        let mut answer = [0; 15];
+        speaking.read_exact(&mut answer).unwrap();
+        assert_eq!(&answer, b"RTSP/1.0 200 OK");
+    }
+
+    #[test]
+    fn a_panic_of_a_viewer_frees_its_slot() {
+        let shared = Arc::new(Shared::default());
+        let slots: Vec<_> = (0..MAX_VIEWERS).map_while(|_| ViewerSlot::take(&shared)).collect();
+        assert!(slots.len() == MAX_VIEWERS && ViewerSlot::take(&shared).is_none());
+        let panicked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(move || {
+            let _slots = slots;
+            panic!("of a viewer");
+        }));
+        assert!(panicked.is_err() && ViewerSlot::take(&shared).is_some());
+    }
 
     #[test]
     fn requests_are_read_one_by_one_and_rtcp_is_skipped() {

@@ -1,8 +1,12 @@
-//! The symbolic link to an emulated port: files and links of others are neither replaced nor removed.
+//! The port of an emulated ground station. The symbolic link to a pseudo-terminal: files and links of others are neither
+//! replaced nor removed. The TCP port: one client, which cannot block the port by its silence.
 
 use std::fs;
+use std::io::Write as _;
+use std::net::TcpStream;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use barrelman_station::emulator::emulated_port::EmulatedPort;
 
@@ -112,4 +116,49 @@ fn a_port_that_is_plugged_in_again_has_another_terminal() {
     port.plug().unwrap();
     assert!(is_port(&path));
     assert_ne!(fs::read_link(&path).unwrap(), before);
+}
+
+/// What the port reads next. Waits for as long as it takes.
+fn next_bytes(port: &mut EmulatedPort) -> String {
+    let mut buffer = [0; 64];
+    loop {
+        let read = port.read(&mut buffer, Duration::from_millis(10));
+        if read > 0 {
+            return String::from_utf8_lossy(&buffer[..read]).into_owned();
+        }
+    }
+}
+
+fn client_of(port: &EmulatedPort) -> TcpStream {
+    let url = port.url();
+    TcpStream::connect(url.strip_prefix("tcp://").unwrap()).unwrap()
+}
+
+#[test]
+fn a_silent_client_makes_room_for_another_one() {
+    let mut port = EmulatedPort::listen_with("127.0.0.1:0", Duration::ZERO).unwrap();
+    let mut first = client_of(&port);
+    first.write_all(b"first").unwrap();
+    assert_eq!(next_bytes(&mut port), "first");
+    let mut second = client_of(&port);
+    second.write_all(b"second").unwrap();
+    assert_eq!(next_bytes(&mut port), "second");
+}
+
+#[test]
+fn a_client_that_speaks_keeps_the_port() {
+    let mut port = EmulatedPort::listen_with("127.0.0.1:0", Duration::from_secs(3600)).unwrap();
+    let mut first = client_of(&port);
+    first.write_all(b"first").unwrap();
+    assert_eq!(next_bytes(&mut port), "first");
+    client_of(&port).write_all(b"second").unwrap();
+    first.write_all(b"again").unwrap();
+    assert_eq!(next_bytes(&mut port), "again");
+}
+
+#[test]
+fn a_port_that_other_machines_reach_says_so() {
+    for (address, is_public) in [("127.0.0.1:0", false), ("0.0.0.0:0", true)] {
+        assert_eq!(EmulatedPort::listen(address).unwrap().is_public(), is_public, "{address}");
+    }
 }
