@@ -7,6 +7,7 @@ import sys
 import time
 
 import common
+import live
 from common import Table
 from console_page import Program
 
@@ -210,7 +211,8 @@ def viewer_that_does_not_read(table, args, program):
 
 
 def main():
-    args = common.arguments(__doc__, seconds={"type": float, "default": 20.0, "help": "how long the page that does not read stays"})
+    live.needs_server()
+    args = common.arguments(__doc__, seconds={"type": float, "default": 60.0, "help": "how long the page that does not read stays"})
     folder = common.temporary_folder()
     table = Table("The console's interface for programs")
     program = Program(args, "run", "--video", "sim:arena1?size=640x360", "--link", "sim:", "--record", folder / "run.mcap")
@@ -218,8 +220,14 @@ def main():
     client(table, args, folder, program)
     schemas(table, args, program)
     rules(table, program)
-    viewer_that_does_not_read(table, args, program)
     table.require("SIGINT ends it with exit 0", program.end() == 0)
+    # A stream that does not end.
+    port = live.free_port()
+    live.serve(port)
+    program = Program(args, "run", "--video", f"rtsp://127.0.0.1:{port}/video", "--select", live.SELECTION, "--record", folder / "long.mcap")
+    program.wait(lambda status: status["track"]["state"] == "tracking", 30, "the track")
+    viewer_that_does_not_read(table, args, program)
+    table.require("  and SIGINT ends it with exit 0", program.end() == 0)
     return table.finish(args)
 
 

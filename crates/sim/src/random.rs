@@ -56,6 +56,8 @@ pub enum Stream {
     SensorUpward = 22,
     /// Pauses of the target at corners.
     CornerPauses = 23,
+    /// The box that the simulated operator draws.
+    Operator = 24,
 }
 
 /// A counter-based generator: one stream of a seed. The hash is the finaliser of SplitMix64 ([`crate::noise::hash`]).

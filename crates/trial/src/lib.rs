@@ -4,6 +4,8 @@
 //! decision that a live run does not make as well: a replay calls the same pilot.
 #![forbid(unsafe_code)]
 
+pub mod target_in_picture;
+
 pub mod logs;
 
 pub mod metrics;

@@ -7,7 +7,7 @@ use barrelman_sim::render::Serial;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{
-    CampaignEntry, CampaignSettings, FrameSource, RenderedCamera, Simulation, StepObserver,
+    CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS, FrameSource, RenderedCamera, Simulation, StepObserver,
 };
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
@@ -123,6 +123,7 @@ impl CampaignPlan {
             size: request.overrides.size.map(|size| format!("{}x{}", size.width, size.height)),
             tracker: tracker.map(|tracker| tracker.as_str().to_owned()),
             tracker_behaviour: tracker.map(TrackerName::behaviour_version),
+            figures: tracker.map(|_| FIGURES_IN_PIXELS),
             drive: None,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         };
@@ -254,8 +255,9 @@ impl CampaignPlan {
         let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
             .with_tilt_reports(self.reports_tilt);
         Ok(match &self.drive_inputs {
+            // In a drive, a person selected, or the demo by the exact box.
             Some(drive_inputs) => drive_inputs.run(simulation, camera, observer),
-            None => simulation.run(camera, observer),
+            None => simulation.with_selection_by_hand(seed).run(camera, observer),
         })
     }
 

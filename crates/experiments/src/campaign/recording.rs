@@ -8,7 +8,10 @@ use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::campaign::StepObserver;
-use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter};
+use barrelman_trial::records::{
+    Entry, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart, RecordingWriter,
+};
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
 
 use barrelman_host::output::OutputFile;
@@ -136,9 +139,9 @@ impl StepObserver for TrialRecorder {
         }
     }
 
-    fn on_truth(&mut self, truth: &Truth) {
+    fn on_truth(&mut self, truth: &Truth, target: Option<&TargetInPicture>) {
         if self.error.is_none() {
-            self.error = self.write(&Entry::Truth(truth.into())).err();
+            self.error = self.write(&Entry::Truth(RecordedTruth::new(truth, target))).err();
         }
     }
 }

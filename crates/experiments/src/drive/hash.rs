@@ -3,6 +3,7 @@
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_trial::campaign::StepObserver;
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{Timestamp, VehicleRates};
 use xxhash_rust::xxh3::Xxh3;
 
@@ -46,7 +47,7 @@ impl StepObserver for DriveHasher {
         }
     }
 
-    fn on_truth(&mut self, truth: &Truth) {
+    fn on_truth(&mut self, truth: &Truth, _target: Option<&TargetInPicture>) {
         let place = truth.target.position;
         for value in [truth.image.x, truth.image.y, place.x, place.y, place.z, truth.rates.0, truth.rates.1] {
             self.0.update(&value.to_bits().to_le_bytes());

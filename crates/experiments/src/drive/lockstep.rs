@@ -8,6 +8,7 @@ use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates};
 
@@ -107,7 +108,7 @@ impl StepObserver for UnitForwarder<'_> {
         self.observer.on_step(now, input, outcome, rates);
     }
 
-    fn on_truth(&mut self, truth: &Truth) {
-        self.observer.on_truth(truth);
+    fn on_truth(&mut self, truth: &Truth, target: Option<&TargetInPicture>) {
+        self.observer.on_truth(truth, target);
     }
 }

@@ -18,6 +18,7 @@ use barrelman_sim::Truth;
 use barrelman_simd::SimdLevel;
 use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::logs::TrialLog;
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 const SMALL: PictureSize = PictureSize::new(192, 108);
@@ -69,7 +70,7 @@ impl StepObserver for ShadowObserver {
         self.values.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
     }
 
-    fn on_truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth, _target: Option<&TargetInPicture>) {}
 }
 
 impl DriveObserver for ShadowObserver {}

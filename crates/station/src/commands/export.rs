@@ -102,8 +102,8 @@ impl TrialFile {
         if let Some(seen) = outcome.track.localisation() {
             self.size = Some(seen.picture);
         }
-        // The same rows as when the recording is read as a log.
-        let is_accepted = self.rows.accepts(outcome);
+        // The rows are those of the localisations, also of a simulated trial in pixels, whose truth is not exported.
+        let is_accepted = self.rows.accepts(outcome, false);
         let Some(size) = self.size.filter(|_| is_accepted) else { return Ok(()) };
         let start = *self.start.get_or_insert(outcome.at);
         write!(self.file, "{},", outcome.at.since(start).as_secs_f64())?;

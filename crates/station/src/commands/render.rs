@@ -15,6 +15,7 @@ use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::Simd;
 use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 use crate::cli::RenderArgs;
@@ -146,7 +147,7 @@ impl ClipWriter {
 impl StepObserver for ClipWriter {
     fn on_step(&mut self, _now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, _rates: VehicleRates) {}
 
-    fn on_truth(&mut self, _truth: &Truth) {}
+    fn on_truth(&mut self, _truth: &Truth, _target: Option<&TargetInPicture>) {}
 
     fn on_world(&mut self, world: &World) {
         if self.failure.is_none() {

@@ -26,9 +26,6 @@ pub(super) fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
         "rad2/s",
         "s"
     )?;
-    let number = |value: Option<f64>, decimals: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
-    };
     for trial in &summary.trials {
         let m = &trial.metrics;
         writeln!(
@@ -48,6 +45,7 @@ pub(super) fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
             if m.ends_outside { "  ends outside" } else { "" },
         )?;
     }
+    write_perception(&mut text, summary, width)?;
     for (number_of_arena, figures) in &summary.arenas {
         let outside: usize = summary
             .trials
@@ -78,4 +76,42 @@ pub(super) fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
         )?;
     }
     Ok(text)
+}
+
+fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+}
+
+/// A second table for trials in pixels: what the tracker said, beside the truth.
+fn write_perception(text: &mut String, summary: &Summary, width: usize) -> std::fmt::Result {
+    let mut trials = summary.trials.iter().filter(|trial| trial.metrics.is_in_pixels()).peekable();
+    if trials.peek().is_none() {
+        return Ok(());
+    }
+    writeln!(
+        text,
+        "\n{:width$}  {:>9}  {:>7}  {:>13}  {:>7}  {:>7}  {:>10}  result",
+        "trial", "tracked %", "blind s", "sure, wrong %", "first s", "again s", "selections"
+    )?;
+    for trial in trials {
+        let (m, p) = (&trial.metrics, &trial.metrics.perception);
+        let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
+        writeln!(
+            text,
+            "{:width$}  {:>9}  {:>7}  {:>13}  {:>7}  {:>7}  {:>10}  {}",
+            trial.name,
+            number(percent(p.tracked), 1),
+            number(p.blind_s, 2),
+            number(percent(p.sure_wrong), 1),
+            number(p.first_track_s, 2),
+            number(p.reacquire_s, 2),
+            p.selections.unwrap_or(0),
+            match (m.is_success(), m.lost) {
+                (true, _) => "success",
+                (false, Some(true)) => "out of the picture",
+                (false, _) => "not tracked",
+            },
+        )?;
+    }
+    Ok(())
 }

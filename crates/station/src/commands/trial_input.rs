@@ -99,6 +99,7 @@ fn read_recording(file: File, name: String) -> Result<TrialInput> {
     for entry in RecordingReader::new(BufReader::new(file)) {
         match entry {
             Ok(Entry::Outcome(outcome)) => builder.add_outcome(&outcome),
+            Ok(Entry::Input { input, .. }) => builder.add_input(&input),
             Ok(Entry::Truth(truth)) => builder.add_truth(truth),
             Ok(Entry::Start(found)) => start = Some(Box::new(found)),
             Ok(_) => {}

@@ -5,6 +5,7 @@ use barrelman_experiments::drive::{DriveHasher, DriveObserver};
 use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_trial::campaign::StepObserver;
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates};
 
 use crate::console::{PictureSlot, VideoRelay};
@@ -52,8 +53,8 @@ impl StepObserver for DriveObservers<'_> {
         }
     }
 
-    fn on_truth(&mut self, truth: &Truth) {
-        self.hash.on_truth(truth);
+    fn on_truth(&mut self, truth: &Truth, target: Option<&TargetInPicture>) {
+        self.hash.on_truth(truth, target);
         self.is_in_picture = Some(truth.in_picture);
     }
 }

@@ -67,7 +67,7 @@ impl<'a> Rendering<'a> {
                 _ => self.camera.capture(&moment.world),
             };
             let unit = self.unit(&view, self.on_the_clock(moment.world.tick()));
-            let target = view.target_bounds;
+            let target = view.target.bounds;
             self.last = Some(view);
             let delivery = match unit {
                 Ok(unit) => SourceEvent::Picture { at: self.on_the_clock(at), unit, target },

@@ -11,6 +11,7 @@ use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_video::{FileFrames, VideoUrl};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
@@ -105,7 +106,7 @@ struct OwnTruth {
 
 impl StepObserver for OwnTruth {
     fn on_step(&mut self, _: Timestamp, _: &Input<'_>, _: &Outcome, _: VehicleRates) {}
-    fn on_truth(&mut self, _: &Truth) {}
+    fn on_truth(&mut self, _: &Truth, _: Option<&TargetInPicture>) {}
     fn on_world(&mut self, world: &World) {
         let renderer = self
             .renderer

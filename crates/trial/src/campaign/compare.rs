@@ -15,7 +15,7 @@ use crate::metrics::{TrialEntry, TrialMetrics};
 pub type Metric = (&'static str, &'static str, fn(&TrialMetrics) -> Option<f64>);
 
 /// The metrics that are compared.
-pub const METRICS: [Metric; 15] = [
+pub const METRICS: [Metric; 21] = [
     ("time outside", "s", |m| Some(m.time_outside_s)),
     ("excursions", "", |m| Some(m.excursions as f64)),
     ("largest P", "", |m| m.max_p),
@@ -31,6 +31,12 @@ pub const METRICS: [Metric; 15] = [
     ("jerk", "rad/s3", |m| m.jerk_rad_per_s3),
     ("time out of the picture", "s", |m| m.out_of_picture_s),
     ("lost", "", |m| m.lost.map(|lost| f64::from(u8::from(lost)))),
+    ("success", "", |m| Some(f64::from(u8::from(m.is_success())))),
+    ("tracked", "", |m| m.perception.tracked),
+    ("longest time not tracked", "s", |m| m.perception.blind_s),
+    ("sure and wrong", "", |m| m.perception.sure_wrong),
+    ("first tracked after", "s", |m| m.perception.first_track_s),
+    ("tracked again after", "s", |m| m.perception.reacquire_s),
 ];
 
 /// One metric of both campaigns.

@@ -5,6 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::behaviour::{BehaviourVersions, FIRST, VersionDifference};
 use crate::metrics::TrialEntry;
 
+/// Version of the figures of trials in pixels. 1: from what the tracker said, selected by the exact box. 2: from the
+/// truth, with the tracker judged beside it, selected by a box drawn by hand.
+pub const FIGURES_IN_PIXELS: u32 = 2;
+
 /// The settings of a campaign. Two trials with equal settings and equal seeds have equal results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -51,6 +55,9 @@ pub struct CampaignSettings {
     /// Behaviour version of the tracker, in pixels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracker_behaviour: Option<u32>,
+    /// Version of the figures of a trial in pixels ([`FIGURES_IN_PIXELS`]).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub figures: Option<u32>,
     /// XXH3-64 of the inputs of the stored drive that steered the boat, in hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<String>,
@@ -63,8 +70,8 @@ const fn first_version() -> u32 {
 }
 
 impl CampaignSettings {
-    /// The settings with what files of earlier programs leave out: the mode of the optimal law and the behaviour
-    /// version of the tracker.
+    /// The settings with what files of earlier programs leave out: the mode of the optimal law, the behaviour version of
+    /// the tracker, and the version of the figures.
     #[must_use]
     pub fn completed(mut self) -> Self {
         if self.law == "optimal" {
@@ -72,6 +79,7 @@ impl CampaignSettings {
         }
         if self.tracker.is_some() {
             self.tracker_behaviour.get_or_insert(FIRST);
+            self.figures.get_or_insert(FIRST);
         }
         self
     }

@@ -1,7 +1,9 @@
 //! The source of video frames of a trial in pixels.
 
 use barrelman_sim::World;
-use barrelman_vocab::{PixelBox, VideoFrame};
+use barrelman_vocab::VideoFrame;
+
+use crate::target_in_picture::TargetInPicture;
 
 /// Captures video frames of a simulated world.
 pub trait FrameSource {
@@ -14,11 +16,11 @@ pub trait FrameSource {
     }
 }
 
-/// A video frame with the true bounds of the target.
+/// A video frame with its truth.
 #[derive(Debug, Clone)]
 pub struct CapturedFrame {
     /// The video frame.
     pub frame: VideoFrame,
-    /// Bounds of the visible part of the target, pixels of the frame; `None` where no part is visible.
-    pub target_bounds: Option<PixelBox>,
+    /// What the frame shows of the target.
+    pub target: TargetInPicture,
 }

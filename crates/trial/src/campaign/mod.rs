@@ -9,6 +9,8 @@
 
 pub mod simulation;
 
+mod simulated_operator;
+
 pub mod frame_source;
 pub mod rendered_camera;
 pub mod step_observer;
@@ -20,7 +22,7 @@ pub mod statistics;
 pub mod compare;
 
 pub use compare::{CampaignComparison, PairedMetric};
-pub use entry::{CampaignEntry, CampaignSettings};
+pub use entry::{CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS};
 pub use frame_source::{CapturedFrame, FrameSource};
 pub use rendered_camera::RenderedCamera;
 pub use simulation::Simulation;

@@ -9,6 +9,7 @@ use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{Picture, PixelBox, VideoFrame};
 
 use super::frame_source::{CapturedFrame, FrameSource};
+use crate::target_in_picture::TargetInPicture;
 
 /// Renders what a world's camera sees.
 pub struct RenderedCamera<'a> {
@@ -85,7 +86,7 @@ impl FrameSource for RenderedCamera<'_> {
             copy_into(&self.unframed, &mut framed, margins);
             margins
         };
-        let target_bounds = self.truth.bounds.map(|bounds| PixelBox {
+        let bounds = self.truth.bounds.map(|bounds| PixelBox {
             u: bounds.u + margins.0 as f64,
             v: bounds.v + margins.1 as f64,
             ..bounds
@@ -97,7 +98,8 @@ impl FrameSource for RenderedCamera<'_> {
         let capture = Capture { at: world.now(), quality: CaptureQuality::Sensor };
         let sequence = self.sequence;
         self.sequence += 1;
-        CapturedFrame { frame: VideoFrame { sequence, capture, picture: framed }, target_bounds }
+        let target = TargetInPicture { bounds, visible_share: self.truth.visible_share };
+        CapturedFrame { frame: VideoFrame { sequence, capture, picture: framed }, target }
     }
 }
 

@@ -17,12 +17,15 @@ use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{LocalisationSensor, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+    ImagePoint, LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile,
+    VehicleRates,
 };
 
 use super::frame_source::{CapturedFrame, FrameSource};
+use super::simulated_operator::SimulatedOperator;
 use super::step_observer::StepObserver;
 use crate::logs::{LogRow, RowTruth, TrialLog};
+use crate::target_in_picture::{JudgedTrack, TargetInPicture};
 
 /// A simulated trial in progress.
 pub struct Simulation<'a> {
@@ -37,9 +40,12 @@ pub struct Simulation<'a> {
     last_live: Option<CameraOutput>,
     lost_since: Option<Timestamp>,
     is_selected: bool,
+    operator: SimulatedOperator,
     outcome: Option<Outcome>,
     rates: VehicleRates,
     reports_tilt: bool,
+    /// True position of the target in the picture of the last row.
+    image: ImagePoint,
     log: TrialLog,
 }
 
@@ -51,6 +57,14 @@ enum CameraOutput {
 }
 
 impl CameraOutput {
+    /// What a video frame shows of the target.
+    fn target(&self) -> Option<&TargetInPicture> {
+        match self {
+            Self::Localisation(_) => None,
+            Self::Frame(captured) => Some(&captured.target),
+        }
+    }
+
     /// This output with the content of an earlier one; the time of capture stays.
     fn with_content_of(self, earlier: &Self) -> Self {
         match (self, earlier) {
@@ -60,7 +74,7 @@ impl CameraOutput {
             })),
             (Self::Frame(mut now), Self::Frame(then)) => {
                 now.frame.picture = then.frame.picture.clone();
-                now.target_bounds = then.target_bounds;
+                now.target = then.target;
                 Self::Frame(now)
             }
             (now, _) => now,
@@ -86,6 +100,7 @@ impl<'a> Simulation<'a> {
             picture: camera.optics.picture,
             records_track_loss: true,
             truth: Some(Vec::new()),
+            selections: None,
         };
         Self {
             sensor: LocalisationSensor::new(scenario.sensing, camera.clone(), seed),
@@ -97,9 +112,11 @@ impl<'a> Simulation<'a> {
             last_live: None,
             lost_since: None,
             is_selected: false,
+            operator: SimulatedOperator::Exact,
             outcome: None,
             rates: VehicleRates::REST,
             reports_tilt: false,
+            image: ImagePoint { x: 0.0, y: 0.0 },
             log,
         }
     }
@@ -108,6 +125,13 @@ impl<'a> Simulation<'a> {
     #[must_use]
     pub fn with_tilt_reports(self, reports_tilt: bool) -> Self {
         Self { reports_tilt, ..self }
+    }
+
+    /// The same trial, in which the target is selected as a person would do it: once, when the target is well visible, by
+    /// a box drawn by hand.
+    #[must_use]
+    pub fn with_selection_by_hand(self, seed: u64) -> Self {
+        Self { operator: SimulatedOperator::person(seed), ..self }
     }
 
     /// The same trial in which a person selects the target: the world does not select it.
@@ -169,12 +193,12 @@ impl<'a> Simulation<'a> {
     pub fn tick(&mut self, frames: &mut Option<&mut dyn FrameSource>, observer: &mut dyn StepObserver) {
         if self.world.is_frame_due() {
             let truth = self.world.truth();
-            observer.on_truth(&truth);
-            observer.on_world(&self.world);
             let output = match frames {
                 Some(frames) => CameraOutput::Frame(Box::new(frames.capture(&self.world))),
                 None => CameraOutput::Localisation(self.sensor.measure(&truth)),
             };
+            observer.on_truth(&truth, output.target());
+            observer.on_world(&self.world);
             match (self.video.send(self.world.tick()), self.last_live.take()) {
                 (Delivery::Arrives { at }, _) => {
                     self.last_live = Some(output.clone());
@@ -202,7 +226,7 @@ impl<'a> Simulation<'a> {
             if self.rates != rates_before
                 && let Some(row) = self.log.truth.as_ref().and_then(|rows| rows.last().copied())
             {
-                self.push_row(row);
+                self.push_row(row, self.image);
             }
         }
         self.world.advance();
@@ -221,8 +245,10 @@ impl<'a> Simulation<'a> {
                 self.step_pilot(Input::Localisation(track), observer);
             }
             CameraOutput::Frame(captured) => {
+                self.log.selections.get_or_insert(0);
                 if !self.is_selected
-                    && let Some(selection) = captured.target_bounds
+                    && let Some(selection) =
+                        self.operator.selection(&captured.target, captured.frame.picture.size())
                 {
                     self.is_selected = true;
                     self.step_pilot(Input::Request(OperatorRequest::Select(selection)), observer);
@@ -233,12 +259,18 @@ impl<'a> Simulation<'a> {
             }
         }
         let (target, camera) = (truth.target.position, truth.camera.position);
-        self.push_row(RowTruth {
-            out_of_picture: !truth.in_picture,
-            achieved_rates: None,
-            target_m: (target.x, target.y),
-            camera_m: (camera.x, camera.y),
-        });
+        let track = self.outcome.as_ref().map(|outcome| outcome.track);
+        let judged = track.zip(output.target()).map(|(track, target)| JudgedTrack::new(track, target));
+        self.push_row(
+            RowTruth {
+                out_of_picture: !truth.in_picture,
+                achieved_rates: None,
+                track: judged,
+                target_m: (target.x, target.y),
+                camera_m: (camera.x, camera.y),
+            },
+            truth.image,
+        );
     }
 
     /// The track that follows from the sensor's localisation of a picture captured at `at`: lost since the first picture
@@ -257,6 +289,9 @@ impl<'a> Simulation<'a> {
     }
 
     fn step_pilot(&mut self, input: Input<'_>, observer: &mut dyn StepObserver) {
+        if let Input::Request(OperatorRequest::Select(_) | OperatorRequest::SelectOn(_)) = input {
+            self.log.selections = self.log.selections.map(|selections| selections + 1);
+        }
         let now = self.world.now();
         let outcome = self.pilot.step(input, now);
         let rates = self.profile.to_vehicle(outcome.command);
@@ -266,15 +301,19 @@ impl<'a> Simulation<'a> {
         self.outcome = Some(outcome);
     }
 
-    /// Adds a row to the log, from the first localisation on. `truth` belongs to the picture that the row rests on.
-    fn push_row(&mut self, truth: RowTruth) {
+    /// Adds a row to the log: in pixels from the first picture on, otherwise from the first localisation on. `truth` and
+    /// the true position `image` belong to the picture that the row rests on.
+    fn push_row(&mut self, truth: RowTruth, image: ImagePoint) {
         let Some(outcome) = &self.outcome else { return };
-        if self.log.rows.is_empty() && outcome.percept.is_none() {
+        let is_in_pixels = truth.track.is_some();
+        if self.log.rows.is_empty() && outcome.percept.is_none() && !is_in_pixels {
             return;
         }
+        self.image = image;
+        let localised = outcome.percept.map(|percept| percept.position);
         self.log.rows.push(LogRow {
             time_s: outcome.at.as_secs_f64(),
-            position: outcome.percept.map(|percept| percept.position),
+            position: if is_in_pixels { Some(image) } else { localised },
             rates: Some(self.rates),
         });
         if let Some(rows) = &mut self.log.truth {

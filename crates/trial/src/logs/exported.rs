@@ -83,6 +83,14 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
     }
     let (frame, picture) = size.map_or((laboratory::FRAME, laboratory::PICTURE), |size| (size, size));
     let records_track_loss = rows.iter().any(|row| row.position.is_none()) || size.is_some();
-    let log = TrialLog { rows, last_row_duration_s, frame, picture, records_track_loss, truth: None };
+    let log = TrialLog {
+        rows,
+        last_row_duration_s,
+        frame,
+        picture,
+        records_track_loss,
+        truth: None,
+        selections: None,
+    };
     Ok(ParsedLog { log, truncated_at_line })
 }

@@ -63,6 +63,7 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
         picture: PICTURE,
         records_track_loss: false,
         truth: None,
+        selections: None,
     };
     Ok(ParsedLog { log, truncated_at_line })
 }

@@ -2,11 +2,12 @@
 
 use std::collections::VecDeque;
 
-use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
+use barrelman_vocab::{OperatorRequest, PictureSize, Timestamp, VehicleRates};
 
 use super::laboratory;
 use super::trial_log::{LogRow, RowTruth, TrialLog};
-use crate::records::{RecordedOutcome, RecordedTruth};
+use crate::records::{RecordedInput, RecordedOutcome, RecordedTruth};
+use crate::target_in_picture::JudgedTrack;
 
 /// Selects the outcomes that are rows of a log: from the first localisation on, every outcome of a look at a picture, and
 /// every other outcome that changed the command.
@@ -17,9 +18,11 @@ pub struct RowSelector {
 }
 
 impl RowSelector {
-    /// Whether the next outcome is a row.
-    pub fn accepts(&mut self, outcome: &RecordedOutcome) -> bool {
-        let begins = self.last_rates.is_none() && outcome.track.localisation().is_some();
+    /// Whether the next outcome is a row. `is_in_pixels`: the recording is one of a simulated trial in pixels, whose log
+    /// begins with the first picture.
+    pub fn accepts(&mut self, outcome: &RecordedOutcome, is_in_pixels: bool) -> bool {
+        let is_measured = outcome.track.localisation().is_some() || (is_in_pixels && outcome.age.is_some());
+        let begins = self.last_rates.is_none() && is_measured;
         let continues = self.last_rates.is_some_and(|last| outcome.age.is_some() || last != outcome.rates);
         if begins || continues {
             self.last_rates = Some(outcome.rates);
@@ -40,6 +43,8 @@ pub struct LogBuilder {
     /// Truth of the newest picture that reached the pilot.
     newest: Option<RecordedTruth>,
     truth: Vec<RowTruth>,
+    /// Number of selections.
+    selections: usize,
     /// Longest time from the capture of a picture to the pilot.
     max_age_ns: u64,
     last_at: Timestamp,
@@ -61,23 +66,35 @@ impl LogBuilder {
             self.settle_until(Timestamp::from_nanos(outcome.at.as_nanos().saturating_sub(age_ns)));
         }
         self.last_at = outcome.at;
-        if !self.selector.accepts(outcome) {
+        let target = self.newest.as_ref().and_then(|truth| truth.target);
+        if !self.selector.accepts(outcome, target.is_some()) {
             return;
         }
         let start = *self.start.get_or_insert(outcome.at);
+        let true_position = self.newest.filter(|_| target.is_some()).map(|truth| truth.target_position);
         self.rows.push(LogRow {
             time_s: outcome.at.since(start).as_secs_f64(),
-            position: outcome.percept.map(|percept| percept.position),
+            position: true_position.or(outcome.percept.map(|percept| percept.position)),
             rates: Some(outcome.rates),
         });
         if let Some(truth) = self.newest {
             self.truth.push(RowTruth {
                 out_of_picture: !truth.in_picture,
                 achieved_rates: None,
+                track: target.map(|target| JudgedTrack::new(outcome.track, &target)),
                 target_m: truth.target_m,
                 camera_m: (truth.camera_m.0, truth.camera_m.1),
             });
         }
+    }
+
+    /// Adds the next input.
+    pub fn add_input(&mut self, input: &RecordedInput) {
+        let is_selection = matches!(
+            input,
+            RecordedInput::Request(OperatorRequest::Select(_) | OperatorRequest::SelectOn(_))
+        );
+        self.selections += usize::from(is_selection);
     }
 
     /// Takes pictures captured until then out of flight: they have reached the pilot, or never will.
@@ -117,7 +134,9 @@ impl LogBuilder {
         let size = self.size?;
         // A recording of a simulated world has the truth of every row; any other recording has none.
         let truth = (self.truth.len() == self.rows.len()).then_some(self.truth);
+        let is_in_pixels = truth.as_ref().is_some_and(|rows| rows.iter().any(|row| row.track.is_some()));
         Some(TrialLog {
+            selections: is_in_pixels.then_some(self.selections),
             rows: self.rows,
             last_row_duration_s,
             frame: size,

@@ -4,12 +4,15 @@ use barrelman_control::Region;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{ImagePoint, PictureSize, VehicleRates};
 
+use crate::target_in_picture::JudgedTrack;
+
 /// One row: the state at one time of a trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRow {
     /// Time since the trial's first row, s.
     pub time_s: f64,
-    /// Position of the target; `None` while the track was lost.
+    /// Position of the target as localised, `None` while the track was lost; in a simulated trial in pixels the true
+    /// position, also out of the picture.
     pub position: Option<ImagePoint>,
     /// The commanded rates, in the vehicle's own signs; `None` where the log does not contain them.
     pub rates: Option<VehicleRates>,
@@ -30,6 +33,9 @@ pub struct TrialLog {
     pub records_track_loss: bool,
     /// The ground truth of each row, where the trial was simulated.
     pub truth: Option<Vec<RowTruth>>,
+    /// Number of selections, in a simulated trial in pixels. The positions of its rows are the truth; what the tracker
+    /// said is in [`RowTruth::track`].
+    pub selections: Option<usize>,
 }
 
 /// The ground truth at a row of a simulated trial. World coordinates: x to the right and y ahead of the first view.
@@ -39,6 +45,8 @@ pub struct RowTruth {
     pub out_of_picture: bool,
     /// Achieved rates of the camera's axes, rad/s: pan, tilt; `None` in a recording.
     pub achieved_rates: Option<(f64, f64)>,
+    /// What the tracker said about the row's picture, in a trial in pixels.
+    pub track: Option<JudgedTrack>,
     /// Position of the target in the world, m: x, y.
     pub target_m: (f64, f64),
     /// Position of the camera in the world, m: x, y.

@@ -10,8 +10,11 @@ pub mod excursion;
 
 pub mod trial;
 
+pub mod perception;
+
 pub mod summary;
 
 pub use excursion::{Excursion, find_excursions};
+pub use perception::PerceptionMetrics;
 pub use summary::{Arena, Summary, TrialEntry, summarise};
 pub use trial::{TrialMetrics, measure};

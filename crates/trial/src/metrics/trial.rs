@@ -5,6 +5,7 @@ use barrelman_vocab::{ImagePoint, PictureSize, VehicleRates};
 use serde::{Deserialize, Serialize};
 
 use super::excursion::{Excursion, find_excursions};
+use super::perception::PerceptionMetrics;
 use crate::logs::{RowTruth, TrialLog};
 
 /// A target closer to the picture's border than this share of half its width or height counts as at the border.
@@ -59,13 +60,31 @@ pub struct TrialMetrics {
     pub lost: Option<bool>,
     /// Sensitivity: mean of h/b over the complete excursions, 1/s.
     pub sensitivity: Option<f64>,
+    /// The tracker beside the truth, in a trial in pixels.
+    #[serde(flatten)]
+    pub perception: PerceptionMetrics,
 }
 
+/// Longest time with a visible target that is not tracked, in a successful trial in pixels, s.
+pub const MAX_BLIND_S: f64 = 5.0;
+/// Least share of the time with a visible target in which it is tracked, in a successful trial in pixels.
+pub const MIN_TRACKED: f64 = 0.95;
+
 impl TrialMetrics {
+    /// Whether the trial is a simulated one in pixels: its figures are taken from the truth, and its tracker is judged.
+    pub const fn is_in_pixels(&self) -> bool {
+        self.perception.selections.is_some()
+    }
+
     /// Whether the trial succeeded: the target was not lost, or, where the log does not record losses, the trial does
-    /// not end outside the region.
+    /// not end outside the region. In pixels the target was also tracked: for 95 % of the time in which it was visible,
+    /// and never for more than 5 s not.
     pub fn is_success(&self) -> bool {
-        !self.lost.unwrap_or(self.ends_outside)
+        let PerceptionMetrics { tracked, blind_s, .. } = self.perception;
+        let is_tracked = !self.is_in_pixels()
+            || (blind_s.is_some_and(|blind_s| blind_s <= MAX_BLIND_S)
+                && tracked.is_some_and(|tracked| tracked >= MIN_TRACKED));
+        is_tracked && !self.lost.unwrap_or(self.ends_outside)
     }
 }
 
@@ -113,6 +132,7 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
         ends_outside: ps().next_back().is_some_and(|p| p > 1.0),
         lost: lost.map(|lost| lost.longest_s > MAX_LOST_S || lost.at_end),
         sensitivity: mean(complete.iter().filter_map(|excursion| excursion.sensitivity())),
+        perception: PerceptionMetrics::from_log(log),
     }
 }
 

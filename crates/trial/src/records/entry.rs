@@ -9,6 +9,7 @@ use barrelman_vocab::{Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, 
 
 use super::recorded_input::RecordedInput;
 use crate::behaviour::BehaviourVersions;
+use crate::target_in_picture::TargetInPicture;
 
 /// An entry of a recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,22 +78,26 @@ pub struct RecordedTruth {
     pub in_picture: bool,
     /// Distance from the camera to the target, m.
     pub range_m: f64,
+    /// What the picture shows of the target; `None` where no picture was rendered.
+    pub target: Option<TargetInPicture>,
 }
 
-impl From<&Truth> for RecordedTruth {
-    fn from(truth: &Truth) -> Self {
-        let (camera, target) = (truth.camera, truth.target);
+impl RecordedTruth {
+    /// The stored form of a truth.
+    pub fn new(truth: &Truth, target: Option<&TargetInPicture>) -> Self {
+        let (camera, body) = (truth.camera, truth.target);
         Self {
             tick: truth.tick,
             at: truth.at,
-            target_m: (target.position.x, target.position.y),
-            target_heading: target.heading,
+            target_m: (body.position.x, body.position.y),
+            target_heading: body.heading,
             camera_m: (camera.position.x, camera.position.y, camera.position.z),
             camera_pan: camera.pan,
             camera_tilt: camera.tilt,
             target_position: truth.image,
             in_picture: truth.in_picture,
             range_m: truth.range_m,
+            target: target.copied(),
         }
     }
 }

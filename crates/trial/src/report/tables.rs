@@ -26,6 +26,14 @@ const MEANS: [Mean; 8] = [
     ("Share of time moving", "%", 0, |m| m.duty.map(|duty| 100.0 * duty)),
 ];
 
+/// Means that trials in pixels alone have.
+const MEANS_IN_PIXELS: [Mean; 4] = [
+    ("Tracked", "% of the time visible", 1, |m| m.perception.tracked.map(|share| 100.0 * share)),
+    ("Longest time not tracked", "s a trial", 1, |m| m.perception.blind_s),
+    ("Sure and wrong", "% of the time", 2, |m| m.perception.sure_wrong.map(|share| 100.0 * share)),
+    ("Tracked again after", "s", 2, |m| m.perception.reacquire_s),
+];
+
 /// The metrics of one arena, sets side by side.
 pub(super) fn arena_table(arena: Option<Arena>, groups: &[TrialGroup<'_>]) -> Markup {
     html! {
@@ -74,7 +82,10 @@ impl<'a> ArenaRows<'a> {
         let mut rows = Self { arena, groups, rows: Vec::new() };
         rows.add_counts();
         rows.add_sensitivities();
-        for (name, unit, decimals, value_of) in MEANS {
+        let is_in_pixels =
+            |group: &TrialGroup<'_>| group.trials.iter().any(|trial| trial.entry.metrics.is_in_pixels());
+        let in_pixels = if groups.iter().any(is_in_pixels) { &MEANS_IN_PIXELS[..] } else { &[] };
+        for (name, unit, decimals, value_of) in MEANS.iter().chain(in_pixels).copied() {
             rows.add(name, unit, None, |group| {
                 let values = group.values(value_of);
                 let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
@@ -202,8 +213,9 @@ fn trial_row(index: usize, trial: &ReportedTrial) -> Markup {
 pub(super) fn flags(trial: &ReportedTrial) -> Markup {
     let metrics = &trial.entry.metrics;
     let flag = match (metrics.lost == Some(true), metrics.ends_outside) {
-        (true, _) if trial.set.kind == SetKind::Recorded => Some("track lost"),
+        (true, _) if trial.set.kind == SetKind::Recorded && !metrics.is_in_pixels() => Some("track lost"),
         (true, _) => Some("lost"),
+        (false, _) if metrics.is_in_pixels() && !metrics.is_success() => Some("not tracked"),
         (false, true) => Some("ends outside"),
         (false, false) => None,
     };

@@ -10,6 +10,7 @@ use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
     RecordingStart, RecordingWriter,
 };
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
@@ -254,6 +255,10 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         ..outcome(0.0)
     }));
     entries.push(Entry::Truth(truth(ns(2_000))));
+    for bounds in [None, Some(PixelBox { u: 1.5, v: -2.0, w: 30.0, h: 12.0 })] {
+        let target = Some(TargetInPicture { bounds, visible_share: 0.75 });
+        entries.push(Entry::Truth(RecordedTruth { target, ..truth(ns(2_100)) }));
+    }
     entries
 }
 
@@ -270,5 +275,6 @@ pub(crate) fn truth(at: Timestamp) -> RecordedTruth {
         target_position: ImagePoint { x: -300.0, y: 12.5 },
         in_picture: true,
         range_m: 3.5,
+        target: None,
     }
 }

@@ -11,6 +11,7 @@ mod excursions;
 mod laboratory;
 mod log_text;
 mod lost_trials;
+mod perception;
 mod replay;
 mod simulated_trials;
 mod single_message;

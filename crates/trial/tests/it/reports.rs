@@ -151,6 +151,7 @@ fn the_path_in_the_world_needs_the_truth() {
     assert_eq!(world_path::figure("world", "trial", &trace(".b.")), None);
     let mut log = log_from(".bb.a");
     let truth = (0..5).map(|row| RowTruth {
+        track: None,
         out_of_picture: false,
         achieved_rates: None,
         target_m: (f64::from(row), 2.0),

@@ -17,11 +17,12 @@ use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::measure;
+use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vision::{CamShift, CamShiftConfig};
 use barrelman_vocab::{Angle, PictureSize, Timestamp, VehicleProfile, VehicleRates};
 
 /// A red target that moves to and fro in front of a camera 2 m above ground.
-fn scenario(speed_m_per_s: f64) -> Scenario {
+pub(crate) fn scenario(speed_m_per_s: f64) -> Scenario {
     let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
     let picture = PictureSize::new(320, 180);
     let same = AxisRanges {
@@ -89,7 +90,7 @@ fn scenario(speed_m_per_s: f64) -> Scenario {
     }
 }
 
-fn pilot(profile: &VehicleProfile, law: LawSettings) -> Pilot {
+pub(crate) fn pilot(profile: &VehicleProfile, law: LawSettings) -> Pilot {
     let tracker = CamShift::new(CamShiftConfig::default()).expect("the defaults are in range");
     Pilot::new(PilotSettings { profile: profile.clone(), law }, Box::new(tracker))
 }
@@ -161,7 +162,7 @@ impl StepObserver for CountingObserver {
         self.rates.push(rates);
     }
 
-    fn on_truth(&mut self, _truth: &Truth) {
+    fn on_truth(&mut self, _truth: &Truth, _target: Option<&TargetInPicture>) {
         self.truths += 1;
     }
 }
@@ -200,13 +201,8 @@ fn in_pixels_the_target_is_selected_and_followed_alike_with_any_instructions() {
         "this machine has one vector level: nothing would be compared"
     );
     assert_eq!(log, pixels(SimdLevel::Avx512));
-    let by_truth = run(&scenario, 5, LawSettings::MotorSchema, &mut ());
-    // The tracker's positions agree with the true ones within the size of the target.
-    let pairs = log.rows.iter().zip(&by_truth.rows).skip(20).filter_map(|(a, b)| a.position.zip(b.position));
-    let errors: Vec<f64> = pairs.map(|(a, b)| (a.x - b.x).hypot(a.y - b.y)).collect();
-    assert!(errors.len() > 60, "{}", errors.len());
-    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    assert!(mean < 8.0, "{mean} px");
+    let metrics = measure(&log, log.region(profile.region), log.picture);
+    assert!(metrics.perception.tracked.is_some_and(|share| share > 0.9), "{metrics:?}");
 }
 
 /// The motor schema, simulated on the bearings of its own trial, gives the commands of that trial.

@@ -120,7 +120,8 @@ fn the_document_has_the_promised_fields_and_null_where_undefined() {
         sorted(
             "name,arena,samples,duration_s,excursions,complete_excursions,time_outside_s,max_p,mean_h,mean_b_s,\
              duty,travel_rad,effort_rad2_per_s,moves,switches,both_axes,movement_s,variation_rad_per_s,\
-             jerk_rad_per_s3,border_s,out_of_picture_s,ends_outside,lost,sensitivity"
+             jerk_rad_per_s3,border_s,out_of_picture_s,ends_outside,lost,sensitivity,\
+             tracked,blind_s,sure_wrong,first_track_s,reacquire_s,selections"
         )
     );
     let mut top = keys(&document);

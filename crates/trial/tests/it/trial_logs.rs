@@ -25,6 +25,7 @@ pub(crate) fn log_from_rows(
         picture: PICTURE,
         records_track_loss: true,
         truth: None,
+        selections: None,
     }
 }
 

@@ -4,6 +4,7 @@ use barrelman_vocab::{Angle, ImagePoint, Timestamp};
 
 use crate::records::entry::RecordedTruth;
 use crate::records::stored;
+use crate::target_in_picture::TargetInPicture;
 
 impl From<&RecordedTruth> for stored::WorldTruth {
     fn from(truth: &RecordedTruth) -> Self {
@@ -22,6 +23,10 @@ impl From<&RecordedTruth> for stored::WorldTruth {
             image_y: truth.target_position.y,
             in_picture: truth.in_picture,
             range_m: truth.range_m,
+            target: truth.target.map(|target| stored::TargetInPicture {
+                visible_share: target.visible_share,
+                bounds: target.bounds.map(Into::into),
+            }),
         }
     }
 }
@@ -39,6 +44,10 @@ impl From<stored::WorldTruth> for RecordedTruth {
             target_position: ImagePoint { x: truth.image_x, y: truth.image_y },
             in_picture: truth.in_picture,
             range_m: truth.range_m,
+            target: truth.target.map(|target| TargetInPicture {
+                visible_share: target.visible_share,
+                bounds: target.bounds.map(Into::into),
+            }),
         }
     }
 }
