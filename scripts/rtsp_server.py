@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""An RTSP server to try Barrelman against: a test pattern or a file, as H.264 (or H.265, to be refused).
+"""An RTSP server for tests of Barrelman: a test pattern or a file, as H.264, or as H.265, which Barrelman refuses.
 
     /usr/bin/python3 scripts/rtsp_server.py --port 8554 --pattern timecode --size 1280x720 --fps 30
     /usr/bin/python3 scripts/rtsp_server.py --file clip.mp4
 
-Serves rtsp://127.0.0.1:PORT/video and prints that address once it listens (--port 0 takes a free one). Needs
-gir1.2-gst-rtsp-server-1.0, python3-gi and GStreamer's good, bad and ugly plugins; --check only tells whether they
-are there. It ends when its standard input does, so that it never outlives the test that started it.
+Serves rtsp://127.0.0.1:PORT/video and prints that address when the server listens (--port 0: a free port). Needs
+gir1.2-gst-rtsp-server-1.0, python3-gi and GStreamer's good, bad and ugly plugins; --check only checks that they are
+installed. The server ends when its standard input ends, so that it does not outlive the test that started it.
 """
 import argparse
 import os
@@ -40,8 +40,8 @@ def pipeline(args):
 
 
 def timecode(width, height):
-    """A grey I420 picture; its top rows show CLOCK_MONOTONIC in milliseconds as 32 blocks, black or white, the
-    highest bit on the left."""
+    """A grey I420 picture. Its top rows show CLOCK_MONOTONIC in milliseconds as 32 black or white blocks, the highest
+    bit on the left."""
     millis = int(time.monotonic() * 1000) & 0xFFFFFFFF
     block = width // 32
     row = b"".join((b"\xeb" if millis >> (31 - bit) & 1 else b"\x10") * block for bit in range(32))

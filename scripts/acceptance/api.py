@@ -1,4 +1,4 @@
-"""The console's interface for programs: the client of docs/api.md, the schemas, and clients that break the rules."""
+"""Tests the console's interface for programs: the client of docs/api.md, the schemas, and clients that break the rules."""
 import json
 import os
 import re
@@ -15,7 +15,7 @@ TEXT, CLOSE = 1, 8
 
 
 class Socket:
-    """A WebSocket in the least code: unmasked frames in, masked frames out."""
+    """A minimal WebSocket client: reads unmasked frames, sends masked frames."""
 
     def __init__(self, program, token=None, send_buffer=None):
         host, port = program.host.split(":")
@@ -39,7 +39,7 @@ class Socket:
         self.socket.sendall(b"\x81" + size + b"\0\0\0\0" + data)
 
     def read(self):
-        """The next message: its kind and content; None where the connection is over."""
+        """The next message as (opcode, content); None if the connection has ended."""
         try:
             head = self._exactly(2)
             size = head[1] & 127
@@ -50,7 +50,7 @@ class Socket:
             return None
 
     def until(self, kind, seconds=5):
-        """The next text message of a type."""
+        """The next text message of this type; None if the connection ends or no such message arrives in time."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             message = self.read()
@@ -78,7 +78,7 @@ class Socket:
 
 
 def client(table, args, folder, program):
-    """The client that docs/api.md shows, as it stands there."""
+    """Runs the client that docs/api.md shows, unchanged."""
     text = (common.ROOT / "docs/api.md").read_text()
     script = folder / "client.py"
     script.write_text(re.search(r"```python\n(.*?)```", text, re.S)[1])
@@ -89,7 +89,7 @@ def client(table, args, folder, program):
 
 
 def schemas(table, args, program):
-    """Messages against the schemas that the program prints."""
+    """Validates messages against the schemas that the program prints."""
     import jsonschema
 
     printed = json.loads(common.run([args.barrelman, "config", "api"]).stdout)
@@ -113,7 +113,7 @@ def schemas(table, args, program):
 
 
 def rules(table, program):
-    """Clients that break the rules harm themselves alone."""
+    """Breaks the rules as a client: the program refuses or disconnects that client, and still answers others."""
     watcher = Socket(program, token=program.watch_token)
     watcher.send({"type": "request", "id": 1, "request": {"kind": "engage"}})
     answer = watcher.until("answer")
@@ -169,7 +169,7 @@ def rules(table, program):
 
 
 def threads_of(child):
-    """CPU seconds of each thread of a process."""
+    """CPU time of each thread of a process, in seconds, by the thread's name."""
     ticks = os.sysconf("SC_CLK_TCK")
     times = {}
     for task in os.listdir(f"/proc/{child.pid}/task"):
@@ -183,13 +183,13 @@ def threads_of(child):
 
 
 def memory_of(child):
-    """Resident memory, MB."""
+    """Resident memory of a process, MB."""
     text = open(f"/proc/{child.pid}/status").read()
     return int(re.search(r"VmRSS:\s+(\d+)", text)[1]) / 1024
 
 
 def viewer_that_does_not_read(table, args, program):
-    """Memory stays flat with a page that asks for video and reads nothing."""
+    """Checks that memory does not grow while a page requests video and reads nothing."""
     page = Socket(program, send_buffer=4096)
     page.send({"type": "video", "path": "h264"})
     time.sleep(4)

@@ -1,7 +1,7 @@
-"""What a first user gets wrong: each ends with one message that names the thing and the remedy, and no panic.
+"""Tests a new user's mistakes: each ends with one message that names the cause and the remedy, and without a panic.
 
-The messages are printed, for people to judge. What needs an ordinary user is tried as `nobody` where this runs as
-root, since root passes every door.
+The messages are printed, so that people can judge them. Root may open every file, so cases that depend on
+permissions run as `nobody` where this script runs as root.
 """
 import os
 import pathlib
@@ -48,7 +48,7 @@ class Bench:
         return where
 
     def refuse(self, name, words, *named, code=1, out=None, user=None, timeout=15):
-        """`named`: patterns that the message must have, the thing first and then the remedy."""
+        """Requires that a command is refused. `named`: patterns in the message, first the cause, then the remedy."""
         keywords = {"user": user, "group": user, "extra_groups": []} if user is not None and ROOT_USER else {}
         if user is not None and ROOT_USER:
             os.chmod(self.folder, 0o777)

@@ -1,9 +1,9 @@
-"""Campaigns of simulated trials that are interrupted: killed, in parts, and on a disk that is full.
+"""Tests campaigns of simulated trials that are interrupted: killed, run in parts, and run on a full disk.
 
-A campaign that was killed with SIGKILL again and again, each time gone on with, and one that ran in three parts are the
-same as one that ran through, byte for byte. A disk that is full, played by a limit on the size of files and by
-/dev/full, ends a campaign with a message that names the file; the trials that were finished are kept, and it goes on
-from there. Then a few trials with the truth, and one of 20 s in pictures.
+A campaign that is killed with SIGKILL and resumed, many times, gives the same bytes as an uninterrupted campaign. So
+does a campaign that runs in three parts. A full disk ends a campaign with a message that names the file. The finished
+trials are kept, and the campaign can be resumed. A limit on the size of files and /dev/full stand for the full disk.
+Last come a few trials with the truth, and a trial of 20 s with rendered pictures.
 """
 import json
 import os
@@ -31,7 +31,7 @@ class Bench:
         return words + list(more) + (["--resume"] if resume else [])
 
     def run(self, *words, limit=None):
-        """Runs to the end; `limit`: no file may become larger, and who writes beyond that is told so."""
+        """Runs a command to its end. `limit`: largest size of a file in bytes; a write beyond it fails."""
 
         def full():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -40,7 +40,7 @@ class Bench:
         return common.run(words, timeout=600, preexec_fn=full if limit is not None else None)
 
     def refused(self, name, done, *named):
-        """One message that names the file and the reason, exit code 1."""
+        """Requires exit code 1 and one message that names the file and the reason."""
         said = done.stderr.strip()
         faults = [f"nothing of {word!r} in the message" for word in named if word not in said]
         faults += [f"{word!r} in the message" for word in ("panicked", "RUST_BACKTRACE") if word in said]
@@ -57,7 +57,7 @@ def read(path):
 
 
 def lines(content):
-    """How many of them have their end."""
+    """Number of complete lines."""
     return content.count(b"\n")
 
 

@@ -1,8 +1,9 @@
-"""`barrelman track --tracker camshift` beside OpenCV's own CamShift: on real clips, and in CPU time.
+"""Compares `barrelman track --tracker camshift` with OpenCV's CamShift: boxes on real clips, and CPU time.
 
-OpenCV's is the lean one: no blur, no equalisation; hue in 16 bins of the pixels with S >= 60 and V >= 32, the
-selection's histogram, back projection under the same mask, 10 steps or 1 px. The score is the success AUC: the mean
-share of labelled frames whose IoU is above each of 21 thresholds 0, 0.05 .. 1; the selection's frame is left out.
+OpenCV's CamShift runs without blur and equalisation. The hue histogram of the selection has 16 bins and counts pixels
+with S >= 60 and V >= 32; the back projection has the same mask. The search ends after 10 steps or below 1 px. The
+score is the success AUC: the share of labelled frames whose IoU exceeds a threshold, averaged over the 21 thresholds
+0, 0.05 .. 1. The selection's frame does not count.
 """
 import csv
 import json
@@ -36,14 +37,14 @@ def iou(a, b):
 
 
 def score(boxes, truth):
-    """(AUC, share lost) over the labelled frames in which the target is there."""
+    """(AUC, share lost) over the labelled frames in which the target is visible."""
     overlaps = [iou(boxes.get(frame), box) for frame, box in truth.items() if frame > 0 and box[2] and box[3]]
     auc = sum(sum(overlap > step / 20 for overlap in overlaps) / len(overlaps) for step in range(21)) / 21
     return auc, sum(overlap < LOST_BELOW for overlap in overlaps) / len(overlaps)
 
 
 def opencv(video, selection):
-    """Boxes by frame, CPU ms per frame, and the share of the picture that the window covers by frame."""
+    """OpenCV's boxes by frame, its CPU milliseconds of each frame, and the area of a picture in pixels."""
     import cv2
     import numpy
 
@@ -113,7 +114,7 @@ def compare(table, args, name, video, truth, folder, auc_wanted=None):
 
 
 def compare_cost(table, name, figures, cpu, covered):
-    """Of a clip of 1280x720 pixels."""
+    """Compares the CPU times on a clip of 1280x720 pixels."""
     ours, theirs = figures["tracker_cpu_ms"], {"median": common.median(cpu), "p99": common.percentile(cpu, 0.99)}
     share = ours["median"] / theirs["median"]
     wanted = f"at most {CPU_SHARE_WANTED} of OpenCV's {theirs['median']:.2f} ms"

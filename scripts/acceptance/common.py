@@ -1,7 +1,7 @@
-"""What the acceptance scripts share: starting the program and its emulator, reading their logs, and the table.
+"""Shared code of the acceptance scripts: start the program and the emulator, read their logs, print the table.
 
-Times are seconds of CLOCK_MONOTONIC unless a name says otherwise: the emulator's log has them in `mono_ns`, and a
-recording ties its own times to the same clock by `monotonic_ns` of its first message.
+Times are seconds of CLOCK_MONOTONIC unless a name says otherwise. The emulator's log has this time in `mono_ns`. The
+first message of a recording has the time of the recording's start on this clock in `monotonic_ns`.
 """
 import argparse
 import atexit
@@ -51,7 +51,7 @@ def _leave(number, _frame):
 
 
 def arguments(description, **more):
-    """The options that every script has, and `more`: name -> keywords of add_argument."""
+    """Parses the options that every script has, and the options `more`: name -> keywords of add_argument."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--barrelman", default=str(ROOT / "target/release/barrelman"), help="the program")
     parser.add_argument("--json", metavar="FILE", help="write the figures here, too")
@@ -74,7 +74,7 @@ def temporary_folder():
 
 
 def shared_or_skip(*parts):
-    """A folder of the data beside the repository; ends the script where it is absent."""
+    """A folder of the data beside the repository; the script ends if the folder is absent."""
     path = SHARED.joinpath(*parts)
     if path.exists():
         return path
@@ -83,7 +83,7 @@ def shared_or_skip(*parts):
 
 
 class Table:
-    """Requirements and measurements, printed as they come; the exit code in the end."""
+    """Prints requirements and measurements at once, and gives the exit code at the end."""
 
     def __init__(self, title):
         self.rows = []
@@ -99,16 +99,17 @@ class Table:
         return bool(holds)
 
     def require_in_time(self, standstills, name, holds, measured="", wanted=""):
-        """What only holds where the machine lets programs run when they are to: shown and not judged where it did not."""
+        """Requires what holds only without standstills of the machine; a failure after one is shown and not judged."""
         if holds or not standstills.found:
             return self.require(name, holds, measured, wanted)
         self.show(name, measured, f"{wanted} NOT JUDGED: {standstills}".strip())
         return True
 
     def try_again_through_standstills(self, act):
-        """Does `act`, which puts its requirements to the table that it is given, again while one of them fails and the machine stood still.
+        """Calls `act` again while a requirement fails and the machine stood still, at most ATTEMPTS times.
 
-        A fault of the program fails each time, and fails where the machine did not stand still once.
+        `act` gets the rows for its requirements. A fault of the program fails in every attempt, and in an attempt
+        without a standstill.
         """
         for _ in range(ATTEMPTS):
             rows = Rows()
@@ -138,7 +139,7 @@ class Table:
 
 
 class Rows:
-    """Requirements that are not yet put to the table."""
+    """Requirements that are not in the table yet."""
 
     def __init__(self):
         self.rows = []
@@ -152,10 +153,10 @@ class Rows:
 
 
 class Standstills:
-    """Watches whether the machine runs a process that does next to nothing when it asks to be run.
+    """Detects standstills of the machine: a process that sleeps for 2 ms is woken late.
 
-    A shared machine is taken away for tens of milliseconds now and then. That says nothing about the program, and a
-    requirement of a few milliseconds cannot be measured through it.
+    A shared machine may pause all processes for tens of milliseconds. A pause says nothing about the program, and a
+    requirement of a few milliseconds cannot be measured during a pause.
     """
 
     LEAST_S = 0.01
@@ -175,12 +176,12 @@ class Standstills:
 
 
 def environment():
-    """As a user's: no backtraces, plain output."""
+    """The environment of a child: without the variables that make the program print backtraces and more log lines."""
     return {name: value for name, value in os.environ.items() if name not in ("RUST_BACKTRACE", "RUST_LOG")}
 
 
 def spawn(command, **keywords):
-    """A child that does not outlive this script."""
+    """Starts a child process, which is killed when this script ends."""
     keywords.setdefault("env", environment())
     child = subprocess.Popen([str(word) for word in command], **keywords)
     _children.append(child)
@@ -188,7 +189,7 @@ def spawn(command, **keywords):
 
 
 def run(command, timeout=60, **keywords):
-    """Runs to the end; standard output and error come back as text."""
+    """Runs a command to its end; the result has standard output and standard error as text."""
     keywords.setdefault("env", environment())
     return subprocess.run(
         [str(word) for word in command], timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, **keywords
@@ -196,7 +197,7 @@ def run(command, timeout=60, **keywords):
 
 
 def wait_until(condition, seconds, what):
-    """Waits for a condition, and returns what it gave."""
+    """Waits until a condition holds, and returns its value."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         value = condition()
@@ -207,7 +208,7 @@ def wait_until(condition, seconds, what):
 
 
 class Lines:
-    """The lines that a child prints, with their times, read as they come so that it never waits for us."""
+    """The lines that a child prints, with their times. A thread reads each line at once, so that the child never blocks."""
 
     def __init__(self, stream):
         self.lines = []
@@ -256,7 +257,7 @@ class Emulator:
         return f"serial:{self.port}"
 
     def rows(self):
-        """The log so far; a line that is just being written is left out."""
+        """The rows of the log so far, without a line that is not complete yet."""
         text = self.log.read_text()
         return [Row(json.loads(line)) for line in text[: text.rfind("\n") + 1].splitlines()]
 
@@ -264,7 +265,7 @@ class Emulator:
         return [row for row in self.rows() if row.direction == "in"]
 
     def wait_for(self, condition, seconds, what):
-        """Waits for a row of the log that the condition holds for; only new text is read at each look."""
+        """Waits for a row of the log that fulfils the condition; each look reads only new text."""
         end = time.monotonic() + seconds
         with open(self.log) as file:
             rest = ""
@@ -323,16 +324,17 @@ class Row:
 
 
 def busiest_second(rows):
-    """How many lines with a rate other than zero a ground station heard in its busiest second.
+    """The largest number of lines with a rate other than zero that the ground station received within a second.
 
-    They are sent 50 ms apart, 20 in a second to the millisecond: one that is read late is not the 21st.
+    The program sends such lines 50 ms apart, so exactly 20 in a second. The second is shortened by the jitter of the
+    times in the log, so that a line that was read late does not count as the 21st.
     """
     moving = [row.at for row in rows if row.moves]
     return max((sum(at <= other < at + 1 - LISTENING_JITTER for other in moving) for at in moving), default=0)
 
 
 class Recording:
-    """A recording, read with the Python package as far as it goes."""
+    """A recording, read with the Python package up to its end or to the place where the recording is cut off."""
 
     def __init__(self, path):
         from mcap.exceptions import McapError
@@ -359,7 +361,7 @@ class Recording:
         return self.topics.get(topic, [])
 
     def at(self, ns):
-        """A time of the recording on the machine's clock."""
+        """Converts a time of the recording to the machine's clock, seconds."""
         return self.start + ns / 1e9
 
     @property
@@ -372,7 +374,7 @@ class Recording:
 
 
 def practice_clip(args, folder):
-    """The practice clip and its truth; `--clip DIR` takes one that was drawn before."""
+    """The practice clip and its truth, newly drawn, or from the folder of `--clip DIR`."""
     if getattr(args, "clip", None):
         where = pathlib.Path(args.clip).resolve()
     else:
@@ -394,7 +396,7 @@ def read_truth(path):
 
 
 def selection(truth):
-    """A box within the hull, whichever way it points."""
+    """A box that lies within the hull at every heading of the boat."""
     cx, cy = truth[0]["cx"], truth[0]["cy"]
     return f"{cx - 13:.0f},{cy - 13:.0f},26,26"
 
@@ -409,7 +411,7 @@ def percentile(values, share):
 
 
 def drain(descriptor, seconds=0.0):
-    """What a terminal has to show just now."""
+    """The output of a terminal that can be read now."""
     text = b""
     while select.select([descriptor], [], [], seconds)[0]:
         try:

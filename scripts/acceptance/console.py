@@ -1,7 +1,7 @@
-"""The operator's console in real headless Chromium: on the demo, and on `run` with an emulated ground station.
+"""Tests the operator's console in headless Chromium: on `demo`, and on `run` with an emulated ground station.
 
-The boat is found in the picture as an operator finds it: by its colour. A box is dragged around it, the camera is
-engaged, turned by hand and stopped. What the camera was told is read from the log of the ground station.
+The script finds the boat in the picture by its colour, as an operator does, and drags a box around the boat. It
+engages the camera, turns the camera by hand and stops it. The log of the ground station has the rates that arrived.
 """
 import json
 import os
@@ -98,7 +98,7 @@ def demo(table, args, folder):
 
 
 def zeros_after(emulator, moment, seconds=3.0):
-    """When the ground station was at rest after a moment: the first zero after the last rate that it heard."""
+    """Seconds from `moment` to the first zero that the ground station heard after its last rate; None without one."""
     time.sleep(min(seconds, 1.0))
     rows = [row for row in emulator.heard() if row.is_motion and row.at >= moment]
     moving = [row.at for row in rows if row.moves]
@@ -108,7 +108,7 @@ def zeros_after(emulator, moment, seconds=3.0):
 
 
 def stop_among_requests(table, args, page, emulator):
-    """Stop among 200 requests at once, while the camera turns."""
+    """Presses Stop among 200 requests at once, while the camera turns."""
     delays = []
     fire = "const l = document.getElementById('law'); for (let i = 0; i < 200; i++) { l.value = i % 2 ? 'eco' : 'minimum-energy'; l.dispatchEvent(new Event('change')); if (i === 100) document.getElementById('stop').click(); }"
     for number in range(args.stops):
@@ -201,7 +201,7 @@ def run(table, args, folder):
 
 
 def watchers(table, args, folder, program, page):
-    """A second page that watches, and a third that takes and gives the control."""
+    """Tests a second page that only watches, and a third page that takes and gives the control."""
     watcher = Page(program.watch_url, folder, "watch")
     watcher.ready()
     disabled = watcher.driver.execute_script("return ['engage','disengage','law','nudge-up'].every((id) => document.getElementById(id).disabled)")
@@ -230,7 +230,7 @@ def watchers(table, args, folder, program, page):
 
 
 def refusals(table, program):
-    """What the server refuses."""
+    """Tests the requests that the server refuses."""
     get = lambda path, token=..., **headers: program.ask("GET", path, headers={name.replace("_", "-"): value for name, value in headers.items()}, token=token)
     rows = [
         ("no token", get("/api/v1/status", token=None)[0], 401),

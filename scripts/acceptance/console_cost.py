@@ -1,8 +1,8 @@
-"""What the console costs and how fast it is: first paint, size, delay from capture to drawing, CPU by thread, accessibility.
+"""Measures the console: first paint, size, delay from capture to drawing, CPU by thread, accessibility.
 
-A real RTSP server draws CLOCK_MONOTONIC into every picture, 1280x720 at 30 frames a second. The delay is read from the
-picture that the page draws, so that it holds everything: encoder, network, program, decoder, drawing. Delays and CPU
-are a matter of the machine: they only fail with --strict.
+An RTSP server draws CLOCK_MONOTONIC into every picture, 1280x720 at 30 frames a second. The delay is read from the
+picture that the page draws, so that it covers the encoder, the network, the program, the decoder and the drawing. The
+delays depend on the machine: the script fails over them only with --strict.
 """
 import gzip
 import json
@@ -35,7 +35,7 @@ CanvasRenderingContext2D.prototype.drawImage = function (image, ...more) {
 
 
 class HookedPage(Page):
-    """A page whose drawing is observed."""
+    """A page that notes the time and the time code of each picture that it draws."""
 
     def __init__(self, url, folder, name):
         super().__init__("about:blank", folder, name)
@@ -43,7 +43,7 @@ class HookedPage(Page):
         self.driver.get(url)
 
     def monotonic_offset(self):
-        """CLOCK_MONOTONIC less the page's own clock, milliseconds: the sample with the shortest round trip."""
+        """CLOCK_MONOTONIC less the page's clock, milliseconds, from the sample with the shortest round trip."""
         samples = []
         for _ in range(40):
             before = time.monotonic()
@@ -78,7 +78,7 @@ def delays(table, args, folder, program):
 
 
 def cpu(table, args, program, emulator):
-    """CPU by thread, and the times of the pilot's step and of the link, with 0, 1 and 3 viewers of the passed-through stream."""
+    """Measures CPU by thread, and the times of step and link, with 0, 1 and 3 viewers of the relayed H.264."""
     totals, steps, links = {}, {}, {}
     for viewers in (0, 1, 3):
         # Watchers, so that the requests below are not refused to a program without a page.

@@ -1,4 +1,4 @@
-"""The console in headless Chromium, and its interface for programs: what the scripts of the console share."""
+"""Shared code of the console's scripts: the page in headless Chromium, and the console's interface for programs."""
 import http.client
 import json
 import shutil
@@ -17,7 +17,7 @@ from selenium.webdriver.common.keys import Keys
 
 
 def installed(*names):
-    """The path of a program."""
+    """The path of the first of these programs that is installed; without one, the script ends."""
     found = next(filter(None, map(shutil.which, names)), None)
     if found is None:
         sys.exit(f"{names[0]} is not installed: scripts/setup.sh test installs it")
@@ -65,7 +65,7 @@ class Program:
         return json.loads(body) if code == 200 else {"answer": f"HTTP {code}", "reason": body.decode()}
 
     def wait(self, condition, seconds, what):
-        """Waits for a state. In a demo, the seconds are those of the world, which may be slower than ours."""
+        """Waits for a state. In a demo, the seconds are the simulated world's, which may run slower than the clock."""
         first = self.status()
         start = time.monotonic()
         while True:
@@ -105,7 +105,7 @@ class Page:
 
     @property
     def data(self):
-        """The state that the page shows, for scripts."""
+        """The state that the page shows, from the attributes that the page has for scripts."""
         return self.driver.execute_script("return {...document.documentElement.dataset}")
 
     def wait(self, condition, seconds, what):
@@ -144,7 +144,7 @@ class Page:
         ActionChains(self.driver).release().perform()
 
     def picture_box(self, box, size):
-        """A box of the picture as corners on the page."""
+        """Converts a box of the picture to corners on the page."""
         area = self.driver.execute_script("const r = document.getElementById('picture').getBoundingClientRect(); return [r.left, r.top, r.width, r.height]")
         scale = min(area[2] / size[0], area[3] / size[1])
         left, top = area[0] + (area[2] - size[0] * scale) / 2, area[1] + (area[3] - size[1] * scale) / 2
@@ -171,7 +171,7 @@ class Page:
 
 
 def find_red(page, folder):
-    """The box around the largest red thing in the picture that the page shows, and the picture's size: what an operator sees."""
+    """The box around the largest red object in the picture that the page shows, and the size of the picture."""
     import cv2
     import numpy
 

@@ -1,8 +1,8 @@
-"""OpenCV's CSRT on clips, and the cost of its lean CamShift, for `cargo run --release -p barrelman-eval -- tracker`.
+"""Runs OpenCV's CSRT and CamShift on clips, for `cargo run --release -p barrelman-eval -- tracker`.
 
-Each line of standard input is a job: {"video": path, "start": frame, "selection": [x, y, w, h]}. Each is answered with
-one line: the boxes of CSRT (null where it says nothing) and the CPU milliseconds of both trackers for every frame after
-the start. One thread; decoding is not timed. The lean CamShift is that of camshift.py.
+Each line of standard input is a job: {"video": path, "start": frame, "selection": [x, y, w, h]}. The answer to a job is
+one line: for every frame after the start, the box of CSRT (null where CSRT gives no box) and the CPU milliseconds of
+both trackers. Both run on one thread; decoding is not timed. The settings of CamShift are those of camshift.py.
 """
 import json
 import sys

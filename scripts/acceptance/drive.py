@@ -1,9 +1,9 @@
-"""A boat to drive: the demo's console, a drive that is stored and driven again, and simulated worlds as video and link.
+"""Tests drives and simulated worlds: the demo's console, a stored drive that is repeated, a world as video and link.
 
-The boat is steered with the arrow keys in headless Chromium. What counts is that it leaves the ellipse and that the
-camera brings it back, that a drive runs again bit for bit, and that a simulated world does for `run` what a vehicle does: through
-`--link sim:`, and through the real bytes of an emulated ground station with the video over RTSP. How many pictures a
-second are drawn is a matter of the machine, and only shown.
+The script steers the boat with the arrow keys in headless Chromium. The boat must leave the ellipse, and the camera
+must bring the boat back. A repeated drive must be equal bit for bit. A simulated world must serve `run` as a vehicle
+does: through `--link sim:`, and through an emulated ground station with its protocol and with video over RTSP. The
+number of pictures drawn in a second depends on the machine, so it is only shown.
 """
 import pathlib
 import signal
@@ -19,7 +19,7 @@ SIZE = "480x270"
 
 
 def again(table, args, store, record):
-    """Drives a stored drive again, and replays its recording."""
+    """Repeats a stored drive, and replays its recording."""
     driven = common.run([args.barrelman, "demo", "--replay", store], timeout=300)
     table.require("the drive runs again bit for bit", driven.returncode == 0 and "bit for bit" in driven.stdout, driven.stdout.splitlines()[0] if driven.stdout else driven.stderr)
     replayed = common.run([args.barrelman, "replay", record, "--compare"], timeout=300)
@@ -27,7 +27,7 @@ def again(table, args, store, record):
 
 
 def drive(table, args, folder):
-    """By the paper's law, which waits until the boat has left: the other sees to it that it does not."""
+    """Drives with the paper's law, which waits until the boat has left the ellipse; the optimal law prevents that."""
     store, record = folder / "drive.jsonl", folder / "drive.mcap"
     program = Program(args, "demo", "open", "--size", SIZE, "--law", "schema", "--store", store, "--record", record)
     program.wait(lambda status: status["track"]["state"] == "tracking", 10, "the track")
@@ -92,12 +92,12 @@ def drive(table, args, folder):
 
 
 def p_of(status):
-    """P, or 0 where the boat's place is not known."""
+    """P of a status; 0 if the position of the boat is not known."""
     return (status["percept"] or {}).get("p", 0.0)
 
 
 def drive_by_default(table, args, folder):
-    """Nobody at the helm, the law that nobody named."""
+    """Lets the boat steer itself, with the law that is the default."""
     store, record = folder / "default.jsonl", folder / "default.mcap"
     program = Program(args, "demo", "arena1", "--size", SIZE, "--store", store, "--record", record)
     moved = program.wait(lambda status: all(status["command"].values()), 60, "both axes at once")
@@ -110,13 +110,13 @@ def drive_by_default(table, args, folder):
 
 
 def share_inside(record):
-    """Share of the steps with a percept that have P <= 1, and how many there are."""
+    """Share of the steps with a percept in which P <= 1, and the number of steps with a percept."""
     seen = [outcome.percept.p for outcome in Recording(record).outcomes if outcome.HasField("percept")]
     return (sum(p <= 1 for p in seen) / len(seen) if seen else 0.0), len(seen)
 
 
 def run_for(table, args, seconds, name, *options):
-    """`run` for a while; its exit code and log."""
+    """Runs `run` for this number of seconds after the selection, requires exit code 0 and returns the log."""
     child = common.spawn([args.barrelman, "run", "--headless", "--engage", *options], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     errors = Lines(child.stderr)
     errors.wait_for("following the selection", 30)

@@ -1,6 +1,6 @@
-"""Recordings of killed runs: each is read to within its last second, replays to the same commands, and is exported.
+"""Tests recordings of killed runs: at most the last second is lost, and the rest can be replayed and exported.
 
-The runs are killed with SIGKILL at moments drawn from a seed. Then one complete recording is decoded in full.
+The runs are killed with SIGKILL at random times from a seed. Then a complete recording is decoded in full.
 """
 import concurrent.futures
 import random
@@ -23,7 +23,7 @@ def start(args, clip, selection, record):
 
 
 def pictures(video):
-    """How many pictures OpenCV decodes of a file."""
+    """Number of pictures that OpenCV decodes from a file."""
     import cv2
 
     capture = cv2.VideoCapture(str(video))

@@ -1,4 +1,4 @@
-"""The camera law and the metrics on the laboratory's 30 trials: what the authors' program did, from the positions alone."""
+"""Tests the camera law and the metrics on the laboratory's 30 trials: the authors' rates, from the positions alone."""
 import concurrent.futures
 import csv
 import io
@@ -16,14 +16,14 @@ HEADER = "x_val,y_val,pitch,yaw,val,time"
 
 
 def recorded(path):
-    """The rows of a trial; its header runs straight into the first of them."""
+    """The rows of a trial. The file has no line break between the header and the first row."""
     text = path.read_text()
     assert text.startswith(HEADER), path
     return [line.split(",") for line in text[len(HEADER) :].splitlines()]
 
 
 def blanked(path, folder):
-    """The same trial without what its program had decided."""
+    """The same trial with zeros in place of the rates and P of the authors' program."""
     copy = folder / path.name
     rows = [[row[0], row[1], "0", "0", "0", *row[5:]] for row in recorded(path)]
     copy.write_text(HEADER + "\n".join(",".join(row) for row in rows) + "\n")

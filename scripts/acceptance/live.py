@@ -1,8 +1,8 @@
-"""Live video from a real RTSP server on loopback: how old the picture is when the boat is localised, and restarts.
+"""Tests live video from an RTSP server on loopback: the latency up to the localisation, and restarts of the server.
 
-The server draws CLOCK_MONOTONIC into every picture, so that the time from the drawing to the localisation holds
-everything: encoder, network, decoder, tracker. What is measured is a matter of the machine: it only fails with
---strict. That the video comes back after the server was killed, and that memory does not grow, always counts.
+The server draws CLOCK_MONOTONIC into every picture, so that the latency covers the encoder, the network, the decoder
+and the tracker. The latency depends on the machine: the script fails over the latency only with --strict. After each
+restart of the server the video must return, and memory must not grow: these requirements always count.
 """
 import os
 import pathlib
@@ -45,7 +45,7 @@ def free_port():
 
 
 def serve(port):
-    """The server, and when it began to listen."""
+    """Starts the server; returns the server and the time at which it began to listen."""
     command = [PYTHON, SERVER, "--port", port, "--pattern", "timecode", "--size", f"{WIDTH}x{HEIGHT}", "--fps", FPS]
     child = common.spawn(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     at, _ = Lines(child.stdout).wait_for("rtsp://", 15)
@@ -78,7 +78,7 @@ def read_codes(stream):
 
 
 def latencies(record, folder):
-    """Milliseconds from the picture's time code to its localisation, and how many frames were localised."""
+    """(recording, ms from time code to localisation, ms from time code to time of capture, frames localised)."""
     recording = Recording(record)
     stream = folder / "stream.h264"
     stream.write_bytes(b"".join(message.data for message in recording["/video"]))
@@ -99,7 +99,7 @@ def latencies(record, folder):
 
 
 def wait_for_frames(err, ups):
-    """Waits for the next `video: up`."""
+    """Waits until the log has more than `ups` lines with `video: up`."""
     return common.wait_until(lambda: sum("video: up" in line for _, line in list(err.lines)) > ups, 15, "`video: up`")
 
 

@@ -1,9 +1,9 @@
-"""The loop end to end: a real clip in, the paper's rule out, as an emulated Fotokite Pro heard it.
+"""Tests the whole loop: a clip as input, the paper's rule as output, as an emulated Fotokite Pro received it.
 
-A predictor that knows the clip's truth and the paper's rule, and nothing of the program, says which rates are in
-force at every video frame. The emulator's log says which were. Both must agree but for a frame or two where the boat
-crosses a border: the tracker's centre is not the hull's to the pixel, and the boat moves some 5 px a frame. So the
-tracker is the paper's CamShift: of the clip's even red its centre is known, and the rule is what is tried here.
+A predictor computes the rates at every video frame from the clip's truth and the paper's rule; it uses nothing of the
+program. The emulator's log has the rates that were in force. Both must agree, except in at most two frames where the
+boat crosses a border: the tracker's centre differs from the hull's by pixels, and the boat moves about 5 px a frame.
+The tracker is the paper's CamShift, whose centre on the clip's uniform red is known, because the rule is tested here.
 """
 import re
 import subprocess

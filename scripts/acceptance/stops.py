@@ -1,8 +1,8 @@
-"""Whatever ends or silences a run, the camera comes to rest and the vehicle is told to stop.
+"""Tests that the camera comes to rest and the vehicle receives `stop`, whatever ends or silences a run.
 
-Each case runs the practice clip with the camera engaged, waits until it moves, lets one thing happen, and reads in the
-emulator's log what the ground station heard: both axes at zero, `stop` as the last word, and how long that took. The
-tracker is the paper's: what it makes of this clip is known, so that the camera moves when the thing happens.
+Each case runs the practice clip with the camera engaged, waits until the camera moves, and causes one event. The
+emulator's log then has what the ground station received: zeros for both axes, `stop` as the last line, and their
+times. The tracker is the paper's, whose track of this clip is known, so that the camera moves at the event.
 """
 import concurrent.futures
 import contextlib
@@ -33,7 +33,7 @@ STATUS_LINE_AT = 5.0
 
 
 class Run:
-    """One run against its own emulator."""
+    """A run with an emulator of its own."""
 
     def __init__(self, args, clip, selection, folder, video_fault="", link_fault="", terminal=False, full="", backtrace=False, more=()):
         folder.mkdir()
@@ -69,7 +69,7 @@ class Run:
             common.drain(terminal, 0.02)
 
     def hang_up(self):
-        """Takes the terminal away, and says when."""
+        """Closes the terminal, and returns the time of that."""
         terminal, self.terminal = self.terminal, None
         self.reader.join()
         at = time.monotonic()
@@ -109,13 +109,13 @@ class Run:
         return next((row.rates for row in reversed(self.emulator.rows()) if row.at < at), (0.0, 0.0))
 
     def rest_after(self, at):
-        """How long after `at` both axes rested, seconds."""
+        """Time from `at` until both axes rest, seconds."""
         return next((row.at - at for row in self.emulator.rows() if row.at >= at and row.rates == (0.0, 0.0)), float("inf"))
 
     def rest_for_good(self, at):
-        """How long after `at` both axes rested and stayed so, seconds, and whether one of them turned until about then.
+        """Time from `at` until both axes rest for good, seconds, and whether an axis turned until about `at`.
 
-        `at` may be read late where it comes from a line that the program printed, so the log alone tells the order.
+        `at` may be late where it comes from a line that the program printed, so the order is taken from the log alone.
         """
         rows = self.emulator.rows()
         last = max((index for index, row in enumerate(rows) if any(row.rates)), default=None)
@@ -188,7 +188,7 @@ def terminal_gone(run):
 
 
 def output_held(run):
-    """Ctrl-S holds a terminal's output: what is shown there must not hold the camera's control."""
+    """Ctrl-S blocks the output of a terminal. Blocked output must not block the control of the camera."""
     run.wait_until_it_moves()
     run.key(b"\x13")
     time.sleep(0.5)  # Some status lines want out meanwhile.
@@ -203,7 +203,7 @@ def output_held_and_signalled(run):
 
 
 def output_not_read(run):
-    """A reader that is still there but does not read: its pipe is full, and the next status line has nowhere to go."""
+    """The output has a reader that does not read. Its pipe is full, so the next status line cannot be written."""
     run.wait_until_it_moves()
     run.fill()
     time.sleep(max(0.0, run.started + STATUS_LINE_AT + 0.3 - time.monotonic()))
@@ -227,7 +227,7 @@ def panicked(run):
 
 
 def held_up(run):
-    """A pilot that does not come round: the link rests the camera by itself, and goes on once the pilot does."""
+    """The pilot stalls. The link rests the camera by itself, and goes on when the pilot does."""
     run.err.wait_for("held up", MOVES_WITHIN)
     time.sleep(0.2)  # The emulator hears and logs the zeros.
     rest = run.rest_after(run.started + FAULT_AT)
@@ -297,7 +297,7 @@ def try_case(case, args, clip, selection, folder, table):
 
 
 def try_end_of_video(args, clip, selection, folder, table):
-    """The clip's first frames as a folder of pictures, so that it ends while the camera moves."""
+    """Runs the clip's first frames as a folder of pictures, so that the video ends while the camera moves."""
     import cv2
 
     pictures = folder.parent / f"{folder.name}-pictures"

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""scripts/rtsp_server.py with something to follow in its time code pattern: a red patch that moves slowly.
+"""scripts/rtsp_server.py with a target in its time code pattern: a red patch that moves slowly.
 
-Same options; the patch is PATCH pixels wide and high, and rests in the middle for REST_S seconds after the first picture:
-a busy machine may be late to look.
+The options are the same. The patch is PATCH pixels wide and high. It rests in the middle for REST_S seconds after the
+first picture, because a program on a busy machine may receive the first picture late.
 """
 import functools
 import math
@@ -38,13 +38,13 @@ def first_picture():
 
 
 def place(width, height):
-    """Where the patch is, on even pixels: about a third of the picture's width to and fro in 8 s."""
+    """Position of the patch, on even pixels: it moves to and fro over about a third of the picture's width in 8 s."""
     swing = math.sin(max(time.monotonic() - first_picture() - REST_S, 0.0) * math.tau / 8)
     return (width // 2 - PATCH // 2 + int(swing * width / 6)) & ~1, (height // 2 - PATCH // 2) & ~1
 
 
 def timecode(width, height):
-    """The patch first, and the time code last, so that drawing is no part of the picture's age."""
+    """Draws the patch first and the time code last, so that the age of the picture does not include the drawing."""
     x, y = place(width, height)
     picture = bytearray(blank(width, height))
     chroma_width, luma = (width + 1) // 2, width * height

@@ -204,10 +204,8 @@ const MAX_SAMPLES: f32 = 4096.0;
 mod tests {
     use core::f32::consts::{FRAC_PI_4, SQRT_2};
 
-    use barrelman_vocab::PictureSize;
-    use barrelman_vocab::video::ColourEncoding;
-
     use super::*;
+    use crate::test_picture::painted;
 
     const RED: [u8; 3] = [81, 90, 240];
     const BLUE: [u8; 3] = [70, 190, 100];
@@ -215,17 +213,10 @@ mod tests {
 
     /// A picture of one colour with a box (left, top, width, height) of another.
     fn picture(water: [u8; 3], boat: [u8; 3], [left, top, w, h]: [usize; 4]) -> Picture {
-        let size = PictureSize::new(120, 90);
-        let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
-        for (plane, (samples, step)) in picture.planes_mut().into_iter().zip([1, 2, 2]).enumerate() {
-            let width = 120 / step;
-            for (index, sample) in samples.iter_mut().enumerate() {
-                let (column, row) = (index % width * step, index / width * step);
-                let inside = (left..left + w).contains(&column) && (top..top + h).contains(&row);
-                *sample = if inside { boat[plane] } else { water[plane] };
-            }
-        }
-        picture
+        painted((120, 90), |column, row| {
+            let is_inside = (left..left + w).contains(&column) && (top..top + h).contains(&row);
+            if is_inside { boat } else { water }
+        })
     }
 
     fn learned(picture: &Picture, centre: (f32, f32), size: (f32, f32)) -> ColourModel {
@@ -267,18 +258,11 @@ mod tests {
     #[test]
     fn the_water_in_the_box_of_a_hull_that_lies_askew_is_not_its_colour() {
         // A hull four times as long as wide, at 45 degrees.
-        let mut picture = picture(BLUE, BLUE, [0, 0, 1, 1]);
-        for (plane, (samples, step)) in picture.planes_mut().into_iter().zip([1, 2, 2]).enumerate() {
-            let width = 120 / step;
-            for (index, sample) in samples.iter_mut().enumerate() {
-                let (right, down) =
-                    ((index % width * step) as f32 - 60.0, (index / width * step) as f32 - 45.0);
-                let (along, across) = ((right + down) / SQRT_2, (down - right) / SQRT_2);
-                if along * along / (32.0 * 32.0) + across * across / (8.0 * 8.0) < 1.0 {
-                    *sample = RED[plane];
-                }
-            }
-        }
+        let picture = painted((120, 90), |column, row| {
+            let (right, down) = (column as f32 - 60.0, row as f32 - 45.0);
+            let (along, across) = ((right + down) / SQRT_2, (down - right) / SQRT_2);
+            if along * along / (32.0 * 32.0) + across * across / (8.0 * 8.0) < 1.0 { RED } else { BLUE }
+        });
         let box_size = (47.0, 47.0);
         let loose = learned(&picture, (60.0, 45.0), box_size);
         assert!(probability(&loose, BLUE) > 60, "{}", probability(&loose, BLUE));

@@ -18,6 +18,9 @@ pub(crate) const AREA: usize = SIDE * SIDE;
 /// A real map, row by row.
 pub(crate) type Map = [f32; AREA];
 
+/// A complex number: real and imaginary part; as a twiddle factor, cosine and sine.
+type Complex = (f32, f32);
+
 /// Hann window over a map: 1 at the centre, 0 at the border, where shifts wrap around.
 pub(crate) fn hann_window() -> Box<Map> {
     let hann = |k: usize| 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * (k as f64 + 0.5) / SIDE as f64);
@@ -45,7 +48,7 @@ impl Default for Spectrum {
 #[derive(Debug, Clone)]
 pub(crate) struct Fourier {
     /// cos and sin of -2 pi k / SIDE, for k below SIDE / 2.
-    twiddle: [(f32, f32); SIDE / 2],
+    twiddle: [Complex; SIDE / 2],
     /// Position of the value of the negative frequency, for each position.
     negative: Box<[u16; AREA]>,
     work: Spectrum,
@@ -146,61 +149,61 @@ fn invert(fourier: &mut Fourier) {
 
 #[inline(always)]
 /// Forward transform along the columns: natural order in, bit-reversed order out.
-fn decimate_in_frequency(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) {
+fn decimate_in_frequency(twiddle: &[Complex; SIDE / 2], data: &mut Spectrum) {
     let mut half = SIDE / 2;
     while half > 0 {
-        let stride = SIDE / (2 * half);
-        for (re, im) in
-            data.re.chunks_exact_mut(2 * half * SIDE).zip(data.im.chunks_exact_mut(2 * half * SIDE))
-        {
-            let ((a_re, b_re), (a_im, b_im)) = (re.split_at_mut(half * SIDE), im.split_at_mut(half * SIDE));
-            for k in 0..half {
-                let (cos, sin) = twiddle[k * stride];
-                let rows = k * SIDE..(k + 1) * SIDE;
-                let (a_re, a_im) = (&mut a_re[rows.clone()], &mut a_im[rows.clone()]);
-                let (b_re, b_im) = (&mut b_re[rows.clone()], &mut b_im[rows]);
-                for column in 0..SIDE {
-                    let (sum_re, sum_im) = (a_re[column] + b_re[column], a_im[column] + b_im[column]);
-                    let (dif_re, dif_im) = (a_re[column] - b_re[column], a_im[column] - b_im[column]);
-                    a_re[column] = sum_re;
-                    a_im[column] = sum_im;
-                    b_re[column] = dif_re * cos - dif_im * sin;
-                    b_im[column] = dif_re * sin + dif_im * cos;
-                }
-            }
-        }
+        combine_rows(twiddle, data, half, forward_butterfly);
         half /= 2;
     }
 }
 
 #[inline(always)]
 /// Inverse transform along the columns: bit-reversed order in, natural order out; not divided by the side.
-fn decimate_in_time(twiddle: &[(f32, f32); SIDE / 2], data: &mut Spectrum) {
+fn decimate_in_time(twiddle: &[Complex; SIDE / 2], data: &mut Spectrum) {
     let mut half = 1;
     while half < SIDE {
-        let stride = SIDE / (2 * half);
-        for (re, im) in
-            data.re.chunks_exact_mut(2 * half * SIDE).zip(data.im.chunks_exact_mut(2 * half * SIDE))
-        {
-            let ((a_re, b_re), (a_im, b_im)) = (re.split_at_mut(half * SIDE), im.split_at_mut(half * SIDE));
-            for k in 0..half {
-                let (cos, sin) = twiddle[k * stride];
-                let rows = k * SIDE..(k + 1) * SIDE;
-                let (a_re, a_im) = (&mut a_re[rows.clone()], &mut a_im[rows.clone()]);
-                let (b_re, b_im) = (&mut b_re[rows.clone()], &mut b_im[rows]);
-                for column in 0..SIDE {
-                    // With the conjugate factor.
-                    let t_re = b_re[column] * cos + b_im[column] * sin;
-                    let t_im = b_im[column] * cos - b_re[column] * sin;
-                    b_re[column] = a_re[column] - t_re;
-                    b_im[column] = a_im[column] - t_im;
-                    a_re[column] += t_re;
-                    a_im[column] += t_im;
-                }
-            }
-        }
+        combine_rows(twiddle, data, half, inverse_butterfly);
         half *= 2;
     }
+}
+
+#[inline(always)]
+/// One pass over all rows: the butterfly combines each row with the row `half` rows below.
+fn combine_rows(
+    twiddle: &[Complex; SIDE / 2],
+    data: &mut Spectrum,
+    half: usize,
+    butterfly: impl Fn(Complex, Complex, Complex) -> (Complex, Complex),
+) {
+    let stride = SIDE / (2 * half);
+    for (re, im) in data.re.chunks_exact_mut(2 * half * SIDE).zip(data.im.chunks_exact_mut(2 * half * SIDE)) {
+        let ((a_re, b_re), (a_im, b_im)) = (re.split_at_mut(half * SIDE), im.split_at_mut(half * SIDE));
+        for k in 0..half {
+            let factor = twiddle[k * stride];
+            let rows = k * SIDE..(k + 1) * SIDE;
+            let (a_re, a_im) = (&mut a_re[rows.clone()], &mut a_im[rows.clone()]);
+            let (b_re, b_im) = (&mut b_re[rows.clone()], &mut b_im[rows]);
+            for column in 0..SIDE {
+                let (a, b) = butterfly((a_re[column], a_im[column]), (b_re[column], b_im[column]), factor);
+                (a_re[column], a_im[column]) = a;
+                (b_re[column], b_im[column]) = b;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn forward_butterfly(a: Complex, b: Complex, (cos, sin): Complex) -> (Complex, Complex) {
+    let difference = (a.0 - b.0, a.1 - b.1);
+    let turned = (difference.0 * cos - difference.1 * sin, difference.0 * sin + difference.1 * cos);
+    ((a.0 + b.0, a.1 + b.1), turned)
+}
+
+#[inline(always)]
+/// With the conjugate factor.
+fn inverse_butterfly(a: Complex, b: Complex, (cos, sin): Complex) -> (Complex, Complex) {
+    let turned = (b.0 * cos + b.1 * sin, b.1 * cos - b.0 * sin);
+    ((a.0 + turned.0, a.1 + turned.1), (a.0 - turned.0, a.1 - turned.1))
 }
 
 #[inline(always)]

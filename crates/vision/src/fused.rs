@@ -54,7 +54,7 @@ mod target;
 
 use barrelman_vocab::{MotionPrior, PixelBox, Track, VideoFrame};
 
-pub use self::config::{FusedConfig, FusedConfigError};
+pub use self::config::{FusedConfig, FusedConfigError, FusedSetting};
 use self::distractors::Distractors;
 use self::phase::Phase;
 use self::target::Target;

@@ -113,6 +113,7 @@ mod tests {
     use barrelman_vocab::video::ColourEncoding;
 
     use super::*;
+    use crate::test_picture::painted;
 
     const RED: [u8; 3] = [81, 90, 240];
     const GREY: [u8; 3] = [120, 128, 128];
@@ -120,15 +121,7 @@ mod tests {
 
     /// A picture of one colour left of the middle and another right of it.
     fn picture(left: [u8; 3], right: [u8; 3]) -> Picture {
-        let size = PictureSize::new(120, 90);
-        let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
-        for (plane, (samples, step)) in picture.planes_mut().into_iter().zip([1, 2, 2]).enumerate() {
-            let width = 120 / step;
-            for (index, sample) in samples.iter_mut().enumerate() {
-                *sample = if index % width < width / 2 { left[plane] } else { right[plane] };
-            }
-        }
-        picture
+        painted((120, 90), |column, _| if column < 60 { left } else { right })
     }
 
     fn layout(picture: &Picture, centre: (f32, f32), half: (f32, f32), angle_deg: f32) -> ColourLayout {

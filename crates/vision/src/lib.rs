@@ -56,7 +56,7 @@ mod test_picture;
 pub use camshift::CamShift;
 pub use config::{CamShiftConfig, CamShiftConfigError};
 pub use explanation::{Explanation, GreyMap, TrackerState};
-pub use fused::{FusedConfig, FusedConfigError, FusedTracker};
+pub use fused::{FusedConfig, FusedConfigError, FusedSetting, FusedTracker};
 pub use histogram::{EmptyHistogram, HueHistogram};
 pub use hue::{BELOW_FLOORS, Floors, YuvToHue};
 pub use mean_shift::{

@@ -195,25 +195,19 @@ mod tests {
 
     use super::*;
     use crate::colour_model::{TargetEllipse, count_colours};
+    use crate::test_picture::painted;
 
     const RED: [u8; 3] = [81, 90, 240];
     const BLUE: [u8; 3] = [70, 190, 100];
 
     /// A blue picture with red boxes (left, top, width, height).
     fn picture(boats: &[[usize; 4]]) -> Picture {
-        let size = PictureSize::new(320, 240);
-        let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
-        for (plane, (samples, step)) in picture.planes_mut().into_iter().zip([1, 2, 2]).enumerate() {
-            let width = 320 / step;
-            for (index, sample) in samples.iter_mut().enumerate() {
-                let (column, row) = (index % width * step, index / width * step);
-                let inside = boats.iter().any(|&[left, top, w, h]| {
-                    (left..left + w).contains(&column) && (top..top + h).contains(&row)
-                });
-                *sample = if inside { RED[plane] } else { BLUE[plane] };
-            }
-        }
-        picture
+        painted((320, 240), |column, row| {
+            let is_inside = boats.iter().any(|&[left, top, w, h]| {
+                (left..left + w).contains(&column) && (top..top + h).contains(&row)
+            });
+            if is_inside { RED } else { BLUE }
+        })
     }
 
     /// The candidates for a red target of this size.

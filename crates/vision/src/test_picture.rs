@@ -14,3 +14,17 @@ pub(crate) fn picture(size: (u32, u32), luma: impl Fn(usize, usize) -> f32) -> P
     }
     picture
 }
+
+/// A picture whose colour (Y, U, V) is given by column and row. A chroma sample has the colour of the first of its four
+/// pixels.
+pub(crate) fn painted(size: (u32, u32), colour: impl Fn(usize, usize) -> [u8; 3]) -> Picture {
+    let size = PictureSize::new(size.0, size.1);
+    let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
+    for (plane, (samples, step)) in picture.planes_mut().into_iter().zip([1, 2, 2]).enumerate() {
+        let width = (size.width as usize).div_ceil(step);
+        for (index, sample) in samples.iter_mut().enumerate() {
+            *sample = colour(index % width * step, index / width * step)[plane];
+        }
+    }
+    picture
+}

@@ -164,7 +164,7 @@ impl AucCache<'_> {
         let mut config = TrackerConfig::clone(self.base);
         for (setting, value) in TUNED_SETTINGS.iter().zip(values(choice)) {
             if let Some(value) = value {
-                (setting.set)(&mut config, value);
+                setting.set(&mut config, value);
             }
         }
         config

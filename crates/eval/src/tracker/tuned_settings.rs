@@ -4,49 +4,35 @@ use anyhow::{Context, Result, bail};
 
 use super::tracker_under_test::{TrackerConfig, build_tracker};
 
-/// A setting.
+/// A setting of [`TrackerConfig`] that is tuned.
 pub(crate) struct TunedSetting {
     /// The name for `--set` and in the table.
     pub(crate) name: &'static str,
     /// The values that are tried beside the default.
     pub(crate) values: &'static [f64],
-    /// Changes the setting.
-    pub(crate) set: fn(&mut TrackerConfig, f64),
 }
 
 /// The tuned settings, those with most effect first.
 pub(crate) const TUNED_SETTINGS: &[TunedSetting] = &[
-    TunedSetting {
-        name: "learning_rate",
-        values: &[0.015, 0.025, 0.035],
-        set: |config, value| config.learning_rate = value,
-    },
-    TunedSetting { name: "seen", values: &[8.0, 9.0, 10.0], set: |config, value| config.seen = value },
-    TunedSetting { name: "learn", values: &[10.0, 11.0, 13.0], set: |config, value| config.learn = value },
-    TunedSetting { name: "again", values: &[9.5, 10.5, 12.0], set: |config, value| config.again = value },
-    TunedSetting {
-        name: "colour_evidence",
-        values: &[4.0, 6.0, 8.0],
-        set: |config, value| config.colour_evidence = value,
-    },
-    TunedSetting {
-        name: "colour_gain",
-        values: &[0.5, 0.8, 1.2],
-        set: |config, value| config.colour_gain = value,
-    },
-    TunedSetting {
-        name: "brightness_gain",
-        values: &[0.5, 1.0, 1.5],
-        set: |config, value| config.brightness_gain = value,
-    },
-    TunedSetting { name: "mask", values: &[1.3, 1.5, 1.7], set: |config, value| config.mask = value },
-    TunedSetting { name: "padding", values: &[3.5, 4.0, 4.5], set: |config, value| config.padding = value },
-    TunedSetting {
-        name: "change_gain",
-        values: &[0.985, 0.99, 0.995],
-        set: |config, value| config.change_gain = value,
-    },
+    TunedSetting { name: "learning_rate", values: &[0.015, 0.025, 0.035] },
+    TunedSetting { name: "seen", values: &[8.0, 9.0, 10.0] },
+    TunedSetting { name: "learn", values: &[10.0, 11.0, 13.0] },
+    TunedSetting { name: "again", values: &[9.5, 10.5, 12.0] },
+    TunedSetting { name: "colour_evidence", values: &[4.0, 6.0, 8.0] },
+    TunedSetting { name: "colour_gain", values: &[0.5, 0.8, 1.2] },
+    TunedSetting { name: "brightness_gain", values: &[0.5, 1.0, 1.5] },
+    TunedSetting { name: "mask", values: &[1.3, 1.5, 1.7] },
+    TunedSetting { name: "padding", values: &[3.5, 4.0, 4.5] },
+    TunedSetting { name: "change_gain", values: &[0.985, 0.99, 0.995] },
 ];
+
+impl TunedSetting {
+    /// Changes the setting.
+    pub(crate) fn set(&self, config: &mut TrackerConfig, value: f64) {
+        let setting = TrackerConfig::SETTINGS.iter().find(|setting| setting.name == self.name);
+        (setting.expect("a tuned setting is a setting of the tracker").set)(config, value);
+    }
+}
 
 /// The default settings with these changes, each NAME=VALUE.
 ///
@@ -61,7 +47,7 @@ pub(crate) fn config_with_changes(changes: &[String]) -> Result<TrackerConfig> {
             bail!("unknown setting {name}; known are {}", known.join(", "));
         };
         let value = value.parse().with_context(|| format!("{change}: {value} is not a number"))?;
-        (setting.set)(&mut config, value);
+        setting.set(&mut config, value);
     }
     build_tracker(&config)?;
     Ok(config)

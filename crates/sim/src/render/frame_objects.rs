@@ -4,7 +4,7 @@
 use std::sync::Mutex;
 
 use super::camera::Camera;
-use super::image_tile::{ImageKind, ImageTile, Scene};
+use super::image_tile::{ImageKind, ImageTile, Scene, Source};
 use super::land::Shore;
 use super::light::Lighting;
 use super::object::{self, Instance, Shapes};
@@ -98,13 +98,14 @@ impl FrameObjects {
             let (object, waterline) = (&list[index], waterlines[index].as_ref());
             let mesh = shapes.mesh(object.shape);
             let scene = Scene { camera, light, margin: (SECONDARY_MARGIN_PX, SECONDARY_MARGIN_PX) };
+            let source = Source { scene: &scene, mesh, object, waterline };
             tiles.reflection.clear();
             if effects.reflection && waterline.is_some() {
-                tiles.reflection.render(&scene, mesh, object, waterline, ImageKind::Reflection);
+                tiles.reflection.render(&source, ImageKind::Reflection);
             }
             tiles.shadow.clear();
             if effects.shadow && is_sunny && object.casts_shadow() {
-                tiles.shadow.render(&scene, mesh, object, waterline, ImageKind::Shadow);
+                tiles.shadow.render(&source, ImageKind::Shadow);
             }
             let range = object.distance_from(viewpoint).max(0.5);
             tiles.shift_per_slope = (camera.optics.focal_px / range * object.reflected_height_m()) as f32;
@@ -132,7 +133,8 @@ impl FrameObjects {
                 if object.is_target { (size.width as i32 / 2, size.height as i32 / 2) } else { (0, 0) };
             let scene = Scene { camera, light, margin };
             let (mesh, waterline) = (shapes.mesh(object.shape), waterlines[index].as_ref());
-            lock(&in_work[index]).direct.render(&scene, mesh, object, waterline, ImageKind::Direct);
+            let source = Source { scene: &scene, mesh, object, waterline };
+            lock(&in_work[index]).direct.render(&source, ImageKind::Direct);
         });
         for (work, tiles) in self.in_work.iter_mut().map(get_mut).zip(&mut self.tiles) {
             core::mem::swap(&mut work.direct, &mut tiles.direct);

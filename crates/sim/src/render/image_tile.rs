@@ -2,6 +2,9 @@
 
 use super::camera::Camera;
 use super::light::Lighting;
+use super::mesh::Mesh;
+use super::object::Instance;
+use super::waterline::Waterline;
 
 /// No triangle covers the sample.
 pub(super) const NO_TRIANGLE: u32 = u32::MAX;
@@ -23,6 +26,15 @@ pub(super) struct Scene<'a> {
     pub(super) light: &'a Lighting,
     /// Pixels beyond the picture's border that are rendered too, horizontally and vertically.
     pub(super) margin: (i32, i32),
+}
+
+/// What a tile shows.
+pub(super) struct Source<'a> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) mesh: &'a Mesh,
+    pub(super) object: &'a Instance,
+    /// The water around the object, if the object floats.
+    pub(super) waterline: Option<&'a Waterline>,
 }
 
 /// Samples and pixels of a part of the picture.

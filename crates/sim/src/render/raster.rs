@@ -3,11 +3,8 @@
 //! Edges of triangles are straight in the picture. The lens bends them slightly; shapes are divided finely enough that
 //! the difference does not show. A triangle with a vertex behind the camera is left out.
 
-use super::image_tile::{ImageKind, ImageTile, NO_TRIANGLE, ProjectedVertex, Scene};
-use super::mesh::Mesh;
-use super::object::Instance;
+use super::image_tile::{ImageKind, ImageTile, NO_TRIANGLE, ProjectedVertex, Scene, Source};
 use super::resolve::{resolve_image, resolve_shadow};
-use super::waterline::Waterline;
 use crate::pose::WorldPoint;
 
 /// A triangle faces away, and is the back of a closed shape, where the facing of all its vertices is less than this.
@@ -22,21 +19,15 @@ const MAX_NOZZLE_M: f32 = 0.1;
 const MIN_SUN_SINE: f32 = 0.08;
 
 impl ImageTile {
-    /// Renders an image of an object; `waterline` is the water around the object, if the object floats.
-    pub(super) fn render(
-        &mut self,
-        scene: &Scene<'_>,
-        mesh: &Mesh,
-        object: &Instance,
-        waterline: Option<&Waterline>,
-        kind: ImageKind,
-    ) {
+    /// Renders an image of an object.
+    pub(super) fn render(&mut self, source: &Source<'_>, kind: ImageKind) {
+        let &Source { scene, mesh, object, .. } = source;
         self.clear();
-        let radius_m = image_radius_m(scene, mesh, object, kind);
+        let radius_m = image_radius_m(source, kind);
         if scene.camera.is_outside_view(object.pose.position, radius_m, scene.margin) {
             return;
         }
-        self.project_vertices(scene, mesh, object, waterline, kind);
+        self.project_vertices(source, kind);
         let max_samples = if object.is_target { MAX_TARGET_SAMPLES } else { MAX_OTHER_SAMPLES };
         if !self.fit_to_vertices(scene, kind, max_samples) {
             return;
@@ -50,18 +41,12 @@ impl ImageTile {
         }
         match kind {
             ImageKind::Shadow => resolve_shadow(self),
-            ImageKind::Direct | ImageKind::Reflection => resolve_image(self, scene, mesh, object, waterline),
+            ImageKind::Direct | ImageKind::Reflection => resolve_image(self, source),
         }
     }
 
-    fn project_vertices(
-        &mut self,
-        scene: &Scene<'_>,
-        mesh: &Mesh,
-        object: &Instance,
-        waterline: Option<&Waterline>,
-        kind: ImageKind,
-    ) {
+    fn project_vertices(&mut self, source: &Source<'_>, kind: ImageKind) {
+        let &Source { scene, mesh, object, waterline } = source;
         self.vertices.clear();
         let axes = object.axes();
         let sun = scene.light.to_sun;
@@ -189,7 +174,7 @@ impl ImageTile {
 }
 
 /// Radius of a ball around the object's origin that contains the whole image, metres.
-fn image_radius_m(scene: &Scene<'_>, mesh: &Mesh, object: &Instance, kind: ImageKind) -> f64 {
+fn image_radius_m(&Source { scene, mesh, object, .. }: &Source<'_>, kind: ImageKind) -> f64 {
     let stretch = object.scale.into_iter().fold(0.0_f32, f32::max);
     let radius = f64::from(mesh.radius_m * stretch) + f64::from(MAX_NOZZLE_M);
     match kind {

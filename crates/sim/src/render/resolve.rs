@@ -1,12 +1,11 @@
 //! From the samples of an [`ImageTile`] to its pixels: which samples show the object above the water, and the colour of
 //! each pixel.
 
-use super::image_tile::{ImageTile, NO_TRIANGLE, Scene, WaterSide};
+use super::image_tile::{ImageTile, NO_TRIANGLE, Source, WaterSide};
 use super::light::Colour;
-use super::mesh::{Mesh, Part, normalised};
-use super::object::Instance;
+use super::mesh::{Part, normalised};
 use super::object::paint::paint;
-use super::waterline::{MAX_RIPPLE_M, MAX_RIPPLED_M, Waterline, ripple_elevation};
+use super::waterline::{MAX_RIPPLE_M, MAX_RIPPLED_M, ripple_elevation};
 
 /// Samples of a pixel whose colour is computed; the others only count for the opacity.
 const MAX_PAINTED_SAMPLES: usize = 4;
@@ -21,28 +20,13 @@ pub(super) fn resolve_shadow(tile: &mut ImageTile) {
 }
 
 /// Computes the colour and the opacity of all pixels, and how many samples would show the object in still water.
-pub(super) fn resolve_image(
-    tile: &mut ImageTile,
-    scene: &Scene<'_>,
-    mesh: &Mesh,
-    object: &Instance,
-    waterline: Option<&Waterline>,
-) {
-    classify_triangles(tile, mesh, waterline);
-    let source = Source { scene, mesh, object, waterline };
+pub(super) fn resolve_image(tile: &mut ImageTile, source: &Source<'_>) {
+    classify_triangles(tile, source);
     for row in 0..tile.height {
         for column in 0..tile.width {
-            tile.pixels[row * tile.width + column] = resolve_pixel(tile, &source, column, row);
+            tile.pixels[row * tile.width + column] = resolve_pixel(tile, source, column, row);
         }
     }
-}
-
-/// What a tile shows.
-struct Source<'a> {
-    scene: &'a Scene<'a>,
-    mesh: &'a Mesh,
-    object: &'a Instance,
-    waterline: Option<&'a Waterline>,
 }
 
 /// Where a sample meets the surface of an object.
@@ -58,7 +42,7 @@ struct SurfacePoint {
     above: f32,
 }
 
-fn classify_triangles(tile: &mut ImageTile, mesh: &Mesh, waterline: Option<&Waterline>) {
+fn classify_triangles(tile: &mut ImageTile, &Source { mesh, waterline, .. }: &Source<'_>) {
     let vertices = &tile.vertices;
     tile.water_sides.clear();
     tile.water_sides.extend(mesh.triangles.iter().map(|(corners, _)| {

@@ -214,44 +214,41 @@ impl Wake {
 multiversion! { simd;
     /// A step of the wave equation: `before` becomes the elevation after `height`.
     fn step_heights(simd: Simd, courant2: f32, height: &[f32], before: &mut [f32]) {
-        for row in 0..SIDE {
-            let here = &height[row * SIDE..][..SIDE];
-            let upper = &height[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
-            let lower = &height[((row + 1) % SIDE) * SIDE..][..SIDE];
-            let out = &mut before[row * SIDE..][..SIDE];
-            let mut update = |left: usize, at: usize, right: usize| {
-                let laplace = upper[at] + lower[at] + here[left] + here[right] - 4.0 * here[at];
-                let moved = here[at] + (1.0 - DAMPING) * (here[at] - out[at]) + courant2 * laplace;
-                out[at] = moved * 0.9985;
-            };
-            update(SIDE - 1, 0, 1);
-            for at in 1..SIDE - 1 {
-                update(at - 1, at, at + 1);
-            }
-            update(SIDE - 2, SIDE - 1, 0);
-        }
+        update_cells(height, before, |here, laplace, before| {
+            let moved = here + (1.0 - DAMPING) * (here - before) + courant2 * laplace;
+            moved * 0.9985
+        });
     }
 }
 
 multiversion! { simd;
     fn step_foam(simd: Simd, foam: &[f32], after: &mut [f32]) {
-        for row in 0..SIDE {
-            let here = &foam[row * SIDE..][..SIDE];
-            let upper = &foam[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
-            let lower = &foam[((row + 1) % SIDE) * SIDE..][..SIDE];
-            let out = &mut after[row * SIDE..][..SIDE];
-            let mut update = |left: usize, at: usize, right: usize| {
-                let laplace = upper[at] + lower[at] + here[left] + here[right] - 4.0 * here[at];
-                let kept = here[at] * (1.0 - FOAM_DECAY) + FOAM_SPREAD * laplace;
-                // Foam below a thousandth is invisible; numbers must not become subnormal.
-                out[at] = if kept > 1e-3 { kept } else { 0.0 };
-            };
-            update(SIDE - 1, 0, 1);
-            for at in 1..SIDE - 1 {
-                update(at - 1, at, at + 1);
-            }
-            update(SIDE - 2, SIDE - 1, 0);
+        update_cells(foam, after, |here, laplace, _| {
+            let kept = here * (1.0 - FOAM_DECAY) + FOAM_SPREAD * laplace;
+            // Foam below a thousandth is invisible; numbers must not become subnormal.
+            if kept > 1e-3 { kept } else { 0.0 }
+        });
+    }
+}
+
+/// Updates all cells of a map that repeats in both directions. `update` gets the cell's value in `values`, its Laplacian,
+/// and its value in `out`, and returns the new value in `out`.
+#[inline(always)]
+fn update_cells(values: &[f32], out: &mut [f32], update: impl Fn(f32, f32, f32) -> f32) {
+    for row in 0..SIDE {
+        let here = &values[row * SIDE..][..SIDE];
+        let upper = &values[((row + SIDE - 1) % SIDE) * SIDE..][..SIDE];
+        let lower = &values[((row + 1) % SIDE) * SIDE..][..SIDE];
+        let out = &mut out[row * SIDE..][..SIDE];
+        let mut update_cell = |left: usize, at: usize, right: usize| {
+            let laplace = upper[at] + lower[at] + here[left] + here[right] - 4.0 * here[at];
+            out[at] = update(here[at], laplace, out[at]);
+        };
+        update_cell(SIDE - 1, 0, 1);
+        for at in 1..SIDE - 1 {
+            update_cell(at - 1, at, at + 1);
         }
+        update_cell(SIDE - 2, SIDE - 1, 0);
     }
 }
 

@@ -1,4 +1,4 @@
-//! A small scenario for tests of the world.
+//! A small scenario, for tests of the world, and for those of simulated trials in `trial`.
 
 use barrelman_sim::boat::LENGTH_M;
 use barrelman_sim::electronics::ElectronicsModel;

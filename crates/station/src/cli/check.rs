@@ -1,24 +1,22 @@
 //! The arguments of `check`.
 
-use std::path::PathBuf;
-
 use clap::Args;
+
+use super::connection_options::ConnectionOptions;
 
 /// `check`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman check barrelman.toml")]
+#[command(
+    after_help = "Example:\n  barrelman check barrelman.toml",
+    mut_arg("config", |arg| arg.help("Configuration file (TOML)")),
+    mut_arg("video", |arg| arg.help("Check this video source")),
+    mut_arg("video_login_file", |arg| arg.help("File whose first line is user:password of the camera at rtsp://...")),
+    mut_arg("link", |arg| arg.help("Check this link"))
+)]
 pub struct CheckArgs {
-    /// Configuration file (TOML).
-    pub config: Option<PathBuf>,
-    /// Check this video source.
-    #[arg(long, value_name = "URL")]
-    pub video: Option<String>,
-    /// File whose first line is user:password of the camera at rtsp://...
-    #[arg(long, value_name = "FILE")]
-    pub video_login_file: Option<PathBuf>,
-    /// Check this link.
-    #[arg(long, value_name = "URL")]
-    pub link: Option<String>,
+    /// What is checked.
+    #[command(flatten)]
+    pub connection: ConnectionOptions,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -22,6 +22,7 @@ mod emulate;
 mod check;
 mod config;
 
+mod connection_options;
 mod console_options;
 mod law_options;
 mod log_options;
@@ -34,6 +35,7 @@ use clap::{Parser, Subcommand};
 
 pub use check::CheckArgs;
 pub use config::{ConfigArgs, ConfigCommand};
+pub use connection_options::ConnectionOptions;
 pub use console_options::ConsoleOptions;
 pub use demo::DemoArgs;
 pub use emulate::{EmulateArgs, EmulateFotokiteProArgs, StationName};

@@ -6,6 +6,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_vocab::PixelBox;
 use clap::Args;
 
+use super::connection_options::ConnectionOptions;
 use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
 use super::values::parse_box;
@@ -21,19 +22,9 @@ use super::values::parse_box;
 The run starts disengaged. The console's link is printed; on the console the operator selects the boat, engages, and
 stops. Keys on a terminal: e engages, d disengages, space stops, q quits.")]
 pub struct RunArgs {
-    /// Configuration file (TOML). Options on the command line override it.
-    pub config: Option<PathBuf>,
-    /// The video source: rtsp://..., file:clip.mp4, a folder of pictures, or a simulated world
-    /// (sim:SCENARIO?seed=1&size=WxH).
-    #[arg(long, value_name = "URL")]
-    pub video: Option<String>,
-    /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
-    #[arg(long, value_name = "FILE")]
-    pub video_login_file: Option<PathBuf>,
-    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: for the simulated world's
-    /// camera. Without a link: a dry run.
-    #[arg(long, value_name = "URL")]
-    pub link: Option<String>,
+    /// Configuration, video and link.
+    #[command(flatten)]
+    pub connection: ConnectionOptions,
     /// The vehicle's profile; default: the configuration's, or fotokite-pro, the only one in this build.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,

@@ -12,8 +12,8 @@ use anyhow::Result;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 use serde::Serialize;
 
-use crate::cli::CheckArgs;
-use crate::config::{self, ConfigFile, Configuration};
+use crate::cli::{CheckArgs, ConnectionOptions};
+use crate::config::Configuration;
 use crate::link::LinkUrl;
 use crate::link::port::Port;
 use crate::link::url::Endpoint;
@@ -58,8 +58,9 @@ impl CheckResult {
 pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     let mut results = Vec::new();
     let configuration = check_configuration(args, &mut results);
-    let video = args.video.clone().or_else(|| configuration.as_ref().and_then(|found| found.video.clone()));
-    let link = args.link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
+    let ConnectionOptions { video, link, .. } = &args.connection;
+    let video = video.clone().or_else(|| configuration.as_ref().and_then(|found| found.video.clone()));
+    let link = link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
     results.push(match video {
         Some(url) => check_video(&url, configuration.as_ref(), clock),
         None => CheckResult::new("video", Verdict::Warning, "none configured: give --video or video.url"),
@@ -89,17 +90,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Option<Configuration> {
-    let file = match &args.config {
-        Some(path) => config::read(path),
-        None => Ok(ConfigFile::default()),
-    };
-    let with_login = |mut file: ConfigFile| {
-        if let Some(path) = &args.video_login_file {
-            (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
-        }
-        Configuration::resolve(&file)
-    };
-    match file.and_then(with_login) {
+    match args.connection.config_file().and_then(|file| Configuration::resolve(&file)) {
         Ok(configuration) => {
             let details = format!("vehicle {}", configuration.profile.name);
             results.push(CheckResult::new("configuration", Verdict::Ok, details));

@@ -1,6 +1,6 @@
 //! `barrelman merge`: joins the shards of a campaign.
 
-use std::io::{BufWriter, Write as _, stdout};
+use std::io::{BufWriter, Write as _};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
@@ -32,11 +32,6 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         file.flush().with_context(|| format!("{} cannot be written", path.display()))?;
     }
     let summary = summarise(merged.into_iter().map(|(entry, _)| entry.trial).collect());
-    let text = if args.json {
-        serde_json::to_string_pretty(&summary)? + "\n"
-    } else {
-        summary_table::format(&summary)?
-    };
-    stdout().write_all(text.as_bytes())?;
+    summary_table::print(&summary, args.json)?;
     Ok(ExitCode::SUCCESS)
 }

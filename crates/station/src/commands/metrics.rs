@@ -1,6 +1,5 @@
 //! `barrelman metrics`: prints the metrics of each trial and of all trials together.
 
-use std::io::{Write as _, stdout};
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -42,11 +41,6 @@ pub fn run(args: &MetricsArgs) -> Result<ExitCode> {
         trials.push(TrialEntry { name: input.name, arena, metrics });
     }
     let summary = summarise(trials);
-    let text = if args.json {
-        serde_json::to_string_pretty(&summary)? + "\n"
-    } else {
-        summary_table::format(&summary)?
-    };
-    stdout().write_all(text.as_bytes())?;
+    summary_table::print(&summary, args.json)?;
     Ok(if is_truncated { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -17,7 +17,7 @@ use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 use indicatif::ProgressBar;
 
 use super::run;
-use crate::cli::{ConsoleOptions, DemoArgs, RunArgs};
+use crate::cli::{ConnectionOptions, ConsoleOptions, DemoArgs, RunArgs};
 use crate::emulator::emulated_port::EmulatedPort;
 use crate::emulator::fotokite_pro::FotokitePro;
 use crate::emulator::log::StationLog;
@@ -82,10 +82,11 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let selection = practice.truth(0).selection;
     let code = run::run_with_outputs(
         &RunArgs {
-            config: None,
-            video: Some(format!("file:{}", clip.display())),
-            video_login_file: None,
-            link: Some(format!("serial:{}", port.display())),
+            connection: ConnectionOptions {
+                video: Some(format!("file:{}", clip.display())),
+                link: Some(format!("serial:{}", port.display())),
+                ..ConnectionOptions::default()
+            },
             profile: None,
             select: Some(selection),
             tracker: Some(args.tracker),

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::{Pilot, PilotSettings};
 
 use crate::cli::{RunArgs, UsageError};
-use crate::config::{self, ConfigFile, Configuration, ConsoleConfig, RecordingConfig};
+use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::ConsoleSettings;
 use crate::link::LinkUrl;
 use crate::link::url::Endpoint;
@@ -47,7 +47,7 @@ pub fn run_with_outputs(
     let source = secrets::source_url(video, configuration.video_login.as_ref())?;
     let uses_login =
         matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
-    if args.video_login_file.is_some() && !uses_login {
+    if args.connection.video_login_file.is_some() && !uses_login {
         return Err(
             UsageError(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
         );
@@ -131,23 +131,18 @@ fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> 
 /// The configuration of a run: the file, overridden by the command line. The flag tells whether the file states the
 /// latency of the video.
 fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
-    let mut file = match &args.config {
-        Some(path) => config::read(path)?,
-        None => ConfigFile::default(),
-    };
+    let connection = &args.connection;
+    let mut file = connection.config_file()?;
     let override_key = |key: &mut Option<String>, value: &Option<String>| {
         if let Some(value) = value {
             *key = Some(value.clone());
         }
     };
-    override_key(&mut file.video.url, &args.video);
-    override_key(&mut file.link.url, &args.link);
+    override_key(&mut file.video.url, &connection.video);
+    override_key(&mut file.link.url, &connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
-    if let Some(path) = &args.video_login_file {
-        (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
-    }
     file.tracker.name = args.tracker.or(file.tracker.name);
-    let context = || match &args.config {
+    let context = || match &connection.config {
         Some(path) => format!("the configuration {} is not usable", path.display()),
         None => "the command line is not usable".to_owned(),
     };

@@ -1,14 +1,25 @@
 //! The table of metrics that `trials`, `merge` and `metrics` print.
 
 use std::fmt::Write as _;
+use std::io::{Write as _, stdout};
 
+use anyhow::Result;
 use barrelman_trial::metrics::{Arena, Summary};
 
-/// The table of the main metrics; `--json` prints all metrics.
+/// Prints the table of the main metrics, or all metrics as JSON.
+///
+/// # Errors
+/// If the output cannot be written.
+pub(super) fn print(summary: &Summary, as_json: bool) -> Result<()> {
+    let text = if as_json { serde_json::to_string_pretty(summary)? + "\n" } else { format(summary)? };
+    Ok(stdout().write_all(text.as_bytes())?)
+}
+
+/// The table of the main metrics.
 ///
 /// # Errors
 /// Never in practice: the table is written into a string.
-pub(super) fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
+fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let width = summary.trials.iter().map(|trial| trial.name.len()).max().unwrap_or(0).max("trial".len());
     writeln!(

@@ -1,6 +1,5 @@
 //! `barrelman trials`: runs a campaign of simulated trials.
 
-use std::io::{Write as _, stdout};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -84,12 +83,7 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         tracing::error!("interrupted after {} of {} trials: {remedy}", entries.len(), seeds.len());
     }
     let summary = summarise(entries.into_iter().map(|entry| entry.trial).collect());
-    let text = if args.json {
-        serde_json::to_string_pretty(&summary)? + "\n"
-    } else {
-        summary_table::format(&summary)?
-    };
-    stdout().write_all(text.as_bytes())?;
+    summary_table::print(&summary, args.json)?;
     Ok(if is_interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 

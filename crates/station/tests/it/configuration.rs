@@ -4,6 +4,7 @@ use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_station::cli::LawOptions;
 use barrelman_station::config::{self, ConfigFile, Configuration};
+use barrelman_vision::{FusedConfig, FusedSetting};
 
 fn resolved(text: &str) -> Result<Configuration, String> {
     let resolve = || -> anyhow::Result<Configuration> { Configuration::resolve(&config::parse(text)?) };
@@ -49,6 +50,17 @@ fn every_key_of_the_schema_stands_in_the_example() {
     let effective = toml::to_string(&file).unwrap();
     for key in effective.lines().filter_map(|line| line.split_once(" = ").map(|(key, _)| key)) {
         assert!(config::EXAMPLE.contains(&format!("{key} = ")), "{key} is not in the example");
+    }
+}
+
+#[test]
+fn every_key_of_the_fused_tracker_is_described_with_its_range() {
+    let schema: serde_json::Value = serde_json::from_str(&config::schema().unwrap()).unwrap();
+    let keys = schema["$defs"]["FusedSection"]["properties"].as_object().unwrap();
+    assert_eq!(keys.len(), FusedConfig::SETTINGS.len());
+    for FusedSetting { name, min, max, .. } in FusedConfig::SETTINGS {
+        let description = keys[*name]["description"].as_str().unwrap().replace('\n', " ");
+        assert!(description.contains(&format!(", {min} to {max}.")), "{name}: {description}");
     }
 }
 

@@ -5,6 +5,9 @@
     reason = "a test reads the laboratory's logs, whose folder may be absent"
 )]
 
+#[path = "../../../sim/tests/it/trial_world.rs"]
+mod trial_world;
+
 mod camera_law;
 mod camera_work;
 mod excursions;

@@ -2,17 +2,14 @@
 
 use barrelman_control::{CentringGains, LawSettings};
 use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
-use barrelman_sim::electronics::ElectronicsModel;
 use barrelman_sim::pursuit::PursuitScript;
 use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{
-    AxisRanges, BeyondBorder, CameraSetup, FirstView, PlantRanges, Platform, Scenario, SensorModel,
-    TargetScript,
+    AxisRanges, CameraSetup, PlantRanges, Platform, Scenario, SensorModel, TargetScript,
 };
 use barrelman_sim::snapshot::Light;
 use barrelman_sim::sway::Sway;
-use barrelman_sim::video_link::VideoLinkModel;
-use barrelman_sim::{MountPlant, Optics, Truth, World};
+use barrelman_sim::{Optics, Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
@@ -21,72 +18,45 @@ use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vision::{CamShift, CamShiftConfig};
 use barrelman_vocab::{Angle, PictureSize, Timestamp, VehicleProfile, VehicleRates};
 
+use crate::trial_world::{plain, pursuit};
+
 /// A red target that moves to and fro in front of a camera 2 m above ground.
 pub(crate) fn scenario(speed_m_per_s: f64) -> Scenario {
-    let none = OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 };
-    let picture = PictureSize::new(320, 180);
+    let base = plain();
     let same = AxisRanges {
         start_dead_time_s: (0.1, 0.1),
         stop_dead_time_s: (0.1, 0.1),
         lag_s: (0.1, 0.1),
         gain: (1.0, 1.0),
     };
+    let optics = Optics { picture: PictureSize::new(320, 180), focal_px: 165.0, barrel: 0.0 };
     Scenario {
         name: "to-and-fro".to_owned(),
-        camera: CameraSetup {
-            height_m: 2.0,
-            optics: Optics { picture, focal_px: 165.0, barrel: 0.0 },
-            frame: PictureSize::new(320, 240),
-            pictures_per_second: 30,
-            rolling_shutter_s: 0.0,
-            video: VideoLinkModel::steady(0.1),
-            first_view: FirstView::default(),
-            electronics: ElectronicsModel { brightness: none, white_balance: none, exposure_s: 0.0 },
-        },
-        mount: MountPlant::laboratory(),
-        ranges: PlantRanges {
-            focal_px: (165.0, 165.0),
-            pan: same,
-            tilt: same,
-            cross_talk: (0.0, 0.0),
-            droop_rad_per_s: (0.0, 0.0),
-        },
+        camera: CameraSetup { optics, frame: PictureSize::new(320, 240), ..base.camera },
+        ranges: PlantRanges { focal_px: (165.0, 165.0), pan: same, tilt: same, ..base.ranges },
         platform: Platform::Swaying(Sway {
             yaw: OrnsteinUhlenbeck { std_dev: 0.01, time_constant_s: 1.0 },
             ..Sway::STILL
         }),
-        water: None,
-        light: Light { sun_bearing: Angle::ZERO, sun_elevation: Angle::from_degrees(60.0), overcast: 1.0 },
+        light: Light { sun_elevation: Angle::from_degrees(60.0), ..base.light },
         target: TargetScript::Pursuit(PursuitScript {
             way_points: vec![(0.0, 4.0), (5.0, 4.0), (-5.0, 4.2), (3.0, 4.4)],
             speed_m_per_s,
-            log_speed_std_dev: 0.0,
-            speed_variation: none,
-            weave: OrnsteinUhlenbeck { std_dev: 0.0, time_constant_s: 1.0 },
             look_ahead_m: 0.4,
             way_point_jitter_m: 0.05,
-            heading_gain: 3.5,
-            max_turn_rad_per_s: 2.5,
             surge_lag_s: 0.3,
-            turn_lag_s: 0.1,
-            corner_slow_down: 0.5,
-            arrival_m: 0.0,
             stand_before_s: 0.5,
             stand_after_s: 0.5,
-            pauses_per_s: 0.0,
-            range_exponent: 0.0,
-            leg_end_slow_down: 0.0,
-            corner_pauses: 0.0,
-            pause_s: 0.0,
+            ..pursuit()
         }),
-        objects: Vec::new(),
         sensing: SensorModel {
             noise: OrnsteinUhlenbeck { std_dev: 0.3, time_constant_s: 0.0 },
             is_rounded: true,
-            beyond_border: BeyondBorder::Absent,
             target_size_m: (0.3, 0.3),
+            ..base.sensing
         },
         max_s: 40.0,
+        ..base
     }
 }
 

@@ -36,9 +36,6 @@ const MAX_ROUNDNESS: f32 = 0.8;
 /// Upper bound of the target probability around a candidate, as a share of that inside.
 const MAX_RING_SHARE: f32 = 0.5;
 
-/// The best observation so far and its evidence.
-type Best = Option<(Observation, f32)>;
-
 impl Workspace {
     /// The observation with the most evidence among those that are recognised as the lost target.
     pub(super) fn search_picture(
@@ -50,49 +47,15 @@ impl Workspace {
         let pose = target.patch_pose(config);
         target.motion.decay(target.geometry.picture_size());
         target.confidence = 0.0;
-        let mut best = None;
-        for centre in [target.motion.position_f32(), next_scan_centre(target, pose.side_px())] {
-            self.consider(config, target, picture, PatchPose { centre, ..pose }, &mut best);
+        let centres = [target.motion.position_f32(), next_scan_centre(target, pose.side_px())];
+        let mut search = PictureSearch { workspace: self, config, target, picture, best: None };
+        for centre in centres {
+            search.consider(PatchPose { centre, ..pose });
         }
-        if target.appearance.usual.contrast > MIN_CONTRAST {
-            self.search_by_colour(config, target, picture, pose, &mut best);
+        if search.target.appearance.usual.contrast > MIN_CONTRAST {
+            search.search_by_colour(pose);
         }
-        best.map(|(observation, _)| observation)
-    }
-
-    /// Observes the best places by colour.
-    fn search_by_colour(
-        &mut self,
-        config: &FusedConfig,
-        target: &mut Target,
-        picture: &Picture,
-        pose: PatchPose,
-        best: &mut Best,
-    ) {
-        let (candidates, count) = self.rank_candidates(target, picture);
-        let other_size = OTHER_SIZES[target.loss.frames_searched as usize / count.max(1) % OTHER_SIZES.len()];
-        let mut candidates = candidates;
-        // The best candidate is observed in every frame, the others take turns, so that objects of the target's colour
-        // do not keep the target from being observed.
-        if count > 2 {
-            candidates.swap(1, 1 + target.loss.frames_searched as usize % (count - 1));
-        }
-        target.loss.frames_searched = target.loss.frames_searched.wrapping_add(1);
-        for candidate in &candidates[..count.min(COLOUR_CANDIDATES)] {
-            let first = PatchPose { centre: candidate.centre, ..pose };
-            self.consider(config, target, picture, first, best);
-            if let Some(guess) = self.pose_from_silhouette(target, &first) {
-                for half_turn in [0.0, core::f32::consts::PI] {
-                    let pose = PatchPose { angle: guess.angle + half_turn, ..guess };
-                    self.consider(config, target, picture, pose, best);
-                }
-            } else {
-                // The candidate's own size; where that is the expected one, another size in each frame.
-                let size = if candidate.scale == 1.0 { other_size } else { candidate.scale };
-                let pose = PatchPose { step: first.step * size, ..first };
-                self.consider(config, target, picture, pose, best);
-            }
-        }
+        search.best.map(|(observation, _)| observation)
     }
 
     /// Candidates found by colour, sorted by the similarity of their layout to the target's, and their number.
@@ -114,31 +77,6 @@ impl Workspace {
         }
         candidates[..count].sort_unstable_by(|a, b| b.layout_similarity.total_cmp(&a.layout_similarity));
         (candidates, count)
-    }
-
-    /// Observes a search window, and keeps the observation if it has more evidence than the best so far and is
-    /// recognised as the target.
-    fn consider(
-        &mut self,
-        config: &FusedConfig,
-        target: &mut Target,
-        picture: &Picture,
-        pose: PatchPose,
-        best: &mut Best,
-    ) {
-        let observation = self.observe(target, picture, pose);
-        target.confidence = target.confidence.max(rejected_confidence(&observation, target));
-        let evidence = observation.evidence(config, target);
-        if target.loss.excluded.contains(observation.centre) {
-            return;
-        }
-        if best.is_none_or(|(_, most)| evidence > most)
-            && let Some(score) = self.recognition_score(config, target, picture, &observation)
-            && score >= target.min_recognition_score(&observation)
-        {
-            target.loss.recognition = RecognitionScore::default().with(score);
-            *best = Some((observation, evidence));
-        }
     }
 
     /// Observes a candidate in both directions of its axis, since a hull looks similar from either end; the observation
@@ -243,6 +181,64 @@ impl Workspace {
             step: pose.step * factor,
             angle: target.geometry.patch_angle + seen.axis - target.geometry.axis,
         })
+    }
+}
+
+/// One search of a picture.
+struct PictureSearch<'a> {
+    workspace: &'a mut Workspace,
+    config: &'a FusedConfig,
+    target: &'a mut Target,
+    picture: &'a Picture,
+    /// The best observation so far and its evidence.
+    best: Option<(Observation, f32)>,
+}
+
+impl PictureSearch<'_> {
+    /// Observes the best places by colour.
+    fn search_by_colour(&mut self, pose: PatchPose) {
+        let (candidates, count) = self.workspace.rank_candidates(self.target, self.picture);
+        let loss = &mut self.target.loss;
+        let other_size = OTHER_SIZES[loss.frames_searched as usize / count.max(1) % OTHER_SIZES.len()];
+        let mut candidates = candidates;
+        // The best candidate is observed in every frame, the others take turns, so that objects of the target's colour
+        // do not keep the target from being observed.
+        if count > 2 {
+            candidates.swap(1, 1 + loss.frames_searched as usize % (count - 1));
+        }
+        loss.frames_searched = loss.frames_searched.wrapping_add(1);
+        for candidate in &candidates[..count.min(COLOUR_CANDIDATES)] {
+            let first = PatchPose { centre: candidate.centre, ..pose };
+            self.consider(first);
+            if let Some(guess) = self.workspace.pose_from_silhouette(self.target, &first) {
+                for half_turn in [0.0, core::f32::consts::PI] {
+                    self.consider(PatchPose { angle: guess.angle + half_turn, ..guess });
+                }
+            } else {
+                // The candidate's own size; where that is the expected one, another size in each frame.
+                let size = if candidate.scale == 1.0 { other_size } else { candidate.scale };
+                self.consider(PatchPose { step: first.step * size, ..first });
+            }
+        }
+    }
+
+    /// Observes a search window, and keeps the observation if it has more evidence than the best so far and is
+    /// recognised as the target.
+    fn consider(&mut self, pose: PatchPose) {
+        let Self { workspace, config, target, picture, best } = self;
+        let observation = workspace.observe(target, picture, pose);
+        target.confidence = target.confidence.max(rejected_confidence(&observation, target));
+        let evidence = observation.evidence(config, target);
+        if target.loss.excluded.contains(observation.centre) {
+            return;
+        }
+        if best.is_none_or(|(_, most)| evidence > most)
+            && let Some(score) = workspace.recognition_score(config, target, picture, &observation)
+            && score >= target.min_recognition_score(&observation)
+        {
+            target.loss.recognition = RecognitionScore::default().with(score);
+            *best = Some((observation, evidence));
+        }
     }
 }
 

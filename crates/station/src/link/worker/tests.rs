@@ -5,33 +5,20 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use barrelman_host::fault::FaultPlan;
-use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{AngularRate, VehicleRates};
 use barrelman_wire::fotokite_pro::Framing;
-use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings, SensorReadings};
+use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings};
 
 use super::super::dead_mans_switch::RequestedRates;
 use super::super::url::Endpoint;
 use super::*;
+use crate::emulator::fotokite_pro::LEVEL_READINGS;
 
 /// The session is up well before this time, ms.
 const UP_MS: u64 = 4_000;
 const MOVING: VehicleRates = VehicleRates {
     yaw: AngularRate::from_radians_per_second(0.2),
     pitch: AngularRate::from_radians_per_second(-0.1),
-};
-
-const READINGS: SensorReadings = SensorReadings {
-    attitude: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
-    gimbal: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
-    elevation_rad: 0.2,
-    azimuth_rad: 0.0,
-    altitude_m: 10.0,
-    tether_m: 10.2,
-    ground_battery_v: 15.8,
-    backup_battery_v: 8.1,
-    flight_mode: 2,
-    flags: 0,
 };
 
 fn at(ms: u64) -> Timestamp {
@@ -98,7 +85,7 @@ impl Bench {
         if !self.is_silent.get() {
             let mut station = self.station.borrow_mut();
             station.tick(now);
-            station.write_telemetry(&READINGS, now, &mut self.incoming.borrow_mut());
+            station.write_telemetry(&LEVEL_READINGS, now, &mut self.incoming.borrow_mut());
         }
         is_woken
     }
