@@ -6,6 +6,8 @@
 //! its complete excursions; the s of several trials is the mean of s. On the 30 laboratory logs it gives 0.6055 and 0.4535
 //! where the paper has 0.6045 and 0.4536.
 
+mod mean;
+
 pub mod excursion;
 
 pub mod trial;

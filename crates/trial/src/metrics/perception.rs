@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::mean::mean;
 use crate::logs::TrialLog;
 use crate::target_in_picture::JudgedTrack;
 
@@ -117,6 +118,6 @@ impl Totals {
 
     fn mean_return_s(mut self) -> Option<f64> {
         self.returns.extend(self.return_s.take());
-        super::trial::mean(self.returns.into_iter())
+        mean(self.returns.into_iter())
     }
 }

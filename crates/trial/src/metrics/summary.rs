@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::trial::{TrialMetrics, mean};
+use super::mean::mean;
+use super::trial::TrialMetrics;
 
 /// An arena of the paper: 1 or 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -5,6 +5,7 @@ use barrelman_vocab::{ImagePoint, PictureSize, VehicleRates};
 use serde::{Deserialize, Serialize};
 
 use super::excursion::{Excursion, find_excursions};
+use super::mean::mean;
 use super::perception::PerceptionMetrics;
 use crate::logs::{RowTruth, TrialLog};
 
@@ -134,12 +135,6 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
         sensitivity: mean(complete.iter().filter_map(|excursion| excursion.sensitivity())),
         perception: PerceptionMetrics::from_log(log),
     }
-}
-
-/// The mean; `None` of an empty sequence.
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (count, sum) = values.fold((0_usize, 0.0), |(count, sum), value| (count + 1, sum + value));
-    (count > 0).then(|| sum / count as f64)
 }
 
 fn is_at_border(position: ImagePoint, picture: PictureSize) -> bool {

@@ -34,7 +34,8 @@ pub(super) fn paragraphs(groups: &[&TrialGroup<'_>]) -> Markup {
                     " lost the target" (Text(&simulated.failed_names())) "."
                 }
                 " Lost means out of the picture for over 2\u{a0}s at a stretch, or at the end, by the \
-                 simulator\u{2019}s truth."
+                 simulator\u{2019}s truth; in pixels also not tracked, though visible, for over 5\u{a0}s, or for \
+                 over 5\u{a0}% of the time."
             }
         }
         @if recorded.all > 0 {
