@@ -10,4 +10,5 @@ pub mod log;
 
 pub mod emulated_port;
 mod port_link;
+mod rtp_packetiser;
 pub mod rtsp_server;

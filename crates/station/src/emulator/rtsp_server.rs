@@ -26,6 +26,8 @@ use base64::prelude::BASE64_STANDARD;
 use barrelman_video::annexb::{self, NalKind};
 use barrelman_video::{VideoSink, VideoState};
 
+use super::rtp_packetiser::{RTP_HZ, RTP_TYPE, RtpPacketiser};
+
 /// How many viewers the server has at a time.
 const MAX_VIEWERS: usize = 4;
 /// Longest request, bytes.
@@ -37,12 +39,6 @@ const QUEUE: usize = 32;
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Interval at which a viewer's requests are read.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
-/// Longest payload of an RTP packet, bytes.
-const MAX_PAYLOAD_BYTES: usize = 1400;
-/// Rate of the video's RTP clock, Hz.
-const RTP_HZ: u64 = 90_000;
-/// RTP payload type of the video.
-const RTP_TYPE: u8 = 96;
 
 /// A running server. Dropping it ends the server.
 pub struct RtspServer {
@@ -363,52 +359,6 @@ fn interleaved_channel(transport: &str) -> Option<u8> {
     let interleaved = transport.split(',').find(|offer| offer.contains("RTP/AVP/TCP"))?;
     let channels = interleaved.split(';').find_map(|part| part.trim().strip_prefix("interleaved="));
     channels.map_or(Some(0), |channels| channels.split('-').next()?.parse().ok())
-}
-
-/// Splits pictures into RTP packets.
-#[derive(Default)]
-struct RtpPacketiser {
-    sequence: u16,
-}
-
-impl RtpPacketiser {
-    /// The packets of a picture, each in RTSP's interleaved framing.
-    fn packets(&mut self, unit: &EncodedUnit, channel: u8) -> Vec<u8> {
-        let time = (u128::from(unit.capture.at.as_nanos()) * u128::from(RTP_HZ) / 1_000_000_000) as u32;
-        let mut bytes = Vec::with_capacity(unit.payload.len() + unit.payload.len() / 32 + 64);
-        let mut nals = annexb::nals(&unit.payload).peekable();
-        while let Some(nal) = nals.next() {
-            let ends_picture = nals.peek().is_none();
-            if nal.len() <= MAX_PAYLOAD_BYTES {
-                self.append(&mut bytes, channel, time, ends_picture, &[nal]);
-                continue;
-            }
-            // Fragments (FU-A): two bytes in front of each carry the NAL unit's header.
-            let (header, content) = (nal[0], &nal[1..]);
-            let mut pieces = content.chunks(MAX_PAYLOAD_BYTES - 2).enumerate().peekable();
-            while let Some((index, piece)) = pieces.next() {
-                let is_last = pieces.peek().is_none();
-                let flags = u8::from(index == 0) << 7 | u8::from(is_last) << 6;
-                let fragment_header = [header & 0xe0 | 28, flags | header & 0x1f];
-                let marker = is_last && ends_picture;
-                self.append(&mut bytes, channel, time, marker, &[&fragment_header, piece]);
-            }
-        }
-        bytes
-    }
-
-    /// Appends one packet. `marker`: the packet ends its picture.
-    fn append(&mut self, bytes: &mut Vec<u8>, channel: u8, time: u32, marker: bool, payload: &[&[u8]]) {
-        let length = 12 + payload.iter().map(|part| part.len()).sum::<usize>();
-        bytes.extend([b'$', channel]);
-        bytes.extend((length as u16).to_be_bytes());
-        bytes.extend([0x80, u8::from(marker) << 7 | RTP_TYPE]);
-        bytes.extend(self.sequence.to_be_bytes());
-        bytes.extend(time.to_be_bytes());
-        bytes.extend(*b"boat");
-        payload.iter().for_each(|part| bytes.extend(*part));
-        self.sequence = self.sequence.wrapping_add(1);
-    }
 }
 
 #[cfg(test)]
