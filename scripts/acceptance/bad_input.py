@@ -168,7 +168,7 @@ def ports(bench):
         device = emulator.port.resolve()
         os.chmod(device, 0o600)
         if ROOT_USER:
-            bench.refuse("port: may not be opened, as an ordinary user", [*run, emulator.url], "taken", "dialout", user=NOBODY)
+            bench.refuse("port: may not be opened, as an ordinary user", [*run, emulator.url, "--no-record"], "taken", "dialout", user=NOBODY)
         else:
             bench.table.show("port: may not be opened", "not tried: it takes root to make one that an ordinary user may not open")
         os.chmod(device, 0o666)
@@ -177,7 +177,7 @@ def ports(bench):
         who = "as root" if ROOT_USER else "as an ordinary user"
         bench.refuse(f"port: taken, {who}", [*run, emulator.url], "taken", "other|another|fuser|lsof")
         if ROOT_USER:
-            bench.refuse("port: taken, as an ordinary user", [*run, emulator.url], "taken", "other|another|fuser|lsof", user=NOBODY)
+            bench.refuse("port: taken, as an ordinary user", [*run, emulator.url, "--no-record"], "taken", "other|another|fuser|lsof", user=NOBODY)
         before = len(emulator.heard())
         time.sleep(0.2)
         bench.table.require("  whoever has it keeps it", holder.poll() is None and len(emulator.heard()) >= before)
