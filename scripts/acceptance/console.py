@@ -142,8 +142,10 @@ def run(table, args, folder):
     program = Program(args, "run", "--video", url, "--link", emulator.url, "--record", record, "--law", "schema")
     refusals(table, program)
     page = Page(program.url, folder, "control")
-    data = page.ready()
-    table.require("a received stream is drawn by WebCodecs", data["path"] == "h264", data["path"])
+    page.ready()
+    # The first pictures may come before the first H.264 unit.
+    data = page.wait(lambda data: data["path"] == "h264", 10, "H.264")
+    table.require("a received stream is drawn by WebCodecs", True, data["path"])
     table.require("the token is gone from the address", "token" not in page.driver.current_url, page.driver.current_url)
     select_boat(table, page, folder)
     page.click("engage")
