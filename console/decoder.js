@@ -40,7 +40,9 @@ export class H264Decoder {
     }
     const timestamp = Math.round(unit.captured / 1000);
     this.#sentAt.set(timestamp, unit);
-    if (this.#hasOutput && this.#sentAt.size > MAX_REORDERED * 4) return this.#giveUp("reordered pictures");
+    // Units that still wait for the decoder, as after a start within a long group of pictures, are no reordering.
+    const isHeld = this.#sentAt.size - (this.#decoder?.decodeQueueSize ?? 0) > MAX_REORDERED * 4;
+    if (this.#hasOutput && isHeld) return this.#giveUp("reordered pictures");
     try {
       this.#decoder.decode(new EncodedVideoChunk({ type: unit.key ? "key" : "delta", timestamp, data: unit.payload }));
     } catch (error) {
