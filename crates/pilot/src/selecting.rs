@@ -87,12 +87,10 @@ impl PendingSelection {
 
     /// Processes the newest frame.
     pub(crate) fn advance(&mut self, context: &mut SelectingContext<'_>) -> SelectingResult {
-        if self.state == SelectionState::Requested {
-            match self.begin(context) {
-                Ok(None) => {}
-                Ok(Some(track)) => return SelectingResult::Pending(track),
-                Err(notice) => return SelectingResult::Refused(*notice),
-            }
+        if self.state == SelectionState::Requested
+            && let Some(result) = self.begin(context)
+        {
+            return result;
         }
         match self.state {
             SelectionState::Requested => SelectingResult::Pending(Track::Unseeded),
@@ -105,8 +103,9 @@ impl PendingSelection {
         }
     }
 
-    /// Selects on the frame on which the box was drawn. Returns the track where that is the newest frame.
-    fn begin(&mut self, context: &mut SelectingContext<'_>) -> Result<Option<Track>, Box<Notice>> {
+    /// Selects on the frame on which the box was drawn. Returns a result where that is the newest frame, or the selection
+    /// is refused; `None`: later frames follow.
+    fn begin(&mut self, context: &mut SelectingContext<'_>) -> Option<SelectingResult> {
         let DrawnSelection { bounds, captured } = self.selection;
         let newest = context.frame;
         let frame = match context.history.find(captured) {
@@ -115,21 +114,22 @@ impl PendingSelection {
             None if newest.capture.at == captured => newest,
             None => {
                 let age = context.history.age(captured).unwrap_or_else(|| newest.capture.at.since(captured));
-                return Err(Box::new(Notice::RequestRefused(Refusal::SelectionTooOld { age, kept: KEPT })));
+                let refusal = Refusal::SelectionTooOld { age, kept: KEPT };
+                return Some(SelectingResult::Refused(Notice::RequestRefused(refusal)));
             }
         };
-        let report = context
-            .tracker
-            .select(frame, bounds)
-            .map_err(|refused| Box::new(Notice::SelectionRefused(refused)))?;
+        let report = match context.tracker.select(frame, bounds) {
+            Ok(report) => report,
+            Err(refusal) => return Some(SelectingResult::Refused(Notice::SelectionRefused(refusal))),
+        };
         let selected_share = share_of(report.localisation.bounds, report.localisation.picture);
         let progress = Progress { processed: frame.capture.at, selected_share };
         if frame.capture.at >= newest.capture.at {
             self.state = SelectionState::Confirming { progress, confirmed: 0, frames: 0 };
-            return Ok(Some(Track::Tracking(report.localisation)));
+            return Some(SelectingResult::Pending(Track::Tracking(report.localisation)));
         }
         self.state = SelectionState::CatchingUp(progress);
-        Ok(None)
+        None
     }
 
     fn catch_up(&mut self, mut progress: Progress, context: &mut SelectingContext<'_>) -> SelectingResult {
