@@ -1,6 +1,6 @@
 //! What a picture shows of the target: the truth beside which a tracker is judged.
 
-use barrelman_vocab::{PixelBox, Track};
+use barrelman_vocab::{ImagePoint, PixelBox, Track};
 
 /// What a picture of a simulated world shows of the target.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -14,6 +14,8 @@ pub struct TargetInPicture {
 /// A track beside the truth of the picture that it rests on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JudgedTrack {
+    /// True position of the target, also beyond the picture's border.
+    pub position: ImagePoint,
     /// Visible share of the target, 0 to 1.
     pub visible_share: f64,
     /// Whether the tracker measured the target in this picture.
@@ -25,11 +27,12 @@ pub struct JudgedTrack {
 }
 
 impl JudgedTrack {
-    /// Judges a track.
-    pub fn new(track: Track, target: &TargetInPicture) -> Self {
+    /// Judges a track about a picture in which the target has this true position.
+    pub fn new(track: Track, target: &TargetInPicture, position: ImagePoint) -> Self {
         let localisation = track.localisation();
         let iou_of = |bounds: PixelBox| target.bounds.map_or(0.0, |target| bounds.iou(target));
         Self {
+            position,
             visible_share: target.visible_share,
             is_tracking: matches!(track, Track::Tracking(_)),
             iou: localisation.map(|localisation| iou_of(localisation.bounds)),

@@ -17,8 +17,7 @@ use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{LocalisationSensor, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    ImagePoint, LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile,
-    VehicleRates,
+    LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
 };
 
 use super::frame_source::{CapturedFrame, FrameSource};
@@ -44,8 +43,6 @@ pub struct Simulation<'a> {
     outcome: Option<Outcome>,
     rates: VehicleRates,
     reports_tilt: bool,
-    /// True position of the target in the picture of the last row.
-    image: ImagePoint,
     log: TrialLog,
 }
 
@@ -116,7 +113,6 @@ impl<'a> Simulation<'a> {
             outcome: None,
             rates: VehicleRates::REST,
             reports_tilt: false,
-            image: ImagePoint { x: 0.0, y: 0.0 },
             log,
         }
     }
@@ -226,7 +222,7 @@ impl<'a> Simulation<'a> {
             if self.rates != rates_before
                 && let Some(row) = self.log.truth.as_ref().and_then(|rows| rows.last().copied())
             {
-                self.push_row(row, self.image);
+                self.push_row(row);
             }
         }
         self.world.advance();
@@ -260,17 +256,14 @@ impl<'a> Simulation<'a> {
         }
         let (target, camera) = (truth.target.position, truth.camera.position);
         let track = self.outcome.as_ref().map(|outcome| outcome.track);
-        let judged = track.zip(output.target()).map(|(track, target)| JudgedTrack::new(track, target));
-        self.push_row(
-            RowTruth {
-                out_of_picture: !truth.in_picture,
-                achieved_rates: None,
-                track: judged,
-                target_m: (target.x, target.y),
-                camera_m: (camera.x, camera.y),
-            },
-            truth.image,
-        );
+        let judged = track.zip(output.target());
+        self.push_row(RowTruth {
+            out_of_picture: !truth.in_picture,
+            achieved_rates: None,
+            track: judged.map(|(track, target)| JudgedTrack::new(track, target, truth.image)),
+            target_m: (target.x, target.y),
+            camera_m: (camera.x, camera.y),
+        });
     }
 
     /// The track that follows from the sensor's localisation of a picture captured at `at`: lost since the first picture
@@ -301,21 +294,16 @@ impl<'a> Simulation<'a> {
         self.outcome = Some(outcome);
     }
 
-    /// Adds a row to the log: in pixels from the first picture on, otherwise from the first localisation on. `truth` and
-    /// the true position `image` belong to the picture that the row rests on.
-    fn push_row(&mut self, truth: RowTruth, image: ImagePoint) {
+    /// Adds a row to the log: in pixels from the first picture on, otherwise from the first localisation on. `truth`
+    /// belongs to the picture that the row rests on.
+    fn push_row(&mut self, truth: RowTruth) {
         let Some(outcome) = &self.outcome else { return };
-        let is_in_pixels = truth.track.is_some();
-        if self.log.rows.is_empty() && outcome.percept.is_none() && !is_in_pixels {
+        let localised = outcome.percept.map(|percept| percept.position);
+        let position = truth.track.map(|track| track.position).or(localised);
+        if self.log.rows.is_empty() && position.is_none() {
             return;
         }
-        self.image = image;
-        let localised = outcome.percept.map(|percept| percept.position);
-        self.log.rows.push(LogRow {
-            time_s: outcome.at.as_secs_f64(),
-            position: if is_in_pixels { Some(image) } else { localised },
-            rates: Some(self.rates),
-        });
+        self.log.rows.push(LogRow { time_s: outcome.at.as_secs_f64(), position, rates: Some(self.rates) });
         if let Some(rows) = &mut self.log.truth {
             rows.push(RowTruth { achieved_rates: Some(self.world.camera_rates()), ..truth });
         }

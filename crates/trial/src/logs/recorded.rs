@@ -66,22 +66,23 @@ impl LogBuilder {
             self.settle_until(Timestamp::from_nanos(outcome.at.as_nanos().saturating_sub(age_ns)));
         }
         self.last_at = outcome.at;
-        let target = self.newest.as_ref().and_then(|truth| truth.target);
-        if !self.selector.accepts(outcome, target.is_some()) {
+        let judged = self
+            .newest
+            .and_then(|truth| Some(JudgedTrack::new(outcome.track, &truth.target?, truth.target_position)));
+        if !self.selector.accepts(outcome, judged.is_some()) {
             return;
         }
         let start = *self.start.get_or_insert(outcome.at);
-        let true_position = self.newest.filter(|_| target.is_some()).map(|truth| truth.target_position);
         self.rows.push(LogRow {
             time_s: outcome.at.since(start).as_secs_f64(),
-            position: true_position.or(outcome.percept.map(|percept| percept.position)),
+            position: judged.map(|track| track.position).or(outcome.percept.map(|percept| percept.position)),
             rates: Some(outcome.rates),
         });
         if let Some(truth) = self.newest {
             self.truth.push(RowTruth {
                 out_of_picture: !truth.in_picture,
                 achieved_rates: None,
-                track: target.map(|target| JudgedTrack::new(outcome.track, &target)),
+                track: judged,
                 target_m: truth.target_m,
                 camera_m: (truth.camera_m.0, truth.camera_m.1),
             });

@@ -10,7 +10,7 @@ use barrelman_trial::logs::{RowTruth, TrialLog};
 use barrelman_trial::metrics::{PerceptionMetrics, TrialMetrics, measure};
 use barrelman_trial::records::{RecordedInput, RecordedOutcome, RecordedTruth};
 use barrelman_trial::target_in_picture::{JudgedTrack, TargetInPicture};
-use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
+use barrelman_vocab::{ImagePoint, Timestamp, VehicleProfile, VehicleRates};
 
 use crate::simulated_trials::{pilot, scenario};
 use crate::trial_logs::{PICTURE, REGION, log_from};
@@ -28,7 +28,14 @@ fn judged(row: char) -> JudgedTrack {
         's' => track(true, 0.0, 0.5),
         other => panic!("unknown row {other}"),
     };
-    JudgedTrack { visible_share: if row.is_lowercase() { 0.6 } else { 0.4 }, is_tracking, iou, confidence }
+    let position = ImagePoint { x: 0.0, y: 0.0 };
+    JudgedTrack {
+        position,
+        visible_share: if row.is_lowercase() { 0.6 } else { 0.4 },
+        is_tracking,
+        iou,
+        confidence,
+    }
 }
 
 fn log_of(rows: &str) -> TrialLog {
