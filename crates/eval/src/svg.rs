@@ -9,7 +9,7 @@ use crate::output::print_line;
 use crate::workspace::workspace_root;
 
 const STYLE: &str = "<style>text{font:13px sans-serif;fill:#222}.grid{stroke:#ddd}.axis{stroke:#222;fill:none}\
-                     .ideal{stroke:#999;stroke-dasharray:5 4}.bar{fill:#b9c9dc}.curve{stroke:#1f4e8c;stroke-width:2;\
+                     .ideal{stroke:#999;stroke-dasharray:5 4}.bar{fill:#b9c9dc}.pale-bar{fill:#e3e9f0}.curve{stroke:#1f4e8c;stroke-width:2;\
                      fill:none}.mark{fill:#1f4e8c}.other{stroke:#b3541e;stroke-width:2;fill:none}\
                      .other-mark{fill:#b3541e}.end{text-anchor:end}.middle{text-anchor:middle}</style>";
 

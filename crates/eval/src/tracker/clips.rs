@@ -1,6 +1,7 @@
 //! Labelled clips: a folder each with `video.mp4` and `gt.csv` (or the simulator's `truth.csv`). A row of `gt.csv` is frame, x, y, w, h in pixels; w and
 //! h are 0 where the target is absent.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
@@ -14,6 +15,8 @@ use super::scoring::Label;
 pub(crate) struct ClipFolder {
     /// The folder's name.
     pub(crate) name: String,
+    /// The name of the folder of clips that holds it.
+    pub(crate) collection: String,
     folder: PathBuf,
 }
 
@@ -48,34 +51,58 @@ impl Clip {
     }
 }
 
-/// The clips in a folder in the order of their names; only those in `names` unless `names` is empty.
+/// The clips in these folders: folder by folder, in the order of their names; only those in `names` unless `names` is
+/// empty.
 ///
 /// # Errors
-/// If the folder has no clip, or a name is not in the folder.
-pub(crate) fn list_clips(folder: &Path, names: &[String]) -> Result<Vec<ClipFolder>> {
+/// If a folder has no clip, two clips have the same name, or a name is in no folder.
+pub(crate) fn list_clips(folders: &[PathBuf], names: &[String]) -> Result<Vec<ClipFolder>> {
+    let mut clips = Vec::new();
+    for folder in folders {
+        clips.extend(clips_in(folder)?);
+    }
+    choose_clips(clips, names)
+}
+
+/// The clips in a folder in the order of their names.
+fn clips_in(folder: &Path) -> Result<Vec<ClipFolder>> {
     let context = || format!("cannot read the folder of clips {} (--clips DIR)", folder.display());
+    let collection = folder.file_name().map_or(folder.to_string_lossy(), |name| name.to_string_lossy());
     let mut clips = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(context)? {
         let folder = entry?.path();
         let has_labels = folder.join("gt.csv").is_file() || folder.join("truth.csv").is_file();
         if folder.join("video.mp4").is_file() && has_labels {
             let name = folder.file_name().context("a folder has a name")?.to_string_lossy().into_owned();
-            clips.push(ClipFolder { name, folder });
+            clips.push(ClipFolder { name, collection: collection.clone().into_owned(), folder });
         }
     }
+    ensure!(!clips.is_empty(), "{} holds no folder with video.mp4 and gt.csv or truth.csv", folder.display());
     clips.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(clips)
+}
+
+/// The clips with these names; all where no name is given.
+fn choose_clips(mut clips: Vec<ClipFolder>, names: &[String]) -> Result<Vec<ClipFolder>> {
+    let mut known = BTreeSet::new();
+    for clip in &clips {
+        ensure!(known.insert(clip.name.clone()), "two clips are named {}: give each folder once", clip.name);
+    }
     for name in names {
-        if !clips.iter().any(|clip| clip.name == *name) {
-            let known: Vec<&str> = clips.iter().map(|clip| clip.name.as_str()).collect();
-            bail!("unknown clip {name}; known are {}", known.join(", "));
-        }
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        ensure!(known.contains(&name.as_str()), "unknown clip {name}; known are {}", known.join(", "));
     }
     clips.retain(|clip| names.is_empty() || names.contains(&clip.name));
-    ensure!(!clips.is_empty(), "{} holds no folder with video.mp4 and gt.csv or truth.csv", folder.display());
     Ok(clips)
 }
 
 impl ClipFolder {
+    /// A clip that is not on disk.
+    #[cfg(test)]
+    pub(crate) fn for_test(name: &str, collection: &str) -> Self {
+        Self { name: name.to_owned(), collection: collection.to_owned(), folder: PathBuf::new() }
+    }
+
     /// Path of the video.
     pub(crate) fn video_path(&self) -> PathBuf {
         self.folder.join("video.mp4")
@@ -146,6 +173,27 @@ fn parse_labels(text: &str, frames: usize) -> Result<Vec<Option<Label>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn folder(name: &str) -> ClipFolder {
+        ClipFolder::for_test(name, "clips")
+    }
+
+    #[test]
+    fn clips_are_chosen_by_their_names() {
+        let names = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+            let chosen = choose_clips(vec![folder("b"), folder("a")], &names);
+            chosen.map(|clips| clips.into_iter().map(|clip| clip.name).collect::<Vec<_>>())
+        };
+        assert_eq!(names(&[]).unwrap(), ["b", "a"]);
+        assert_eq!(names(&["a"]).unwrap(), ["a"]);
+        assert!(names(&["c"]).is_err());
+    }
+
+    #[test]
+    fn two_clips_of_one_name_are_refused() {
+        assert!(choose_clips(vec![folder("a"), folder("a")], &[]).is_err());
+    }
 
     #[test]
     fn labels_are_visible_or_absent_or_not_given() {

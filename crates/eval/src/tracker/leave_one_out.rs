@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::{Result, ensure};
 use serde_json::{Value, json};
 
+use super::clip_sets::{recording_of, set_mean};
 use super::clips::Clip;
 use super::options::Options;
 use super::text_table::{Table, cell};
@@ -27,14 +28,6 @@ const MAX_PASSES: usize = 2;
 
 /// A better AUC is larger by at least this, more than the rounding of sums.
 const MIN_IMPROVEMENT: f64 = 1e-9;
-
-/// The prefix of the clips that were made from another recording, and that recording.
-const DERIVED_CLIPS: (&str, &str) = ("stress_redboat_", "redboat_overhead");
-
-/// The recording that a clip belongs to.
-fn recording_of(clip: &str) -> &str {
-    if clip.starts_with(DERIVED_CLIPS.0) { DERIVED_CLIPS.1 } else { clip }
-}
 
 /// For each setting, the index of the chosen value; `None` for the default.
 type Choice = Vec<Option<usize>>;
@@ -206,27 +199,15 @@ impl AucCache<'_> {
 
     /// The mean over the recordings that `includes` accepts of the mean over their clips.
     fn mean_auc(&self, choice: &Choice, includes: impl Fn(&str) -> bool) -> f64 {
-        let mut by_recording: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for clip in self.clips {
-            let recording = recording_of(&clip.name);
-            if includes(recording) {
-                by_recording.entry(recording).or_default().push(self.auc(choice, clip));
-            }
-        }
-        mean(&by_recording.values().map(|aucs| mean(aucs)).collect::<Vec<_>>())
+        let clips = self.clips.iter().map(|clip| (clip.name.as_str(), clip));
+        let included = clips.filter(|(name, _)| includes(recording_of(name)));
+        set_mean(included.map(|(name, clip)| (name, self.auc(choice, clip)))).over_recordings
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn clips_made_from_one_recording_belong_to_it() {
-        assert_eq!(recording_of("stress_redboat_small320"), "redboat_overhead");
-        assert_eq!(recording_of("redboat_overhead"), "redboat_overhead");
-        assert_eq!(recording_of("orange_taxi"), "orange_taxi");
-    }
 
     #[test]
     fn a_recording_counts_once_however_many_clips_it_has() {

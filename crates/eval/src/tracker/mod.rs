@@ -2,18 +2,22 @@
 //!
 //! | part | data | what is measured |
 //! |---|---|---|
-//! | clip table | labelled real clips | success, precision, share lost, confidence, CPU time; also beside CSRT |
+//! | clip table | labelled real clips | success, precision, share lost, CPU time; also beside CSRT and NanoTrack |
+//! | confidence | labelled real clips | whether the confidence is calibrated, and how often it is sure and wrong |
 //! | absence | sequences cropped from clips, generated scenes | targets that leave the picture and return |
 //! | orientation | generated scenes | axis and heading of manoeuvring boats |
 //! | leave one out | labelled real clips | how well settings chosen on other recordings do |
 //!
-//! The clips may not be redistributed. They are read from a folder beside the repository. Times are the CPU time of one
+//! The clips may not be redistributed. They are read from folders beside the repository. Times are the CPU time of one
 //! call of `track` on a decoded frame, one call after the other on one thread.
 
 mod clip_table;
-mod reliability;
 mod selection_robustness;
 mod upscale;
+
+mod untimed;
+
+mod reliability;
 
 mod absence;
 mod orientation;
@@ -22,12 +26,13 @@ mod leave_one_out;
 
 pub(crate) mod past_selection;
 
-mod csrt;
+mod opencv;
 mod synthetic_scenes;
 mod tracker_run;
 mod tracker_under_test;
 mod tuned_settings;
 
+mod clip_sets;
 mod clips;
 mod scoring;
 
@@ -35,6 +40,9 @@ mod requirements;
 mod text_table;
 
 mod options;
+
+#[cfg(test)]
+mod test_clip;
 
 pub(crate) use options::Options;
 
@@ -51,7 +59,17 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let options = options.with_implied_parts();
     let config = tuned_settings::config_with_changes(&options.set)?;
     let mut requirements = Requirements::default();
-    let table = options.table.then(|| clip_table::run(&options, &config, &mut requirements)).transpose()?;
+    #[allow(clippy::expect_used, reason = "the tracker has accepted the settings above")]
+    let factory = || {
+        tracker_under_test::build_tracker(&config)
+            .expect("settings that were accepted once are accepted again")
+    };
+    let table = options.table.then(|| clip_table::run(&options, &factory, &mut requirements)).transpose()?;
+    let untimed = options
+        .is_untimed_chosen()
+        .then(|| untimed::run(&options, &factory, &mut requirements))
+        .transpose()?
+        .unwrap_or_default();
     let absence = options.absence.then(|| absence::run(&options, &config, &mut requirements)).transpose()?;
     let orientation =
         options.orientation.then(|| orientation::run(&options, &config, &mut requirements)).transpose()?;
@@ -63,6 +81,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
             "settings": format!("{config:?}"),
             "requirements": requirements.to_json(),
             "clips": table,
+            "confidence": untimed.confidence,
             "absence": absence,
             "orientation": orientation,
             "leave_one_out": leave_one_out,

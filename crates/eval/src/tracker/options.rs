@@ -5,34 +5,44 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::clip_sets::{TUNED_ON, UNSEEN};
 use super::clips::{ClipFolder, list_clips};
-use crate::workspace::path_or_default;
+use crate::workspace::{path_or_default, workspace_root};
+
+/// The folder of the default folders of clips, relative to the workspace.
+const DATA: &str = "../shared/data";
 
 /// Options of `tracker`. The table of clips is printed unless only other parts are chosen.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Options {
-    /// The folder of clips: a folder each with video.mp4 and gt.csv [default: ../shared/data/clips beside the
-    /// workspace].
+    /// A folder of clips: a folder each with video.mp4 and gt.csv (repeatable) [default: ../shared/data/clips and
+    /// ../shared/data/clips-more beside the workspace].
     #[arg(long, value_name = "DIR")]
-    pub(crate) clips: Option<PathBuf>,
-    /// Only this clip (repeatable). Requirements on means over all clips are then not judged.
+    pub(crate) clips: Vec<PathBuf>,
+    /// Only this clip (repeatable). Requirements on means over clips are then not judged.
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Vec<String>,
-    /// The table of clips: quality, cost and confidence. The default.
+    /// The table of clips: quality and cost. The default.
     #[arg(long)]
     pub(crate) table: bool,
-    /// Also OpenCV's CSRT on the same clips, and the cost of its lean CamShift.
+    /// Also OpenCV's CSRT and NanoTrack on the same clips, and the cost of its lean CamShift.
     #[arg(long)]
-    pub(crate) csrt: bool,
+    pub(crate) opencv: bool,
     /// The Python with OpenCV [default: .venv/bin/python in the workspace].
     #[arg(long, value_name = "PATH")]
     pub(crate) python: Option<PathBuf>,
+    /// The folder of NanoTrack's models [default: ../shared/models/nanotrack beside the workspace].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Option<PathBuf>,
     /// Also the mean over five slightly moved selections.
     #[arg(long)]
     pub(crate) jitter: bool,
     /// Also the cost at 1920x1080: clips of 1280x720 enlarged.
     #[arg(long)]
     pub(crate) upscaled: bool,
+    /// Whether the confidence is calibrated.
+    #[arg(long)]
+    pub(crate) confidence: bool,
     /// Settings chosen on all recordings but one, scored on that one.
     #[arg(long)]
     pub(crate) leave_one_out: bool,
@@ -61,9 +71,11 @@ impl Options {
     pub(super) fn with_implied_parts(&self) -> Self {
         let mut options = self.clone();
         let parts = [
-            &mut options.csrt,
+            &mut options.table,
+            &mut options.opencv,
             &mut options.jitter,
             &mut options.upscaled,
+            &mut options.confidence,
             &mut options.absence,
             &mut options.orientation,
             &mut options.leave_one_out,
@@ -71,21 +83,79 @@ impl Options {
         for part in parts {
             *part |= self.all;
         }
-        let is_other_part_chosen = options.absence || options.orientation || options.leave_one_out;
-        options.table |= options.csrt || options.jitter || options.upscaled || !is_other_part_chosen;
+        let is_other_part_chosen =
+            options.is_untimed_chosen() || options.absence || options.orientation || options.leave_one_out;
+        options.table |= options.opencv || options.jitter || options.upscaled || !is_other_part_chosen;
         options
     }
 
-    pub(super) fn clips_folder(&self) -> Result<PathBuf> {
-        path_or_default(self.clips.as_ref(), "../shared/data/clips")
+    /// Whether a part is chosen that runs the clips without timing.
+    pub(super) fn is_untimed_chosen(&self) -> bool {
+        self.confidence
     }
 
-    /// The chosen clips.
+    /// Whether all clips of the folders are measured, so that means over them are judged.
+    pub(super) fn is_complete(&self) -> bool {
+        self.clip.is_empty()
+    }
+
+    /// The folders of clips.
+    pub(super) fn collections(&self) -> Result<Vec<PathBuf>> {
+        if !self.clips.is_empty() {
+            return Ok(self.clips.clone());
+        }
+        let data = workspace_root()?.join(DATA);
+        Ok(vec![data.join(TUNED_ON), data.join(UNSEEN)])
+    }
+
+    /// The chosen clips of all folders.
     pub(super) fn clip_folders(&self) -> Result<Vec<ClipFolder>> {
-        list_clips(&self.clips_folder()?, &self.clip)
+        list_clips(&self.collections()?, &self.clip)
     }
 
     pub(super) fn python(&self) -> Result<PathBuf> {
         path_or_default(self.python.as_ref(), ".venv/bin/python")
+    }
+
+    pub(super) fn models(&self) -> Result<PathBuf> {
+        path_or_default(self.models.as_ref(), "../shared/models/nanotrack")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        options: Options,
+    }
+
+    fn options(arguments: &[&str]) -> Options {
+        let arguments = std::iter::once("tracker").chain(arguments.iter().copied());
+        Cli::try_parse_from(arguments).unwrap().options.with_implied_parts()
+    }
+
+    #[test]
+    fn the_table_is_the_default() {
+        let chosen = |arguments| {
+            let options = options(arguments);
+            (options.table, options.is_untimed_chosen())
+        };
+        assert_eq!(chosen(&[]), (true, false));
+        assert_eq!(chosen(&["--opencv"]), (true, false));
+        assert_eq!(chosen(&["--confidence"]), (false, true));
+        assert_eq!(chosen(&["--table", "--confidence"]), (true, true));
+        assert_eq!(chosen(&["--all"]), (true, true));
+    }
+
+    #[test]
+    fn folders_are_repeatable_and_have_defaults() {
+        assert_eq!(options(&["--clips", "a", "--clips", "b"]).collections().unwrap().len(), 2);
+        let defaults = options(&[]).collections().unwrap();
+        assert!(defaults[0].ends_with("data/clips") && defaults[1].ends_with("data/clips-more"));
     }
 }

@@ -130,7 +130,7 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
     let folder = path_or_default(options.clips.as_ref(), "../shared/data/clips")?;
     let (mut boats, mut all, mut figures) = (Tally::default(), Tally::default(), Vec::new());
     let mut slowest_ms: f64 = 0.0;
-    for clip in list_clips(&folder, &options.clip)? {
+    for clip in list_clips(&[folder], &options.clip)? {
         let clip = clip.load()?;
         let truth = visible(&clip);
         let mut tallies = [Tally::default(); AGES_S.len()];

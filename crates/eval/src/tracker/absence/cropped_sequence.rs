@@ -170,9 +170,9 @@ fn crop(from: &Picture, (left, top): (usize, usize), size: PictureSize) -> Pictu
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_clip::test_clip;
     use super::super::window_path::EXCURSIONS;
     use super::*;
+    use crate::tracker::test_clip::test_clip;
 
     const SOURCE: SourceClip = SourceClip { clip: "test", max_frames: None };
 

@@ -11,9 +11,6 @@ mod distractor;
 mod target_path;
 mod window_path;
 
-#[cfg(test)]
-mod test_clip;
-
 use anyhow::Result;
 use barrelman_sim::water_scene::{SceneKind, SceneScript, SceneTruth};
 use barrelman_vision::Tracker;
@@ -109,7 +106,7 @@ impl MeasuredSequence {
 fn run_cropped_sequences(options: &Options, config: &TrackerConfig) -> Result<Vec<MeasuredSequence>> {
     let mut sequences = Vec::new();
     for source in &SOURCE_CLIPS {
-        let folders = list_clips(&options.clips_folder()?, &[source.clip.to_owned()])?;
+        let folders = list_clips(&options.collections()?, &[source.clip.to_owned()])?;
         for folder in folders {
             let clip = folder.load()?;
             let numbers: Vec<u64> = (0..CROPPED_OF_EACH_CLIP).collect();

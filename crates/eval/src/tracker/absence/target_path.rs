@@ -80,8 +80,8 @@ fn interpolate(a: PixelBox, b: PixelBox, share: f64) -> PixelBox {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_clip::test_clip;
     use super::*;
+    use crate::tracker::test_clip::test_clip;
 
     #[test]
     fn labels_are_interpolated_up_to_the_last() {

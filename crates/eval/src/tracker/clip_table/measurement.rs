@@ -1,4 +1,4 @@
-//! What is measured on one clip, and the means over clips.
+//! What is measured on one clip, and the mean scores over clips.
 
 use anyhow::Result;
 use barrelman_vision::SelectionError;
@@ -6,11 +6,11 @@ use barrelman_vocab::PictureSize;
 use serde_json::Value;
 
 use super::frames_json::frames_to_json;
-use crate::statistics::mean;
+use crate::tracker::clip_sets::{ClipSet, SetMean, set_mean};
 use crate::tracker::clips::ClipFolder;
-use crate::tracker::csrt::{CsrtProcess, CsrtRun};
+use crate::tracker::opencv::{OpencvProcess, OpencvRuns};
 use crate::tracker::options::Options;
-use crate::tracker::reliability::{self, Sample};
+use crate::tracker::reliability::{LabelledFrame, labelled_frames};
 use crate::tracker::scoring::Score;
 use crate::tracker::selection_robustness::score_perturbed_selections;
 use crate::tracker::tracker_run::run_tracker;
@@ -23,13 +23,15 @@ pub(super) const HD: PictureSize = PictureSize::new(1280, 720);
 /// What was measured on one clip.
 pub(super) struct ClipMeasurement {
     pub(super) name: String,
+    /// The name of the folder of clips that holds it.
+    pub(super) collection: String,
     pub(super) size: PictureSize,
     pub(super) score: Score,
     /// CPU time of each tracked frame, milliseconds; empty where the selection was refused.
     pub(super) cpu_ms: Vec<f64>,
     pub(super) selection_error: Option<SelectionError>,
-    pub(super) samples: Vec<Sample>,
-    pub(super) csrt: Option<CsrtRun>,
+    pub(super) labelled: Vec<LabelledFrame>,
+    pub(super) opencv: Option<OpencvRuns>,
     /// Scores of perturbed selections.
     pub(super) perturbed: Option<Vec<Score>>,
     /// Score and CPU times on the enlarged clip.
@@ -47,11 +49,11 @@ impl ClipMeasurement {
         options: &Options,
         folder: &ClipFolder,
         factory: TrackerFactory<'_>,
-        csrt: Option<&mut CsrtProcess>,
+        opencv: Option<&mut OpencvProcess>,
     ) -> Result<Self> {
         let clip = folder.load()?;
         let run = run_tracker(factory().as_mut(), &clip, clip.selection);
-        let csrt = csrt.map(|csrt| csrt.run(folder, &clip)).transpose()?;
+        let opencv = opencv.map(|opencv| opencv.run(folder, &clip)).transpose()?;
         let perturbed = options.jitter.then(|| score_perturbed_selections(factory, &clip));
         let upscaled = (options.upscaled && clip.size() == HD).then(|| {
             let clip = upscale::enlarged(&clip);
@@ -60,11 +62,12 @@ impl ClipMeasurement {
         });
         Ok(Self {
             name: clip.name.clone(),
+            collection: folder.collection.clone(),
             size: clip.size(),
             score: run.score(&clip),
             cpu_ms: run.cpu_ms(),
-            samples: reliability::samples(&clip, &run),
-            csrt,
+            labelled: labelled_frames(&clip, &run),
+            opencv,
             perturbed,
             upscaled,
             frames: frames_to_json(&clip, &run),
@@ -78,29 +81,12 @@ impl ClipMeasurement {
     }
 }
 
-/// The mean of a figure of the score over clips.
-pub(super) fn mean_score(clips: &[ClipMeasurement], value: impl Fn(&Score) -> f64) -> f64 {
-    mean(&clips.iter().map(|clip| value(&clip.score)).collect::<Vec<_>>())
+/// The clips of a set.
+pub(super) fn members<'a>(set: &ClipSet, clips: &'a [ClipMeasurement]) -> Vec<&'a ClipMeasurement> {
+    clips.iter().filter(|clip| set.contains(&clip.name)).collect()
 }
 
-/// Means over clips of the mean CPU time of a frame, milliseconds.
-pub(super) struct MeanCpuMs {
-    pub(super) tracker: f64,
-    pub(super) csrt: f64,
-    pub(super) lean_camshift: f64,
-}
-
-impl MeanCpuMs {
-    /// Over the timed clips that `includes` accepts.
-    pub(super) fn over_clips(clips: &[ClipMeasurement], includes: impl Fn(&ClipMeasurement) -> bool) -> Self {
-        let mean_of = |value: &dyn Fn(&ClipMeasurement) -> Option<f64>| {
-            let included = clips.iter().filter(|clip| clip.is_timed() && includes(clip));
-            mean(&included.filter_map(value).collect::<Vec<_>>())
-        };
-        Self {
-            tracker: mean_of(&|clip| Some(mean(&clip.cpu_ms))),
-            csrt: mean_of(&|clip| clip.csrt.as_ref().map(|csrt| mean(&csrt.cpu_ms))),
-            lean_camshift: mean_of(&|clip| clip.csrt.as_ref().map(|csrt| mean(&csrt.lean_camshift_cpu_ms))),
-        }
-    }
+/// The means of a figure of the score over clips and over recordings.
+pub(super) fn mean_score(clips: &[&ClipMeasurement], value: impl Fn(&Score) -> f64) -> SetMean {
+    set_mean(clips.iter().map(|clip| (clip.name.as_str(), value(&clip.score))))
 }

@@ -1,8 +1,9 @@
-//! The table of clips: quality, confidence and CPU time of the tracker on labelled real clips.
+//! The table of clips: quality and CPU time of the tracker on labelled real clips.
 //!
-//! Judged are the means of success AUC, precision and share lost over all clips, the AUC of each clip beside CSRT's,
-//! the CPU times at 1280x720 and 1920x1080, also beside CSRT's, and the reliability of the confidence.
+//! Judged are the means of success AUC, precision and share lost over the clips of each folder and over all clips, the
+//! CPU times at 1280x720 and 1920x1080, and, beside OpenCV's trackers, the AUC of each clip and the CPU times.
 
+mod beside_opencv;
 mod clip_json;
 mod frames_json;
 mod judgement;
@@ -12,12 +13,13 @@ mod tables;
 use anyhow::Result;
 use serde_json::Value;
 
-use super::csrt::CsrtProcess;
+use super::clip_sets::clip_sets;
+use super::opencv::OpencvProcess;
 use super::options::Options;
-use super::reliability::{self, Curve, Sample};
+use super::reliability::{self, Curve, LabelledFrame};
 use super::requirements::Requirements;
 use super::selection_robustness;
-use super::tracker_under_test::{TrackerConfig, build_tracker};
+use super::tracker_under_test::TrackerFactory;
 use crate::output::print_line;
 use measurement::ClipMeasurement;
 
@@ -27,24 +29,24 @@ use measurement::ClipMeasurement;
 /// If a clip or OpenCV cannot be used.
 pub(crate) fn run(
     options: &Options,
-    config: &TrackerConfig,
+    factory: TrackerFactory<'_>,
     requirements: &mut Requirements,
 ) -> Result<Value> {
-    // Settings that are out of range are reported before any clip is decoded.
-    build_tracker(config)?;
-    #[allow(clippy::expect_used, reason = "the same settings were accepted above")]
-    let factory = || build_tracker(config).expect("settings that were accepted once are accepted again");
-    let mut csrt = options.csrt.then(|| CsrtProcess::start(&options.python()?)).transpose()?;
+    let mut opencv =
+        options.opencv.then(|| OpencvProcess::start(&options.python()?, &options.models()?)).transpose()?;
+    let folders = options.clip_folders()?;
     let mut clips = Vec::new();
-    for folder in options.clip_folders()? {
-        clips.push(ClipMeasurement::measure(options, &folder, &factory, csrt.as_mut())?);
+    for folder in &folders {
+        clips.push(ClipMeasurement::measure(options, folder, factory, opencv.as_mut())?);
     }
-    if let Some(csrt) = csrt {
-        csrt.end()?;
+    if let Some(opencv) = opencv {
+        opencv.end()?;
     }
+    let sets = clip_sets(&folders);
     tables::print_clips(&clips);
-    if options.csrt {
-        tables::print_beside_csrt(&clips);
+    tables::print_means(&clips, &sets);
+    if options.opencv {
+        beside_opencv::print(&clips, &sets);
     }
     if options.jitter {
         selection_robustness::print_table(clips.iter().filter_map(|clip| {
@@ -54,19 +56,12 @@ pub(crate) fn run(
     if options.upscaled {
         tables::print_upscaled(&clips);
     }
-    let samples: Vec<Sample> = clips.iter().flat_map(|clip| clip.samples.iter().copied()).collect();
-    let curve = Curve::from_samples(&samples);
-    reliability::print_table(&curve);
-    let is_complete = options.clip.is_empty();
+    let labelled: Vec<LabelledFrame> = clips.iter().flat_map(|clip| clip.labelled.iter().copied()).collect();
+    reliability::print_curve(&Curve::from_frames(&labelled));
     print_line("");
-    judgement::judge(options, is_complete, &clips, requirements);
-    if is_complete {
-        reliability::judge(&curve, requirements);
-    } else {
-        print_line(
-            "        not judged on a selection of clips: the means over all of them, and the confidence",
-        );
+    judgement::judge(options, &clips, &sets, requirements);
+    if !options.is_complete() {
+        print_line("        not judged on a selection of clips: the means over all of them");
     }
-    reliability::save_plot(&curve)?;
     Ok(Value::Array(clips.into_iter().map(clip_json::clip_to_json).collect()))
 }

@@ -1,14 +1,14 @@
 //! The printed tables of clips.
 
-use super::measurement::{ClipMeasurement, MeanCpuMs, mean_score};
+use super::measurement::{ClipMeasurement, mean_score, members};
 use crate::output::print_line;
 use crate::statistics::{TimingSummary, mean};
-use crate::tracker::csrt::CsrtRun;
+use crate::tracker::clip_sets::{ClipSet, count_recordings};
 use crate::tracker::scoring::Score;
 use crate::tracker::text_table::{Table, cell};
 use crate::tracker::tracker_under_test;
 
-/// Prints quality and CPU time of each clip and the means, and then the refused selections.
+/// Prints quality and CPU time of each clip, folder by folder, and then the refused selections.
 pub(super) fn print_clips(clips: &[ClipMeasurement]) {
     let mut table = Table::new(&[
         "clip",
@@ -23,47 +23,25 @@ pub(super) fn print_clips(clips: &[ClipMeasurement]) {
         "p99",
         "mean",
     ]);
-    let cells = |name: &str, size: String, score: &Score, scored: String, cpu: TimingSummary| {
-        vec![
-            name.to_owned(),
-            size,
-            scored,
-            cell(score.auc, 3),
-            cell(score.precision, 3),
-            cell(score.lost, 3),
-            score.absent.to_string(),
-            cell(score.absent_share().unwrap_or(f64::NAN), 3),
-            cell(cpu.median, 3),
-            cell(cpu.p99, 3),
-            cell(cpu.mean, 3),
-        ]
-    };
-    for clip in clips {
-        let cpu = TimingSummary::from_times_ms(&clip.cpu_ms);
-        let scored = clip.score.scored.to_string();
-        table.row(cells(&clip.name, clip.size.to_string(), &clip.score, scored, cpu));
+    for collection in clips.chunk_by(|a, b| a.collection == b.collection) {
+        table.row(vec![format!("{}:", collection[0].collection)]);
+        for clip in collection {
+            let cpu = TimingSummary::from_times_ms(&clip.cpu_ms);
+            table.row(vec![
+                clip.name.clone(),
+                clip.size.to_string(),
+                clip.score.scored.to_string(),
+                cell(clip.score.auc, 3),
+                cell(clip.score.precision, 3),
+                cell(clip.score.lost, 3),
+                clip.score.absent.to_string(),
+                cell(clip.score.absent_share().unwrap_or(f64::NAN), 3),
+                cell(cpu.median, 3),
+                cell(cpu.p99, 3),
+                cell(cpu.mean, 3),
+            ]);
+        }
     }
-    let timings: Vec<TimingSummary> = clips
-        .iter()
-        .filter(|clip| clip.is_timed())
-        .map(|clip| TimingSummary::from_times_ms(&clip.cpu_ms))
-        .collect();
-    let mean_of = |value: fn(&TimingSummary) -> f64| mean(&timings.iter().map(value).collect::<Vec<_>>());
-    let means = Score {
-        auc: mean_score(clips, |score| score.auc),
-        precision: mean_score(clips, |score| score.precision),
-        lost: mean_score(clips, |score| score.lost),
-        scored: 0,
-        absent: clips.iter().map(|clip| clip.score.absent).sum(),
-        absent_reported: clips.iter().map(|clip| clip.score.absent_reported).sum(),
-    };
-    let cpu = TimingSummary {
-        median: mean_of(|cpu| cpu.median),
-        p99: mean_of(|cpu| cpu.p99),
-        mean: mean_of(|cpu| cpu.mean),
-    };
-    let scored: usize = clips.iter().map(|clip| clip.score.scored).sum();
-    table.row(cells("mean over clips", String::new(), &means, scored.to_string(), cpu));
     table.print(&format!(
         "{} on the clips (CPU milliseconds of each tracked frame)",
         tracker_under_test::NAME
@@ -75,61 +53,50 @@ pub(super) fn print_clips(clips: &[ClipMeasurement]) {
     }
 }
 
-/// Prints the clips beside OpenCV's CSRT.
-pub(super) fn print_beside_csrt(clips: &[ClipMeasurement]) {
+/// Prints the means over each set of clips, over its clips and over its recordings.
+pub(super) fn print_means(clips: &[ClipMeasurement], sets: &[ClipSet]) {
     let mut table = Table::new(&[
-        "clip",
+        "mean over",
+        "clips",
         "AUC",
-        "CSRT",
-        "ratio",
         "P20",
-        "CSRT",
         "lost",
-        "CSRT",
-        "ms mean",
-        "CSRT",
-        "times cheaper",
-        "lean CamShift ms",
+        "recordings",
+        "AUC",
+        "P20",
+        "lost",
+        "absent",
+        "reported",
+        "ms median",
+        "p99",
+        "mean",
     ]);
-    for clip in clips {
-        let Some(csrt) = &clip.csrt else { continue };
-        let (ours, theirs) = (mean(&clip.cpu_ms), mean(&csrt.cpu_ms));
-        table.row(vec![
-            clip.name.clone(),
-            cell(clip.score.auc, 3),
-            cell(csrt.score.auc, 3),
-            cell(clip.score.auc / csrt.score.auc, 2),
-            cell(clip.score.precision, 3),
-            cell(csrt.score.precision, 3),
-            cell(clip.score.lost, 3),
-            cell(csrt.score.lost, 3),
-            cell(ours, 3),
-            cell(theirs, 2),
-            cell(theirs / ours, 1),
-            cell(mean(&csrt.lean_camshift_cpu_ms), 3),
-        ]);
+    for set in sets {
+        let members = members(set, clips);
+        let values: [fn(&Score) -> f64; 3] = [|score| score.auc, |score| score.precision, |score| score.lost];
+        let means = values.map(|value| mean_score(&members, value));
+        let recordings = count_recordings(members.iter().map(|clip| clip.name.as_str()));
+        let absent = Score {
+            absent: members.iter().map(|clip| clip.score.absent).sum(),
+            absent_reported: members.iter().map(|clip| clip.score.absent_reported).sum(),
+            ..Score::default()
+        };
+        let timings: Vec<TimingSummary> = members
+            .iter()
+            .filter(|clip| clip.is_timed())
+            .map(|clip| TimingSummary::from_times_ms(&clip.cpu_ms))
+            .collect();
+        let cpu =
+            |value: fn(&TimingSummary) -> f64| cell(mean(&timings.iter().map(value).collect::<Vec<_>>()), 3);
+        let mut row = vec![set.name.clone(), set.len().to_string()];
+        row.extend(means.map(|mean| cell(mean.over_clips, 3)));
+        row.push(recordings.to_string());
+        row.extend(means.map(|mean| cell(mean.over_recordings, 3)));
+        row.extend([absent.absent.to_string(), cell(absent.absent_share().unwrap_or(f64::NAN), 3)]);
+        row.extend([cpu(|cpu| cpu.median), cpu(|cpu| cpu.p99), cpu(|cpu| cpu.mean)]);
+        table.row(row);
     }
-    let csrt_mean = |value: fn(&CsrtRun) -> f64| {
-        mean(&clips.iter().filter_map(|clip| clip.csrt.as_ref().map(value)).collect::<Vec<_>>())
-    };
-    let auc = mean_score(clips, |score| score.auc);
-    let csrt_auc = csrt_mean(|csrt| csrt.score.auc);
-    let cpu = MeanCpuMs::over_clips(clips, |_| true);
-    table.row(vec![
-        "mean over clips".to_owned(),
-        cell(auc, 3),
-        cell(csrt_auc, 3),
-        cell(auc / csrt_auc, 2),
-        cell(mean_score(clips, |score| score.precision), 3),
-        cell(csrt_mean(|csrt| csrt.score.precision), 3),
-        cell(mean_score(clips, |score| score.lost), 3),
-        cell(csrt_mean(|csrt| csrt.score.lost), 3),
-        cell(cpu.tracker, 3),
-        cell(cpu.csrt, 2),
-        cell(cpu.csrt / cpu.tracker, 1),
-        cell(cpu.lean_camshift, 3),
-    ]);
-    table.print("Beside OpenCV's CSRT (one thread, the same clips and selections, in turn)");
+    table.print("Means (a recording counts once, with the mean of its clips)");
 }
 
 /// Prints quality and CPU time of the enlarged clips.

@@ -1,0 +1,66 @@
+//! One pass over the clips for the parts whose CPU time is not measured: the confidence.
+//!
+//! The clips run on two threads. Each thread decodes one clip, measures all chosen parts on it, and drops it: a picture
+//! of 1280x720 takes 1.4 MB.
+
+use anyhow::Result;
+use serde_json::Value;
+
+use super::clips::ClipFolder;
+use super::options::Options;
+use super::reliability::{self, ClipFrames, LabelledFrame, labelled_frames};
+use super::requirements::Requirements;
+use super::tracker_run::run_tracker;
+use super::tracker_under_test::TrackerFactory;
+use crate::output::print_line;
+use crate::parallel;
+
+/// The figures of each part that was measured.
+#[derive(Default)]
+pub(crate) struct Figures {
+    pub(crate) confidence: Option<Value>,
+}
+
+/// What was measured on one clip.
+struct UntimedClip {
+    name: String,
+    /// With the label as selection.
+    labelled: Vec<LabelledFrame>,
+}
+
+impl UntimedClip {
+    fn measure(factory: TrackerFactory<'_>, folder: &ClipFolder) -> Result<Self> {
+        let clip = folder.load()?;
+        let run = run_tracker(factory().as_mut(), &clip, clip.selection);
+        Ok(Self { labelled: labelled_frames(&clip, &run), name: clip.name })
+    }
+}
+
+/// Measures the chosen parts, prints their tables, judges the requirements, and returns the figures of each part.
+///
+/// # Errors
+/// If a clip cannot be used, or the plot cannot be written.
+pub(crate) fn run(
+    options: &Options,
+    factory: TrackerFactory<'_>,
+    requirements: &mut Requirements,
+) -> Result<Figures> {
+    let folders = options.clip_folders()?;
+    let results = parallel::map(&folders, |folder| UntimedClip::measure(factory, folder));
+    let clips = results.into_iter().collect::<Result<Vec<_>>>()?;
+    let is_judged = options.is_complete();
+    let confidence = if options.confidence {
+        let frames: Vec<ClipFrames<'_>> = clips.iter().map(clip_frames).collect();
+        Some(reliability::report(&frames, is_judged, requirements)?)
+    } else {
+        None
+    };
+    if !is_judged {
+        print_line("        not judged on a selection of clips: the confidence");
+    }
+    Ok(Figures { confidence })
+}
+
+fn clip_frames(clip: &UntimedClip) -> ClipFrames<'_> {
+    ClipFrames { clip: &clip.name, exact: &clip.labelled, loose: None }
+}
