@@ -3,6 +3,7 @@
 //! | part | data | what is measured |
 //! |---|---|---|
 //! | clip table | labelled real clips | success, precision, share lost, CPU time; also beside CSRT and NanoTrack |
+//! | loose | labelled real clips | the same from selections that are too small or too large and beside the target |
 //! | confidence | labelled real clips | whether the confidence is calibrated, and how often it is sure and wrong |
 //! | absence | sequences cropped from clips, generated scenes | targets that leave the picture and return |
 //! | orientation | generated scenes | axis and heading of manoeuvring boats |
@@ -17,6 +18,7 @@ mod upscale;
 
 mod untimed;
 
+mod loose;
 mod reliability;
 
 mod absence;
@@ -81,6 +83,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
             "settings": format!("{config:?}"),
             "requirements": requirements.to_json(),
             "clips": table,
+            "loose": untimed.loose,
             "confidence": untimed.confidence,
             "absence": absence,
             "orientation": orientation,

@@ -40,7 +40,10 @@ pub(crate) struct Options {
     /// Also the cost at 1920x1080: clips of 1280x720 enlarged.
     #[arg(long)]
     pub(crate) upscaled: bool,
-    /// Whether the confidence is calibrated.
+    /// Selections of 0.8 to 1.4 times the label's size, 0.1 or 0.2 of its sides beside it.
+    #[arg(long)]
+    pub(crate) loose: bool,
+    /// Whether the confidence is calibrated; with --loose also for the loose selections.
     #[arg(long)]
     pub(crate) confidence: bool,
     /// Settings chosen on all recordings but one, scored on that one.
@@ -75,6 +78,7 @@ impl Options {
             &mut options.opencv,
             &mut options.jitter,
             &mut options.upscaled,
+            &mut options.loose,
             &mut options.confidence,
             &mut options.absence,
             &mut options.orientation,
@@ -91,7 +95,7 @@ impl Options {
 
     /// Whether a part is chosen that runs the clips without timing.
     pub(super) fn is_untimed_chosen(&self) -> bool {
-        self.confidence
+        self.loose || self.confidence
     }
 
     /// Whether all clips of the folders are measured, so that means over them are judged.
@@ -147,7 +151,7 @@ mod tests {
         };
         assert_eq!(chosen(&[]), (true, false));
         assert_eq!(chosen(&["--opencv"]), (true, false));
-        assert_eq!(chosen(&["--confidence"]), (false, true));
+        assert_eq!(chosen(&["--loose"]), (false, true));
         assert_eq!(chosen(&["--table", "--confidence"]), (true, true));
         assert_eq!(chosen(&["--all"]), (true, true));
     }

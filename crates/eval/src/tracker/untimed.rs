@@ -1,4 +1,5 @@
-//! One pass over the clips for the parts whose CPU time is not measured: the confidence.
+//! One pass over the clips for the parts whose CPU time is not measured: loose selections, and the
+//! confidence.
 //!
 //! The clips run on two threads. Each thread decodes one clip, measures all chosen parts on it, and drops it: a picture
 //! of 1280x720 takes 1.4 MB.
@@ -6,10 +7,13 @@
 use anyhow::Result;
 use serde_json::Value;
 
+use super::clip_sets::clip_sets;
 use super::clips::ClipFolder;
+use super::loose::{self, LooseClip, LooseRuns};
 use super::options::Options;
 use super::reliability::{self, ClipFrames, LabelledFrame, labelled_frames};
 use super::requirements::Requirements;
+use super::scoring::Score;
 use super::tracker_run::run_tracker;
 use super::tracker_under_test::TrackerFactory;
 use crate::output::print_line;
@@ -18,21 +22,29 @@ use crate::parallel;
 /// The figures of each part that was measured.
 #[derive(Default)]
 pub(crate) struct Figures {
+    pub(crate) loose: Option<Value>,
     pub(crate) confidence: Option<Value>,
 }
 
 /// What was measured on one clip.
 struct UntimedClip {
     name: String,
-    /// With the label as selection.
+    /// The score with the label as selection.
+    exact: Score,
     labelled: Vec<LabelledFrame>,
+    loose: Option<LooseRuns>,
 }
 
 impl UntimedClip {
-    fn measure(factory: TrackerFactory<'_>, folder: &ClipFolder) -> Result<Self> {
+    fn measure(options: &Options, factory: TrackerFactory<'_>, folder: &ClipFolder) -> Result<Self> {
         let clip = folder.load()?;
         let run = run_tracker(factory().as_mut(), &clip, clip.selection);
-        Ok(Self { labelled: labelled_frames(&clip, &run), name: clip.name })
+        Ok(Self {
+            exact: run.score(&clip),
+            labelled: labelled_frames(&clip, &run),
+            loose: options.loose.then(|| LooseRuns::measure(factory, &clip)),
+            name: clip.name,
+        })
     }
 }
 
@@ -46,9 +58,12 @@ pub(crate) fn run(
     requirements: &mut Requirements,
 ) -> Result<Figures> {
     let folders = options.clip_folders()?;
-    let results = parallel::map(&folders, |folder| UntimedClip::measure(factory, folder));
+    let results = parallel::map(&folders, |folder| UntimedClip::measure(options, factory, folder));
     let clips = results.into_iter().collect::<Result<Vec<_>>>()?;
     let is_judged = options.is_complete();
+    let loose_clips: Vec<LooseClip<'_>> = clips.iter().filter_map(loose_clip).collect();
+    let loose =
+        options.loose.then(|| loose::report(&loose_clips, &clip_sets(&folders), is_judged, requirements));
     let confidence = if options.confidence {
         let frames: Vec<ClipFrames<'_>> = clips.iter().map(clip_frames).collect();
         Some(reliability::report(&frames, is_judged, requirements)?)
@@ -56,11 +71,19 @@ pub(crate) fn run(
         None
     };
     if !is_judged {
-        print_line("        not judged on a selection of clips: the confidence");
+        print_line("        not judged on a selection of clips: loose selections, and the confidence");
     }
-    Ok(Figures { confidence })
+    Ok(Figures { loose, confidence })
+}
+
+fn loose_clip(clip: &UntimedClip) -> Option<LooseClip<'_>> {
+    Some(LooseClip { name: &clip.name, exact: clip.exact, loose: clip.loose.as_ref()? })
 }
 
 fn clip_frames(clip: &UntimedClip) -> ClipFrames<'_> {
-    ClipFrames { clip: &clip.name, exact: &clip.labelled, loose: None }
+    ClipFrames {
+        clip: &clip.name,
+        exact: &clip.labelled,
+        loose: clip.loose.as_ref().map(|loose| loose.labelled.as_slice()),
+    }
 }
