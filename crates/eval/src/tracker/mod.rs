@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | clip table | labelled real clips | success, precision, share lost, CPU time; also beside CSRT and NanoTrack |
 //! | loose | labelled real clips | the same from selections that are too small or too large and beside the target |
+//! | backgrounds | real clips, generated scenes | whether selections of the background are refused or lost |
 //! | confidence | labelled real clips | whether the confidence is calibrated, and how often it is sure and wrong |
 //! | absence | sequences cropped from clips, generated scenes | targets that leave the picture and return |
 //! | orientation | generated scenes | axis and heading of manoeuvring boats |
@@ -18,6 +19,7 @@ mod upscale;
 
 mod untimed;
 
+mod backgrounds;
 mod loose;
 mod reliability;
 
@@ -84,6 +86,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
             "requirements": requirements.to_json(),
             "clips": table,
             "loose": untimed.loose,
+            "backgrounds": untimed.backgrounds,
             "confidence": untimed.confidence,
             "absence": absence,
             "orientation": orientation,

@@ -43,6 +43,9 @@ pub(crate) struct Options {
     /// Selections of 0.8 to 1.4 times the label's size, 0.1 or 0.2 of its sides beside it.
     #[arg(long)]
     pub(crate) loose: bool,
+    /// Selections of the background, on clips and generated scenes.
+    #[arg(long)]
+    pub(crate) backgrounds: bool,
     /// Whether the confidence is calibrated; with --loose also for the loose selections.
     #[arg(long)]
     pub(crate) confidence: bool,
@@ -79,6 +82,7 @@ impl Options {
             &mut options.jitter,
             &mut options.upscaled,
             &mut options.loose,
+            &mut options.backgrounds,
             &mut options.confidence,
             &mut options.absence,
             &mut options.orientation,
@@ -95,7 +99,7 @@ impl Options {
 
     /// Whether a part is chosen that runs the clips without timing.
     pub(super) fn is_untimed_chosen(&self) -> bool {
-        self.loose || self.confidence
+        self.loose || self.backgrounds || self.confidence
     }
 
     /// Whether all clips of the folders are measured, so that means over them are judged.

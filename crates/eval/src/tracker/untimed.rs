@@ -1,5 +1,5 @@
-//! One pass over the clips for the parts whose CPU time is not measured: loose selections, and the
-//! confidence.
+//! One pass over the clips for the parts whose CPU time is not measured: loose selections, selections of the
+//! background, and the confidence.
 //!
 //! The clips run on two threads. Each thread decodes one clip, measures all chosen parts on it, and drops it: a picture
 //! of 1280x720 takes 1.4 MB.
@@ -7,6 +7,7 @@
 use anyhow::Result;
 use serde_json::Value;
 
+use super::backgrounds::{self, BackgroundRuns};
 use super::clip_sets::clip_sets;
 use super::clips::ClipFolder;
 use super::loose::{self, LooseClip, LooseRuns};
@@ -23,6 +24,7 @@ use crate::parallel;
 #[derive(Default)]
 pub(crate) struct Figures {
     pub(crate) loose: Option<Value>,
+    pub(crate) backgrounds: Option<Value>,
     pub(crate) confidence: Option<Value>,
 }
 
@@ -33,6 +35,7 @@ struct UntimedClip {
     exact: Score,
     labelled: Vec<LabelledFrame>,
     loose: Option<LooseRuns>,
+    backgrounds: Option<BackgroundRuns>,
 }
 
 impl UntimedClip {
@@ -43,6 +46,7 @@ impl UntimedClip {
             exact: run.score(&clip),
             labelled: labelled_frames(&clip, &run),
             loose: options.loose.then(|| LooseRuns::measure(factory, &clip)),
+            backgrounds: options.backgrounds.then(|| BackgroundRuns::measure(factory, &clip)),
             name: clip.name,
         })
     }
@@ -64,6 +68,14 @@ pub(crate) fn run(
     let loose_clips: Vec<LooseClip<'_>> = clips.iter().filter_map(loose_clip).collect();
     let loose =
         options.loose.then(|| loose::report(&loose_clips, &clip_sets(&folders), is_judged, requirements));
+    let backgrounds = if options.backgrounds {
+        let generated = backgrounds::measure_generated(factory)?;
+        let on_clips: Vec<&BackgroundRuns> =
+            clips.iter().filter_map(|clip| clip.backgrounds.as_ref()).collect();
+        Some(backgrounds::report(&on_clips, &generated, is_judged, requirements))
+    } else {
+        None
+    };
     let confidence = if options.confidence {
         let frames: Vec<ClipFrames<'_>> = clips.iter().map(clip_frames).collect();
         Some(reliability::report(&frames, is_judged, requirements)?)
@@ -71,9 +83,11 @@ pub(crate) fn run(
         None
     };
     if !is_judged {
-        print_line("        not judged on a selection of clips: loose selections, and the confidence");
+        print_line(
+            "        not judged on a selection of clips: loose and background selections, and the confidence",
+        );
     }
-    Ok(Figures { loose, confidence })
+    Ok(Figures { loose, backgrounds, confidence })
 }
 
 fn loose_clip(clip: &UntimedClip) -> Option<LooseClip<'_>> {

@@ -8,26 +8,22 @@ mod catalogue;
 mod options;
 mod png_file;
 mod scene;
+mod sequence;
+mod setting;
 
 pub(crate) use options::Options;
+pub(crate) use sequence::render_sequence;
 
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use barrelman_sim::render::{RenderSettings, Renderer, Serial};
-use barrelman_sim::{Optics, Sea, SeaState, Wind};
-use barrelman_vocab::{Angle, Picture, PictureSize};
+use barrelman_sim::render::Serial;
+use barrelman_vocab::{Picture, PictureSize};
 
 use crate::output::print_line;
 use catalogue::{View, views};
 use scene::END_TICK;
-
-/// Focal length as a share of the picture's width.
-const FOCAL_SHARE: f64 = 0.83;
-/// Barrel distortion of the lens.
-const BARREL: f64 = 0.06;
-/// Steps of the wake before the picture is rendered, ticks.
-const WAKE_STEP_TICKS: usize = 4;
+use setting::{Setting, WAKE_STEP_TICKS};
 
 /// Renders the chosen views.
 ///
@@ -43,14 +39,7 @@ pub(crate) fn render(options: &Options) -> Result<()> {
 
 fn render_view(view: &View, options: &Options) -> Result<()> {
     let size = PictureSize::new(options.width, options.width * 9 / 16 / 2 * 2);
-    let optics = Optics { picture: size, focal_px: FOCAL_SHARE * f64::from(size.width), barrel: BARREL };
-    let state = SeaState::new(view.sea_state).context("a sea state from 0 to 4")?;
-    let wind = Wind { speed_mps: state.wind_mps(), towards: Angle::from_degrees(-115.0) };
-    let sea = Sea::new(state, wind, 4);
-    let mut renderer = Renderer::new(RenderSettings {
-        water: view.water,
-        ..RenderSettings::new(optics, Some(sea.clone()), 11)
-    });
+    let Setting { sea, mut renderer } = Setting::new(view, size)?;
     let mut picture = Picture::black(size, barrelman_sim::render::ENCODING);
     for tick in (0..END_TICK).step_by(WAKE_STEP_TICKS) {
         renderer.advance_wake(&scene::snapshot(view, &sea, tick));
