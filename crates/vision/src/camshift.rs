@@ -139,6 +139,7 @@ impl Tracker for CamShift {
         let report = SelectionReport {
             used,
             is_clipped: exceeds_picture(selection, picture),
+            is_refined: false,
             coloured_share: f64::from(coloured) / window.area() as f64,
             surroundings_probability,
             localisation,

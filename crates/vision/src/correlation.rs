@@ -233,6 +233,42 @@ impl Peak {
     }
 }
 
+impl Peak {
+    /// The highest other local maximum that is not part of this peak; `None` where there is none above zero. Its
+    /// peak-to-sidelobe ratio refers to the sidelobes of this peak.
+    pub(crate) fn find_second(&self, response: &Map) -> Option<Self> {
+        // Rounded cells of the peak: a cast after the remainder is lossless.
+        let cell = |shift: f32| (libm::roundf(shift) as i32).rem_euclid(SIDE as i32) as usize;
+        let (row, column) = (cell(self.down), cell(self.right));
+        let at = |r: usize, c: usize| response[(r % SIDE) * SIDE + c % SIDE];
+        let is_beside = |r: usize, c: usize| {
+            circular_distance(r, row) > PEAK_RADIUS_CELLS || circular_distance(c, column) > PEAK_RADIUS_CELLS
+        };
+        let is_maximum = |r: usize, c: usize| {
+            let here = at(r, c);
+            here >= at(r, c + 1)
+                && here >= at(r, c + SIDE - 1)
+                && here >= at(r + 1, c)
+                && here >= at(r + SIDE - 1, c)
+        };
+        let mut best: Option<(usize, usize)> = None;
+        let mut height = 0.0;
+        for (index, &value) in response.iter().enumerate() {
+            let (r, c) = (index / SIDE, index % SIDE);
+            if value > height && is_beside(r, c) && is_maximum(r, c) {
+                (best, height) = (Some((r, c)), value);
+            }
+        }
+        let (r, c) = best.filter(|_| self.height > 0.0)?;
+        Some(Self {
+            right: signed_shift(c) + parabola_vertex(at(r, c + SIDE - 1), height, at(r, c + 1)),
+            down: signed_shift(r) + parabola_vertex(at(r + SIDE - 1, c), height, at(r + 1, c)),
+            height,
+            peak_to_sidelobe_ratio: self.peak_to_sidelobe_ratio * height / self.height,
+        })
+    }
+}
+
 /// Abscissa of the maximum of the parabola through three values at -1, 0 and 1; limited to -1/2 to 1/2, 0 if convex.
 pub(crate) fn parabola_vertex(before: f32, here: f32, after: f32) -> f32 {
     let curvature = before - 2.0 * here + after;
@@ -342,6 +378,28 @@ mod tests {
             // All shifts are circular, so that only the position differs.
             assert!((peak.height - unmoved.height).abs() < 1e-4, "{peak:?} and {unmoved:?}");
         }
+    }
+
+    #[test]
+    fn the_second_peak_is_another_maximum() {
+        let mut response: Box<Map> = Box::new([0.0; AREA]);
+        let mut add = |row: usize, column: usize, height: f32| {
+            for (r, c, share) in
+                [(0, 0, 1.0), (0, 1, 0.5), (1, 0, 0.5), (0, SIDE - 1, 0.5), (SIDE - 1, 0, 0.5)]
+            {
+                response[(row + r) % SIDE * SIDE + (column + c) % SIDE] = share * height;
+            }
+        };
+        add(0, 2, 1.0);
+        add(0, 5, 0.9);
+        add(SIDE - 6, 3, 0.6);
+        let first = Peak::find(&response);
+        assert_eq!((first.right, first.down, first.height), (2.0, 0.0, 1.0));
+        // The one three cells away is part of the first.
+        let second = first.find_second(&response).unwrap();
+        assert_eq!((second.right, second.down, second.height), (3.0, -6.0, 0.6));
+        assert!((second.peak_to_sidelobe_ratio / first.peak_to_sidelobe_ratio - 0.6).abs() < 1e-6);
+        assert_eq!(first.find_second(&[0.0; AREA]), None);
     }
 
     #[test]

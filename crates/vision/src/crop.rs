@@ -43,6 +43,36 @@ pub(crate) struct ColourContrast {
     pub(crate) ring: f32,
 }
 
+/// A copy of a crop's brightness.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct CropLuma {
+    pub(crate) map: SampleMap,
+    /// Left and top edge, pixels of the picture.
+    origin: (f32, f32),
+    /// Pixels of the picture per sample; 0 before the first copy.
+    pub(crate) decimation: f32,
+}
+
+impl CropLuma {
+    /// A grid placed on the picture, in samples of the map.
+    pub(crate) fn to_samples(&self, grid: &SamplingGrid) -> SamplingGrid {
+        let scale = 1.0 / self.decimation;
+        let centre = ((grid.centre.0 - self.origin.0) * scale, (grid.centre.1 - self.origin.1) * scale);
+        SamplingGrid { centre, step: grid.step * scale, ..*grid }
+    }
+
+    /// Becomes a copy of another, in the buffers that are there.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.map.copy_from(&other.map);
+        (self.origin, self.decimation) = (other.origin, other.decimation);
+    }
+
+    /// Whether a point, in samples, lies in the map.
+    pub(crate) fn contains(&self, (x, y): (f32, f32)) -> bool {
+        x >= 0.0 && y >= 0.0 && x <= self.map.width as f32 && y <= self.map.height as f32
+    }
+}
+
 impl ColourContrast {
     /// Inside less ring, -1 to 1.
     pub(crate) fn difference(self) -> f32 {
@@ -103,6 +133,13 @@ impl Crop {
         }
     }
 
+    /// Copies the brightness.
+    pub(crate) fn copy_luma(&self, out: &mut CropLuma) {
+        out.map.copy_from(&self.luma);
+        out.origin = (self.left as f32, self.top as f32);
+        out.decimation = self.decimation as f32;
+    }
+
     /// Samples the luma on a grid placed on the picture, 0 to 255.
     pub(crate) fn sample_luma(&mut self, grid: &SamplingGrid, out: &mut Vec<f32>) {
         let scale = 1.0 / self.decimation as f32;
@@ -115,6 +152,21 @@ impl Crop {
         let scale = 0.5 / self.decimation as f32;
         let grid = self.to_map_grid(grid, scale);
         sample_bilinear(&self.probability, grid, &mut self.row, out);
+    }
+
+    /// The chroma nearest to the points of a grid placed on the picture, which is not rotated: U and V, 0 to 255.
+    pub(crate) fn sample_chroma(&self, grid: &SamplingGrid, out: &mut [Vec<f32>; 2]) {
+        let grid = self.to_map_grid(grid, 0.5 / self.decimation as f32);
+        let (width, height) = (self.probability.width, self.probability.height);
+        for (out, plane) in out.iter_mut().zip(&self.chroma) {
+            out.clear();
+            for index in 0..grid.width * grid.height {
+                // A cast turns negative numbers into 0.
+                let (x, y) = grid.sample_centre(index % grid.width, index / grid.width);
+                let (x, y) = ((x as usize).min(width - 1), (y as usize).min(height - 1));
+                out.push(f32::from(plane[y * width + x]));
+            }
+        }
     }
 
     /// Side of the square covered by one sample of the probability map, pixels.
@@ -210,7 +262,7 @@ mod tests {
         crop.extract(picture, &ColourModel::default(), centre, 16.0 * step, step);
         let turn = (libm::cosf(angle), libm::sinf(angle));
         let mut out = Vec::new();
-        crop.sample_luma(&SamplingGrid { centre, step, turn, width: 16, height: 12 }, &mut out);
+        crop.sample_luma(&SamplingGrid { centre, step, stretch: 1.0, turn, width: 16, height: 12 }, &mut out);
         out
     }
 

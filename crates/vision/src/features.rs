@@ -32,6 +32,7 @@ impl PatchPose {
         SamplingGrid {
             centre: self.centre,
             step: self.step,
+            stretch: 1.0,
             turn: (libm::cosf(self.angle), libm::sinf(self.angle)),
             width,
             height,

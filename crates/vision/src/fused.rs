@@ -13,9 +13,10 @@
 //! 2. *Observe*: the search window is extracted at the coarsest resolution that the target's size allows, rotated and
 //!    scaled as the target was (`crop`, `features`). The observation is the peak of the filter's response. If the
 //!    prediction is uncertain compared with the window, the neighbouring windows are evaluated too.
-//! 3. *Evaluate*: the evidence gives the state (`phase`) and the confidence (`evidence`).
-//! 4. *Refine*: the filter's response at other sizes and rotations corrects both, the moments of the colour correct
-//!    centre and axis (`silhouette`), and the path distinguishes bow and stern (`heading`).
+//! 3. *Evaluate*: the evidence and the probability of the refined box give the state (`phase`, `evidence`).
+//! 4. *Refine*: a network reads a window around the box and answers with its edges and the probability of the box,
+//!    which is the confidence (`refinement`). The filter's response at other sizes and rotations corrects both, the
+//!    moments of the colour correct centre and axis (`silhouette`), and the path distinguishes bow and stern (`heading`).
 //! 5. *Learn*: filter and histograms adapt to the frame if the evidence is good (`learning`).
 //!
 //! A lost target is searched for by colour in the whole picture (`redetection`), and by the filter at the place of the
@@ -52,6 +53,8 @@ mod prediction;
 mod reference_silhouette;
 mod target;
 
+use std::sync::Arc;
+
 use barrelman_vocab::{MotionPrior, PixelBox, Track, VideoFrame};
 
 pub use self::config::{FusedConfig, FusedConfigError, FusedSetting};
@@ -60,8 +63,12 @@ use self::phase::Phase;
 use self::target::Target;
 use self::workspace::Workspace;
 use crate::explanation::Explanation;
+use crate::refinement::{RefinementWeights, RefinementWindow};
 use crate::tracker::{SelectionError, SelectionReport, Tracker};
 use crate::window::{Window, exceeds_picture};
+
+/// Minimum width and height of a selection, pixels.
+const MIN_SELECTION_PX: (usize, usize) = (6, 4);
 
 /// Tracks a target by its pattern and its colour.
 ///
@@ -120,14 +127,41 @@ impl FusedTracker {
     /// # Errors
     /// If a setting is out of range.
     pub fn new(config: FusedConfig) -> Result<Self, FusedConfigError> {
+        Self::with_weights(config, RefinementWeights::built_in())
+    }
+
+    /// The same with other weights of the refinement network.
+    ///
+    /// # Errors
+    /// If a setting is out of range.
+    pub fn with_weights(
+        config: FusedConfig,
+        weights: Arc<RefinementWeights>,
+    ) -> Result<Self, FusedConfigError> {
         let config = config.validated()?;
         Ok(Self {
             config,
-            workspace: Workspace::new(&config),
+            workspace: Workspace::new(&config, weights),
             target: None,
             selected: None,
             distractors: Distractors::default(),
         })
+    }
+
+    /// The window that the refinement network read in the last frame; `None` where the target was searched for.
+    pub fn refinement_window(&self) -> Option<&RefinementWindow> {
+        let is_followed = |target: &Target| !matches!(target.phase, Phase::Lost { .. });
+        self.target.as_ref().is_some_and(is_followed).then_some(&self.workspace.window)
+    }
+
+    /// Measures the window of the last frame anew, around another box than the tracker's: for training samples. The
+    /// centre is moved by `shift` sizes of the target, the sides are multiplied by `factors`.
+    pub fn measure_other_window(&mut self, shift: (f32, f32), factors: (f32, f32)) {
+        let Some(target) = &self.target else { return };
+        let geometry = &target.geometry;
+        let ((u, v), (w, h), size) = (geometry.centre, geometry.upright_box(), geometry.size_px());
+        let centre = (u + shift.0 * size, v + shift.1 * size);
+        self.workspace.measure_window(target, (u, v), centre, (w * factors.0, h * factors.1));
     }
 
     /// The tracker's settings.
@@ -140,8 +174,12 @@ impl Tracker for FusedTracker {
     fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError> {
         let picture = frame.picture.size();
         let window = Window::from_selection(selection, picture)?;
-        let used = window.to_pixel_box();
-        let (target, colours) = self.workspace.learn_selection(&self.config, frame, used);
+        let dragged = window.to_pixel_box();
+        if window.w < MIN_SELECTION_PX.0 || window.h < MIN_SELECTION_PX.1 {
+            let (width, height) = MIN_SELECTION_PX;
+            return Err(SelectionError::TooSmall { selection, width, height });
+        }
+        let (target, colours, used) = self.workspace.learn_selection(&self.config, frame, dragged);
         let localisation = target.localisation(frame, used, 1.0);
         self.selected = Some(target.clone());
         self.target = Some(target);
@@ -149,6 +187,7 @@ impl Tracker for FusedTracker {
         Ok(SelectionReport {
             used,
             is_clipped: exceeds_picture(selection, picture),
+            is_refined: used != dragged,
             coloured_share: colours.coloured_share,
             surroundings_probability: colours.surroundings_probability,
             localisation,
@@ -178,7 +217,7 @@ impl Tracker for FusedTracker {
         };
         let mut search = selected.clone();
         search.begin_search(&target);
-        self.distractors.add(&self.config, target);
+        self.distractors.add(&self.config, self.workspace.weights(), target);
         search.loss.excluded = self.distractors.places();
         self.target = Some(search);
         true

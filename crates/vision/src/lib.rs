@@ -35,6 +35,7 @@ mod heading;
 mod layout;
 mod motion;
 mod redetection;
+mod refinement;
 mod sampling;
 mod silhouette;
 mod simd;
@@ -63,5 +64,9 @@ pub use mean_shift::{
     CamShiftTarget, EDGE_MARGIN_PX, MOMENT_MARGIN_PX, SearchResult, TerminationCriteria, cam_shift,
 };
 pub use moments::{MomentSource, Moments, WeightMap};
+pub use refinement::{
+    MEASUREMENTS, RefinementWeights, RefinementWeightsError, RefinementWindow, WINDOW_CHANNELS,
+    WINDOW_SIDE_CELLS,
+};
 pub use tracker::{SelectionError, SelectionReport, Tracker};
 pub use window::Window;

@@ -13,6 +13,13 @@ pub(crate) struct SampleMap {
 }
 
 impl SampleMap {
+    /// Becomes a copy of another map, in the buffers that are there.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        (self.width, self.height) = (other.width, other.height);
+        self.values.clone_from(&other.values);
+        self.quads.clone_from(&other.quads);
+    }
+
     /// Prepares the map for [`sample_bilinear`]; to be called after `values` changed. The map must not be empty.
     pub(crate) fn pack(&mut self) {
         pack_quads(self);
@@ -39,14 +46,33 @@ fn pack_quads(map: &mut SampleMap) {
 pub(crate) struct SamplingGrid {
     /// Centre of the grid, pixels.
     pub(crate) centre: (f32, f32),
-    /// Distance of neighbouring samples, pixels.
+    /// Distance of neighbouring samples in a row, pixels.
     pub(crate) step: f32,
+    /// Distance of rows over that of samples in a row.
+    pub(crate) stretch: f32,
     /// Cosine and sine of the rotation, clockwise as seen.
     pub(crate) turn: (f32, f32),
     /// Samples per row.
     pub(crate) width: usize,
     /// Rows.
     pub(crate) height: usize,
+}
+
+impl SamplingGrid {
+    /// Centre of a sample of a grid that is not rotated.
+    pub(crate) fn sample_centre(&self, column: usize, row: usize) -> (f32, f32) {
+        let from_middle = |index: usize, count: usize| index as f32 + 0.5 - 0.5 * count as f32;
+        (
+            self.centre.0 + from_middle(column, self.width) * self.step,
+            self.centre.1 + from_middle(row, self.height) * self.step * self.stretch,
+        )
+    }
+
+    /// Centre of a block of 2 x 2 samples of a grid that is not rotated.
+    pub(crate) fn block_centre(&self, column: usize, row: usize) -> (f32, f32) {
+        let (u, v) = self.sample_centre(2 * column, 2 * row);
+        (u + 0.5 * self.step, v + 0.5 * self.step * self.stretch)
+    }
 }
 
 /// Scratch space for one row of samples: the four neighbours of each, and the position between them.
@@ -66,7 +92,7 @@ pub(crate) fn sample_bilinear(map: &SampleMap, grid: SamplingGrid, line: &mut Sa
     line.quads.resize(grid.width, 0);
     line.fraction.resize(grid.width, 0);
     let right = (grid.turn.0 * grid.step, grid.turn.1 * grid.step);
-    let down = (-right.1, right.0);
+    let down = (-right.1 * grid.stretch, right.0 * grid.stretch);
     let (half_w, half_h) = (0.5 * (grid.width as f32 - 1.0), 0.5 * (grid.height as f32 - 1.0));
     let step = ((right.0 * ONE) as i32, (right.1 * ONE) as i32);
     let limit = (((map.width as i32 - 1) << 16) | 0xff00, ((map.height as i32 - 1) << 16) | 0xff00);

@@ -37,10 +37,12 @@ pub trait Tracker: Send {
 /// Result of a selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelectionReport {
-    /// The part of the selection that is used, on whole pixels.
+    /// The box that is used: the part of the selection in the picture, on whole pixels, unless `is_refined`.
     pub used: PixelBox,
     /// Whether part of the selection lies outside the picture and was cut off.
     pub is_clipped: bool,
+    /// Whether `used` is not the box that was drawn but a tighter one around the target.
+    pub is_refined: bool,
     /// Share of the box's pixels with a usable colour, 0 to 1. CamShift: saturation and value above the floors. Fused
     /// tracker: a colour that is more likely the target's than the surroundings'.
     pub coloured_share: f64,
@@ -74,6 +76,18 @@ pub enum SelectionError {
         selection: PixelBox,
         /// Size of the picture.
         picture: PictureSize,
+    },
+    /// The part of the box in the picture is too small to learn from.
+    #[error(
+        "the selection {selection} (left, top, width, height) is too small: take a box around the boat of at least {width} x {height} pixels"
+    )]
+    TooSmall {
+        /// The requested box.
+        selection: PixelBox,
+        /// Minimum width, pixels.
+        width: usize,
+        /// Minimum height, pixels.
+        height: usize,
     },
     /// No pixel in the box has a usable colour.
     #[error(

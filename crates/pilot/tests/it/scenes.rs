@@ -151,6 +151,7 @@ pub(crate) fn report(localisation: Localisation) -> SelectionReport {
     SelectionReport {
         used: localisation.bounds,
         is_clipped: false,
+        is_refined: false,
         coloured_share: 1.0,
         surroundings_probability: 0.0,
         localisation,

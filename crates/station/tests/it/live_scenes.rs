@@ -46,6 +46,7 @@ impl Tracker for FixedTracker {
         Ok(SelectionReport {
             used: selection,
             is_clipped: false,
+            is_refined: false,
             coloured_share: 1.0,
             surroundings_probability: 0.0,
             localisation,

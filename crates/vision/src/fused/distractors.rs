@@ -4,6 +4,8 @@
 //! Work per frame: that of one tracked target for each distractor, two at most. Not handled: a distractor that is hidden
 //! for longer than [`KEPT_S`], or that crosses the target.
 
+use std::sync::Arc;
+
 use barrelman_vocab::{MotionPrior, VideoFrame};
 
 use super::config::FusedConfig;
@@ -11,6 +13,7 @@ use super::excluded_places::{ExcludedPlaces, MAX_PLACES};
 use super::phase::Phase;
 use super::target::Target;
 use super::workspace::Workspace;
+use crate::refinement::RefinementWeights;
 
 /// Largest number of distractors; a further one takes the place of the oldest.
 const MAX_DISTRACTORS: usize = MAX_PLACES;
@@ -42,11 +45,11 @@ impl Distractors {
     }
 
     /// Adds an object that was followed as the target.
-    pub(super) fn add(&mut self, config: &FusedConfig, target: Target) {
+    pub(super) fn add(&mut self, config: &FusedConfig, weights: Arc<RefinementWeights>, target: Target) {
         if self.0.len() >= MAX_DISTRACTORS {
             self.0.remove(0);
         }
-        self.0.push(Distractor { workspace: Workspace::new(config), target });
+        self.0.push(Distractor { workspace: Workspace::new(config, weights), target });
     }
 
     /// Follows all distractors in a frame; their places.

@@ -46,13 +46,10 @@ impl Observation {
     }
 }
 
-/// Confidence of an accepted observation, 0 to 1: the probability that the reported box has an IoU of at least 0.5 with
-/// the target.
-///
-/// A logistic function of the logarithm of the peak-to-sidelobe ratio, of the relative height and contrast, and, where
-/// there is no reference silhouette, of the rotation since the selection, for then the box does not turn with the
-/// target. An accepted observation is seldom wrong: a confidence below 0.8 means that the box is in doubt.
-pub(super) fn confidence(observation: &Observation, target: &Target) -> f64 {
+/// Confidence in an observation by pattern and colour alone, 0 to 1: a logistic function of the logarithm of the
+/// peak-to-sidelobe ratio, of the relative height and contrast, and, where there is no reference silhouette, of the
+/// rotation since the selection.
+fn pattern_confidence(observation: &Observation, target: &Target) -> f64 {
     let sidelobes = libm::log(f64::from(observation.peak.peak_to_sidelobe_ratio.max(1.0)));
     let height = f64::from(observation.relative_height(target).clamp(0.0, 1.5));
     let colour = f64::from(observation.relative_contrast(target).map_or(0.0, |share| share - NEUTRAL_COLOUR));
@@ -69,14 +66,14 @@ pub(super) fn confidence(observation: &Observation, target: &Target) -> f64 {
     1.0 / (1.0 + libm::exp(-log_odds))
 }
 
-/// Confidence of a predicted box, this many seconds after the target was last seen.
-pub(super) fn coasting_confidence(seconds: f64) -> f64 {
-    (COASTING_CONFIDENCE - COASTING_LOSS_PER_S * seconds).max(MIN_COASTING_CONFIDENCE)
+/// Confidence of a predicted box, this many seconds after the target was last seen with a box of this probability.
+pub(super) fn coasting_confidence(probability: f64, seconds: f64) -> f64 {
+    (probability * (COASTING_CONFIDENCE - COASTING_LOSS_PER_S * seconds)).max(MIN_COASTING_CONFIDENCE)
 }
 
 /// Confidence of a rejected observation.
 pub(super) fn rejected_confidence(observation: &Observation, target: &Target) -> f64 {
-    REJECTED_FACTOR * confidence(observation, target)
+    REJECTED_FACTOR * pattern_confidence(observation, target)
 }
 
 /// Weights of the logistic function.

@@ -3,15 +3,21 @@
 use barrelman_vocab::{MotionPrior, Picture, Track, VideoFrame};
 
 use super::config::FusedConfig;
-use super::evidence::{coasting_confidence, confidence, rejected_confidence};
+use super::evidence::{coasting_confidence, rejected_confidence};
 use super::observation::Observation;
 use super::phase::{Phase, Visibility};
 use super::target::Target;
 use super::workspace::Workspace;
 use crate::features::PatchPose;
 
-/// Factor on the evidence required of a target that was not visible in the last frame.
-const NOT_TRACKING_FACTOR: f32 = 1.0;
+/// An observation whose refined box is less probable is rejected.
+const MIN_PROBABILITY: f32 = 0.05;
+/// With a more probable box, an observation needs less evidence by this amount.
+const CONVINCING_PROBABILITY: f32 = 0.4;
+const CONVINCING_EVIDENCE: f32 = 6.0;
+/// A less probable box is compared with that of the second peak, which must be more probable by this much.
+const DOUBTFUL_PROBABILITY: f32 = 0.7;
+const CLEARLY_MORE_PROBABLE: f32 = 0.2;
 /// Minimum relative contrast of a frame that is learned from; with less, the target may be hidden.
 const MIN_LEARNED_CONTRAST: f32 = 0.15;
 /// Two standard deviations of the prediction may reach this share of the search window's side; beyond it the
@@ -35,6 +41,7 @@ impl Workspace {
         let seconds = target.predict(config, now, prior);
         let visibility = match target.phase {
             Phase::Lost { .. } => {
+                self.references.clear();
                 let found = self.search_picture(config, target, picture);
                 if let Some(observation) = &found {
                     target.restart_at(config, observation);
@@ -58,7 +65,8 @@ impl Workspace {
             Phase::Tracking => Track::Tracking(target.report(frame)),
             Phase::Coasting { since } => {
                 target.move_to_prediction();
-                target.confidence = coasting_confidence(now.since(since).as_secs_f64());
+                target.confidence =
+                    coasting_confidence(target.last_probability, now.since(since).as_secs_f64());
                 Track::Coasting(target.report(frame))
             }
             Phase::Lost { since } | Phase::Confirming { since, .. } => {
@@ -77,15 +85,24 @@ impl Workspace {
     ) -> Visibility {
         let picture = &*frame.picture;
         let mut observation = self.observe_prediction(config, target, picture);
+        let shift = target.motion.is_camera_shift_known.then_some(target.motion.camera_shift);
+        self.references.add_background_shift(shift);
         if matches!(target.phase, Phase::Confirming { .. }) {
             observation = self.resolve_axis_direction(config, target, picture, observation);
         }
-        let state_factor = if target.phase == Phase::Tracking { 1.0 } else { NOT_TRACKING_FACTOR };
+        let observation = self.refine_best_peak(config, target, picture, observation);
+        let probability = self.refined.probability;
         let distance_factor = target.distance_factor(&observation);
         let evidence = observation.evidence(config, target);
+        let required = if probability > CONVINCING_PROBABILITY {
+            config.seen as f32 - CONVINCING_EVIDENCE
+        } else {
+            config.seen as f32
+        };
         let is_recognised = !matches!(target.phase, Phase::Confirming { .. })
             || self.is_still_recognised(config, target, picture, &observation);
-        if evidence < config.seen as f32 * state_factor * distance_factor
+        if evidence < required * distance_factor
+            || probability < MIN_PROBABILITY
             || !is_recognised
             || observation.is_colour_absent(target)
         {
@@ -97,7 +114,7 @@ impl Workspace {
                 Visibility::OutOfPicture
             };
         }
-        target.confidence = confidence(&observation, target);
+        (target.confidence, target.last_probability) = (f64::from(probability), f64::from(probability));
         self.refine(config, target, &observation, frame, seconds);
         let has_its_colour =
             observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);
@@ -105,7 +122,30 @@ impl Workspace {
         if target.phase == Phase::Tracking && is_well_visible && !target.geometry.touches_border() {
             self.learn(config, target, picture, &observation);
         }
+        self.references.update(&self.crop, target.geometry.centre, frame.capture.at.as_secs_f64());
         Visibility::Visible
+    }
+
+    /// Refines the observation. Where its box is doubtful, the second highest peak is refined, too, and taken if its
+    /// box is clearly more probable. The observation that is taken is the last one refined.
+    fn refine_best_peak(
+        &mut self,
+        config: &FusedConfig,
+        target: &Target,
+        picture: &Picture,
+        first: Observation,
+    ) -> Observation {
+        let probability = self.refine_observation(config, target, picture, &first).probability;
+        if probability >= DOUBTFUL_PROBABILITY {
+            return first;
+        }
+        let Some(second) = self.observe_second_peak(target, &first) else { return first };
+        let other = self.refine_observation(config, target, picture, &second).probability;
+        if other > probability + CLEARLY_MORE_PROBABLE {
+            return second;
+        }
+        self.refine_observation(config, target, picture, &first);
+        first
     }
 
     /// Observes the window around the prediction, and its neighbours if the prediction is too uncertain. The best

@@ -33,6 +33,8 @@ pub(super) struct TargetGeometry {
     pub(super) axis: f32,
     /// Centre of the target's box, pixels.
     pub(super) centre: (f32, f32),
+    /// From the place of the filter's response to the centre of the box, sizes.
+    pub(super) offset: (f32, f32),
     /// Size of the picture that the pixel coordinates belong to.
     pub(super) picture: PictureSize,
 }
@@ -47,6 +49,7 @@ impl TargetGeometry {
             patch_angle: 0.0,
             axis: 0.0,
             centre,
+            offset: (0.0, 0.0),
             picture,
         }
     }
@@ -91,7 +94,10 @@ impl TargetGeometry {
 
     /// The target's axis if the target is turned as the patch is.
     pub(super) fn axis_in(&self, pose: &PatchPose) -> f32 {
-        self.axis + pose.angle - self.patch_angle
+        match self.extent {
+            Extent::Box { .. } => 0.0,
+            Extent::Hull { .. } => self.axis + pose.angle - self.patch_angle,
+        }
     }
 
     /// Side of the square that background registration leaves out, pixels.
@@ -123,6 +129,43 @@ impl TargetGeometry {
         self.extent.stretch(longer / common, wider / common);
     }
 
+    /// Centre of the box where the filter's response lies at `place`, pixels, within the picture.
+    pub(super) fn box_centre_at(&self, place: (f32, f32)) -> (f32, f32) {
+        let size = self.size_px();
+        let picture = self.picture_size();
+        (
+            (place.0 + self.offset.0 * size).clamp(0.0, picture.0),
+            (place.1 + self.offset.1 * size).clamp(0.0, picture.1),
+        )
+    }
+
+    /// Turns the target by this angle, radians clockwise. A box without an axis stays upright.
+    pub(super) fn turn(&mut self, angle: f32) {
+        self.patch_angle += angle;
+        if let Extent::Hull { .. } = self.extent {
+            self.axis += angle;
+        }
+    }
+
+    /// Makes a box without an axis wider and higher by these factors, between the minimum side and the picture. The
+    /// size, with which the filter is sampled, follows by the share `size_share` of the logarithm.
+    pub(super) fn reshape_box(&mut self, wider: f32, higher: f32, size_share: f32) {
+        let (w, h) = self.upright_box();
+        let picture = self.picture_size();
+        let Extent::Box { width, height } = &mut self.extent else { return };
+        for (side, present, factor, limit) in [(width, w, wider, picture.0), (height, h, higher, picture.1)] {
+            let after = present * factor;
+            if (after >= MIN_SIDE_PX || factor > 1.0) && (after <= limit || factor < 1.0) {
+                *side *= factor;
+            }
+        }
+        let Extent::Box { width, height } = self.extent else { return };
+        let before = self.scale;
+        self.rescale(libm::powf((width * height).sqrt() / self.initial_size_px, size_share));
+        let factor = self.scale / before;
+        self.extent = Extent::Box { width: width / factor, height: height / factor };
+    }
+
     /// Whether part of the target's box lies outside the picture.
     pub(super) fn touches_border(&self) -> bool {
         let (w, h) = self.upright_box();
@@ -145,7 +188,6 @@ impl TargetGeometry {
 
     /// Turns the target by half a revolution: exchanges the ends of its axis.
     pub(super) fn reverse_axis(&mut self) {
-        self.patch_angle += core::f32::consts::PI;
-        self.axis += core::f32::consts::PI;
+        self.turn(core::f32::consts::PI);
     }
 }

@@ -19,6 +19,7 @@ use crate::features::PatchPose;
 use crate::fourier::{AREA, Map, SIDE};
 use crate::gradients::CELL;
 use crate::heading::HeadingEstimator;
+use crate::refinement::WindowMemory;
 use crate::silhouette::Silhouette;
 
 /// ADMM steps of the filter at the selection, and per learned frame, which continues from the last solution.
@@ -50,6 +51,16 @@ const BOX_ELLIPSE: f32 = 1.42;
 /// Minimum target probability of a pixel that counts as coloured, 0 to 255.
 const MIN_COLOURED_PROBABILITY: u8 = 128;
 
+/// A dragged box is replaced by the refined one if that has at least this probability, these sides (pixels), and less
+/// than this IoU with the dragged one.
+const MIN_TIGHTENING_PROBABILITY: f32 = 0.5;
+const MIN_TIGHTENED_PX: (f64, f64) = (6.0, 4.0);
+const MAX_KEPT_IOU: f64 = 0.7;
+/// Increase of the filter's learning rate with the box's distance from the filter's place, per size, and the largest
+/// rate.
+const OFFSET_BOOST: f32 = 3.0;
+const MAX_LEARNING_RATE: f32 = 0.3;
+
 /// How distinct the colours of a selection are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SelectionColours {
@@ -60,8 +71,31 @@ pub(super) struct SelectionColours {
 }
 
 impl Workspace {
-    /// Creates the target from a box on a frame.
+    /// Creates the target from a box that the operator dragged, and the box that is used: the refined one where the
+    /// dragged one is clearly too large or off.
     pub(super) fn learn_selection(
+        &mut self,
+        config: &FusedConfig,
+        frame: &VideoFrame,
+        dragged: PixelBox,
+    ) -> (Target, SelectionColours, PixelBox) {
+        let (target, colours) = self.learn_box(config, frame, dragged);
+        let [left, top, right, bottom] = self.refined.edges.map(f64::from);
+        let refined =
+            PixelBox { u: left, v: top, w: right - left, h: bottom - top }.clipped(frame.picture.size());
+        let is_better = self.refined.probability > MIN_TIGHTENING_PROBABILITY
+            && refined.w >= MIN_TIGHTENED_PX.0
+            && refined.h >= MIN_TIGHTENED_PX.1
+            && refined.iou(dragged) < MAX_KEPT_IOU;
+        if is_better {
+            let (target, colours) = self.learn_box(config, frame, refined);
+            return (target, colours, refined);
+        }
+        (target, colours, dragged)
+    }
+
+    /// Creates the target from a box on a frame, and refines the box.
+    fn learn_box(
         &mut self,
         config: &FusedConfig,
         frame: &VideoFrame,
@@ -85,6 +119,11 @@ impl Workspace {
         appearance.mask_half_cells = (half.0.ceil() as usize, half.1.ceil() as usize);
         self.retrain(&mut target, picture, pose);
         self.set_background_reference(&target, picture);
+        self.window.measurements.fill(0.0);
+        self.references.clear();
+        self.refine_box(&target, target.geometry.centre, target.geometry.upright_box());
+        target.memory.set(&self.window);
+        self.references.update(&self.crop, target.geometry.centre, frame.capture.at.as_secs_f64());
         (target, colours)
     }
 
@@ -138,6 +177,12 @@ impl Workspace {
         target.geometry.axis = extent.axis().unwrap_or(0.0);
         target.reference =
             silhouette.and_then(|seen| reference_silhouette(&seen, &extent, centre, target.geometry.axis));
+        if target.reference.is_none() {
+            // Without a silhouette, the refinement follows an upright box.
+            let extent = Extent::Box { width: box_size.0, height: box_size.1 };
+            (target.geometry.extent, target.geometry.axis) = (extent, 0.0);
+            target.loss.reliable_size = (1.0, extent);
+        }
         let contrast = self.crop.contrast(centre, target.geometry.half_axes(), target.geometry.axis);
         target.appearance.usual.contrast = contrast.difference();
         SelectionColours {
@@ -156,8 +201,14 @@ impl Workspace {
     ) {
         let pose = target.patch_pose(config);
         self.features.extract(&mut self.crop, &pose, target.geometry.picture_size());
+        target.memory.adapt(&self.window);
+        // The filter learns the box's centre as its own place. Where the two differ, it learns faster.
+        let (right, down) = target.geometry.offset;
+        let boost = 1.0 + OFFSET_BOOST * libm::hypotf(right, down);
+        let rate = (config.learning_rate as f32 * boost).min(MAX_LEARNING_RATE);
+        target.geometry.offset = (right * (1.0 - rate), down * (1.0 - rate));
         let appearance = &mut target.appearance;
-        appearance.filter.update_model(&self.features.spectra, config.learning_rate as f32);
+        appearance.filter.update_model(&self.features.spectra, rate);
         for _ in 0..ADMM_STEPS {
             appearance.filter.solve_step(
                 &mut self.features.fourier,
@@ -223,7 +274,9 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         heading: HeadingEstimator::default(),
         drift: DriftCheck::default(),
         loss: LossState::new(now, centre, geometry.extent),
+        memory: WindowMemory::default(),
         confidence: 1.0,
+        last_probability: 1.0,
         geometry,
     }
 }

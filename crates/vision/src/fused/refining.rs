@@ -36,6 +36,19 @@ const SLIPPED_SHARE: f32 = 0.6;
 /// ... and is corrected after this many consecutive checks.
 const SLIPPED_CHECKS: u32 = 4;
 
+/// Probabilities of the refined box from which on its edges are followed, and followed fully.
+const EDGE_PROBABILITIES: (f32, f32) = (0.1, 0.5);
+/// Largest share of the way that an edge moves in a frame, and the expected error, in sides, at which it moves half as
+/// far.
+const MAX_EDGE_RATE: f32 = 0.5;
+const EDGE_DRIFT: f32 = 0.02;
+/// Largest step of an edge in a frame, sides.
+const MAX_EDGE_STEP: f32 = 0.2;
+/// Largest distance of the box from the filter's response, sizes.
+const MAX_OFFSET_SIZES: f32 = 1.0;
+/// Share of a change of the box that the filter's size follows in a frame.
+const SIZE_SHARE: f32 = 0.06;
+
 impl Workspace {
     /// Measures the target at an accepted observation, `seconds` after the last frame, and updates its state.
     pub(super) fn refine(
@@ -59,14 +72,18 @@ impl Workspace {
             angle: pose.angle + steps * turn_step,
             ..pose
         });
-        target.geometry.centre = observation.centre;
+        target.geometry.centre = target.geometry.box_centre_at(observation.centre);
         // Size and rotation of a target that is partly outside the picture cannot be measured.
         if !target.geometry.touches_border() {
             target.geometry.rescale(libm::powf(config.scale_step as f32, scale_steps));
-            target.geometry.patch_angle += turn_steps * turn_step;
-            target.geometry.axis += turn_steps * turn_step;
+            target.geometry.turn(turn_steps * turn_step);
             self.follow_silhouette(target, observation, seconds as f32);
-            self.correct_slipped_box(config, target, &frame.picture);
+            if target.reference.is_some() {
+                self.correct_slipped_box(config, target, &frame.picture);
+            }
+        }
+        if target.reference.is_none() {
+            self.follow_refined_box(target, observation.centre);
         }
 
         let size = f64::from(target.geometry.size_px());
@@ -106,6 +123,33 @@ impl Workspace {
         let (side, near) = if above > below { (1.0, above) } else { (-1.0, below) };
         let far = score(2.0 * side);
         if far > near { 2.0 * side } else { side * (1.0 + parabola_vertex(present, near, far)) }
+    }
+
+    /// Moves the edges of a target without a silhouette towards those of the refinement. An edge moves the faster the
+    /// smaller the error that is expected of it. `place` is that of the filter's response, pixels.
+    fn follow_refined_box(&self, target: &mut Target, place: (f32, f32)) {
+        let certainty = ((self.refined.probability - EDGE_PROBABILITIES.0)
+            / (EDGE_PROBABILITIES.1 - EDGE_PROBABILITIES.0))
+            .clamp(0.0, 1.0);
+        let (width, height) = self.window.box_size;
+        let mut edges = self.window.box_edges();
+        for (index, edge) in edges.iter_mut().enumerate() {
+            let error = self.refined.errors[index];
+            let rate = certainty * MAX_EDGE_RATE / (1.0 + (error / EDGE_DRIFT) * (error / EDGE_DRIFT));
+            let limit = MAX_EDGE_STEP * if index % 2 == 0 { width } else { height };
+            *edge += (rate * (self.refined.edges[index] - *edge)).clamp(-limit, limit);
+        }
+        let [left, top, right, bottom] = edges;
+        let (u, v) = self.window.centre;
+        let geometry = &mut target.geometry;
+        let size = geometry.size_px();
+        let moved = |offset: f32, from: f32, to: f32, old: f32| {
+            (offset + (0.5 * (from + to) - old) / size).clamp(-MAX_OFFSET_SIZES, MAX_OFFSET_SIZES)
+        };
+        geometry.offset =
+            (moved(geometry.offset.0, left, right, u), moved(geometry.offset.1, top, bottom, v));
+        geometry.reshape_box((right - left) / width, (bottom - top) / height, SIZE_SHARE);
+        geometry.centre = geometry.box_centre_at(place);
     }
 
     /// Corrects the drift of axis, centre, length and breadth by the silhouette.

@@ -15,6 +15,7 @@ use super::prediction::TargetMotion;
 use super::reference_silhouette::ReferenceSilhouette;
 use crate::features::PatchPose;
 use crate::heading::HeadingEstimator;
+use crate::refinement::WindowMemory;
 
 /// Minimum recognition score at the place of the loss, and elsewhere.
 const MIN_SCORE_AT_LOSS: f32 = 1.8;
@@ -40,8 +41,12 @@ pub(super) struct Target {
     pub(super) heading: HeadingEstimator,
     pub(super) drift: DriftCheck,
     pub(super) loss: LossState,
+    /// Earlier windows of the refinement network.
+    pub(super) memory: WindowMemory,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
+    /// Probability of the box in the last frame in which the target was seen, 0 to 1.
+    pub(super) last_probability: f64,
 }
 
 /// Counters of the check for a box that slipped off its target.
@@ -153,8 +158,8 @@ impl Target {
         self.geometry.rescale(observation.pose.step / self.patch_pose(config).step);
         self.geometry.axis = self.geometry.axis_in(&observation.pose);
         self.geometry.patch_angle = observation.pose.angle;
-        self.geometry.centre = observation.centre;
-        self.motion.restart_at(observation.centre, f64::from(self.geometry.size_px()));
+        self.geometry.centre = self.geometry.box_centre_at(observation.centre);
+        self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
         self.heading.reset();
     }
 

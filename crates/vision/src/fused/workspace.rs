@@ -1,5 +1,7 @@
 //! The working memory of the fused tracker, and one observation with it.
 
+use std::sync::Arc;
+
 use barrelman_vocab::{Picture, PixelBox};
 
 use super::config::FusedConfig;
@@ -16,9 +18,19 @@ use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
 use crate::layout::ColourLayout;
 use crate::redetection::Redetector;
+use crate::refinement::{
+    Measurements, MotionReferences, RefinedBox, RefinementNetwork, RefinementWeights, RefinementWindow,
+    WindowContext,
+};
 
 /// The crop exceeds the search window by this factor: it also serves the patch that is learned from.
 const CROP_MARGIN: f32 = 1.15;
+
+/// Minimum height of a second peak that is looked at, as a share of the first.
+const MIN_SECOND_HEIGHT: f32 = 0.5;
+/// Distance of a box from the middle of the search window, in sides of the window, from which on the crop is extracted
+/// anew around the box.
+const MAX_OFF_CENTRE: f32 = 0.15;
 
 /// What evaluates pictures, with its buffers.
 #[derive(Debug)]
@@ -33,13 +45,19 @@ pub(super) struct Workspace {
     pub(super) histograms: [ColourHistogram; 2],
     /// Layout of the colours in one frame.
     pub(super) layout: ColourLayout,
+    /// Earlier frames around the target.
+    pub(super) references: MotionReferences,
+    /// Window of the last refinement, and the answer.
+    pub(super) window: RefinementWindow,
+    pub(super) refined: RefinedBox,
+    network: RefinementNetwork,
     /// Pose of the last search window.
     pub(super) pose: PatchPose,
 }
 
 impl Workspace {
     /// Buffers for a tracker with these settings.
-    pub(super) fn new(config: &FusedConfig) -> Self {
+    pub(super) fn new(config: &FusedConfig, weights: Arc<RefinementWeights>) -> Self {
         Self {
             crop: Crop::default(),
             features: FeatureExtractor::new(config.brightness_gain as f32, config.colour_gain as f32),
@@ -49,6 +67,10 @@ impl Workspace {
             background: BackgroundMotion::new(),
             histograms: [ColourHistogram::default(), ColourHistogram::default()],
             layout: ColourLayout::default(),
+            references: MotionReferences::default(),
+            window: RefinementWindow::default(),
+            refined: RefinedBox::default(),
+            network: RefinementNetwork::new(weights),
             pose: PatchPose { centre: (0.0, 0.0), step: 1.0, angle: 0.0 },
         }
     }
@@ -60,12 +82,24 @@ impl Workspace {
         self.features.extract(&mut self.crop, &pose, size);
         target.appearance.filter.correlate(&self.features.spectra, &mut self.response_spectrum);
         self.features.fourier.inverse(&self.response_spectrum, &mut self.response);
-        let peak = Peak::find(&self.response);
+        self.pose = pose;
+        self.observation_at(target, Peak::find(&self.response))
+    }
+
+    /// The observation at the second highest peak of the last search window; `None` where it is much lower.
+    pub(super) fn observe_second_peak(&self, target: &Target, first: &Observation) -> Option<Observation> {
+        let second = first.peak.find_second(&self.response)?;
+        (second.height > MIN_SECOND_HEIGHT * first.peak.height).then(|| self.observation_at(target, second))
+    }
+
+    /// The observation at a peak of the last search window.
+    fn observation_at(&self, target: &Target, peak: Peak) -> Observation {
+        let (pose, size) = (self.pose, target.geometry.picture_size());
         let (u, v) = pose.to_picture(peak.right * CELL as f32, peak.down * CELL as f32);
         let centre = (u.clamp(0.0, size.0), v.clamp(0.0, size.1));
         let geometry = &target.geometry;
-        let contrast = self.crop.contrast(centre, geometry.half_axes(), geometry.axis_in(&pose));
-        self.pose = pose;
+        let contrast =
+            self.crop.contrast(geometry.box_centre_at(centre), geometry.half_axes(), geometry.axis_in(&pose));
         Observation { pose, centre, peak, contrast }
     }
 
@@ -74,6 +108,80 @@ impl Workspace {
         let turn = libm::cosf(pose.angle).abs() + libm::sinf(pose.angle).abs();
         let reach = 0.5 * pose.step * (SIDE * CELL + 2) as f32 * turn * CROP_MARGIN;
         self.crop.extract(picture, &target.appearance.colours, pose.centre, reach, pose.step);
+    }
+
+    /// Evaluates the refinement network at an observation.
+    pub(super) fn refine_observation(
+        &mut self,
+        config: &FusedConfig,
+        target: &Target,
+        picture: &Picture,
+        observation: &Observation,
+    ) -> RefinedBox {
+        let geometry = &target.geometry;
+        let (u, v) = geometry.box_centre_at(observation.centre);
+        let (du, dv) = (u - observation.pose.centre.0, v - observation.pose.centre.1);
+        if du.abs().max(dv.abs()) > MAX_OFF_CENTRE * observation.pose.side_px() {
+            self.extract_crop(target, picture, &PatchPose { centre: (u, v), ..observation.pose });
+        }
+        let size = geometry.size_px();
+        let (predicted_u, predicted_v) = target.motion.position_f32();
+        self.window.set_measurements(&Measurements {
+            peak_to_sidelobe_ratio: observation.peak.peak_to_sidelobe_ratio,
+            relative_height: observation.relative_height(target),
+            relative_contrast: observation.relative_contrast(target),
+            usual_contrast: target.appearance.usual.contrast,
+            inside: observation.contrast.inside,
+            ring: observation.contrast.ring,
+            scale: geometry.scale,
+            distance_sizes: libm::hypotf(
+                observation.centre.0 - predicted_u,
+                observation.centre.1 - predicted_v,
+            ) / size,
+            relative_motion_sizes: self
+                .references
+                .relative_motion((u, v))
+                .map(|(right, down)| libm::hypotf(right, down) / size),
+            size_px: size,
+            has_silhouette: target.reference.is_some(),
+            evidence: observation.evidence(config, target),
+        });
+        self.refine_box(target, (u, v), geometry.upright_box())
+    }
+
+    /// Evaluates the refinement network at a box of this centre and size (width, height), pixels, in the last crop.
+    pub(super) fn refine_box(
+        &mut self,
+        target: &Target,
+        centre: (f32, f32),
+        box_size: (f32, f32),
+    ) -> RefinedBox {
+        self.measure_window(target, centre, centre, box_size);
+        self.refined = self.network.evaluate(&self.window);
+        self.refined
+    }
+
+    /// Measures the window of the refinement network at a box of this centre and size, pixels, while the target's box has
+    /// its centre at `tracked`.
+    pub(super) fn measure_window(
+        &mut self,
+        target: &Target,
+        tracked: (f32, f32),
+        centre: (f32, f32),
+        box_size: (f32, f32),
+    ) {
+        let context = WindowContext {
+            tracked,
+            picture: target.geometry.picture_size(),
+            memory: &target.memory,
+            references: &self.references,
+        };
+        self.window.measure(&mut self.crop, centre, box_size, context);
+    }
+
+    /// The weights of the refinement network.
+    pub(super) fn weights(&self) -> Arc<RefinementWeights> {
+        self.network.weights()
     }
 
     /// Writes what the last answer is based on; `out` is empty.

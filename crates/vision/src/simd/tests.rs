@@ -166,7 +166,7 @@ fn patches_have_the_same_bits_at_every_vector_level() {
             let mut crop = Crop::default();
             crop.extract(&picture, &model, centre, 40.0, step);
             let turn = (libm::cosf(angle), libm::sinf(angle));
-            let grid = SamplingGrid { centre, step, turn, width: 21, height: 18 };
+            let grid = SamplingGrid { centre, step, stretch: 1.0, turn, width: 21, height: 18 };
             let (mut luma, mut probability) = (Vec::new(), Vec::new());
             crop.sample_luma(&grid, &mut luma);
             crop.sample_probability(&grid, &mut probability);

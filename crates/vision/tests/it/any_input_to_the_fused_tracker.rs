@@ -108,6 +108,21 @@ fn select(tracker: &mut FusedTracker, frame: &VideoFrame, selection: PixelBox) -
     Ok(())
 }
 
+/// Selects a box of which some part lies in the picture. Whether it is large enough.
+fn is_selected(tracker: &mut FusedTracker, frame: &VideoFrame, selection: PixelBox) -> bool {
+    let result = select(tracker, frame, selection);
+    let inside = selection.clipped(frame.picture.size());
+    match result {
+        Ok(()) => assert!(inside.w > 5.0 && inside.h > 3.0, "{selection} is too small"),
+        Err(SelectionError::TooSmall { width, height, .. }) => {
+            assert_eq!((width, height), (6, 4));
+            assert!(inside.w < 7.0 || inside.h < 5.0, "{selection} is not too small");
+        }
+        Err(error) => panic!("{error}"),
+    }
+    result.is_ok()
+}
+
 const PATTERNED: [Content; 3] = [Content::Noise(5), Content::Boat(20, 12, 14), Content::Noise(6)];
 const FLAT: [Content; 3] =
     [Content::Uniform([16, 128, 128]), Content::Uniform([81, 90, 240]), Content::Uniform([255, 255, 255])];
@@ -134,7 +149,9 @@ fn any_part_of_a_picture_can_be_selected_and_tracked() {
     for (index, selection) in selections.into_iter().enumerate() {
         let (content, flat) = (PATTERNED[index % PATTERNED.len()], FLAT[index % FLAT.len()]);
         let mut tracker = tracker();
-        select(&mut tracker, &frame((60, 44), content, 0, SD), selection).unwrap();
+        if !is_selected(&mut tracker, &frame((60, 44), content, 0, SD), selection) {
+            continue;
+        }
         for (step, content) in [content, content, flat, Content::Noise(7), content].into_iter().enumerate() {
             track_and_check(&mut tracker, &frame((60, 44), content, 33 * (step as u64 + 1), SD), None);
         }
@@ -180,11 +197,13 @@ fn a_box_without_area_or_outside_is_refused_and_nothing_is_tracked() {
 
 #[test]
 fn pictures_of_a_few_pixels_are_pictures() {
-    for size in [(1, 1), (2, 2), (3, 1), (1, 3), (1, 40), (40, 1), (5, 4)] {
+    for size in [(1, 1), (2, 2), (3, 1), (1, 3), (1, 40), (40, 1), (5, 4), (6, 4), (40, 4), (6, 40)] {
         for content in PATTERNED {
             let mut tracker = tracker();
             let whole = pixels(0.0, 0.0, f64::from(size.0), f64::from(size.1));
-            select(&mut tracker, &frame(size, content, 0, SD), whole).unwrap();
+            if !is_selected(&mut tracker, &frame(size, content, 0, SD), whole) {
+                continue;
+            }
             for step in 1..4 {
                 track_and_check(&mut tracker, &frame(size, content, 33 * step, SD), None);
             }
@@ -198,7 +217,7 @@ fn pictures_of_a_few_pixels_are_pictures() {
 fn what_has_no_pattern_can_be_selected() {
     for content in FLAT {
         for selection in
-            [pixels(0.0, 0.0, 60.0, 44.0), pixels(20.0, 12.0, 14.0, 14.0), pixels(3.0, 3.0, 1.0, 1.0)]
+            [pixels(0.0, 0.0, 60.0, 44.0), pixels(20.0, 12.0, 14.0, 14.0), pixels(3.0, 3.0, 6.0, 4.0)]
         {
             let mut tracker = tracker();
             select(&mut tracker, &frame((60, 44), content, 0, SD), selection).unwrap();
@@ -211,19 +230,20 @@ fn what_has_no_pattern_can_be_selected() {
 }
 
 #[test]
-fn a_sliver_of_a_pixel_is_taken_for_the_pixel() {
+fn a_selection_of_a_few_pixels_is_refused_and_the_earlier_target_kept() {
     let scene = frame((60, 44), PATTERNED[1], 0, SD);
-    for selection in
-        [pixels(30.2, 20.1, 1e-9, 1e-9), pixels(30.2, 20.0, 1e-9, 1.0), pixels(29.3, 20.0, 1.0 + 1e-9, 0.6)]
-    {
-        let mut tracker = tracker();
-        let report = tracker.select(&scene, selection).unwrap();
-        assert_eq!((report.used.w, report.used.h), (1.0, 1.0), "{selection}");
+    let mut tracker = tracker();
+    select(&mut tracker, &scene, pixels(20.0, 12.0, 14.0, 14.0)).unwrap();
+    for selection in [
+        pixels(30.2, 20.1, 1e-9, 1e-9),
+        pixels(20.0, 12.0, 5.0, 14.0),
+        pixels(20.0, 12.0, 14.0, 3.0),
+        // Large enough, but not in the picture.
+        pixels(-9.0, 3.0, 14.0, 20.0),
+    ] {
+        assert!(!is_selected(&mut tracker, &scene, selection), "{selection}");
         track_and_check(&mut tracker, &scene, None);
     }
-    let mut tracker = tracker();
-    select(&mut tracker, &scene, pixels(-1.0 + 1e-9, 3.0, 1.0, 20.0)).unwrap();
-    track_and_check(&mut tracker, &scene, None);
 }
 
 #[test]
@@ -251,8 +271,10 @@ fn a_picture_may_become_one_of_any_other_size() {
         for to in sizes.into_iter().chain([(0, 0), (60, 0), (0, 3)]) {
             let mut tracker = tracker();
             let (w, h) = (f64::from(from.0), f64::from(from.1));
-            let selection = pixels(0.3 * w, 0.3 * h, 0.3 * w, 0.3 * h);
-            select(&mut tracker, &frame(from, PATTERNED[0], 0, SD), selection).unwrap();
+            let selection = pixels(0.2 * w, 0.2 * h, 0.5 * w, 0.5 * h);
+            if !is_selected(&mut tracker, &frame(from, PATTERNED[0], 0, SD), selection) {
+                continue;
+            }
             for (step, size) in [from, to, to, from].into_iter().enumerate() {
                 track_and_check(&mut tracker, &frame(size, PATTERNED[0], 33 * step as u64 + 33, SD), None);
             }

@@ -1,0 +1,474 @@
+//! The refinement network: from the cells of a window to the box, its expected error and its probability.
+//!
+//! | layer | from | to |
+//! |---|---|---|
+//! | convolution 3 x 3, stride 2 | 11 x 32 x 32 | 12 x 16 x 16 |
+//! | convolution 3 x 3 | 12 x 16 x 16 | 16 x 16 x 16 |
+//! | convolution 3 x 3, dilation 2, added to its input | 16 x 16 x 16 | 16 x 16 x 16 |
+//! | for each axis: maximum and mean over the other axis | 16 x 16 x 16 | 32 x 16 |
+//! | for each axis: convolution 3 | 32 x 16 | 12 x 16 |
+//! | for each axis: dense | 192 | 24 |
+//! | for each axis: dense: shifts of both edges, logarithms of their errors | 24 | 4 |
+//! | dense, from the mean, the maximum and the mean of the middle of each map, both axes and the measurements | 108 | 16 |
+//! | dense: log-odds of the box | 16 | 1 |
+//!
+//! Both axes share their weights. After each layer but the answers, negative values become 0. About 1.3 million
+//! multiplications.
+
+use std::sync::{Arc, LazyLock};
+
+use thiserror::Error;
+
+use super::window::{MEASUREMENTS, RefinementWindow, WINDOW_CHANNELS, WINDOW_SIDE_CELLS};
+use crate::simd::simd_kernel;
+
+/// Side of the maps.
+const SIDE: usize = WINDOW_SIDE_CELLS / 2;
+/// Side of the maps with a border of two cells.
+const PADDED: usize = SIDE + 4;
+/// Channels after the first convolution and after the others.
+const FIRST: usize = 12;
+const SECOND: usize = 16;
+/// Channels of the profile of an axis, and values that its edges are computed from.
+const PROFILE: usize = 12;
+const EDGE: usize = 24;
+/// Answers for an axis: the shifts of both edges, and the logarithms of their errors.
+const ANSWERS: usize = 4;
+/// Values that the probability is computed from, and its inputs.
+const JUDGE: usize = 16;
+const JUDGED: usize = 3 * SECOND + 2 * EDGE + MEASUREMENTS;
+/// Cells in the middle of the maps, along each axis.
+const MIDDLE: core::ops::Range<usize> = 5..11;
+/// Channels that are summed at the same time.
+const BLOCK: usize = 4;
+/// Scale of the shifts of the edges, in sides of the window.
+const SHIFT_SCALE: f32 = 0.4;
+/// Offset and range of the logarithms of the errors.
+const ERROR_OFFSET: f32 = -1.5;
+const ERROR_RANGE: (f32, f32) = (-4.0, 3.0);
+
+/// Cells of one phase of the input: every second column of every second row, with a border.
+const PHASE: usize = (SIDE + 1) * (SIDE + 1);
+
+/// Weights of one layer: for each output the weights of all inputs, or, in convolutions, for each input those of all
+/// outputs.
+#[derive(Debug)]
+struct Layer {
+    weights: Vec<f32>,
+    bias: Vec<f32>,
+}
+
+/// The weights of the network.
+#[derive(Debug)]
+pub struct RefinementWeights {
+    first: Layer,
+    second: Layer,
+    third: Layer,
+    profile: Layer,
+    edge: Layer,
+    answer: Layer,
+    judge: Layer,
+    odds: Layer,
+}
+
+/// Why weights cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum RefinementWeightsError {
+    /// The length is wrong.
+    #[error("the weights of the refinement network take {expected} bytes, not {found}")]
+    Length {
+        /// Number of bytes that the network takes.
+        expected: usize,
+        /// Number of bytes given.
+        found: usize,
+    },
+    /// A weight is not finite.
+    #[error("weight {index} of the refinement network is not a finite number")]
+    NotFinite {
+        /// Index of the weight, from 0.
+        index: usize,
+    },
+}
+
+/// Inputs and outputs of the layers, in the order of the file.
+const LAYERS: [(usize, usize); 8] = [
+    (9 * WINDOW_CHANNELS, FIRST),
+    (9 * FIRST, SECOND),
+    (9 * SECOND, SECOND),
+    (3 * 2 * SECOND, PROFILE),
+    (SIDE * PROFILE, EDGE),
+    (EDGE, ANSWERS),
+    (JUDGED, JUDGE),
+    (JUDGE, 1),
+];
+
+static BUILT_IN: LazyLock<Arc<RefinementWeights>> = LazyLock::new(|| {
+    #[allow(clippy::expect_used, reason = "a test reads the same bytes")]
+    let weights = RefinementWeights::from_bytes(include_bytes!("network.weights"))
+        .expect("the built-in weights are valid");
+    Arc::new(weights)
+});
+
+impl RefinementWeights {
+    /// The weights that the program was built with.
+    pub fn built_in() -> Arc<Self> {
+        Arc::clone(&BUILT_IN)
+    }
+
+    /// Reads weights: little-endian numbers of 32 bits, layer by layer the weights, output by output, and the biases.
+    ///
+    /// # Errors
+    /// If the number of bytes is wrong, or a weight is not finite.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, RefinementWeightsError> {
+        let expected = 4 * LAYERS.iter().map(|(inputs, outputs)| (inputs + 1) * outputs).sum::<usize>();
+        if bytes.len() != expected {
+            return Err(RefinementWeightsError::Length { expected, found: bytes.len() });
+        }
+        let values: Vec<f32> =
+            bytes.as_chunks::<4>().0.iter().map(|number| f32::from_le_bytes(*number)).collect();
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return Err(RefinementWeightsError::NotFinite { index });
+        }
+        let mut rest = values.as_slice();
+        let mut take = |count: usize| {
+            let (taken, after) = rest.split_at(count);
+            rest = after;
+            taken.to_vec()
+        };
+        let [first, second, third, profile, edge, answer, judge, odds] =
+            LAYERS.map(|(inputs, outputs)| Layer { weights: take(inputs * outputs), bias: take(outputs) });
+        Ok(Self {
+            first: first.with_outputs_innermost(),
+            second: second.with_outputs_innermost(),
+            third: third.with_outputs_innermost(),
+            profile: profile.with_outputs_innermost(),
+            edge,
+            answer,
+            judge,
+            odds,
+        })
+    }
+}
+
+impl Layer {
+    /// The same layer with the weights of all outputs beside each other, for each input.
+    fn with_outputs_innermost(self) -> Self {
+        let outputs = self.bias.len();
+        let inputs = self.weights.len() / outputs;
+        let weights =
+            (0..self.weights.len()).map(|k| self.weights[(k % outputs) * inputs + k / outputs]).collect();
+        Self { weights, ..self }
+    }
+}
+
+/// The answer of the network.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct RefinedBox {
+    /// Left, top, right and bottom edge, pixels.
+    pub(crate) edges: [f32; 4],
+    /// Expected absolute error of each edge, in sides of the window's box.
+    pub(crate) errors: [f32; 4],
+    /// Probability that the box has an IoU of at least 0.5 with the target, 0 to 1.
+    pub(crate) probability: f32,
+}
+
+/// The network with its buffers.
+#[derive(Debug)]
+pub(crate) struct RefinementNetwork {
+    weights: Arc<RefinementWeights>,
+    /// The input, for each channel in four phases: odd and even rows of odd and even columns.
+    input: Vec<f32>,
+    first: Vec<f32>,
+    second: Vec<f32>,
+    third: Vec<f32>,
+}
+
+impl RefinementNetwork {
+    pub(crate) fn new(weights: Arc<RefinementWeights>) -> Self {
+        Self {
+            weights,
+            input: vec![0.0; WINDOW_CHANNELS * 4 * PHASE],
+            first: vec![0.0; FIRST * PADDED * PADDED],
+            second: vec![0.0; SECOND * PADDED * PADDED],
+            third: vec![0.0; SECOND * SIDE * SIDE],
+        }
+    }
+
+    /// The weights.
+    pub(crate) fn weights(&self) -> Arc<RefinementWeights> {
+        Arc::clone(&self.weights)
+    }
+
+    /// Evaluates a window.
+    pub(crate) fn evaluate(&mut self, window: &RefinementWindow) -> RefinedBox {
+        split_phases(self, window);
+        let mut answer = Answer::default();
+        evaluate_layers(self, &window.measurements, &mut answer);
+        let (width, height) = window.box_size;
+        let (u, v) = window.centre;
+        let edge = |from_centre: f32, axis: usize, k: usize| {
+            let (middle, side) = if axis == 0 { (u, window.sides.0) } else { (v, window.sides.1) };
+            middle + from_centre + SHIFT_SCALE * side * answer.axes[axis][k]
+        };
+        let error = |axis: usize, k: usize| {
+            libm::expf(answer.axes[axis][k].clamp(ERROR_RANGE.0, ERROR_RANGE.1) + ERROR_OFFSET)
+        };
+        RefinedBox {
+            edges: [
+                edge(-0.5 * width, 0, 0),
+                edge(-0.5 * height, 1, 0),
+                edge(0.5 * width, 0, 1),
+                edge(0.5 * height, 1, 1),
+            ],
+            errors: [error(0, 2), error(1, 2), error(0, 3), error(1, 3)],
+            probability: 1.0 / (1.0 + libm::expf(-answer.log_odds)),
+        }
+    }
+}
+
+/// The values of the last layers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Answer {
+    axes: [[f32; ANSWERS]; 2],
+    log_odds: f32,
+}
+
+/// Splits the input into phases, so that the first convolution reads neighbouring cells. A window with a stride of 2 and
+/// a border of 1 reads the odd columns before a cell, the even ones at the cell, and the odd ones after the cell.
+fn split_phases(network: &mut RefinementNetwork, window: &RefinementWindow) {
+    for channel in 0..WINDOW_CHANNELS {
+        for row in 0..WINDOW_SIDE_CELLS {
+            let line =
+                &window.cells[(channel * WINDOW_SIDE_CELLS + row) * WINDOW_SIDE_CELLS..][..WINDOW_SIDE_CELLS];
+            let (vertical, at) = if row % 2 == 1 { (0, row.div_ceil(2)) } else { (1, row / 2) };
+            let odd = (channel * 4 + vertical * 2) * PHASE + at * (SIDE + 1);
+            let even = odd + PHASE;
+            for k in 0..SIDE {
+                network.input[even + k] = line[2 * k];
+                network.input[odd + k + 1] = line[2 * k + 1];
+            }
+        }
+    }
+}
+
+/// One row of a convolution: `start` gives the place in `map` from which the inputs of a tap are read.
+#[inline(always)]
+fn convolve_row<const OUTPUTS: usize>(
+    layer: &Layer,
+    map: &[f32],
+    taps: usize,
+    start: impl Fn(usize) -> usize,
+    out: &mut [[f32; SIDE]; OUTPUTS],
+) {
+    for (block, out) in out.chunks_exact_mut(BLOCK).enumerate() {
+        let mut sums = [[0.0_f32; SIDE]; BLOCK];
+        for (sums, bias) in sums.iter_mut().zip(&layer.bias[block * BLOCK..]) {
+            sums.fill(*bias);
+        }
+        for tap in 0..taps {
+            let line = &map[start(tap)..][..SIDE];
+            let weights = &layer.weights[tap * OUTPUTS + block * BLOCK..][..BLOCK];
+            for k in 0..BLOCK {
+                for x in 0..SIDE {
+                    sums[k][x] += weights[k] * line[x];
+                }
+            }
+        }
+        out.copy_from_slice(&sums);
+    }
+}
+
+simd_kernel! {
+fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASUREMENTS], answer: &mut Answer) {
+    let weights = Arc::clone(&network.weights);
+    // Phase and shift of the three taps along an axis.
+    const TAPS: [(usize, usize); 3] = [(0, 0), (1, 0), (0, 1)];
+    for row in 0..SIDE {
+        let mut sums = [[0.0_f32; SIDE]; FIRST];
+        let start = |tap: usize| {
+            let ((vertical, down), (horizontal, right)) = (TAPS[tap % 9 / 3], TAPS[tap % 3]);
+            (tap / 9 * 4 + vertical * 2 + horizontal) * PHASE + (row + down) * (SIDE + 1) + right
+        };
+        convolve_row(&weights.first, &network.input, 9 * WINDOW_CHANNELS, start, &mut sums);
+        for (channel, sum) in sums.iter().enumerate() {
+            let out = &mut network.first[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
+            for x in 0..SIDE {
+                out[x] = sum[x].max(0.0);
+            }
+        }
+    }
+    for row in 0..SIDE {
+        let mut sums = [[0.0_f32; SIDE]; SECOND];
+        let start = |tap: usize| (tap / 9 * PADDED + row + tap % 9 / 3 + 1) * PADDED + tap % 3 + 1;
+        convolve_row(&weights.second, &network.first, 9 * FIRST, start, &mut sums);
+        for (channel, sum) in sums.iter().enumerate() {
+            let out = &mut network.second[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
+            for x in 0..SIDE {
+                out[x] = sum[x].max(0.0);
+            }
+        }
+    }
+    for row in 0..SIDE {
+        let mut sums = [[0.0_f32; SIDE]; SECOND];
+        let start = |tap: usize| (tap / 9 * PADDED + row + 2 * (tap % 9 / 3)) * PADDED + 2 * (tap % 3);
+        convolve_row(&weights.third, &network.second, 9 * SECOND, start, &mut sums);
+        for (channel, sum) in sums.iter().enumerate() {
+            let before = &network.second[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
+            let out = &mut network.third[(channel * SIDE + row) * SIDE..][..SIDE];
+            for x in 0..SIDE {
+                out[x] = (sum[x] + before[x]).max(0.0);
+            }
+        }
+    }
+    // The profiles of both axes, with a border of one cell on either side.
+    let mut profiles = [[[0.0_f32; SIDE + 2]; 2 * SECOND]; 2];
+    let mut judged = [0.0_f32; JUDGED];
+    for channel in 0..SECOND {
+        let map = &network.third[channel * SIDE * SIDE..][..SIDE * SIDE];
+        let (mut sum, mut most, mut middle) = (0.0_f32, 0.0_f32, 0.0_f32);
+        for row in 0..SIDE {
+            let line = &map[row * SIDE..][..SIDE];
+            let (mut row_sum, mut row_most) = (0.0_f32, 0.0_f32);
+            for x in 0..SIDE {
+                row_sum += line[x];
+                row_most = row_most.max(line[x]);
+                profiles[0][channel][x + 1] = profiles[0][channel][x + 1].max(line[x]);
+                profiles[0][SECOND + channel][x + 1] += line[x] * (1.0 / SIDE as f32);
+            }
+            profiles[1][channel][row + 1] = row_most;
+            profiles[1][SECOND + channel][row + 1] = row_sum * (1.0 / SIDE as f32);
+            sum += row_sum;
+            most = most.max(row_most);
+            if MIDDLE.contains(&row) {
+                middle += line[MIDDLE].iter().sum::<f32>();
+            }
+        }
+        judged[channel] = sum / (SIDE * SIDE) as f32;
+        judged[SECOND + channel] = most;
+        judged[2 * SECOND + channel] = middle / (MIDDLE.len() * MIDDLE.len()) as f32;
+    }
+    for (axis, profile) in profiles.iter().enumerate() {
+        let mut sums = [[0.0_f32; SIDE]; PROFILE];
+        let start = |tap: usize| tap / 3 * (SIDE + 2) + tap % 3;
+        convolve_row(&weights.profile, profile.as_flattened(), 3 * 2 * SECOND, start, &mut sums);
+        let values = sums.as_flattened_mut();
+        for value in values.iter_mut() {
+            *value = value.max(0.0);
+        }
+        let edge = &mut judged[3 * SECOND + axis * EDGE..][..EDGE];
+        dense(&weights.edge, values, edge);
+        for value in edge.iter_mut() {
+            *value = value.max(0.0);
+        }
+        dense(&weights.answer, edge, &mut answer.axes[axis]);
+    }
+    judged[3 * SECOND + 2 * EDGE..].copy_from_slice(measurements);
+    let mut judge = [0.0_f32; JUDGE];
+    dense(&weights.judge, &judged, &mut judge);
+    for value in &mut judge {
+        *value = value.max(0.0);
+    }
+    let mut log_odds = [0.0];
+    dense(&weights.odds, &judge, &mut log_odds);
+    answer.log_odds = log_odds[0];
+}
+}
+
+/// A layer in which each output depends on each input.
+#[inline(always)]
+fn dense(layer: &Layer, inputs: &[f32], outputs: &mut [f32]) {
+    /// Partial sums, for vector instructions.
+    const PARTS: usize = 8;
+    for ((weights, bias), out) in
+        layer.weights.chunks_exact(inputs.len()).zip(&layer.bias).zip(outputs.iter_mut())
+    {
+        let mut sums = [0.0_f32; PARTS];
+        let ((w, w_rest), (x, x_rest)) = (weights.as_chunks::<PARTS>(), inputs.as_chunks::<PARTS>());
+        for (w, x) in w.iter().zip(x) {
+            for k in 0..PARTS {
+                sums[k] += w[k] * x[k];
+            }
+        }
+        let rest: f32 = w_rest.iter().zip(x_rest).map(|(w, x)| w * x).sum();
+        *out = bias + sums.iter().sum::<f32>() + rest;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bytes of weights that are all zero, but for the biases of the answers.
+    fn weights_with_answers(answers: [f32; ANSWERS], log_odds: f32) -> Vec<u8> {
+        let mut values = Vec::new();
+        for (index, (inputs, outputs)) in LAYERS.into_iter().enumerate() {
+            values.extend(core::iter::repeat_n(0.0, inputs * outputs));
+            match index {
+                5 => values.extend(answers),
+                7 => values.push(log_odds),
+                _ => values.extend(core::iter::repeat_n(0.0, outputs)),
+            }
+        }
+        values.iter().flat_map(|value: &f32| value.to_le_bytes()).collect()
+    }
+
+    #[test]
+    fn the_built_in_weights_are_valid() {
+        assert!(RefinementWeights::from_bytes(include_bytes!("network.weights")).is_ok());
+    }
+
+    #[test]
+    fn other_bytes_are_refused() {
+        let bytes = weights_with_answers([0.0; ANSWERS], 0.0);
+        let found = bytes.len() - 4;
+        assert_eq!(
+            RefinementWeights::from_bytes(&bytes[..found]).err(),
+            Some(RefinementWeightsError::Length { expected: bytes.len(), found })
+        );
+        let mut bytes = bytes;
+        bytes[40..44].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert_eq!(
+            RefinementWeights::from_bytes(&bytes).err(),
+            Some(RefinementWeightsError::NotFinite { index: 10 })
+        );
+    }
+
+    #[test]
+    fn answers_become_edges_in_pixels() {
+        let weights =
+            RefinementWeights::from_bytes(&weights_with_answers([0.1, -0.05, 1.5, 9.0], 0.0)).unwrap();
+        let mut network = RefinementNetwork::new(Arc::new(weights));
+        let mut window = RefinementWindow::default();
+        (window.centre, window.sides, window.box_size) = ((200.0, 100.0), (100.0, 50.0), (40.0, 20.0));
+        let refined = network.evaluate(&window);
+        assert_eq!(refined.probability, 0.5);
+        // Shifts of 0.1 and -0.05 times 0.4 sides of the window.
+        for (edge, expected) in refined.edges.into_iter().zip([184.0, 92.0, 218.0, 109.0]) {
+            assert!((edge - expected).abs() < 1e-3, "{:?}", refined.edges);
+        }
+        // The errors are limited.
+        for (error, expected) in refined.errors.into_iter().zip([1.0, 1.0, 4.4817, 4.4817]) {
+            assert!((error - expected).abs() < 1e-3, "{:?}", refined.errors);
+        }
+    }
+
+    #[test]
+    fn the_convolutions_read_the_cells_around_theirs() {
+        // One weight of each convolution: the first reads (row - 1, column + 1) of channel 2, the others the cell itself.
+        let mut values: Vec<f32> = LAYERS.iter().flat_map(|(i, o)| vec![0.0; (i + 1) * o]).collect();
+        values[2 * 9 + 2] = 1.0;
+        let second = (LAYERS[0].0 + 1) * LAYERS[0].1;
+        values[second + 4] = 1.0;
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let mut network = RefinementNetwork::new(Arc::new(RefinementWeights::from_bytes(&bytes).unwrap()));
+        let mut window = RefinementWindow::default();
+        let index = |channel: usize, row: usize, column: usize| (channel * 32 + row) * 32 + column;
+        window.cells[index(2, 9, 13)] = 7.0;
+        network.evaluate(&window);
+        // Row 2 r - 1 = 9 and column 2 c + 1 = 13.
+        for (at, value) in network.third[..SIDE * SIDE].iter().enumerate() {
+            let expected = if at == 5 * SIDE + 6 { 7.0 } else { 0.0 };
+            assert_eq!(*value, expected, "{at}");
+        }
+    }
+}
