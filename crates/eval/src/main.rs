@@ -2,7 +2,7 @@
 //! and fits parameters, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|simulator|law|tune|views|fit
+//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|law|tune|views|fit
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -42,6 +42,8 @@ enum Command {
     Tracker(tracker::Options),
     /// Measure selections that were drawn on an earlier video frame.
     Selection(tracker::past_selection::SelectionOptions),
+    /// Write samples for fitting the tracker's refinement network.
+    TrainingSamples(tracker::training_samples::TrainingOptions),
     /// Compare simulated trials with recorded ones.
     Simulator(simulator::Options),
     /// Compare the camera laws on the same seeds.
@@ -58,6 +60,9 @@ fn main() -> ExitCode {
     let (name, result) = match Cli::parse().command {
         Command::Tracker(options) => ("tracker", tracker::run(&options)),
         Command::Selection(options) => ("selection", tracker::past_selection::run(&options)),
+        Command::TrainingSamples(options) => {
+            ("training-samples", tracker::training_samples::run(&options).map(|()| true))
+        }
         Command::Simulator(options) => ("simulator", simulator::run(&options)),
         Command::Law(options) => ("law", law::run(&options)),
         Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),

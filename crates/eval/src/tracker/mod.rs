@@ -29,6 +29,7 @@ mod orientation;
 mod leave_one_out;
 
 pub(crate) mod past_selection;
+pub(crate) mod training_samples;
 
 mod opencv;
 mod synthetic_scenes;
@@ -50,10 +51,11 @@ mod test_clip;
 
 pub(crate) use options::Options;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use serde_json::json;
 
 use requirements::Requirements;
+use tracker_under_test::HeldOutWeights;
 
 /// Measures the chosen parts. Returns whether every requirement that was judged holds.
 ///
@@ -63,9 +65,15 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let options = options.with_implied_parts();
     let config = tuned_settings::config_with_changes(&options.set)?;
     let mut requirements = Requirements::default();
+    let held_out = options.weights.as_deref().map(HeldOutWeights::load).transpose()?.unwrap_or_default();
+    if options.weights.is_some() {
+        let folders = options.clip_folders()?;
+        let missing = held_out.missing(folders.iter().map(|folder| folder.name.as_str()));
+        ensure!(missing.is_empty(), "--weights has none for the recordings of {}", missing.join(", "));
+    }
     #[allow(clippy::expect_used, reason = "the tracker has accepted the settings above")]
-    let factory = || {
-        tracker_under_test::build_tracker(&config)
+    let factory = |clip: &str| {
+        tracker_under_test::build_tracker_for(&config, &held_out, clip)
             .expect("settings that were accepted once are accepted again")
     };
     let table = options.table.then(|| clip_table::run(&options, &factory, &mut requirements)).transpose()?;

@@ -22,6 +22,10 @@ pub(crate) struct Options {
     /// Only this clip (repeatable). Requirements on means over clips are then not judged.
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Vec<String>,
+    /// Weights of the refinement network for each recording: a folder of files NAME.weights, each fitted without the
+    /// recording of the clip NAME.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) weights: Option<PathBuf>,
     /// The table of clips: quality and cost. The default.
     #[arg(long)]
     pub(crate) table: bool,

@@ -23,7 +23,7 @@ pub(crate) fn score_perturbed_selections(factory: TrackerFactory<'_>, clip: &Cli
     let mut scores = Vec::new();
     for number in 0..SELECTIONS {
         let selection = perturbed(clip.selection, &mut Rng::from_name(&clip.name, number));
-        scores.push(run_tracker(factory().as_mut(), clip, selection).score(clip));
+        scores.push(run_tracker(factory(&clip.name).as_mut(), clip, selection).score(clip));
     }
     scores
 }

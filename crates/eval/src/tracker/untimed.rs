@@ -41,7 +41,7 @@ struct UntimedClip {
 impl UntimedClip {
     fn measure(options: &Options, factory: TrackerFactory<'_>, folder: &ClipFolder) -> Result<Self> {
         let clip = folder.load()?;
-        let run = run_tracker(factory().as_mut(), &clip, clip.selection);
+        let run = run_tracker(factory(&clip.name).as_mut(), &clip, clip.selection);
         Ok(Self {
             exact: run.score(&clip),
             labelled: labelled_frames(&clip, &run),

@@ -12,8 +12,10 @@ use crate::features::PatchPose;
 
 /// An observation whose refined box is less probable is rejected.
 const MIN_PROBABILITY: f32 = 0.05;
-/// With a more probable box, an observation needs less evidence by this amount.
+/// With a more probable box, at least this relative contrast of the colour, and the whole box in the picture, an
+/// observation needs less evidence by this amount.
 const CONVINCING_PROBABILITY: f32 = 0.4;
+const CONVINCING_CONTRAST: f32 = 0.3;
 const CONVINCING_EVIDENCE: f32 = 6.0;
 /// A less probable box is compared with that of the second peak, which must be more probable by this much.
 const DOUBTFUL_PROBABILITY: f32 = 0.7;
@@ -94,11 +96,12 @@ impl Workspace {
         let probability = self.refined.probability;
         let distance_factor = target.distance_factor(&observation);
         let evidence = observation.evidence(config, target);
-        let required = if probability > CONVINCING_PROBABILITY {
-            config.seen as f32 - CONVINCING_EVIDENCE
-        } else {
-            config.seen as f32
-        };
+        // A box at the border may be all that is left of a target that leaves the picture.
+        let is_convincing = probability > CONVINCING_PROBABILITY
+            && observation.relative_contrast(target).is_none_or(|share| share >= CONVINCING_CONTRAST)
+            && !target.geometry.touches_border_at(observation.centre);
+        let required =
+            if is_convincing { config.seen as f32 - CONVINCING_EVIDENCE } else { config.seen as f32 };
         let is_recognised = !matches!(target.phase, Phase::Confirming { .. })
             || self.is_still_recognised(config, target, picture, &observation);
         if evidence < required * distance_factor

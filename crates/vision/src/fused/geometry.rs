@@ -168,9 +168,18 @@ impl TargetGeometry {
 
     /// Whether part of the target's box lies outside the picture.
     pub(super) fn touches_border(&self) -> bool {
+        self.is_cut_off(self.centre)
+    }
+
+    /// The same where the filter's response lies at `place`, pixels.
+    pub(super) fn touches_border_at(&self, place: (f32, f32)) -> bool {
+        self.is_cut_off(self.box_centre_at(place))
+    }
+
+    /// Whether part of the target's box with its centre at `(u, v)` lies outside the picture.
+    fn is_cut_off(&self, (u, v): (f32, f32)) -> bool {
         let (w, h) = self.upright_box();
         let picture = self.picture_size();
-        let (u, v) = self.centre;
         u < 0.5 * w || v < 0.5 * h || u > picture.0 - 0.5 * w || v > picture.1 - 0.5 * h
     }
 

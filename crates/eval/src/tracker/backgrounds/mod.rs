@@ -21,7 +21,8 @@ use crate::output::print_line;
 use crate::parallel;
 use generated::generated_clips;
 use outcome::{JudgedSelection, MIN_CLAIM, Outcome, Tally};
-use placement::{JUDGED_AFTER_S, draw_selections};
+use placement::JUDGED_AFTER_S;
+pub(crate) use placement::draw_selections;
 
 /// Selections of each clip and of each generated scene: 300 on 38 clips and 12 scenes. A target that fills a clip's
 /// picture leaves no room for any.
@@ -39,9 +40,9 @@ pub(crate) struct BackgroundRuns {
 impl BackgroundRuns {
     /// Draws, tracks and judges the selections of a clip.
     pub(crate) fn measure(factory: TrackerFactory<'_>, clip: &Clip) -> Self {
-        let selections = draw_selections(clip, SELECTIONS)
+        let selections = draw_selections(clip, SELECTIONS, 0)
             .into_iter()
-            .map(|selection| JudgedSelection::measure(factory().as_mut(), clip, selection));
+            .map(|selection| JudgedSelection::measure(factory(&clip.name).as_mut(), clip, selection));
         Self { name: clip.name.clone(), selections: selections.collect() }
     }
 

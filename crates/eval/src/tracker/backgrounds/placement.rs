@@ -27,21 +27,21 @@ const MAX_PLACES_ANYWHERE: usize = 2000;
 
 /// A selection of the background.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct BackgroundSelection {
+pub(crate) struct BackgroundSelection {
     /// The frame in which the box is selected.
-    pub(super) frame: usize,
-    pub(super) bounds: PixelBox,
+    pub(crate) frame: usize,
+    pub(crate) bounds: PixelBox,
     /// The frame next to [`JUDGED_AFTER_S`] later.
     pub(super) judged: usize,
 }
 
-/// Draws this many selections, spread over the clip: fewer where there is no room beside the target. The same clip
-/// gives the same selections.
-pub(super) fn draw_selections(clip: &Clip, count: usize) -> Vec<BackgroundSelection> {
+/// Draws this many selections, spread over the clip: fewer where there is no room beside the target. The same clip and
+/// seed give the same selections; those of seed 0 are measured, and no other use takes them.
+pub(crate) fn draw_selections(clip: &Clip, count: usize, seed: u64) -> Vec<BackgroundSelection> {
     let extent = TargetExtent::from_clip(clip);
     let candidates: Vec<Candidate> =
         (0..clip.frames.len()).filter_map(|frame| Candidate::new(clip, &extent, frame)).collect();
-    let mut rng = Rng::from_name(&format!("background of {}", clip.name), 0);
+    let mut rng = Rng::from_name(&format!("background of {}", clip.name), seed);
     let mut selections = Vec::with_capacity(count);
     for part in 0..count {
         let part = &candidates[part * candidates.len() / count..(part + 1) * candidates.len() / count];
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn selections_lie_beside_the_target_and_spread_over_the_clip() {
         let clip = test_clip();
-        let selections = draw_selections(&clip, 6);
+        let selections = draw_selections(&clip, 6, 0);
         assert_eq!(selections.len(), 6);
         for selection in &selections {
             assert_eq!(selection.judged, selection.frame + 10, "ten frames a second");
@@ -127,14 +127,14 @@ mod tests {
             }
         }
         assert!(selections.is_sorted_by_key(|selection| selection.frame));
-        assert_eq!(selections, draw_selections(&clip, 6));
+        assert_eq!(selections, draw_selections(&clip, 6, 0));
     }
 
     #[test]
     fn no_selection_needs_frames_after_the_last_label() {
         let mut clip = test_clip();
         clip.labels[21..].fill(None);
-        let selections = draw_selections(&clip, 6);
+        let selections = draw_selections(&clip, 6, 0);
         assert_eq!(selections.len(), 6);
         assert!(selections.iter().all(|selection| selection.judged <= 20), "{selections:?}");
     }
@@ -144,6 +144,6 @@ mod tests {
         let mut clip = test_clip();
         let whole_picture = clip.size().bounds();
         clip.labels.fill(Some(Label::Visible(whole_picture)));
-        assert!(draw_selections(&clip, 6).is_empty());
+        assert!(draw_selections(&clip, 6, 0).is_empty());
     }
 }

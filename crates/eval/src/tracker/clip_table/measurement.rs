@@ -52,12 +52,12 @@ impl ClipMeasurement {
         opencv: Option<&mut OpencvProcess>,
     ) -> Result<Self> {
         let clip = folder.load()?;
-        let run = run_tracker(factory().as_mut(), &clip, clip.selection);
+        let run = run_tracker(factory(&clip.name).as_mut(), &clip, clip.selection);
         let opencv = opencv.map(|opencv| opencv.run(folder, &clip)).transpose()?;
         let perturbed = options.jitter.then(|| score_perturbed_selections(factory, &clip));
         let upscaled = (options.upscaled && clip.size() == HD).then(|| {
             let clip = upscale::enlarged(&clip);
-            let run = run_tracker(factory().as_mut(), &clip, clip.selection);
+            let run = run_tracker(factory(&clip.name).as_mut(), &clip, clip.selection);
             (run.score(&clip), run.cpu_ms())
         });
         Ok(Self {

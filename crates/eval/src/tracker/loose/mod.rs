@@ -41,7 +41,7 @@ impl LooseRuns {
     pub(crate) fn measure(factory: TrackerFactory<'_>, clip: &Clip) -> Self {
         let mut runs = Self { scores: Vec::new(), refused: 0, labelled: Vec::new() };
         for selection in loose_selections(clip.selection) {
-            let run = run_tracker(factory().as_mut(), clip, selection);
+            let run = run_tracker(factory(&clip.name).as_mut(), clip, selection);
             runs.scores.push(run.score(clip));
             runs.refused += usize::from(run.selection_error.is_some());
             runs.labelled.extend(labelled_frames(clip, &run));
