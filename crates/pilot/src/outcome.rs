@@ -150,6 +150,9 @@ impl fmt::Display for Notice {
                 if report.is_clipped {
                     f.write_str(" (cut off at the picture's edge)")?;
                 }
+                if report.is_refined {
+                    f.write_str(" (a tighter box than the one drawn)")?;
+                }
                 write!(f, "; {:.0} % of it has a colour to go by", report.coloured_share * 100.0)
             }
             Self::SelectionRefused(refusal) => refusal.fmt(f),

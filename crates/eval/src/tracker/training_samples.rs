@@ -194,7 +194,7 @@ impl Samples {
             let Some(label) = label(frame) else { continue };
             let Some(window) = tracker.refinement_window() else { continue };
             self.add(clip, [start, frame], &track, window, label, kind);
-            let is_moved = (frame + start) % 2 == 0 && !matches!(kind, Kind::Background);
+            let is_moved = (frame + start).is_multiple_of(2) && !matches!(kind, Kind::Background);
             if is_moved && track.localisation().is_some() {
                 let mut deviate = |deviation: f64| rng.approximately_normal() * deviation;
                 let size = deviate(SIZE_DEVIATION).clamp(-MAX_SIZE_LOGARITHM, MAX_SIZE_LOGARITHM);

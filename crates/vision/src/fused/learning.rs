@@ -122,7 +122,7 @@ impl Workspace {
         self.window.measurements.fill(0.0);
         self.references.clear();
         self.refine_box(&target, target.geometry.centre, target.geometry.upright_box());
-        target.memory.set(&self.window);
+        self.window.remember_selection(&mut target.memory);
         self.references.update(&self.crop, target.geometry.centre, frame.capture.at.as_secs_f64());
         (target, colours)
     }
@@ -201,7 +201,7 @@ impl Workspace {
     ) {
         let pose = target.patch_pose(config);
         self.features.extract(&mut self.crop, &pose, target.geometry.picture_size());
-        target.memory.adapt(&self.window);
+        self.window.remember_usual(&mut target.memory);
         // The filter learns the box's centre as its own place. Where the two differ, it learns faster.
         let (right, down) = target.geometry.offset;
         let boost = 1.0 + OFFSET_BOOST * libm::hypotf(right, down);

@@ -1,7 +1,5 @@
 //! What the window of the target showed at the selection, and what it usually shows.
 
-use super::window::{Channel, RefinementWindow};
-
 /// Rate at which the usual brightness follows that of a learned frame.
 const USUAL_RATE: f32 = 0.05;
 
@@ -17,20 +15,21 @@ pub(crate) struct WindowMemory {
 }
 
 impl WindowMemory {
-    /// Keeps the window of the selection.
-    pub(crate) fn set(&mut self, window: &RefinementWindow) {
-        let copy = |to: &mut Vec<f32>, channel| {
-            to.clear();
-            to.extend_from_slice(window.channel(channel));
-        };
-        copy(&mut self.selected, Channel::Brightness);
-        copy(&mut self.usual, Channel::Brightness);
-        copy(&mut self.selected_probability, Channel::TargetProbability);
+    /// Keeps the brightness and the target probability of the selection's window.
+    pub(super) fn set(&mut self, brightness: &[f32], probability: &[f32]) {
+        for (kept, cells) in [
+            (&mut self.selected, brightness),
+            (&mut self.usual, brightness),
+            (&mut self.selected_probability, probability),
+        ] {
+            kept.clear();
+            kept.extend_from_slice(cells);
+        }
     }
 
-    /// Adapts to the window of a frame that is learned from.
-    pub(crate) fn adapt(&mut self, window: &RefinementWindow) {
-        for (usual, new) in self.usual.iter_mut().zip(window.channel(Channel::Brightness)) {
+    /// Adapts to the brightness of the window of a frame that is learned from.
+    pub(super) fn adapt(&mut self, brightness: &[f32]) {
+        for (usual, new) in self.usual.iter_mut().zip(brightness) {
             *usual += USUAL_RATE * (new - *usual);
         }
     }

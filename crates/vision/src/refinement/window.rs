@@ -33,7 +33,7 @@ const MAX_CHROMA: f32 = 2.0;
 
 /// The channels in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Channel {
+enum Channel {
     /// Brightness less the window's mean, over twice its standard deviation.
     Brightness,
     /// Absolute gradient, over twice the window's mean.
@@ -162,12 +162,22 @@ impl RefinementWindow {
     }
 
     /// The cells of a channel.
-    pub(super) fn channel(&self, channel: Channel) -> &[f32] {
+    fn channel(&self, channel: Channel) -> &[f32] {
         &self.cells[channel as usize * CELLS..][..CELLS]
     }
 
     fn channel_mut(&mut self, channel: Channel) -> &mut [f32] {
         &mut self.cells[channel as usize * CELLS..][..CELLS]
+    }
+
+    /// Makes this window that of the selection.
+    pub(crate) fn remember_selection(&self, memory: &mut WindowMemory) {
+        memory.set(self.channel(Channel::Brightness), self.channel(Channel::TargetProbability));
+    }
+
+    /// Adapts the memory to this window.
+    pub(crate) fn remember_usual(&self, memory: &mut WindowMemory) {
+        memory.adapt(self.channel(Channel::Brightness));
     }
 
     /// Keeps the measurements of the observation.
