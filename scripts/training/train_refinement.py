@@ -4,7 +4,7 @@
     python3 scripts/training/train_refinement.py SAMPLES --output WEIGHTS [--folds 4]
 
 WEIGHTS is a folder. `all.weights` is fitted to all clips, and goes to crates/vision/src/refinement/network.weights.
-With --folds the recordings are divided into so many parts, and for each part a network is fitted to the others: the
+With --folds N the recordings are divided into N parts, and for each part a network is fitted to the others: the
 file NAME.weights of each clip is that of a network which never saw the clip's recording, for `barrelman-eval tracker
 --weights WEIGHTS`. Names of clips made from one recording begin with one of the prefixes of RECORDINGS.
 

@@ -209,18 +209,11 @@ impl Peak {
             }
         }
         let (row, column) = (best / SIDE, best % SIDE);
-        let at = |r: usize, c: usize| response[(r % SIDE) * SIDE + c % SIDE];
         let height = response[best];
-        let right =
-            signed_shift(column) + parabola_vertex(at(row, column + SIDE - 1), height, at(row, column + 1));
-        let down =
-            signed_shift(row) + parabola_vertex(at(row + SIDE - 1, column), height, at(row + 1, column));
         let (mut sum, mut squares, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);
         for (i, &value) in response.iter().enumerate() {
             let (r, c) = (i / SIDE, i % SIDE);
-            if circular_distance(r, row) > PEAK_RADIUS_CELLS
-                || circular_distance(c, column) > PEAK_RADIUS_CELLS
-            {
+            if is_beside_peak((r, c), (row, column)) {
                 sum += value;
                 squares += value * value;
                 count += 1.0;
@@ -229,44 +222,59 @@ impl Peak {
         let mean = sum / count;
         let std_dev = (squares / count - mean * mean).max(0.0).sqrt();
         let peak_to_sidelobe_ratio = if std_dev > 0.0 { (height - mean) / std_dev } else { 0.0 };
+        let (right, down) = interpolated_shift(response, row, column);
         Self { right, down, height, peak_to_sidelobe_ratio }
     }
-}
 
-impl Peak {
     /// The highest other local maximum that is not part of this peak; `None` where there is none above zero. Its
     /// peak-to-sidelobe ratio refers to the sidelobes of this peak.
     pub(crate) fn find_second(&self, response: &Map) -> Option<Self> {
         // Rounded cells of the peak: a cast after the remainder is lossless.
         let cell = |shift: f32| (libm::roundf(shift) as i32).rem_euclid(SIDE as i32) as usize;
         let (row, column) = (cell(self.down), cell(self.right));
-        let at = |r: usize, c: usize| response[(r % SIDE) * SIDE + c % SIDE];
-        let is_beside = |r: usize, c: usize| {
-            circular_distance(r, row) > PEAK_RADIUS_CELLS || circular_distance(c, column) > PEAK_RADIUS_CELLS
-        };
         let is_maximum = |r: usize, c: usize| {
-            let here = at(r, c);
-            here >= at(r, c + 1)
-                && here >= at(r, c + SIDE - 1)
-                && here >= at(r + 1, c)
-                && here >= at(r + SIDE - 1, c)
+            let here = cyclic(response, r, c);
+            [(r, c + 1), (r, c + SIDE - 1), (r + 1, c), (r + SIDE - 1, c)]
+                .into_iter()
+                .all(|(r, c)| here >= cyclic(response, r, c))
         };
         let mut best: Option<(usize, usize)> = None;
         let mut height = 0.0;
         for (index, &value) in response.iter().enumerate() {
             let (r, c) = (index / SIDE, index % SIDE);
-            if value > height && is_beside(r, c) && is_maximum(r, c) {
+            if value > height && is_beside_peak((r, c), (row, column)) && is_maximum(r, c) {
                 (best, height) = (Some((r, c)), value);
             }
         }
         let (r, c) = best.filter(|_| self.height > 0.0)?;
+        let (right, down) = interpolated_shift(response, r, c);
         Some(Self {
-            right: signed_shift(c) + parabola_vertex(at(r, c + SIDE - 1), height, at(r, c + 1)),
-            down: signed_shift(r) + parabola_vertex(at(r + SIDE - 1, c), height, at(r + 1, c)),
+            right,
+            down,
             height,
             peak_to_sidelobe_ratio: self.peak_to_sidelobe_ratio * height / self.height,
         })
     }
+}
+
+/// The value at a row and column, which wrap around.
+fn cyclic(response: &Map, row: usize, column: usize) -> f32 {
+    response[(row % SIDE) * SIDE + column % SIDE]
+}
+
+/// Whether a cell (row, column) lies outside the square around a peak's cell.
+fn is_beside_peak((r, c): (usize, usize), (row, column): (usize, usize)) -> bool {
+    circular_distance(r, row) > PEAK_RADIUS_CELLS || circular_distance(c, column) > PEAK_RADIUS_CELLS
+}
+
+/// Shift right and down of a maximum, interpolated by parabolas, cells.
+fn interpolated_shift(response: &Map, row: usize, column: usize) -> (f32, f32) {
+    let at = |r: usize, c: usize| cyclic(response, r, c);
+    let height = at(row, column);
+    (
+        signed_shift(column) + parabola_vertex(at(row, column + SIDE - 1), height, at(row, column + 1)),
+        signed_shift(row) + parabola_vertex(at(row + SIDE - 1, column), height, at(row + 1, column)),
+    )
 }
 
 /// Abscissa of the maximum of the parabola through three values at -1, 0 and 1; limited to -1/2 to 1/2, 0 if convex.

@@ -56,9 +56,7 @@ pub(crate) struct CropLuma {
 impl CropLuma {
     /// A grid placed on the picture, in samples of the map.
     pub(crate) fn to_samples(&self, grid: &SamplingGrid) -> SamplingGrid {
-        let scale = 1.0 / self.decimation;
-        let centre = ((grid.centre.0 - self.origin.0) * scale, (grid.centre.1 - self.origin.1) * scale);
-        SamplingGrid { centre, step: grid.step * scale, ..*grid }
+        grid.on_map(self.origin, 1.0 / self.decimation)
     }
 
     /// Becomes a copy of another, in the buffers that are there.
@@ -247,8 +245,7 @@ impl Crop {
 
     /// A grid placed on the picture, in samples of a map of `scale` samples per pixel.
     fn to_map_grid(&self, grid: &SamplingGrid, scale: f32) -> SamplingGrid {
-        let centre = ((grid.centre.0 - self.left as f32) * scale, (grid.centre.1 - self.top as f32) * scale);
-        SamplingGrid { centre, step: grid.step * scale, ..*grid }
+        grid.on_map((self.left as f32, self.top as f32), scale)
     }
 }
 

@@ -59,6 +59,13 @@ pub(crate) struct SamplingGrid {
 }
 
 impl SamplingGrid {
+    /// A grid placed on the picture, in samples of a map whose left upper corner is at `origin` (pixels) and which has
+    /// `scale` samples per pixel.
+    pub(crate) fn on_map(&self, origin: (f32, f32), scale: f32) -> Self {
+        let centre = ((self.centre.0 - origin.0) * scale, (self.centre.1 - origin.1) * scale);
+        Self { centre, step: self.step * scale, ..*self }
+    }
+
     /// Centre of a sample of a grid that is not rotated.
     pub(crate) fn sample_centre(&self, column: usize, row: usize) -> (f32, f32) {
         let from_middle = |index: usize, count: usize| index as f32 + 0.5 - 0.5 * count as f32;

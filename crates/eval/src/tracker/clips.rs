@@ -35,6 +35,20 @@ pub(crate) struct Clip {
 }
 
 impl Clip {
+    /// A clip whose selection is the first label with the target in view.
+    ///
+    /// # Errors
+    /// If the target is in view in no labelled frame.
+    pub(crate) fn new(name: String, frames: Vec<VideoFrame>, labels: Vec<Option<Label>>) -> Result<Self> {
+        let first = labels.iter().enumerate().find_map(|(frame, label)| match label {
+            Some(Label::Visible(bounds)) => Some((frame, *bounds)),
+            _ => None,
+        });
+        let (start, selection) =
+            first.with_context(|| format!("{name}: the target is visible in no labelled frame"))?;
+        Ok(Self { name, frames, labels, start, selection })
+    }
+
     /// Size of the pictures.
     pub(crate) fn size(&self) -> PictureSize {
         self.frames[self.start].picture.size()
@@ -124,13 +138,7 @@ impl ClipFolder {
         let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
         let text = if path.ends_with("truth.csv") { labels_of_truth(&text)? } else { text };
         let labels = parse_labels(&text, frames.len()).with_context(|| path.display().to_string())?;
-        let first = labels.iter().enumerate().find_map(|(frame, label)| match label {
-            Some(Label::Visible(bounds)) => Some((frame, *bounds)),
-            _ => None,
-        });
-        let (start, selection) = first
-            .with_context(|| format!("{}: the target is visible in no labelled frame", path.display()))?;
-        Ok(Clip { name: self.name.clone(), frames, labels, start, selection })
+        Clip::new(self.name.clone(), frames, labels).with_context(|| path.display().to_string())
     }
 }
 

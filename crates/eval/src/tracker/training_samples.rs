@@ -30,7 +30,7 @@ use crate::rng::Rng;
 const CELL_SCALE: f32 = 60.0;
 /// Smallest sides of a label that is selected, pixels.
 const MIN_LABEL_PX: f64 = 6.0;
-/// One selection of so many is exact.
+/// Every third selection is exact.
 const EXACT_INTERVAL: usize = 3;
 /// Range of the sizes of loose selections, of their proportions, and their largest distance, in sides.
 const LOOSE_SIZES: (f64, f64) = (0.8, 1.5);

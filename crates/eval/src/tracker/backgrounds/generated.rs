@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use barrelman_sim::water_scene::{SceneKind, SceneScript, WaterScene};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{Picture, PixelBox, Timestamp, VideoFrame};
@@ -85,10 +85,5 @@ fn clip(name: String, frames: impl Iterator<Item = (f64, Arc<Picture>, Option<Pi
         let visible = bounds.filter(|bounds| !bounds.is_empty());
         labels.push(Some(visible.map_or(Label::Absent, Label::Visible)));
     }
-    let first = labels.iter().enumerate().find_map(|(frame, label)| match label {
-        Some(Label::Visible(bounds)) => Some((frame, *bounds)),
-        _ => None,
-    });
-    let (start, selection) = first.with_context(|| format!("{name}: the target is never visible"))?;
-    Ok(Clip { name, frames: video, labels, start, selection })
+    Clip::new(name, video, labels)
 }
