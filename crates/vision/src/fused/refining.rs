@@ -78,9 +78,7 @@ impl Workspace {
             target.geometry.rescale(libm::powf(config.scale_step as f32, scale_steps));
             target.geometry.turn(turn_steps * turn_step);
             self.follow_silhouette(target, observation, seconds as f32);
-            if target.reference.is_some() {
-                self.correct_slipped_box(config, target, &frame.picture);
-            }
+            self.correct_slipped_box(config, target, &frame.picture);
         }
         if target.reference.is_none() {
             self.follow_refined_box(target, observation.centre);
@@ -183,7 +181,7 @@ impl Workspace {
         geometry.stretch_to(length, breadth, rate(SIZE_TIME_S));
     }
 
-    /// Moves a box back that slipped off its target while the filter adapted.
+    /// Moves a box with a silhouette back that slipped off its target while the filter adapted.
     ///
     /// Filter and silhouette are evaluated at the box. Once the box covers a part of the target, or its wake, both
     /// confirm that. Therefore the blob of the target's colour is followed at intervals from the box to its ends. If the
@@ -191,6 +189,7 @@ impl Workspace {
     /// onto it and the filter is retrained. Another object of the same colour beside the target has no effect, since
     /// the target's own box keeps its contrast.
     fn correct_slipped_box(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) {
+        let Some(reference) = target.reference else { return };
         target.drift.frames = target.drift.frames.wrapping_add(1);
         if !target.drift.frames.is_multiple_of(BLOB_INTERVAL) {
             return;
@@ -211,12 +210,8 @@ impl Workspace {
         let geometry = &mut target.geometry;
         geometry.axis += axis_difference(seen.axis, geometry.axis);
         geometry.centre = seen.centroid;
-        // Without a reference silhouette, the colour is assumed to fill the hull.
-        let (length, breadth) = target.reference.map_or((seen.major, seen.minor), |reference| {
-            let (longer, wider) = reference.stretch_of(&seen);
-            (reference.length * longer, reference.breadth * wider)
-        });
-        geometry.stretch_to(length, breadth, 1.0);
+        let (longer, wider) = reference.stretch_of(&seen);
+        geometry.stretch_to(reference.length * longer, reference.breadth * wider, 1.0);
         let pose = target.patch_pose(config);
         self.retrain(target, picture, pose);
     }
