@@ -18,6 +18,8 @@ const LUMA_BITS: u32 = 3;
 const CHROMA_BITS: u32 = 5;
 const LUMA: usize = 1 << LUMA_BITS;
 const CHROMA: usize = 1 << CHROMA_BITS;
+/// Share of the selection's colours in the target's.
+const SELECTED_SHARE: f32 = 0.5;
 /// Number of bins.
 pub(crate) const BINS: usize = LUMA * CHROMA * CHROMA;
 
@@ -67,6 +69,11 @@ impl ColourHistogram {
         self.bins.iter().zip(&other.bins).map(|(a, b)| (a * b).sqrt()).sum()
     }
 
+    /// Makes this histogram equal to another, without allocation.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.bins.copy_from_slice(&other.bins);
+    }
+
     /// Moves this histogram towards another by the share `rate`.
     pub(crate) fn blend(&mut self, other: &Self, rate: f32) {
         for (bin, &new) in self.bins.iter_mut().zip(&other.bins) {
@@ -93,7 +100,10 @@ pub(crate) fn smooth(bins: &mut [f32], stride: usize, length: usize) {
 /// The two histograms and the table of probabilities computed from them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ColourModel {
+    /// The colours that the target is recognised by: a mixture of those at the selection and the adapted ones.
     pub(crate) target: ColourHistogram,
+    selected: ColourHistogram,
+    adapted: ColourHistogram,
     pub(crate) surroundings: ColourHistogram,
     table: TargetProbabilities,
 }
@@ -127,6 +137,22 @@ impl ColourModel {
 
     pub(crate) fn table(&self) -> &TargetProbabilities {
         &self.table
+    }
+
+    /// Makes the present colours of the target those of the selection.
+    pub(crate) fn remember_selection(&mut self) {
+        self.selected.copy_from(&self.target);
+        self.adapted.copy_from(&self.target);
+    }
+
+    /// Adapts to the colours of a frame, of the target at this rate and of its surroundings at twice the rate: the water
+    /// changes faster than the target's paint. The colours of the selection keep their share.
+    pub(crate) fn adapt(&mut self, target: &ColourHistogram, surroundings: &ColourHistogram, rate: f32) {
+        self.adapted.blend(target, rate);
+        self.target.copy_from(&self.adapted);
+        self.target.blend(&self.selected, SELECTED_SHARE);
+        self.surroundings.blend(surroundings, 2.0 * rate);
+        self.update_table();
     }
 }
 
@@ -247,6 +273,20 @@ mod tests {
         assert_eq!(probability(&model, BLUE), 0);
         // Seen in neither: an unknown colour is not the target's.
         assert_eq!(probability(&model, [200, 90, 90]), 0);
+    }
+
+    #[test]
+    fn the_colours_of_the_selection_keep_their_share() {
+        let mut model = learned(&picture(BLUE, RED, [40, 30, 40, 30]), (60.0, 45.0), (40.0, 30.0));
+        model.remember_selection();
+        let other = learned(&picture(BLUE, GREY, [40, 30, 40, 30]), (60.0, 45.0), (40.0, 30.0));
+        for _ in 0..500 {
+            model.adapt(&other.target, &other.surroundings, 0.05);
+        }
+        assert!(probability(&model, RED) > 250, "{}", probability(&model, RED));
+        assert!(probability(&model, GREY) > 250, "{}", probability(&model, GREY));
+        assert!((sum(&model.target) - 1.0).abs() < 1e-3);
+        assert!((model.target.similarity(&other.target) - SELECTED_SHARE.sqrt()).abs() < 0.05);
     }
 
     #[test]

@@ -12,8 +12,8 @@ use crate::features::PatchPose;
 
 /// An observation whose refined box is less probable is rejected.
 const MIN_PROBABILITY: f32 = 0.05;
-/// With a more probable box, at least this relative contrast of the colour, and the whole box in the picture, an
-/// observation needs less evidence by this amount.
+/// With a more probable box near the prediction, at least this relative contrast of the colour, and the whole box in
+/// the picture, an observation needs less evidence by this amount.
 const CONVINCING_PROBABILITY: f32 = 0.4;
 const CONVINCING_CONTRAST: f32 = 0.3;
 const CONVINCING_EVIDENCE: f32 = 6.0;
@@ -98,6 +98,7 @@ impl Workspace {
         let evidence = observation.evidence(config, target);
         // A box at the border may be all that is left of a target that leaves the picture.
         let is_convincing = probability > CONVINCING_PROBABILITY
+            && distance_factor <= 1.0
             && observation.relative_contrast(target).is_none_or(|share| share >= CONVINCING_CONTRAST)
             && !target.geometry.touches_border_at(observation.centre);
         let required =
@@ -130,7 +131,7 @@ impl Workspace {
     }
 
     /// Refines the observation. Where its box is doubtful, the second highest peak is refined, too, and taken if its
-    /// box is clearly more probable. The observation that is taken is the last one refined.
+    /// box is clearly more probable. Crop, window and refined box are those of the observation that is taken.
     fn refine_best_peak(
         &mut self,
         config: &FusedConfig,
@@ -138,16 +139,19 @@ impl Workspace {
         picture: &Picture,
         first: Observation,
     ) -> Observation {
-        let probability = self.refine_observation(config, target, picture, &first).probability;
-        if probability >= DOUBTFUL_PROBABILITY {
+        let refined = self.refine_observation(config, target, picture, &first);
+        if refined.probability >= DOUBTFUL_PROBABILITY {
             return first;
         }
         let Some(second) = self.observe_second_peak(target, &first) else { return first };
-        let other = self.refine_observation(config, target, picture, &second).probability;
-        if other > probability + CLEARLY_MORE_PROBABLE {
+        self.first_window.copy_from(&self.window);
+        let other = self.refine_observation(config, target, picture, &second);
+        if other.probability > refined.probability + CLEARLY_MORE_PROBABLE {
             return second;
         }
-        self.refine_observation(config, target, picture, &first);
+        self.window.copy_from(&self.first_window);
+        self.refined = refined;
+        self.centre_crop(target, picture, &first);
         first
     }
 

@@ -72,7 +72,7 @@ pub(super) struct SelectionColours {
 
 impl Workspace {
     /// Creates the target from a box that the operator dragged, and the box that is used: the refined one where the
-    /// dragged one is clearly too large or off.
+    /// dragged one is clearly too large or off, or where the silhouette agrees with the refined one alone.
     pub(super) fn learn_selection(
         &mut self,
         config: &FusedConfig,
@@ -83,13 +83,20 @@ impl Workspace {
         let [left, top, right, bottom] = self.refined.edges.map(f64::from);
         let refined =
             PixelBox { u: left, v: top, w: right - left, h: bottom - top }.clipped(frame.picture.size());
-        let is_better = self.refined.probability > MIN_TIGHTENING_PROBABILITY
+        let is_plausible = self.refined.probability > MIN_TIGHTENING_PROBABILITY
             && refined.w >= MIN_TIGHTENED_PX.0
-            && refined.h >= MIN_TIGHTENED_PX.1
-            && refined.iou(dragged) < MAX_KEPT_IOU;
-        if is_better {
+            && refined.h >= MIN_TIGHTENED_PX.1;
+        if is_plausible && refined.iou(dragged) < MAX_KEPT_IOU {
             let (target, colours) = self.learn_box(config, frame, refined);
             return (target, colours, refined);
+        }
+        if target.reference.is_none() && is_plausible {
+            let (tightened, its_colours) = self.learn_box(config, frame, refined);
+            if tightened.reference.is_some() {
+                return (tightened, its_colours, refined);
+            }
+            let (target, colours) = self.learn_box(config, frame, dragged);
+            return (target, colours, dragged);
         }
         (target, colours, dragged)
     }
@@ -243,10 +250,7 @@ impl Workspace {
         let usual = &mut appearance.usual;
         let similarity = inside.similarity(&appearance.colours.target);
         usual.similarity += SIMILARITY_RATE * (similarity - usual.similarity);
-        appearance.colours.target.blend(inside, config.colour_rate as f32);
-        // The water changes faster than the target's paint.
-        appearance.colours.surroundings.blend(ring, 2.0 * config.colour_rate as f32);
-        appearance.colours.update_table();
+        appearance.colours.adapt(inside, ring, config.colour_rate as f32);
         self.layout.count(picture, geometry.centre, geometry.half_axes(), geometry.axis);
         let similarity = self.layout.similarity(&appearance.layout);
         usual.layout_similarity += SIMILARITY_RATE * (similarity - usual.layout_similarity);
@@ -264,6 +268,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
     let mut colours = ColourModel::default();
     let ellipse = TargetEllipse::inscribed_in(box_size);
     count_colours(picture, centre, &ellipse, &mut colours.target, &mut colours.surroundings);
+    colours.remember_selection();
     colours.update_table();
     let geometry = TargetGeometry::new(centre, box_size, picture.size());
     Target {

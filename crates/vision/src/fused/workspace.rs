@@ -28,7 +28,7 @@ const CROP_MARGIN: f32 = 1.15;
 
 /// Minimum height of a second peak that is looked at, as a share of the first.
 const MIN_SECOND_HEIGHT: f32 = 0.5;
-/// Distance of a box from the middle of the search window, in sides of the window, from which on the crop is extracted
+/// Distance of a box from the middle of the crop, in sides of the search window, from which on the crop is extracted
 /// anew around the box.
 const MAX_OFF_CENTRE: f32 = 0.15;
 
@@ -50,9 +50,13 @@ pub(super) struct Workspace {
     /// Window of the last refinement, and the answer.
     pub(super) window: RefinementWindow,
     pub(super) refined: RefinedBox,
+    /// Window of the first of two observations that are compared.
+    pub(super) first_window: RefinementWindow,
     network: RefinementNetwork,
     /// Pose of the last search window.
     pub(super) pose: PatchPose,
+    /// Centre of the crop, pixels.
+    crop_centre: (f32, f32),
 }
 
 impl Workspace {
@@ -70,8 +74,10 @@ impl Workspace {
             references: MotionReferences::default(),
             window: RefinementWindow::default(),
             refined: RefinedBox::default(),
+            first_window: RefinementWindow::default(),
             network: RefinementNetwork::new(weights),
             pose: PatchPose { centre: (0.0, 0.0), step: 1.0, angle: 0.0 },
+            crop_centre: (0.0, 0.0),
         }
     }
 
@@ -108,6 +114,23 @@ impl Workspace {
         let turn = libm::cosf(pose.angle).abs() + libm::sinf(pose.angle).abs();
         let reach = 0.5 * pose.step * (SIDE * CELL + 2) as f32 * turn * CROP_MARGIN;
         self.crop.extract(picture, &target.appearance.colours, pose.centre, reach, pose.step);
+        self.crop_centre = pose.centre;
+    }
+
+    /// Extracts the crop anew around an observation's box if the box lies far from the middle of the last crop. The
+    /// centre of the box, pixels.
+    pub(super) fn centre_crop(
+        &mut self,
+        target: &Target,
+        picture: &Picture,
+        observation: &Observation,
+    ) -> (f32, f32) {
+        let (u, v) = target.geometry.box_centre_at(observation.centre);
+        let (du, dv) = (u - self.crop_centre.0, v - self.crop_centre.1);
+        if du.abs().max(dv.abs()) > MAX_OFF_CENTRE * observation.pose.side_px() {
+            self.extract_crop(target, picture, &PatchPose { centre: (u, v), ..observation.pose });
+        }
+        (u, v)
     }
 
     /// Evaluates the refinement network at an observation.
@@ -119,11 +142,7 @@ impl Workspace {
         observation: &Observation,
     ) -> RefinedBox {
         let geometry = &target.geometry;
-        let (u, v) = geometry.box_centre_at(observation.centre);
-        let (du, dv) = (u - observation.pose.centre.0, v - observation.pose.centre.1);
-        if du.abs().max(dv.abs()) > MAX_OFF_CENTRE * observation.pose.side_px() {
-            self.extract_crop(target, picture, &PatchPose { centre: (u, v), ..observation.pose });
-        }
+        let (u, v) = self.centre_crop(target, picture, observation);
         let size = geometry.size_px();
         let (predicted_u, predicted_v) = target.motion.position_f32();
         self.window.set_measurements(&Measurements {

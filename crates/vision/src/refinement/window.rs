@@ -161,6 +161,13 @@ impl RefinementWindow {
         [u - 0.5 * w, v - 0.5 * h, u + 0.5 * w, v + 0.5 * h]
     }
 
+    /// Copies cells and measurements of another window, with its place.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.cells.copy_from_slice(&other.cells);
+        self.measurements = other.measurements;
+        (self.centre, self.sides, self.box_size) = (other.centre, other.sides, other.box_size);
+    }
+
     /// The cells of a channel.
     fn channel(&self, channel: Channel) -> &[f32] {
         &self.cells[channel as usize * CELLS..][..CELLS]
