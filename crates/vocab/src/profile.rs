@@ -181,6 +181,14 @@ impl CameraDynamics {
 }
 
 impl VehicleProfile {
+    /// Names of the built-in profiles; the first is the default.
+    pub const NAMES: [&str; 1] = ["fotokite-pro"];
+
+    /// The built-in profile of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        (name == Self::NAMES[0]).then(Self::fotokite_pro)
+    }
+
     /// The Fotokite Pro as the paper's authors flew it. Negative yaw turns the view right, negative pitch turns it up.
     /// The motor schema turns at 0.3 rad/s on both axes. The vehicle's clients limit yaw to 0.4 rad/s and gimbal pitch
     /// to 0.3 rad/s.

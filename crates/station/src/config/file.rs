@@ -66,15 +66,15 @@ pub struct VideoSection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LinkSection {
-    /// Address: `serial:/dev/ttyACM0?baud=115200` or `tcp://host:port`; without an address: a dry run.
+    /// Address: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port` or `udp://host:port`; without an address: a dry run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// Delimiters of a line to a Fotokite Pro.
+    /// Delimiters of a line, where the vehicle takes lines of text (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,
 }
 
-/// Delimiters of a line to a Fotokite Pro.
+/// Delimiters of a line of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineEnding {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
-use barrelman_wire::fotokite_pro::Framing;
+use barrelman_wire::Framing;
 
 use super::camera::CameraSection;
 use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
@@ -25,7 +25,7 @@ pub struct Configuration {
     pub video_login: Option<LoginSource>,
     /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
-    /// Delimiters of a line to a Fotokite Pro.
+    /// Framing of text lines, where the vehicle's protocol has some.
     pub framing: Framing,
     /// The vehicle.
     pub profile: VehicleProfile,
@@ -39,9 +39,6 @@ pub struct Configuration {
     pub recording: RecordingConfig,
 }
 
-/// Names of the built-in vehicle profiles.
-pub const PROFILES: [&str; 1] = ["fotokite-pro"];
-
 /// The largest rate in the configuration of a recording, rad/s.
 const MAX_RECORDED_RAD_PER_S: f64 = 3.0;
 
@@ -50,10 +47,9 @@ const MAX_RECORDED_RAD_PER_S: f64 = 3.0;
 /// # Errors
 /// If there is no such profile; the message lists the names.
 pub fn profile_named(name: &str) -> Result<VehicleProfile> {
-    match name {
-        "fotokite-pro" => Ok(VehicleProfile::fotokite_pro()),
-        _ => bail!("there is no vehicle profile {name:?}: use one of {}", PROFILES.join(", ")),
-    }
+    VehicleProfile::named(name).with_context(|| {
+        format!("there is no vehicle profile {name:?}: use one of {}", VehicleProfile::NAMES.join(", "))
+    })
 }
 
 impl Configuration {
@@ -77,8 +73,8 @@ impl Configuration {
 
     fn resolve_within(file: &ConfigFile, rate_limits: impl Fn(&VehicleProfile) -> AxisRates) -> Result<Self> {
         let vehicle = &file.vehicle;
-        let base =
-            profile_named(vehicle.profile.as_deref().unwrap_or(PROFILES[0])).context("vehicle.profile")?;
+        let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
+            .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
         let mut profile = overridden(base, vehicle, max_rates)?;
         profile.camera = file.camera.apply_to(&profile.camera)?;

@@ -101,8 +101,8 @@ impl Session<'_> {
         let gateway = Arc::new(Gateway::new(events.clone()));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), self.clock, self.fault_injector.clone())?;
-        let framing = self.configuration.framing;
-        let link = open_link(self.link.as_ref(), self.source.world(), framing, self.clock, &events)?;
+        let vehicle = (self.configuration.profile.protocol, self.configuration.framing);
+        let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
         self.warn_without_selection();
         let end = self.run_with(link, gateway, events, &queue)?;
         drop(terminal);

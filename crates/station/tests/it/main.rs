@@ -22,6 +22,7 @@ mod recorder;
 mod recording_folder;
 mod replays;
 mod reports;
+mod rooms;
 mod run_loop;
 mod secrets;
 mod sent_rates;
