@@ -28,7 +28,10 @@ export default {
   causes: {
     "no-selection": "nothing selected", "track-lost": "boat lost", coasting: "boat hidden", "video-stale": "video delayed",
     "video-silent": "no video", confirming: "confirming the selection", operator: "by the operator", ending: "ending",
-    "video-ended": "the video ended", fault: "a fault",
+    "video-ended": "the video ended", fault: "a fault", "dry-run": "dry run, nothing is sent", "link-down": "link not up",
+    "no-control": "vehicle takes no commands", "control-lost": "vehicle gave the control away",
+    "vehicle-restarted": "vehicle restarted", emergency: "vehicle emergency", landing: "vehicle lands",
+    "battery-low": "battery low",
   },
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },
   alarmTexts: {
@@ -43,6 +46,8 @@ export default {
     watch: "You watch. Only Stop works here. Take the control to do more.",
     video: "Wait for video: check the camera and the network.",
     link: "The link is down: check the cable or the ground station.",
+    dryRun: "Dry run: the camera is not moved. Start with --link to move it.",
+    emergency: "The vehicle has an emergency or lands: the camera rests.",
     vehicle: "Give this program the control at the ground station.",
     select: "Draw a box around the boat.",
     reselect: "The boat is lost: draw a new box around it, or wait.",
@@ -50,6 +55,7 @@ export default {
     endStop: "The camera is near its end stop: move the kite.",
     engage: "Check the box, then press Engage.",
     stopped: "Stopped. Engage to follow again, or Disengage.",
+    stoppedByVehicle: "The vehicle ended the following. Check the vehicle, then Engage again, or Disengage.",
     follow: "The camera follows the boat.",
     hidden: "The boat is hidden: wait, or stop.",
     nudge: "Turning the camera by hand.",

@@ -11,6 +11,7 @@
 pub mod step;
 
 pub mod safety;
+pub mod vehicle;
 
 mod history;
 mod selecting;
@@ -23,3 +24,4 @@ pub use input::Input;
 pub use outcome::{Advice, Mode, Notice, Outcome, Refusal};
 pub use safety::NUDGE_RATE_RAD_PER_S;
 pub use step::{Pilot, PilotSettings};
+pub use vehicle::CommandPath;

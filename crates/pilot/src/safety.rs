@@ -8,12 +8,16 @@
 //!    zero. They also become zero if the current time lies before that arrival, because its age is then unknown.
 //! 4. A nudge moves the camera only while disengaged, with fresh video, at a low rate, and lasts at most [`NUDGE_LASTS`]
 //!    after its last renewal.
+//! 5. Nothing moves the camera while its vehicle takes no commands ([`VehicleState::obstacle`]). Motion begins again with
+//!    the next fresh localisation. What the vehicle reports may end an engagement; it then takes a new `Engage`.
 
 use core::time::Duration;
 
+use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, StopCause, Timestamp};
 
 use crate::outcome::{HoldCause, Mode, Refusal};
+use crate::vehicle::{CommandPath, VehicleState};
 
 /// Rate of a nudge, rad/s: about 6 degrees a second.
 pub const NUDGE_RATE_RAD_PER_S: f64 = 0.1;
@@ -54,6 +58,7 @@ pub struct Safety {
     /// The nudge, and when it ends.
     nudge: Option<(CameraCommand, Timestamp)>,
     last_video_at: Option<Timestamp>,
+    vehicle: VehicleState,
 }
 
 /// The decision of one step.
@@ -68,8 +73,8 @@ pub struct Decision {
 }
 
 impl Safety {
-    /// The initial state: disengaged, at rest, no localisation.
-    pub fn new(coast_motion: Duration) -> Self {
+    /// The initial state: disengaged, at rest, no localisation; the commands take this path.
+    pub fn new(coast_motion: Duration, path: CommandPath) -> Self {
         Self {
             coast_motion,
             engagement: Engagement::Disengaged,
@@ -78,12 +83,28 @@ impl Safety {
             command_in_force: CameraCommand::REST,
             nudge: None,
             last_video_at: None,
+            vehicle: VehicleState::new(path),
         }
+    }
+
+    /// Where the commands go.
+    pub const fn path(&self) -> CommandPath {
+        self.vehicle.path()
     }
 
     /// A video frame, or another observation, arrived.
     pub fn on_video(&mut self, now: Timestamp) {
         self.last_video_at = Some(now);
+    }
+
+    /// Takes a report of the vehicle. Some end an engagement.
+    pub fn on_report(&mut self, report: &Report) {
+        if let Some(cause) = self.vehicle.on_report(report) {
+            self.nudge = None;
+            if self.engagement == Engagement::Engaged {
+                self.engagement = Engagement::Stopped(cause);
+            }
+        }
     }
 
     /// Processes an operator request. A stop keeps its first cause until the next `Engage` or `Disengage`.
@@ -131,6 +152,9 @@ impl Safety {
         let command = nudge_command(nudge);
         if command.is_rest() {
             self.nudge = None;
+        } else if let Some(obstacle) = self.vehicle.obstacle() {
+            self.nudge = None;
+            return Err(Refusal::NoMotion(obstacle));
         } else if self.last_video_at.is_some_and(is_fresh) {
             self.nudge = Some((command, now.plus(NUDGE_LASTS)));
         } else {
@@ -150,6 +174,9 @@ impl Safety {
             ObservationResult::Coasting(_) => self.hold_cause = HoldCause::Coasting,
             ObservationResult::Unusable(cause) => self.hold_cause = cause,
             ObservationResult::NoObservation => {}
+        }
+        if self.vehicle.obstacle().is_some() {
+            self.nudge = None;
         }
         let mode = self.mode(now);
         self.command_in_force = match (mode, observation) {
@@ -176,6 +203,7 @@ impl Safety {
             Engagement::Disengaged if self.is_nudged(now) => Mode::Nudging,
             Engagement::Disengaged => Mode::Idle,
             Engagement::Stopped(cause) => Mode::Stopped(cause),
+            Engagement::Engaged if let Some(obstacle) = self.vehicle.obstacle() => Mode::Holding(obstacle),
             Engagement::Engaged if self.has_fresh_observation(now) => Mode::Servoing,
             Engagement::Engaged => Mode::Holding(self.hold_cause),
         }

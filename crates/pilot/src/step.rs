@@ -7,14 +7,16 @@ use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, 
 use barrelman_vision::Tracker;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
+    CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track,
+    VehicleProfile, VideoFrame,
 };
 
 use crate::history::FrameHistory;
 use crate::input::Input;
-use crate::outcome::{Advice, HoldCause, Notice, Outcome, Refusal};
+use crate::outcome::{Advice, HoldCause, Notice, Outcome, RENEWAL_GRACE, Refusal};
 use crate::safety::{ObservationResult, Safety};
 use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
+use crate::vehicle::CommandPath;
 
 /// Settings of a pilot.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +43,8 @@ pub struct Pilot {
     percept: Option<Percept>,
     advice: Option<Advice>,
     last_capture: Option<Timestamp>,
+    /// When the link rests the camera by itself, unless the pilot is stepped before.
+    rested_at: Option<Timestamp>,
 }
 
 /// One observation of the scene: a tracked video frame, or a localisation measured elsewhere.
@@ -64,7 +68,7 @@ impl Pilot {
     pub fn with_law(settings: PilotSettings, law: CameraLaw, tracker: Box<dyn Tracker>) -> Self {
         Self {
             law,
-            safety: Safety::new(settings.profile.coast_motion),
+            safety: Safety::new(settings.profile.coast_motion, CommandPath::Simulated),
             first_law: settings.law,
             settings,
             tracker,
@@ -76,6 +80,7 @@ impl Pilot {
             percept: None,
             advice: None,
             last_capture: None,
+            rested_at: None,
         }
     }
 
@@ -85,6 +90,12 @@ impl Pilot {
         Self { history: FrameHistory::keeping(), ..self }
     }
 
+    /// The same pilot, whose commands take this path instead of that to a simulated camera.
+    #[must_use]
+    pub fn commanding(self, path: CommandPath) -> Self {
+        Self { safety: Safety::new(self.settings.profile.coast_motion, path), ..self }
+    }
+
     /// The law; `None`: a law that an operator cannot choose.
     pub const fn law_id(&self) -> Option<LawId> {
         law_id(self.settings.law)
@@ -92,6 +103,9 @@ impl Pilot {
 
     /// Processes one input at the time `now`.
     pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
+        if let Some(rested_at) = self.rested_at.filter(|rested_at| *rested_at < now) {
+            self.law.on_command_applied(CameraCommand::REST, rested_at);
+        }
         let observation = match input {
             Input::Frame(frame) => Some(self.observe_frame(frame)),
             Input::Localisation(track) => {
@@ -200,8 +214,9 @@ impl Pilot {
         self.law.change_law(self.settings.law, &self.settings.profile);
     }
 
-    /// Passes reports of the camera on to the law.
+    /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
     fn on_telemetry(&mut self, telemetry: &Telemetry) {
+        self.safety.on_report(&telemetry.report);
         match telemetry.report {
             Report::CameraTilt(tilt) => self.law.on_tilt_report(tilt, telemetry.at),
             Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
@@ -307,7 +322,9 @@ impl Pilot {
         notice: Option<Notice>,
         now: Timestamp,
     ) -> Outcome {
+        let is_link_switched = self.safety.path() != CommandPath::Unknown;
         let decision = self.safety.decide(result, now);
+        self.rested_at = decision.wake_at.filter(|_| is_link_switched).map(|at| at.plus(RENEWAL_GRACE));
         self.law.on_command_applied(decision.command, now);
         Outcome {
             at: now,

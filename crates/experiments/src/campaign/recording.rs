@@ -4,7 +4,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use barrelman_pilot::{Input, Outcome};
+use barrelman_pilot::{CommandPath, Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::campaign::StepObserver;
@@ -81,6 +81,7 @@ impl TrialRecorder {
             link: "sim:".to_owned(),
             live_video: false,
             behaviour,
+            command_path: CommandPath::Simulated,
         };
         let writer =
             RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;

@@ -9,3 +9,4 @@ mod modes;
 mod motion;
 mod scenes;
 mod telemetry;
+mod vehicle;

@@ -100,7 +100,8 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
     let mut video = StoredVideo::new(mode, MAX_QUEUED_BYTES);
-    let mut replay = Replay::new(build_pilot(&configuration)?, configuration.profile.clone());
+    let mut replay =
+        Replay::new(build_pilot(&configuration, start.command_path)?, configuration.profile.clone());
     let difference = version_difference(&start, &configuration);
     let mut replayed = Replayed {
         steps: 0,

@@ -62,6 +62,11 @@ fn mode_of(mode: Mode) -> ModeStatus {
                 HoldCause::VideoStale => "video-stale",
                 HoldCause::VideoSilent => "video-silent",
                 HoldCause::Confirming => "confirming",
+                HoldCause::DryRun => "dry-run",
+                HoldCause::LinkDown => "link-down",
+                HoldCause::NoControl => "no-control",
+                HoldCause::Emergency => "emergency",
+                HoldCause::Landing => "landing",
             };
             ("holding", Some(cause))
         }
@@ -71,6 +76,11 @@ fn mode_of(mode: Mode) -> ModeStatus {
                 StopCause::Ending => "ending",
                 StopCause::VideoEnded => "video-ended",
                 StopCause::Fault => "fault",
+                StopCause::ControlLost => "control-lost",
+                StopCause::VehicleRestarted => "vehicle-restarted",
+                StopCause::Emergency => "emergency",
+                StopCause::Landing => "landing",
+                StopCause::BatteryLow => "battery-low",
             };
             ("stopped", Some(cause))
         }
@@ -175,6 +185,7 @@ fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
         flight: vehicle.flight.map(|state| match state {
             FlightState::Idle => "idle",
             FlightState::Flying => "flying",
+            FlightState::Landing => "landing",
             FlightState::Emergency => "emergency",
             FlightState::Other(_) => "other",
         }),

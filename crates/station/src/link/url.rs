@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
 use barrelman_host::redaction::without_logins;
+use barrelman_pilot::CommandPath;
 
 /// Default baud rate: that of all public clients.
 pub const DEFAULT_BAUD: u32 = 115_200;
@@ -118,6 +119,15 @@ impl LinkUrl {
             Endpoint::Serial { baud, .. } => *baud,
             Endpoint::Tcp { .. } | Endpoint::Udp { .. } | Endpoint::SimulatedCamera => DEFAULT_BAUD,
         }
+    }
+}
+
+/// Where the commands of a run with this link go.
+pub fn command_path(link: Option<&LinkUrl>) -> CommandPath {
+    match link.map(|link| &link.endpoint) {
+        None => CommandPath::DryRun,
+        Some(Endpoint::SimulatedCamera) => CommandPath::Simulated,
+        Some(_) => CommandPath::Link,
     }
 }
 

@@ -13,6 +13,7 @@ mod behaviour_versions;
 mod build_profiles;
 mod campaigns;
 mod command_line;
+mod command_paths;
 mod configuration;
 mod emulated_port;
 mod exports;

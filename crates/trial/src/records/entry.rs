@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use barrelman_control::Percept;
-use barrelman_pilot::{Advice, Mode, Outcome};
+use barrelman_pilot::{Advice, CommandPath, Mode, Outcome};
 use barrelman_sim::Truth;
 use barrelman_vocab::{Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates};
 
@@ -52,6 +52,8 @@ pub struct RecordingStart {
     pub live_video: bool,
     /// Behaviour versions of the tracker and the law that the configuration names.
     pub behaviour: BehaviourVersions,
+    /// Where the pilot's commands went.
+    pub command_path: CommandPath,
 }
 
 /// The truth of a simulated world at the capture of a picture, as stored. Positions and angles as in
