@@ -24,7 +24,8 @@ export default {
   mayWatch: "You watch (watch link)", holderLost: (page) => `Page ${page} controls, but is not connected`,
   took: (page) => `Page ${page} took the control.`, gotControl: "You have the control.",
   asks: (page) => `Page ${page} asks for the control.`,
-  modes: { idle: "DISENGAGED", servoing: "FOLLOWING", holding: "HOLDING", nudging: "TURNED BY HAND", stopped: "STOPPED" },
+  modes: { idle: "DISENGAGED", servoing: "FOLLOWING", holding: "HOLDING", nudging: "TURNED BY HAND", searching: "SEARCHING",
+    calibrating: "CALIBRATING", stopped: "STOPPED" },
   causes: {
     "no-selection": "nothing selected", "track-lost": "boat lost", coasting: "boat hidden", "video-stale": "video delayed",
     "video-silent": "no video", confirming: "confirming the selection", operator: "by the operator", ending: "ending",

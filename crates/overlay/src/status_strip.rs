@@ -98,7 +98,7 @@ impl StatusStrip {
         if let Some(mode) = scene.mode {
             let colour = match mode {
                 Mode::Idle => Rgba::QUIET,
-                Mode::Servoing | Mode::Nudging => Rgba::ACCENT,
+                Mode::Servoing | Mode::Nudging | Mode::Searching | Mode::Calibrating => Rgba::ACCENT,
                 Mode::Holding(_) => Rgba::CAUTION,
                 Mode::Stopped(_) => Rgba::ALARM,
             };

@@ -11,6 +11,8 @@
 pub mod step;
 
 pub mod safety;
+
+pub mod licence;
 pub mod vehicle;
 
 mod history;
@@ -21,6 +23,7 @@ pub mod outcome;
 
 pub use barrelman_control::LawSettings;
 pub use input::Input;
+pub use licence::Purpose;
 pub use outcome::{Advice, Mode, Notice, Outcome, Refusal};
 pub use safety::NUDGE_RATE_RAD_PER_S;
 pub use step::{Pilot, PilotSettings};

@@ -7,6 +7,8 @@ use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, Track};
 
+use crate::licence::Purpose;
+
 /// A command that moves the camera and is not renewed by [`Outcome::wake_at`] ends this much later at the link: the link's
 /// dead-man's switch leaves a pilot that is late some room.
 pub const RENEWAL_GRACE: Duration = Duration::from_millis(50);
@@ -66,6 +68,10 @@ pub enum Mode {
     Idle,
     /// Not engaged: the operator turns the camera by hand.
     Nudging,
+    /// The camera searches for the target, as the operator asked.
+    Searching,
+    /// The camera makes test motions, as the operator asked.
+    Calibrating,
     /// Engaged: the camera follows the law's advice.
     Servoing,
     /// Engaged, but the camera rests: for lack of fresh localisations, or of a vehicle that takes commands.
@@ -142,6 +148,8 @@ pub enum Refusal {
     NoFreshVideo,
     /// No object is followed that could be rejected.
     NothingToReject,
+    /// The camera moves for another purpose.
+    Busy(Purpose),
     /// A nudge while no command may move the camera, for this reason.
     NoMotion(HoldCause),
 }
@@ -207,6 +215,15 @@ impl fmt::Display for Refusal {
             Self::Stopped => f.write_str("the camera is stopped: disengage first"),
             Self::NoFreshVideo => f.write_str("there is no fresh video: the camera is not turned blindly"),
             Self::NothingToReject => f.write_str("no object is followed"),
+            Self::Busy(purpose) => {
+                let now = match purpose {
+                    Purpose::Follow => "following",
+                    Purpose::Nudge => "turned by hand",
+                    Purpose::Search => "searching",
+                    Purpose::Calibrate => "being calibrated",
+                };
+                write!(f, "the camera is {now}: stop or disengage first")
+            }
             Self::NoMotion(cause) => write!(f, "the camera cannot be turned now: {}", hold_text(*cause)),
         }
     }
@@ -259,6 +276,8 @@ impl fmt::Display for Mode {
         match self {
             Self::Idle => f.write_str("idle"),
             Self::Nudging => f.write_str("nudging"),
+            Self::Searching => f.write_str("searching"),
+            Self::Calibrating => f.write_str("calibrating"),
             Self::Servoing => f.write_str("servoing"),
             Self::Holding(cause) => write!(f, "holding: {}", hold_text(*cause)),
             Self::Stopped(cause) => f.write_str(stop_text(*cause)),

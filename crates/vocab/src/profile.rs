@@ -9,6 +9,9 @@ use core::time::Duration;
 use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
 
+/// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a fresh look.
+pub const MAX_COAST_MOTION: Duration = Duration::from_millis(500);
+
 /// A vehicle and how to move its camera.
 ///
 /// ```
@@ -42,7 +45,7 @@ pub struct VehicleProfile {
     pub video_latency: Duration,
     /// How much older than `video_latency` a video frame may be on arrival before it counts as stale.
     pub stale_after: Duration,
-    /// How long a rate may stay in force after the last fresh localisation arrived.
+    /// How long a rate may stay in force after the last fresh localisation arrived, at most [`MAX_COAST_MOTION`].
     pub coast_motion: Duration,
 }
 

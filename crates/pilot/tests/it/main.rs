@@ -5,6 +5,7 @@ mod allocation;
 mod any_input;
 mod by_hand;
 mod frames;
+mod licences;
 mod modes;
 mod motion;
 mod scenes;

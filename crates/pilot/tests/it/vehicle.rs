@@ -120,6 +120,9 @@ fn control_that_is_not_ours_rests_the_camera() {
     let mode = Mode::Holding(HoldCause::NoControl);
     check(&[UP, ENGAGE, NOT_OURS, SEEN], mode, REST);
     check(&[UP, ENGAGE, NOT_OURS, SEEN, OURS, SEEN], Mode::Servoing, PAN_RIGHT);
+    let back = [UP, ENGAGE, OURS, SEEN, Link(LinkState::Opening), UP, NOT_OURS];
+    check(&back, mode, REST);
+    check(&[&back[..], &[OURS, SEEN]].concat(), Mode::Servoing, PAN_RIGHT);
     check(&[UP, ENGAGE, OURS, SEEN], Mode::Servoing, PAN_RIGHT);
 }
 

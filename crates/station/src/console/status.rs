@@ -54,6 +54,8 @@ fn mode_of(mode: Mode) -> ModeStatus {
         Mode::Idle => ("idle", None),
         Mode::Servoing => ("servoing", None),
         Mode::Nudging => ("nudging", None),
+        Mode::Searching => ("searching", None),
+        Mode::Calibrating => ("calibrating", None),
         Mode::Holding(cause) => {
             let cause = match cause {
                 HoldCause::NoSelection => "no-selection",

@@ -91,6 +91,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "vehicle.limit_tilt_rad_per_s = 0.31: use rad/s from 0 to 0.3",
     );
     refused("[vehicle]\ncoast_motion_s = -1.0\n", "coast_motion_s = -1");
+    refused("[vehicle]\ncoast_motion_s = 0.6\n", "coast_motion_s = 0.6: use seconds from 0 to 0.5");
     refused(
         "[camera]\nfocal_share = 0\n",
         "camera.focal_share = 0: use a share of the picture's width from 0.1 to 20",

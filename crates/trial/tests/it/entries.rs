@@ -260,7 +260,12 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         HoldCause::Emergency,
         HoldCause::Landing,
     ];
-    let modes = holds.map(Mode::Holding).into_iter().chain(causes.map(Mode::Stopped)).chain([Mode::Idle]);
+    let modes = holds.map(Mode::Holding).into_iter().chain(causes.map(Mode::Stopped)).chain([
+        Mode::Idle,
+        Mode::Nudging,
+        Mode::Searching,
+        Mode::Calibrating,
+    ]);
     entries.extend(modes.map(|mode| Entry::Outcome(RecordedOutcome { mode, ..outcome(0.125) })));
     let sectors =
         [Sector::Right, Sector::Top, Sector::Left, Sector::Bottom].map(Some).into_iter().chain([None]);

@@ -60,7 +60,7 @@ pub struct StatusSnapshot {
 /// The pilot's mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ModeStatus {
-    /// `idle`, `servoing`, `holding`, `nudging` or `stopped`.
+    /// `idle`, `servoing`, `holding`, `nudging`, `searching`, `calibrating` or `stopped`.
     pub name: &'static str,
     /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`, `dry-run`,
     /// `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`, `video-ended`, `fault`,

@@ -59,6 +59,8 @@ fn each_mode_has_its_name_and_cause() {
     for ((mode, name), cause, engaged) in [
         ((Mode::Idle, "idle"), None, false),
         ((Mode::Nudging, "nudging"), None, false),
+        ((Mode::Searching, "searching"), None, false),
+        ((Mode::Calibrating, "calibrating"), None, false),
         ((Mode::Servoing, "servoing"), None, true),
         (holding(HoldCause::NoSelection), Some("no-selection"), true),
         (holding(HoldCause::TrackLost), Some("track-lost"), true),
