@@ -13,6 +13,7 @@ pub mod step;
 pub mod safety;
 
 pub mod licence;
+pub mod purpose;
 pub mod vehicle;
 
 mod history;
@@ -23,8 +24,8 @@ pub mod outcome;
 
 pub use barrelman_control::LawSettings;
 pub use input::Input;
-pub use licence::Purpose;
 pub use outcome::{Advice, Mode, Notice, Outcome, Refusal};
+pub use purpose::Purpose;
 pub use safety::NUDGE_RATE_RAD_PER_S;
 pub use step::{Pilot, PilotSettings};
 pub use vehicle::CommandPath;

@@ -24,6 +24,7 @@ use barrelman_vocab::profile::MAX_COAST_MOTION;
 use barrelman_vocab::{StopCause, Timestamp};
 
 use crate::outcome::Refusal;
+use crate::purpose::Purpose;
 
 /// How long a nudge lasts without a renewal: a page that is lost during a nudge ends in rest.
 pub const NUDGE_LASTS: Duration = Duration::from_millis(250);
@@ -33,30 +34,6 @@ const BEHAVIOUR_LASTS: Duration = Duration::from_millis(250);
 pub const SEARCH_CONSENT: Duration = Duration::from_secs(60);
 /// How long the consent to a calibration lasts.
 pub const CALIBRATION_CONSENT: Duration = Duration::from_secs(120);
-
-/// What the camera may move for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Purpose {
-    /// To follow the target.
-    Follow,
-    /// To turn as the operator holds it, slowly.
-    Nudge,
-    /// To search for a target that is lost, slowly.
-    Search,
-    /// To measure the camera's axes, slowly.
-    Calibrate,
-}
-
-impl Purpose {
-    /// How long the operator's consent lasts at most; `None`: until it is withdrawn.
-    const fn consent_lasts(self) -> Option<Duration> {
-        match self {
-            Self::Follow | Self::Nudge => None,
-            Self::Search => Some(SEARCH_CONSENT),
-            Self::Calibrate => Some(CALIBRATION_CONSENT),
-        }
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Holder {
@@ -183,7 +160,16 @@ impl Licences {
             Purpose::Search | Purpose::Calibrate => BEHAVIOUR_LASTS,
         };
         let renewed_until = renewed_at.plus(lasts);
-        let consented_until = purpose.consent_lasts().map(|lasts| consented_at.plus(lasts));
+        let consented_until = consent_lasts(purpose).map(|lasts| consented_at.plus(lasts));
         Some(consented_until.map_or(renewed_until, |until| until.min(renewed_until)))
+    }
+}
+
+/// How long the operator's consent lasts at most; `None`: until it is withdrawn.
+const fn consent_lasts(purpose: Purpose) -> Option<Duration> {
+    match purpose {
+        Purpose::Follow | Purpose::Nudge => None,
+        Purpose::Search => Some(SEARCH_CONSENT),
+        Purpose::Calibrate => Some(CALIBRATION_CONSENT),
     }
 }

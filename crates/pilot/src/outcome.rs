@@ -7,7 +7,7 @@ use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, Track};
 
-use crate::licence::Purpose;
+use crate::purpose::Purpose;
 
 /// A command that moves the camera and is not renewed by [`Outcome::wake_at`] ends this much later at the link: the link's
 /// dead-man's switch leaves a pilot that is late some room.

@@ -17,8 +17,9 @@ use core::time::Duration;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, Timestamp};
 
-use crate::licence::{Licences, Purpose};
+use crate::licence::Licences;
 use crate::outcome::{HoldCause, Mode, Refusal};
+use crate::purpose::Purpose;
 use crate::vehicle::{CommandPath, VehicleState};
 
 /// Rate of a nudge, rad/s, and largest rate of a search and a calibration: about 6 degrees a second.

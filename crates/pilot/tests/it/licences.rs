@@ -39,7 +39,7 @@ const PURPOSES: [Purpose; 4] = [Purpose::Follow, Purpose::Nudge, Purpose::Search
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Event {
     /// A video frame with a fresh localisation.
-    Look,
+    Fresh,
     /// A video frame without the target.
     Frame,
     Tick,
@@ -59,7 +59,7 @@ enum Event {
 }
 
 const EVENTS: [Event; 18] = [
-    Event::Look,
+    Event::Fresh,
     Event::Frame,
     Event::Tick,
     Event::LateTick,
@@ -137,7 +137,7 @@ impl Past {
         let (renewal, lasts) = match purpose {
             Purpose::Follow => {
                 let selected = self.newest_of(&[Event::Select]).map_or(0, |(index, ..)| index);
-                let look = self.newest_of(&[Event::Look]).filter(|(index, ..)| *index >= selected);
+                let look = self.newest_of(&[Event::Fresh]).filter(|(index, ..)| *index >= selected);
                 (look.map(|(_, at, _)| at), COAST)
             }
             Purpose::Nudge => {
@@ -165,7 +165,7 @@ impl Past {
     }
 
     fn has_video(&self, now: Timestamp) -> bool {
-        let newest = self.newest_of(&[Event::Look, Event::Frame]);
+        let newest = self.newest_of(&[Event::Fresh, Event::Frame]);
         newest.is_some_and(|(_, at, _)| now.since(at) < VIDEO)
     }
 }
@@ -177,7 +177,7 @@ fn step(safety: &mut Safety, event: Event, now: Timestamp) -> (bool, Decision) {
     let request = |safety: &mut Safety, request| safety.on_request(&request, now).is_ok();
     let ground = |control| Report::Ground { control, uptime_s: 100.0, battery_v: 12.0, tether_m: 1.0 };
     match event {
-        Event::Look => {
+        Event::Fresh => {
             safety.on_video(now);
             observation = ObservationResult::Fresh(command_of(Purpose::Follow));
         }
@@ -262,10 +262,10 @@ fn check(past: &Past, decision: &Decision, now: Timestamp, found: &mut Found) {
 /// What happens before the sequences, so that each purpose is within their reach.
 const BEGINNINGS: [&[Event]; 5] = [
     &[],
-    &[Event::LinkUp, Event::ControlGiven, Event::Look],
-    &[Event::LinkUp, Event::ControlGiven, Event::Look, Event::Engage, Event::Look],
+    &[Event::LinkUp, Event::ControlGiven, Event::Fresh],
+    &[Event::LinkUp, Event::ControlGiven, Event::Fresh, Event::Engage, Event::Fresh],
     &[Event::LinkUp, Event::Frame, Event::Consent(Purpose::Search), Event::Propose(Purpose::Search)],
-    &[Event::LinkUp, Event::Look, Event::Consent(Purpose::Calibrate), Event::Propose(Purpose::Calibrate)],
+    &[Event::LinkUp, Event::Fresh, Event::Consent(Purpose::Calibrate), Event::Propose(Purpose::Calibrate)],
 ];
 
 #[test]
