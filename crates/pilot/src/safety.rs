@@ -218,6 +218,18 @@ impl Safety {
         Decision { mode, command, wake_at }
     }
 
+    /// What the vehicle can execute of the decided command: a rate that was taken away while the camera follows starts again
+    /// with a fresh localisation only.
+    pub fn on_executed(&mut self, command: CameraCommand) {
+        let lower = |wanted: &mut AngularRate, executed: AngularRate| {
+            if executed.abs() < wanted.abs() {
+                *wanted = executed;
+            }
+        };
+        lower(&mut self.following.pan, command.pan);
+        lower(&mut self.following.tilt, command.tilt);
+    }
+
     fn mode(&self, obstacle: Option<HoldCause>, now: Timestamp) -> Mode {
         if let Some(cause) = self.licences.stop_cause() {
             return Mode::Stopped(cause);

@@ -7,7 +7,7 @@ use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, 
 use barrelman_vision::Tracker;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track,
+    Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track,
     VehicleProfile, VideoFrame,
 };
 
@@ -17,6 +17,9 @@ use crate::outcome::{Advice, HoldCause, Notice, Outcome, RENEWAL_GRACE, Refusal}
 use crate::safety::{ObservationResult, Safety};
 use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
 use crate::vehicle::CommandPath;
+
+/// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a second.
+const TILT_LASTS: Duration = Duration::from_secs(1);
 
 /// Settings of a pilot.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +46,8 @@ pub struct Pilot {
     percept: Option<Percept>,
     advice: Option<Advice>,
     last_capture: Option<Timestamp>,
+    /// The tilt that was reported last, and when.
+    reported_tilt: Option<(Angle, Timestamp)>,
     /// When the link rests the camera by itself, unless the pilot is stepped before.
     rested_at: Option<Timestamp>,
 }
@@ -80,6 +85,7 @@ impl Pilot {
             percept: None,
             advice: None,
             last_capture: None,
+            reported_tilt: None,
             rested_at: None,
         }
     }
@@ -218,7 +224,10 @@ impl Pilot {
     fn on_telemetry(&mut self, telemetry: &Telemetry) {
         self.safety.on_report(&telemetry.report);
         match telemetry.report {
-            Report::CameraTilt(tilt) => self.law.on_tilt_report(tilt, telemetry.at),
+            Report::CameraTilt(tilt) => {
+                self.reported_tilt = Some((tilt, telemetry.at));
+                self.law.on_tilt_report(tilt, telemetry.at);
+            }
             Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
             _ => {}
         }
@@ -314,6 +323,18 @@ impl Pilot {
         }
     }
 
+    /// What the vehicle can execute of a command. The pilots of recordings of before did not ask.
+    fn executable(&mut self, command: CameraCommand, now: Timestamp) -> CameraCommand {
+        if self.safety.path() == CommandPath::Unknown {
+            return command;
+        }
+        let is_current = |at: Timestamp| at <= now && now.since(at) <= TILT_LASTS;
+        let tilt = self.reported_tilt.filter(|(_, at)| is_current(*at)).map(|(tilt, _)| tilt);
+        let executable = self.settings.profile.executable(command, tilt);
+        self.safety.on_executed(executable);
+        executable
+    }
+
     /// Applies the safety rule and puts its command in force.
     fn finish_step(
         &mut self,
@@ -325,7 +346,8 @@ impl Pilot {
         let is_link_switched = self.safety.path() != CommandPath::Unknown;
         let decision = self.safety.decide(result, now);
         self.rested_at = decision.wake_at.filter(|_| is_link_switched).map(|at| at.plus(RENEWAL_GRACE));
-        self.law.on_command_applied(decision.command, now);
+        let command = self.executable(decision.command, now);
+        self.law.on_command_applied(command, now);
         Outcome {
             at: now,
             mode: decision.mode,
@@ -334,7 +356,7 @@ impl Pilot {
             region: self.region,
             percept: self.percept,
             advice: self.advice,
-            command: decision.command,
+            command,
             wake_at: decision.wake_at,
             is_confirming: self.drawn_selection.is_some(),
             notice,

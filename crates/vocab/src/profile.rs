@@ -2,7 +2,7 @@
 //!
 //! No other place in the program contains a vehicle's signs, gains, rate limits or latencies. Inside the program,
 //! pan > 0 turns the view right and tilt > 0 turns it up. [`VehicleProfile::to_vehicle`] converts a command to the
-//! vehicle's own signs and applies its limits, once, at the vehicle boundary.
+//! vehicle's own signs and applies its limits and least rates, once, at the vehicle boundary.
 
 use core::time::Duration;
 
@@ -221,17 +221,45 @@ impl VehicleProfile {
         self
     }
 
-    /// The vehicle boundary: converts a command to rates in the vehicle's own signs, clamped to its limits.
-    pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
-        VehicleRates {
-            yaw: self.signs.yaw.apply(command.pan.clamped(self.limits.pan)),
-            pitch: self.signs.pitch.apply(command.tilt.clamped(self.limits.tilt)),
+    /// What the vehicle can execute of a command, whoever gave it. Rates above their limit are reduced to it. A rate
+    /// below the least rate of its axis becomes the least rate, or zero if it is less than half of it. With a reported
+    /// tilt, no rate leads beyond an end stop.
+    pub fn executable(&self, command: CameraCommand, tilt: Option<Angle>) -> CameraCommand {
+        let (low, high) = self.camera.tilt_stops;
+        let leads_beyond_stop = tilt.is_some_and(|tilt| {
+            let (tilt, rate) = (tilt.radians(), command.tilt.radians_per_second());
+            (rate > 0.0 && tilt >= high.radians()) || (rate < 0.0 && tilt <= low.radians())
+        });
+        let wanted_tilt = if leads_beyond_stop { AngularRate::ZERO } else { command.tilt };
+        CameraCommand {
+            pan: executable_rate(command.pan, self.limits.pan, self.camera.pan.min_rate),
+            tilt: executable_rate(wanted_tilt, self.limits.tilt, self.camera.tilt.min_rate),
         }
+    }
+
+    /// The vehicle boundary: converts a command to rates in the vehicle's own signs that it can execute.
+    pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
+        let CameraCommand { pan, tilt } = self.executable(command, None);
+        VehicleRates { yaw: self.signs.yaw.apply(pan), pitch: self.signs.pitch.apply(tilt) }
     }
 
     /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's own signs
     /// to a command. Limits are not applied.
     pub fn from_vehicle(&self, rates: VehicleRates) -> CameraCommand {
         CameraCommand { pan: self.signs.yaw.apply(rates.yaw), tilt: self.signs.pitch.apply(rates.pitch) }
+    }
+}
+
+/// A rate within its limit and not below the least rate at which the axis turns. An axis whose least rate is above its
+/// limit does not turn.
+fn executable_rate(rate: AngularRate, limit: AngularRate, min_rate: AngularRate) -> AngularRate {
+    let rate = rate.clamped(limit);
+    let (size, min) = (rate.abs().radians_per_second(), min_rate.radians_per_second());
+    if rate.is_zero() || size >= min {
+        rate
+    } else if size < 0.5 * min || min_rate > limit.abs() {
+        AngularRate::ZERO
+    } else {
+        AngularRate::from_radians_per_second(min.copysign(rate.radians_per_second()))
     }
 }

@@ -3,6 +3,7 @@
 
 mod allocation;
 mod any_input;
+mod boundary;
 mod by_hand;
 mod frames;
 mod licences;
