@@ -108,6 +108,24 @@ fn each_state_has_its_line() {
     );
     check(
         Some(LinkState::Opening),
+        nothing,
+        Some(&outcome(Mode::Holding(HoldCause::LinkDown), seen(), Some(RIGHT))),
+        "holding: the link is not up | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | 0 fps, age -, dropped 0 | link opening",
+    );
+    check(
+        None,
+        nothing,
+        Some(&outcome(Mode::Holding(HoldCause::DryRun), seen(), Some(RIGHT))),
+        "holding: dry run, nothing is sent | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | 0 fps, age -, dropped 0 | dry run",
+    );
+    check(
+        up,
+        nothing,
+        Some(&outcome(Mode::Stopped(StopCause::ControlLost), Track::Unseeded, None)),
+        "stopped: the vehicle gave the control away | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+    );
+    check(
+        Some(LinkState::Opening),
         |snapshot| {
             let video = &mut snapshot.video;
             (video.fps, video.age, video.dropped) = (20.4, Some(Duration::from_millis(213)), 7);
