@@ -1,6 +1,7 @@
 // The state in words: mode, alarms, next action, figures, control; and the same as data for scripts.
 
 import { nextAction } from "./next_action.js";
+import { nudgeObstacle } from "./nudge_obstacle.js";
 import { words } from "./words.js";
 
 const at = (id) => document.getElementById(id);
@@ -102,9 +103,9 @@ export function showStatus(state) {
   set("reject", can && (track.state === "tracking" || track.state === "coasting"), can ? words.reasons.nothingFollowed : watcher);
   set("deselect", can && track.state !== "unseeded", can ? words.reasons.nothingFollowed : watcher);
   set("law", can && !mode.engaged, can ? words.reasons.law : watcher);
-  const mayNudge = can && (mode.name === "idle" || mode.name === "nudging");
+  const obstacle = nudgeObstacle(snapshot);
   for (const direction of ["up", "down", "left", "right"]) {
-    set(`nudge-${direction}`, mayNudge, can ? words.reasons.nudge : watcher);
+    set(`nudge-${direction}`, can && !obstacle, can ? words.reasons[obstacle] : watcher);
     set(`helm-${direction}`, can, watcher);
   }
   for (const id of ["pause", "helmsman"]) set(id, can, watcher);

@@ -20,6 +20,37 @@ from selenium.webdriver.support.ui import Select
 SIZE = "960x540"
 
 
+TURNS = {"mode": {"name": "idle"}, "link": {"state": "up", "in_control": True, "flight": "flying"}, "video": {"state": "up"}, "alarms": []}
+OBSTACLES = [
+    ({}, None),
+    ({"mode": {"name": "nudging"}}, None),
+    ({"link": {"state": "simulated", "in_control": None, "flight": None}}, None),
+    ({"mode": {"name": "servoing"}}, "nudge"),
+    ({"mode": {"name": "stopped"}}, "nudge"),
+    ({"link": {"state": "dry-run"}}, "nudgeDryRun"),
+    ({"link": {"state": "starting"}}, "nudgeLink"),
+    ({"link": {"state": "up", "in_control": False}}, "nudgeControl"),
+    ({"link": {"state": "up", "flight": "emergency"}}, "nudgeFlight"),
+    ({"video": {"state": "lost"}}, "nudgeVideo"),
+    ({"alarms": ["no-video"]}, "nudgeVideo"),
+]
+
+
+def turn_buttons(table, page):
+    """What keeps the buttons that turn the camera from working, and whether each reason has its words."""
+    script = """
+        const [cases, done] = arguments;
+        Promise.all([import("/console/nudge_obstacle.js"), import("/console/words.en.js")]).then(([{ nudgeObstacle }, words]) => {
+          const found = cases.map((one) => nudgeObstacle(one));
+          done([found, found.every((key) => key === null || key in words.default.reasons)]);
+        }, (error) => done([String(error), false]));
+    """
+    found, has_words = page.driver.execute_async_script(script, [{**TURNS, **change} for change, _ in OBSTACLES])
+    expected = [key for _, key in OBSTACLES]
+    is_right = found == expected and has_words
+    table.require("the camera can be turned by hand where commands reach it only", is_right, f"{len(expected)} cases", "" if is_right else f"{found}, not {expected}")
+
+
 def select_boat(table, page, folder, what="the boat"):
     """Drags a box around the boat until the track is confirmed."""
     for attempt in range(1, 9):
@@ -147,6 +178,7 @@ def run(table, args, folder):
     data = page.wait(lambda data: data["path"] == "h264", 10, "H.264")
     table.require("a received stream is drawn by WebCodecs", True, data["path"])
     table.require("the token is gone from the address", "token" not in page.driver.current_url, page.driver.current_url)
+    turn_buttons(table, page)
     select_boat(table, page, folder)
     page.click("engage")
     page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")

@@ -25,6 +25,7 @@ files![
     "link.js",
     "main.js",
     "next_action.js",
+    "nudge_obstacle.js",
     "overlay.js",
     "snapshot_history.js",
     "sounds.js",
