@@ -131,8 +131,11 @@ pub struct MergeArgs {
 pub struct CompareArgs {
     /// A campaign file.
     pub first: PathBuf,
-    /// A second campaign file, with the same scenario and seeds.
+    /// A second campaign file, with the same scenario, seeds and settings of the world; law and tracker may differ.
     pub second: PathBuf,
+    /// Compare campaigns of different worlds, too: of other settings, plants, picture sizes, or of truth and pixels.
+    #[arg(long)]
+    pub anyway: bool,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -20,5 +20,6 @@ pub mod track;
 pub mod trials;
 
 mod channel_tables;
-mod summary_table;
+mod comparison_table;
+pub mod summary_table;
 mod trial_input;

@@ -16,14 +16,16 @@ pub mod rendered_camera;
 pub mod step_observer;
 
 pub mod entry;
+pub mod setting_difference;
 
 pub mod statistics;
 
 pub mod compare;
 
-pub use compare::{CampaignComparison, PairedMetric};
+pub use compare::{CampaignComparison, MeanOfAll, PairedMetric};
 pub use entry::{CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS};
 pub use frame_source::{CapturedFrame, FrameSource};
 pub use rendered_camera::RenderedCamera;
+pub use setting_difference::SettingDifference;
 pub use simulation::Simulation;
 pub use step_observer::StepObserver;

@@ -7,10 +7,7 @@ use super::sparkline;
 use super::text::{Text, format_number, number_or_dash};
 use super::trial_group::TrialGroup;
 use crate::campaign::statistics::mean_interval;
-use crate::metrics::{Arena, TrialMetrics};
-
-/// The published normalised sensitivity of both arenas, 1/s.
-const PUBLISHED_NORMALISED: &str = "0.034";
+use crate::metrics::{Arena, PUBLISHED_NORMALISED_SENSITIVITY, TrialMetrics};
 
 /// A mean over trials: name, unit, decimals, and the value of a trial.
 type Mean = (&'static str, &'static str, usize, fn(&TrialMetrics) -> Option<f64>);
@@ -130,7 +127,7 @@ impl<'a> ArenaRows<'a> {
             html! { b { (number_or_dash(mean, 4)) } (interval) }
         });
         let published = arena.map(|arena| {
-            html! { (PUBLISHED_NORMALISED) small { "n = " (format_number(arena.published_n(), 0)) } }
+            html! { (PUBLISHED_NORMALISED_SENSITIVITY) small { "n = " (format_number(arena.published_n(), 0)) } }
         });
         self.add("Normalised by n", "1/s", published, |group| {
             let pooled = group.summary().pooled;
