@@ -6,6 +6,7 @@
 pub mod drive_inputs;
 pub mod file;
 pub mod plan;
+pub mod recorded_trial;
 pub mod recording;
 pub mod runner;
 

@@ -11,11 +11,12 @@ use barrelman_trial::campaign::{
 };
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
+use barrelman_trial::records::SimulatedTrial;
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use clap::ValueEnum;
 
 use super::drive_inputs::DriveInputs;
-use super::recording::{TrialRecorder, TrialRecording};
+use super::recording::{RecordedRun, TrialRecorder, TrialRecording};
 use crate::drive;
 use crate::law_choice::LawChoice;
 use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
@@ -94,7 +95,14 @@ impl CampaignPlan {
     /// # Errors
     /// The scenario does not exist or has a mistake.
     pub fn new(request: &CampaignRequest) -> Result<Self> {
-        let mut loaded = scenario::load(&request.scenario, &request.overrides)?;
+        Self::of_scenario(scenario::load(&request.scenario, &request.overrides)?, request)
+    }
+
+    /// Makes a plan from a request whose scenario is loaded.
+    ///
+    /// # Errors
+    /// The target's way-points make no path.
+    pub(super) fn of_scenario(mut loaded: LoadedScenario, request: &CampaignRequest) -> Result<Self> {
         let mut profile = loaded.profile()?;
         if let Some(rate) = request.rate {
             // For a sweep over rates, the simulated mount gets the same limits.
@@ -232,13 +240,7 @@ impl CampaignPlan {
         seed: u64,
         observer: &mut dyn StepObserver,
     ) -> Result<TrialLog> {
-        let scenario = match self.plant {
-            PlantName::Nominal => self.loaded.scenario.clone(),
-            PlantName::Sampled => self.loaded.scenario.with_sampled_plant(seed),
-        };
-        let Ok(world) = World::new(&scenario, seed) else {
-            bail!("the way-points of {} make no path in trial {seed}", scenario.name);
-        };
+        let (scenario, world) = self.world(seed)?;
         let settings = PilotSettings { profile: self.profile.clone(), law: self.law.settings() };
         let tracker = TrackerSettings::new(self.tracker).build()?;
         let pilot = match law {
@@ -261,6 +263,18 @@ impl CampaignPlan {
         })
     }
 
+    /// The scenario and the world of one trial, at its start.
+    pub(super) fn world(&self, seed: u64) -> Result<(Scenario, World)> {
+        let scenario = match self.plant {
+            PlantName::Nominal => self.loaded.scenario.clone(),
+            PlantName::Sampled => self.loaded.scenario.with_sampled_plant(seed),
+        };
+        let Ok(world) = World::new(&scenario, seed) else {
+            bail!("the way-points of {} make no path in trial {seed}", scenario.name);
+        };
+        Ok((scenario, world))
+    }
+
     /// Runs one trial, and records it if the plan has recordings.
     ///
     /// # Errors
@@ -270,9 +284,16 @@ impl CampaignPlan {
             return self.simulate(seed, &mut ());
         };
         let name = format!("{}-{seed}", self.settings.scenario);
-        let video = format!("sim:{}?seed={seed}", self.settings.scenario);
-        let behaviour = self.law.behaviour_with(self.tracker);
-        let mut recorder = TrialRecorder::begin(recording, &name, video, behaviour, &self.profile)?;
+        let run = RecordedRun {
+            video: format!("sim:{}?seed={seed}", self.settings.scenario),
+            behaviour: self.law.behaviour_with(self.tracker),
+            trial: Some(SimulatedTrial {
+                seed,
+                settings: serde_json::to_string(&self.settings)?,
+                scenario: self.loaded.text.clone(),
+            }),
+        };
+        let mut recorder = TrialRecorder::begin(recording, &name, run, &self.profile)?;
         let log = self.simulate(seed, &mut recorder)?;
         recorder.finish()?;
         Ok(log)

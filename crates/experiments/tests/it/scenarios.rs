@@ -100,7 +100,7 @@ fn a_mistake_is_shown_with_its_line() {
         "jitter_m = -4",
         "thing.4.jitter_m",
     );
-    check("lab1", "noise_px = 0.6", "noise = 0.6", "noise = 0.6", "unknown field `noise`");
+    check("lab1", "noise_px = 0.6", "noise = 0.6", "noise = 0.6", "there is no key `noise`");
     check("open", "[kite.tether]", "[kite.other]", "setting = \"tether\"", "use one of calm, other");
 }
 

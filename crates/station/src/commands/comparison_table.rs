@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::path::Path;
 
 use barrelman_trial::campaign::statistics::Interval;
-use barrelman_trial::campaign::{CampaignComparison, PairedMetric, SettingDifference};
+use barrelman_trial::campaign::{CampaignComparison, MeanOfAll, PairedMetric, SettingDifference};
 
 /// Significant digits of a mean, and of an interval.
 const DIGITS: (usize, usize) = (4, 3);
@@ -53,28 +53,27 @@ impl ComparisonTable<'_> {
 
     /// The figures of fewer pairs beside the means over all trials of each file.
     fn write_marked(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let mut marked =
-            self.comparison.metrics.iter().filter(|figure| !self.mark(figure).is_empty()).peekable();
-        if marked.peek().is_none() {
+        let marked = self.comparison.metrics.iter().filter(|figure| !self.mark(figure).is_empty());
+        let marked = marked.map(|f| (f.metric, Some(f.first_of_all), Some(f.second_of_all)));
+        let unpaired = self.comparison.unpaired.iter().map(|f| (f.metric, f.first_of_all, f.second_of_all));
+        let mut rows = marked.chain(unpaired).peekable();
+        if rows.peek().is_none() {
             return Ok(());
         }
         writeln!(
             f,
-            "\n* Not of all {} pairs: of those in which both trials have the figure (a trial\n  without a complete \
-             excursion has no h, b and sensitivity). Over all trials that\n  have it, as metrics and report count:",
+            "\n* Not of all {} pairs, or of none: of those in which both trials have the\n  figure (without a complete excursion a \
+             trial has no h, b, s). Over all trials\n  that have it, as metrics and report count:",
             self.comparison.pairs
         )?;
-        for figure in marked {
-            let (first, second) = (figure.first_of_all, figure.second_of_all);
-            writeln!(
-                f,
-                "  {:27} A {:>8} ({} trials)   B {:>8} ({} trials)",
-                figure.metric,
-                significant(first.mean, DIGITS.0),
-                first.trials,
-                significant(second.mean, DIGITS.0),
-                second.trials,
-            )?;
+        for (metric, first, second) in rows {
+            let of_all = |mean: Option<MeanOfAll>| {
+                mean.map_or_else(
+                    || "- (no trial)".to_owned(),
+                    |mean| format!("{} ({} trials)", significant(mean.mean, DIGITS.0), mean.trials),
+                )
+            };
+            writeln!(f, "  {metric:27} A {:<22} B {}", of_all(first), of_all(second))?;
         }
         Ok(())
     }

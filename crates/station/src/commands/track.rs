@@ -10,8 +10,8 @@ use barrelman_vision::{Explanation, Tracker};
 use barrelman_vocab::{Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
 use rustix::time::{ClockId, clock_gettime};
-use serde::Serialize;
 
+use super::track_figures::{TrackTotals, selection_warnings};
 use crate::cli::TrackArgs;
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_host::output::OutputFile;
@@ -21,35 +21,6 @@ use barrelman_video::{DecodeError, FileFrames, VideoError, VideoUrl};
 /// The header of `track.csv`.
 pub const HEADER: &str =
     "frame,time_s,state,x,y,w,h,cx,cy,major_px,minor_px,angle_deg,heading_deg,confidence";
-
-#[derive(Serialize)]
-struct Figures {
-    frames: u64,
-    lost_frames: u64,
-    coasting_frames: u64,
-    damaged_pictures: u64,
-    tracker: &'static str,
-    tracker_cpu_ms: Percentiles,
-    decode_cpu_ms: Percentiles,
-}
-
-/// Median and 99th percentile, milliseconds; `null` without values.
-#[derive(Serialize)]
-struct Percentiles {
-    median: Option<f64>,
-    p99: Option<f64>,
-}
-
-impl Percentiles {
-    fn from_times(mut times: Vec<Duration>) -> Self {
-        times.sort_unstable();
-        let percentile = |share: f64| {
-            let index = (times.len().checked_sub(1)? as f64 * share).round() as usize;
-            Some(times[index].as_secs_f64() * 1e3)
-        };
-        Self { median: percentile(0.5), p99: percentile(0.99) }
-    }
-}
 
 /// Runs the command.
 ///
@@ -73,9 +44,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         has_rows: false,
         film: film.map(|file| Film::new(file, VehicleProfile::fotokite_pro().region)),
         explanation: args.explain.then(Explanation::default),
-        lost: 0,
-        coasting: 0,
-        tracker_times: Vec::new(),
+        totals: TrackTotals::default(),
     };
     let progress = progress_bar(&frames);
     let mut decode_times = Vec::new();
@@ -106,25 +75,30 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     if index <= args.start_frame && failure.is_none() {
         bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
     }
-    let (lost_frames, coasting_frames) = (track.lost, track.coasting);
-    let tracker_times = std::mem::take(&mut track.tracker_times);
+    let totals = std::mem::take(&mut track.totals);
     if let Some(film) = track.film {
         film.finish()?;
     }
     if damaged > 1 {
         tracing::warn!("{damaged} damaged pictures in total");
     }
+    let figures = totals.into_figures(args.tracker.as_str(), damaged, decode_times);
     if args.json {
-        let figures = Figures {
-            frames: index.saturating_sub(args.start_frame),
-            lost_frames,
-            coasting_frames,
-            damaged_pictures: damaged,
-            tracker: args.tracker.as_str(),
-            tracker_cpu_ms: Percentiles::from_times(tracker_times),
-            decode_cpu_ms: Percentiles::from_times(decode_times),
-        };
         writeln!(stdout(), "{}", serde_json::to_string_pretty(&figures)?)?;
+    } else {
+        let files = [&args.output, &args.overlay].into_iter().flatten();
+        let summary = figures.summary(&files.map(|file| file.display().to_string()).collect::<Vec<_>>());
+        match &args.output {
+            Some(_) => writeln!(stdout(), "{summary}")?,
+            // The track itself is on stdout.
+            None => tracing::info!("{summary}"),
+        }
+    }
+    if figures.is_mostly_lost() {
+        tracing::warn!(
+            "the boat was lost for most of the video: check the selection (the box around the whole boat, on frame {})",
+            args.start_frame
+        );
     }
     match failure {
         Some(error) => {
@@ -158,30 +132,23 @@ struct TrackWriter {
     has_rows: bool,
     film: Option<Film>,
     explanation: Option<Explanation>,
-    lost: u64,
-    coasting: u64,
-    tracker_times: Vec<Duration>,
+    totals: TrackTotals,
 }
 
 impl TrackWriter {
     fn add(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
         let before = cpu_time();
-        let track = if index == args.start_frame {
+        let is_selected_here = index == args.start_frame;
+        let track = if is_selected_here {
             let report = self.tracker.select(frame, args.select)?;
-            if report.is_clipped {
-                tracing::warn!(
-                    "the selection lies partly outside the picture: {} of it is used",
-                    report.used
-                );
+            for warning in selection_warnings(args.select, &report, frame.picture.size()) {
+                tracing::warn!("{warning}");
             }
             Track::Tracking(report.localisation)
         } else {
-            let track = self.tracker.track(frame, None);
-            self.tracker_times.push(cpu_time().saturating_sub(before));
-            track
+            self.tracker.track(frame, None)
         };
-        self.lost += u64::from(matches!(track, Track::Lost { .. }));
-        self.coasting += u64::from(matches!(track, Track::Coasting(_)));
+        self.totals.add(&track, (!is_selected_here).then(|| cpu_time().saturating_sub(before)));
         if !std::mem::replace(&mut self.has_rows, true) {
             writeln!(self.rows, "{HEADER}")?;
         }

@@ -33,5 +33,6 @@ pub(super) fn recording_start(
         link: link.map(ToString::to_string).unwrap_or_default(),
         live_video: source.is_live(),
         behaviour: configuration.law.behaviour_with(configuration.tracker.name),
+        trial: None,
     })
 }

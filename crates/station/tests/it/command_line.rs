@@ -5,7 +5,7 @@ use std::process::Command;
 use barrelman_station::cli::Cli;
 use clap::CommandFactory as _;
 
-use crate::program::{barrelman, failed};
+use crate::program::{barrelman, barrelman_in, empty_folder, failed};
 
 /// Runs a command that must fail with this exit code and a message that contains all words, and print no result.
 #[track_caller]
@@ -115,6 +115,30 @@ fn figures_of_a_track_are_printed_alone() {
 }
 
 #[test]
+fn a_track_ends_with_a_summary_and_doubtful_selections_are_named() {
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let folder = empty_folder("track-summary");
+    let track = |selection: &str, more: &[&str]| {
+        let output =
+            barrelman_in(&folder, &[&["track", clip, "--select", selection, "--force"], more].concat());
+        let (out, log) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{log}");
+        (out.into_owned(), log.into_owned())
+    };
+    let (out, log) = track("10,10,20,20", &["--output", "track.csv"]);
+    assert!(out.contains(" tracked, ") && out.contains("mean confidence"), "{out}");
+    assert!(out.contains("written: track.csv") && log.is_empty(), "{out} {log}");
+    // The track on stdout: the summary is a log line.
+    let (out, log) = track("10,10,20,20", &[]);
+    assert!(out.starts_with("frame,time_s") && !out.contains("mean confidence"), "{out}");
+    assert!(log.contains("mean confidence"), "{log}");
+    let (_, log) = track("54,10,40,20", &["--output", "track.csv"]);
+    assert!(log.contains("75 % of the selection") && log.contains("64x48"), "{log}");
+    let (_, log) = track("10,10,8,6", &["--output", "track.csv"]);
+    assert!(log.contains("is small"), "{log}");
+}
+
+#[test]
 fn check_finds_what_is_wrong_and_how_to_mend_it() {
     let output = barrelman(&["check", "--video", "file:nowhere.mp4", "--link", "serial:/dev/nowhere"]);
     let findings = String::from_utf8_lossy(&output.stdout);
@@ -122,6 +146,15 @@ fn check_finds_what_is_wrong_and_how_to_mend_it() {
     for words in ["nowhere.mp4", "/dev/nowhere does not exist", "udev rule", "ModemManager"] {
         assert!(findings.contains(words), "{words:?} is not in {findings}");
     }
+}
+
+#[test]
+fn check_describes_a_video_in_words() {
+    let clip = concat!("file:", env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let output = barrelman(&["check", "--video", clip]);
+    let findings = String::from_utf8_lossy(&output.stdout);
+    assert!(findings.contains("64x48 pictures, colours as BT.601, limited range"), "{findings}");
+    assert!(!findings.contains('{'), "{findings}");
 }
 
 #[test]

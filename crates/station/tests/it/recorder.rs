@@ -94,6 +94,7 @@ fn recording_start() -> RecordingStart {
         link: String::new(),
         live_video: true,
         behaviour: BehaviourVersions::default(),
+        trial: None,
     }
 }
 

@@ -71,6 +71,7 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
         link: String::new(),
         live_video: false,
         behaviour: BehaviourVersions::default(),
+        trial: None,
     };
     let file = BufWriter::new(fs::File::create(&path).unwrap());
     let mut writer = RecordingWriter::begin(file, &start).unwrap();

@@ -82,6 +82,18 @@ impl MeanOfAll {
     }
 }
 
+/// A metric that no pair defines.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnpairedMetric {
+    /// Name of the metric.
+    #[serde(rename = "figure")]
+    pub metric: &'static str,
+    /// Mean over the trials of the first campaign that define the metric; `None` where none does.
+    pub first_of_all: Option<MeanOfAll>,
+    /// The same of the second campaign.
+    pub second_of_all: Option<MeanOfAll>,
+}
+
 /// The comparison of two campaigns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CampaignComparison {
@@ -94,6 +106,9 @@ pub struct CampaignComparison {
     /// The metrics, in the order of [`METRICS`]; those that no pair defines are absent.
     #[serde(rename = "figures")]
     pub metrics: Vec<PairedMetric>,
+    /// The metrics that some trials define, but no pair.
+    #[serde(rename = "without_pairs")]
+    pub unpaired: Vec<UnpairedMetric>,
 }
 
 impl CampaignComparison {
@@ -108,20 +123,24 @@ impl CampaignComparison {
         let missing = |from: &BTreeMap<String, TrialMetrics>, other: &BTreeMap<String, TrialMetrics>| {
             from.keys().filter(|name| !other.contains_key(*name)).cloned().collect()
         };
-        let metrics = METRICS
-            .iter()
-            .filter_map(|metric| {
-                let of_all = |trials: &BTreeMap<String, TrialMetrics>| {
-                    MeanOfAll::of(trials.values().filter_map(metric.2))
-                };
-                compare_metric(*metric, &pairs, (of_all(&first)?, of_all(&second)?), bootstrap)
-            })
-            .collect();
+        let (mut metrics, mut unpaired) = (Vec::new(), Vec::new());
+        for metric in METRICS {
+            let of_all =
+                |trials: &BTreeMap<String, TrialMetrics>| MeanOfAll::of(trials.values().filter_map(metric.2));
+            let (first_of_all, second_of_all) = (of_all(&first), of_all(&second));
+            let both = first_of_all.zip(second_of_all);
+            match both.and_then(|of_all| compare_metric(metric, &pairs, of_all, bootstrap)) {
+                Some(paired) => metrics.push(paired),
+                None if first_of_all.is_none() && second_of_all.is_none() => {}
+                None => unpaired.push(UnpairedMetric { metric: metric.0, first_of_all, second_of_all }),
+            }
+        }
         Self {
             pairs: pairs.len(),
             only_first: missing(&first, &second),
             only_second: missing(&second, &first),
             metrics,
+            unpaired,
         }
     }
 }

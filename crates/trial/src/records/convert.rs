@@ -15,7 +15,7 @@ mod video;
 
 pub(super) use malformed::Malformed;
 
-use super::entry::RecordingStart;
+use super::entry::{RecordingStart, SimulatedTrial};
 use super::stored;
 use crate::behaviour::{BehaviourVersions, FIRST};
 
@@ -31,6 +31,9 @@ impl From<&RecordingStart> for stored::RecordingStart {
             live_video: start.live_video,
             tracker_behaviour: start.behaviour.tracker,
             law_behaviour: start.behaviour.law,
+            trial: start.trial.clone().map(|SimulatedTrial { seed, settings, scenario }| {
+                stored::SimulatedTrial { seed, settings, scenario }
+            }),
         }
     }
 }
@@ -51,6 +54,11 @@ impl From<stored::RecordingStart> for RecordingStart {
                 tracker: version(start.tracker_behaviour),
                 law: version(start.law_behaviour),
             },
+            trial: start.trial.map(|stored::SimulatedTrial { seed, settings, scenario }| SimulatedTrial {
+                seed,
+                settings,
+                scenario,
+            }),
         }
     }
 }

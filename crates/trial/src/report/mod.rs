@@ -13,6 +13,8 @@
 
 mod page;
 
+mod natural_order;
+
 mod reported_trial;
 mod trial_group;
 
@@ -26,6 +28,7 @@ mod sparkline;
 pub mod world_path;
 
 mod claims;
+mod columns;
 mod tables;
 
 mod canvas;

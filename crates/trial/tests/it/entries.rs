@@ -33,6 +33,7 @@ pub(crate) fn start() -> RecordingStart {
         link: String::new(),
         live_video: true,
         behaviour: BehaviourVersions { tracker: 3, law: 2 },
+        trial: None,
     }
 }
 
