@@ -207,7 +207,7 @@ const fn law_text(law: LawId) -> &'static str {
 impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Idle => "idle",
+            Self::Idle => "disengaged",
             Self::Nudging => "nudging",
             Self::Servoing => "servoing",
             Self::Holding(HoldCause::NoSelection) => "holding: nothing selected",

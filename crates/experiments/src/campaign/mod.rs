@@ -9,5 +9,6 @@ pub mod plan;
 pub mod recorded_trial;
 pub mod recording;
 pub mod runner;
+pub mod simulated_time;
 
 pub use plan::{CampaignPlan, Perception, PlantName};

@@ -17,6 +17,7 @@ use clap::ValueEnum;
 
 use super::drive_inputs::DriveInputs;
 use super::recording::{RecordedRun, TrialRecorder, TrialRecording};
+use super::simulated_time::SimulatedTime;
 use crate::drive;
 use crate::law_choice::LawChoice;
 use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
@@ -87,6 +88,8 @@ pub struct CampaignPlan {
     reports_tilt: bool,
     /// Settings of the recordings; `None` where no trial is recorded.
     recordings: Option<TrialRecording>,
+    /// Counts the simulated time of all trials.
+    simulated: SimulatedTime,
 }
 
 impl CampaignPlan {
@@ -146,6 +149,7 @@ impl CampaignPlan {
             drive_inputs: None,
             reports_tilt: false,
             recordings: None,
+            simulated: SimulatedTime::default(),
         })
     }
 
@@ -158,6 +162,11 @@ impl CampaignPlan {
             .with_context(|| format!("the folder {} cannot be made", recordings.folder.display()))?;
         self.recordings = Some(recordings);
         Ok(self)
+    }
+
+    /// How much time the trials have simulated so far, finished ones and running ones together.
+    pub fn simulated_time(&self) -> SimulatedTime {
+        self.simulated.clone()
     }
 
     /// The camera law.
@@ -281,7 +290,7 @@ impl CampaignPlan {
     /// As [`Self::simulate`], and a recording that cannot be written.
     fn simulate_recorded(&self, seed: u64) -> Result<TrialLog> {
         let Some(recording) = &self.recordings else {
-            return self.simulate(seed, &mut ());
+            return self.simulate(seed, &mut self.simulated.counting(&mut ()));
         };
         let name = format!("{}-{seed}", self.settings.scenario);
         let run = RecordedRun {
@@ -294,7 +303,7 @@ impl CampaignPlan {
             }),
         };
         let mut recorder = TrialRecorder::begin(recording, &name, run, &self.profile)?;
-        let log = self.simulate(seed, &mut recorder)?;
+        let log = self.simulate(seed, &mut self.simulated.counting(&mut recorder))?;
         recorder.finish()?;
         Ok(log)
     }

@@ -10,9 +10,14 @@ use super::values::parse_box;
 
 /// `track`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example:\n  barrelman track clip.mp4 --select 600,300,80,60 --output track.csv --overlay seen.mp4"
-)]
+#[command(after_help = "Examples:
+  barrelman render arena1 --seed 7 --seconds 20 \\
+    --output clip.mp4 --truth truth.csv
+  barrelman snapshot clip.mp4 --output first.png
+  barrelman track clip.mp4 --select 559,369,128,75 \\
+    --output track.csv --overlay seen.mp4
+
+`snapshot` draws a frame with a grid, to read the box from.")]
 pub struct TrackArgs {
     /// The recording: an MP4 or MOV with H.264, a Y4M, or a folder of pictures.
     pub video: String,

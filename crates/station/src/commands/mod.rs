@@ -22,6 +22,7 @@ pub mod trials;
 
 mod channel_tables;
 mod comparison_table;
-pub mod summary_table;
+mod summary_table;
 mod track_figures;
 mod trial_input;
+mod trials_progress;

@@ -94,6 +94,45 @@ fn every_command_shows_an_example() {
 }
 
 #[test]
+fn examples_fit_a_terminal_of_80_columns() {
+    fn check(command: &clap::Command) {
+        for help in [command.get_after_help(), command.get_after_long_help()].into_iter().flatten() {
+            for line in help.to_string().lines() {
+                assert!(line.chars().count() <= 80, "{}: {line}", command.get_name());
+            }
+        }
+        command.get_subcommands().for_each(check);
+    }
+    check(&Cli::command());
+}
+
+#[test]
+fn each_command_names_its_own_default_of_the_law() {
+    for (command, expected) in [
+        ("run", "default: the configuration's, or optimal"),
+        ("demo", "default: optimal, and schema with --clip"),
+        ("trials", "default: schema, or with --drive the drive's"),
+        ("law", "default: schema"),
+    ] {
+        let cli = Cli::command();
+        let command = cli.find_subcommand(command).unwrap();
+        let law = command.get_arguments().find(|argument| argument.get_id() == "law").unwrap();
+        let help = law.get_help().unwrap().to_string();
+        assert_eq!(help, format!("The camera law; {expected}"));
+    }
+}
+
+#[test]
+fn the_columns_of_the_tables_are_defined_in_the_help() {
+    for command in ["trials", "metrics", "merge"] {
+        let help = String::from_utf8(barrelman(&[command, "--help"]).stdout).unwrap();
+        for column in ["exc. ", "switches ", "travel ", "effort ", "tracked ", "blind "] {
+            assert!(help.contains(&format!("  {column}")), "{command}: {column}");
+        }
+    }
+}
+
+#[test]
 fn the_help_lists_the_keys_of_the_terminal() {
     let help_of = |command| {
         let help = String::from_utf8(barrelman(&[command, "--help"]).stdout).expect("it is text");
