@@ -1,7 +1,8 @@
 //! What the columns of the tables are that `trials`, `merge` and `metrics` print.
 
 /// What the columns are, for the help of the commands that print the table.
-pub(super) const COLUMNS: &str = "Columns of the table (an excursion: the boat is outside the ellipse, P > 1):
+pub(super) const COLUMNS: &str =
+    "Columns of the table (an excursion: the boat is outside the ellipse, P > 1):
   time       length of the trial, s
   exc.       excursions: complete ones (the boat came back) / all
   out        time outside the ellipse, s; * the trial ends outside
