@@ -16,10 +16,11 @@ function modeText({ mode, track }) {
   return `${words.modes[mode.name]}${cause}${confirming}`;
 }
 
+/** A rate with its sign and its direction: pan is positive to the right, tilt upwards. */
 function rateText({ pan, tilt }) {
-  const turn = (rate, plus, minus) => (rate ? [`${Math.abs(rate).toFixed(2)} rad/s ${rate > 0 ? plus : minus}`] : []);
-  const { left, right, up, down, rest } = words.turns;
-  return [...turn(pan, right, left), ...turn(tilt, up, down)].join(", ") || rest;
+  const turn = (axis, rate, plus, minus) => (rate ? [`${axis} ${rate > 0 ? "+" : "\u2212"}${Math.abs(rate).toFixed(2)} rad/s (${rate > 0 ? plus : minus})`] : []);
+  const { left, right, up, down, rest, pan: panWord, tilt: tiltWord } = words.turns;
+  return [...turn(panWord, pan, right, left), ...turn(tiltWord, tilt, up, down)].join(", ") || rest;
 }
 
 function factsOf(snapshot) {
