@@ -3,6 +3,9 @@
 import { nextAction } from "./next_action.js";
 import { words } from "./words.js";
 
+/** A simulated world below this share of real time is named as slow. */
+const SLOW = 0.9;
+
 const at = (id) => document.getElementById(id);
 
 /** Sets a text only where it changed, so that screen readers are not told the same again. */
@@ -39,6 +42,7 @@ function factsOf(snapshot) {
   ];
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
   if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
+  if (drive && !drive.paused && drive.pace < SLOW) facts.push([words.facts.world, words.slowText(drive.pace)]);
   return facts;
 }
 
