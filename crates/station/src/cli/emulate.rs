@@ -28,7 +28,7 @@ pub enum StationName {
 #[command(after_help = "Example:
   barrelman emulate fotokite-pro --pty /tmp/fotokite --log station.jsonl
 and in another terminal
-  barrelman run --video file:clip.mp4 --select 559,369,128,75 --engage \\
+  barrelman run --video file:clip.mp4 --select 293,138,48,23 --engage \\
     --link serial:/tmp/fotokite
 
 With --world the emulator moves the camera of a simulated world and serves its

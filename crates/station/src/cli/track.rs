@@ -11,10 +11,10 @@ use super::values::parse_box;
 /// `track`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  barrelman render arena1 --seed 7 --seconds 20 \\
+  barrelman render arena1 --seed 7 --seconds 10 --size 640x360 \\
     --output clip.mp4 --truth truth.csv
   barrelman snapshot clip.mp4 --output first.png
-  barrelman track clip.mp4 --select 559,369,128,75 \\
+  barrelman track clip.mp4 --select 293,138,48,23 \\
     --output track.csv --overlay seen.mp4
 
 `snapshot` draws a frame with a grid, to read the box from.")]

@@ -77,7 +77,7 @@ impl Report {
                 body {
                     header {
                         p class="brand" { "Barrelman report" }
-                        h1 { "Keeping a boat in view, with few movements of the camera" }
+                        h1 { "Keeping a boat in view: what the camera did" }
                         (self.contents(&groups))
                     } "\n"
                     section { h2 { "Claimed and counted" } (claims::paragraphs(&groups)) } "\n"
