@@ -17,6 +17,9 @@ export default {
   entry: "Access", entryTitle: "A token is needed", token: "Token or link", open: "Open",
   entryText: "Open the link that the program printed at its start, or paste the link or its token here.",
   entryWrong: "This token is not known. The program makes new tokens at each start.",
+  // The page on which a box is drawn in one picture
+  pickHint: "Drag a box around the whole boat. The wheel zooms.", pickTake: "Track this",
+  pickBox: (box) => `Box ${box.join(",")}`, pickDone: "The program goes on with this box. This page can be closed.",
   // State
   connecting: "Connecting.", connectionLost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
   dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",

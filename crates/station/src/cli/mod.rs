@@ -47,7 +47,7 @@ pub use recordings::{ExportArgs, ReplayArgs};
 pub use region_options::RegionArgs;
 pub use run::RunArgs;
 pub use scenarios::{RenderArgs, ScenariosArgs};
-pub use track::TrackArgs;
+pub use track::{SnapshotArgs, TrackArgs};
 pub use trials::{CompareArgs, MergeArgs, PerceptionName, TrialsArgs};
 pub use usage_error::UsageError;
 pub use values::Shard;
@@ -87,6 +87,8 @@ pub enum Command {
     Run(RunArgs),
     /// Run the tracker alone on a recording.
     Track(TrackArgs),
+    /// Draw a frame of a video with a grid of coordinates, to select a boat.
+    Snapshot(SnapshotArgs),
     /// Run a camera law on recorded positions.
     Law(LawArgs),
     /// Measure trials: sensitivity, excursions, movement, energy.

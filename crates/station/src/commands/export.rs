@@ -113,11 +113,12 @@ impl TrialFile {
             }
             None => write!(self.file, ",,,")?,
         }
+        let sent = outcome.command.as_sent(outcome.rates);
         writeln!(
             self.file,
             "{},{},{},{},{}",
-            outcome.rates.pitch.radians_per_second(),
-            outcome.rates.yaw.radians_per_second(),
+            sent.pan.radians_per_second(),
+            sent.tilt.radians_per_second(),
             outcome.mode,
             size.width,
             size.height

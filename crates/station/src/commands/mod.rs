@@ -16,12 +16,14 @@ pub mod replayed_video;
 pub mod report;
 pub mod run;
 pub mod scenarios;
+pub mod snapshot;
 pub mod stored_video;
 pub mod track;
 pub mod trials;
 
 mod channel_tables;
 mod comparison_table;
+mod stored_frame;
 mod summary_table;
 mod track_figures;
 mod trial_input;

@@ -7,12 +7,14 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use barrelman_vision::{Explanation, Tracker};
-use barrelman_vocab::{Track, VehicleProfile, VideoFrame};
+use barrelman_vocab::{PixelBox, Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
 use rustix::time::{ClockId, clock_gettime};
 
+use super::stored_frame::stored_frame;
 use super::track_figures::{TrackTotals, selection_warnings};
-use crate::cli::TrackArgs;
+use crate::cli::{TrackArgs, UsageError};
+use crate::console::{ConsoleSettings, pick};
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
@@ -36,6 +38,10 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         // With --json only the figures are printed.
         None if args.json => Box::new(std::io::sink()),
         None => Box::new(stdout().lock()),
+    };
+    let selection = match args.select {
+        Some(selection) => selection,
+        None => drawn_selection(args, &url)?,
     };
     let mut frames = FileFrames::open(&url)?;
     let mut track = TrackWriter {
@@ -65,7 +71,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         };
         decode_times.push(cpu_time().saturating_sub(before));
         if index >= args.start_frame {
-            track.add(args, index, &frame)?;
+            track.add(args, selection, index, &frame)?;
         }
         index += 1;
         progress.inc(1);
@@ -108,6 +114,43 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     }
 }
 
+/// The box that the operator draws on a page, in the start frame.
+fn drawn_selection(args: &TrackArgs, url: &VideoUrl) -> Result<PixelBox> {
+    let has_display = ["DISPLAY", "WAYLAND_DISPLAY"]
+        .into_iter()
+        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
+    if args.listen.is_none() && !has_display {
+        return Err(UsageError(format!(
+            "no selection: give --select X,Y,W,H, the box around the boat in frame {} (`barrelman snapshot {} --frame {} \
+             --output frame.png` shows it with coordinates), or --listen 127.0.0.1:8480 to draw the box in a browser",
+            args.start_frame, args.video, args.start_frame
+        ))
+        .into());
+    }
+    let frame = stored_frame(url, args.start_frame)?;
+    let settings = ConsoleSettings::without_tokens_on_loopback(args.listen, None)?;
+    let selection = pick(settings, &frame.picture, |link| {
+        tracing::info!("draw the box around the boat: {link}");
+        // A link with a token is for the person at the terminal alone.
+        if has_display && args.listen.is_none() {
+            open_browser(link);
+        }
+    })?;
+    let PixelBox { u, v, w, h } = selection;
+    tracing::info!("selected; --select {u},{v},{w},{h} repeats this");
+    Ok(selection)
+}
+
+/// Opens the page in the user's browser, where the system knows one. Without one, the link is on the terminal.
+fn open_browser(link: &str) {
+    let _ = std::process::Command::new("xdg-open")
+        .arg(link)
+        .stdin(std::process::Stdio::null())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn();
+}
+
 /// CPU time of all threads of the program. While the tracker runs, no other thread does, so a difference is the tracker's.
 fn cpu_time() -> Duration {
     let time = clock_gettime(ClockId::ProcessCPUTime);
@@ -136,12 +179,12 @@ struct TrackWriter {
 }
 
 impl TrackWriter {
-    fn add(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
+    fn add(&mut self, args: &TrackArgs, selection: PixelBox, index: u64, frame: &VideoFrame) -> Result<()> {
         let before = cpu_time();
         let is_selected_here = index == args.start_frame;
         let track = if is_selected_here {
-            let report = self.tracker.select(frame, args.select)?;
-            for warning in selection_warnings(args.select, &report, frame.picture.size()) {
+            let report = self.tracker.select(frame, selection)?;
+            for warning in selection_warnings(selection, &report, frame.picture.size()) {
                 tracing::warn!("{warning}");
             }
             Track::Tracking(report.localisation)

@@ -114,7 +114,13 @@ impl Session<'_> {
             return;
         }
         if self.console.is_some() {
-            tracing::info!("nothing is selected yet: draw a box around the boat on the console");
+            let meanwhile = if self.source.is_live() {
+                ""
+            } else {
+                "; the file plays on meanwhile: --select X,Y,W,H selects in its first frame, which `barrelman snapshot` \
+                 shows with coordinates"
+            };
+            tracing::info!("nothing is selected yet: draw a box around the boat on the console{meanwhile}");
         } else {
             tracing::warn!(
                 "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"

@@ -178,6 +178,40 @@ fn a_track_ends_with_a_summary_and_doubtful_selections_are_named() {
 }
 
 #[test]
+fn a_snapshot_shows_a_frame_with_coordinates() {
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let folder = empty_folder("snapshot");
+    let snapshot = |options: &[&str]| barrelman_in(&folder, &[&["snapshot", clip], options].concat());
+    let said = snapshot(&["--output", "first.png"]);
+    let said = String::from_utf8_lossy(&said.stdout).into_owned();
+    assert!(
+        said.contains("64x48") && said.contains("every 10 pixels") && said.contains("--select"),
+        "{said}"
+    );
+    let file = std::io::BufReader::new(std::fs::File::open(folder.join("first.png")).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut samples = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut samples).unwrap();
+    assert_eq!((info.width, info.height), (64, 48));
+    failed(&snapshot(&["--output", "first.png"]), 1, &["--force"]);
+    failed(&snapshot(&["--frame", "100000", "--output", "none.png"]), 1, &["there is no frame 100000"]);
+    assert!(!folder.join("none.png").exists());
+    failed(&snapshot(&["--output", "first.jpg"]), 2, &[".png"]);
+}
+
+#[test]
+fn a_track_without_a_selection_says_how_to_select() {
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let output = Command::new(env!("CARGO_BIN_EXE_barrelman"))
+        .args(["track", clip])
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .expect("the program starts");
+    failed(&output, 2, &["--select X,Y,W,H", "barrelman snapshot", "--listen"]);
+}
+
+#[test]
 fn check_finds_what_is_wrong_and_how_to_mend_it() {
     let output = barrelman(&["check", "--video", "file:nowhere.mp4", "--link", "serial:/dev/nowhere"]);
     let findings = String::from_utf8_lossy(&output.stdout);

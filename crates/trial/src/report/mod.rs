@@ -5,7 +5,7 @@
 //! is escaped.
 //!
 //! Figures of one trial: P over time with the boundary at 1 and the h and b of every excursion ([`p_over_time`]); the
-//! commands in the vehicle's own signs ([`commands`]); the path in the picture with the region and the sectors
+//! commands, pan and tilt ([`commands`]); the path in the picture with the region and the sectors
 //! ([`picture_path`]); for a simulated trial, the path in the world from above ([`world_path`]). Figures of several
 //! trials: the sensitivities, and a sparkline of P for each trial in the list.
 //!

@@ -11,7 +11,7 @@ use barrelman_vocab::{ImagePoint, VehicleProfile};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::laboratory::logs;
-use crate::trial_logs::{PICTURE, REGION, log_from, log_from_rows, rates};
+use crate::trial_logs::{PICTURE, REGION, command, log_from, log_from_rows};
 
 /// A name that breaks a page unless it is escaped.
 const HOSTILE_NAME: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
@@ -129,16 +129,16 @@ fn commands_are_steps_in_two_lanes() {
     let at = Some(ImagePoint { x: 0.0, y: 0.0 });
     let log = log_from_rows(
         [(0.0, 0.0), (0.3, 0.0), (0.3, 0.0), (0.0, -0.3), (0.0, 0.0)]
-            .map(|(yaw, pitch)| (at, Some(rates(yaw, pitch)))),
+            .map(|(pan, tilt)| (at, Some(command(pan, tilt)))),
     );
     let figure =
         commands::figure("commands", "trial", &TrialTrace { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| {
-        for word in ["pitch", "yaw"] {
+        for word in ["tilt", "pan"] {
             assert_eq!(of_class(document, "path", word).len(), 1, "{word}");
         }
     });
-    assert!(figure.description.contains("1 starts of pitch, 1 of yaw"), "{}", figure.description);
+    assert!(figure.description.contains("1 starts of tilt, 1 of pan"), "{}", figure.description);
     let silent = log_from_rows([(at, None)]);
     assert_eq!(
         commands::figure("commands", "trial", &TrialTrace { log: silent, region: REGION, shadow: None }),
