@@ -5,6 +5,7 @@ use std::process::Output;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use crate::behaviour_versions::rewrite;
 use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
 
 fn trials(options: &[&str]) -> Output {
@@ -217,6 +218,16 @@ fn a_trial_in_pictures_is_the_same_to_the_bit_however_it_is_computed() {
     std::fs::write(&optimal, "[law]\nname = \"optimal\"\n").unwrap();
     let changed = ["replay", argument(&recording), "--config", argument(&optimal)];
     succeeded(&barrelman(&changed));
+    // Without what it takes to render them, as in recordings of earlier programs, the message says what to do.
+    let early = folder.join("early.mcap");
+    rewrite(&recording, &early, |start| start.trial = None);
+    failed(&barrelman(&["replay", argument(&early)]), 1, &["holds no pictures", "--record"]);
+    let exported = folder.join("exported");
+    let said = succeeded(&barrelman(&["export", argument(&recording), "--output", argument(&exported)]));
+    assert!(
+        said.contains("no video.mp4") && said.contains("Its film is") && said.contains("arena1-2.mp4"),
+        "{said}"
+    );
     assert_eq!(hashes("two", &["--threads", "2"]), expected, "two threads");
     for level in ["scalar", "sse2", "avx2"] {
         assert_eq!(hashes(level, &["--simd", level]), expected, "{level}");

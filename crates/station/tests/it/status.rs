@@ -135,7 +135,7 @@ fn on_a_terminal_the_line_names_the_key_that_matters() {
 #[test]
 fn a_narrow_terminal_shows_the_start_of_the_line() {
     for (columns, expected) in
-        [(20, "\r\u{1b}[Kdisengaged (e eng…\n"), (80, "\r\u{1b}[Kdisengaged (e engages)\n")]
+        [(20, "\r\u{1b}[Kdisengaged (e enga…\n"), (80, "\r\u{1b}[Kdisengaged (e engages)\n")]
     {
         let (writes, written) = channel();
         let writer = start(Forward(writes), LineStyle::Overwritten { columns: Some(columns) });

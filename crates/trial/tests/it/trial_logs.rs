@@ -46,7 +46,7 @@ pub(crate) fn log_from(rows: &str) -> TrialLog {
         other => panic!("unknown row {other}"),
     };
     log_from_rows(
-        rows.chars().map(|row| (x(row).map(|x| ImagePoint { x, y: 0.0 }), Some(VehicleRates::REST))),
+        rows.chars().map(|row| (x(row).map(|x| ImagePoint { x, y: 0.0 }), Some(CameraCommand::REST))),
     )
 }
 

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use barrelman_sim::tick::TICK_S;
 use barrelman_sim::{CameraMount, Scenario};
 use barrelman_trial::logs::TrialLog;
-use barrelman_vocab::{Angle, ImagePoint, VehicleProfile};
+use barrelman_vocab::{Angle, ImagePoint};
 
 use crate::simulator::position_jump::is_jump;
 
