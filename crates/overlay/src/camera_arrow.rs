@@ -116,7 +116,7 @@ impl CameraArrow {
 
 fn write_label(buffer: &mut String, motion: Motion, shown: CameraCommand, rates: Option<VehicleRates>) {
     // Pan is positive to the right and tilt upwards, as everywhere but on the vehicle's line.
-    let shown = rates.map_or(shown, |rates| shown.as_sent(rates));
+    let shown = rates.map_or(shown, |rates| rates.in_the_senses_of(shown));
     let (name, rate) = match motion.axis {
         Axis::Pan => ("pan ", shown.pan),
         Axis::Tilt => ("tilt ", shown.tilt),

@@ -134,7 +134,7 @@ impl StatusStrip {
             });
         }
         let axes = match (scene.rates, scene.mode) {
-            (Some(rates), _) => Some(scene.command.as_sent(rates)),
+            (Some(rates), _) => Some(rates.in_the_senses_of(scene.command)),
             (None, Some(_)) => Some(scene.command),
             (None, None) => None,
         };

@@ -1,7 +1,6 @@
 //! Camera commands.
 
 use crate::angle::AngularRate;
-use crate::profile::VehicleRates;
 
 /// The commanded pan and tilt rates. Pan > 0 turns the view right and tilt > 0 turns it up, independent of the
 /// vehicle's own signs. A command is in force until the next one.
@@ -16,13 +15,6 @@ pub struct CameraCommand {
 impl CameraCommand {
     /// Both axes at rest.
     pub const REST: Self = Self { pan: AngularRate::ZERO, tilt: AngularRate::ZERO };
-
-    /// The rates that a vehicle was sent for this command, as pan and tilt. `rates` have the vehicle's own signs and
-    /// limits; their sizes are taken, the senses are those of the command.
-    #[must_use]
-    pub fn as_sent(self, rates: VehicleRates) -> Self {
-        Self { pan: self.pan.clamped(rates.yaw), tilt: self.tilt.clamped(rates.pitch) }
-    }
 
     /// Whether both rates are zero.
     pub fn is_rest(self) -> bool {

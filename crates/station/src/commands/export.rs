@@ -148,7 +148,7 @@ impl TrialFile {
             }
             None => write!(self.file, ",,,")?,
         }
-        let sent = outcome.command.as_sent(outcome.rates);
+        let sent = outcome.rates.in_the_senses_of(outcome.command);
         writeln!(
             self.file,
             "{},{},{},{},{}",

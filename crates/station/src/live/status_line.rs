@@ -95,7 +95,8 @@ fn line(snapshot: &Snapshot, now: Timestamp, names_keys: bool) -> String {
         RecordingState::Off | RecordingState::On(_) => String::new(),
     };
     let sent = if is_up { "" } else { " (not sent)" };
-    let rates = outcome.map_or(CameraCommand::REST, |outcome| outcome.command.as_sent(snapshot.rates));
+    let rates =
+        outcome.map_or(CameraCommand::REST, |outcome| snapshot.rates.in_the_senses_of(outcome.command));
     format!(
         "{mode} | {track} | P {p} | pan {:+.2} tilt {:+.2} rad/s{sent}{advised} | {link}{alarm} | {:.0} fps, age {age}, dropped {}",
         rates.pan.radians_per_second(),
