@@ -19,7 +19,7 @@ use super::values::{
 const TRIALS_EXAMPLES: &str = "Examples:
   barrelman trials lab1 --perception truth --trials 200 --output lab1.jsonl
   barrelman trials lab1 --perception truth --law optimal --record recordings
-  barrelman trials exit --trials 2 --size 320x180 --record pictures
+  barrelman trials lab2 --trials 1 --size 320x180 --record pictures
   barrelman trials lab1 --perception truth --trials 100 --shard 3/10 \\
     --output shard-3.jsonl
   barrelman trials --drive drive.jsonl --law optimal --record driven

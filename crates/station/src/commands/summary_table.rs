@@ -85,7 +85,7 @@ fn write_pooled(
     let title = arena.map_or_else(|| "all".to_owned(), |arena| format!("arena {}", arena.number()));
     let mut line = |name: &str, value: &str, published: &str| {
         let published = if arena.is_some() { published } else { "" };
-        writeln!(text, "{}", format!("{name:46} {value:>10} {published:>12}").trim_end())
+        writeln!(text, "{}", format!("{name:46} {value:>10}  {published:>12}").trim_end())
     };
     line("", "", "")?;
     line(&format!("{title}, {}", count_of(all)), "here", "published")?;
@@ -96,8 +96,8 @@ fn write_pooled(
         &number(pooled.mean_sensitivity, 4),
         &number(arena.map(Arena::published_sensitivity), 4),
     )?;
-    let n = arena
-        .map_or("the mean count of excursions".to_owned(), |arena| format!("n = {}", arena.published_n()));
+    let n =
+        arena.map_or("the mean excursion count".to_owned(), |arena| format!("n = {}", arena.published_n()));
     line(
         &format!("  normalised by {n}, 1/s"),
         &number(pooled.normalised_sensitivity, 4),

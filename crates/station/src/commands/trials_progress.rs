@@ -17,6 +17,9 @@ const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// How often the state is looked at.
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
 
+/// A shorter time left is not told: it is an estimate.
+const NEARLY_DONE_S: f64 = 5.0;
+
 /// What is known of a campaign under way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct State {
@@ -45,7 +48,11 @@ impl State {
         } else {
             (self.max_trial_s, "at most")
         };
-        let left_s = (self.wanted as f64 * trial_s - self.simulated_s).max(0.0) / self.speed()?;
+        let left_s = (self.wanted as f64 * trial_s - self.simulated_s) / self.speed()?;
+        // The running trials may be longer than those before.
+        if left_s < NEARLY_DONE_S {
+            return Some("nearly done".to_owned());
+        }
         Some(format!("{word} {} left", duration_in_words(left_s)))
     }
 
@@ -180,7 +187,7 @@ mod tests {
             ),
             (
                 State { done: 20, done_s: 1400.0, simulated_s: 1400.0, elapsed_s: 350.0, ..start },
-                "4.0 times real time, about 0 s left",
+                "4.0 times real time, nearly done",
             ),
         ] {
             assert_eq!(state.pace(), expected, "{state:?}");
