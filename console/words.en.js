@@ -85,7 +85,7 @@ export default {
   seconds: (s) => `${s} s`, ago: (s) => `for ${s} s`,
   workText: (work) => `${work.moves} moves, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
-  slowText: (pace) => `at ${Math.round(100 * pace)} % of real time: smaller pictures help (--size 640x360)`,
+  slowText: (pace) => `${Math.round(100 * pace)} % of real time; try --size 640x360`,
   turns: { pan: "pan", tilt: "tilt", left: "left", right: "right", up: "up", down: "down", rest: "at rest" },
   videoText: (state, fps, dropped) => `${state}, ${fps.toFixed(0)} frames/s, ${dropped} dropped`,
   strip: { p: "P", command: "pan (+ right), tilt (+ up), rad/s", confidence: "confidence", delay: "delay ms" },
