@@ -4,6 +4,9 @@ import { nextAction } from "./next_action.js";
 import { nudgeObstacle } from "./nudge_obstacle.js";
 import { words } from "./words.js";
 
+/** A simulated world below this share of real time is named as slow. */
+const SLOW = 0.9;
+
 const at = (id) => document.getElementById(id);
 
 /** Sets a text only where it changed, so that screen readers are not told the same again. */
@@ -17,10 +20,11 @@ function modeText({ mode, track }) {
   return `${words.modes[mode.name]}${cause}${confirming}`;
 }
 
+/** A rate with its sign and its direction: pan is positive to the right, tilt upwards. */
 function rateText({ pan, tilt }) {
-  const turn = (rate, plus, minus) => (rate ? [`${Math.abs(rate).toFixed(2)} rad/s ${rate > 0 ? plus : minus}`] : []);
-  const { left, right, up, down, rest } = words.turns;
-  return [...turn(pan, right, left), ...turn(tilt, up, down)].join(", ") || rest;
+  const turn = (axis, rate, plus, minus) => (rate ? [`${axis} ${rate > 0 ? "+" : "\u2212"}${Math.abs(rate).toFixed(2)} rad/s (${rate > 0 ? plus : minus})`] : []);
+  const { left, right, up, down, rest, pan: panWord, tilt: tiltWord } = words.turns;
+  return [...turn(panWord, pan, right, left), ...turn(tiltWord, tilt, up, down)].join(", ") || rest;
 }
 
 function factsOf(snapshot) {
@@ -39,6 +43,7 @@ function factsOf(snapshot) {
   ];
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
   if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
+  if (drive && !drive.paused && drive.pace < SLOW) facts.push([words.facts.world, words.slowText(drive.pace)]);
   return facts;
 }
 

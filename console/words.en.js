@@ -6,8 +6,8 @@ export default {
   frozen: "Frozen: draw the box ", freeze: "Freeze", unfreeze: "Go on", reject: "Not that one", deselect: "Forget",
   tools: "Selection and zoom", zoomIn: "Zoom in", zoomOut: "Zoom out", zoomReset: "Whole picture", overlays: "Show",
   command: "Command", stop: "STOP", stopping: "STOPPING", stopKey: "Space", engage: "Engage", disengage: "Disengage",
-  nudge: "Turn camera", nudgeUp: "Turn the camera up", nudgeDown: "Turn the camera down",
-  nudgeLeft: "Turn the camera left", nudgeRight: "Turn the camera right",
+  nudge: "Turn camera", nudgeUp: "Tilt the camera up", nudgeDown: "Tilt the camera down",
+  nudgeLeft: "Pan the camera left", nudgeRight: "Pan the camera right",
   drive: "Drive boat", helmAhead: "Boat ahead", helmAstern: "Boat astern", helmLeft: "Boat left", helmRight: "Boat right",
   pause: "Pause", resume: "Resume", helmsman: "Helmsman", law: "Camera law",
   takeControl: "Take control", askControl: "Ask for control", giveControl: (page) => `Give control to page ${page}`,
@@ -17,6 +17,9 @@ export default {
   entry: "Access", entryTitle: "A token is needed", token: "Token or link", open: "Open",
   entryText: "Open the link that the program printed at its start, or paste the link or its token here.",
   entryWrong: "This token is not known. The program makes new tokens at each start.",
+  // The page on which a box is drawn in one picture
+  pickHint: "Drag a box around the whole boat. The wheel zooms.", pickTake: "Track this",
+  pickBox: (box) => `Box ${box.join(",")}`, pickDone: "The program goes on with this box. This page can be closed.",
   // State
   connecting: "Connecting.", connectionLost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
   dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
@@ -81,7 +84,7 @@ export default {
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
     track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
-    work: "Camera's work", schema: "Schema's work", boat: "Boat", schemaP: "P with the schema",
+    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema",
   },
   links: {
     "dry-run": "dry run: nothing is sent", simulated: "simulated camera", opening: "opening", starting: "starting", up: "up",
@@ -92,13 +95,14 @@ export default {
   seconds: (s) => `${s} s`, ago: (s) => `for ${s} s`,
   workText: (work) => `${work.moves} moves, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
-  turns: { left: "left", right: "right", up: "up", down: "down", rest: "at rest" },
+  slowText: (pace) => `${Math.round(100 * pace)} % of real time; try --size 640x360`,
+  turns: { pan: "pan", tilt: "tilt", left: "left", right: "right", up: "up", down: "down", rest: "at rest" },
   videoText: (state, fps, dropped) => `${state}, ${fps.toFixed(0)} frames/s, ${dropped} dropped`,
-  strip: { p: "P", command: "pan, tilt rad/s", confidence: "confidence", delay: "delay ms" },
+  strip: { p: "P", command: "pan (+ right), tilt (+ up), rad/s", confidence: "confidence", delay: "delay ms" },
   answers: { superseded: "Replaced by a later request", refused: "Refused" },
   keyList: [
     ["Space", "Stop the camera"], ["e", "Engage"], ["r", "Disengage: the camera rests"],
-    ["w a s d", "Turn the camera by hand, while disengaged"], ["Arrows", "Drive the simulated boat"],
+    ["w a s d", "Turn the camera by hand, while disengaged: tilt up, pan left, tilt down, pan right"], ["Arrows", "Drive the simulated boat"],
     ["f", "Freeze the picture"], ["Enter, on a switch of the overlay", "Switch it"], ["x", "Not that one"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
     ["+ - 0", "Zoom in, out, whole picture"], ["p", "Pause or resume the simulated world"], ["h", "Give the helm back"],
     ["n", "Night or day"], ["m", "Sound"], ["?", "These keys"],

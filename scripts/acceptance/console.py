@@ -79,6 +79,24 @@ def screenshots(page, keep, name):
     time.sleep(0.3)
 
 
+# Sizes of windows: laptops with and without the browser's bars, a screen enlarged to 125 %, tablets, telephones.
+WINDOWS = ((1280, 800), (1280, 720), (1280, 600), (1280, 420), (1024, 576), (900, 500), (768, 1024), (640, 800), (390, 760))
+
+
+def out_of_view(page, names):
+    """The controls that a window of some size does not show whole, without scrolling."""
+    hidden = []
+    for width, height in WINDOWS:
+        page.resize(width, height)
+        time.sleep(0.3)
+        for name in names:
+            left, top, right, bottom = page.driver.execute_script("const r = document.getElementById(arguments[0]).getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]", name)
+            if left < 0 or top < 0 or right > width or bottom > height:
+                hidden.append(f"{name} at {width}x{height}")
+    page.resize(1280, 800)
+    return hidden
+
+
 def demo(table, args, folder):
     print("\ndemo --hands-on", flush=True)
     store = folder / "drive.jsonl"
@@ -89,6 +107,8 @@ def demo(table, args, folder):
     table.require("it begins unselected and disengaged", (data["mode"], data["track"]) == ("idle", "unseeded"), f"{data['mode']}, {data['track']}")
     height = page.driver.execute_script("return document.documentElement.scrollHeight")
     table.require("the page fits 1280x800", height <= 800, f"{height} px high", "at most 800")
+    hidden = out_of_view(page, ("stop", "engage", "disengage"))
+    table.require("Stop and Engage are in view in every window, however low", not hidden, ", ".join(hidden) or f"{len(WINDOWS)} sizes")
     select_boat(table, page, folder)
     page.click("engage")
     page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")

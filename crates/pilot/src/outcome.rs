@@ -274,7 +274,7 @@ const fn stop_text(cause: StopCause) -> &'static str {
 impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Idle => f.write_str("idle"),
+            Self::Idle => f.write_str("disengaged"),
             Self::Nudging => f.write_str("nudging"),
             Self::Searching => f.write_str("searching"),
             Self::Calibrating => f.write_str("calibrating"),

@@ -157,6 +157,13 @@ impl VehicleRates {
     /// Both axes at rest.
     pub const REST: Self = Self { yaw: AngularRate::ZERO, pitch: AngularRate::ZERO };
 
+    /// These rates as pan and tilt, where they were sent for `command`: their sizes, in the command's senses. The profile is
+    /// not needed, as limits make a rate smaller and signs only turn it.
+    #[must_use]
+    pub fn in_the_senses_of(self, command: CameraCommand) -> CameraCommand {
+        CameraCommand { pan: command.pan.clamped(self.yaw), tilt: command.tilt.clamped(self.pitch) }
+    }
+
     /// Whether both rates are zero.
     pub fn is_rest(self) -> bool {
         self.yaw.is_zero() && self.pitch.is_zero()

@@ -34,5 +34,6 @@ pub(super) fn recording_start(
         live_video: source.is_live(),
         behaviour: configuration.law.behaviour_with(configuration.tracker.name),
         command_path: command_path(link),
+        trial: None,
     })
 }

@@ -30,6 +30,7 @@ fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool)
         live_video: false,
         behaviour: BehaviourVersions::default(),
         command_path: stated,
+        trial: None,
     };
     let path = empty_folder(name).join("run.mcap");
     let mut writer = RecordingWriter::begin(fs::File::create(&path).unwrap(), &start).unwrap();

@@ -73,6 +73,7 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
         live_video: false,
         behaviour: BehaviourVersions::default(),
         command_path: CommandPath::DryRun,
+        trial: None,
     };
     let file = BufWriter::new(fs::File::create(&path).unwrap());
     let mut writer = RecordingWriter::begin(file, &start).unwrap();

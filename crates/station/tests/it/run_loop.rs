@@ -299,7 +299,7 @@ fn a_failed_recording_raises_an_alarm_and_the_run_goes_on_without_it() {
     assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
     assert_eq!(run.recorded.len(), 3, "nothing is recorded after the failure");
     assert_eq!(run.sent[3].0, moving(), "the camera is moved as before");
-    assert!(run.lines.last().unwrap().ends_with("ALARM: recording stopped: disk full"), "{:?}", run.lines);
+    assert!(run.lines.last().unwrap().contains("ALARM: recording stopped: disk full |"), "{:?}", run.lines);
 }
 
 #[test]
@@ -349,8 +349,8 @@ fn the_links_state_is_stepped_and_shown() {
     let up = Telemetry { at: at(1_050), report: Report::Link(LinkState::Up) };
     let run = run(&[], [(1_050, event(Event::Link(LinkReport::Telemetry(up)))), (1_300, quit())]);
     assert_eq!(run.inputs()[0], (1_050, "telemetry"));
-    assert!(run.lines[0].ends_with("link opening"), "{:?}", run.lines);
-    assert!(run.lines.last().unwrap().ends_with("link up"), "{:?}", run.lines);
+    assert!(run.lines[0].contains("| link opening |"), "{:?}", run.lines);
+    assert!(run.lines.last().unwrap().contains("| link up |"), "{:?}", run.lines);
 }
 
 #[test]

@@ -15,7 +15,7 @@ mod video;
 
 pub(super) use malformed::Malformed;
 
-use super::entry::RecordingStart;
+use super::entry::{RecordingStart, SimulatedTrial};
 use super::stored;
 use crate::behaviour::{BehaviourVersions, FIRST};
 
@@ -32,6 +32,9 @@ impl From<&RecordingStart> for stored::RecordingStart {
             tracker_behaviour: start.behaviour.tracker,
             law_behaviour: start.behaviour.law,
             command_path: stored::CommandPath::from(start.command_path) as i32,
+            trial: start.trial.clone().map(|SimulatedTrial { seed, settings, scenario }| {
+                stored::SimulatedTrial { seed, settings, scenario }
+            }),
         }
     }
 }
@@ -58,6 +61,11 @@ impl TryFrom<stored::RecordingStart> for RecordingStart {
                 law: version(start.law_behaviour),
             },
             command_path,
+            trial: start.trial.map(|stored::SimulatedTrial { seed, settings, scenario }| SimulatedTrial {
+                seed,
+                settings,
+                scenario,
+            }),
         })
     }
 }
