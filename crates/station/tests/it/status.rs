@@ -110,7 +110,7 @@ fn each_state_has_its_line() {
         Some(LinkState::Opening),
         nothing,
         Some(&outcome(Mode::Holding(HoldCause::LinkDown), seen(), Some(RIGHT))),
-        "holding: the link is not up | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | 0 fps, age -, dropped 0 | link opening",
+        "holding: the link is not up | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | link opening | 0 fps, age -, dropped 0",
     );
     check(
         None,
