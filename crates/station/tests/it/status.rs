@@ -116,13 +116,13 @@ fn each_state_has_its_line() {
         None,
         nothing,
         Some(&outcome(Mode::Holding(HoldCause::DryRun), seen(), Some(RIGHT))),
-        "holding: dry run, nothing is sent | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | 0 fps, age -, dropped 0 | dry run",
+        "holding: dry run, nothing is sent | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | dry run | 0 fps, age -, dropped 0",
     );
     check(
         up,
         nothing,
         Some(&outcome(Mode::Stopped(StopCause::ControlLost), Track::Unseeded, None)),
-        "stopped: the vehicle gave the control away | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+        "stopped: the vehicle gave the control away | nothing selected | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         Some(LinkState::Opening),
