@@ -2,7 +2,7 @@
 
 import { HeldDirections } from "./held.js";
 
-/** Sends a request again and again while a direction is held, and once more when everything is let go. */
+/** Sends a request again and again while a direction is held and may be, and once more at the end. */
 export class HeldControl {
   #held = new HeldDirections();
   #timer = 0;
@@ -59,6 +59,12 @@ export class HeldControl {
   #apply() {
     clearInterval(this.#timer);
     this.send(this.#held.axes);
-    if (this.#held.isHeld) this.#timer = setInterval(() => this.send(this.#held.axes), this.everyMs);
+    if (this.#held.isHeld) this.#timer = setInterval(() => this.#renew(), this.everyMs);
+  }
+
+  /** What may not start may not go on: the requests would be refused one after the other. */
+  #renew() {
+    if (this.mayStart()) this.send(this.#held.axes);
+    else this.release();
   }
 }

@@ -5,6 +5,7 @@ import { ControlSeat } from "./control_seat.js";
 import { EventList } from "./events.js";
 import { HeldControl } from "./held_controls.js";
 import { Link } from "./link.js";
+import { nudgeObstacle } from "./nudge_obstacle.js";
 import { LAYERS } from "./overlay.js";
 import { Sounds } from "./sounds.js";
 import { Stage } from "./stage.js";
@@ -93,7 +94,7 @@ const turn = new HeldControl({
   keys: { w: "up", a: "left", s: "down", d: "right" },
   buttons: "nudge",
   everyMs: 80,
-  mayStart: () => seat.isControlling && ["idle", "nudging"].includes(snapshot?.mode.name),
+  mayStart: () => seat.isControlling && Boolean(snapshot) && !nudgeObstacle(snapshot),
   send: ([pan, tilt]) => request({ kind: "nudge", pan, tilt }),
 });
 const helm = new HeldControl({

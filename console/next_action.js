@@ -1,5 +1,8 @@
 // What the operator should do next: one line, from the state alone. Pure.
 
+// Stops that the vehicle's own reports caused.
+const fromVehicle = new Set(["control-lost", "vehicle-restarted", "battery-low"]);
+
 /**
  * @param {object} state
  * @returns {string} the key of a line in `words.next`
@@ -13,11 +16,13 @@ export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot
   if (video.state !== "up" || alarms.includes("no-video")) return "video";
   if (alarms.includes("link-down")) return "link";
   if (alarms.includes("control-lost")) return "vehicle";
+  if (alarms.includes("emergency") || mode.cause === "emergency" || mode.cause === "landing") return "emergency";
   if (mode.name === "nudging") return "nudge";
   if (track.confirming) return "confirm";
   if (track.state === "unseeded") return "select";
   if (track.state === "lost") return "reselect";
-  if (mode.name === "stopped") return "stopped";
+  if (mode.name === "stopped") return fromVehicle.has(mode.cause) ? "stoppedByVehicle" : "stopped";
+  if (mode.cause === "dry-run") return "dryRun";
   if (alarms.includes("end-stop")) return "endStop";
   if (mode.name === "idle") return "engage";
   return track.state === "coasting" ? "hidden" : "follow";

@@ -22,6 +22,8 @@ export class Stage extends EventTarget {
   trail = new Trail();
   layers = new Set();
   isFreezeWanted = false;
+  /** A box that stays: left, top, width, height. @type {number[] | null} */
+  kept = null;
 
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
@@ -235,7 +237,7 @@ export class Stage extends EventTarget {
     pen.drawImage(this.#picture, x, y, picture[0] * this.view.scale, picture[1] * this.view.scale);
     const { snapshot } = this.#shown;
     if (snapshot) drawOverlay(pen, this.view, snapshot, this.trail, this.layers, this.label(snapshot), unit);
-    const box = this.#keyBox ?? (this.#drag?.from ? boxBetween(this.#drag.from, this.#drag.to, picture) : null);
+    const box = this.#keyBox ?? (this.#drag?.from ? boxBetween(this.#drag.from, this.#drag.to, picture) : this.kept);
     if (box) {
       const corner = this.view.toCanvas([box[0], box[1]]);
       pen.setLineDash([8 * unit, 5 * unit]);

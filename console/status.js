@@ -1,7 +1,11 @@
 // The state in words: mode, alarms, next action, figures, control; and the same as data for scripts.
 
 import { nextAction } from "./next_action.js";
+import { nudgeObstacle } from "./nudge_obstacle.js";
 import { words } from "./words.js";
+
+/** A simulated world below this share of real time is named as slow. */
+const SLOW = 0.9;
 
 const at = (id) => document.getElementById(id);
 
@@ -16,10 +20,11 @@ function modeText({ mode, track }) {
   return `${words.modes[mode.name]}${cause}${confirming}`;
 }
 
+/** A rate with its sign and its direction: pan is positive to the right, tilt upwards. */
 function rateText({ pan, tilt }) {
-  const turn = (rate, plus, minus) => (rate ? [`${Math.abs(rate).toFixed(2)} rad/s ${rate > 0 ? plus : minus}`] : []);
-  const { left, right, up, down, rest } = words.turns;
-  return [...turn(pan, right, left), ...turn(tilt, up, down)].join(", ") || rest;
+  const turn = (axis, rate, plus, minus) => (rate ? [`${axis} ${rate > 0 ? "+" : "\u2212"}${Math.abs(rate).toFixed(2)} rad/s (${rate > 0 ? plus : minus})`] : []);
+  const { left, right, up, down, rest, pan: panWord, tilt: tiltWord } = words.turns;
+  return [...turn(panWord, pan, right, left), ...turn(tiltWord, tilt, up, down)].join(", ") || rest;
 }
 
 function factsOf(snapshot) {
@@ -38,6 +43,7 @@ function factsOf(snapshot) {
   ];
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
   if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
+  if (drive && !drive.paused && drive.pace < SLOW) facts.push([words.facts.world, words.slowText(drive.pace)]);
   return facts;
 }
 
@@ -102,9 +108,9 @@ export function showStatus(state) {
   set("reject", can && (track.state === "tracking" || track.state === "coasting"), can ? words.reasons.nothingFollowed : watcher);
   set("deselect", can && track.state !== "unseeded", can ? words.reasons.nothingFollowed : watcher);
   set("law", can && !mode.engaged, can ? words.reasons.law : watcher);
-  const mayNudge = can && (mode.name === "idle" || mode.name === "nudging");
+  const obstacle = nudgeObstacle(snapshot);
   for (const direction of ["up", "down", "left", "right"]) {
-    set(`nudge-${direction}`, mayNudge, can ? words.reasons.nudge : watcher);
+    set(`nudge-${direction}`, can && !obstacle, can ? words.reasons[obstacle] : watcher);
     set(`helm-${direction}`, can, watcher);
   }
   for (const id of ["pause", "helmsman"]) set(id, can, watcher);

@@ -139,7 +139,7 @@ def configurations(bench):
     bench.refuse("configuration: an unknown key of the tracker", ["run", bench.file("fused.toml", "[tracker.fused]\ncoast = 0.4\n")], "`coast`", "coast_s", "fused.toml")
     bench.refuse("configuration: a tracker's value out of its range", ["run", bench.file("coast.toml", "[tracker.fused]\ncoast_s = 9\n")], r"tracker\.fused\.coast_s = 9", "0 to 2", "coast.toml")
     bench.refuse("configuration: a tracker's value that is no number", ["run", bench.file("padding.toml", "[tracker.fused]\npadding = nan\n")], r"tracker\.fused\.padding = NaN", "2.5 to 6", "padding.toml")
-    bench.refuse("configuration: a tracker's count that is no count", ["run", bench.file("confirm.toml", "[tracker.fused]\nconfirm = 1.5\n")], "1.5", "u32|integer", "confirm.toml")
+    bench.refuse("configuration: a tracker's count that is no count", ["run", bench.file("confirm.toml", "[tracker.fused]\nconfirm = 1.5\n")], "1.5", "whole number", "confirm.toml")
     bench.refuse("an unknown tracker, in track", ["track", bench.clip, "--select", bench.selection, "--tracker", "csrt"], "csrt", "fused", "camshift", code=2)
     bench.refuse("an unknown tracker, in run", ["run", "--video", f"file:{bench.clip}", "--tracker", "csrt"], "csrt", "fused", "camshift", code=2)
     bench.refuse("an unknown tracker, in demo", ["demo", "--tracker", "csrt"], "csrt", "fused", "camshift", code=2)

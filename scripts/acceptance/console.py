@@ -20,6 +20,37 @@ from selenium.webdriver.support.ui import Select
 SIZE = "960x540"
 
 
+TURNS = {"mode": {"name": "idle"}, "link": {"state": "up", "in_control": True, "flight": "flying"}, "video": {"state": "up"}, "alarms": []}
+OBSTACLES = [
+    ({}, None),
+    ({"mode": {"name": "nudging"}}, None),
+    ({"link": {"state": "simulated", "in_control": None, "flight": None}}, None),
+    ({"mode": {"name": "servoing"}}, "nudge"),
+    ({"mode": {"name": "stopped"}}, "nudge"),
+    ({"link": {"state": "dry-run"}}, "nudgeDryRun"),
+    ({"link": {"state": "starting"}}, "nudgeLink"),
+    ({"link": {"state": "up", "in_control": False}}, "nudgeControl"),
+    ({"link": {"state": "up", "flight": "emergency"}}, "nudgeFlight"),
+    ({"video": {"state": "lost"}}, "nudgeVideo"),
+    ({"alarms": ["no-video"]}, "nudgeVideo"),
+]
+
+
+def turn_buttons(table, page):
+    """What keeps the buttons that turn the camera from working, and whether each reason has its words."""
+    script = """
+        const [cases, done] = arguments;
+        Promise.all([import("/console/nudge_obstacle.js"), import("/console/words.en.js")]).then(([{ nudgeObstacle }, words]) => {
+          const found = cases.map((one) => nudgeObstacle(one));
+          done([found, found.every((key) => key === null || key in words.default.reasons)]);
+        }, (error) => done([String(error), false]));
+    """
+    found, has_words = page.driver.execute_async_script(script, [{**TURNS, **change} for change, _ in OBSTACLES])
+    expected = [key for _, key in OBSTACLES]
+    is_right = found == expected and has_words
+    table.require("the camera can be turned by hand where commands reach it only", is_right, f"{len(expected)} cases", "" if is_right else f"{found}, not {expected}")
+
+
 def select_boat(table, page, folder, what="the boat"):
     """Drags a box around the boat until the track is confirmed."""
     for attempt in range(1, 9):
@@ -48,6 +79,24 @@ def screenshots(page, keep, name):
     time.sleep(0.3)
 
 
+# Sizes of windows: laptops with and without the browser's bars, a screen enlarged to 125 %, tablets, telephones.
+WINDOWS = ((1280, 800), (1280, 720), (1280, 600), (1280, 420), (1024, 576), (900, 500), (768, 1024), (640, 800), (390, 760))
+
+
+def out_of_view(page, names):
+    """The controls that a window of some size does not show whole, without scrolling."""
+    hidden = []
+    for width, height in WINDOWS:
+        page.resize(width, height)
+        time.sleep(0.3)
+        for name in names:
+            left, top, right, bottom = page.driver.execute_script("const r = document.getElementById(arguments[0]).getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]", name)
+            if left < 0 or top < 0 or right > width or bottom > height:
+                hidden.append(f"{name} at {width}x{height}")
+    page.resize(1280, 800)
+    return hidden
+
+
 def demo(table, args, folder):
     print("\ndemo --hands-on", flush=True)
     store = folder / "drive.jsonl"
@@ -58,6 +107,8 @@ def demo(table, args, folder):
     table.require("it begins unselected and disengaged", (data["mode"], data["track"]) == ("idle", "unseeded"), f"{data['mode']}, {data['track']}")
     height = page.driver.execute_script("return document.documentElement.scrollHeight")
     table.require("the page fits 1280x800", height <= 800, f"{height} px high", "at most 800")
+    hidden = out_of_view(page, ("stop", "engage", "disengage"))
+    table.require("Stop and Engage are in view in every window, however low", not hidden, ", ".join(hidden) or f"{len(WINDOWS)} sizes")
     select_boat(table, page, folder)
     page.click("engage")
     page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")
@@ -147,6 +198,7 @@ def run(table, args, folder):
     data = page.wait(lambda data: data["path"] == "h264", 10, "H.264")
     table.require("a received stream is drawn by WebCodecs", True, data["path"])
     table.require("the token is gone from the address", "token" not in page.driver.current_url, page.driver.current_url)
+    turn_buttons(table, page)
     select_boat(table, page, folder)
     page.click("engage")
     page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")

@@ -12,5 +12,5 @@ pub const MOTOR_SCHEMA: u32 = 1;
 /// Behaviour version of [`OptimalLaw`](crate::OptimalLaw), in all its modes.
 pub const OPTIMAL: u32 = 1;
 
-/// Behaviour version of the PID on the picture's centre.
-pub const CENTRE: u32 = 1;
+/// Behaviour version of the PID on the picture's centre. 2: rates below the least rate of an axis are not commanded.
+pub const CENTRE: u32 = 2;

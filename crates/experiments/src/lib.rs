@@ -14,4 +14,6 @@ pub mod tracker_choice;
 
 pub mod world_url;
 
+pub mod toml_message;
+
 pub mod render_threads;

@@ -115,24 +115,16 @@ impl CameraArrow {
 }
 
 fn write_label(buffer: &mut String, motion: Motion, shown: CameraCommand, rates: Option<VehicleRates>) {
-    let rate = match (motion.axis, rates) {
-        (Axis::Pan, Some(rates)) => {
-            buffer.push_str("yaw ");
-            rates.yaw
-        }
-        (Axis::Tilt, Some(rates)) => {
-            buffer.push_str("pitch ");
-            rates.pitch
-        }
-        (Axis::Pan, None) => {
-            buffer.push_str(if motion.in_force { "pan " } else { "would pan " });
-            shown.pan
-        }
-        (Axis::Tilt, None) => {
-            buffer.push_str(if motion.in_force { "tilt " } else { "would tilt " });
-            shown.tilt
-        }
+    // Pan is positive to the right and tilt upwards, as everywhere but on the vehicle's line.
+    let shown = rates.map_or(shown, |rates| rates.in_the_senses_of(shown));
+    let (name, rate) = match motion.axis {
+        Axis::Pan => ("pan ", shown.pan),
+        Axis::Tilt => ("tilt ", shown.tilt),
     };
+    if !motion.in_force {
+        buffer.push_str("would ");
+    }
+    buffer.push_str(name);
     text::push_signed(buffer, rate.radians_per_second(), 3);
     buffer.push_str(" rad/s");
 }

@@ -22,10 +22,14 @@
 //! # Film
 //! [`film::Film`] writes the annotated frames as an MP4 file.
 //!
+//! # Grid
+//! [`grid::draw`] draws pixel coordinates over a picture, to read a selection from.
+//!
 //! # Not handled
 //! Threads: the caller chooses the thread.
 
 pub mod film;
+pub mod grid;
 
 mod draw;
 mod scene;

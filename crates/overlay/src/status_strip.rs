@@ -98,7 +98,7 @@ impl StatusStrip {
         if let Some(mode) = scene.mode {
             let colour = match mode {
                 Mode::Idle => Rgba::QUIET,
-                Mode::Servoing | Mode::Nudging => Rgba::ACCENT,
+                Mode::Servoing | Mode::Nudging | Mode::Searching | Mode::Calibrating => Rgba::ACCENT,
                 Mode::Holding(_) => Rgba::CAUTION,
                 Mode::Stopped(_) => Rgba::ALARM,
             };
@@ -134,10 +134,11 @@ impl StatusStrip {
             });
         }
         let axes = match (scene.rates, scene.mode) {
-            (Some(rates), _) => Some([("yaw", rates.yaw), ("pitch", rates.pitch)]),
-            (None, Some(_)) => Some([("pan", scene.command.pan), ("tilt", scene.command.tilt)]),
+            (Some(rates), _) => Some(rates.in_the_senses_of(scene.command)),
+            (None, Some(_)) => Some(scene.command),
             (None, None) => None,
         };
+        let axes = axes.map(|command| [("pan", command.pan), ("tilt", command.tilt)]);
         for (name, rate) in axes.into_iter().flatten() {
             let moving = if rate.is_zero() { Rgba::LIGHT } else { Rgba::ACCENT };
             self.field(

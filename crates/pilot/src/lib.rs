@@ -12,6 +12,10 @@ pub mod step;
 
 pub mod safety;
 
+pub mod licence;
+pub mod purpose;
+pub mod vehicle;
+
 mod history;
 mod selecting;
 
@@ -21,5 +25,7 @@ pub mod outcome;
 pub use barrelman_control::LawSettings;
 pub use input::Input;
 pub use outcome::{Advice, Mode, Notice, Outcome, Refusal};
+pub use purpose::Purpose;
 pub use safety::NUDGE_RATE_RAD_PER_S;
 pub use step::{Pilot, PilotSettings};
+pub use vehicle::CommandPath;

@@ -7,6 +7,12 @@ use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, Track};
 
+use crate::purpose::Purpose;
+
+/// A command that moves the camera and is not renewed by [`Outcome::wake_at`] ends this much later at the link: the link's
+/// dead-man's switch leaves a pilot that is late some room.
+pub const RENEWAL_GRACE: Duration = Duration::from_millis(50);
+
 /// The outcome of one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
@@ -49,11 +55,12 @@ pub struct Advice {
 /// ```text
 ///            engage                       fresh localisation
 ///   Idle ----------------> (engaged): Holding <----------------> Servoing
-///   ^  ^ <--- disengage ---                     nothing fresh for coast_motion
+///   ^  ^ <--- disengage ---                     nothing fresh for coast_motion, or the vehicle takes no commands
 ///   |  +-- nudge, renewed within 250 ms --> Nudging
 ///   |                                 |
 ///   +---- disengage --- Stopped <-----+--- stop, from every mode
-///                          |   --- engage ---> (engaged)
+///                        ^ |   --- engage ---> (engaged)
+///                        +--- (engaged): control taken away, restart, emergency, landing, battery low
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
@@ -61,15 +68,19 @@ pub enum Mode {
     Idle,
     /// Not engaged: the operator turns the camera by hand.
     Nudging,
+    /// The camera searches for the target, as the operator asked.
+    Searching,
+    /// The camera makes test motions, as the operator asked.
+    Calibrating,
     /// Engaged: the camera follows the law's advice.
     Servoing,
-    /// Engaged, but the camera rests for lack of fresh localisations.
+    /// Engaged, but the camera rests: for lack of fresh localisations, or of a vehicle that takes commands.
     Holding(HoldCause),
     /// Stopped until the next `Engage` (or `Disengage`, which leads to `Idle`).
     Stopped(StopCause),
 }
 
-/// The reason why an engaged pilot rests the camera.
+/// The reason why an engaged pilot rests the camera: for want of something to follow, or of a camera that may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum HoldCause {
     /// Nothing was selected yet.
@@ -84,6 +95,16 @@ pub enum HoldCause {
     VideoSilent,
     /// A selection waits for its confirmation.
     Confirming,
+    /// There is no link: a dry run shows advice only.
+    DryRun,
+    /// The link is not up: commands do not reach the vehicle.
+    LinkDown,
+    /// The vehicle does not accept commands from this program.
+    NoControl,
+    /// The vehicle reports an emergency.
+    Emergency,
+    /// The vehicle lands.
+    Landing,
 }
 
 /// A message for the operator about a step.
@@ -127,6 +148,10 @@ pub enum Refusal {
     NoFreshVideo,
     /// No object is followed that could be rejected.
     NothingToReject,
+    /// The camera moves for another purpose.
+    Busy(Purpose),
+    /// A nudge while no command may move the camera, for this reason.
+    NoMotion(HoldCause),
 }
 
 /// The reason why a selection was not confirmed.
@@ -190,6 +215,16 @@ impl fmt::Display for Refusal {
             Self::Stopped => f.write_str("the camera is stopped: disengage first"),
             Self::NoFreshVideo => f.write_str("there is no fresh video: the camera is not turned blindly"),
             Self::NothingToReject => f.write_str("no object is followed"),
+            Self::Busy(purpose) => {
+                let now = match purpose {
+                    Purpose::Follow => "following",
+                    Purpose::Nudge => "turned by hand",
+                    Purpose::Search => "searching",
+                    Purpose::Calibrate => "being calibrated",
+                };
+                write!(f, "the camera is {now}: stop or disengage first")
+            }
+            Self::NoMotion(cause) => write!(f, "the camera cannot be turned now: {}", hold_text(*cause)),
         }
     }
 }
@@ -204,22 +239,48 @@ const fn law_text(law: LawId) -> &'static str {
     }
 }
 
+/// The reason for holding in words.
+const fn hold_text(cause: HoldCause) -> &'static str {
+    match cause {
+        HoldCause::NoSelection => "nothing selected",
+        HoldCause::TrackLost => "track lost",
+        HoldCause::Coasting => "coasting",
+        HoldCause::VideoStale => "video stale",
+        HoldCause::VideoSilent => "no video",
+        HoldCause::Confirming => "confirming the selection",
+        HoldCause::DryRun => "dry run, nothing is sent",
+        HoldCause::LinkDown => "the link is not up",
+        HoldCause::NoControl => "the vehicle takes no commands",
+        HoldCause::Emergency => "the vehicle has an emergency",
+        HoldCause::Landing => "the vehicle lands",
+    }
+}
+
+/// The reason for a stop in words.
+const fn stop_text(cause: StopCause) -> &'static str {
+    match cause {
+        StopCause::Operator => "stopped by the operator",
+        StopCause::Ending => "stopped: ending",
+        StopCause::VideoEnded => "stopped: video ended",
+        StopCause::Fault => "stopped: fault",
+        StopCause::ControlLost => "stopped: the vehicle gave the control away",
+        StopCause::VehicleRestarted => "stopped: the vehicle restarted",
+        StopCause::Emergency => "stopped: the vehicle has an emergency",
+        StopCause::Landing => "stopped: the vehicle lands",
+        StopCause::BatteryLow => "stopped: a battery of the vehicle is low",
+    }
+}
+
 impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Idle => "idle",
-            Self::Nudging => "nudging",
-            Self::Servoing => "servoing",
-            Self::Holding(HoldCause::NoSelection) => "holding: nothing selected",
-            Self::Holding(HoldCause::TrackLost) => "holding: track lost",
-            Self::Holding(HoldCause::Coasting) => "holding: coasting",
-            Self::Holding(HoldCause::VideoStale) => "holding: video stale",
-            Self::Holding(HoldCause::VideoSilent) => "holding: no video",
-            Self::Holding(HoldCause::Confirming) => "holding: confirming the selection",
-            Self::Stopped(StopCause::Operator) => "stopped by the operator",
-            Self::Stopped(StopCause::Ending) => "stopped: ending",
-            Self::Stopped(StopCause::VideoEnded) => "stopped: video ended",
-            Self::Stopped(StopCause::Fault) => "stopped: fault",
-        })
+        match self {
+            Self::Idle => f.write_str("disengaged"),
+            Self::Nudging => f.write_str("nudging"),
+            Self::Searching => f.write_str("searching"),
+            Self::Calibrating => f.write_str("calibrating"),
+            Self::Servoing => f.write_str("servoing"),
+            Self::Holding(cause) => write!(f, "holding: {}", hold_text(*cause)),
+            Self::Stopped(cause) => f.write_str(stop_text(*cause)),
+        }
     }
 }

@@ -6,21 +6,28 @@
 //!    lower it.
 //! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates become
 //!    zero. They also become zero if the current time lies before that arrival, because its age is then unknown.
-//! 4. A nudge moves the camera only while disengaged, with fresh video, at a low rate, and lasts at most [`NUDGE_LASTS`]
-//!    after its last renewal.
+//! 4. Every motion has one licence with its own time to live ([`crate::licence`]): following, as above; a nudge, a search or a
+//!    calibration, at a low rate, with video throughout, and only as long as it is renewed.
+//! 5. Nothing moves the camera while its vehicle takes no commands ([`VehicleState::obstacle`]). Motion begins again with
+//!    the next fresh localisation; the other licences end. What the vehicle reports may end an engagement; it then takes a
+//!    new `Engage`.
 
 use core::time::Duration;
 
-use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, Timestamp};
 
+use crate::licence::Licences;
 use crate::outcome::{HoldCause, Mode, Refusal};
+use crate::purpose::Purpose;
+use crate::vehicle::{CommandPath, VehicleState};
 
-/// Rate of a nudge, rad/s: about 6 degrees a second.
+/// Rate of a nudge, rad/s, and largest rate of a search and a calibration: about 6 degrees a second.
 pub const NUDGE_RATE_RAD_PER_S: f64 = 0.1;
-/// How long a nudge lasts without a renewal: a page that is lost during a nudge ends in rest.
-pub const NUDGE_LASTS: Duration = Duration::from_millis(250);
-/// A nudge needs a video frame that arrived within this time.
-const NUDGE_NEEDS_VIDEO: Duration = Duration::from_millis(1000);
+/// A nudge, a search and a calibration need a video frame that arrived within this time, throughout.
+const NEEDS_VIDEO: Duration = Duration::from_millis(300);
+/// The same in recordings of before, at the request alone.
+const NUDGE_NEEDED_VIDEO: Duration = Duration::from_millis(1000);
 
 /// What the observation of one step means for motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,25 +42,19 @@ pub enum ObservationResult {
     NoObservation,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Engagement {
-    Disengaged,
-    Engaged,
-    Stopped(StopCause),
-}
-
 /// The safety rule with its state.
 #[derive(Debug, Clone)]
 pub struct Safety {
-    coast_motion: Duration,
-    engagement: Engagement,
+    licences: Licences,
     last_fresh_at: Option<Timestamp>,
     /// The cause to report if the camera rests for lack of fresh localisations.
     hold_cause: HoldCause,
-    command_in_force: CameraCommand,
-    /// The nudge, and when it ends.
-    nudge: Option<(CameraCommand, Timestamp)>,
+    /// The command in force while the camera follows.
+    following: CameraCommand,
+    /// The command of a nudge, a search or a calibration.
+    proposed: CameraCommand,
     last_video_at: Option<Timestamp>,
+    vehicle: VehicleState,
 }
 
 /// The decision of one step.
@@ -68,22 +69,40 @@ pub struct Decision {
 }
 
 impl Safety {
-    /// The initial state: disengaged, at rest, no localisation.
-    pub fn new(coast_motion: Duration) -> Self {
+    /// The initial state: disengaged, at rest, no localisation; the commands take this path.
+    pub fn new(coast_motion: Duration, path: CommandPath) -> Self {
         Self {
-            coast_motion,
-            engagement: Engagement::Disengaged,
+            licences: match path {
+                CommandPath::Unknown => Licences::with_any_coast_motion(coast_motion),
+                _ => Licences::new(coast_motion),
+            },
             last_fresh_at: None,
             hold_cause: HoldCause::NoSelection,
-            command_in_force: CameraCommand::REST,
-            nudge: None,
+            following: CameraCommand::REST,
+            proposed: CameraCommand::REST,
             last_video_at: None,
+            vehicle: VehicleState::new(path),
         }
+    }
+
+    /// Where the commands go.
+    pub const fn path(&self) -> CommandPath {
+        self.vehicle.path()
     }
 
     /// A video frame, or another observation, arrived.
     pub fn on_video(&mut self, now: Timestamp) {
         self.last_video_at = Some(now);
+    }
+
+    /// Takes a report of the vehicle. Some end an engagement.
+    pub fn on_report(&mut self, report: &Report) {
+        if let Some(cause) = self.vehicle.on_report(report) {
+            match self.licences.held() {
+                Some(Purpose::Follow) => self.licences.stop(cause),
+                _ => self.licences.end_behaviours(),
+            }
+        }
     }
 
     /// Processes an operator request. A stop keeps its first cause until the next `Engage` or `Disengage`.
@@ -93,51 +112,74 @@ impl Safety {
     pub fn on_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Result<(), Refusal> {
         match request {
             OperatorRequest::Nudge(nudge) => return self.on_nudge(*nudge, now),
-            OperatorRequest::ChangeLaw(_) if self.engagement == Engagement::Engaged => {
+            OperatorRequest::ChangeLaw(_) if self.licences.held() == Some(Purpose::Follow) => {
                 return Err(Refusal::Engaged);
             }
-            _ => self.nudge = None,
-        }
-        self.engagement = match (self.engagement, request) {
-            (stopped @ Engagement::Stopped(_), OperatorRequest::Stop(_)) => stopped,
-            (_, OperatorRequest::Stop(cause)) => Engagement::Stopped(*cause),
-            (_, OperatorRequest::Engage) => Engagement::Engaged,
-            (_, OperatorRequest::Disengage) => Engagement::Disengaged,
-            (unchanged, OperatorRequest::Nudge(_) | OperatorRequest::ChangeLaw(_)) => unchanged,
-            (
-                unchanged,
-                OperatorRequest::Select(_)
-                | OperatorRequest::SelectOn(_)
-                | OperatorRequest::Reject
-                | OperatorRequest::Deselect,
-            ) => {
-                // The command in force was based on another target.
-                self.command_in_force = CameraCommand::REST;
-                self.last_fresh_at = None;
-                unchanged
+            OperatorRequest::ChangeLaw(_) => self.licences.end_behaviours(),
+            OperatorRequest::Engage => {
+                self.licences.consent(Purpose::Follow, now)?;
+                if let Some(seen_at) = self.last_fresh_at {
+                    self.licences.renew(Purpose::Follow, seen_at);
+                }
             }
-        };
+            OperatorRequest::Disengage => self.licences.withdraw(),
+            OperatorRequest::Stop(cause) => self.licences.stop(*cause),
+            OperatorRequest::Select(_)
+            | OperatorRequest::SelectOn(_)
+            | OperatorRequest::Reject
+            | OperatorRequest::Deselect => {
+                self.licences.end_behaviours();
+                // The command in force was based on another target.
+                self.licences.forget_renewals();
+                self.following = CameraCommand::REST;
+                self.last_fresh_at = None;
+            }
+        }
         Ok(())
     }
 
     /// Starts or renews a nudge. A nudge of zero ends it.
     fn on_nudge(&mut self, nudge: Nudge, now: Timestamp) -> Result<(), Refusal> {
-        match self.engagement {
-            Engagement::Engaged => return Err(Refusal::Engaged),
-            Engagement::Stopped(_) => return Err(Refusal::Stopped),
-            Engagement::Disengaged => {}
-        }
-        let is_fresh = |at: Timestamp| at <= now && now.since(at) <= NUDGE_NEEDS_VIDEO;
         let command = nudge_command(nudge);
-        if command.is_rest() {
-            self.nudge = None;
-        } else if self.last_video_at.is_some_and(is_fresh) {
-            self.nudge = Some((command, now.plus(NUDGE_LASTS)));
-        } else {
-            self.nudge = None;
-            return Err(Refusal::NoFreshVideo);
+        match (self.licences.held(), self.licences.stop_cause()) {
+            (Some(Purpose::Follow), _) => return Err(Refusal::Engaged),
+            (_, Some(_)) => return Err(Refusal::Stopped),
+            _ if command.is_rest() => self.licences.end(Purpose::Nudge),
+            _ => {
+                self.consent(Purpose::Nudge, now).inspect_err(|_| self.licences.end(Purpose::Nudge))?;
+                self.propose(Purpose::Nudge, command, now);
+            }
         }
         Ok(())
+    }
+
+    /// The operator consents to a nudge, a search or a calibration: the camera rests until a command is proposed.
+    ///
+    /// # Errors
+    /// The reason, if the camera may not be moved for that purpose now.
+    pub fn consent(&mut self, purpose: Purpose, now: Timestamp) -> Result<(), Refusal> {
+        if let Some(obstacle) = self.vehicle.obstacle() {
+            return Err(Refusal::NoMotion(obstacle));
+        }
+        if !self.has_video(self.video_at_consent(), now) {
+            return Err(Refusal::NoFreshVideo);
+        }
+        if self.licences.held() != Some(purpose) {
+            self.licences.consent(purpose, now)?;
+            self.proposed = CameraCommand::REST;
+        }
+        Ok(())
+    }
+
+    /// Renews the licence of a purpose with its next command, which is held to the low rate; nothing happens without that
+    /// licence.
+    pub fn propose(&mut self, purpose: Purpose, command: CameraCommand, now: Timestamp) {
+        if purpose != Purpose::Follow && self.licences.held() == Some(purpose) {
+            let limit = AngularRate::from_radians_per_second(NUDGE_RATE_RAD_PER_S);
+            self.proposed =
+                CameraCommand { pan: command.pan.clamped(limit), tilt: command.tilt.clamped(limit) };
+            self.licences.renew(purpose, now);
+        }
     }
 
     /// Decides the mode and the command of one step.
@@ -145,49 +187,84 @@ impl Safety {
         match observation {
             ObservationResult::Fresh(_) => {
                 self.last_fresh_at = Some(now);
+                self.licences.renew(Purpose::Follow, now);
                 self.hold_cause = HoldCause::VideoSilent;
             }
             ObservationResult::Coasting(_) => self.hold_cause = HoldCause::Coasting,
             ObservationResult::Unusable(cause) => self.hold_cause = cause,
             ObservationResult::NoObservation => {}
         }
-        let mode = self.mode(now);
-        self.command_in_force = match (mode, observation) {
+        let obstacle = self.vehicle.obstacle();
+        let has_lapsed = self.licences.in_force(now).is_none() || !self.has_video(self.video_needed(), now);
+        if obstacle.is_some() || has_lapsed {
+            self.licences.end_behaviours();
+        }
+        let mode = self.mode(obstacle, now);
+        let command = match (mode, observation) {
             (Mode::Servoing, ObservationResult::Fresh(advised)) => advised,
-            (Mode::Servoing, ObservationResult::Coasting(advised)) => reduced(self.command_in_force, advised),
-            (Mode::Servoing, _) => self.command_in_force,
-            (Mode::Nudging, _) => self.nudge.map_or(CameraCommand::REST, |(command, _)| command),
+            (Mode::Servoing, ObservationResult::Coasting(advised)) => reduced(self.following, advised),
+            (Mode::Servoing, _) => self.following,
+            (Mode::Nudging | Mode::Searching | Mode::Calibrating, _) => self.proposed,
             (Mode::Idle | Mode::Holding(_) | Mode::Stopped(_), _) => CameraCommand::REST,
         };
         let wake_at = match mode {
-            Mode::Servoing => self.expires_at(),
-            Mode::Nudging => self.nudge.map(|(_, ends)| ends),
+            Mode::Servoing => self.licences.ends_at(),
+            Mode::Nudging | Mode::Searching | Mode::Calibrating => self.behaviour_ends_at(),
             Mode::Idle | Mode::Holding(_) | Mode::Stopped(_) => None,
         };
-        Decision { mode, command: self.command_in_force, wake_at }
+        // What is left of a nudge is no rate to follow with. In recordings of before, it was.
+        let follows = mode == Mode::Servoing || self.path() == CommandPath::Unknown;
+        self.following = if follows { command } else { CameraCommand::REST };
+        Decision { mode, command, wake_at }
     }
 
-    fn expires_at(&self) -> Option<Timestamp> {
-        self.last_fresh_at.map(|at| at.plus(self.coast_motion))
+    /// What the vehicle can execute of the decided command: a rate that was taken away while the camera follows starts again
+    /// with a fresh localisation only.
+    pub fn on_executed(&mut self, command: CameraCommand) {
+        let lower = |wanted: &mut AngularRate, executed: AngularRate| {
+            if executed.abs() < wanted.abs() {
+                *wanted = executed;
+            }
+        };
+        lower(&mut self.following.pan, command.pan);
+        lower(&mut self.following.tilt, command.tilt);
     }
 
-    fn mode(&self, now: Timestamp) -> Mode {
-        match self.engagement {
-            Engagement::Disengaged if self.is_nudged(now) => Mode::Nudging,
-            Engagement::Disengaged => Mode::Idle,
-            Engagement::Stopped(cause) => Mode::Stopped(cause),
-            Engagement::Engaged if self.has_fresh_observation(now) => Mode::Servoing,
-            Engagement::Engaged => Mode::Holding(self.hold_cause),
+    fn mode(&self, obstacle: Option<HoldCause>, now: Timestamp) -> Mode {
+        if let Some(cause) = self.licences.stop_cause() {
+            return Mode::Stopped(cause);
+        }
+        match (self.licences.held(), obstacle) {
+            (None, _) => Mode::Idle,
+            (Some(Purpose::Nudge), _) => Mode::Nudging,
+            (Some(Purpose::Search), _) => Mode::Searching,
+            (Some(Purpose::Calibrate), _) => Mode::Calibrating,
+            (Some(Purpose::Follow), Some(obstacle)) => Mode::Holding(obstacle),
+            (Some(Purpose::Follow), None) if self.licences.in_force(now).is_some() => Mode::Servoing,
+            (Some(Purpose::Follow), None) => Mode::Holding(self.hold_cause),
         }
     }
 
-    /// Whether a nudge is in force. The current time must not lie before its renewal.
-    fn is_nudged(&self, now: Timestamp) -> bool {
-        self.nudge.is_some_and(|(_, ends)| now < ends && ends.since(now) <= NUDGE_LASTS)
+    /// When a nudge, a search or a calibration ends without a renewal or without a further video frame.
+    fn behaviour_ends_at(&self) -> Option<Timestamp> {
+        let video_ends = self.last_video_at.zip(self.video_needed()).map(|(at, lasts)| at.plus(lasts));
+        let ends = self.licences.ends_at();
+        ends.map(|ends| video_ends.map_or(ends, |video_ends| ends.min(video_ends)))
     }
 
-    fn has_fresh_observation(&self, now: Timestamp) -> bool {
-        self.last_fresh_at.is_some_and(|at| at <= now && now < at.plus(self.coast_motion))
+    /// How old the newest video frame may be while the camera moves without following; `None`: of any age.
+    fn video_needed(&self) -> Option<Duration> {
+        (self.path() != CommandPath::Unknown).then_some(NEEDS_VIDEO)
+    }
+
+    /// The same when the operator consents.
+    fn video_at_consent(&self) -> Option<Duration> {
+        Some(self.video_needed().unwrap_or(NUDGE_NEEDED_VIDEO))
+    }
+
+    /// Whether the newest video frame is younger than this. The current time must not lie before it.
+    fn has_video(&self, needed: Option<Duration>, now: Timestamp) -> bool {
+        needed.is_none_or(|needed| self.last_video_at.is_some_and(|at| at <= now && now.since(at) < needed))
     }
 }
 

@@ -7,14 +7,19 @@ use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, 
 use barrelman_vision::Tracker;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
+    Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track,
+    VehicleProfile, VideoFrame,
 };
 
 use crate::history::FrameHistory;
 use crate::input::Input;
-use crate::outcome::{Advice, HoldCause, Notice, Outcome, Refusal};
+use crate::outcome::{Advice, HoldCause, Notice, Outcome, RENEWAL_GRACE, Refusal};
 use crate::safety::{ObservationResult, Safety};
 use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
+use crate::vehicle::CommandPath;
+
+/// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a second.
+const TILT_LASTS: Duration = Duration::from_secs(1);
 
 /// Settings of a pilot.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +46,10 @@ pub struct Pilot {
     percept: Option<Percept>,
     advice: Option<Advice>,
     last_capture: Option<Timestamp>,
+    /// The tilt that was reported last, and when.
+    reported_tilt: Option<(Angle, Timestamp)>,
+    /// When the link rests the camera by itself, unless the pilot is stepped before.
+    rested_at: Option<Timestamp>,
 }
 
 /// One observation of the scene: a tracked video frame, or a localisation measured elsewhere.
@@ -64,7 +73,7 @@ impl Pilot {
     pub fn with_law(settings: PilotSettings, law: CameraLaw, tracker: Box<dyn Tracker>) -> Self {
         Self {
             law,
-            safety: Safety::new(settings.profile.coast_motion),
+            safety: Safety::new(settings.profile.coast_motion, CommandPath::Simulated),
             first_law: settings.law,
             settings,
             tracker,
@@ -76,6 +85,8 @@ impl Pilot {
             percept: None,
             advice: None,
             last_capture: None,
+            reported_tilt: None,
+            rested_at: None,
         }
     }
 
@@ -85,6 +96,12 @@ impl Pilot {
         Self { history: FrameHistory::keeping(), ..self }
     }
 
+    /// The same pilot, whose commands take this path instead of that to a simulated camera.
+    #[must_use]
+    pub fn commanding(self, path: CommandPath) -> Self {
+        Self { safety: Safety::new(self.settings.profile.coast_motion, path), ..self }
+    }
+
     /// The law; `None`: a law that an operator cannot choose.
     pub const fn law_id(&self) -> Option<LawId> {
         law_id(self.settings.law)
@@ -92,6 +109,9 @@ impl Pilot {
 
     /// Processes one input at the time `now`.
     pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
+        if let Some(rested_at) = self.rested_at.filter(|rested_at| *rested_at < now) {
+            self.law.on_command_applied(CameraCommand::REST, rested_at);
+        }
         let observation = match input {
             Input::Frame(frame) => Some(self.observe_frame(frame)),
             Input::Localisation(track) => {
@@ -200,10 +220,14 @@ impl Pilot {
         self.law.change_law(self.settings.law, &self.settings.profile);
     }
 
-    /// Passes reports of the camera on to the law.
+    /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
     fn on_telemetry(&mut self, telemetry: &Telemetry) {
+        self.safety.on_report(&telemetry.report);
         match telemetry.report {
-            Report::CameraTilt(tilt) => self.law.on_tilt_report(tilt, telemetry.at),
+            Report::CameraTilt(tilt) => {
+                self.reported_tilt = Some((tilt, telemetry.at));
+                self.law.on_tilt_report(tilt, telemetry.at);
+            }
             Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
             _ => {}
         }
@@ -299,6 +323,18 @@ impl Pilot {
         }
     }
 
+    /// What the vehicle can execute of a command. The pilots of recordings of before did not ask.
+    fn executable(&mut self, command: CameraCommand, now: Timestamp) -> CameraCommand {
+        if self.safety.path() == CommandPath::Unknown {
+            return command;
+        }
+        let is_current = |at: Timestamp| at <= now && now.since(at) <= TILT_LASTS;
+        let tilt = self.reported_tilt.filter(|(_, at)| is_current(*at)).map(|(tilt, _)| tilt);
+        let executable = self.settings.profile.executable(command, tilt);
+        self.safety.on_executed(executable);
+        executable
+    }
+
     /// Applies the safety rule and puts its command in force.
     fn finish_step(
         &mut self,
@@ -307,8 +343,11 @@ impl Pilot {
         notice: Option<Notice>,
         now: Timestamp,
     ) -> Outcome {
+        let is_link_switched = self.safety.path() != CommandPath::Unknown;
         let decision = self.safety.decide(result, now);
-        self.law.on_command_applied(decision.command, now);
+        self.rested_at = decision.wake_at.filter(|_| is_link_switched).map(|at| at.plus(RENEWAL_GRACE));
+        let command = self.executable(decision.command, now);
+        self.law.on_command_applied(command, now);
         Outcome {
             at: now,
             mode: decision.mode,
@@ -317,7 +356,7 @@ impl Pilot {
             region: self.region,
             percept: self.percept,
             advice: self.advice,
-            command: decision.command,
+            command,
             wake_at: decision.wake_at,
             is_confirming: self.drawn_selection.is_some(),
             notice,

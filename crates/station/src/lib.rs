@@ -27,6 +27,7 @@ pub mod emulator;
 
 mod jpeg;
 pub mod logging;
+mod png_file;
 pub mod progress;
 
 #[cfg(test)]

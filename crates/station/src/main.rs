@@ -17,6 +17,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => commands::demo::run(&args, clock),
         Command::Run(args) => commands::run::run(&args, clock),
         Command::Track(args) => commands::track::run(&args),
+        Command::Snapshot(args) => commands::snapshot::run(&args),
         Command::Law(args) => commands::law::run(&args),
         Command::Metrics(args) => commands::metrics::run(&args),
         Command::Report(args) => commands::report::run(&args),

@@ -26,7 +26,7 @@ pub fn simulate_motor_schema(
                 &camera,
             )
         });
-        camera.apply_command(profile.from_vehicle(row.rates.unwrap_or_default()), now);
+        camera.apply_command(row.command.unwrap_or_default(), now);
         step
     });
     steps.collect()

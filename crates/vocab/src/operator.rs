@@ -69,4 +69,14 @@ pub enum StopCause {
     VideoEnded,
     /// A part of the program failed.
     Fault,
+    /// The vehicle no longer accepts commands from this program.
+    ControlLost,
+    /// The vehicle, or its ground station, restarted.
+    VehicleRestarted,
+    /// The vehicle reports an emergency.
+    Emergency,
+    /// The vehicle lands.
+    Landing,
+    /// A battery of the vehicle became low.
+    BatteryLow,
 }

@@ -2,12 +2,15 @@
 //!
 //! No other place in the program contains a vehicle's signs, gains, rate limits or latencies. Inside the program,
 //! pan > 0 turns the view right and tilt > 0 turns it up. [`VehicleProfile::to_vehicle`] converts a command to the
-//! vehicle's own signs and applies its limits, once, at the vehicle boundary.
+//! vehicle's own signs and applies its limits and least rates, once, at the vehicle boundary.
 
 use core::time::Duration;
 
 use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
+
+/// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a fresh look.
+pub const MAX_COAST_MOTION: Duration = Duration::from_millis(500);
 
 /// A vehicle and how to move its camera.
 ///
@@ -42,7 +45,7 @@ pub struct VehicleProfile {
     pub video_latency: Duration,
     /// How much older than `video_latency` a video frame may be on arrival before it counts as stale.
     pub stale_after: Duration,
-    /// How long a rate may stay in force after the last fresh localisation arrived.
+    /// How long a rate may stay in force after the last fresh localisation arrived, at most [`MAX_COAST_MOTION`].
     pub coast_motion: Duration,
 }
 
@@ -154,6 +157,13 @@ impl VehicleRates {
     /// Both axes at rest.
     pub const REST: Self = Self { yaw: AngularRate::ZERO, pitch: AngularRate::ZERO };
 
+    /// These rates as pan and tilt, where they were sent for `command`: their sizes, in the command's senses. The profile is
+    /// not needed, as limits make a rate smaller and signs only turn it.
+    #[must_use]
+    pub fn in_the_senses_of(self, command: CameraCommand) -> CameraCommand {
+        CameraCommand { pan: command.pan.clamped(self.yaw), tilt: command.tilt.clamped(self.pitch) }
+    }
+
     /// Whether both rates are zero.
     pub fn is_rest(self) -> bool {
         self.yaw.is_zero() && self.pitch.is_zero()
@@ -181,6 +191,14 @@ impl CameraDynamics {
 }
 
 impl VehicleProfile {
+    /// Names of the built-in profiles; the first is the default.
+    pub const NAMES: [&str; 1] = ["fotokite-pro"];
+
+    /// The built-in profile of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        (name == Self::NAMES[0]).then(Self::fotokite_pro)
+    }
+
     /// The Fotokite Pro as the paper's authors flew it. Negative yaw turns the view right, negative pitch turns it up.
     /// The motor schema turns at 0.3 rad/s on both axes. The vehicle's clients limit yaw to 0.4 rad/s and gimbal pitch
     /// to 0.3 rad/s.
@@ -210,17 +228,45 @@ impl VehicleProfile {
         self
     }
 
-    /// The vehicle boundary: converts a command to rates in the vehicle's own signs, clamped to its limits.
-    pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
-        VehicleRates {
-            yaw: self.signs.yaw.apply(command.pan.clamped(self.limits.pan)),
-            pitch: self.signs.pitch.apply(command.tilt.clamped(self.limits.tilt)),
+    /// What the vehicle can execute of a command, whoever gave it. Rates above their limit are reduced to it. A rate
+    /// below the least rate of its axis becomes the least rate, or zero if it is less than half of it. With a reported
+    /// tilt, no rate leads beyond an end stop.
+    pub fn executable(&self, command: CameraCommand, tilt: Option<Angle>) -> CameraCommand {
+        let (low, high) = self.camera.tilt_stops;
+        let leads_beyond_stop = tilt.is_some_and(|tilt| {
+            let (tilt, rate) = (tilt.radians(), command.tilt.radians_per_second());
+            (rate > 0.0 && tilt >= high.radians()) || (rate < 0.0 && tilt <= low.radians())
+        });
+        let wanted_tilt = if leads_beyond_stop { AngularRate::ZERO } else { command.tilt };
+        CameraCommand {
+            pan: executable_rate(command.pan, self.limits.pan, self.camera.pan.min_rate),
+            tilt: executable_rate(wanted_tilt, self.limits.tilt, self.camera.tilt.min_rate),
         }
+    }
+
+    /// The vehicle boundary: converts a command to rates in the vehicle's own signs that it can execute.
+    pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
+        let CameraCommand { pan, tilt } = self.executable(command, None);
+        VehicleRates { yaw: self.signs.yaw.apply(pan), pitch: self.signs.pitch.apply(tilt) }
     }
 
     /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's own signs
     /// to a command. Limits are not applied.
     pub fn from_vehicle(&self, rates: VehicleRates) -> CameraCommand {
         CameraCommand { pan: self.signs.yaw.apply(rates.yaw), tilt: self.signs.pitch.apply(rates.pitch) }
+    }
+}
+
+/// A rate within its limit and not below the least rate at which the axis turns. An axis whose least rate is above its
+/// limit does not turn.
+fn executable_rate(rate: AngularRate, limit: AngularRate, min_rate: AngularRate) -> AngularRate {
+    let rate = rate.clamped(limit);
+    let (size, min) = (rate.abs().radians_per_second(), min_rate.radians_per_second());
+    if rate.is_zero() || size >= min {
+        rate
+    } else if size < 0.5 * min || min_rate > limit.abs() {
+        AngularRate::ZERO
+    } else {
+        AngularRate::from_radians_per_second(min.copysign(rate.radians_per_second()))
     }
 }

@@ -91,6 +91,8 @@ pub enum FlightState {
     Idle,
     /// Flying.
     Flying,
+    /// Landing as it was told.
+    Landing,
     /// Landing or stopped on the vehicle's own decision.
     Emergency,
     /// A mode number that this program does not know.

@@ -87,6 +87,20 @@ impl ColourEncoding {
     }
 }
 
+impl core::fmt::Display for ColourEncoding {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let matrix = match self.matrix {
+            ColourMatrix::Bt601 => "BT.601",
+            ColourMatrix::Bt709 => "BT.709",
+        };
+        let range = match self.range {
+            SampleRange::Limited => "limited range",
+            SampleRange::Full => "full range",
+        };
+        write!(f, "{matrix}, {range}")
+    }
+}
+
 /// One plane of samples, borrowed. Row `r` is `data[r * stride..][..width]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Plane<'a> {

@@ -1,9 +1,19 @@
-//! Vehicle protocols: commands to bytes and bytes to telemetry. Each protocol has both ends: the client, and the ground
-//! station as a separate state machine.
+//! Vehicle protocols: commands to bytes and bytes to telemetry, each behind the trait [`Session`]. Each protocol has both
+//! ends: the client, and the ground station as a separate state machine.
 //!
 //! What must not be here: ports, sockets, threads, clocks (the time is the argument `now`; code that must wait returns
 //! the time of the next call), sign conversions (all rates are in the vehicle's own signs), and any command that moves
 //! the vehicle itself. Sentinel values of a protocol are converted here to options and enums.
 #![forbid(unsafe_code)]
 
+pub mod session;
+
+pub mod byte_protocol;
+
 pub mod fotokite_pro;
+
+pub mod framing;
+
+pub use byte_protocol::{ByteProtocol, ByteSession};
+pub use framing::Framing;
+pub use session::{NextAction, Session, WillStep};

@@ -189,3 +189,45 @@ proptest! {
         }
     }
 }
+
+/// The example of `docs/optimal-law.md`: the laboratory's camera, and a target that would be seen at (220, -120) px.
+#[test]
+fn the_example_of_the_documentation_has_its_numbers() {
+    let (focal_px, tilt, a_px, b_px) = (330.0, -24.0_f64.to_radians(), 192.0, 120.0);
+    let (x, y) = (220.0, -120.0);
+    let (sin, cos) = (libm::sin(tilt), libm::cos(tilt));
+    let gain_s = |duration_s: f64, lag_s: f64| duration_s - lag_s * (1.0 - libm::exp(-duration_s / lag_s));
+    let (pan_s, tilt_s) = (gain_s(1.22, 0.42), gain_s(1.32, 0.1));
+    let pan = [-(focal_px * cos - y * sin + x * x * cos / focal_px), -(x * sin + x * y * cos / focal_px)];
+    let tilt = [-x * y / focal_px, -(focal_px + y * y / focal_px)];
+    let transfer = Transfer {
+        offset: [x / a_px, y / b_px],
+        pan: [pan[0] * pan_s / a_px, pan[1] * pan_s / b_px],
+        tilt: [tilt[0] * tilt_s / a_px, tilt[1] * tilt_s / b_px],
+        aim: 0.704,
+        min_rates: [-0.34, -0.3],
+        max_rates: [0.34, 0.3],
+    };
+    let check = |found: f64, documented: f64, digit: f64| {
+        assert!((found - documented).abs() <= 0.5 * digit, "{found}, documented {documented}");
+    };
+    for (found, documented, digit) in [
+        (pan_s, 0.823, 1e-3),
+        (tilt_s, 1.22, 1e-3),
+        (pan[0], -386.6, 0.1),
+        (pan[1], 162.6, 0.1),
+        (tilt[0], 80.0, 0.1),
+        (tilt[1], -373.6, 0.1),
+        (transfer.pan[0], -1.657, 1e-3),
+        (transfer.pan[1], 1.115, 1e-3),
+        (transfer.tilt[0], 0.508, 1e-3),
+        (transfer.tilt[1], -3.799, 1e-3),
+    ] {
+        check(found, documented, digit);
+    }
+    let found = transfer.solve();
+    assert!(found.reaches_aim);
+    check(found.rates[0], 0.227, 1e-3);
+    check(found.rates[1], -0.158, 1e-3);
+    check(1.22 * (found.rates[0] * found.rates[0] + found.rates[1] * found.rates[1]), 0.094, 1e-3);
+}

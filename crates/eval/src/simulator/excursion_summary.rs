@@ -48,8 +48,8 @@ impl ExcursionSummary {
         let travel_rad: f64 = (0..log.rows.len())
             .filter(|row| !all.iter().any(|e| has_jump(e.first, e.end) && (e.first..e.end).contains(row)))
             .filter_map(|row| {
-                let rates = log.rows[row].rates?;
-                let rate = rates.yaw.radians_per_second().abs() + rates.pitch.radians_per_second().abs();
+                let command = log.rows[row].command?;
+                let rate = command.pan.radians_per_second().abs() + command.tilt.radians_per_second().abs();
                 Some(rate * log.row_duration_s(row))
             })
             .sum();

@@ -75,8 +75,8 @@ fn print_answering_axes(name: &str, logs: &[TrialLog]) {
     let mut by_axis = [(0_usize, 0.0); 2];
     for log in logs {
         for excursion in find_excursions(log, region(log)) {
-            let rates = log.rows[excursion.first].rates;
-            let axis = usize::from(rates.is_some_and(|rates| rates.yaw.is_zero()));
+            let command = log.rows[excursion.first].command;
+            let axis = usize::from(command.is_some_and(|command| command.pan.is_zero()));
             by_axis[axis].0 += 1;
             by_axis[axis].1 += excursion.b_s;
         }

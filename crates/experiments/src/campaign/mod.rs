@@ -6,7 +6,9 @@
 pub mod drive_inputs;
 pub mod file;
 pub mod plan;
+pub mod recorded_trial;
 pub mod recording;
 pub mod runner;
+pub mod simulated_time;
 
 pub use plan::{CampaignPlan, Perception, PlantName};

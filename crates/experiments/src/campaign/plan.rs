@@ -11,11 +11,13 @@ use barrelman_trial::campaign::{
 };
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
+use barrelman_trial::records::SimulatedTrial;
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use clap::ValueEnum;
 
 use super::drive_inputs::DriveInputs;
-use super::recording::{TrialRecorder, TrialRecording};
+use super::recording::{RecordedRun, TrialRecorder, TrialRecording};
+use super::simulated_time::SimulatedTime;
 use crate::drive;
 use crate::law_choice::LawChoice;
 use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
@@ -86,6 +88,8 @@ pub struct CampaignPlan {
     reports_tilt: bool,
     /// Settings of the recordings; `None` where no trial is recorded.
     recordings: Option<TrialRecording>,
+    /// Counts the simulated time of all trials.
+    simulated: SimulatedTime,
 }
 
 impl CampaignPlan {
@@ -94,7 +98,14 @@ impl CampaignPlan {
     /// # Errors
     /// The scenario does not exist or has a mistake.
     pub fn new(request: &CampaignRequest) -> Result<Self> {
-        let mut loaded = scenario::load(&request.scenario, &request.overrides)?;
+        Self::of_scenario(scenario::load(&request.scenario, &request.overrides)?, request)
+    }
+
+    /// Makes a plan from a request whose scenario is loaded.
+    ///
+    /// # Errors
+    /// The target's way-points make no path.
+    pub(super) fn of_scenario(mut loaded: LoadedScenario, request: &CampaignRequest) -> Result<Self> {
         let mut profile = loaded.profile()?;
         if let Some(rate) = request.rate {
             // For a sweep over rates, the simulated mount gets the same limits.
@@ -138,6 +149,7 @@ impl CampaignPlan {
             drive_inputs: None,
             reports_tilt: false,
             recordings: None,
+            simulated: SimulatedTime::default(),
         })
     }
 
@@ -150,6 +162,11 @@ impl CampaignPlan {
             .with_context(|| format!("the folder {} cannot be made", recordings.folder.display()))?;
         self.recordings = Some(recordings);
         Ok(self)
+    }
+
+    /// How much time the trials have simulated so far, finished ones and running ones together.
+    pub fn simulated_time(&self) -> SimulatedTime {
+        self.simulated.clone()
     }
 
     /// The camera law.
@@ -232,13 +249,7 @@ impl CampaignPlan {
         seed: u64,
         observer: &mut dyn StepObserver,
     ) -> Result<TrialLog> {
-        let scenario = match self.plant {
-            PlantName::Nominal => self.loaded.scenario.clone(),
-            PlantName::Sampled => self.loaded.scenario.with_sampled_plant(seed),
-        };
-        let Ok(world) = World::new(&scenario, seed) else {
-            bail!("the way-points of {} make no path in trial {seed}", scenario.name);
-        };
+        let (scenario, world) = self.world(seed)?;
         let settings = PilotSettings { profile: self.profile.clone(), law: self.law.settings() };
         let tracker = TrackerSettings::new(self.tracker).build()?;
         let pilot = match law {
@@ -261,19 +272,38 @@ impl CampaignPlan {
         })
     }
 
+    /// The scenario and the world of one trial, at its start.
+    pub(super) fn world(&self, seed: u64) -> Result<(Scenario, World)> {
+        let scenario = match self.plant {
+            PlantName::Nominal => self.loaded.scenario.clone(),
+            PlantName::Sampled => self.loaded.scenario.with_sampled_plant(seed),
+        };
+        let Ok(world) = World::new(&scenario, seed) else {
+            bail!("the way-points of {} make no path in trial {seed}", scenario.name);
+        };
+        Ok((scenario, world))
+    }
+
     /// Runs one trial, and records it if the plan has recordings.
     ///
     /// # Errors
     /// As [`Self::simulate`], and a recording that cannot be written.
     fn simulate_recorded(&self, seed: u64) -> Result<TrialLog> {
         let Some(recording) = &self.recordings else {
-            return self.simulate(seed, &mut ());
+            return self.simulate(seed, &mut self.simulated.counting(&mut ()));
         };
         let name = format!("{}-{seed}", self.settings.scenario);
-        let video = format!("sim:{}?seed={seed}", self.settings.scenario);
-        let behaviour = self.law.behaviour_with(self.tracker);
-        let mut recorder = TrialRecorder::begin(recording, &name, video, behaviour, &self.profile)?;
-        let log = self.simulate(seed, &mut recorder)?;
+        let run = RecordedRun {
+            video: format!("sim:{}?seed={seed}", self.settings.scenario),
+            behaviour: self.law.behaviour_with(self.tracker),
+            trial: Some(SimulatedTrial {
+                seed,
+                settings: serde_json::to_string(&self.settings)?,
+                scenario: self.loaded.text.clone(),
+            }),
+        };
+        let mut recorder = TrialRecorder::begin(recording, &name, run, &self.profile)?;
+        let log = self.simulate(seed, &mut self.simulated.counting(&mut recorder))?;
         recorder.finish()?;
         Ok(log)
     }

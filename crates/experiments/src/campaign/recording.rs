@@ -4,12 +4,12 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use barrelman_pilot::{Input, Outcome};
+use barrelman_pilot::{CommandPath, Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::records::{
-    Entry, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart, RecordingWriter,
+    Entry, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart, RecordingWriter, SimulatedTrial,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
@@ -26,6 +26,17 @@ pub struct TrialRecording {
     pub force: bool,
     /// The effective configuration (TOML), the first record of each recording.
     pub configuration: String,
+}
+
+/// The simulated run that a recording shows.
+#[derive(Debug, Clone)]
+pub struct RecordedRun {
+    /// Address of the simulated world.
+    pub video: String,
+    /// Behaviour versions of tracker and law.
+    pub behaviour: BehaviourVersions,
+    /// What it takes to run a trial again; `None` for a drive, whose recording holds its video.
+    pub trial: Option<SimulatedTrial>,
 }
 
 /// Writes the recording and the film of a trial.
@@ -47,8 +58,7 @@ impl TrialRecorder {
     pub fn begin(
         recording: &TrialRecording,
         name: &str,
-        video: String,
-        behaviour: BehaviourVersions,
+        run: RecordedRun,
         profile: &VehicleProfile,
     ) -> Result<Self> {
         let TrialRecording { folder, force, configuration } = recording;
@@ -57,19 +67,14 @@ impl TrialRecorder {
         let film = Film::new(OutputFile::open(&film, *force)?, profile.region);
         let file = OutputFile::open(&path, *force)?;
         let configuration = configuration.clone();
-        Ok(Self { film: Some(film), ..Self::without_film(file, configuration, video, behaviour)? })
+        Ok(Self { film: Some(film), ..Self::without_film(file, configuration, run)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn without_film(
-        file: OutputFile,
-        configuration: String,
-        video: String,
-        behaviour: BehaviourVersions,
-    ) -> Result<Self> {
+    pub fn without_film(file: OutputFile, configuration: String, run: RecordedRun) -> Result<Self> {
         let path = file.path().to_owned();
         // The times of a clock would make files of the same seed differ.
         let start = RecordingStart {
@@ -77,10 +82,12 @@ impl TrialRecorder {
             monotonic_ns: 0,
             unix_ns: 0,
             configuration,
-            video,
+            video: run.video,
             link: "sim:".to_owned(),
             live_video: false,
-            behaviour,
+            behaviour: run.behaviour,
+            command_path: CommandPath::Simulated,
+            trial: run.trial,
         };
         let writer =
             RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;

@@ -30,7 +30,9 @@ pub struct LoadedScenario {
     pub scenario: Scenario,
     /// The name of its setting.
     pub setting: String,
-    /// XXH3-64 of the text of its file.
+    /// The text of its file.
+    pub text: String,
+    /// XXH3-64 of that text.
     pub hash: u64,
 }
 

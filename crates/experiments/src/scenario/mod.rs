@@ -6,6 +6,7 @@
 mod built_in;
 mod load;
 mod loaded;
+mod printed;
 
 pub mod file;
 pub mod resolve;
@@ -17,3 +18,4 @@ pub use built_in::{BUILT_IN, BUILT_IN_PATHS, BuiltIn};
 pub use error::ScenarioError;
 pub use load::load;
 pub use loaded::{LoadedScenario, ScenarioOverrides};
+pub use printed::complete;

@@ -15,6 +15,7 @@ use super::error::ScenarioError;
 use super::file::{LightSection, ScenarioFile, SensingSection, SwaySection, WaterSection};
 use super::loaded::{LoadedScenario, ScenarioOverrides};
 use super::range::{angle_within, within};
+use crate::toml_message::message_of;
 
 /// Reads a scenario from the text of its file.
 ///
@@ -22,9 +23,10 @@ use super::range::{angle_within, within};
 /// If the text is not a scenario, or a value lies outside its range.
 pub fn read(text: &str, overrides: &ScenarioOverrides) -> Result<LoadedScenario, ScenarioError> {
     let file: ScenarioFile =
-        toml::from_str(text).map_err(|error| ScenarioError::Syntax(error.to_string()))?;
+        toml::from_str(text).map_err(|error| ScenarioError::Syntax(message_of(&error)))?;
     let (scenario, setting) = resolve(&file, overrides)?;
-    Ok(LoadedScenario { scenario, setting, hash: xxhash_rust::xxh3::xxh3_64(text.as_bytes()) })
+    let hash = xxhash_rust::xxh3::xxh3_64(text.as_bytes());
+    Ok(LoadedScenario { scenario, setting, text: text.to_owned(), hash })
 }
 
 fn resolve(file: &ScenarioFile, overrides: &ScenarioOverrides) -> Result<(Scenario, String), ScenarioError> {

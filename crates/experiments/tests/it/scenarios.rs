@@ -1,6 +1,7 @@
 //! The built-in scenarios, and the messages for mistakes in a scenario file.
 
-use barrelman_experiments::scenario::{BUILT_IN, ScenarioOverrides, load, resolve};
+use barrelman_experiments::scenario::file::ScenarioFile;
+use barrelman_experiments::scenario::{BUILT_IN, ScenarioOverrides, complete, load, resolve};
 use barrelman_sim::scenario::{BeyondBorder, Platform};
 use barrelman_vocab::PictureSize;
 
@@ -100,7 +101,7 @@ fn a_mistake_is_shown_with_its_line() {
         "jitter_m = -4",
         "thing.4.jitter_m",
     );
-    check("lab1", "noise_px = 0.6", "noise = 0.6", "noise = 0.6", "unknown field `noise`");
+    check("lab1", "noise_px = 0.6", "noise = 0.6", "noise = 0.6", "there is no key `noise`");
     check("open", "[kite.tether]", "[kite.other]", "setting = \"tether\"", "use one of calm, other");
 }
 
@@ -111,4 +112,61 @@ fn what_a_scenario_does_not_have_cannot_be_changed() {
     assert!(error.contains("there is no water"), "{error}");
     let error = format!("{:#}", load("lab3", &ScenarioOverrides::default()).unwrap_err());
     assert!(error.contains("lab1, lab2, arena1") && error.contains(".toml"), "{error}");
+}
+
+#[test]
+fn a_printed_scenario_is_the_built_in_one() {
+    for built_in in BUILT_IN {
+        let read = |text: &str| {
+            let loaded = resolve::read(text, &ScenarioOverrides::default());
+            loaded.unwrap_or_else(|error| panic!("{}", error.located_in(built_in.name, text))).scenario
+        };
+        let printed = complete(built_in.text);
+        assert_eq!(read(&printed), read(built_in.text), "{}", built_in.name);
+        assert_eq!(
+            complete(&printed).matches("Additional scale of x").count(),
+            printed.matches("Additional scale of x").count()
+        );
+    }
+}
+
+/// The keys that a section may have, from the parser's answer to a key that no section has.
+fn keys_of_section(text: &str, header: &str) -> Vec<String> {
+    let changed = text.replacen(header, &format!("{header}\nno_such_key = 1"), 1);
+    let error = toml::from_str::<ScenarioFile>(&changed).unwrap_err();
+    let message = error.message();
+    let expected = message.split_once("expected").unwrap_or_else(|| panic!("{header}: {message}")).1;
+    expected.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn a_printed_scenario_holds_every_key() {
+    for built_in in BUILT_IN {
+        let printed = complete(built_in.text);
+        let headers: Vec<&str> =
+            printed.lines().filter(|line| line.starts_with('[') && line.ends_with(']')).collect();
+        assert!(headers.len() > 8, "{}: {headers:?}", built_in.name);
+        let mut things = 0;
+        for header in headers {
+            things += usize::from(header == "[[thing]]");
+            if header == "[[thing]]" && things > 1 {
+                continue;
+            }
+            let start = printed.find(&format!("\n{header}\n")).unwrap() + header.len() + 2;
+            let end = printed[start..].find("\n[").map_or(printed.len(), |length| start + length);
+            let section = &printed[start..end];
+            for key in keys_of_section(&printed, header) {
+                let is_there = section.lines().any(|line| {
+                    line.trim_start_matches("# ").split(' ').next() == Some(key.as_str())
+                        && line.contains('=')
+                });
+                // Sections within sections have headers of their own.
+                let is_section = printed.contains(&format!("{}.{key}]", &header[..header.len() - 1]));
+                assert!(is_there || is_section, "{}: {header} has no {key}\n{section}", built_in.name);
+            }
+        }
+        for section in ["camera.loss", "water", "boat", "target", "thing"] {
+            assert!(printed.contains(&format!("[{section}]")), "{}: {section}", built_in.name);
+        }
+    }
 }

@@ -3,9 +3,12 @@
 
 mod allocation;
 mod any_input;
+mod boundary;
 mod by_hand;
 mod frames;
+mod licences;
 mod modes;
 mod motion;
 mod scenes;
 mod telemetry;
+mod vehicle;

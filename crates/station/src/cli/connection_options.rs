@@ -19,8 +19,8 @@ pub struct ConnectionOptions {
     /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
     #[arg(long, value_name = "FILE")]
     pub video_login_file: Option<PathBuf>,
-    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, or sim: for the simulated world's
-    /// camera. Without a link: a dry run.
+    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port, or sim: for the
+    /// simulated world's camera. Without a link: a dry run.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
 }

@@ -12,16 +12,21 @@ use super::values::{parse_seconds, parse_size};
 
 /// `demo`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:
+#[command(
+    after_help = "Examples:
   barrelman demo
   barrelman demo --hands-on
   barrelman demo arena1 --store drive.jsonl
   barrelman demo --replay drive.jsonl
   barrelman demo --clip --output demo-output
 
-Keys on the console: arrows steer the boat, space stops the camera, e engages it; ? shows all keys.
+Keys on the console: arrows steer the boat, space stops the camera, e engages
+it; ? shows all keys.
 Keys on a terminal: e engages, d disengages, space stops, q quits.
---clip runs the live loop on a rendered practice clip, with an emulated ground station.")]
+--clip runs the live loop on a rendered practice clip, with an emulated ground
+station.",
+    mut_arg("law", |arg| arg.help("The camera law; default: optimal, and schema with --clip"))
+)]
 pub struct DemoArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open.
     pub scenario: Option<String>,

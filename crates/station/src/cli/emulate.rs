@@ -28,9 +28,15 @@ pub enum StationName {
 #[command(after_help = "Example:
   barrelman emulate fotokite-pro --pty /tmp/fotokite --log station.jsonl
 and in another terminal
-  barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link serial:/tmp/fotokite
-With --world sim:arena1 the emulator moves that world's camera and serves its video:
-  barrelman run --video rtsp://127.0.0.1:8554/world --select 555,296,80,42 --engage --link serial:/tmp/fotokite")]
+  barrelman run --video file:clip.mp4 --select 293,138,48,23 --engage \\
+    --link serial:/tmp/fotokite
+
+With --world the emulator moves the camera of a simulated world and serves its
+video:
+  barrelman emulate fotokite-pro --pty /tmp/fotokite --world sim:arena1
+and in another terminal
+  barrelman run --video rtsp://127.0.0.1:8554/world \\
+    --link serial:/tmp/fotokite")]
 #[group(skip)]
 #[command(group = ArgGroup::new("port").required(true).args(["pty", "listen"]))]
 pub struct EmulateFotokiteProArgs {

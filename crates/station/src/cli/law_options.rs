@@ -9,8 +9,7 @@ use super::usage_error::UsageError;
 /// The options that choose the camera law.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct LawOptions {
-    /// The camera law. Default: optimal in `run` (or the configuration's) and `demo`; schema in `trials`, `law` and
-    /// `demo --clip`; the drive's in `trials --drive`.
+    /// The camera law. (Each command's help names its own default.)
     #[arg(long, value_enum)]
     pub law: Option<LawName>,
     /// What the optimal law saves; default: minimum-energy.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use barrelman_vocab::PictureSize;
 use clap::Args;
 
+use super::columns::{COLUMNS, COLUMNS_IN_PIXELS};
 use super::law_options::LawOptions;
 use super::region_options::RegionArgs;
 use super::values::{parse_rate, parse_size};
@@ -12,7 +13,12 @@ use super::values::{parse_rate, parse_size};
 /// `law`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  barrelman law arena1_01.csv --law schema --output commands.csv\n  barrelman law arena1_01.csv --law optimal --mode eco --output commands.csv"
+    after_help = "Examples:
+  barrelman law arena1_01.csv --output commands.csv
+  barrelman law arena1_01.csv --law optimal --mode eco --output eco.csv
+
+The rates are those that the vehicle would be sent, in its own signs.",
+    mut_arg("law", |arg| arg.help("The camera law; default: schema"))
 )]
 pub struct LawArgs {
     /// The log: a CSV of the laboratory, an exported CSV, or a recording.
@@ -37,9 +43,17 @@ pub struct LawArgs {
     pub force: bool,
 }
 
+/// The examples of `metrics`.
+const METRICS_EXAMPLES: &str = "Examples:
+  barrelman metrics lab1.jsonl
+  barrelman metrics arena1_*.csv arena2_*.csv";
+
 /// `metrics`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman metrics arena1_*.csv arena2_*.csv")]
+#[command(
+    after_help = METRICS_EXAMPLES,
+    after_long_help = format!("{METRICS_EXAMPLES}\n\n{COLUMNS}\n\n{COLUMNS_IN_PIXELS}")
+)]
 pub struct MetricsArgs {
     /// The logs: CSV of the laboratory, exported CSV, recordings, or campaign files.
     #[arg(required = true)]
@@ -61,11 +75,13 @@ pub struct MetricsArgs {
 /// `report`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  barrelman report arena1_*.csv arena2_*.csv --output report.html
   barrelman trials lab1 --perception truth --trials 5 --record recordings
-  barrelman report arena1_*.csv recordings/*.mcap --output report.html --svg figures")]
+  barrelman trials lab1 --perception truth --law optimal --output optimal.jsonl
+  barrelman report recordings/*.mcap optimal.jsonl --output report.html
+  barrelman report arena1_*.csv arena2_*.csv --output paper.html --svg figures")]
 pub struct ReportArgs {
-    /// The logs: CSV of the laboratory, exported CSV, recordings, or campaign files (metrics only).
+    /// The logs: CSV of the laboratory, exported CSV, recordings, or campaign files of `trials --output` (their metrics;
+    /// a campaign file has no figures over time).
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Write the page to this file.

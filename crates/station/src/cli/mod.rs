@@ -11,6 +11,7 @@ mod track;
 
 mod logs;
 
+mod columns;
 mod trials;
 
 mod scenarios;
@@ -46,12 +47,12 @@ pub use recordings::{ExportArgs, ReplayArgs};
 pub use region_options::RegionArgs;
 pub use run::RunArgs;
 pub use scenarios::{RenderArgs, ScenariosArgs};
-pub use track::TrackArgs;
+pub use track::{SnapshotArgs, TrackArgs};
 pub use trials::{CompareArgs, MergeArgs, PerceptionName, TrialsArgs};
 pub use usage_error::UsageError;
 pub use values::Shard;
 
-/// Keeps an unmanned surface vehicle in the view of a small tethered UAV, moving the camera as little as possible.
+/// Keeps an unmanned surface vehicle in the view of a small tethered UAV, with gentle movements of the camera.
 #[derive(Debug, Parser)]
 #[command(
     name = "barrelman",
@@ -59,8 +60,9 @@ pub use values::Shard;
     max_term_width = 100,
     after_help = "Examples:
   barrelman
+  barrelman trials lab1 --perception truth
+  barrelman run --video sim:arena1 --link sim: --hands-on
   barrelman check --video rtsp://192.168.2.100/live
-  barrelman run --video sim:arena1 --link sim: --engage
 
 Without a command, barrelman runs demo."
 )]
@@ -85,11 +87,13 @@ pub enum Command {
     Run(RunArgs),
     /// Run the tracker alone on a recording.
     Track(TrackArgs),
+    /// Draw a frame of a video with a grid of coordinates, to select a boat.
+    Snapshot(SnapshotArgs),
     /// Run a camera law on recorded positions.
     Law(LawArgs),
     /// Measure trials: sensitivity, excursions, movement, energy.
     Metrics(MetricsArgs),
-    /// Make an HTML page of trials, with figures.
+    /// Make an HTML page of trials, logs and campaigns, with figures.
     Report(ReportArgs),
     /// Run simulated trials, one for each seed.
     Trials(TrialsArgs),

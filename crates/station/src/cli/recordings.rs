@@ -6,7 +6,13 @@ use clap::Args;
 
 /// `replay`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman replay sortie.mcap --compare")]
+#[command(after_help = "Examples:
+  barrelman demo open --seconds 5 --record sortie.mcap
+  barrelman replay sortie.mcap --compare
+
+A recording of a simulated trial in pixels (`trials --record`) holds no
+pictures: they are rendered again, to the same bits. Its film is the .mp4
+beside it.")]
 pub struct ReplayArgs {
     /// The recording.
     pub recording: PathBuf,
@@ -20,7 +26,12 @@ pub struct ReplayArgs {
 
 /// `export`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman export sortie.mcap --output sortie")]
+#[command(after_help = "Example:
+  barrelman export sortie.mcap --output sortie
+
+The folder gets one CSV file a channel, trial.csv with the rows of the trial,
+and video.mp4. A recording of a simulated trial (`trials --record`) holds no
+video; with pixels its film is the .mp4 beside it.")]
 pub struct ExportArgs {
     /// The recording.
     pub recording: PathBuf,

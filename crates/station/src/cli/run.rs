@@ -13,14 +13,19 @@ use super::values::parse_box;
 
 /// `run`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:
-  barrelman run --video rtsp://192.168.2.100/live --link serial:/dev/ttyACM0 --select 600,300,80,60 --record sortie.mcap
-  barrelman run --video file:clip.mp4 --select 600,300,80,60 --engage --link tcp://127.0.0.1:5000
-  barrelman run --video sim:arena1 --link sim: --engage
-  barrelman run barrelman.toml --select 600,300,80,60
+#[command(
+    after_help = "Examples:
+  barrelman run --video sim:arena1 --link sim: --hands-on
+  barrelman run --video file:clip.mp4 --select 293,138,48,23
+  barrelman run --video rtsp://192.168.2.100/live \\
+    --link serial:/dev/ttyACM0 --record sortie.mcap
+  barrelman run barrelman.toml
 
-The run starts disengaged. The console's link is printed; on the console the operator selects the boat, engages, and
-stops. Keys on a terminal: e engages, d disengages, space stops, q quits.")]
+The run starts disengaged: it tracks and sends zeros. The console's link is
+printed; on the console the operator selects the boat, engages, and stops.
+Keys on a terminal: e engages, d disengages, space stops, q quits.",
+    mut_arg("law", |arg| arg.help("The camera law; default: the configuration's, or optimal"))
+)]
 pub struct RunArgs {
     /// Configuration, video and link.
     #[command(flatten)]

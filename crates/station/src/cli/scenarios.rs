@@ -21,7 +21,8 @@ pub struct ScenariosArgs {
 /// `render`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
-  barrelman render arena1 --seed 7 --seconds 20 --output clip.mp4 --truth truth.csv --masks masks")]
+  barrelman render arena1 --seed 7 --seconds 10 --size 640x360 \\
+    --output clip.mp4 --truth truth.csv --masks masks")]
 pub struct RenderArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of a .toml file.
     pub scenario: String,

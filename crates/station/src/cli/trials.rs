@@ -8,21 +8,33 @@ use barrelman_simd::SimdLevel;
 use barrelman_vocab::PictureSize;
 use clap::{Args, ValueEnum};
 
+use super::columns::{COLUMNS, COLUMNS_IN_PIXELS};
 use super::law_options::LawOptions;
 use super::values::{
     Shard, parse_count, parse_not_negative, parse_positive, parse_rate, parse_sea_state, parse_shard,
     parse_size,
 };
 
+/// The examples of `trials`.
+const TRIALS_EXAMPLES: &str = "Examples:
+  barrelman trials lab1 --perception truth --trials 200 --output lab1.jsonl
+  barrelman trials lab1 --perception truth --law optimal --record recordings
+  barrelman trials lab2 --trials 1 --size 320x180 --record pictures
+  barrelman trials lab1 --perception truth --trials 100 --shard 3/10 \\
+    --output shard-3.jsonl
+  barrelman trials --drive drive.jsonl --law optimal --record driven
+
+Nothing is written without --output or --record.
+With --perception truth a trial takes less than a second; with pixels (the
+default) pictures are rendered and tracked, at about real time.";
+
 /// `trials`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:
-  barrelman trials lab1 --perception truth --trials 200 --seed 10000 --output lab1.jsonl
-  barrelman trials arena1 --trials 20 --record recordings
-  barrelman trials lab1 --perception truth --trials 1000 --shard 3/10 --output shard-3.jsonl
-  barrelman trials --drive drive.jsonl --law optimal --record recordings
-
-Nothing is written without --output or --record.")]
+#[command(
+    after_help = TRIALS_EXAMPLES,
+    after_long_help = format!("{TRIALS_EXAMPLES}\n\n{COLUMNS}\n\n{COLUMNS_IN_PIXELS}"),
+    mut_arg("law", |arg| arg.help("The camera law; default: schema, or with --drive the drive's"))
+)]
 pub struct TrialsArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of a .toml file.
     #[arg(required_unless_present = "drive")]
@@ -77,7 +89,9 @@ pub struct TrialsArgs {
     /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The results are the same with each.
     #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]
     pub simd: SimdLevel,
-    /// Record every trial into this folder: SCENARIO-SEED.mcap, and with pixels the annotated video SCENARIO-SEED.mp4.
+    /// Record every trial into this folder: SCENARIO-SEED.mcap, and with pixels its film, the annotated video
+    /// SCENARIO-SEED.mp4. The .mcap of a trial in pixels holds no pictures: `replay` renders them again from scenario, seed
+    /// and commands.
     #[arg(long, value_name = "DIR")]
     pub record: Option<PathBuf>,
     /// Continue the file of --output: trials in the file are not run again.
@@ -104,9 +118,15 @@ pub enum PerceptionName {
     Truth,
 }
 
+/// The examples of `merge`.
+const MERGE_EXAMPLES: &str = "Example:\n  barrelman merge shard-*.jsonl --output campaign.jsonl";
+
 /// `merge`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  barrelman merge shard-*.jsonl --output campaign.jsonl")]
+#[command(
+    after_help = MERGE_EXAMPLES,
+    after_long_help = format!("{MERGE_EXAMPLES}\n\n{COLUMNS}\n\n{COLUMNS_IN_PIXELS}")
+)]
 pub struct MergeArgs {
     /// The files of the shards.
     #[arg(required = true)]
@@ -125,14 +145,17 @@ pub struct MergeArgs {
 /// `compare`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
-  barrelman trials lab1 --perception truth --trials 200 --law schema --output schema.jsonl
-  barrelman trials lab1 --perception truth --trials 200 --law centre --output centre.jsonl
-  barrelman compare schema.jsonl centre.jsonl")]
+  barrelman trials lab1 --perception truth --output schema.jsonl
+  barrelman trials lab1 --perception truth --law optimal --output optimal.jsonl
+  barrelman compare schema.jsonl optimal.jsonl")]
 pub struct CompareArgs {
     /// A campaign file.
     pub first: PathBuf,
-    /// A second campaign file, with the same scenario and seeds.
+    /// A second campaign file, with the same scenario, seeds and settings of the world; law and tracker may differ.
     pub second: PathBuf,
+    /// Compare campaigns of different worlds, too: of other settings, plants, picture sizes, or of truth and pixels.
+    #[arg(long)]
+    pub anyway: bool,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

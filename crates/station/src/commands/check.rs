@@ -117,7 +117,7 @@ fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -
     match first {
         Ok(frame) => {
             let picture = &frame.picture;
-            let details = format!("{} pictures, {:?}", picture.size(), picture.colour());
+            let details = format!("{} pictures, colours as {}", picture.size(), picture.colour());
             CheckResult::new(subject, Verdict::Ok, details)
         }
         Err(reason) => CheckResult::new(subject, Verdict::Failed, reason),

@@ -8,11 +8,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 
 use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, StationName};
 use crate::emulator::emulated_port::EmulatedPort;
-use crate::emulator::fotokite_pro::FotokitePro;
+use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
 use crate::emulator::log::StationLog;
 use crate::emulator::rtsp_server::RtspServer;
 use crate::link::CameraLink;

@@ -2,18 +2,20 @@
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write as _, stdout};
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use barrelman_trial::logs::exported;
 use barrelman_trial::logs::recorded::RowSelector;
 use barrelman_trial::records::table::read_rows;
-use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
+use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader, RecordingStart};
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
 use super::channel_tables::ChannelTables;
 use crate::cli::ExportArgs;
+use barrelman_experiments::campaign::recorded_trial;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
 use barrelman_video::decoder::{DecodeMode, UnitDecoder};
@@ -38,13 +40,19 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let trial = OutputFile::open(&args.output.join(format!("{TRIAL}.csv")), args.force)?;
     let video = OutputFile::open(&args.output.join("video.mp4"), args.force)?;
     let cut_channels = export_channels(args).with_context(context)?;
-    let (cut_trial, has_video) = export_trial(args, trial, video).with_context(context)?;
+    let ExportedTrial { is_cut: cut_trial, has_video, start } =
+        export_trial(args, trial, video).with_context(context)?;
     writeln!(
         stdout(),
         "{} holds trial.csv, one CSV per channel{}",
         args.output.display(),
         if has_video { ", and video.mp4" } else { "" }
     )?;
+    if !has_video
+        && let Some(reason) = start.as_deref().and_then(|start| reason_without_video(start, &args.recording))
+    {
+        writeln!(stdout(), "{reason}")?;
+    }
     if cut_channels || cut_trial {
         tracing::error!("the recording is cut off: everything before the cut was exported");
         return Ok(ExitCode::FAILURE);
@@ -65,22 +73,49 @@ fn export_channels(args: &ExportArgs) -> Result<bool> {
     }
 }
 
-/// Writes the trial's CSV file and the video. Returns whether the recording is truncated, and whether it has a video.
-fn export_trial(args: &ExportArgs, trial: OutputFile, video: OutputFile) -> Result<(bool, bool)> {
+/// Why the recording of a simulated trial gives no video; `None` for other recordings.
+fn reason_without_video(start: &RecordingStart, recording: &Path) -> Option<String> {
+    let is_trial = start.trial.is_some() || (start.video.starts_with("sim:") && !start.live_video);
+    if !is_trial {
+        return None;
+    }
+    let settings = start.trial.as_ref().and_then(|trial| recorded_trial::settings_of(trial).ok());
+    if settings.is_some_and(|settings| settings.perception == "truth") {
+        return Some("no video.mp4: a trial with --perception truth has no pictures".to_owned());
+    }
+    let film = recording.with_extension("mp4");
+    let place = if film.exists() { "is" } else { "was written as" };
+    Some(format!(
+        "no video.mp4: the recording of a simulated trial holds no pictures. Its film {place} {};\n\
+         `barrelman replay` renders the pictures again",
+        film.display()
+    ))
+}
+
+/// What an export of the trial found.
+struct ExportedTrial {
+    is_cut: bool,
+    has_video: bool,
+    start: Option<Box<RecordingStart>>,
+}
+
+/// Writes the trial's CSV file and the video.
+fn export_trial(args: &ExportArgs, trial: OutputFile, video: OutputFile) -> Result<ExportedTrial> {
     let mut trial = TrialFile::begin(trial)?;
     let mut video = VideoFile { file: Some(video), state: None };
-    let mut cut = false;
+    let (mut cut, mut start) = (false, None);
     for entry in RecordingReader::new(BufReader::new(File::open(&args.recording)?)) {
         match entry {
+            Ok(Entry::Start(found)) => start = Some(Box::new(found)),
             Ok(Entry::Outcome(outcome)) => trial.add(&outcome)?,
             Ok(Entry::Unit(unit)) => video.add(&unit)?,
-            Ok(Entry::Start(_) | Entry::Input { .. } | Entry::Truth(_)) => {}
+            Ok(Entry::Input { .. } | Entry::Truth(_)) => {}
             Err(ReadError::Truncated) => cut = true,
             Err(error) => return Err(error.into()),
         }
     }
     trial.file.flush()?;
-    Ok((cut, video.finish()?))
+    Ok(ExportedTrial { is_cut: cut, has_video: video.finish()?, start })
 }
 
 /// The trial's CSV file, which `metrics` and `law` read.
@@ -113,11 +148,12 @@ impl TrialFile {
             }
             None => write!(self.file, ",,,")?,
         }
+        let sent = outcome.rates.in_the_senses_of(outcome.command);
         writeln!(
             self.file,
             "{},{},{},{},{}",
-            outcome.rates.pitch.radians_per_second(),
-            outcome.rates.yaw.radians_per_second(),
+            sent.pan.radians_per_second(),
+            sent.tilt.radians_per_second(),
             outcome.mode,
             size.width,
             size.height

@@ -13,13 +13,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
 use barrelman_vocab::{Picture, PictureSize, Timestamp};
-use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
 use indicatif::ProgressBar;
 
 use super::run;
 use crate::cli::{ConnectionOptions, ConsoleOptions, DemoArgs, RunArgs};
 use crate::emulator::emulated_port::EmulatedPort;
-use crate::emulator::fotokite_pro::FotokitePro;
+use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
 use crate::emulator::log::StationLog;
 use crate::live::session::Outputs;
 use barrelman_experiments::law_choice::LawChoice;

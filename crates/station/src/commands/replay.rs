@@ -13,6 +13,7 @@ use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader, RecordingStart};
 use barrelman_trial::replay::{Replay, ReplayComparison};
 
+use super::replayed_video::ReplayedVideo;
 use super::run::build_pilot;
 use super::stored_video::StoredVideo;
 use crate::cli::ReplayArgs;
@@ -40,9 +41,10 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
     let mut out = stdout().lock();
     writeln!(
         out,
-        "{} steps, {} video frames, {} outcomes{}",
+        "{} steps, {} video frames{}, {} outcomes{}",
         replayed.steps,
         replayed.frames,
+        if replayed.is_rendered { " (rendered again from scenario and seed)" } else { "" },
         replayed.comparison.outcomes,
         if replayed.is_truncated {
             "; the recording is cut off, everything before the cut was replayed"
@@ -83,6 +85,8 @@ struct Replayed {
     frames: u64,
     comparison: ReplayComparison,
     is_truncated: bool,
+    /// Whether the frames were rendered again: a recording of a trial in pixels holds none.
+    is_rendered: bool,
     /// How the behaviour versions of the recording differ from this program's.
     difference: Option<VersionDifference>,
 }
@@ -99,14 +103,16 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
             .context("the recorded configuration")?,
     };
     let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
-    let mut video = StoredVideo::new(mode, MAX_QUEUED_BYTES);
-    let mut replay = Replay::new(build_pilot(&configuration)?, configuration.profile.clone());
+    let mut video = ReplayedVideo::new(StoredVideo::new(mode, MAX_QUEUED_BYTES), &start);
+    let mut replay =
+        Replay::new(build_pilot(&configuration, start.command_path)?, configuration.profile.clone());
     let difference = version_difference(&start, &configuration);
     let mut replayed = Replayed {
         steps: 0,
         frames: 0,
         comparison: ReplayComparison::default(),
         is_truncated: false,
+        is_rendered: false,
         difference,
     };
     // Outcomes by step, until the recorded outcome of the same step is read.
@@ -128,6 +134,7 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
                 }
             }
             Ok(Entry::Outcome(recorded)) => {
+                video.command(&recorded);
                 if let Some(outcome) = outcomes.remove(&recorded.step) {
                     replayed.comparison.add(&recorded, &outcome);
                 }
@@ -138,6 +145,7 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
             Err(error) => return Err(error.into()),
         }
     }
+    replayed.is_rendered = video.is_rendered();
     Ok(replayed)
 }
 

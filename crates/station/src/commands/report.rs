@@ -16,7 +16,8 @@ use super::trial_input::{self, InputFile, LogKind, TrialInput};
 use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
 use barrelman_experiments::campaign::plan::arena_of;
-use barrelman_experiments::law_choice::LawName;
+use barrelman_experiments::campaign::recorded_trial;
+use barrelman_experiments::law_choice::{LawChoice, LawName};
 use barrelman_host::output::{self, OutputFile};
 
 /// Runs the command.
@@ -47,7 +48,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
             }
         }
     }
-    let report = Report { trials, version: env!("CARGO_PKG_VERSION").to_owned() };
+    let report = Report::new(trials, env!("CARGO_PKG_VERSION").to_owned());
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("the folder {} cannot be created", folder.display()))?;
@@ -130,18 +131,23 @@ impl SimulatedRun {
     fn from_start(start: &RecordingStart) -> Option<Self> {
         let world = start.video.strip_prefix("sim:")?;
         let (scenario, seed) = world.split_once("?seed=")?;
-        let configuration = config::parse_recorded(&start.configuration).ok();
-        let law = configuration
-            .and_then(|file| Configuration::resolve_recorded(&file).ok())
-            .map(|configuration| configuration.law.name_str());
-        Some(Self {
-            scenario: scenario.to_owned(),
-            trial: format!("{scenario}/{seed}"),
-            set: law.map_or_else(
-                || format!("{scenario}, recorded"),
-                |law| format!("{scenario}, {law}, recorded"),
-            ),
-        })
+        let settings = start.trial.as_ref().and_then(|trial| recorded_trial::settings_of(trial).ok());
+        let set = settings.map_or_else(
+            || Self::set_of_earlier_program(scenario, start),
+            |settings| format!("{}, recorded", campaign_name(&settings)),
+        );
+        Some(Self { scenario: scenario.to_owned(), trial: format!("{scenario}/{seed}"), set })
+    }
+
+    /// The set of a recording that does not hold its settings: the law and its mode are in the configuration.
+    fn set_of_earlier_program(scenario: &str, start: &RecordingStart) -> String {
+        let file = config::parse_recorded(&start.configuration).ok();
+        let law = file.and_then(|file| Configuration::resolve_recorded(&file).ok()).map(|found| found.law);
+        let mut words = vec![scenario];
+        words.extend(law.as_ref().map(LawChoice::name_str));
+        words.extend(law.as_ref().and_then(LawChoice::mode_str));
+        words.push("recorded");
+        words.join(", ")
     }
 }
 

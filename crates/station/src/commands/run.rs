@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use barrelman_pilot::{Pilot, PilotSettings};
+use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
 use crate::cli::{RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::ConsoleSettings;
 use crate::link::LinkUrl;
-use crate::link::url::Endpoint;
+use crate::link::url::{Endpoint, command_path};
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
@@ -64,7 +64,7 @@ pub fn run_with_outputs(
     }
     let fault_injector = FaultInjector::parse(&args.fault)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
-    let pilot = build_pilot(&configuration)?;
+    let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     // The last to be opened: making room for a recording removes older ones.
     let outputs = open(&configuration.recording)?;
     let session = Session {
@@ -152,12 +152,12 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     Ok((configuration, latency_is_known))
 }
 
-/// A pilot for a configuration, with its tracker.
+/// A pilot for a configuration, with its tracker, whose commands take this path.
 ///
 /// # Errors
 /// If the tracker's settings lie outside their ranges.
-pub fn build_pilot(configuration: &Configuration) -> Result<Pilot> {
+pub fn build_pilot(configuration: &Configuration, path: CommandPath) -> Result<Pilot> {
     let settings =
         PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
-    Ok(Pilot::new(settings, configuration.tracker.build()?).keeping_frames())
+    Ok(Pilot::new(settings, configuration.tracker.build()?).keeping_frames().commanding(path))
 }

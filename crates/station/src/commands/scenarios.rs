@@ -23,7 +23,7 @@ pub fn run(args: &ScenariosArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     };
     if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name) {
-        write!(out, "{}", built_in.text)?;
+        write!(out, "{}", scenario::complete(built_in.text))?;
         return Ok(ExitCode::SUCCESS);
     }
     let loaded = scenario::load(name, &ScenarioOverrides::default())?;

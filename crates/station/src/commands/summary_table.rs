@@ -1,10 +1,10 @@
-//! The table of metrics that `trials`, `merge` and `metrics` print.
+//! The table of metrics that `trials`, `merge` and `metrics` print, 80 columns wide where the names are short.
 
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
 
 use anyhow::Result;
-use barrelman_trial::metrics::{Arena, Summary};
+use barrelman_trial::metrics::{Arena, PUBLISHED_NORMALISED_SENSITIVITY, Summary, TrialEntry};
 
 /// Prints the table of the main metrics, or all metrics as JSON.
 ///
@@ -22,71 +22,133 @@ pub(super) fn print(summary: &Summary, as_json: bool) -> Result<()> {
 fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let width = summary.trials.iter().map(|trial| trial.name.len()).max().unwrap_or(0).max("trial".len());
-    writeln!(
-        text,
-        "{:width$}  {:>7}  {:>10}  {:>9}  {:>6}  {:>7}  {:>6}  {:>6}  {:>5}  {:>9}  {:>7}",
-        "trial",
-        "time s",
-        "excursions",
-        "outside s",
-        "max P",
-        "mean b",
-        "mean h",
-        "moves",
-        "rad",
-        "rad2/s",
-        "s"
-    )?;
-    for trial in &summary.trials {
-        let m = &trial.metrics;
-        writeln!(
-            text,
-            "{:width$}  {:>7.1}  {:>10}  {:>9.2}  {:>6}  {:>7}  {:>6}  {:>6}  {:>5}  {:>9}  {:>7}{}",
-            trial.name,
-            m.duration_s,
-            format!("{}/{}", m.complete_excursions, m.excursions),
-            m.time_outside_s,
-            number(m.max_p, 2),
-            number(m.mean_b_s, 2),
-            number(m.mean_h, 2),
-            m.moves.map_or_else(|| "-".to_owned(), |moves| moves.to_string()),
-            number(m.travel_rad, 2),
-            number(m.effort_rad2_per_s, 3),
-            number(m.sensitivity, 3),
-            if m.ends_outside { "  ends outside" } else { "" },
-        )?;
-    }
+    write_trials(&mut text, summary, width)?;
     write_perception(&mut text, summary, width)?;
-    for (number_of_arena, figures) in &summary.arenas {
-        let outside: usize = summary
-            .trials
-            .iter()
-            .filter(|trial| trial.arena.is_some_and(|arena| arena.number().to_string() == *number_of_arena))
-            .filter(|trial| trial.metrics.ends_outside)
-            .count();
-        let published =
-            number_of_arena.parse().ok().and_then(Arena::from_number).map(Arena::published_sensitivity);
-        writeln!(
-            text,
-            "\narena {number_of_arena}: {} trials, mean sensitivity {} (published {}), normalised {}, success rate {} \
-             ({outside} end outside; the paper claims 1.00)",
-            figures.trials,
-            number(figures.pooled.mean_sensitivity, 4),
-            number(published, 4),
-            number(figures.pooled.normalised_sensitivity, 4),
-            number(figures.pooled.success_rate, 2),
-        )?;
+    for number_of_arena in summary.arenas.keys() {
+        let Some(arena) = number_of_arena.parse().ok().and_then(Arena::from_number) else { continue };
+        let trials: Vec<&TrialEntry> =
+            summary.trials.iter().filter(|trial| trial.arena == Some(arena)).collect();
+        write_pooled(&mut text, Some(arena), &trials, summary)?;
     }
     if summary.arenas.is_empty() {
-        writeln!(
-            text,
-            "\nall: mean sensitivity {}, normalised {}, success rate {}",
-            number(summary.pooled.mean_sensitivity, 4),
-            number(summary.pooled.normalised_sensitivity, 4),
-            number(summary.pooled.success_rate, 2),
-        )?;
+        write_pooled(&mut text, None, &summary.trials.iter().collect::<Vec<_>>(), summary)?;
     }
     Ok(text)
+}
+
+/// A row for each trial.
+fn write_trials(text: &mut String, summary: &Summary, width: usize) -> std::fmt::Result {
+    let mut row = |cells: [&str; 12]| {
+        let [name, time, excursions, out, max_p, h, b, moves, switches, travel, effort, s] = cells;
+        let line = format!(
+            "{name:width$} {time:>5} {excursions:>5} {out:>6} {max_p:>5} {h:>4} {b:>4} {moves:>5} {switches:>8} \
+             {travel:>6} {effort:>6} {s:>5}"
+        );
+        writeln!(text, "{}", line.trim_end())
+    };
+    row(["trial", "time", "exc.", "out", "max P", "h", "b", "moves", "switches", "travel", "effort", "s"])?;
+    row(["", "s", "", "s", "", "", "s", "", "", "rad", "rad2/s", "1/s"])?;
+    for trial in &summary.trials {
+        let m = &trial.metrics;
+        let count = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
+        row([
+            &trial.name,
+            &format!("{:.1}", m.duration_s),
+            &format!("{}/{}", m.complete_excursions, m.excursions),
+            &format!("{:.1}{}", m.time_outside_s, if m.ends_outside { "*" } else { " " }),
+            &number(m.max_p, 2),
+            &number(m.mean_h, 2),
+            &number(m.mean_b_s, 2),
+            &count(m.moves),
+            &count(m.switches),
+            &number(m.travel_rad, 2),
+            &number(m.effort_rad2_per_s, 3),
+            &number(m.sensitivity, 3),
+        ])?;
+    }
+    Ok(())
+}
+
+/// The figures of an arena beside the published ones, or of all trials, a line each.
+fn write_pooled(
+    text: &mut String,
+    arena: Option<Arena>,
+    trials: &[&TrialEntry],
+    summary: &Summary,
+) -> std::fmt::Result {
+    let pooled = arena
+        .and_then(|arena| summary.arenas.get(&arena.number().to_string()))
+        .map_or(&summary.pooled, |arena| &arena.pooled);
+    let all = trials.len();
+    let count =
+        |condition: &dyn Fn(&TrialEntry) -> bool| trials.iter().filter(|trial| condition(trial)).count();
+    let title = arena.map_or_else(|| "all".to_owned(), |arena| format!("arena {}", arena.number()));
+    let mut line = |name: &str, value: &str, published: &str| {
+        let published = if arena.is_some() { published } else { "" };
+        writeln!(text, "{}", format!("{name:46} {value:>10}  {published:>12}").trim_end())
+    };
+    line("", "", "")?;
+    line(&format!("{title}, {}", count_of(all)), "here", "published")?;
+    let with_s = count(&|trial| trial.metrics.sensitivity.is_some());
+    let of = if with_s < all { format!(", of the {with_s} with an s") } else { String::new() };
+    line(
+        &format!("  mean sensitivity, 1/s{of}"),
+        &number(pooled.mean_sensitivity, 4),
+        &number(arena.map(Arena::published_sensitivity), 4),
+    )?;
+    let n =
+        arena.map_or("the mean excursion count".to_owned(), |arena| format!("n = {}", arena.published_n()));
+    line(
+        &format!("  normalised by {n}, 1/s"),
+        &number(pooled.normalised_sensitivity, 4),
+        PUBLISHED_NORMALISED_SENSITIVITY,
+    )?;
+    line("  succeeded", &format!("{} of {all}", count(&|trial| trial.metrics.is_success())), "all, claimed")?;
+    line(
+        "  end outside the ellipse",
+        &format!("{} of {all}", count(&|trial| trial.metrics.ends_outside)),
+        "",
+    )?;
+    write_rules(text, arena, trials)
+}
+
+/// What counts as a success, and what the published figure rests on.
+fn write_rules(text: &mut String, arena: Option<Arena>, trials: &[&TrialEntry]) -> std::fmt::Result {
+    let any = |condition: &dyn Fn(&TrialEntry) -> bool| trials.iter().any(|trial| condition(trial));
+    if any(&|trial| trial.metrics.lost.is_some()) {
+        writeln!(
+            text,
+            "Succeeded: the boat was never out of the picture for over 2 s, nor at the end. A\n\
+             boat outside the ellipse is still in the picture."
+        )?;
+    }
+    if any(&|trial| trial.metrics.is_in_pixels()) {
+        writeln!(
+            text,
+            "In pixels also: tracked for 95 % of the time in which it was visible, and never\n\
+             for over 5 s not."
+        )?;
+    }
+    if any(&|trial| trial.metrics.lost.is_none()) {
+        writeln!(
+            text,
+            "A log that does not tell whether the boat was in the picture succeeds where it\n\
+             does not end outside the ellipse."
+        )?;
+    }
+    if arena.is_some() && any(&|trial| trial.metrics.lost.is_some()) {
+        writeln!(
+            text,
+            "The published sensitivity contains jumps of the paper's tracker, which make\n\
+             about half of it: it is no measure for these trials (docs/simulation.md, \"How\n\
+             the published sensitivities come about\")."
+        )?;
+    }
+    Ok(())
+}
+
+fn count_of(trials: usize) -> String {
+    format!("{trials} trial{}", if trials == 1 { "" } else { "s" })
 }
 
 fn number(value: Option<f64>, decimals: usize) -> String {
@@ -99,30 +161,33 @@ fn write_perception(text: &mut String, summary: &Summary, width: usize) -> std::
     if trials.peek().is_none() {
         return Ok(());
     }
-    writeln!(
-        text,
-        "\n{:width$}  {:>9}  {:>7}  {:>13}  {:>7}  {:>7}  {:>10}  result",
-        "trial", "tracked %", "blind s", "sure, wrong %", "first s", "again s", "selections"
-    )?;
+    let mut row = |cells: [&str; 8]| {
+        let [name, tracked, blind, wrong, first, again, selections, result] = cells;
+        let line = format!(
+            "{name:width$} {tracked:>9} {blind:>7} {wrong:>7} {first:>7} {again:>7} {selections:>6}  {result}"
+        );
+        writeln!(text, "{}", line.trim_end())
+    };
+    row([""; 8])?;
+    row(["trial", "tracked", "blind", "wrong", "first", "again", "sel.", "result"])?;
+    row(["", "%", "s", "%", "s", "s", "", ""])?;
     for trial in trials {
         let (m, p) = (&trial.metrics, &trial.metrics.perception);
         let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
-        writeln!(
-            text,
-            "{:width$}  {:>9}  {:>7}  {:>13}  {:>7}  {:>7}  {:>10}  {}",
-            trial.name,
-            number(percent(p.tracked), 1),
-            number(p.blind_s, 2),
-            number(percent(p.sure_wrong), 1),
-            number(p.first_track_s, 2),
-            number(p.reacquire_s, 2),
-            p.selections.unwrap_or(0),
+        row([
+            &trial.name,
+            &number(percent(p.tracked), 1),
+            &number(p.blind_s, 2),
+            &number(percent(p.sure_wrong), 1),
+            &number(p.first_track_s, 2),
+            &number(p.reacquire_s, 2),
+            &p.selections.unwrap_or(0).to_string(),
             match (m.is_success(), m.lost) {
                 (true, _) => "success",
                 (false, Some(true)) => "out of the picture",
                 (false, _) => "not tracked",
             },
-        )?;
+        ])?;
     }
     Ok(())
 }

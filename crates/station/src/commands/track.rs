@@ -7,12 +7,14 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use barrelman_vision::{Explanation, Tracker};
-use barrelman_vocab::{Track, VehicleProfile, VideoFrame};
+use barrelman_vocab::{PixelBox, Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
 use rustix::time::{ClockId, clock_gettime};
-use serde::Serialize;
 
-use crate::cli::TrackArgs;
+use super::stored_frame::stored_frame;
+use super::track_figures::{TrackTotals, selection_warnings};
+use crate::cli::{TrackArgs, UsageError};
+use crate::console::{ConsoleSettings, pick};
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
@@ -21,35 +23,6 @@ use barrelman_video::{DecodeError, FileFrames, VideoError, VideoUrl};
 /// The header of `track.csv`.
 pub const HEADER: &str =
     "frame,time_s,state,x,y,w,h,cx,cy,major_px,minor_px,angle_deg,heading_deg,confidence";
-
-#[derive(Serialize)]
-struct Figures {
-    frames: u64,
-    lost_frames: u64,
-    coasting_frames: u64,
-    damaged_pictures: u64,
-    tracker: &'static str,
-    tracker_cpu_ms: Percentiles,
-    decode_cpu_ms: Percentiles,
-}
-
-/// Median and 99th percentile, milliseconds; `null` without values.
-#[derive(Serialize)]
-struct Percentiles {
-    median: Option<f64>,
-    p99: Option<f64>,
-}
-
-impl Percentiles {
-    fn from_times(mut times: Vec<Duration>) -> Self {
-        times.sort_unstable();
-        let percentile = |share: f64| {
-            let index = (times.len().checked_sub(1)? as f64 * share).round() as usize;
-            Some(times[index].as_secs_f64() * 1e3)
-        };
-        Self { median: percentile(0.5), p99: percentile(0.99) }
-    }
-}
 
 /// Runs the command.
 ///
@@ -66,6 +39,10 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         None if args.json => Box::new(std::io::sink()),
         None => Box::new(stdout().lock()),
     };
+    let selection = match args.select {
+        Some(selection) => selection,
+        None => drawn_selection(args, &url)?,
+    };
     let mut frames = FileFrames::open(&url)?;
     let mut track = TrackWriter {
         tracker: TrackerSettings::new(args.tracker).build()?,
@@ -73,9 +50,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         has_rows: false,
         film: film.map(|file| Film::new(file, VehicleProfile::fotokite_pro().region)),
         explanation: args.explain.then(Explanation::default),
-        lost: 0,
-        coasting: 0,
-        tracker_times: Vec::new(),
+        totals: TrackTotals::default(),
     };
     let progress = progress_bar(&frames);
     let mut decode_times = Vec::new();
@@ -96,7 +71,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         };
         decode_times.push(cpu_time().saturating_sub(before));
         if index >= args.start_frame {
-            track.add(args, index, &frame)?;
+            track.add(args, selection, index, &frame)?;
         }
         index += 1;
         progress.inc(1);
@@ -106,25 +81,30 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     if index <= args.start_frame && failure.is_none() {
         bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
     }
-    let (lost_frames, coasting_frames) = (track.lost, track.coasting);
-    let tracker_times = std::mem::take(&mut track.tracker_times);
+    let totals = std::mem::take(&mut track.totals);
     if let Some(film) = track.film {
         film.finish()?;
     }
     if damaged > 1 {
         tracing::warn!("{damaged} damaged pictures in total");
     }
+    let figures = totals.into_figures(args.tracker.as_str(), damaged, decode_times);
     if args.json {
-        let figures = Figures {
-            frames: index.saturating_sub(args.start_frame),
-            lost_frames,
-            coasting_frames,
-            damaged_pictures: damaged,
-            tracker: args.tracker.as_str(),
-            tracker_cpu_ms: Percentiles::from_times(tracker_times),
-            decode_cpu_ms: Percentiles::from_times(decode_times),
-        };
         writeln!(stdout(), "{}", serde_json::to_string_pretty(&figures)?)?;
+    } else {
+        let files = [&args.output, &args.overlay].into_iter().flatten();
+        let summary = figures.summary(&files.map(|file| file.display().to_string()).collect::<Vec<_>>());
+        match &args.output {
+            Some(_) => writeln!(stdout(), "{summary}")?,
+            // The track itself is on stdout.
+            None => tracing::info!("{summary}"),
+        }
+    }
+    if figures.is_mostly_lost() {
+        tracing::warn!(
+            "the boat was lost for most of the video: check the selection (the box around the whole boat, on frame {})",
+            args.start_frame
+        );
     }
     match failure {
         Some(error) => {
@@ -132,6 +112,43 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         }
         None => Ok(ExitCode::SUCCESS),
     }
+}
+
+/// The box that the operator draws on a page, in the start frame.
+fn drawn_selection(args: &TrackArgs, url: &VideoUrl) -> Result<PixelBox> {
+    let has_display = ["DISPLAY", "WAYLAND_DISPLAY"]
+        .into_iter()
+        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
+    if args.listen.is_none() && !has_display {
+        return Err(UsageError(format!(
+            "no selection: give --select X,Y,W,H, the box around the boat in frame {} (`barrelman snapshot {} --frame {} \
+             --output frame.png` shows it with coordinates), or --listen 127.0.0.1:8480 to draw the box in a browser",
+            args.start_frame, args.video, args.start_frame
+        ))
+        .into());
+    }
+    let frame = stored_frame(url, args.start_frame)?;
+    let settings = ConsoleSettings::without_tokens_on_loopback(args.listen, None)?;
+    let selection = pick(settings, &frame.picture, |link| {
+        tracing::info!("draw the box around the boat: {link}");
+        // A link with a token is for the person at the terminal alone.
+        if has_display && args.listen.is_none() {
+            open_browser(link);
+        }
+    })?;
+    let PixelBox { u, v, w, h } = selection;
+    tracing::info!("selected; --select {u},{v},{w},{h} repeats this");
+    Ok(selection)
+}
+
+/// Opens the page in the user's browser, where the system knows one. Without one, the link is on the terminal.
+fn open_browser(link: &str) {
+    let _ = std::process::Command::new("xdg-open")
+        .arg(link)
+        .stdin(std::process::Stdio::null())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn();
 }
 
 /// CPU time of all threads of the program. While the tracker runs, no other thread does, so a difference is the tracker's.
@@ -158,30 +175,23 @@ struct TrackWriter {
     has_rows: bool,
     film: Option<Film>,
     explanation: Option<Explanation>,
-    lost: u64,
-    coasting: u64,
-    tracker_times: Vec<Duration>,
+    totals: TrackTotals,
 }
 
 impl TrackWriter {
-    fn add(&mut self, args: &TrackArgs, index: u64, frame: &VideoFrame) -> Result<()> {
+    fn add(&mut self, args: &TrackArgs, selection: PixelBox, index: u64, frame: &VideoFrame) -> Result<()> {
         let before = cpu_time();
-        let track = if index == args.start_frame {
-            let report = self.tracker.select(frame, args.select)?;
-            if report.is_clipped {
-                tracing::warn!(
-                    "the selection lies partly outside the picture: {} of it is used",
-                    report.used
-                );
+        let is_selected_here = index == args.start_frame;
+        let track = if is_selected_here {
+            let report = self.tracker.select(frame, selection)?;
+            for warning in selection_warnings(selection, &report, frame.picture.size()) {
+                tracing::warn!("{warning}");
             }
             Track::Tracking(report.localisation)
         } else {
-            let track = self.tracker.track(frame, None);
-            self.tracker_times.push(cpu_time().saturating_sub(before));
-            track
+            self.tracker.track(frame, None)
         };
-        self.lost += u64::from(matches!(track, Track::Lost { .. }));
-        self.coasting += u64::from(matches!(track, Track::Coasting(_)));
+        self.totals.add(&track, (!is_selected_here).then(|| cpu_time().saturating_sub(before)));
         if !std::mem::replace(&mut self.has_rows, true) {
             writeln!(self.rows, "{HEADER}")?;
         }

@@ -9,9 +9,9 @@ use barrelman_trial::campaign::CampaignEntry;
 use barrelman_trial::metrics::summarise;
 
 use super::summary_table;
+use super::trials_progress::{Campaign, TrialsProgress};
 use crate::cli::{PerceptionName, TrialsArgs};
 use crate::config::Configuration;
-use crate::progress::Progress;
 use barrelman_experiments::campaign::drive_inputs::DriveInputs;
 use barrelman_experiments::campaign::file::CampaignWriter;
 use barrelman_experiments::campaign::plan::CampaignRequest;
@@ -59,8 +59,18 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
         signal_hook::flag::register(signal, Arc::clone(&stop)).context("signals cannot be caught")?;
     }
-    let progress = Progress::new("trials", seeds.len() as u64);
-    progress.set(done_before as u64);
+    if matches!(args.perception, PerceptionName::Pixels) {
+        tracing::info!(
+            "pictures are rendered and tracked, which takes about as long as the trials last; --perception truth \
+             compares camera laws in seconds"
+        );
+    }
+    let progress = TrialsProgress::start(Campaign {
+        done_before: done_before as u64,
+        trials: seeds.len() as u64,
+        max_trial_s: plan.scenario().max_s,
+        simulated: plan.simulated_time(),
+    });
     let result = run_in_order(
         &seeds[done_before..],
         args.threads.unwrap_or_else(cores),
@@ -70,8 +80,8 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
             if let Some(writer) = &mut writer {
                 writer.add(&entry)?;
             }
+            progress.add(entry.trial.metrics.duration_s);
             entries.push(entry);
-            progress.set(entries.len() as u64);
             Ok(())
         },
     );

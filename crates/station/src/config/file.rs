@@ -66,15 +66,15 @@ pub struct VideoSection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LinkSection {
-    /// Address: `serial:/dev/ttyACM0?baud=115200` or `tcp://host:port`; without an address: a dry run.
+    /// Address: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port` or `udp://host:port`; without an address: a dry run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// Delimiters of a line to a Fotokite Pro.
+    /// Delimiters of a line, where the vehicle takes lines of text (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,
 }
 
-/// Delimiters of a line to a Fotokite Pro.
+/// Delimiters of a line of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineEnding {
@@ -131,7 +131,7 @@ pub struct VehicleSection {
     /// Latency beyond the nominal latency from which on a video frame counts as stale, seconds, 0 to 5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stale_after_s: Option<f64>,
-    /// How long a rate may last after the arrival of the last fresh localisation, seconds, 0 to 2.
+    /// How long a rate may last after the arrival of the last fresh localisation, seconds, 0 to 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coast_motion_s: Option<f64>,
 }

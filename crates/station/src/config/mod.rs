@@ -19,6 +19,7 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow};
 
 use barrelman_experiments::law_choice::LawName;
+use barrelman_experiments::toml_message::message_of;
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_host::input;
 use barrelman_host::redaction::without_logins;
@@ -46,7 +47,7 @@ pub fn read(path: &Path) -> Result<ConfigFile> {
 /// If a key is unknown or a value has the wrong type; the message shows the line.
 pub fn parse(text: &str) -> Result<ConfigFile> {
     // The message shows the line with the mistake, which may hold an address with a login.
-    toml::from_str(text).map_err(|error| anyhow!("{}", without_logins(&error.to_string())))
+    toml::from_str(text).map_err(|error| anyhow!("{}", without_logins(&message_of(&error))))
 }
 
 /// Parses the configuration of a recording. A recording that names no tracker is from the time when CamShift was the only

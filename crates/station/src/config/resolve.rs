@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
+use barrelman_vocab::profile::{AxisRates, AxisSigns, MAX_COAST_MOTION, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
-use barrelman_wire::fotokite_pro::Framing;
+use barrelman_wire::Framing;
 
 use super::camera::CameraSection;
 use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
@@ -25,7 +25,7 @@ pub struct Configuration {
     pub video_login: Option<LoginSource>,
     /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
-    /// Delimiters of a line to a Fotokite Pro.
+    /// Framing of text lines, where the vehicle's protocol has some.
     pub framing: Framing,
     /// The vehicle.
     pub profile: VehicleProfile,
@@ -39,21 +39,19 @@ pub struct Configuration {
     pub recording: RecordingConfig,
 }
 
-/// Names of the built-in vehicle profiles.
-pub const PROFILES: [&str; 1] = ["fotokite-pro"];
-
 /// The largest rate in the configuration of a recording, rad/s.
 const MAX_RECORDED_RAD_PER_S: f64 = 3.0;
+/// The longest `coast_motion` in the configuration of a recording: earlier versions took so much.
+const MAX_RECORDED_COAST_MOTION: Duration = Duration::from_secs(2);
 
 /// The built-in profile of a name.
 ///
 /// # Errors
 /// If there is no such profile; the message lists the names.
 pub fn profile_named(name: &str) -> Result<VehicleProfile> {
-    match name {
-        "fotokite-pro" => Ok(VehicleProfile::fotokite_pro()),
-        _ => bail!("there is no vehicle profile {name:?}: use one of {}", PROFILES.join(", ")),
-    }
+    VehicleProfile::named(name).with_context(|| {
+        format!("there is no vehicle profile {name:?}: use one of {}", VehicleProfile::NAMES.join(", "))
+    })
 }
 
 impl Configuration {
@@ -62,25 +60,31 @@ impl Configuration {
     /// # Errors
     /// If a value is out of range; the message names the key and the range.
     pub fn resolve(file: &ConfigFile) -> Result<Self> {
-        Self::resolve_within(file, |profile| profile.protocol.rate_limits())
+        let rate_limits = |profile: &VehicleProfile| profile.protocol.rate_limits();
+        Self::resolve_within(file, rate_limits, MAX_COAST_MOTION)
     }
 
-    /// Like [`Self::resolve`], but with wider limits of the rates, for the configuration of a recording: a simulated vehicle
-    /// may turn faster than a real one, and earlier versions accepted such rates for every vehicle. A replay sends nothing.
+    /// Like [`Self::resolve`], but with wider limits, for the configuration of a recording: a simulated vehicle may turn
+    /// faster than a real one, and earlier versions accepted such rates for every vehicle, and a longer `coast_motion_s`.
+    /// A replay sends nothing.
     ///
     /// # Errors
     /// If a value is out of range; the message names the key and the range.
     pub fn resolve_recorded(file: &ConfigFile) -> Result<Self> {
         let max = AngularRate::from_radians_per_second(MAX_RECORDED_RAD_PER_S);
-        Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max })
+        Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max }, MAX_RECORDED_COAST_MOTION)
     }
 
-    fn resolve_within(file: &ConfigFile, rate_limits: impl Fn(&VehicleProfile) -> AxisRates) -> Result<Self> {
+    fn resolve_within(
+        file: &ConfigFile,
+        rate_limits: impl Fn(&VehicleProfile) -> AxisRates,
+        max_coast_motion: Duration,
+    ) -> Result<Self> {
         let vehicle = &file.vehicle;
-        let base =
-            profile_named(vehicle.profile.as_deref().unwrap_or(PROFILES[0])).context("vehicle.profile")?;
+        let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
+            .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
-        let mut profile = overridden(base, vehicle, max_rates)?;
+        let mut profile = overridden(base, vehicle, max_rates, max_coast_motion)?;
         profile.camera = file.camera.apply_to(&profile.camera)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
@@ -196,7 +200,12 @@ fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
 }
 
 /// The profile `base` with the values of a file. Limits are at most `max`, motor schema rates at most their axis' limit.
-fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) -> Result<VehicleProfile> {
+fn overridden(
+    base: VehicleProfile,
+    vehicle: &VehicleSection,
+    max: AxisRates,
+    max_coast_motion: Duration,
+) -> Result<VehicleProfile> {
     let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
     let vehicle_limit = "the limit of the vehicle";
     let (pan, tilt) = (vehicle.limit_pan_rad_per_s, vehicle.limit_tilt_rad_per_s);
@@ -231,7 +240,12 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) ->
         },
         video_latency: duration("video_latency_s", vehicle.video_latency_s, base.video_latency, 5.0)?,
         stale_after: duration("stale_after_s", vehicle.stale_after_s, base.stale_after, 5.0)?,
-        coast_motion: duration("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, 2.0)?,
+        coast_motion: duration(
+            "coast_motion_s",
+            vehicle.coast_motion_s,
+            base.coast_motion,
+            max_coast_motion.as_secs_f64(),
+        )?,
         ..base
     })
 }

@@ -33,6 +33,14 @@ pub(super) fn announce(address: SocketAddr, tokens: Option<&Tokens>) -> Result<(
     Ok(out.flush()?)
 }
 
+/// The address of a page for control.
+pub(super) fn link_for_control(address: SocketAddr, tokens: Option<&Tokens>) -> String {
+    match tokens {
+        Some(tokens) => link(reachable(address), &tokens.control),
+        None => format!("http://{address}/"),
+    }
+}
+
 fn link(host: SocketAddr, token: &str) -> String {
     format!("http://{host}/#token={token}")
 }

@@ -32,6 +32,7 @@ mod metrics;
 mod requests;
 mod status;
 
+mod picker;
 mod pictures;
 mod video_relay;
 
@@ -41,6 +42,7 @@ mod links;
 mod in_memory;
 
 pub use on_lost::OnConsoleLost;
+pub use picker::pick;
 pub use pictures::PictureSlot;
 pub use server::ConsoleServer;
 pub use session_time::SessionTime;

@@ -27,10 +27,10 @@ use axum::routing::{get, post};
 use bytes::Bytes;
 use serde::Serialize;
 
-use super::access::Role;
+use super::access::{Access, Role};
 use super::api::{Answer, RequestBody};
 use super::files;
-use super::guard::Provenance;
+use super::guard::{Hosts, Provenance};
 use super::limits::MAX_MESSAGE_BYTES;
 use super::metrics::metrics_text;
 use super::requests::{Requester, answer, begin_request};
@@ -73,7 +73,12 @@ pub(super) fn router(console: Arc<Console>) -> Router {
 
 /// Refuses requests of foreign pages, and sets the security headers of all answers.
 async fn guard(State(console): Shared, request: Request, next: Next) -> Response {
-    let mut response = match console.hosts.refusal(provenance(&request)) {
+    guarded(&console.hosts, request, next).await
+}
+
+/// The answer of `next` with the security headers, or the refusal of a foreign page's request.
+pub(super) async fn guarded(hosts: &Hosts, request: Request, next: Next) -> Response {
+    let mut response = match hosts.refusal(provenance(&request)) {
         Some(reason) => (StatusCode::FORBIDDEN, format!("{reason}\n")).into_response(),
         None => next.run(request).await,
     };
@@ -97,8 +102,13 @@ fn provenance(request: &Request) -> Provenance<'_> {
 
 /// What a request may do; an answer with 401 where it may do nothing.
 fn role_of(console: &Console, headers: &HeaderMap) -> Result<Role, Box<Response>> {
+    may_enter(&console.access, headers)
+}
+
+/// What the token or the cookie of a request permits; an answer with 401 where it permits nothing.
+pub(super) fn may_enter(access: &Access, headers: &HeaderMap) -> Result<Role, Box<Response>> {
     let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
-    console.access.role(text(header::AUTHORIZATION), text(header::COOKIE)).ok_or_else(|| {
+    access.role(text(header::AUTHORIZATION), text(header::COOKIE)).ok_or_else(|| {
         let body =
             "a token is needed: open the link that the program printed, or send `Authorization: Bearer`\n";
         Box::new((StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], body).into_response())
@@ -125,11 +135,16 @@ async fn access(State(console): Shared, headers: HeaderMap) -> Response {
 }
 
 async fn login(State(console): Shared, headers: HeaderMap) -> Response {
-    let role = match role_of(&console, &headers) {
+    log_in(&console.access, &headers)
+}
+
+/// A cookie for the token of a request.
+pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
+    let role = match may_enter(access, headers) {
         Ok(role) => role,
         Err(response) => return *response,
     };
-    match console.access.new_cookie(role) {
+    match access.new_cookie(role) {
         Ok(cookie) => (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response(),
         Err(error) => {
             (StatusCode::INTERNAL_SERVER_ERROR, format!("no random numbers: {error}\n")).into_response()

@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use axum::Router;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -62,7 +63,7 @@ impl ConsoleServer {
         let thread = threads::spawn("console", events, move || {
             runtime.block_on(async {
                 tokio::select! {
-                    served = serve(listener, &console) => {
+                    served = serve(listener, routes::router(Arc::clone(&console))) => {
                         if let Err(error) = served {
                             tracing::error!("the console cannot be served: {error}");
                         }
@@ -102,9 +103,8 @@ async fn watch_seats(console: &Console) {
 }
 
 /// Accepts connections, a bounded number at a time.
-async fn serve(listener: TcpListener, console: &Arc<Console>) -> std::io::Result<()> {
+pub(super) async fn serve(listener: TcpListener, router: Router) -> std::io::Result<()> {
     let listener = tokio::net::TcpListener::from_std(listener)?;
-    let router = routes::router(Arc::clone(console));
     let slots = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     loop {
         let stream = match listener.accept().await {

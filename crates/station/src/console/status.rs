@@ -54,6 +54,8 @@ fn mode_of(mode: Mode) -> ModeStatus {
         Mode::Idle => ("idle", None),
         Mode::Servoing => ("servoing", None),
         Mode::Nudging => ("nudging", None),
+        Mode::Searching => ("searching", None),
+        Mode::Calibrating => ("calibrating", None),
         Mode::Holding(cause) => {
             let cause = match cause {
                 HoldCause::NoSelection => "no-selection",
@@ -62,6 +64,11 @@ fn mode_of(mode: Mode) -> ModeStatus {
                 HoldCause::VideoStale => "video-stale",
                 HoldCause::VideoSilent => "video-silent",
                 HoldCause::Confirming => "confirming",
+                HoldCause::DryRun => "dry-run",
+                HoldCause::LinkDown => "link-down",
+                HoldCause::NoControl => "no-control",
+                HoldCause::Emergency => "emergency",
+                HoldCause::Landing => "landing",
             };
             ("holding", Some(cause))
         }
@@ -71,6 +78,11 @@ fn mode_of(mode: Mode) -> ModeStatus {
                 StopCause::Ending => "ending",
                 StopCause::VideoEnded => "video-ended",
                 StopCause::Fault => "fault",
+                StopCause::ControlLost => "control-lost",
+                StopCause::VehicleRestarted => "vehicle-restarted",
+                StopCause::Emergency => "emergency",
+                StopCause::Landing => "landing",
+                StopCause::BatteryLow => "battery-low",
             };
             ("stopped", Some(cause))
         }
@@ -175,6 +187,7 @@ fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
         flight: vehicle.flight.map(|state| match state {
             FlightState::Idle => "idle",
             FlightState::Flying => "flying",
+            FlightState::Landing => "landing",
             FlightState::Emergency => "emergency",
             FlightState::Other(_) => "other",
         }),

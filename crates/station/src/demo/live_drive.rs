@@ -47,6 +47,8 @@ pub(super) struct LiveDrive<'a> {
     pub(super) time: SessionTime,
     pub(super) helm: RenewedHelm,
     pub(super) is_paused: bool,
+    /// Whether the user knows that the world is slower than real time.
+    pub(super) is_slow_told: bool,
 }
 
 impl LiveDrive<'_> {
@@ -93,6 +95,12 @@ impl LiveDrive<'_> {
             self.time.set(self.drive.world().now());
             if tick.is_multiple_of(STATE_TICKS) {
                 self.publish_state(pacing.pace(), false);
+                if !self.is_slow_told
+                    && let Some(message) = pacing.slow_message()
+                {
+                    self.is_slow_told = true;
+                    tracing::warn!("{message}");
+                }
             }
         }
     }

@@ -13,6 +13,11 @@ const MAX_DELAY: Duration = Duration::from_millis(200);
 /// The time over which the pace is measured.
 const PACE_WINDOW: Duration = Duration::from_secs(2);
 
+/// A world below this pace is slow,
+pub const SLOW: f64 = 0.9;
+/// and the user is told after so many windows in a row.
+const TOLD_AFTER: u32 = 2;
+
 /// Paces ticks.
 #[derive(Debug, Clone, Copy)]
 pub struct Pacing {
@@ -21,12 +26,14 @@ pub struct Pacing {
     /// The start of the measurement of the pace.
     measured_from: (u64, Timestamp),
     pace: f64,
+    /// Windows in a row in which the world was slow.
+    slow_windows: u32,
 }
 
 impl Pacing {
     /// Starts with `tick`, due `now`.
     pub const fn new(tick: u64, now: Timestamp) -> Self {
-        Self { reference: (tick, now), measured_from: (tick, now), pace: 1.0 }
+        Self { reference: (tick, now), measured_from: (tick, now), pace: 1.0, slow_windows: 0 }
     }
 
     /// When a tick is due. To be called once for each tick, in order.
@@ -41,6 +48,7 @@ impl Pacing {
             let simulated = World::time_of(tick).since(World::time_of(self.measured_from.0));
             self.pace = simulated.as_secs_f64() / measured.as_secs_f64();
             self.measured_from = (tick, now);
+            self.slow_windows = if self.pace < SLOW { self.slow_windows + 1 } else { 0 };
         }
         due
     }
@@ -49,6 +57,17 @@ impl Pacing {
     pub const fn resume(&mut self, tick: u64, now: Timestamp) {
         self.reference = (tick, now);
         self.measured_from = (tick, now);
+    }
+
+    /// What to tell the user of a world that has become slow; `None` otherwise.
+    pub fn slow_message(&self) -> Option<String> {
+        (self.slow_windows == TOLD_AFTER).then(|| {
+            format!(
+                "the simulated world runs slower than real time, at {:.0} % of it: this machine does not render its pictures \
+                 in time. Smaller ones help: --size 640x360",
+                100.0 * self.pace
+            )
+        })
     }
 
     /// Simulated seconds per second, over the last two seconds.
@@ -79,5 +98,11 @@ mod tests {
         pacing.due(120, at(3000));
         assert_eq!(pacing.due(240, at(3000)), at(4000));
         assert!((pacing.pace() - 1.0 / 3.0).abs() < 1.0e-9);
+        assert_eq!(pacing.slow_message(), None, "a moment is no news");
+        pacing.due(240, at(6000));
+        let message = pacing.slow_message().unwrap();
+        assert!(message.contains("slower than real time, at 33 %"), "{message}");
+        pacing.due(360, at(9000));
+        assert_eq!(pacing.slow_message(), None, "once is enough");
     }
 }

@@ -1,7 +1,7 @@
 //! The recording of a drive, with the drive's effective configuration as its first message.
 
 use anyhow::Result;
-use barrelman_experiments::campaign::recording::TrialRecorder;
+use barrelman_experiments::campaign::recording::{RecordedRun, TrialRecorder};
 use barrelman_experiments::drive::DriveSetup;
 use barrelman_host::output::OutputFile;
 
@@ -15,7 +15,8 @@ pub(super) fn begin(file: Option<OutputFile>, setup: &DriveSetup) -> Result<Opti
     let begin = |file| {
         let configuration = Configuration::simulated(setup.profile.clone(), setup.law, setup.tracker)?;
         let behaviour = setup.law.behaviour_with(setup.tracker);
-        TrialRecorder::without_film(file, configuration.to_toml()?, setup.url.to_string(), behaviour)
+        let run = RecordedRun { video: setup.url.to_string(), behaviour, trial: None };
+        TrialRecorder::without_film(file, configuration.to_toml()?, run)
     };
     file.map(begin).transpose()
 }

@@ -103,6 +103,7 @@ impl DriveSession {
                 time: time.clone(),
                 helm: RenewedHelm::default(),
                 is_paused: false,
+                is_slow_told: false,
             };
             let end = live.run(&queue, until)?;
             live.finish(matches!(end, DriveEnd::Over))?;

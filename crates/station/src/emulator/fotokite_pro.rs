@@ -9,7 +9,8 @@ use barrelman_sim::{CameraMount, MountPlant};
 use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
-use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings, StationRates};
+pub use barrelman_wire::fotokite_pro::ground_station::GroundStationSettings;
+use barrelman_wire::fotokite_pro::ground_station::{SensorReadings, StationRates};
 
 use super::emulated_port::EmulatedPort;
 use super::log::{Direction, LoggedState, StationLog};

@@ -1,11 +1,7 @@
 //! The dead-man's switch: the link rests the camera by itself when the run loop does not renew a moving rate in time.
 
-use std::time::Duration;
-
+use barrelman_pilot::outcome::RENEWAL_GRACE;
 use barrelman_vocab::{Timestamp, VehicleRates};
-
-/// Time from the missed renewal of rates to rest.
-const RENEWAL_GRACE: Duration = Duration::from_millis(50);
 
 /// Rates that the run loop requests, in the vehicle's own signs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

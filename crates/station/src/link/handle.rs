@@ -5,7 +5,7 @@ use std::thread::JoinHandle;
 
 use barrelman_host::clock::Clock;
 use barrelman_vocab::{Timestamp, VehicleRates};
-use barrelman_wire::fotokite_pro::{Framing, SessionSettings};
+use barrelman_wire::ByteProtocol;
 
 use super::dead_mans_switch::RequestedRates;
 use super::mailbox::Mailbox;
@@ -22,21 +22,27 @@ pub struct LinkHandle {
 }
 
 impl LinkHandle {
-    /// Opens the port and starts the link thread.
+    /// Opens the port and starts the link thread. `report` takes the reports of the thread; it must not block, and returns
+    /// whether there was room for the report.
     ///
     /// # Errors
     /// If the port cannot be opened now. The thread reopens a port that is lost later.
     pub fn open(
         url: &LinkUrl,
-        framing: Framing,
+        protocol: ByteProtocol,
         clock: Clock,
-        report: impl Fn(LinkReport) + Send + 'static,
+        report: impl Fn(LinkReport) -> bool + Send + 'static,
     ) -> anyhow::Result<Self> {
         let mailbox = Arc::new(Mailbox::new()?);
         let io = MachineIo { endpoint: url.endpoint.clone(), clock, mailbox: Arc::clone(&mailbox) };
         let port = io.open()?;
-        let settings = SessionSettings::for_baud(framing, url.baud());
-        let worker = Worker { url: url.clone(), settings, mailbox: Arc::clone(&mailbox), io, report };
+        let worker = Worker {
+            url: url.clone(),
+            mailbox: Arc::clone(&mailbox),
+            io,
+            open_session: Box::new(move |now| protocol.open(now)),
+            report,
+        };
         let thread = std::thread::Builder::new().name("link".to_owned()).spawn(move || worker.run(port))?;
         Ok(Self { mailbox, thread: Some(thread) })
     }

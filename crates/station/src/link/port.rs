@@ -1,11 +1,11 @@
-//! Ports: a serial port or a TCP connection. Every wait is bounded.
+//! Ports that carry bytes: a serial port, a TCP connection, or UDP datagrams. Every wait is bounded.
 //!
 //! A serial port is locked twice, so that no other program writes to it: `flock` keeps out programs that request the
 //! lock, including root's, and `TIOCEXCL` keeps out programs that do not. Lock files are not used: they outlive the
 //! programs that made them.
 
 use std::io::{self, Read as _, Write as _};
-use std::net::{TcpStream, ToSocketAddrs as _};
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -54,7 +54,9 @@ pub enum PortError {
         path: PathBuf,
     },
     /// The address refuses connections, or does not answer.
-    #[error("{address} cannot be reached: is the pass-through server on the ground computer running?")]
+    #[error(
+        "{address} cannot be reached: is the vehicle, or the pass-through server on the ground computer, running?"
+    )]
     Unreachable {
         /// `host:port`.
         address: String,
@@ -81,6 +83,8 @@ pub enum Port {
     Serial(SerialPort),
     /// A TCP connection.
     Tcp(TcpStream),
+    /// Datagrams from and to one address.
+    Udp(UdpSocket),
 }
 
 impl Port {
@@ -95,10 +99,13 @@ impl Port {
             Endpoint::Tcp { address } => connect(address)
                 .map(Self::Tcp)
                 .map_err(|source| PortError::Unreachable { address: address.clone(), source }),
+            Endpoint::Udp { address } => connect_datagrams(address)
+                .map(Self::Udp)
+                .map_err(|source| PortError::Unreachable { address: address.clone(), source }),
         }
     }
 
-    /// Writes all bytes, or fails within a bounded time.
+    /// Writes all bytes, or fails within a bounded time. Bytes that are written at once are one datagram.
     ///
     /// # Errors
     /// If the port does not accept the bytes in time, or is lost.
@@ -106,6 +113,7 @@ impl Port {
         match self {
             Self::Serial(port) => port.write_all(bytes),
             Self::Tcp(stream) => stream.write_all(bytes),
+            Self::Udp(socket) => socket.send(bytes).map(drop),
         }
     }
 
@@ -117,8 +125,10 @@ impl Port {
         let read = match self {
             Self::Serial(port) => port.read(buffer),
             Self::Tcp(stream) => stream.read(buffer),
+            Self::Udp(socket) => socket.recv(buffer),
         };
         match read {
+            Ok(0) if matches!(self, Self::Udp(_)) => Ok(0),
             Ok(0) => {
                 Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has closed the connection"))
             }
@@ -135,6 +145,7 @@ impl AsFd for Port {
         match self {
             Self::Serial(port) => port.as_fd(),
             Self::Tcp(stream) => stream.as_fd(),
+            Self::Udp(socket) => socket.as_fd(),
         }
     }
 }
@@ -195,4 +206,77 @@ fn connect(address: &str) -> io::Result<TcpStream> {
         }
     }
     Err(last)
+}
+
+/// A socket that exchanges datagrams with `address` alone. Nothing is sent yet, so that an address without a listener is
+/// noticed by the first datagram at the earliest.
+fn connect_datagrams(address: &str) -> io::Result<UdpSocket> {
+    let mut last = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
+    for candidate in address.to_socket_addrs()? {
+        let any = match candidate {
+            SocketAddr::V4(_) => SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)),
+            SocketAddr::V6(_) => SocketAddr::from((Ipv6Addr::UNSPECIFIED, 0)),
+        };
+        let open = || {
+            let socket = UdpSocket::bind(any)?;
+            socket.connect(candidate)?;
+            socket.set_nonblocking(true)?;
+            Ok(socket)
+        };
+        match open() {
+            Ok(socket) => return Ok(socket),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+    use super::*;
+
+    /// The next bytes that arrive at the port.
+    fn received(port: &mut Port) -> io::Result<Vec<u8>> {
+        let timeout = Timespec { tv_sec: 10, tv_nsec: 0 };
+        let mut buffer = [0; 64];
+        loop {
+            let ready = poll(&mut [PollFd::new(&*port, PollFlags::IN)], Some(&timeout)).unwrap();
+            assert_eq!(ready, 1, "nothing arrived");
+            let read = port.read(&mut buffer)?;
+            if read > 0 {
+                return Ok(buffer[..read].to_vec());
+            }
+        }
+    }
+
+    #[test]
+    fn a_udp_port_exchanges_datagrams_with_its_address_alone() {
+        let vehicle = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let stranger = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let address = vehicle.local_addr().unwrap().to_string();
+        let mut port = Port::open(&Endpoint::Udp { address }).unwrap();
+        port.write_all(b"one").unwrap();
+        port.write_all(b"two").unwrap();
+        let mut buffer = [0; 64];
+        let (read, from) = vehicle.recv_from(&mut buffer).unwrap();
+        assert_eq!(&buffer[..read], b"one");
+        assert_eq!(vehicle.recv(&mut buffer).unwrap(), 3);
+        stranger.send_to(b"stop it", from).unwrap();
+        vehicle.send_to(b"", from).unwrap();
+        vehicle.send_to(b"answer", from).unwrap();
+        assert_eq!(received(&mut port).unwrap(), b"answer", "an empty datagram does not end the port");
+        assert_eq!(port.read(&mut buffer).unwrap(), 0, "a read does not block");
+    }
+
+    #[test]
+    fn a_udp_port_without_a_listener_is_lost() {
+        let nobody = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let address = nobody.local_addr().unwrap().to_string();
+        drop(nobody);
+        let mut port = Port::open(&Endpoint::Udp { address }).unwrap();
+        let lost = port.write_all(b"anybody?").and_then(|()| received(&mut port));
+        assert_eq!(lost.unwrap_err().kind(), io::ErrorKind::ConnectionRefused);
+    }
 }

@@ -16,6 +16,10 @@ use super::url::Endpoint;
 pub(super) trait PortIo {
     /// An open port.
     type Port;
+    /// A packet that the port sends.
+    type Sent;
+    /// A packet that the port receives.
+    type Received: ?Sized;
 
     /// The time now.
     fn now(&self) -> Timestamp;
@@ -23,13 +27,13 @@ pub(super) trait PortIo {
     /// Opens the port.
     fn open(&self) -> Result<Self::Port, PortError>;
 
-    /// Writes all bytes, or fails within a bounded time.
-    fn write_all(&self, port: &mut Self::Port, bytes: &[u8]) -> io::Result<()>;
+    /// Sends a packet, or fails within a bounded time.
+    fn send(&self, port: &mut Self::Port, packet: &Self::Sent) -> io::Result<()>;
 
-    /// Reads the bytes that have arrived. Does not block.
-    fn read(&self, port: &mut Self::Port, buffer: &mut [u8]) -> io::Result<usize>;
+    /// Passes what has arrived to `each`. Does not block.
+    fn receive(&self, port: &mut Self::Port, each: &mut dyn FnMut(&Self::Received)) -> io::Result<()>;
 
-    /// Waits until bytes arrive at `port` or the mailbox is changed, at most for `wait`. Returns whether the port is
+    /// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether the port is
     /// readable.
     fn wait(&self, port: Option<&Self::Port>, wait: Duration) -> bool;
 
@@ -37,7 +41,10 @@ pub(super) trait PortIo {
     fn sleep(&self, pause: Duration);
 }
 
-/// The program's clock and a real port.
+/// Largest part of a stream that is read at once, and largest datagram, bytes.
+const MAX_READ_BYTES: usize = 2048;
+
+/// The program's clock and a port that carries bytes.
 #[derive(Debug)]
 pub(super) struct MachineIo {
     pub(super) endpoint: Endpoint,
@@ -47,6 +54,8 @@ pub(super) struct MachineIo {
 
 impl PortIo for MachineIo {
     type Port = Port;
+    type Sent = Vec<u8>;
+    type Received = [u8];
 
     fn now(&self) -> Timestamp {
         self.clock.now()
@@ -56,12 +65,15 @@ impl PortIo for MachineIo {
         Port::open(&self.endpoint)
     }
 
-    fn write_all(&self, port: &mut Port, bytes: &[u8]) -> io::Result<()> {
-        port.write_all(bytes)
+    fn send(&self, port: &mut Port, packet: &Vec<u8>) -> io::Result<()> {
+        port.write_all(packet)
     }
 
-    fn read(&self, port: &mut Port, buffer: &mut [u8]) -> io::Result<usize> {
-        port.read(buffer)
+    fn receive(&self, port: &mut Port, each: &mut dyn FnMut(&[u8])) -> io::Result<()> {
+        let mut buffer = [0; MAX_READ_BYTES];
+        let read = port.read(&mut buffer)?;
+        each(&buffer[..read]);
+        Ok(())
     }
 
     fn wait(&self, port: Option<&Port>, wait: Duration) -> bool {

@@ -1,10 +1,12 @@
-//! Addresses of links: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, or `sim:` for a simulated camera.
+//! Addresses of links: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, `udp://host:port`, or `sim:` for a
+//! simulated camera. The vehicle's profile says what is spoken there.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
 use barrelman_host::redaction::without_logins;
+use barrelman_pilot::CommandPath;
 
 /// Default baud rate: that of all public clients.
 pub const DEFAULT_BAUD: u32 = 115_200;
@@ -33,6 +35,11 @@ pub enum Endpoint {
         /// `host:port`.
         address: String,
     },
+    /// Datagrams from and to this address.
+    Udp {
+        /// `host:port`.
+        address: String,
+    },
     /// The camera of the simulated world that the video comes from.
     SimulatedCamera,
 }
@@ -42,14 +49,16 @@ pub enum Endpoint {
 pub enum LinkUrlError {
     /// The scheme is unknown.
     #[error(
-        "{0:?} is not the address of a link: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port, or sim: with --video sim:SCENARIO"
+        "{0:?} is not the address of a link: use serial:/dev/ttyACM0?baud=115200, tcp://host:port or udp://host:port, or sim: with --video sim:SCENARIO"
     )]
     UnknownScheme(String),
     /// The scheme is followed by no port.
-    #[error("the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200 or tcp://host:port")]
+    #[error(
+        "the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200, tcp://host:port or udp://host:port"
+    )]
     MissingPort(String),
     /// The address contains a login, but no link uses one.
-    #[error("the link {0:?} has a login, but a pass-through server uses none: remove the part before the @")]
+    #[error("the link {0:?} has a login, but no link uses one: remove the part before the @")]
     Login(String),
     /// An option is unknown, or its value is unusable.
     #[error(
@@ -74,7 +83,7 @@ impl LinkUrl {
                 return Err(missing_port());
             }
             Endpoint::Serial { path: PathBuf::from(path), baud: DEFAULT_BAUD }
-        } else if let Some(address) = address.strip_prefix("tcp://") {
+        } else if let Some((is_datagrams, address)) = network_address(address) {
             // A fault's time contains an @ too.
             if text.split("fault=").next().is_some_and(|text| text.contains('@')) {
                 return Err(LinkUrlError::Login(without_logins(text)));
@@ -83,7 +92,8 @@ impl LinkUrl {
             if host.is_empty() || port.parse::<u16>().is_err() {
                 return Err(missing_port());
             }
-            Endpoint::Tcp { address: address.to_owned() }
+            let address = address.to_owned();
+            if is_datagrams { Endpoint::Udp { address } } else { Endpoint::Tcp { address } }
         } else if address == "sim:" {
             Endpoint::SimulatedCamera
         } else {
@@ -103,13 +113,28 @@ impl LinkUrl {
         Ok(Self { endpoint, faults })
     }
 
-    /// The baud rate. A TCP connection counts as a serial line with the default baud rate.
+    /// The baud rate. A network counts as a serial line with the default baud rate.
     pub fn baud(&self) -> u32 {
         match &self.endpoint {
             Endpoint::Serial { baud, .. } => *baud,
-            Endpoint::Tcp { .. } | Endpoint::SimulatedCamera => DEFAULT_BAUD,
+            Endpoint::Tcp { .. } | Endpoint::Udp { .. } | Endpoint::SimulatedCamera => DEFAULT_BAUD,
         }
     }
+}
+
+/// Where the commands of a run with this link go.
+pub fn command_path(link: Option<&LinkUrl>) -> CommandPath {
+    match link.map(|link| &link.endpoint) {
+        None => CommandPath::DryRun,
+        Some(Endpoint::SimulatedCamera) => CommandPath::Simulated,
+        Some(_) => CommandPath::Link,
+    }
+}
+
+/// Whether an address names a peer for datagrams, and its `host:port`; `None`: another scheme.
+fn network_address(address: &str) -> Option<(bool, &str)> {
+    let stream = address.strip_prefix("tcp://").map(|address| (false, address));
+    stream.or_else(|| address.strip_prefix("udp://").map(|address| (true, address)))
 }
 
 impl fmt::Display for LinkUrl {
@@ -117,6 +142,7 @@ impl fmt::Display for LinkUrl {
         match &self.endpoint {
             Endpoint::Serial { path, baud } => write!(f, "serial:{}?baud={baud}", path.display()),
             Endpoint::Tcp { address } => write!(f, "tcp://{address}"),
+            Endpoint::Udp { address } => write!(f, "udp://{address}"),
             Endpoint::SimulatedCamera => f.write_str("sim:"),
         }
     }
@@ -141,6 +167,9 @@ mod tests {
         check("serial:/dev/ttyACM0?baud=9600", Ok("serial:/dev/ttyACM0?baud=9600"));
         check("tcp://10.0.0.2:5000", Ok("tcp://10.0.0.2:5000"));
         check("tcp://[::1]:5000?fault=stall@3s", Ok("tcp://[::1]:5000"));
+        check("udp://127.0.0.1:14550", Ok("udp://127.0.0.1:14550"));
+        check("udp://127.0.0.1", Err("names no port"));
+        check("udp://127.0.0.1:1?baud=9600", Err("baud=9600"));
         check("sim:", Ok("sim:"));
         check("sim:arena1", Err("use serial:"));
         check("serial:", Err("names no port"));

@@ -5,8 +5,9 @@ use std::sync::mpsc::SyncSender;
 use anyhow::{Context, Result};
 use barrelman_host::clock::Clock;
 use barrelman_vocab::Telemetry;
+use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_wire::fotokite_pro::Framing;
+use barrelman_wire::{ByteProtocol, Framing};
 
 use super::event::Event;
 use crate::link::url::Endpoint;
@@ -20,7 +21,7 @@ use crate::simulated_source::LiveWorld;
 pub(super) fn open_link(
     url: Option<&LinkUrl>,
     world: Option<&LiveWorld>,
-    framing: Framing,
+    (protocol, framing): (Protocol, Framing),
     clock: Clock,
     events: &SyncSender<Event>,
 ) -> Result<Option<Link>> {
@@ -30,8 +31,9 @@ pub(super) fn open_link(
             open_camera_link(url, world, clock, events).map(Some)
         }
         (Some(url), _) => {
-            let link = LinkHandle::open(url, framing, clock, move |report| forward(&events, report))
-                .context("the link cannot be opened")?;
+            let protocol = ByteProtocol { protocol, framing, baud: url.baud() };
+            let report = move |report| events.try_send(Event::Link(report)).is_ok();
+            let link = LinkHandle::open(url, protocol, clock, report).context("the link cannot be opened")?;
             Ok(Some(Link::Port(link)))
         }
         (None, _) => {
@@ -57,13 +59,4 @@ fn open_camera_link(
         let _ = events.try_send(Event::Link(LinkReport::Telemetry(report)));
     });
     Ok(Link::SimulatedCamera(link))
-}
-
-/// Passes a report of the link thread to the loop. Blocks for the last report of the thread only: without room in the
-/// queue, other reports are dropped. A loop that has ended misses no report.
-fn forward(events: &SyncSender<Event>, report: LinkReport) {
-    match report {
-        LinkReport::Panicked => drop(events.send(Event::Link(report))),
-        _ => drop(events.try_send(Event::Link(report))),
-    }
 }

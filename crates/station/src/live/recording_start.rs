@@ -8,7 +8,7 @@ use barrelman_trial::records::RecordingStart;
 
 use super::source::Source;
 use crate::config::Configuration;
-use crate::link::LinkUrl;
+use crate::link::url::{LinkUrl, command_path};
 
 /// The first record of a recording of this run. It contains no passwords: recordings are handed on.
 ///
@@ -33,5 +33,7 @@ pub(super) fn recording_start(
         link: link.map(ToString::to_string).unwrap_or_default(),
         live_video: source.is_live(),
         behaviour: configuration.law.behaviour_with(configuration.tracker.name),
+        command_path: command_path(link),
+        trial: None,
     })
 }

@@ -5,7 +5,7 @@
 //! 3. The loop runs until something ends it.
 //! 4. The link is closed first: zeros and the vehicle's own stop. The other parts follow.
 
-use std::io::stdout;
+use std::io::{Write as _, stdout};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -29,7 +29,7 @@ use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
 use super::source::Source;
 use super::status_line::StatusLine;
 use super::status_writer::{LineStyle, StatusWriter};
-use super::terminal::Terminal;
+use super::terminal::{KEYS, Terminal};
 use super::threads::FaultInjector;
 use super::video_sink::LiveVideoSink;
 use crate::config::Configuration;
@@ -101,10 +101,10 @@ impl Session<'_> {
         let gateway = Arc::new(Gateway::new(events.clone()));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), self.clock, self.fault_injector.clone())?;
-        let framing = self.configuration.framing;
-        let link = open_link(self.link.as_ref(), self.source.world(), framing, self.clock, &events)?;
+        let vehicle = (self.configuration.profile.protocol, self.configuration.framing);
+        let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
         self.warn_without_selection();
-        let end = self.run_with(link, gateway, events, &queue)?;
+        let end = self.run_with(link, gateway, events, &queue, terminal.watches_keys())?;
         drop(terminal);
         Ok(end)
     }
@@ -114,7 +114,13 @@ impl Session<'_> {
             return;
         }
         if self.console.is_some() {
-            tracing::info!("nothing is selected yet: draw a box around the boat on the console");
+            let meanwhile = if self.source.is_live() {
+                ""
+            } else {
+                "; the file plays on meanwhile: --select X,Y,W,H selects in its first frame, which `barrelman snapshot` \
+                 shows with coordinates"
+            };
+            tracing::info!("nothing is selected yet: draw a box around the boat on the console{meanwhile}");
         } else {
             tracing::warn!(
                 "nothing is selected, so the camera will not move: give --select X,Y,W,H, the box around the boat in the first picture"
@@ -128,6 +134,7 @@ impl Session<'_> {
         gateway: Arc<Gateway>,
         events: SyncSender<Event>,
         queue: &Receiver<Event>,
+        watches_keys: bool,
     ) -> Result<RunEnd> {
         let Self {
             configuration,
@@ -203,6 +210,9 @@ impl Session<'_> {
         };
         let console = console.zip(relay).map(open_console).transpose()?;
         let parts = OpenParts { link, recorder, overlay, source, console };
+        if watches_keys {
+            writeln!(stdout(), "keys on this terminal: {KEYS}")?;
+        }
         let style = LineStyle::for_stdout();
         let status_output = StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events)?;
         let mut observers: Vec<Box<dyn LiveStepObserver + '_>> = Vec::new();
@@ -220,7 +230,7 @@ impl Session<'_> {
             latest,
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
             recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
-            status: StatusLine::new(style.interval()),
+            status: StatusLine::new(style.interval()).naming_keys(watches_keys),
             status_output: Box::new(status_output),
             ends_on_refused_selection: is_headless,
             observers,

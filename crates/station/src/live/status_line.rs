@@ -1,11 +1,14 @@
-//! The content of the status line: mode, track, P, rates sent, frame rate, age of the frame, link, alarm.
+//! The content of the status line: mode, track, P, rates sent, link, alarm, frame rate, age of the frame.
+//!
+//! What matters most comes first: a terminal shows as much of the line as fits.
 //!
 //! [`StatusLine`] formats the newest snapshot and decides when a line is due; it has no clock and does no output.
 
 use std::time::Duration;
 
+use barrelman_pilot::Mode;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{Timestamp, Track};
+use barrelman_vocab::{CameraCommand, Timestamp, Track};
 
 use crate::snapshot::{LinkStatus, RecordingState, Snapshot, link_state_text};
 
@@ -19,13 +22,21 @@ pub trait StatusOutput {
 #[derive(Debug)]
 pub struct StatusLine {
     interval: Duration,
+    /// Whether the line names the key that changes the mode.
+    names_keys: bool,
     next_at: Timestamp,
 }
 
 impl StatusLine {
     /// A status line that is due once per `interval`.
     pub const fn new(interval: Duration) -> Self {
-        Self { interval, next_at: Timestamp::ZERO }
+        Self { interval, names_keys: false, next_at: Timestamp::ZERO }
+    }
+
+    /// The same line with the key that changes the mode, for a terminal whose keys are read.
+    #[must_use]
+    pub const fn naming_keys(self, names_keys: bool) -> Self {
+        Self { names_keys, ..self }
     }
 
     /// The line, if one is due at `now`.
@@ -34,13 +45,26 @@ impl StatusLine {
             return None;
         }
         self.next_at = now.plus(self.interval);
-        Some(line(snapshot, now))
+        Some(line(snapshot, now, self.names_keys))
     }
 }
 
-fn line(snapshot: &Snapshot, now: Timestamp) -> String {
+/// The key that an operator needs in a mode.
+const fn key_of(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Idle | Mode::Stopped(_) => " (e engages)",
+        Mode::Servoing | Mode::Holding(_) | Mode::Nudging | Mode::Searching | Mode::Calibrating => {
+            " (space stops)"
+        }
+    }
+}
+
+fn line(snapshot: &Snapshot, now: Timestamp, names_keys: bool) -> String {
     let outcome = snapshot.outcome.as_ref();
-    let mode = outcome.map_or_else(|| "waiting for video".to_owned(), |outcome| outcome.mode.to_string());
+    let mode = outcome.map_or_else(
+        || "waiting for video".to_owned(),
+        |outcome| format!("{}{}", outcome.mode, if names_keys { key_of(outcome.mode) } else { "" }),
+    );
     let track = match outcome.map(|outcome| outcome.track) {
         None | Some(Track::Unseeded) => "nothing selected".to_owned(),
         Some(Track::Lost { since, .. }) => format!("lost for {:.1} s", now.since(since).as_secs_f64()),
@@ -68,15 +92,17 @@ fn line(snapshot: &Snapshot, now: Timestamp) -> String {
         LinkStatus::Simulated => ("simulated camera", true),
         LinkStatus::Link(state) => (link_state_text(state), state == LinkState::Up),
     };
-    let sent = if is_up { "" } else { " (not sent)" };
     let alarm = match &snapshot.recording {
         RecordingState::Failed(reason) => format!("  ALARM: recording stopped: {reason}"),
         RecordingState::Off | RecordingState::On(_) => String::new(),
     };
+    let sent = if is_up { "" } else { " (not sent)" };
+    let rates =
+        outcome.map_or(CameraCommand::REST, |outcome| snapshot.rates.in_the_senses_of(outcome.command));
     format!(
-        "{mode} | {track} | P {p} | yaw {:+.2} pitch {:+.2} rad/s{sent}{advised} | {:.0} fps, age {age}, dropped {} | {link}{alarm}",
-        snapshot.rates.yaw.radians_per_second(),
-        snapshot.rates.pitch.radians_per_second(),
+        "{mode} | {track} | P {p} | pan {:+.2} tilt {:+.2} rad/s{sent}{advised} | {link}{alarm} | {:.0} fps, age {age}, dropped {}",
+        rates.pan.radians_per_second(),
+        rates.tilt.radians_per_second(),
         video.fps,
         video.dropped,
     )

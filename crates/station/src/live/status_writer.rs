@@ -24,8 +24,11 @@ const LAST_LINE_TIMEOUT: Duration = Duration::from_millis(200);
 /// How status lines follow each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineStyle {
-    /// Each line overwrites the one before.
-    Overwritten,
+    /// Each line overwrites the one before, and is cut to the width of the terminal: the rest of a longer one would stay.
+    Overwritten {
+        /// The width of the terminal, characters; `None`: asked for at each line.
+        columns: Option<usize>,
+    },
     /// Each line is a line of text.
     Plain,
 }
@@ -33,13 +36,13 @@ pub enum LineStyle {
 impl LineStyle {
     /// The style for the standard output.
     pub fn for_stdout() -> Self {
-        if stdout().is_terminal() { Self::Overwritten } else { Self::Plain }
+        if stdout().is_terminal() { Self::Overwritten { columns: None } } else { Self::Plain }
     }
 
     /// Interval between two lines.
     pub const fn interval(self) -> Duration {
         match self {
-            Self::Overwritten => TERMINAL_INTERVAL,
+            Self::Overwritten { .. } => TERMINAL_INTERVAL,
             Self::Plain => PLAIN_INTERVAL,
         }
     }
@@ -92,14 +95,31 @@ impl Drop for StatusWriter {
     }
 }
 
+/// The width of the terminal of the standard output; `None` where the output is none, or does not say.
+fn terminal_columns() -> Option<usize> {
+    let size = rustix::termios::tcgetwinsize(stdout()).ok()?;
+    (size.ws_col > 0).then_some(usize::from(size.ws_col))
+}
+
+/// A line that leaves the last column of a terminal free; a longer one ends with an ellipsis.
+fn cut_to(line: String, columns: Option<usize>) -> String {
+    match columns {
+        Some(columns) if line.chars().count() >= columns => {
+            line.chars().take(columns.saturating_sub(2)).chain(['\u{2026}']).collect()
+        }
+        _ => line,
+    }
+}
+
 fn write_lines(queue: &Receiver<String>, mut output: impl Write, style: LineStyle, apply_faults: impl Fn()) {
     let mut is_line_open = false;
     while let Ok(line) = queue.recv() {
         apply_faults();
         // The terminal thread reports a closed output; here a line that cannot be written is ignored.
         let _ = match style {
-            LineStyle::Overwritten => {
+            LineStyle::Overwritten { columns } => {
                 is_line_open = true;
+                let line = cut_to(line, columns.or_else(terminal_columns));
                 write!(output, "\r\x1b[K{line}").and_then(|()| output.flush())
             }
             LineStyle::Plain => writeln!(output, "{line}"),

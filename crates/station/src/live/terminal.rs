@@ -35,11 +35,14 @@ const SIGNALS: [(i32, &str); 5] = [
 /// Longest wait for keys and signals: bounds the time until the thread notices its end.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
+/// What the keys do, in words.
+pub const KEYS: &str = "e engages, d disengages, space stops, q quits";
+
 /// The thread that watches keys, signals and the output.
 pub struct Terminal {
     is_ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
-    _raw: Option<RawTerminal>,
+    raw: Option<RawTerminal>,
 }
 
 impl Terminal {
@@ -77,7 +80,12 @@ impl Terminal {
                 });
             }
         })?;
-        Ok(Self { is_ending, thread: Some(thread), _raw: raw })
+        Ok(Self { is_ending, thread: Some(thread), raw })
+    }
+
+    /// Whether the standard input is a terminal, whose keys are read.
+    pub const fn watches_keys(&self) -> bool {
+        self.raw.is_some()
     }
 }
 

@@ -19,7 +19,7 @@ use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
 const TRIAL: [&str; 7] = ["trials", "lab2", "--perception", "truth", "--seed", "500", "--trials"];
 
 /// Copies a recording with a changed start message.
-fn rewrite(from: &Path, to: &Path, change: impl FnOnce(&mut RecordingStart)) {
+pub(crate) fn rewrite(from: &Path, to: &Path, change: impl FnOnce(&mut RecordingStart)) {
     let mut entries = RecordingReader::new(File::open(from).unwrap()).map(Result::unwrap);
     let Some(Entry::Start(mut start)) = entries.next() else { panic!("it begins with its start") };
     change(&mut start);

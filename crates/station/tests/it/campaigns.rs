@@ -5,6 +5,7 @@ use std::process::Output;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use crate::behaviour_versions::rewrite;
 use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
 
 fn trials(options: &[&str]) -> Output {
@@ -66,6 +67,69 @@ fn two_laws_are_compared_by_seed() {
     };
     assert!(figure("time outside")["ratio"]["high"].as_f64().unwrap() < 1.0, "{json}");
     assert!(figure("movement time")["ratio"]["low"].as_f64().unwrap() > 1.0, "{json}");
+}
+
+#[test]
+fn a_comparison_says_on_how_many_pairs_each_figure_rests() {
+    let folder = empty_folder("campaigns-pairs");
+    let lab2 = |name: &str, law: &str| {
+        let path = folder.join(name);
+        let options = ["trials", "lab2", "--perception", "truth", "--trials", "8", "--law", law, "--output"];
+        succeeded(&barrelman(&[&options[..], &[argument(&path)]].concat()));
+        path
+    };
+    let (schema, optimal) = (lab2("schema.jsonl", "schema"), lab2("optimal.jsonl", "optimal"));
+    let json = succeeded(&barrelman(&["compare", argument(&schema), argument(&optimal), "--json"]));
+    let document: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let figures = document["figures"].as_array().unwrap();
+    let sensitivity = figures.iter().find(|figure| figure["figure"] == "sensitivity").unwrap();
+    // The optimal law has trials without an excursion: those have no sensitivity.
+    let pairs = sensitivity["pairs"].as_u64().unwrap();
+    assert!((1..8).contains(&pairs), "{sensitivity}");
+    let of_file = succeeded(&barrelman(&["metrics", argument(&schema), "--json"]));
+    let of_file: serde_json::Value = serde_json::from_str(&of_file).unwrap();
+    let mean = sensitivity["first_of_all"]["mean"].as_f64().unwrap();
+    assert!((mean - of_file["mean_sensitivity"].as_f64().unwrap()).abs() < 1e-12, "{mean}");
+    let text = succeeded(&barrelman(&["compare", argument(&schema), argument(&optimal)]));
+    let row = text.lines().find(|line| line.starts_with("sensitivity")).unwrap();
+    assert!(row.contains(&format!("{pairs}*")), "{row}");
+    assert!(
+        text.contains("Not of all 8 pairs") && text.contains("law schema") && text.contains("law optimal"),
+        "{text}"
+    );
+    // But for the two lines with the files' paths, a terminal of 80 columns holds the table.
+    for line in text.lines().skip(2) {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+}
+
+#[test]
+fn campaigns_of_different_worlds_are_compared_only_when_asked() {
+    let folder = empty_folder("campaigns-worlds");
+    let usual = campaign(&folder, "usual.jsonl", &[]);
+    let check = |options: &[&str], words: &[&str]| {
+        let other = campaign(&folder, "other.jsonl", &[options, &["--force"]].concat());
+        let arguments = ["compare", argument(&usual), argument(&other)];
+        failed(&barrelman(&arguments), 1, &[words, &["--anyway"]].concat());
+        succeeded(&barrelman(&[&arguments[..], &["--anyway"]].concat()));
+    };
+    check(&["--setting", "windy"], &["setting: indoor and windy"]);
+    check(&["--plant", "drawn"], &["plant: nominal and drawn"]);
+    check(&["--size", "320x180"], &["size: the scenario's and 320x180"]);
+    // Truth and pixels: the settings as a campaign in pixels would have them.
+    let text = std::fs::read_to_string(&usual).unwrap();
+    let pixels = folder.join("pixels.jsonl");
+    let changed = text.replace(
+        "\"perception\":\"truth\"",
+        "\"perception\":\"pixels\",\"tracker\":\"fused\",\"tracker_behaviour\":1,\"figures\":2",
+    );
+    assert_ne!(changed, text);
+    std::fs::write(&pixels, changed).unwrap();
+    failed(
+        &barrelman(&["compare", argument(&usual), argument(&pixels)]),
+        1,
+        &["perception: truth and pixels", "--anyway"],
+    );
 }
 
 #[test]
@@ -146,6 +210,24 @@ fn a_trial_in_pictures_is_the_same_to_the_bit_however_it_is_computed() {
     };
     let expected = hashes("one", &["--threads", "1"]);
     assert_ne!(expected[0], expected[1]);
+    // A recording holds no pictures: they are rendered again, to the same bits.
+    let recording = folder.join("one/arena1-2.mcap");
+    let said = succeeded(&barrelman(&["replay", argument(&recording), "--compare"]));
+    assert!(said.contains("rendered again") && said.contains("every command is the same"), "{said}");
+    let optimal = folder.join("optimal.toml");
+    std::fs::write(&optimal, "[law]\nname = \"optimal\"\n").unwrap();
+    let changed = ["replay", argument(&recording), "--config", argument(&optimal)];
+    succeeded(&barrelman(&changed));
+    // Without what it takes to render them, as in recordings of earlier programs, the message says what to do.
+    let early = folder.join("early.mcap");
+    rewrite(&recording, &early, |start| start.trial = None);
+    failed(&barrelman(&["replay", argument(&early)]), 1, &["holds no pictures", "--record"]);
+    let exported = folder.join("exported");
+    let said = succeeded(&barrelman(&["export", argument(&recording), "--output", argument(&exported)]));
+    assert!(
+        said.contains("no video.mp4") && said.contains("Its film is") && said.contains("arena1-2.mp4"),
+        "{said}"
+    );
     assert_eq!(hashes("two", &["--threads", "2"]), expected, "two threads");
     for level in ["scalar", "sse2", "avx2"] {
         assert_eq!(hashes(level, &["--simd", level]), expected, "{level}");

@@ -5,7 +5,7 @@ use std::process::Command;
 use barrelman_station::cli::Cli;
 use clap::CommandFactory as _;
 
-use crate::program::{barrelman, failed};
+use crate::program::{barrelman, barrelman_in, empty_folder, failed};
 
 /// Runs a command that must fail with this exit code and a message that contains all words, and print no result.
 #[track_caller]
@@ -94,6 +94,45 @@ fn every_command_shows_an_example() {
 }
 
 #[test]
+fn examples_fit_a_terminal_of_80_columns() {
+    fn check(command: &clap::Command) {
+        for help in [command.get_after_help(), command.get_after_long_help()].into_iter().flatten() {
+            for line in help.to_string().lines() {
+                assert!(line.chars().count() <= 80, "{}: {line}", command.get_name());
+            }
+        }
+        command.get_subcommands().for_each(check);
+    }
+    check(&Cli::command());
+}
+
+#[test]
+fn each_command_names_its_own_default_of_the_law() {
+    for (command, expected) in [
+        ("run", "default: the configuration's, or optimal"),
+        ("demo", "default: optimal, and schema with --clip"),
+        ("trials", "default: schema, or with --drive the drive's"),
+        ("law", "default: schema"),
+    ] {
+        let cli = Cli::command();
+        let command = cli.find_subcommand(command).unwrap();
+        let law = command.get_arguments().find(|argument| argument.get_id() == "law").unwrap();
+        let help = law.get_help().unwrap().to_string();
+        assert_eq!(help, format!("The camera law; {expected}"));
+    }
+}
+
+#[test]
+fn the_columns_of_the_tables_are_defined_in_the_help() {
+    for command in ["trials", "metrics", "merge"] {
+        let help = String::from_utf8(barrelman(&[command, "--help"]).stdout).unwrap();
+        for column in ["exc. ", "switches ", "travel ", "effort ", "tracked ", "blind "] {
+            assert!(help.contains(&format!("  {column}")), "{command}: {column}");
+        }
+    }
+}
+
+#[test]
 fn the_help_lists_the_keys_of_the_terminal() {
     let help_of = |command| {
         let help = String::from_utf8(barrelman(&[command, "--help"]).stdout).expect("it is text");
@@ -115,6 +154,64 @@ fn figures_of_a_track_are_printed_alone() {
 }
 
 #[test]
+fn a_track_ends_with_a_summary_and_doubtful_selections_are_named() {
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let folder = empty_folder("track-summary");
+    let track = |selection: &str, more: &[&str]| {
+        let output =
+            barrelman_in(&folder, &[&["track", clip, "--select", selection, "--force"], more].concat());
+        let (out, log) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{log}");
+        (out.into_owned(), log.into_owned())
+    };
+    let (out, log) = track("10,10,20,20", &["--output", "track.csv"]);
+    assert!(out.contains(" tracked, ") && out.contains("mean confidence"), "{out}");
+    assert!(out.contains("written: track.csv") && log.is_empty(), "{out} {log}");
+    // The track on stdout: the summary is a log line.
+    let (out, log) = track("10,10,20,20", &[]);
+    assert!(out.starts_with("frame,time_s") && !out.contains("mean confidence"), "{out}");
+    assert!(log.contains("mean confidence"), "{log}");
+    let (_, log) = track("54,10,40,20", &["--output", "track.csv"]);
+    assert!(log.contains("75 % of the selection") && log.contains("64x48"), "{log}");
+    let (_, log) = track("10,10,8,6", &["--output", "track.csv"]);
+    assert!(log.contains("is small"), "{log}");
+}
+
+#[test]
+fn a_snapshot_shows_a_frame_with_coordinates() {
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let folder = empty_folder("snapshot");
+    let snapshot = |options: &[&str]| barrelman_in(&folder, &[&["snapshot", clip], options].concat());
+    let said = snapshot(&["--output", "first.png"]);
+    let said = String::from_utf8_lossy(&said.stdout).into_owned();
+    assert!(
+        said.contains("64x48") && said.contains("every 10 pixels") && said.contains("--select"),
+        "{said}"
+    );
+    let file = std::io::BufReader::new(std::fs::File::open(folder.join("first.png")).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut samples = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut samples).unwrap();
+    assert_eq!((info.width, info.height), (64, 48));
+    failed(&snapshot(&["--output", "first.png"]), 1, &["--force"]);
+    failed(&snapshot(&["--frame", "100000", "--output", "none.png"]), 1, &["there is no frame 100000"]);
+    assert!(!folder.join("none.png").exists());
+    failed(&snapshot(&["--output", "first.jpg"]), 2, &[".png"]);
+}
+
+#[test]
+fn a_track_without_a_selection_says_how_to_select() {
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let output = Command::new(env!("CARGO_BIN_EXE_barrelman"))
+        .args(["track", clip])
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .expect("the program starts");
+    failed(&output, 2, &["--select X,Y,W,H", "barrelman snapshot", "--listen"]);
+}
+
+#[test]
 fn check_finds_what_is_wrong_and_how_to_mend_it() {
     let output = barrelman(&["check", "--video", "file:nowhere.mp4", "--link", "serial:/dev/nowhere"]);
     let findings = String::from_utf8_lossy(&output.stdout);
@@ -122,6 +219,15 @@ fn check_finds_what_is_wrong_and_how_to_mend_it() {
     for words in ["nowhere.mp4", "/dev/nowhere does not exist", "udev rule", "ModemManager"] {
         assert!(findings.contains(words), "{words:?} is not in {findings}");
     }
+}
+
+#[test]
+fn check_describes_a_video_in_words() {
+    let clip = concat!("file:", env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
+    let output = barrelman(&["check", "--video", clip]);
+    let findings = String::from_utf8_lossy(&output.stdout);
+    assert!(findings.contains("64x48 pictures, colours as BT.601, limited range"), "{findings}");
+    assert!(!findings.contains('{'), "{findings}");
 }
 
 #[test]

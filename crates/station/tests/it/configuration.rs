@@ -68,6 +68,9 @@ fn every_key_of_the_fused_tracker_is_described_with_its_range() {
 fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[vehicle]\nregoin_half_width = 0.5\n", "regoin_half_width");
     refused("[vehicle]\nregion_half_width = \"wide\"\n", "line 2");
+    refused("[vehicle]\nregion_half_width = \"wide\"\n", "expected a number, found the text \"wide\"");
+    refused("video = 3\n", "expected a section of keys");
+    refused("[tracker]\nname = \"csrt\"\n", "csrt");
     refused(
         "[vehicle]\nregion_half_width = 1.5\n",
         "vehicle.region_half_width = 1.5: use a share from 0.01 to 1",
@@ -91,6 +94,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "vehicle.limit_tilt_rad_per_s = 0.31: use rad/s from 0 to 0.3",
     );
     refused("[vehicle]\ncoast_motion_s = -1.0\n", "coast_motion_s = -1");
+    refused("[vehicle]\ncoast_motion_s = 0.6\n", "coast_motion_s = 0.6: use seconds from 0 to 0.5");
     refused(
         "[camera]\nfocal_share = 0\n",
         "camera.focal_share = 0: use a share of the picture's width from 0.1 to 20",

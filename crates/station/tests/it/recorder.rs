@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex};
 
 use barrelman_host::clock::Clock;
+use barrelman_pilot::CommandPath;
 use barrelman_pilot::{Input, Pilot};
 use barrelman_station::live::event::Event;
 use barrelman_station::live::recorder::{Recorder, RecorderInput};
@@ -94,6 +95,8 @@ fn recording_start() -> RecordingStart {
         link: String::new(),
         live_video: true,
         behaviour: BehaviourVersions::default(),
+        command_path: CommandPath::DryRun,
+        trial: None,
     }
 }
 

@@ -5,6 +5,7 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::process::Command;
 
+use barrelman_pilot::CommandPath;
 use barrelman_station::commands::stored_video::StoredVideo;
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{Entry, FrameFingerprint, RecordingStart, RecordingWriter};
@@ -71,6 +72,8 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
         link: String::new(),
         live_video: false,
         behaviour: BehaviourVersions::default(),
+        command_path: CommandPath::DryRun,
+        trial: None,
     };
     let file = BufWriter::new(fs::File::create(&path).unwrap());
     let mut writer = RecordingWriter::begin(file, &start).unwrap();

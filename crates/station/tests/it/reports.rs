@@ -49,9 +49,14 @@ fn a_report_shows_recordings_campaigns_and_exported_logs_and_overwrites_nothing(
     let arguments = [&["report"][..], &logs, &["--output", "report.html", "--svg", "figures"]].concat();
     succeeded(&barrelman_in(&folder, &arguments));
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
-    for words in
-        ["lab1/1", "lab1/2", "lab1, schema, recorded", "lab1, schema, truth", "exported logs", "0.6045"]
-    {
+    for words in [
+        "lab1/1",
+        "lab1/2",
+        "lab1, schema, truth, indoor, recorded",
+        "lab1, schema, truth",
+        "exported logs",
+        "0.6045",
+    ] {
         assert!(page.contains(words), "{words}");
     }
     let mut figures: Vec<String> = std::fs::read_dir(folder.join("figures"))

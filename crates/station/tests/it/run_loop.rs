@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use barrelman_host::latest::Latest;
 use barrelman_pilot::outcome::HoldCause;
-use barrelman_pilot::{Input, Mode};
+use barrelman_pilot::{CommandPath, Input, Mode, Pilot};
 use barrelman_station::link::{LinkReport, VehicleLink};
 use barrelman_station::live::event::{Event, EventSource, QuitCause};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver, RunEnd, RunLoop};
@@ -17,7 +17,7 @@ use barrelman_station::live::threads::FaultInjector;
 use barrelman_station::operator::Gateway;
 use barrelman_station::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_video::{VideoError, VideoState};
-use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
     OperatorRequest, StopCause, Telemetry, Timestamp, VehicleProfile, VehicleRates, VideoFrame,
 };
@@ -162,6 +162,15 @@ fn run_with(
     arrivals: impl IntoIterator<Item = (u64, Arrival)>,
     ends_on_refused_selection: bool,
 ) -> Run {
+    run_pilot(pilot(), requests, arrivals, ends_on_refused_selection)
+}
+
+fn run_pilot(
+    pilot: Pilot,
+    requests: &[OperatorRequest],
+    arrivals: impl IntoIterator<Item = (u64, Arrival)>,
+    ends_on_refused_selection: bool,
+) -> Run {
     let latest = Arc::new(Latest::default());
     let (events, _queue) = sync_channel(8);
     let gateway = Arc::new(Gateway::new(events));
@@ -178,7 +187,7 @@ fn run_with(
         (MemoryLink::default(), MemoryObserver::default(), MemoryObserver::default());
     let status = MemoryStatus::default();
     let end = RunLoop {
-        pilot: pilot(),
+        pilot,
         profile: VehicleProfile::fotokite_pro(),
         events: &mut script,
         gateway,
@@ -290,7 +299,7 @@ fn a_failed_recording_raises_an_alarm_and_the_run_goes_on_without_it() {
     assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
     assert_eq!(run.recorded.len(), 3, "nothing is recorded after the failure");
     assert_eq!(run.sent[3].0, moving(), "the camera is moved as before");
-    assert!(run.lines.last().unwrap().ends_with("ALARM: recording stopped: disk full"), "{:?}", run.lines);
+    assert!(run.lines.last().unwrap().contains("ALARM: recording stopped: disk full |"), "{:?}", run.lines);
 }
 
 #[test]
@@ -340,6 +349,44 @@ fn the_links_state_is_stepped_and_shown() {
     let up = Telemetry { at: at(1_050), report: Report::Link(LinkState::Up) };
     let run = run(&[], [(1_050, event(Event::Link(LinkReport::Telemetry(up)))), (1_300, quit())]);
     assert_eq!(run.inputs()[0], (1_050, "telemetry"));
-    assert!(run.lines[0].ends_with("link opening"), "{:?}", run.lines);
-    assert!(run.lines.last().unwrap().ends_with("link up"), "{:?}", run.lines);
+    assert!(run.lines[0].contains("| link opening |"), "{:?}", run.lines);
+    assert!(run.lines.last().unwrap().contains("| link up |"), "{:?}", run.lines);
+}
+
+#[test]
+fn rates_are_sent_while_the_vehicle_takes_commands_only() {
+    let report = |ms, report| {
+        let telemetry = Telemetry { at: at(ms), report };
+        (ms, event(Event::Link(LinkReport::Telemetry(telemetry))))
+    };
+    let ground = |ms, control| {
+        report(ms, Report::Ground { control, uptime_s: ms as f64 * 1e-3, battery_v: 12.0, tether_m: 1.0 })
+    };
+    let arrivals = [
+        (1_100, Frame),
+        report(1_150, Report::Link(LinkState::Up)),
+        ground(1_160, ControlState::Ours),
+        (1_200, Frame),
+        report(1_250, Report::Link(LinkState::Opening)),
+        (1_300, Frame),
+        report(1_350, Report::Link(LinkState::Up)),
+        ground(1_360, ControlState::Ours),
+        (1_400, Frame),
+        ground(1_450, ControlState::NotOurs),
+        ground(1_460, ControlState::Ours),
+        (1_500, Frame),
+        (1_550, Arrival::Request(ENGAGE)),
+        (1_600, Frame),
+        (1_610, quit()),
+    ];
+    let run = run_pilot(pilot().commanding(CommandPath::Link), &[SELECT, ENGAGE], arrivals, true);
+    let frames = run.recorded.iter().zip(&run.sent).filter(|((_, input, _), _)| input.starts_with("frame"));
+    let sent: Vec<(Mode, VehicleRates)> = frames.map(|((_, _, mode), (rates, _))| (*mode, *rates)).collect();
+    let down = (Mode::Holding(HoldCause::LinkDown), VehicleRates::REST);
+    let following = (Mode::Servoing, moving());
+    let taken = (Mode::Stopped(StopCause::ControlLost), VehicleRates::REST);
+    assert_eq!(sent, [down, following, down, following, taken, following]);
+    let at_1350 = run.recorded.iter().position(|(ms, ..)| *ms == 1_350).unwrap();
+    assert_eq!(run.recorded[at_1350].2, Mode::Servoing, "the link is back");
+    assert!(run.sent[at_1350].0.is_rest(), "but the camera moves with the next frame only");
 }

@@ -4,7 +4,7 @@ use barrelman_station::config::{self, Configuration};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::session::PROMPT;
-use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
+use barrelman_wire::{ByteProtocol, Framing};
 
 use crate::program::{argument, barrelman, empty_folder, succeeded};
 
@@ -14,19 +14,20 @@ fn at(ms: u64) -> Timestamp {
 
 /// The last yaw and pitch lines that a session writes for these rates.
 fn written(rates: VehicleRates) -> [String; 2] {
-    let mut session = Session::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), at(0));
-    let mut text = Vec::new();
+    let protocol = VehicleProfile::fotokite_pro().protocol;
+    let mut session = ByteProtocol { protocol, framing: Framing::LineFeed, baud: 115_200 }.open(at(0));
+    let mut packets = Vec::new();
     for ms in 0..10_000 {
-        session.poll(at(ms), &mut text);
+        session.poll(at(ms), &mut packets);
         if ms == 1_000 {
-            session.receive(PROMPT.as_bytes(), at(ms), |_| {});
+            session.received(PROMPT.as_bytes(), at(ms), &mut |_| {});
         }
         if session.link_state() == LinkState::Up {
-            session.set_rates(rates);
+            session.request(rates, Some(at(60_000)));
         }
     }
     assert_eq!(session.link_state(), LinkState::Up);
-    let text = String::from_utf8(text).unwrap();
+    let text = String::from_utf8(packets.concat()).unwrap();
     let last = |axis: &str| text.lines().rfind(|line| line.starts_with(axis)).unwrap().to_owned();
     [last("Yaw "), last("GimbalPitch ")]
 }

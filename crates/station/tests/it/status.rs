@@ -68,43 +68,61 @@ fn each_state_has_its_line() {
         None,
         nothing,
         None,
-        "waiting for video | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s (not sent) | 0 fps, age -, dropped 0 | dry run",
+        "waiting for video | nothing selected | P - | pan +0.00 tilt +0.00 rad/s (not sent) | dry run | 0 fps, age -, dropped 0",
     );
     check(
         up,
         nothing,
         Some(&outcome(Mode::Idle, Track::Unseeded, None)),
-        "idle | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+        "disengaged | nothing selected | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         up,
         nothing,
         Some(&outcome(Mode::Idle, seen(), Some(RIGHT))),
-        "idle | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s (would pan +0.30 tilt +0.00) | 0 fps, age -, dropped 0 | link up",
+        "disengaged | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s (would pan +0.30 tilt +0.00) | link up | 0 fps, age -, dropped 0",
     );
     check(
         up,
         nothing,
         Some(&outcome(Mode::Servoing, seen(), Some(RIGHT))),
-        "servoing | confidence 0.90 | P 0.25 | yaw -0.30 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+        "servoing | confidence 0.90 | P 0.25 | pan +0.30 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         Some(LinkState::Starting),
         nothing,
         Some(&outcome(Mode::Servoing, seen(), Some(RIGHT))),
-        "servoing | confidence 0.90 | P 0.25 | yaw -0.30 pitch +0.00 rad/s (not sent) | 0 fps, age -, dropped 0 | link starting",
+        "servoing | confidence 0.90 | P 0.25 | pan +0.30 tilt +0.00 rad/s (not sent) | link starting | 0 fps, age -, dropped 0",
     );
     check(
         up,
         nothing,
         Some(&outcome(Mode::Holding(HoldCause::Coasting), coasting, Some(CameraCommand::REST))),
-        "holding: coasting | confidence 0.90 | P 0.25 | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+        "holding: coasting | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         up,
         nothing,
         Some(&outcome(Mode::Holding(HoldCause::TrackLost), lost, None)),
-        "holding: track lost | lost for 2.5 s | P - | yaw +0.00 pitch +0.00 rad/s | 0 fps, age -, dropped 0 | link up",
+        "holding: track lost | lost for 2.5 s | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
+    );
+    check(
+        Some(LinkState::Opening),
+        nothing,
+        Some(&outcome(Mode::Holding(HoldCause::LinkDown), seen(), Some(RIGHT))),
+        "holding: the link is not up | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | link opening | 0 fps, age -, dropped 0",
+    );
+    check(
+        None,
+        nothing,
+        Some(&outcome(Mode::Holding(HoldCause::DryRun), seen(), Some(RIGHT))),
+        "holding: dry run, nothing is sent | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | dry run | 0 fps, age -, dropped 0",
+    );
+    check(
+        up,
+        nothing,
+        Some(&outcome(Mode::Stopped(StopCause::ControlLost), Track::Unseeded, None)),
+        "stopped: the vehicle gave the control away | nothing selected | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         Some(LinkState::Opening),
@@ -115,8 +133,34 @@ fn each_state_has_its_line() {
             snapshot.recording = RecordingState::Failed("disk full".to_owned());
         },
         Some(&outcome(Mode::Stopped(StopCause::Operator), Track::Unseeded, None)),
-        "stopped by the operator | nothing selected | P - | yaw +0.00 pitch +0.00 rad/s (not sent) | 20 fps, age 213 ms, dropped 7 | link closing  ALARM: recording stopped: disk full",
+        "stopped by the operator | nothing selected | P - | pan +0.00 tilt +0.00 rad/s (not sent) | link closing  ALARM: recording stopped: disk full | 20 fps, age 213 ms, dropped 7",
     );
+}
+
+#[test]
+fn on_a_terminal_the_line_names_the_key_that_matters() {
+    let line = |mode: Mode| {
+        let outcome = Some(outcome(mode, Track::Unseeded, None));
+        let snapshot = Snapshot { outcome, ..Snapshot::default() };
+        let mut status = StatusLine::new(Duration::ZERO).naming_keys(true);
+        status.next_line(&snapshot, at(NOW_MS)).unwrap()
+    };
+    assert!(line(Mode::Idle).starts_with("disengaged (e engages) |"), "{}", line(Mode::Idle));
+    assert!(line(Mode::Servoing).starts_with("servoing (space stops) |"));
+    assert!(line(Mode::Stopped(StopCause::Operator)).starts_with("stopped by the operator (e engages) |"));
+}
+
+#[test]
+fn a_narrow_terminal_shows_the_start_of_the_line() {
+    for (columns, expected) in
+        [(20, "\r\u{1b}[Kdisengaged (e enga…\n"), (80, "\r\u{1b}[Kdisengaged (e engages)\n")]
+    {
+        let (writes, written) = channel();
+        let writer = start(Forward(writes), LineStyle::Overwritten { columns: Some(columns) });
+        writer.show("disengaged (e engages)".to_owned());
+        drop(writer);
+        assert_eq!(written.iter().collect::<String>(), expected);
+    }
 }
 
 #[test]
@@ -163,7 +207,9 @@ fn start(output: impl Write + Send + 'static, style: LineStyle) -> StatusWriter 
 
 #[test]
 fn a_terminal_shows_one_line_that_is_overwritten() {
-    for (style, expected) in [(LineStyle::Overwritten, "\r\u{1b}[Kfirst\n"), (LineStyle::Plain, "first\n")] {
+    for (style, expected) in
+        [(LineStyle::Overwritten { columns: None }, "\r\u{1b}[Kfirst\n"), (LineStyle::Plain, "first\n")]
+    {
         let (writes, written) = channel();
         let writer = start(Forward(writes), style);
         writer.show("first".to_owned());

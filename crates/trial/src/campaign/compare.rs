@@ -2,7 +2,9 @@
 //!
 //! Trials of the same name (`SCENARIO/SEED`) have the same target motion, sway and noise, so that differences come from
 //! the settings of the campaigns. For each metric: both means, the ratio of the means, and the mean difference, the
-//! last two with bootstrap intervals over the pairs.
+//! last two with bootstrap intervals over the pairs. A trial may leave a metric undefined (the sensitivity of a trial
+//! without a complete excursion): the paired figures rest on the pairs in which both define it, and the mean over all
+//! trials that define it stands beside them.
 
 use std::collections::BTreeMap;
 
@@ -51,12 +53,45 @@ pub struct PairedMetric {
     pub pairs: usize,
     /// Mean over the first campaign's trials of those pairs.
     pub first: f64,
-    /// Mean over the second campaign's trials.
+    /// Mean over the second campaign's trials of those pairs.
     pub second: f64,
+    /// Mean over all trials of the first campaign that define the metric: the figure that `metrics` gives for its file.
+    pub first_of_all: MeanOfAll,
+    /// The same of the second campaign.
+    pub second_of_all: MeanOfAll,
     /// Mean of the second divided by the mean of the first; `None` where the latter is zero.
     pub ratio: Option<Interval>,
     /// Mean of the second minus the mean of the first.
     pub difference: Option<Interval>,
+}
+
+/// A mean over the trials of one campaign that define a metric.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeanOfAll {
+    /// Number of those trials.
+    pub trials: usize,
+    /// Their mean.
+    pub mean: f64,
+}
+
+impl MeanOfAll {
+    /// `None` of no values.
+    fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let (trials, sum) = values.fold((0_usize, 0.0), |(count, sum), value| (count + 1, sum + value));
+        (trials > 0).then(|| Self { trials, mean: sum / trials as f64 })
+    }
+}
+
+/// A metric that no pair defines.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnpairedMetric {
+    /// Name of the metric.
+    #[serde(rename = "figure")]
+    pub metric: &'static str,
+    /// Mean over the trials of the first campaign that define the metric; `None` where none does.
+    pub first_of_all: Option<MeanOfAll>,
+    /// The same of the second campaign.
+    pub second_of_all: Option<MeanOfAll>,
 }
 
 /// The comparison of two campaigns.
@@ -71,6 +106,9 @@ pub struct CampaignComparison {
     /// The metrics, in the order of [`METRICS`]; those that no pair defines are absent.
     #[serde(rename = "figures")]
     pub metrics: Vec<PairedMetric>,
+    /// The metrics that some trials define, but no pair.
+    #[serde(rename = "without_pairs")]
+    pub unpaired: Vec<UnpairedMetric>,
 }
 
 impl CampaignComparison {
@@ -85,13 +123,24 @@ impl CampaignComparison {
         let missing = |from: &BTreeMap<String, TrialMetrics>, other: &BTreeMap<String, TrialMetrics>| {
             from.keys().filter(|name| !other.contains_key(*name)).cloned().collect()
         };
-        let metrics =
-            METRICS.iter().filter_map(|metric| compare_metric(*metric, &pairs, bootstrap)).collect();
+        let (mut metrics, mut unpaired) = (Vec::new(), Vec::new());
+        for metric in METRICS {
+            let of_all =
+                |trials: &BTreeMap<String, TrialMetrics>| MeanOfAll::of(trials.values().filter_map(metric.2));
+            let (first_of_all, second_of_all) = (of_all(&first), of_all(&second));
+            let both = first_of_all.zip(second_of_all);
+            match both.and_then(|of_all| compare_metric(metric, &pairs, of_all, bootstrap)) {
+                Some(paired) => metrics.push(paired),
+                None if first_of_all.is_none() && second_of_all.is_none() => {}
+                None => unpaired.push(UnpairedMetric { metric: metric.0, first_of_all, second_of_all }),
+            }
+        }
         Self {
             pairs: pairs.len(),
             only_first: missing(&first, &second),
             only_second: missing(&second, &first),
             metrics,
+            unpaired,
         }
     }
 }
@@ -99,6 +148,7 @@ impl CampaignComparison {
 fn compare_metric(
     (metric, unit, value_of): Metric,
     pairs: &[(&TrialMetrics, &TrialMetrics)],
+    (first_of_all, second_of_all): (MeanOfAll, MeanOfAll),
     bootstrap: &Bootstrap,
 ) -> Option<PairedMetric> {
     let values: Vec<(f64, f64)> =
@@ -121,6 +171,8 @@ fn compare_metric(
         pairs: values.len(),
         first: first / count,
         second: second / count,
+        first_of_all,
+        second_of_all,
         ratio: bootstrap.interval(values.len(), |sample| {
             let (first, second) = sums(sample);
             second / first

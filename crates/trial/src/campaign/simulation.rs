@@ -303,7 +303,8 @@ impl<'a> Simulation<'a> {
         if self.log.rows.is_empty() && position.is_none() {
             return;
         }
-        self.log.rows.push(LogRow { time_s: outcome.at.as_secs_f64(), position, rates: Some(self.rates) });
+        let command = Some(self.profile.from_vehicle(self.rates));
+        self.log.rows.push(LogRow { time_s: outcome.at.as_secs_f64(), position, command });
         if let Some(rows) = &mut self.log.truth {
             rows.push(RowTruth { achieved_rates: Some(self.world.camera_rates()), ..truth });
         }

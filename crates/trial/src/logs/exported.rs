@@ -1,9 +1,11 @@
 //! The CSV of a trial: `barrelman export` writes it from a recording, `barrelman law` from a log.
 //!
-//! Columns are identified by name: `time_s,x,y,pitch_rate,yaw_rate` are required; `picture_width,picture_height` give the
-//! size of the frame (by default the laboratory's); others are ignored. x or y is empty while the track is lost.
+//! Columns are identified by name: `time_s,x,y` and the rates are required; `picture_width,picture_height` give the size of
+//! the frame (by default the laboratory's); others are ignored. x or y is empty while the track is lost. The rates are
+//! `pan_rate,tilt_rate` (positive to the right and upwards), or `pitch_rate,yaw_rate` in the Fotokite Pro's own signs: the
+//! output of `barrelman law`, and files that earlier programs exported.
 
-use barrelman_vocab::{AngularRate, ImagePoint, PictureSize, VehicleRates};
+use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize};
 
 use super::csv::{ParsedLog, complete_lines, parse_number, parse_optional_number};
 use super::laboratory;
@@ -11,14 +13,49 @@ use super::log_error::LogError;
 use super::trial_log::{LogRow, TrialLog};
 
 /// Header of the files that `export` writes.
-pub const HEADER: &str = "time_s,x,y,p,pitch_rate,yaw_rate,mode,picture_width,picture_height";
+pub const HEADER: &str = "time_s,x,y,p,pan_rate,tilt_rate,mode,picture_width,picture_height";
 
-const REQUIRED: [&str; 5] = ["time_s", "x", "y", "pitch_rate", "yaw_rate"];
+const REQUIRED: [&str; 3] = ["time_s", "x", "y"];
+/// The two forms of the rates.
+const PAN_AND_TILT: [&str; 2] = ["pan_rate", "tilt_rate"];
+const PITCH_AND_YAW: [&str; 2] = ["pitch_rate", "yaw_rate"];
+
+/// The columns of the rates.
+enum RateColumns {
+    PanAndTilt(usize, usize),
+    PitchAndYaw(usize, usize),
+}
+
+impl RateColumns {
+    /// The columns of a header; pan and tilt where it has both forms.
+    fn find(column: impl Fn(&str) -> Option<usize>) -> Option<Self> {
+        let both = |[first, second]: [&str; 2]| column(first).zip(column(second));
+        let pan_and_tilt = both(PAN_AND_TILT).map(|(pan, tilt)| Self::PanAndTilt(pan, tilt));
+        pan_and_tilt.or_else(|| both(PITCH_AND_YAW).map(|(pitch, yaw)| Self::PitchAndYaw(pitch, yaw)))
+    }
+
+    /// The command of a row; `None` where a rate is blank.
+    fn command(&self, fields: &[&str], line: usize) -> Result<Option<CameraCommand>, LogError> {
+        let rate = AngularRate::from_radians_per_second;
+        let read = |(first, second): (usize, usize), names: [&'static str; 2]| {
+            let first = parse_optional_number(fields[first], line, names[0])?;
+            Ok::<_, LogError>(first.zip(parse_optional_number(fields[second], line, names[1])?))
+        };
+        Ok(match self {
+            Self::PanAndTilt(pan, tilt) => read((*pan, *tilt), PAN_AND_TILT)?
+                .map(|(pan, tilt)| CameraCommand { pan: rate(pan), tilt: rate(tilt) }),
+            Self::PitchAndYaw(pitch, yaw) => {
+                read((*pitch, *yaw), PITCH_AND_YAW)?.map(|(pitch, yaw)| laboratory::command_of(pitch, yaw))
+            }
+        })
+    }
+}
 
 /// Whether a text begins with a header that has the required columns.
 pub fn has_header(text: &str) -> bool {
     let names: Vec<&str> = text.lines().next().unwrap_or_default().split(',').map(str::trim).collect();
-    REQUIRED.iter().all(|required| names.contains(required))
+    let has_all = |columns: &[&str]| columns.iter().all(|column| names.contains(column));
+    has_all(&REQUIRED) && (has_all(&PAN_AND_TILT) || has_all(&PITCH_AND_YAW))
 }
 
 /// Reads a log.
@@ -33,9 +70,9 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
     let (_, header) = lines.remove(0);
     let names: Vec<&str> = header.trim().split(',').map(str::trim).collect();
     let column = |name: &str| names.iter().position(|found| *found == name);
-    let [Some(time), Some(x), Some(y), Some(pitch), Some(yaw)] = REQUIRED.map(column) else {
-        return Err(LogError::UnknownHeader { found: header.trim().to_owned() });
-    };
+    let unknown = || LogError::UnknownHeader { found: header.trim().to_owned() };
+    let [Some(time), Some(x), Some(y)] = REQUIRED.map(column) else { return Err(unknown()) };
+    let rates = RateColumns::find(column).ok_or_else(unknown)?;
     let size_columns = column("picture_width").zip(column("picture_height"));
     let mut rows: Vec<LogRow> = Vec::with_capacity(lines.len());
     let mut size = None;
@@ -50,11 +87,7 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
         }
         let position =
             parse_optional_number(fields[x], line, "x")?.zip(parse_optional_number(fields[y], line, "y")?);
-        let rates = parse_optional_number(fields[pitch], line, "pitch_rate")?.zip(parse_optional_number(
-            fields[yaw],
-            line,
-            "yaw_rate",
-        )?);
+        let command = rates.command(&fields, line)?;
         if let Some((width, height)) = size_columns
             && size.is_none()
             && let Some(width) = parse_optional_number(fields[width], line, "picture_width")?
@@ -67,12 +100,7 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
             };
             size = Some(PictureSize::new(side(width, "picture_width")?, side(height, "picture_height")?));
         }
-        let rate = AngularRate::from_radians_per_second;
-        rows.push(LogRow {
-            time_s,
-            position: position.map(|(x, y)| ImagePoint { x, y }),
-            rates: rates.map(|(pitch, yaw)| VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }),
-        });
+        rows.push(LogRow { time_s, position: position.map(|(x, y)| ImagePoint { x, y }), command });
     }
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err(LogError::Empty) };
     let start_s = first.time_s;

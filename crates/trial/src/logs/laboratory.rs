@@ -3,9 +3,9 @@
 //! The first row follows the header `x_val,y_val,pitch,yaw,val,time` without a line end. Rows have 7 fields (x, y in px
 //! from the centre with y up; pitch rate, yaw rate in rad/s as sent; P; a loop time; Unix time in whole seconds), or 6
 //! without the loop time; the first row decides. The rows have a constant rate, [`ROWS_PER_SECOND`], which is used
-//! instead of the times. P refers to a 640x480 frame of which the picture fills 640x360. Pitch, yaw and P may be blank.
+//! instead of the times. The rates have the Fotokite Pro's own signs; a log's command has the program's. P refers to a 640x480 frame of which the picture fills 640x360. Pitch, yaw and P may be blank.
 
-use barrelman_vocab::{AngularRate, ImagePoint, PictureSize, VehicleRates};
+use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, VehicleProfile, VehicleRates};
 
 use super::csv::{ParsedLog, complete_lines, parse_number, parse_optional_number};
 use super::log_error::LogError;
@@ -19,6 +19,12 @@ pub const ROWS_PER_SECOND: f64 = 37.23;
 pub const FRAME: PictureSize = PictureSize::new(640, 480);
 /// Size of the picture within the frame.
 pub const PICTURE: PictureSize = PictureSize::new(640, 360);
+
+/// The command that the Fotokite Pro was sent as these rates, rad/s.
+pub(super) fn command_of(pitch: f64, yaw: f64) -> CameraCommand {
+    let rate = AngularRate::from_radians_per_second;
+    VehicleProfile::fotokite_pro().from_vehicle(VehicleRates { yaw: rate(yaw), pitch: rate(pitch) })
+}
 
 /// Reads a log.
 ///
@@ -45,11 +51,10 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
             ImagePoint { x: parse_number(fields[0], line, "x")?, y: parse_number(fields[1], line, "y")? };
         let pitch = parse_optional_number(fields[2], line, "pitch")?;
         let yaw = parse_optional_number(fields[3], line, "yaw")?;
-        let rate = AngularRate::from_radians_per_second;
         rows.push(LogRow {
             time_s: rows.len() as f64 / ROWS_PER_SECOND,
             position: Some(position),
-            rates: pitch.zip(yaw).map(|(pitch, yaw)| VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }),
+            command: pitch.zip(yaw).map(|(pitch, yaw)| command_of(pitch, yaw)),
         });
     }
     if rows.is_empty() {

@@ -9,7 +9,7 @@ pub enum LogError {
     /// The first line is not the header of a known kind of log.
     #[error(
         "not a trial log: the file begins with {found:?}; expected the laboratory's x_val,y_val,pitch,yaw,val,time, \
-         a CSV with the columns time_s,x,y,pitch_rate,yaw_rate, or an MCAP recording"
+         a CSV with the columns time_s,x,y,pan_rate,tilt_rate, or an MCAP recording"
     )]
     UnknownHeader {
         /// The beginning of the file.

@@ -76,7 +76,7 @@ impl LogBuilder {
         self.rows.push(LogRow {
             time_s: outcome.at.since(start).as_secs_f64(),
             position: judged.map(|track| track.position).or(outcome.percept.map(|percept| percept.position)),
-            rates: Some(outcome.rates),
+            command: Some(outcome.rates.in_the_senses_of(outcome.command)),
         });
         if let Some(truth) = self.newest {
             self.truth.push(RowTruth {

@@ -2,7 +2,7 @@
 
 use barrelman_control::Region;
 use barrelman_vocab::profile::RegionShares;
-use barrelman_vocab::{ImagePoint, PictureSize, VehicleRates};
+use barrelman_vocab::{CameraCommand, ImagePoint, PictureSize};
 
 use crate::target_in_picture::JudgedTrack;
 
@@ -14,8 +14,8 @@ pub struct LogRow {
     /// Position of the target as localised, `None` while the track was lost; in a simulated trial in pixels the true
     /// position, also out of the picture.
     pub position: Option<ImagePoint>,
-    /// The commanded rates, in the vehicle's own signs; `None` where the log does not contain them.
-    pub rates: Option<VehicleRates>,
+    /// The command as it was sent: pan positive to the right, tilt upwards; `None` where the log does not contain it.
+    pub command: Option<CameraCommand>,
 }
 
 /// The log of one trial.

@@ -18,5 +18,5 @@ pub mod summary;
 
 pub use excursion::{Excursion, find_excursions};
 pub use perception::PerceptionMetrics;
-pub use summary::{Arena, Summary, TrialEntry, summarise};
+pub use summary::{Arena, PUBLISHED_NORMALISED_SENSITIVITY, Summary, TrialEntry, summarise};
 pub use trial::{TrialMetrics, measure};

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::mean::mean;
 use super::trial::TrialMetrics;
 
+/// The published normalised sensitivity of both arenas, 1/s.
+pub const PUBLISHED_NORMALISED_SENSITIVITY: &str = "0.034";
+
 /// An arena of the paper: 1 or 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]

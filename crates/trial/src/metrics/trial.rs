@@ -1,7 +1,7 @@
 //! The metrics of one trial.
 
 use barrelman_control::Region;
-use barrelman_vocab::{ImagePoint, PictureSize, VehicleRates};
+use barrelman_vocab::{CameraCommand, ImagePoint, PictureSize};
 use serde::{Deserialize, Serialize};
 
 use super::excursion::{Excursion, find_excursions};
@@ -159,24 +159,24 @@ impl CommandTotals {
     /// `None` where a row has no command.
     fn from_log(log: &TrialLog) -> Option<Self> {
         let mut totals = Self::default();
-        let mut before = VehicleRates::REST;
+        let mut before = CameraCommand::REST;
         for (index, row) in log.rows.iter().enumerate() {
-            let rates = row.rates?;
+            let command = row.command?;
             let step_s = log.row_duration_s(index);
-            let (yaw, pitch) = (rates.yaw.radians_per_second(), rates.pitch.radians_per_second());
-            totals.travel_rad += (yaw.abs() + pitch.abs()) * step_s;
-            totals.effort_rad2_per_s += (yaw * yaw + pitch * pitch) * step_s;
-            totals.variation_rad_per_s += (yaw - before.yaw.radians_per_second()).abs()
-                + (pitch - before.pitch.radians_per_second()).abs();
-            if !rates.is_rest() {
+            let (pan, tilt) = (command.pan.radians_per_second(), command.tilt.radians_per_second());
+            totals.travel_rad += (pan.abs() + tilt.abs()) * step_s;
+            totals.effort_rad2_per_s += (pan * pan + tilt * tilt) * step_s;
+            totals.variation_rad_per_s += (pan - before.pan.radians_per_second()).abs()
+                + (tilt - before.tilt.radians_per_second()).abs();
+            if !command.is_rest() {
                 totals.movement_s += step_s;
                 totals.moves += usize::from(before.is_rest());
-                totals.switches += usize::from(!before.is_rest() && rates != before);
-                if !rates.yaw.is_zero() && !rates.pitch.is_zero() {
+                totals.switches += usize::from(!before.is_rest() && command != before);
+                if !command.pan.is_zero() && !command.tilt.is_zero() {
                     totals.both_axes_s += step_s;
                 }
             }
-            before = rates;
+            before = command;
         }
         Some(totals)
     }

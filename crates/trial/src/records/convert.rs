@@ -15,7 +15,7 @@ mod video;
 
 pub(super) use malformed::Malformed;
 
-use super::entry::RecordingStart;
+use super::entry::{RecordingStart, SimulatedTrial};
 use super::stored;
 use crate::behaviour::{BehaviourVersions, FIRST};
 
@@ -31,15 +31,24 @@ impl From<&RecordingStart> for stored::RecordingStart {
             live_video: start.live_video,
             tracker_behaviour: start.behaviour.tracker,
             law_behaviour: start.behaviour.law,
+            command_path: stored::CommandPath::from(start.command_path) as i32,
+            trial: start.trial.clone().map(|SimulatedTrial { seed, settings, scenario }| {
+                stored::SimulatedTrial { seed, settings, scenario }
+            }),
         }
     }
 }
 
-impl From<stored::RecordingStart> for RecordingStart {
-    fn from(start: stored::RecordingStart) -> Self {
+impl TryFrom<stored::RecordingStart> for RecordingStart {
+    type Error = Malformed;
+
+    fn try_from(start: stored::RecordingStart) -> Result<Self, Malformed> {
+        let command_path = stored::CommandPath::try_from(start.command_path)
+            .map_err(|_| malformed::missing("command_path"))?
+            .try_into()?;
         // A recording of before the versions holds zeros.
         let version = |stored: u32| if stored == 0 { FIRST } else { stored };
-        Self {
+        Ok(Self {
             program_version: start.program_version,
             monotonic_ns: start.monotonic_ns,
             unix_ns: start.unix_ns,
@@ -51,6 +60,12 @@ impl From<stored::RecordingStart> for RecordingStart {
                 tracker: version(start.tracker_behaviour),
                 law: version(start.law_behaviour),
             },
-        }
+            command_path,
+            trial: start.trial.map(|stored::SimulatedTrial { seed, settings, scenario }| SimulatedTrial {
+                seed,
+                settings,
+                scenario,
+            }),
+        })
     }
 }

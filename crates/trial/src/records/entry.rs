@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use barrelman_control::Percept;
-use barrelman_pilot::{Advice, Mode, Outcome};
+use barrelman_pilot::{Advice, CommandPath, Mode, Outcome};
 use barrelman_sim::Truth;
 use barrelman_vocab::{Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates};
 
@@ -52,6 +52,21 @@ pub struct RecordingStart {
     pub live_video: bool,
     /// Behaviour versions of the tracker and the law that the configuration names.
     pub behaviour: BehaviourVersions,
+    /// Where the pilot's commands went.
+    pub command_path: CommandPath,
+    /// The simulated trial that the recording shows; `None` for other recordings, and those of earlier programs.
+    pub trial: Option<SimulatedTrial>,
+}
+
+/// What it takes to run a simulated trial again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SimulatedTrial {
+    /// The seed.
+    pub seed: u64,
+    /// The settings of its campaign, as in a campaign's file: JSON.
+    pub settings: String,
+    /// The text of the scenario's file, TOML.
+    pub scenario: String,
 }
 
 /// The truth of a simulated world at the capture of a picture, as stored. Positions and angles as in

@@ -22,7 +22,7 @@ mod topics;
 
 mod record_lengths;
 
-pub use entry::{Entry, RecordedOutcome, RecordedTruth, RecordingStart};
+pub use entry::{Entry, RecordedOutcome, RecordedTruth, RecordingStart, SimulatedTrial};
 pub use reader::{ReadError, RecordingReader};
 pub use recorded_input::{FrameFingerprint, RecordedInput};
 pub use writer::{RecordingWriter, WriteError};

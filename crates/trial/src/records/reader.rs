@@ -104,7 +104,7 @@ fn decode(
         None => Err(Malformed("a picture that no unit announced".to_owned())),
     };
     Ok(Some(match topic {
-        Topic::Start => Entry::Start(stored::RecordingStart::decode(data)?.into()),
+        Topic::Start => Entry::Start(stored::RecordingStart::decode(data)?.try_into()?),
         Topic::VideoUnit => {
             *pending_unit = Some(stored::VideoUnit::decode(data)?);
             return Ok(None);

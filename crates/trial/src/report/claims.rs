@@ -60,20 +60,28 @@ pub(super) fn paragraphs(groups: &[&TrialGroup<'_>]) -> Markup {
 /// The trials of one source, and those that failed.
 struct Count<'a> {
     all: usize,
-    failed: Vec<&'a str>,
+    /// Number of sets of this source.
+    sets: usize,
+    /// The failed trials of each set that has any: the set's name, and the names of the trials.
+    failed: Vec<(&'a str, Vec<&'a str>)>,
 }
 
 impl<'a> Count<'a> {
     fn of_kind(kind: SetKind, groups: &[&'a TrialGroup<'_>]) -> Self {
-        let trials = || {
-            groups.iter().copied().filter(move |group| group.set.kind == kind).flat_map(|group| &group.trials)
+        let groups = || groups.iter().copied().filter(move |group| group.set.kind == kind);
+        let failed_of = |group: &'a TrialGroup<'_>| {
+            let failed = group.trials.iter().filter(|trial| !trial.entry.metrics.is_success());
+            (group.set.name.as_str(), failed.map(|trial| trial.entry.name.as_str()).collect::<Vec<_>>())
         };
-        let failed = trials().filter(|trial| !trial.entry.metrics.is_success());
-        Self { all: trials().count(), failed: failed.map(|trial| trial.entry.name.as_str()).collect() }
+        Self {
+            all: groups().map(|group| group.trials.len()).sum(),
+            sets: groups().count(),
+            failed: groups().map(failed_of).filter(|(_, names)| !names.is_empty()).collect(),
+        }
     }
 
     fn failed(&self) -> usize {
-        self.failed.len()
+        self.failed.iter().map(|(_, names)| names.len()).sum()
     }
 
     /// The number of failed trials in a sentence.
@@ -81,16 +89,24 @@ impl<'a> Count<'a> {
         if self.failed.is_empty() { "none".to_owned() } else { self.failed().to_string() }
     }
 
-    /// The names of the failed trials: `: a, b and c`; empty where there are none.
+    /// The names of the failed trials: `: a, b and c`, with their set where there are several; empty without any.
     fn failed_names(&self) -> String {
-        let Some((last, others)) = self.failed.split_last() else { return String::new() };
-        if self.failed.len() > MAX_NAMED {
-            let first = self.failed[..MAX_NAMED].join(", ");
-            return format!(": {first} and {} more", self.failed.len() - MAX_NAMED);
+        let of_set = |(set, names): &(&str, Vec<&str>)| {
+            if self.sets > 1 { format!("{} ({set})", listed(names)) } else { listed(names) }
+        };
+        let sets: Vec<String> = self.failed.iter().map(of_set).collect();
+        if sets.is_empty() { String::new() } else { format!(": {}", sets.join("; ")) }
+    }
+}
+
+/// Names in a sentence.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [name] => (*name).to_owned(),
+        _ if names.len() > MAX_NAMED => {
+            format!("{} and {} more", names[..MAX_NAMED].join(", "), names.len() - MAX_NAMED)
         }
-        if others.is_empty() {
-            return format!(": {last}");
-        }
-        format!(": {} and {last}", others.join(", "))
+        [others @ .., last] => format!("{} and {last}", others.join(", ")),
     }
 }

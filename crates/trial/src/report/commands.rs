@@ -1,6 +1,6 @@
-//! Figure of the commands over time, in the vehicle's own signs: pitch above, yaw below.
+//! Figure of the commands over time: tilt above (positive upwards), pan below (positive to the right).
 
-use barrelman_vocab::{AngularRate, VehicleRates};
+use barrelman_vocab::{AngularRate, CameraCommand};
 
 use super::canvas::{Anchor, Canvas};
 use super::figure::Figure;
@@ -20,17 +20,17 @@ const HEIGHT: f64 = BOTTOM + 24.0;
 const MIN_RATE_RANGE: f64 = 0.1;
 
 /// Selects the rate of one axis.
-type AxisRate = fn(&VehicleRates) -> AngularRate;
+type AxisRate = fn(&CameraCommand) -> AngularRate;
 
 /// The figure of a trial; `None` where the log has no commands.
 pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Option<Figure> {
     let log = &trace.log;
-    let rates: Vec<VehicleRates> = log.rows.iter().filter_map(|row| row.rates).collect();
+    let rates: Vec<CameraCommand> = log.rows.iter().filter_map(|row| row.command).collect();
     if rates.len() != log.rows.len() || rates.is_empty() {
         return None;
     }
-    let lanes: [(&str, AxisRate); 2] = [("pitch", |r| r.pitch), ("yaw", |r| r.yaw)];
-    let magnitudes = rates.iter().flat_map(|r| [r.pitch, r.yaw]).map(|rate| rate.radians_per_second().abs());
+    let lanes: [(&str, AxisRate); 2] = [("tilt", |r| r.tilt), ("pan", |r| r.pan)];
+    let magnitudes = rates.iter().flat_map(|r| [r.tilt, r.pan]).map(|rate| rate.radians_per_second().abs());
     let max_rate = magnitudes.fold(MIN_RATE_RANGE, f64::max);
     let axis = TimeAxis::new(log);
     let mut canvas = Canvas::default();
@@ -65,19 +65,19 @@ pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Option<Figure> {
         "unit",
         Anchor::Start,
         (axis.left() - 36.0, TOP - 9.0),
-        "rad/s, in the vehicle\u{2019}s own signs",
+        "rad/s: tilt positive upwards, pan positive to the right",
     );
     let moves = |rate_of: AxisRate| {
-        let zero = |rate: &VehicleRates| rate_of(rate).is_zero();
+        let zero = |rate: &CameraCommand| rate_of(rate).is_zero();
         usize::from(!zero(&rates[0]))
             + rates.windows(2).filter(|pair| zero(&pair[0]) && !zero(&pair[1])).count()
     };
     let description = format!(
-        "The pitch and yaw rates that were commanded over {:.1} s, up to {max_rate:.2} rad/s: {} starts of pitch, {} of yaw.",
+        "The tilt and pan rates that were commanded over {:.1} s, up to {max_rate:.2} rad/s: {} starts of tilt, {} of pan.",
         log.duration_s(),
         moves(lanes[0].1),
         moves(lanes[1].1)
     );
-    let titles = (format!("{trial}: pitch and yaw commands"), description);
+    let titles = (format!("{trial}: tilt and pan commands"), description);
     Some(Figure::new(name.to_owned(), titles, (WIDTH, HEIGHT), canvas))
 }

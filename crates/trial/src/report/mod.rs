@@ -5,13 +5,15 @@
 //! is escaped.
 //!
 //! Figures of one trial: P over time with the boundary at 1 and the h and b of every excursion ([`p_over_time`]); the
-//! commands in the vehicle's own signs ([`commands`]); the path in the picture with the region and the sectors
+//! commands, pan and tilt ([`commands`]); the path in the picture with the region and the sectors
 //! ([`picture_path`]); for a simulated trial, the path in the world from above ([`world_path`]). Figures of several
 //! trials: the sensitivities, and a sparkline of P for each trial in the list.
 //!
 //! Not supported: zooming, and more than one region in a report.
 
 mod page;
+
+mod natural_order;
 
 mod reported_trial;
 mod trial_group;
@@ -26,6 +28,7 @@ mod sparkline;
 pub mod world_path;
 
 mod claims;
+mod columns;
 mod tables;
 
 mod canvas;

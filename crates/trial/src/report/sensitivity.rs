@@ -13,6 +13,8 @@ const WIDTH: f64 = 760.0;
 const ENDS: (f64, f64) = (14.0, WIDTH - 14.0);
 const TOP: f64 = 30.0;
 const ROW: f64 = 84.0;
+/// Height of the label at the top of a row.
+const LABELS: f64 = 20.0;
 const BELOW: f64 = 40.0;
 const RADIUS: f64 = 3.8;
 /// Largest distance of a dot from the middle of its row.
@@ -35,7 +37,12 @@ pub(super) fn figure(name: &str, arena: Option<Arena>, groups: &[TrialGroup<'_>]
     canvas.text("unit", Anchor::End, (ENDS.1, bottom + 31.0), "sensitivity s = mean of h / b, 1/s");
     if let Some(published) = published {
         let x = scale.at(published);
-        canvas.line("bound", (x, TOP - 8.0), (x, bottom));
+        // Broken where the labels of the rows stand.
+        canvas.line("bound", (x, TOP - 8.0), (x, TOP));
+        for row in 0..groups.len() {
+            let top = TOP + row as f64 * ROW;
+            canvas.line("bound", (x, top + LABELS), (x, top + ROW));
+        }
         let words = format!("published {published:.4}");
         canvas.text_on_lines("t-region", Anchor::Middle, (x.max(54.0), TOP - 14.0), &words);
     }
@@ -69,13 +76,18 @@ fn draw_row(canvas: &mut Canvas, group: &TrialGroup<'_>, scale: &Scale, top: f64
         }
         canvas.line("mean", (scale.at(mean), middle - 26.0), (scale.at(mean), middle + 26.0));
     }
+    let with_s = if values.len() < group.trials.len() {
+        format!(", {} with a complete excursion", values.len())
+    } else {
+        String::new()
+    };
     let label = format!(
-        "{} \u{00b7} {} \u{00b7} mean {}",
+        "{} \u{00b7} {}{with_s} \u{00b7} mean {}",
         group.set.name,
         count_of(group.trials.len(), "trial"),
         number_or_dash(mean, 4)
     );
-    canvas.text_on_lines("name", Anchor::End, (ENDS.1, top + 15.0), &label);
+    canvas.text_on_lines("name", Anchor::Start, (ENDS.0, top + 15.0), &label);
     let mut dots: Vec<(f64, String, bool)> = group
         .trials
         .iter()

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 /// A colour of the palette: name, value in the light scheme, value in the dark scheme.
 type Colour = (&'static str, &'static str, &'static str);
 
-/// `track` is for the target's path, `out` for excursions, `region` for the boundary P = 1, `pitch` and `yaw` for
+/// `track` is for the target's path, `out` for excursions, `region` for the boundary P = 1, `tilt` and `pan` for
 /// commands.
 const PALETTE: [Colour; 9] = [
     ("paper", "#fdfcf9", "#15191c"),
@@ -15,8 +15,8 @@ const PALETTE: [Colour; 9] = [
     ("track", "#28607c", "#86bcd6"),
     ("out", "#c4431c", "#ff8d60"),
     ("region", "#2c7a58", "#74c69d"),
-    ("pitch", "#75489a", "#c6a1e4"),
-    ("yaw", "#28607c", "#86bcd6"),
+    ("tilt", "#75489a", "#c6a1e4"),
+    ("pan", "#28607c", "#86bcd6"),
 ];
 
 /// Style rules: selector and declarations. `%name` stands for a colour of the palette.
@@ -32,8 +32,8 @@ const RULES: [(&str, &str); 37] = [
     (".fig .name", "font-weight:600"),
     (".fig .t-out", "fill:%out"),
     (".fig .t-region", "fill:%region"),
-    (".fig .t-pitch", "fill:%pitch"),
-    (".fig .t-yaw", "fill:%yaw"),
+    (".fig .t-tilt", "fill:%tilt"),
+    (".fig .t-pan", "fill:%pan"),
     (".fig .halo", "fill:none;stroke:%paper;stroke-width:3;stroke-linejoin:round"),
     (".fig path,.fig line", "fill:none;stroke-linecap:butt;stroke-linejoin:round"),
     (".fig .axis", "stroke:%muted;stroke-width:1"),
@@ -54,8 +54,8 @@ const RULES: [(&str, &str); 37] = [
     (".fig .h", "stroke:%out;stroke-width:1"),
     (".fig .b", "stroke:%out;stroke-width:3.2"),
     (".fig .open", "stroke-dasharray:4 2.5"),
-    (".fig .pitch", "fill:%pitch;fill-opacity:.28;stroke:%pitch;stroke-width:1"),
-    (".fig .yaw", "fill:%yaw;fill-opacity:.28;stroke:%yaw;stroke-width:1"),
+    (".fig .tilt", "fill:%tilt;fill-opacity:.28;stroke:%tilt;stroke-width:1"),
+    (".fig .pan", "fill:%pan;fill-opacity:.28;stroke:%pan;stroke-width:1"),
     (".fig .dot", "fill:%track;fill-opacity:.75;stroke:%paper;stroke-width:.8"),
     (".fig .dot.bad", "fill:%paper;fill-opacity:1;stroke:%out;stroke-width:1.6"),
     (".fig .start", "fill:%paper;stroke:%ink;stroke-width:1.4"),

@@ -7,22 +7,21 @@ use super::sparkline;
 use super::text::{Text, format_number, number_or_dash};
 use super::trial_group::TrialGroup;
 use crate::campaign::statistics::mean_interval;
-use crate::metrics::{Arena, TrialMetrics};
-
-/// The published normalised sensitivity of both arenas, 1/s.
-const PUBLISHED_NORMALISED: &str = "0.034";
+use crate::metrics::{Arena, PUBLISHED_NORMALISED_SENSITIVITY, TrialMetrics};
 
 /// A mean over trials: name, unit, decimals, and the value of a trial.
 type Mean = (&'static str, &'static str, usize, fn(&TrialMetrics) -> Option<f64>);
 
-const MEANS: [Mean; 8] = [
+const MEANS: [Mean; 10] = [
     ("Excursions", "a trial", 1, |m| Some(m.excursions as f64)),
     ("Time outside", "s a trial", 1, |m| Some(m.time_outside_s)),
     ("Length", "s a trial", 1, |m| Some(m.duration_s)),
     ("h, largest P less 1", "mean", 2, |m| m.mean_h),
-    ("b, time outside", "s, mean", 2, |m| m.mean_b_s),
-    ("Integral of |rate|", "rad a trial", 2, |m| m.travel_rad),
+    ("b, duration", "s, mean", 2, |m| m.mean_b_s),
+    ("\u{222b}|rate|", "rad a trial", 2, |m| m.travel_rad),
+    ("\u{222b}rate\u{b2}", "rad\u{b2}/s a trial", 2, |m| m.effort_rad2_per_s),
     ("Moves", "starts a trial", 1, |m| m.moves.map(|moves| moves as f64)),
+    ("Switches", "a trial", 1, |m| m.switches.map(|switches| switches as f64)),
     ("Share of time moving", "%", 0, |m| m.duty.map(|duty| 100.0 * duty)),
 ];
 
@@ -89,7 +88,11 @@ impl<'a> ArenaRows<'a> {
             rows.add(name, unit, None, |group| {
                 let values = group.values(value_of);
                 let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-                html! { (number_or_dash(mean, decimals)) (interval(&values, decimals)) }
+                html! {
+                    (number_or_dash(mean, decimals))
+                    (interval(&values, decimals))
+                    (count_of_defined(values.len(), group))
+                }
             });
         }
         rows
@@ -126,11 +129,12 @@ impl<'a> ArenaRows<'a> {
         let published = arena.map(|arena| html! { b { (format!("{:.4}", arena.published_sensitivity())) } });
         self.add("Mean sensitivity", "1/s", published, |group| {
             let mean = group.summary().pooled.mean_sensitivity;
-            let interval = interval(&group.values(|metrics| metrics.sensitivity), 2);
-            html! { b { (number_or_dash(mean, 4)) } (interval) }
+            let values = group.values(|metrics| metrics.sensitivity);
+            let count = count_of_defined(values.len(), group);
+            html! { b { (number_or_dash(mean, 4)) } (interval(&values, 2)) (count) }
         });
         let published = arena.map(|arena| {
-            html! { (PUBLISHED_NORMALISED) small { "n = " (format_number(arena.published_n(), 0)) } }
+            html! { (PUBLISHED_NORMALISED_SENSITIVITY) small { "n = " (format_number(arena.published_n(), 0)) } }
         });
         self.add("Normalised by n", "1/s", published, |group| {
             let pooled = group.summary().pooled;
@@ -146,6 +150,11 @@ impl<'a> ArenaRows<'a> {
     }
 }
 
+/// How many trials of a group a mean rests on; empty where it rests on all.
+fn count_of_defined(count: usize, group: &TrialGroup<'_>) -> Markup {
+    html! { @if count < group.trials.len() { small { "of " (count) " trials that have it" } } }
+}
+
 /// The 95 % interval of a mean; empty where it is undefined.
 fn interval(values: &[f64], decimals: usize) -> Markup {
     html! {
@@ -157,31 +166,36 @@ fn interval(values: &[f64], decimals: usize) -> Markup {
 
 /// All trials, each with a sparkline of P; the name links to the trial's figures.
 pub(super) fn trials_table(trials: &[ReportedTrial]) -> Markup {
+    // The law of a trial stands in the name of its set.
+    let has_sets = trials.iter().any(|trial| trial.set != trials[0].set);
     html! {
         div class="scroll" {
             table class="trials" {
                 thead {
                     tr {
                         th { "Trial" }
+                        @if has_sets { th { "Set" } }
                         th { "P over time" }
                         th { "Length, s" }
                         th { "Excursions" small { "complete" } }
                         th { "Outside, s" }
                         th { "Largest P" }
                         th { "\u{222b}|rate|, rad" }
+                        th { "\u{222b}rate\u{b2}, rad\u{b2}/s" }
                         th { "Moves" }
+                        th { "Switches" }
                         th { "s, 1/s" }
                     }
                 }
                 tbody {
-                    @for (index, trial) in trials.iter().enumerate() { (trial_row(index, trial)) }
+                    @for (index, trial) in trials.iter().enumerate() { (trial_row(index, trial, has_sets)) }
                 }
             }
         }
     }
 }
 
-fn trial_row(index: usize, trial: &ReportedTrial) -> Markup {
+fn trial_row(index: usize, trial: &ReportedTrial, has_sets: bool) -> Markup {
     let (m, name) = (&trial.entry.metrics, &trial.entry.name);
     html! {
         tr {
@@ -189,6 +203,7 @@ fn trial_row(index: usize, trial: &ReportedTrial) -> Markup {
                 @if trial.trace.is_some() { a href={ "#t" (index) } { (Text(name)) } } @else { (Text(name)) }
                 (flags(trial))
             }
+            @if has_sets { td class="set" { (Text(&trial.set.name)) } }
             td class="spark" {
                 @match &trial.trace {
                     Some(trace) => (PreEscaped(sparkline::figure(name, trace).inline())),
@@ -203,10 +218,16 @@ fn trial_row(index: usize, trial: &ReportedTrial) -> Markup {
             td { (format_number(m.time_outside_s, 1)) }
             td { (number_or_dash(m.max_p, 2)) }
             td { (number_or_dash(m.travel_rad, 2)) }
-            td { @match m.moves { Some(moves) => (moves), None => "\u{2013}" } }
+            td { (number_or_dash(m.effort_rad2_per_s, 2)) }
+            td { (count_or_dash(m.moves)) }
+            td { (count_or_dash(m.switches)) }
             td { (number_or_dash(m.sensitivity, 3)) }
         }
     }
+}
+
+fn count_or_dash(count: Option<usize>) -> String {
+    count.map_or_else(|| "\u{2013}".to_owned(), |count| count.to_string())
 }
 
 /// A mark where a trial failed or ends outside the region.

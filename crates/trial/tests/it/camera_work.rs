@@ -3,12 +3,12 @@
 use barrelman_trial::metrics::{TrialMetrics, measure};
 use barrelman_vocab::ImagePoint;
 
-use crate::trial_logs::{PICTURE, REGION, log_from_rows, rates};
+use crate::trial_logs::{PICTURE, REGION, command, log_from_rows};
 
-/// The metrics of commands (yaw, pitch) of 0.5 s each. All rates are sums of powers of two, so that the sums are exact.
+/// The metrics of commands (pan, tilt) of 0.5 s each. All rates are sums of powers of two, so that the sums are exact.
 fn metrics_of(rows: &[(f64, f64)]) -> TrialMetrics {
     let position = Some(ImagePoint { x: 0.0, y: 0.0 });
-    let log = log_from_rows(rows.iter().map(|&(yaw, pitch)| (position, Some(rates(yaw, pitch)))));
+    let log = log_from_rows(rows.iter().map(|&(pan, tilt)| (position, Some(command(pan, tilt)))));
     measure(&log, REGION, PICTURE)
 }
 
@@ -55,7 +55,7 @@ fn a_camera_that_never_moved_has_no_share_of_moving_time() {
 #[test]
 fn a_log_with_a_row_that_does_not_say_has_no_camera_figures() {
     let position = Some(ImagePoint { x: 0.0, y: 0.0 });
-    let log = log_from_rows([(position, Some(rates(0.25, 0.0))), (position, None)]);
+    let log = log_from_rows([(position, Some(command(0.25, 0.0))), (position, None)]);
     let metrics = measure(&log, REGION, PICTURE);
     assert_eq!((metrics.moves, metrics.switches, metrics.duty), (None, None, None));
     assert_eq!((metrics.travel_rad, metrics.effort_rad2_per_s, metrics.movement_s), (None, None, None));

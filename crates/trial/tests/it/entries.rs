@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use barrelman_control::{Percept, Sector};
 use barrelman_pilot::outcome::HoldCause;
-use barrelman_pilot::{Advice, Mode};
+use barrelman_pilot::{Advice, CommandPath, Mode};
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
@@ -33,6 +33,8 @@ pub(crate) fn start() -> RecordingStart {
         link: String::new(),
         live_video: true,
         behaviour: BehaviourVersions { tracker: 3, law: 2 },
+        command_path: CommandPath::Link,
+        trial: None,
     }
 }
 
@@ -212,12 +214,28 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         input(RecordedInput::Request(OperatorRequest::Disengage)),
         input(RecordedInput::Tick),
     ]);
-    let causes = [StopCause::Operator, StopCause::Ending, StopCause::VideoEnded, StopCause::Fault];
+    let causes = [
+        StopCause::Operator,
+        StopCause::Ending,
+        StopCause::VideoEnded,
+        StopCause::Fault,
+        StopCause::ControlLost,
+        StopCause::VehicleRestarted,
+        StopCause::Emergency,
+        StopCause::Landing,
+        StopCause::BatteryLow,
+    ];
     entries.extend(causes.map(|cause| input(RecordedInput::Request(OperatorRequest::Stop(cause)))));
     let links =
         [LinkState::Opening, LinkState::Starting, LinkState::Up, LinkState::Closing, LinkState::Closed];
     entries.extend(links.map(|state| telemetry(Report::Link(state))));
-    let flights = [FlightState::Idle, FlightState::Flying, FlightState::Emergency, FlightState::Other(0)];
+    let flights = [
+        FlightState::Idle,
+        FlightState::Flying,
+        FlightState::Landing,
+        FlightState::Emergency,
+        FlightState::Other(0),
+    ];
     entries.extend(flights.map(|state| {
         telemetry(Report::Flight {
             state,
@@ -236,8 +254,19 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         HoldCause::Coasting,
         HoldCause::VideoStale,
         HoldCause::VideoSilent,
+        HoldCause::Confirming,
+        HoldCause::DryRun,
+        HoldCause::LinkDown,
+        HoldCause::NoControl,
+        HoldCause::Emergency,
+        HoldCause::Landing,
     ];
-    let modes = holds.map(Mode::Holding).into_iter().chain(causes.map(Mode::Stopped)).chain([Mode::Idle]);
+    let modes = holds.map(Mode::Holding).into_iter().chain(causes.map(Mode::Stopped)).chain([
+        Mode::Idle,
+        Mode::Nudging,
+        Mode::Searching,
+        Mode::Calibrating,
+    ]);
     entries.extend(modes.map(|mode| Entry::Outcome(RecordedOutcome { mode, ..outcome(0.125) })));
     let sectors =
         [Sector::Right, Sector::Top, Sector::Left, Sector::Bottom].map(Some).into_iter().chain([None]);

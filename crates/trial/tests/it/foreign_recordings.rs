@@ -110,8 +110,8 @@ fn a_number_that_means_nothing_is_an_error_and_no_other_value() {
     // An outcome with an unseeded track and a mode, a hold cause, a stop cause, a sector.
     check("/outcome", &[0x32, 0, 0x18, 99], "mode is missing");
     check("/outcome", &[0x32, 0, 0x18, 2], "hold_cause is missing");
-    check("/outcome", &[0x32, 0, 0x18, 2, 0x20, 9], "hold_cause is missing");
-    check("/outcome", &[0x32, 0, 0x18, 3, 0x28, 9], "stop_cause is missing");
+    check("/outcome", &[0x32, 0, 0x18, 2, 0x20, 99], "hold_cause is missing");
+    check("/outcome", &[0x32, 0, 0x18, 3, 0x28, 99], "stop_cause is missing");
     check("/outcome", &[0x32, 0, 0x58, 9], "sector is missing");
     // The state of a track.
     check("/outcome", &[0x32, 2, 0x08, 9], "state is missing");

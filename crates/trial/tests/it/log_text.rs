@@ -4,7 +4,7 @@ use barrelman_trial::logs::{LogError, ParsedLog, exported, laboratory, read_text
 use barrelman_vocab::{ImagePoint, PictureSize};
 use proptest::prelude::*;
 
-use crate::trial_logs::rates;
+use crate::trial_logs::command;
 
 /// Reads a laboratory log, whose first row follows the header without a line end.
 fn laboratory_log(rows: &str) -> Result<ParsedLog, LogError> {
@@ -22,7 +22,8 @@ fn laboratory_rows_have_seven_fields_or_six() {
         assert_eq!((read.log.rows.len(), read.truncated_at_line), (2, None), "{rows}");
         let [first, second] = read.log.rows[..] else { panic!("two rows") };
         assert_eq!(first.position, Some(ImagePoint { x: -78.0, y: 17.5 }));
-        assert_eq!(first.rates, Some(rates(0.3, -0.25)));
+        // The Fotokite Pro's signs are the other way round.
+        assert_eq!(first.command, Some(command(-0.3, 0.25)));
         assert_eq!((first.time_s, second.time_s), (0.0, 1.0 / 37.23));
         assert_eq!(read.log.last_row_duration_s, 1.0 / 37.23);
         assert_eq!(read.log.frame, PictureSize::new(640, 480));
@@ -39,8 +40,8 @@ fn laboratory_rows_have_seven_fields_or_six() {
 #[test]
 fn blank_commands_are_commands_that_the_log_does_not_tell() {
     let read = laboratory_log("1,2,,,,0,9\n3,4,0.3,,,0,9\n5,6,,0.3,,0,9\n7,8,0.3,0,,0,9\n").unwrap();
-    let rates_of_rows: Vec<_> = read.log.rows.iter().map(|row| row.rates).collect();
-    assert_eq!(rates_of_rows, [None, None, None, Some(rates(0.0, 0.3))]);
+    let commands: Vec<_> = read.log.rows.iter().map(|row| row.command).collect();
+    assert_eq!(commands, [None, None, None, Some(command(0.0, -0.3))]);
     assert!(read.log.rows.iter().all(|row| row.position.is_some()));
 }
 
@@ -97,10 +98,13 @@ fn an_exported_log_goes_by_the_names_of_its_columns() {
         let read = read_text(text).unwrap();
         let [first, second] = read.log.rows[..] else { panic!("two rows") };
         assert_eq!(first.position, Some(ImagePoint { x: 1.0, y: 2.0 }));
-        assert_eq!((first.rates, second.rates), (Some(rates(0.3, 0.1)), Some(rates(0.0, 0.0))));
+        assert_eq!((first.command, second.command), (Some(command(-0.3, -0.1)), Some(command(0.0, 0.0))));
         // Times count from the first row.
         assert_eq!((first.time_s, second.time_s, read.log.last_row_duration_s), (0.0, 0.5, 0.5));
     };
+    check("time_s,x,y,pan_rate,tilt_rate\n10,1,2,-0.3,-0.1\n10.5,1,2,0,0\n");
+    check("time_s,x,y,pan_rate,tilt_rate,pitch_rate,yaw_rate\n10,1,2,-0.3,-0.1,9,9\n10.5,1,2,0,0,9,9\n");
+    // Files of earlier programs, and of `law`: the Fotokite Pro's own signs.
     check("time_s,x,y,pitch_rate,yaw_rate\n10,1,2,0.1,0.3\n10.5,1,2,0,0\n");
     check("yaw_rate,pitch_rate,note,y,x,time_s\n0.3,0.1,hm,2,1,10\n0,0,,2,1,10.5\n");
     check("row,time_s,x,y,p,pitch_rate,yaw_rate\r\n0,10,1,2,7,0.1,0.3\r\n1,10.5,1,2,7,0,0\r\n");

@@ -8,7 +8,7 @@ use barrelman_trial::records::{RecordedOutcome, RecordedTruth};
 use barrelman_vocab::{ImagePoint, Localisation, PictureSize, Timestamp, Track};
 
 use crate::entries::{localisation, outcome, truth};
-use crate::trial_logs::rates;
+use crate::trial_logs::command;
 
 const POSITION: ImagePoint = ImagePoint { x: 3.0, y: 4.0 };
 
@@ -39,8 +39,8 @@ fn a_recording_without_a_localisation_is_no_log() {
 #[test]
 fn a_log_begins_with_the_first_localisation() {
     let log = collected(&[lost(0), tracked(1_000), lost(1_250), tracked(1_500)]).unwrap();
-    let rows: Vec<_> = log.rows.iter().map(|row| (row.time_s, row.position, row.rates)).collect();
-    let commanded = Some(rates(0.25, 0.25));
+    let rows: Vec<_> = log.rows.iter().map(|row| (row.time_s, row.position, row.command)).collect();
+    let commanded = Some(command(0.25, 0.25));
     assert_eq!(
         rows,
         [(0.0, Some(POSITION), commanded), (0.25, None, commanded), (0.5, Some(POSITION), commanded)]

@@ -147,8 +147,9 @@ fn a_changed_profile_shows_in_the_commands() {
     let limited = VehicleProfile { limits: AxisRates { pan: slow, tilt: slow }, ..profile };
     let comparison = replayed(&recording, &limited);
     let (recorded, replayed_outcome) = *comparison.first_difference.unwrap();
-    // The limit applies at the vehicle boundary, after the command.
-    assert_eq!(recorded.command, replayed_outcome.command);
+    // The command is what the vehicle can execute, so that law and recording know what leaves.
+    assert_eq!(recorded.command.pan.abs().radians_per_second(), 0.3);
+    assert_eq!(replayed_outcome.command.pan.abs().radians_per_second(), 0.2);
     assert_eq!(replayed_outcome.rates.yaw.abs().radians_per_second(), 0.2);
 }
 

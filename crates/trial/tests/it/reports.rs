@@ -11,7 +11,7 @@ use barrelman_vocab::{ImagePoint, VehicleProfile};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::laboratory::logs;
-use crate::trial_logs::{PICTURE, REGION, log_from, log_from_rows, rates};
+use crate::trial_logs::{PICTURE, REGION, command, log_from, log_from_rows};
 
 /// A name that breaks a page unless it is escaped.
 const HOSTILE_NAME: &str = "<script>alert('x')</script> & \"quotes\" \u{1}\u{7f}.csv";
@@ -28,7 +28,7 @@ fn reported(name: &str, log: TrialLog, region: Region, kind: SetKind) -> Reporte
 }
 
 fn report(trials: Vec<ReportedTrial>) -> Report {
-    Report { trials, version: "0.1.0".to_owned() }
+    Report::new(trials, "0.1.0".to_owned())
 }
 
 /// Parses a figure, which must be XML, and passes it to `inspect`.
@@ -129,16 +129,16 @@ fn commands_are_steps_in_two_lanes() {
     let at = Some(ImagePoint { x: 0.0, y: 0.0 });
     let log = log_from_rows(
         [(0.0, 0.0), (0.3, 0.0), (0.3, 0.0), (0.0, -0.3), (0.0, 0.0)]
-            .map(|(yaw, pitch)| (at, Some(rates(yaw, pitch)))),
+            .map(|(pan, tilt)| (at, Some(command(pan, tilt)))),
     );
     let figure =
         commands::figure("commands", "trial", &TrialTrace { log, region: REGION, shadow: None }).unwrap();
     with_elements(&figure, |document| {
-        for word in ["pitch", "yaw"] {
+        for word in ["tilt", "pan"] {
             assert_eq!(of_class(document, "path", word).len(), 1, "{word}");
         }
     });
-    assert!(figure.description.contains("1 starts of pitch, 1 of yaw"), "{}", figure.description);
+    assert!(figure.description.contains("1 starts of tilt, 1 of pan"), "{}", figure.description);
     let silent = log_from_rows([(at, None)]);
     assert_eq!(
         commands::figure("commands", "trial", &TrialTrace { log: silent, region: REGION, shadow: None }),
@@ -190,6 +190,8 @@ fn well_formed(page: &str) {
     if let Err(error) = Document::parse_with_options(page, options) {
         panic!("{error}");
     }
+    // A link that the reader may follow fetches nothing by itself.
+    let page = page.replace("<a href=\"https://arxiv.org/", "");
     for outside in ["http-equiv", "src=", "href=\"http", "@import", "url("] {
         assert!(!page.contains(outside), "the page refers to something outside: {outside}");
     }
@@ -215,6 +217,68 @@ fn small_and_empty_reports_are_pages_too() {
     assert!(read_text(header).is_err());
     let one = read_text(&format!("{header}0,500,0,0,0\n")).unwrap().log;
     well_formed(&report(vec![reported("one", one, REGION, SetKind::Recorded)]).page());
+}
+
+/// Simulated trials of arena 2 in two sets, as two laws make them, from the highest seed down.
+fn two_sets() -> Report {
+    let trial = |seed: u32, set: &str, rows: &str| {
+        let mut trial = reported(&format!("lab2/{seed}"), log_from(rows), REGION, SetKind::Simulated);
+        trial.entry.arena = Arena::from_number(2);
+        trial.entry.metrics.lost = Some(false);
+        trial.set.name = set.to_owned();
+        trial
+    };
+    report(
+        (1..=11)
+            .rev()
+            .flat_map(|seed| [trial(seed, "lab2, schema", ".a.b."), trial(seed, "lab2, optimal", "....")])
+            .collect(),
+    )
+}
+
+#[test]
+fn trials_are_ordered_by_their_numbers_and_carry_their_set() {
+    let page = two_sets().page();
+    let start = page.find("All trials").unwrap();
+    let table = &page[start..start + page[start..].find("</table>").unwrap()];
+    let names: Vec<&str> =
+        table.split("href=\"#t").skip(1).filter_map(|row| row.split(['>', '<']).nth(1)).collect();
+    let expected: Vec<String> = (1..=11).map(|seed| format!("lab2/{seed}")).collect();
+    assert_eq!(names, [&expected[..], &expected[..]].concat());
+    let sets: Vec<&str> =
+        table.split("class=\"set\">").skip(1).filter_map(|cell| cell.split('<').next()).collect();
+    assert_eq!(sets, [["lab2, optimal"; 11], ["lab2, schema"; 11]].concat());
+    for column in ["Switches", "rate\u{b2}, rad\u{b2}/s"] {
+        assert!(table.contains(column), "{column}");
+    }
+    assert!(page.contains("<dt>Switches</dt>"), "the columns are defined");
+    assert!(page.contains("of 0 trials that have it"), "a mean says on how many trials it rests");
+}
+
+#[test]
+fn the_published_sensitivity_is_explained_beside_simulated_ones() {
+    let page = two_sets().page();
+    assert!(page.contains("leaps of the paper\u{2019}s tracker"), "{page}");
+    let laboratory = report(vec![reported("arena2_1", log_from(".a."), REGION, SetKind::Laboratory)]).page();
+    assert!(!laboratory.contains("leaps of the paper"), "the logs contain them");
+}
+
+#[test]
+fn labels_of_the_sensitivities_keep_clear_of_the_published_line() {
+    let report = two_sets();
+    let figures = report.figures();
+    let figure = figures.iter().find(|figure| figure.name == "sensitivity-arena-2").unwrap();
+    with_elements(figure, |document| {
+        let labels = of_class(document, "text", "name");
+        assert!(labels.len() >= 2);
+        for label in &labels {
+            let baseline = place(label, "y");
+            for line in of_class(document, "line", "bound") {
+                let (top, bottom) = (place(&line, "y1"), place(&line, "y2"));
+                assert!(bottom <= baseline - 9.0 || top >= baseline, "{top} to {bottom} crosses {baseline}");
+            }
+        }
+    });
 }
 
 #[test]

@@ -185,8 +185,8 @@ fn the_shadow_of_the_schema_is_the_schema() {
     let shadow = barrelman_trial::shadow::simulate_motor_schema(&log, region, &profile);
     let mut compared = 0;
     for (row, step) in log.rows.iter().zip(&shadow) {
-        let (Some(rates), Some(step)) = (row.rates, step) else { continue };
-        assert_eq!(profile.to_vehicle(step.command), rates, "at {} s", row.time_s);
+        let (Some(command), Some(step)) = (row.command, step) else { continue };
+        assert_eq!(profile.from_vehicle(profile.to_vehicle(step.command)), command, "at {} s", row.time_s);
         compared += 1;
     }
     assert!(compared > 300, "{compared} rows");

@@ -5,7 +5,7 @@ use barrelman_trial::campaign::statistics::{Bootstrap, mean_interval, student_t_
 use barrelman_trial::metrics::{TrialEntry, measure};
 use barrelman_vocab::ImagePoint;
 
-use crate::trial_logs::{PICTURE, REGION, log_from_rows, rates};
+use crate::trial_logs::{PICTURE, REGION, command, log_from_rows};
 
 #[test]
 fn students_quantiles_are_those_of_the_tables() {
@@ -52,7 +52,7 @@ fn a_bootstrap_is_the_same_each_time_and_about_as_wide_as_students() {
 
 fn trial(name: &str, rate: f64) -> TrialEntry {
     let inside = Some(ImagePoint { x: 0.0, y: 0.0 });
-    let log = log_from_rows([(inside, Some(rates(rate, 0.0))), (inside, Some(rates(0.0, 0.0)))]);
+    let log = log_from_rows([(inside, Some(command(rate, 0.0))), (inside, Some(command(0.0, 0.0)))]);
     TrialEntry { name: name.to_owned(), arena: None, metrics: measure(&log, REGION, PICTURE) }
 }
 

@@ -3,7 +3,7 @@
 use barrelman_control::Region;
 use barrelman_trial::logs::{LogRow, TrialLog};
 use barrelman_trial::metrics::{TrialMetrics, measure};
-use barrelman_vocab::{AngularRate, ImagePoint, PictureSize, VehicleRates};
+use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, VehicleRates};
 
 pub(crate) const REGION: Region = Region { a_px: 100.0, b_px: 100.0 };
 pub(crate) const PICTURE: PictureSize = PictureSize::new(1000, 800);
@@ -13,11 +13,16 @@ pub(crate) fn rates(yaw: f64, pitch: f64) -> VehicleRates {
     VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
 }
 
+pub(crate) fn command(pan: f64, tilt: f64) -> CameraCommand {
+    let rate = AngularRate::from_radians_per_second;
+    CameraCommand { pan: rate(pan), tilt: rate(tilt) }
+}
+
 pub(crate) fn log_from_rows(
-    rows: impl IntoIterator<Item = (Option<ImagePoint>, Option<VehicleRates>)>,
+    rows: impl IntoIterator<Item = (Option<ImagePoint>, Option<CameraCommand>)>,
 ) -> TrialLog {
     let rows = rows.into_iter().enumerate();
-    let rows = rows.map(|(row, (position, rates))| LogRow { time_s: row as f64 * 0.5, position, rates });
+    let rows = rows.map(|(row, (position, command))| LogRow { time_s: row as f64 * 0.5, position, command });
     TrialLog {
         rows: rows.collect(),
         last_row_duration_s: 0.5,
@@ -41,7 +46,7 @@ pub(crate) fn log_from(rows: &str) -> TrialLog {
         other => panic!("unknown row {other}"),
     };
     log_from_rows(
-        rows.chars().map(|row| (x(row).map(|x| ImagePoint { x, y: 0.0 }), Some(VehicleRates::REST))),
+        rows.chars().map(|row| (x(row).map(|x| ImagePoint { x, y: 0.0 }), Some(CameraCommand::REST))),
     )
 }
 

@@ -1,6 +1,6 @@
 //! Angular rates: limits, and zeros without a sign.
 
-use barrelman_vocab::{Angle, AngularRate, CameraCommand};
+use barrelman_vocab::{Angle, AngularRate, CameraCommand, VehicleProfile};
 use proptest::prelude::*;
 
 fn rate(rad_per_s: f64) -> AngularRate {
@@ -58,5 +58,23 @@ proptest! {
         let clamped = rate(asked).clamped(rate(limit)).radians_per_second();
         prop_assert!(clamped.is_finite() || limit.is_infinite());
         prop_assert!(clamped == 0.0 || clamped.abs() <= limit.abs());
+    }
+}
+
+#[test]
+fn what_was_sent_has_the_size_of_the_rates_and_the_sense_of_the_command() {
+    let profile = VehicleProfile::fotokite_pro();
+    for (pan, tilt, expected) in [
+        (0.3, -0.2, (0.3, -0.2)),
+        (-0.3, 0.2, (-0.3, 0.2)),
+        (0.0, 0.0, (0.0, 0.0)),
+        // Beyond the vehicle's limits, 0.4 and 0.3 rad/s.
+        (0.9, -0.9, (0.4, -0.3)),
+    ] {
+        let command = CameraCommand { pan: rate(pan), tilt: rate(tilt) };
+        let sent = profile.to_vehicle(command).in_the_senses_of(command);
+        let wanted = CameraCommand { pan: rate(expected.0), tilt: rate(expected.1) };
+        assert_eq!(sent, wanted, "{pan}, {tilt}");
+        assert_eq!(sent, profile.from_vehicle(profile.to_vehicle(command)), "{pan}, {tilt}");
     }
 }

@@ -9,6 +9,8 @@ use core::fmt::{self, Write as _};
 use barrelman_vocab::AngularRate;
 use barrelman_vocab::profile::Protocol;
 
+use crate::framing::Framing;
+
 /// Limit of the yaw rate, rad/s.
 pub const YAW_LIMIT: AngularRate = Protocol::FotokitePro.rate_limits().pan;
 /// Limit of both gimbal rates, rad/s.
@@ -54,16 +56,6 @@ pub enum Stream {
     FlightStatus,
     /// `!Gimbal`.
     Gimbal,
-}
-
-/// Line framing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub enum Framing {
-    /// `\r` before and after, as the paper's program sent lines.
-    #[default]
-    CarriageReturns,
-    /// `\n` after, as the client libraries send lines.
-    LineFeed,
 }
 
 impl Command {

@@ -1,6 +1,6 @@
 //! The Fotokite Pro ground station's serial text protocol. `docs/wire/fotokite-pro.md` describes it.
 //!
-//! [`Session`] is the client: start-up, pacing of rates, telemetry, shut-down. [`GroundStation`] is the other end, for
+//! [`FotokiteProSession`] is the client: start-up, pacing of rates, telemetry, shut-down. [`GroundStation`] is the other end, for
 //! the emulator and the tests. Both are plain structs without I/O: bytes and times in, bytes and times out.
 
 pub mod lines;
@@ -12,7 +12,7 @@ pub mod telemetry;
 
 pub mod ground_station;
 
-pub use command::{Command, Framing};
+pub use command::Command;
 pub use ground_station::GroundStation;
 
-pub use session::{Session, SessionSettings};
+pub use session::{FotokiteProSession, SessionSettings};

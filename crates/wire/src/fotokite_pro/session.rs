@@ -13,18 +13,20 @@
 //!   any state but Closed and Unresponsive -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
 //! ```
 //!
-//! A session is a plain struct without I/O: bytes and the time in, bytes and the time of the next call out. It sends
-//! rates only in the state `Up`, which always begins with zeros.
+//! [`FotokiteProSession`] is the [`Session`] of this protocol: a plain struct without I/O, bytes and the time in, bytes
+//! and the time of the next call out. It sends rates only in the state `Up`, which always begins with zeros.
 
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{AngularRate, Telemetry, Timestamp, VehicleRates};
 
-use super::command::{Command, Framing, Stream};
+use super::command::{Command, Stream};
 use super::lines::LineSplitter;
 use super::pacing::{Pacing, ZERO_REPEATS, ZERO_SPACING};
 use super::telemetry::parse;
+use crate::framing::Framing;
+use crate::session::{NextAction, Session, WillStep};
 
 /// The shell's prompt.
 pub const PROMPT: &str = "nsh>";
@@ -44,6 +46,8 @@ pub const STOP_DELAY: Duration = Duration::from_millis(500);
 pub const TELEMETRY_TIMEOUT: Duration = Duration::from_secs(3);
 /// Time after the start-up in which the ground station may still report that it is not under remote control.
 pub const CONTROL_GRACE: Duration = Duration::from_secs(2);
+
+const UNANSWERED: NextAction = NextAction::Reopen { reason: "the ground station does not answer" };
 
 /// Settings of a session.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,20 +83,9 @@ impl State {
     }
 }
 
-/// The caller's next action after `poll`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NextAction {
-    /// Poll again at this time at the latest, or earlier after received bytes or new rates.
-    WaitUntil(Timestamp),
-    /// The ground station does not answer: reopen the port and begin a new session.
-    Reopen,
-    /// The shut-down is complete: close the port.
-    Closed,
-}
-
 /// One session with a ground station.
 #[derive(Debug, Clone)]
-pub struct Session {
+pub struct FotokiteProSession {
     settings: SessionSettings,
     state: State,
     pacing: Pacing,
@@ -101,7 +94,7 @@ pub struct Session {
     restarts: u64,
 }
 
-impl Session {
+impl FotokiteProSession {
     /// A session on a newly opened port.
     pub fn open(settings: SessionSettings, now: Timestamp) -> Self {
         Self {
@@ -111,37 +104,6 @@ impl Session {
             lines: LineSplitter::default(),
             last_telemetry: None,
             restarts: 0,
-        }
-    }
-
-    /// Sets the target rates, in the vehicle's own signs. They are sent once the session is up.
-    pub fn set_rates(&mut self, rates: VehicleRates) {
-        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
-            self.pacing.set_rates(rates);
-        }
-    }
-
-    /// Begins the shut-down: three times zeros, the first immediately; 0.5 s after the last, the vehicle's own stop.
-    pub fn close(&mut self, now: Timestamp) {
-        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
-            self.state = State::Closing { zeros_sent: 0, next_at: now };
-        }
-    }
-
-    /// Processes received bytes and passes each telemetry report to `report`.
-    pub fn receive(&mut self, bytes: &[u8], now: Timestamp, mut report: impl FnMut(Telemetry)) {
-        for &byte in bytes {
-            let mut meaning = None;
-            self.lines.feed(&[byte], |line| meaning = parse(line.trim_start()));
-            if self.lines.partial().trim_start() == PROMPT {
-                self.lines.discard_partial();
-                self.on_prompt(now);
-            }
-            if let Some(content) = meaning {
-                self.last_telemetry = Some(now);
-                self.on_report(&content, now);
-                report(Telemetry { at: now, report: content });
-            }
         }
     }
 
@@ -163,8 +125,8 @@ impl Session {
         }
     }
 
-    /// Appends the bytes that are due now to `out`, and returns the caller's next action.
-    pub fn poll(&mut self, now: Timestamp, out: &mut Vec<u8>) -> NextAction {
+    /// Appends the lines that are due now to `out`, and returns the worker's next action.
+    fn write_due(&mut self, now: Timestamp, out: &mut Vec<u8>) -> NextAction {
         match self.state {
             State::Stopping { prompt_at, stop_sent } => {
                 if !stop_sent {
@@ -184,7 +146,7 @@ impl Session {
             State::AwaitingPrompt { until } if now < until => NextAction::WaitUntil(until),
             State::AwaitingPrompt { .. } => {
                 self.state = State::Unresponsive;
-                NextAction::Reopen
+                UNANSWERED
             }
             State::Starting { next, at } => {
                 if now < at {
@@ -218,7 +180,7 @@ impl Session {
                 NextAction::Closed
             }
             State::Closed => NextAction::Closed,
-            State::Unresponsive => NextAction::Reopen,
+            State::Unresponsive => UNANSWERED,
         }
     }
 
@@ -227,7 +189,7 @@ impl Session {
         let silent_at = self.last_telemetry.map(|at| at.max(since).plus(TELEMETRY_TIMEOUT));
         if silent_at.is_some_and(|at| at <= now) {
             self.state = State::Unresponsive;
-            return NextAction::Reopen;
+            return UNANSWERED;
         }
         let wake_at = self.pacing.wake_at();
         NextAction::WaitUntil(silent_at.map_or(wake_at, |silent_at| wake_at.min(silent_at)))
@@ -256,8 +218,57 @@ impl Session {
         command.encode(self.settings.framing, out);
     }
 
-    /// The state of the link.
-    pub fn link_state(&self) -> LinkState {
+    /// How often the session restarted because the ground station had left remote control.
+    pub const fn restarts(&self) -> u64 {
+        self.restarts
+    }
+}
+
+impl Session for FotokiteProSession {
+    type Sent = Vec<u8>;
+    type Received = [u8];
+
+    /// Lines that are due together leave in one packet.
+    fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
+        let mut lines = Vec::new();
+        let next = self.write_due(now, &mut lines);
+        if !lines.is_empty() {
+            out.push(lines);
+        }
+        next
+    }
+
+    fn received(&mut self, bytes: &[u8], now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
+        for &byte in bytes {
+            let mut meaning = None;
+            self.lines.feed(&[byte], |line| meaning = parse(line.trim_start()));
+            if self.lines.partial().trim_start() == PROMPT {
+                self.lines.discard_partial();
+                self.on_prompt(now);
+            }
+            if let Some(content) = meaning {
+                self.last_telemetry = Some(now);
+                self.on_report(&content, now);
+                report(Telemetry { at: now, report: content });
+            }
+        }
+    }
+
+    /// The vehicle keeps a rate until the next one, so that no time of renewal is sent.
+    fn request(&mut self, rates: VehicleRates, _renew_by: Option<Timestamp>) {
+        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
+            self.pacing.set_rates(rates);
+        }
+    }
+
+    /// Begins the shut-down: three times zeros, the first immediately; 0.5 s after the last, the vehicle's own stop.
+    fn close(&mut self, now: Timestamp) {
+        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
+            self.state = State::Closing { zeros_sent: 0, next_at: now };
+        }
+    }
+
+    fn link_state(&self) -> LinkState {
         match self.state {
             State::Stopping { .. } | State::AwaitingPrompt { .. } | State::Starting { .. } => {
                 LinkState::Starting
@@ -269,20 +280,16 @@ impl Session {
         }
     }
 
-    /// How often the session restarted because the ground station had left remote control.
-    pub const fn restarts(&self) -> u64 {
-        self.restarts
-    }
-
-    /// The bytes that stop the vehicle from any state, for a session that has failed: the first part contains zeros,
-    /// the second part is to be sent 0.5 s later.
-    pub fn emergency_stop(framing: Framing) -> (Vec<u8>, Vec<u8>) {
-        let (mut zeros, mut stop) = (Vec::new(), Vec::new());
-        for command in [Command::GimbalRest, Command::Yaw(AngularRate::ZERO)] {
-            command.encode(framing, &mut zeros);
-        }
-        Command::Stop.encode(framing, &mut stop);
-        (zeros, stop)
+    /// Three times zeros, half a second, stop.
+    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+        let mut zeros = Vec::new();
+        self.send(Command::GimbalRest, &mut zeros);
+        self.send(Command::Yaw(AngularRate::ZERO), &mut zeros);
+        let mut stop = Vec::new();
+        self.send(Command::Stop, &mut stop);
+        let again = WillStep { packet: zeros.clone(), pause: ZERO_SPACING };
+        let last = WillStep { packet: zeros, pause: ZERO_SPACING + STOP_DELAY };
+        vec![again.clone(), again, last, WillStep { packet: stop, pause: Duration::ZERO }]
     }
 }
 

@@ -5,13 +5,15 @@ use core::time::Duration;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::pacing::Pacing;
-use barrelman_wire::fotokite_pro::session::NextAction;
-use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
+use barrelman_wire::fotokite_pro::{FotokiteProSession, SessionSettings};
+use barrelman_wire::{Framing, NextAction, Session as _};
 
 use crate::transcript::{Case, Event, cases, words};
 
 /// Permitted delay of a line, as stated in the transcripts' README.
 const ROOM_MS: u64 = 5;
+
+const UNANSWERED: NextAction = NextAction::Reopen { reason: "the ground station does not answer" };
 
 fn at(ms: u64) -> Timestamp {
     Timestamp::from_nanos(ms * 1_000_000)
@@ -31,25 +33,23 @@ struct Sent {
 }
 
 /// Runs a session through a case in steps of 1 ms, from `start` on.
-fn run(session: &mut Session, case: &Case, start: u64) -> Sent {
+fn run(session: &mut FotokiteProSession, case: &Case, start: u64) -> Sent {
     let mut sent = Sent::default();
     let end = case.events.last().expect("a case has events").0;
     let mut events = case.events.iter().peekable();
     for ms in 0..=end {
         let now = at(start + ms);
-        let mut poll = |session: &mut Session| {
+        let mut poll = |session: &mut FotokiteProSession| {
             let mut out = Vec::new();
-            if session.poll(now, &mut out) == NextAction::Reopen {
+            if session.poll(now, &mut out) == UNANSWERED {
                 sent.reopened_at.get_or_insert(ms);
             }
-            if !out.is_empty() {
-                sent.lines.push((ms, out));
-            }
+            sent.lines.extend(out.into_iter().map(|packet| (ms, packet)));
         };
         while let Some((_, event)) = events.next_if(|(time, _)| *time == ms) {
             match event {
-                Event::StationSends(bytes) => session.receive(bytes, now, |_| {}),
-                Event::Asked(rates) => session.set_rates(*rates),
+                Event::StationSends(bytes) => session.received(bytes, now, &mut |_| {}),
+                Event::Asked(rates) => session.request(*rates, None),
                 Event::AskedToEnd => session.close(now),
                 Event::ClientSends(_) | Event::Reopens | Event::Holds(_) | Event::Ends => continue,
             }
@@ -78,7 +78,7 @@ fn expected_bytes(case: &Case) -> Vec<(u64, Vec<u8>)> {
 fn the_start_up_sequence_leaves_byte_for_byte_with_its_waits() {
     for name in ["startup-115200.txt", "startup-9600.txt"] {
         for case in cases(name) {
-            let mut session = Session::open(settings(&case), at(0));
+            let mut session = FotokiteProSession::open(settings(&case), at(0));
             let sent = run(&mut session, &case, 0);
             // Other transcripts cover the rates, which are sent after the start-up.
             let start_up: Vec<_> =
@@ -173,12 +173,12 @@ fn rates_asked_for_leave_as_the_transcript_says() {
 }
 
 /// Opens a session, answers its start-up, and returns the running session with the current time.
-fn settled(settings: SessionSettings) -> (Session, u64) {
-    let mut session = Session::open(settings, at(0));
+fn settled(settings: SessionSettings) -> (FotokiteProSession, u64) {
+    let mut session = FotokiteProSession::open(settings, at(0));
     let mut out = Vec::new();
     for ms in 0..10_000 {
         if ms == 510 {
-            session.receive(b"\r\nnsh> ", at(ms), |_| {});
+            session.received(b"\r\nnsh> ", at(ms), &mut |_| {});
         }
         session.poll(at(ms), &mut out);
     }
@@ -203,20 +203,20 @@ fn the_shut_down_leaves_as_the_transcript_says() {
 
 #[test]
 fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
-    let mut session = Session::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), at(0));
+    let mut session = FotokiteProSession::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), at(0));
     let mut lines = Vec::new();
     for ms in 0..4_000 {
         match ms {
-            510 => session.receive(b"nsh> ", at(ms), |_| {}),
-            700 => session.set_rates(VehicleRates {
-                yaw: AngularRate::from_radians_per_second(0.3),
-                pitch: AngularRate::ZERO,
-            }),
+            510 => session.received(b"nsh> ", at(ms), &mut |_| {}),
+            700 => session.request(
+                VehicleRates { yaw: AngularRate::from_radians_per_second(0.3), pitch: AngularRate::ZERO },
+                None,
+            ),
             _ => {}
         }
         let mut out = Vec::new();
         session.poll(at(ms), &mut out);
-        lines.extend(words(&out));
+        lines.extend(out.iter().flat_map(|packet| words(packet)));
     }
     let rates: Vec<&String> =
         lines.iter().filter(|line| line.starts_with(['Y', 'G']) && !line.starts_with("Get")).collect();
@@ -226,19 +226,19 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
 #[test]
 fn a_ground_station_that_left_remote_control_is_started_again() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    session.receive(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), |_| {});
+    session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), &mut |_| {});
     let mut out = Vec::new();
     session.poll(at(start), &mut out);
-    assert_eq!((words(&out), session.restarts()), (vec!["stop".to_owned()], 1));
+    assert_eq!((words(&out.concat()), session.restarts()), (vec!["stop".to_owned()], 1));
 }
 
 #[test]
 fn telemetry_that_falls_silent_asks_for_the_port_to_be_opened_anew() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    session.receive(b"!GSStatus 10,1.0,11.8,0\r\n", at(start), |_| {});
+    session.received(b"!GSStatus 10,1.0,11.8,0\r\n", at(start), &mut |_| {});
     let mut out = Vec::new();
     assert!(matches!(session.poll(at(start + 2_900), &mut out), NextAction::WaitUntil(_)));
-    assert_eq!(session.poll(at(start + 3_001), &mut out), NextAction::Reopen);
+    assert_eq!(session.poll(at(start + 3_001), &mut out), UNANSWERED);
 }
 
 /// A serial line. It carries a tenth of its baud rate in bytes per second (8 data bits, start bit, stop bit).
@@ -258,12 +258,13 @@ fn worst_case(framing: Framing, baud: u32) -> (f64, f64) {
         if ms % 33 == 0 {
             let wobble = if moving { 0.1 + (ms % 7) as f64 * 0.01 } else { 0.0 };
             let rate = AngularRate::from_radians_per_second(-wobble);
-            session.set_rates(VehicleRates { yaw: rate, pitch: rate });
+            session.request(VehicleRates { yaw: rate, pitch: rate }, None);
         }
         let mut out = Vec::new();
         session.poll(at(start + ms), &mut out);
-        line.waiting_bytes += out.len() as f64;
-        total += out.len() as f64;
+        let bytes = out.concat().len() as f64;
+        line.waiting_bytes += bytes;
+        total += bytes;
         longest_wait_ms = longest_wait_ms.max(line.waiting_bytes / line.bytes_per_ms);
         line.waiting_bytes = (line.waiting_bytes - line.bytes_per_ms).max(0.0);
     }
@@ -296,4 +297,14 @@ fn telemetry_at_9600_baud_is_asked_for_at_2_hz_and_fits() {
     assert_eq!(SessionSettings::for_baud(Framing::CarriageReturns, 115_200).telemetry_per_second, 10.0);
     let never_early = Duration::from_millis(ROOM_MS);
     assert!(never_early < Duration::from_millis(50));
+}
+
+#[test]
+fn the_last_will_stops_the_vehicle_from_any_state() {
+    let (session, _) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
+    let will: Vec<(Vec<String>, u128)> =
+        session.last_will().iter().map(|step| (words(&step.packet), step.pause.as_millis())).collect();
+    let zeros = || vec!["Gimbal 0.000000,0.000000".to_owned(), "Yaw 0.000000".to_owned()];
+    let stop = vec!["stop".to_owned()];
+    assert_eq!(will, [(zeros(), 50), (zeros(), 50), (zeros(), 550), (stop, 0)]);
 }

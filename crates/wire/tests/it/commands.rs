@@ -1,8 +1,9 @@
 //! The bytes of every command.
 
 use barrelman_vocab::AngularRate;
+use barrelman_wire::Framing;
+use barrelman_wire::fotokite_pro::Command;
 use barrelman_wire::fotokite_pro::command::Stream;
-use barrelman_wire::fotokite_pro::{Command, Framing};
 
 use crate::transcript::{fixture, meaningful, rate, unescaped};
 

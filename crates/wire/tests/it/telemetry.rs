@@ -2,7 +2,8 @@
 
 use barrelman_vocab::telemetry::{ControlState, FlightState, Report};
 use barrelman_vocab::{Angle, Timestamp};
-use barrelman_wire::fotokite_pro::{Framing, Session, SessionSettings};
+use barrelman_wire::fotokite_pro::{FotokiteProSession, SessionSettings};
+use barrelman_wire::{Framing, Session as _};
 
 use crate::transcript::{fixture, meaningful, unescaped};
 
@@ -99,10 +100,11 @@ fn received_bytes_mean_what_the_transcript_says() {
     for line in meaningful(&text) {
         let (reads, expected) = line.rsplit_once(" -> ").expect("READS -> MEANING");
         let mut session =
-            Session::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), Timestamp::ZERO);
+            FotokiteProSession::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), Timestamp::ZERO);
         let mut heard = Vec::new();
         for read in reads.split(" | ") {
-            session.receive(&unescaped(read), Timestamp::ZERO, |telemetry| heard.push(telemetry.report));
+            session
+                .received(&unescaped(read), Timestamp::ZERO, &mut |telemetry| heard.push(telemetry.report));
         }
         let expected: Vec<Report> = match expected {
             "nothing" => Vec::new(),

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use barrelman_sim::tick::TICK_S;
 use barrelman_sim::{CameraMount, Scenario};
 use barrelman_trial::logs::TrialLog;
-use barrelman_vocab::{Angle, ImagePoint, VehicleProfile};
+use barrelman_vocab::{Angle, ImagePoint};
 
 use crate::simulator::position_jump::is_jump;
 
@@ -38,7 +38,6 @@ pub(super) struct BearingSample {
 /// Stretches without a valid position are interpolated linearly. Between jumps they stay invalid. Beyond the border
 /// they become valid: the target crossed them at a speed whose mean is that of the interpolation.
 pub(super) fn bearings(log: &TrialLog, scenario: &Scenario) -> Vec<BearingSample> {
-    let profile = VehicleProfile::fotokite_pro();
     let mut mount = CameraMount::at_rest(scenario.mount, Angle::from_degrees(INITIAL_DEPRESSION_DEG));
     let latency_ticks = (scenario.camera.video.latency_s / TICK_S).round() as usize;
     // Pan and tilt of the last ticks: the first are those at which the picture of the current row was taken.
@@ -58,8 +57,8 @@ pub(super) fn bearings(log: &TrialLog, scenario: &Scenario) -> Vec<BearingSample
         }
         let initial = (0.0, -INITIAL_DEPRESSION_DEG.to_radians());
         let (pan, tilt) = history.front().copied().unwrap_or(initial);
-        if let Some(rates) = row.rates {
-            mount.command(profile.from_vehicle(rates));
+        if let Some(command) = row.command {
+            mount.command(command);
         }
         let Some(at) = row.position else { continue };
         let (azimuth, depression) = direction(at, focal_px, pan, tilt);

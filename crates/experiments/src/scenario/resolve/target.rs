@@ -138,6 +138,7 @@ fn built_in_path(key: &str, name: &str) -> Result<Vec<[f64; 2]>, ScenarioError> 
             format!("there is no path {name:?}: use one of {}, or way_points", names.join(", ")),
         ));
     };
-    let file: PathFile = toml::from_str(text).map_err(|error| ScenarioError::Syntax(error.to_string()))?;
+    let file: PathFile = toml::from_str(text)
+        .map_err(|error| ScenarioError::Syntax(crate::toml_message::message_of(&error)))?;
     Ok(file.way_points)
 }

@@ -60,10 +60,11 @@ pub struct StatusSnapshot {
 /// The pilot's mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ModeStatus {
-    /// `idle`, `servoing`, `holding`, `nudging` or `stopped`.
+    /// `idle`, `servoing`, `holding`, `nudging`, `searching`, `calibrating` or `stopped`.
     pub name: &'static str,
-    /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`; of stopped:
-    /// `operator`, `ending`, `video-ended`, `fault`; otherwise `null`.
+    /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`, `dry-run`,
+    /// `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`, `video-ended`, `fault`,
+    /// `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`; otherwise `null`.
     pub cause: Option<&'static str>,
     /// Whether the pilot is engaged (servoing or holding).
     pub engaged: bool,
@@ -154,7 +155,7 @@ pub struct LinkStatus {
     pub tilt_deg: Option<f64>,
     /// Altitude of the vehicle, metres.
     pub altitude_m: Option<f64>,
-    /// `idle`, `flying`, `emergency` or `other`.
+    /// `idle`, `flying`, `landing`, `emergency` or `other`.
     pub flight: Option<&'static str>,
 }
 

@@ -335,7 +335,7 @@ fn events_and_snapshots_follow_each_other() {
     block_on(async {
         let mut page = Page::open(&session, WATCH_TOKEN, "").await;
         session.step(&idle(at(40)));
-        assert_eq!(page.next_of("event").await["text"], "idle");
+        assert_eq!(page.next_of("event").await["text"], "disengaged");
         session.step(&idle(at(80)));
         session.step(&idle(at(120)));
         // A page gets the newest, which may be the first or the last of three.

@@ -59,6 +59,8 @@ fn each_mode_has_its_name_and_cause() {
     for ((mode, name), cause, engaged) in [
         ((Mode::Idle, "idle"), None, false),
         ((Mode::Nudging, "nudging"), None, false),
+        ((Mode::Searching, "searching"), None, false),
+        ((Mode::Calibrating, "calibrating"), None, false),
         ((Mode::Servoing, "servoing"), None, true),
         (holding(HoldCause::NoSelection), Some("no-selection"), true),
         (holding(HoldCause::TrackLost), Some("track-lost"), true),
@@ -66,10 +68,20 @@ fn each_mode_has_its_name_and_cause() {
         (holding(HoldCause::VideoStale), Some("video-stale"), true),
         (holding(HoldCause::VideoSilent), Some("video-silent"), true),
         (holding(HoldCause::Confirming), Some("confirming"), true),
+        (holding(HoldCause::DryRun), Some("dry-run"), true),
+        (holding(HoldCause::LinkDown), Some("link-down"), true),
+        (holding(HoldCause::NoControl), Some("no-control"), true),
+        (holding(HoldCause::Emergency), Some("emergency"), true),
+        (holding(HoldCause::Landing), Some("landing"), true),
         (stopped(StopCause::Operator), Some("operator"), false),
         (stopped(StopCause::Ending), Some("ending"), false),
         (stopped(StopCause::VideoEnded), Some("video-ended"), false),
         (stopped(StopCause::Fault), Some("fault"), false),
+        (stopped(StopCause::ControlLost), Some("control-lost"), false),
+        (stopped(StopCause::VehicleRestarted), Some("vehicle-restarted"), false),
+        (stopped(StopCause::Emergency), Some("emergency"), false),
+        (stopped(StopCause::Landing), Some("landing"), false),
+        (stopped(StopCause::BatteryLow), Some("battery-low"), false),
     ] {
         let status = status_after(Outcome { mode, ..idle(at(0)) });
         assert_eq!(status["mode"], json!({"name": name, "cause": cause, "engaged": engaged}));
@@ -203,6 +215,7 @@ fn telemetry_is_given_in_volts_degrees_and_metres() {
     for (flight, name) in [
         (FlightState::Idle, "idle"),
         (FlightState::Flying, "flying"),
+        (FlightState::Landing, "landing"),
         (FlightState::Emergency, "emergency"),
         (FlightState::Other(9), "other"),
     ] {

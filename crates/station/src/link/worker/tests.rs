@@ -2,12 +2,12 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
-use std::rc::Rc;
 
 use barrelman_host::fault::FaultPlan;
-use barrelman_vocab::{AngularRate, VehicleRates};
-use barrelman_wire::fotokite_pro::Framing;
+use barrelman_vocab::{AngularRate, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings};
+use barrelman_wire::fotokite_pro::session::STOP_DELAY;
+use barrelman_wire::{ByteProtocol, ByteSession, Framing};
 
 use super::super::dead_mans_switch::RequestedRates;
 use super::super::url::Endpoint;
@@ -97,6 +97,8 @@ impl Bench {
 
 impl PortIo for &Bench {
     type Port = BenchPort;
+    type Sent = Vec<u8>;
+    type Received = [u8];
 
     fn now(&self) -> Timestamp {
         self.now.get()
@@ -107,7 +109,7 @@ impl PortIo for &Bench {
         self.is_plugged.get().then_some(BenchPort).ok_or_else(unreachable)
     }
 
-    fn write_all(&self, _: &mut BenchPort, bytes: &[u8]) -> io::Result<()> {
+    fn send(&self, _: &mut BenchPort, bytes: &Vec<u8>) -> io::Result<()> {
         if !self.is_plugged.get() {
             return Err(Bench::gone());
         }
@@ -127,15 +129,12 @@ impl PortIo for &Bench {
         Ok(())
     }
 
-    fn read(&self, _: &mut BenchPort, buffer: &mut [u8]) -> io::Result<usize> {
+    fn receive(&self, _: &mut BenchPort, each: &mut dyn FnMut(&[u8])) -> io::Result<()> {
         if !self.is_plugged.get() {
             return Err(Bench::gone());
         }
-        let mut incoming = self.incoming.borrow_mut();
-        let read = incoming.len().min(buffer.len());
-        buffer[..read].copy_from_slice(&incoming[..read]);
-        incoming.drain(..read);
-        Ok(read)
+        each(&self.incoming.take());
+        Ok(())
     }
 
     fn wait(&self, port: Option<&BenchPort>, wait: Duration) -> bool {
@@ -186,6 +185,11 @@ impl Served {
 
 /// Runs the link thread through a script of times in milliseconds and actions.
 fn serve(faults: &str, script: &[(u64, Action)]) -> Served {
+    serve_with_room(faults, script, None)
+}
+
+/// The same with a loop that has no room for reports before a time.
+fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<u64>) -> Served {
     let mailbox = Arc::new(Mailbox::new().unwrap());
     let bench = Bench {
         mailbox: Arc::clone(&mailbox),
@@ -198,31 +202,41 @@ fn serve(faults: &str, script: &[(u64, Action)]) -> Served {
         lines: RefCell::default(),
         rates: RefCell::default(),
     };
-    let reports = Rc::new(RefCell::new(Vec::new()));
-    let reported = Rc::clone(&reports);
-    let worker = Worker {
+    let (bench, reports) = (&bench, RefCell::new(Vec::new()));
+    let reported = &reports;
+    let protocol = ByteProtocol {
+        protocol: VehicleProfile::fotokite_pro().protocol,
+        framing: Framing::LineFeed,
+        baud: 115_200,
+    };
+    let worker: Worker<ByteSession, _, _> = Worker {
         url: LinkUrl {
             endpoint: Endpoint::Tcp { address: "bench:1".to_owned() },
             faults: FaultPlan::parse(faults).unwrap(),
         },
-        settings: SessionSettings::for_baud(Framing::LineFeed, 115_200),
+        open_session: Box::new(move |now| protocol.open(now)),
         mailbox: Arc::clone(&mailbox),
-        io: &bench,
+        io: bench,
         report: move |report| {
             let text = match report {
                 LinkReport::Telemetry(Telemetry { report: Report::Link(state), .. }) => format!("{state:?}"),
-                LinkReport::Telemetry(_) => return,
+                LinkReport::Telemetry(_) => return true,
                 LinkReport::Lost(reason) => format!("lost: {reason}"),
                 LinkReport::Panicked => "panicked".to_owned(),
             };
-            reported.borrow_mut().push(text);
+            let mut reported = reported.borrow_mut();
+            let is_taken = room_from_ms.is_none_or(|ms| bench.now.get() >= at(ms));
+            if is_taken {
+                reported.push(text);
+            }
+            is_taken
         },
     };
     worker.run(BenchPort);
     Served {
         is_stop_sent: mailbox.is_stop_sent(),
-        lines: bench.lines.into_inner(),
-        rates: bench.rates.into_inner(),
+        lines: bench.lines.take(),
+        rates: bench.rates.take(),
         reports: reports.take(),
     }
 }
@@ -299,4 +313,46 @@ fn a_panic_sends_the_emergency_stop() {
     let zeros = ["Gimbal", "Yaw"];
     assert_eq!(served.last_lines(7), [&zeros[..], &zeros, &zeros, &["stop"]].concat());
     served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn a_change_of_the_link_that_found_no_room_is_reported_when_there_is_some() {
+    let script = [(5_000, Unplug), (6_000, Plug), (12_000, Close)];
+    let served = serve_with_room("", &script, Some(9_000));
+    assert_eq!(served.reports, ["Up", "Closing", "Closed"]);
+}
+
+#[test]
+fn a_panic_is_reported_as_soon_as_there_is_room() {
+    let served = serve_with_room("panic@5", &[(UP_MS, Request(MOVING, 60_000))], Some(8_000));
+    assert_eq!(served.reports, ["panicked"]);
+    served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn a_panic_does_not_wait_for_a_loop_that_closes_the_link() {
+    let script = [(UP_MS, Request(MOVING, 60_000)), (8_000, Close)];
+    let served = serve_with_room("panic@5", &script, Some(u64::MAX / 1_000_000));
+    assert!(served.reports.is_empty());
+    served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn a_stalled_line_carries_nothing_in_either_direction_and_gives_no_error() {
+    let script = [(UP_MS, Request(MOVING, 5_000)), (20_000, Close)];
+    let served = serve("stall@4.5+2", &script);
+    let during = |time: &Timestamp| *time >= at(4_500) && *time < at(6_500);
+    assert!(!served.lines.iter().any(|(time, _)| during(time)), "{:?}", served.lines);
+    let (rest_at, rates) = *served.rates.last().unwrap();
+    assert_eq!(rates, VehicleRates::REST, "{:?}", served.rates);
+    assert!(rest_at >= at(6_500) && rest_at <= at(7_100), "the camera turned until then: {rest_at}");
+    assert_eq!(served.reports, ["Starting", "Up", "Closing", "Closed"]);
+}
+
+#[test]
+fn a_line_that_stalls_for_long_ends_the_session() {
+    let served = serve("stall@4.5+6", &[(20_000, Close)]);
+    let lost = "lost: the ground station does not answer";
+    assert_eq!(served.reports[..5], ["Starting", "Up", "Opening", lost, "Starting"]);
+    assert_eq!(served.reports[6..], ["Starting", "Up", "Closing", "Closed"], "the second attempt is heard");
 }

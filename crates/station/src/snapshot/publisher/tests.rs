@@ -314,7 +314,7 @@ fn changes_of_mode_and_track_are_logged_once() {
         step(&mut publisher, &Outcome { mode, track, ..idle(at(0)) });
     }
     let expected = [
-        (Level::Info, "mode", "idle"),
+        (Level::Info, "mode", "disengaged"),
         (Level::Info, "track", "track: tracking"),
         (Level::Info, "mode", "servoing"),
         (Level::Warning, "mode", "holding: coasting"),

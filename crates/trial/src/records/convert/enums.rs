@@ -1,6 +1,7 @@
 //! Enums without data, to and from their stored forms.
 
 use barrelman_control::Sector;
+use barrelman_pilot::CommandPath;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
@@ -48,6 +49,11 @@ variants!(StopCause, StopCause, "stop_cause", [
     StopCause::Ending => Ending,
     StopCause::VideoEnded => VideoEnded,
     StopCause::Fault => Fault,
+    StopCause::ControlLost => ControlLost,
+    StopCause::VehicleRestarted => VehicleRestarted,
+    StopCause::Emergency => Emergency,
+    StopCause::Landing => Landing,
+    StopCause::BatteryLow => BatteryLow,
 ]);
 variants!(LinkState, LinkState, "link", [
     LinkState::Opening => Opening,
@@ -63,6 +69,17 @@ variants!(HoldCause, HoldCause, "hold_cause", [
     HoldCause::VideoStale => VideoStale,
     HoldCause::VideoSilent => VideoSilent,
     HoldCause::Confirming => Confirming,
+    HoldCause::DryRun => DryRun,
+    HoldCause::LinkDown => LinkDown,
+    HoldCause::NoControl => NoControl,
+    HoldCause::Emergency => Emergency,
+    HoldCause::Landing => Landing,
+]);
+variants!(CommandPath, CommandPath, "command_path", [
+    CommandPath::Unknown => Unknown,
+    CommandPath::Simulated => Simulated,
+    CommandPath::Link => Link,
+    CommandPath::DryRun => DryRun,
 ]);
 variants!(LawId, LawId, "law", [
     LawId::MotorSchema => MotorSchema,

@@ -21,6 +21,8 @@ impl From<&RecordedOutcome> for stored::Outcome {
             Mode::Idle => stored::Mode::Idle,
             Mode::Servoing => stored::Mode::Servoing,
             Mode::Nudging => stored::Mode::Nudging,
+            Mode::Searching => stored::Mode::Searching,
+            Mode::Calibrating => stored::Mode::Calibrating,
             Mode::Holding(why) => {
                 hold = why.into();
                 stored::Mode::Holding
@@ -68,6 +70,8 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
             stored::Mode::Idle => Mode::Idle,
             stored::Mode::Servoing => Mode::Servoing,
             stored::Mode::Nudging => Mode::Nudging,
+            stored::Mode::Searching => Mode::Searching,
+            stored::Mode::Calibrating => Mode::Calibrating,
             stored::Mode::Holding => Mode::Holding(outcome.hold_cause().try_into()?),
             stored::Mode::Stopped => Mode::Stopped(outcome.stop_cause().try_into()?),
         };

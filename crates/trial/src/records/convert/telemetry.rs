@@ -36,6 +36,7 @@ impl From<&Telemetry> for stored::TelemetryInput {
                 let (state, mode) = match state {
                     FlightState::Idle => (stored::FlightState::Idle, 0),
                     FlightState::Flying => (stored::FlightState::Flying, 0),
+                    FlightState::Landing => (stored::FlightState::Landing, 0),
                     FlightState::Emergency => (stored::FlightState::Emergency, 0),
                     FlightState::Other(mode) => (stored::FlightState::Other, mode),
                 };
@@ -82,6 +83,7 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
                 state: match stored::FlightState::try_from(flight.state).map_err(|_| missing("state"))? {
                     stored::FlightState::Idle => FlightState::Idle,
                     stored::FlightState::Flying => FlightState::Flying,
+                    stored::FlightState::Landing => FlightState::Landing,
                     stored::FlightState::Emergency => FlightState::Emergency,
                     stored::FlightState::Other => FlightState::Other(flight.mode),
                 },

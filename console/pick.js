@@ -1,0 +1,42 @@
+// The page on which the operator draws the box around the boat in one picture of a video file.
+
+import { askForToken, enter } from "./access.js";
+import { Stage } from "./stage.js";
+import { fillWords, words } from "./words.js";
+
+const at = (id) => document.getElementById(id);
+fillWords();
+
+const stage = new Stage(at("picture"));
+let box = null;
+
+function toast(text) {
+  at("toast").textContent = text;
+  clearTimeout(toast.timer);
+  toast.timer = setTimeout(() => (at("toast").textContent = ""), 6000);
+}
+
+stage.addEventListener("say", ({ detail }) => toast(words.reasons[detail]));
+stage.addEventListener("select", ({ detail }) => {
+  box = detail.box.map(Math.round);
+  stage.kept = box;
+  stage.redraw();
+  at("box").textContent = words.pickBox(box);
+  at("take").disabled = false;
+});
+at("zoom-in").addEventListener("click", () => stage.zoomBy(1.5));
+at("zoom-out").addEventListener("click", () => stage.zoomBy(1 / 1.5));
+at("zoom-reset").addEventListener("click", () => stage.resetZoom());
+at("take").addEventListener("click", async () => {
+  const body = JSON.stringify({ box });
+  const answer = await fetch("/api/v1/selection", { method: "POST", headers: { "Content-Type": "application/json" }, body }).catch(() => null);
+  if (!answer?.ok) return toast(answer ? await answer.text() : words.reasons.notConnected);
+  at("take").disabled = true;
+  at("hint").textContent = words.pickDone;
+  document.documentElement.dataset.picked = box.join();
+});
+
+at("hint").textContent = words.pickHint;
+if (!(await enter())) await askForToken(words);
+const answer = await fetch("/api/v1/frame");
+stage.show(await createImageBitmap(await answer.blob()), 0, { captured: 0, snapshot: null });

@@ -1,0 +1,119 @@
+//! What the pilot knows of the vehicle and of the way its commands take: whether they reach a camera that may move.
+//!
+//! ```text
+//!   level: rests the camera as long as it lasts         edge: ends the engagement, until the next Engage
+//!   dry run                                             control was taken away
+//!   link not up                                         the vehicle restarted
+//!   commands not accepted                               an emergency, or a landing, begins
+//!   landing, emergency                                  a battery becomes low
+//! ```
+//!
+//! A vehicle's protocol that does not know some of these never reports them.
+
+use barrelman_vocab::StopCause;
+use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
+
+use crate::outcome::HoldCause;
+
+/// Where the commands of a pilot go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum CommandPath {
+    /// To a simulated camera, which is always there.
+    #[default]
+    Simulated,
+    /// Over a link that reports its state. It is not up until it says so.
+    Link,
+    /// Nowhere: a dry run shows advice only.
+    DryRun,
+    /// A recording of before pilots knew: the commands count as executed.
+    Unknown,
+}
+
+/// The vehicle's clock may be reported this much earlier than before without a restart, seconds.
+const UPTIME_TOLERANCE_S: f64 = 1.0;
+
+/// The newest state of the vehicle and its link.
+#[derive(Debug, Clone, Copy)]
+pub struct VehicleState {
+    path: CommandPath,
+    link: LinkState,
+    /// Since the link came up.
+    control: Option<ControlState>,
+    uptime_s: Option<f64>,
+    flight: Option<FlightState>,
+    is_battery_low: bool,
+}
+
+impl VehicleState {
+    /// The state at the start of a run.
+    pub const fn new(path: CommandPath) -> Self {
+        Self {
+            path,
+            link: LinkState::Opening,
+            control: None,
+            uptime_s: None,
+            flight: None,
+            is_battery_low: false,
+        }
+    }
+
+    /// Where the commands go.
+    pub const fn path(&self) -> CommandPath {
+        self.path
+    }
+
+    /// Takes a report. Returns why an engagement ends by it.
+    pub fn on_report(&mut self, report: &Report) -> Option<StopCause> {
+        if self.path != CommandPath::Link {
+            return None;
+        }
+        match *report {
+            Report::Link(link) => {
+                self.link = link;
+                if link != LinkState::Up {
+                    self.control = None;
+                }
+                None
+            }
+            Report::Ground { control, uptime_s, .. } => {
+                let last_uptime_s = self.uptime_s.replace(uptime_s);
+                let has_restarted = last_uptime_s.is_some_and(|last| uptime_s < last - UPTIME_TOLERANCE_S);
+                // The start-up sequence gives the control away and takes it.
+                let counted = (self.link == LinkState::Up).then_some(control);
+                let before = core::mem::replace(&mut self.control, counted);
+                let is_taken = before == Some(ControlState::Ours) && counted == Some(ControlState::NotOurs);
+                match (has_restarted, is_taken) {
+                    (true, _) => Some(StopCause::VehicleRestarted),
+                    (false, true) => Some(StopCause::ControlLost),
+                    (false, false) => None,
+                }
+            }
+            Report::Flight { state, is_battery_low, .. } => {
+                let begins = self.flight.replace(state) != Some(state);
+                let becomes_low = is_battery_low && !self.is_battery_low;
+                self.is_battery_low = is_battery_low;
+                match state {
+                    FlightState::Emergency if begins => Some(StopCause::Emergency),
+                    FlightState::Landing if begins => Some(StopCause::Landing),
+                    _ => becomes_low.then_some(StopCause::BatteryLow),
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// Why no command may move the camera now; `None`: commands reach a camera that may move.
+    pub fn obstacle(&self) -> Option<HoldCause> {
+        match self.path {
+            CommandPath::Simulated | CommandPath::Unknown => None,
+            CommandPath::DryRun => Some(HoldCause::DryRun),
+            CommandPath::Link if self.link != LinkState::Up => Some(HoldCause::LinkDown),
+            CommandPath::Link => match (self.control, self.flight) {
+                (Some(ControlState::NotOurs), _) => Some(HoldCause::NoControl),
+                (_, Some(FlightState::Emergency)) => Some(HoldCause::Emergency),
+                (_, Some(FlightState::Landing)) => Some(HoldCause::Landing),
+                _ => None,
+            },
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The video frames of a replay: decoded from the recording, or rendered again where the recording holds none.
+
+use anyhow::{Context, Result, bail};
+use barrelman_experiments::campaign::recorded_trial;
+use barrelman_trial::campaign::WorldReplay;
+use barrelman_trial::records::{FrameFingerprint, RecordedOutcome, RecordingStart, SimulatedTrial};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates, VideoFrame};
+
+use super::stored_video::StoredVideo;
+
+/// Where a replay takes its video frames from.
+pub struct ReplayedVideo {
+    stored: StoredVideo,
+    /// Whether the recording holds video.
+    has_units: bool,
+    /// The recorded simulated trial, if the recording says which.
+    trial: Option<SimulatedTrial>,
+    /// Whether the recording is of a simulated trial, as far as its address tells.
+    is_simulated: bool,
+    world: Option<Box<WorldReplay<'static>>>,
+    /// The recorded commands before the first frame.
+    early_commands: Vec<(Timestamp, VehicleRates)>,
+}
+
+impl ReplayedVideo {
+    /// The video of a recording with this start.
+    pub fn new(stored: StoredVideo, start: &RecordingStart) -> Self {
+        Self {
+            stored,
+            has_units: false,
+            trial: start.trial.clone(),
+            is_simulated: start.video.starts_with("sim:") && !start.live_video,
+            world: None,
+            early_commands: Vec::new(),
+        }
+    }
+
+    /// Whether frames were rendered again.
+    pub const fn is_rendered(&self) -> bool {
+        self.world.is_some()
+    }
+
+    /// Adds the next unit of the recording.
+    ///
+    /// # Errors
+    /// As [`StoredVideo::add`].
+    pub fn add(&mut self, unit: EncodedUnit) -> Result<()> {
+        self.has_units = true;
+        self.stored.add(unit)
+    }
+
+    /// Adds a recorded outcome, whose command moves the camera of a world that is rendered again.
+    pub fn command(&mut self, outcome: &RecordedOutcome) {
+        match &mut self.world {
+            Some(world) => world.command(outcome.at, outcome.rates),
+            // A simulated operator selects within seconds: frames come early.
+            None if self.trial.is_some() && !self.has_units => {
+                self.early_commands.push((outcome.at, outcome.rates));
+            }
+            None => {}
+        }
+    }
+
+    /// The frame of a fingerprint.
+    ///
+    /// # Errors
+    /// If the recording neither holds the frame nor says how to render it, or if its picture is another than the recorded
+    /// one.
+    pub fn frame(&mut self, fingerprint: &FrameFingerprint) -> Result<VideoFrame> {
+        if self.has_units {
+            return self.stored.frame(fingerprint);
+        }
+        let Some(trial) = &self.trial else {
+            if self.is_simulated {
+                bail!(
+                    "it is a simulated trial in pixels, whose recording holds no pictures, made by a program that did not \
+                     store scenario and settings with it: run the trial again with `barrelman trials ... --record DIR`, or \
+                     look at its film, the .mp4 beside it"
+                );
+            }
+            return self.stored.frame(fingerprint);
+        };
+        if self.world.is_none() {
+            let mut world =
+                recorded_trial::world_of(trial).context("its pictures cannot be rendered again")?;
+            for (at, rates) in self.early_commands.drain(..) {
+                world.command(at, rates);
+            }
+            self.world = Some(Box::new(world));
+        }
+        let (sequence, captured) = (fingerprint.sequence, fingerprint.capture.at);
+        let frame = self.world.as_mut().and_then(|world| world.frame(sequence, captured));
+        let Some(mut frame) = frame else {
+            bail!(
+                "the world that was rendered again has no video frame {sequence}: the simulator has changed since"
+            );
+        };
+        if FrameFingerprint::from_frame(&frame).luma_hash != fingerprint.luma_hash {
+            bail!(
+                "video frame {sequence} is rendered to another picture than in the recorded run: the simulator has changed since"
+            );
+        }
+        frame.capture = fingerprint.capture;
+        Ok(frame)
+    }
+}

@@ -1,0 +1,31 @@
+//! What must not be there: a room that knows the protocol of one vehicle.
+
+use std::fs;
+use std::path::Path;
+
+/// Adds the source files of a folder and the folders in it.
+fn add_sources(folder: &Path, sources: &mut Vec<(String, String)>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            add_sources(&path, sources);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            sources.push((path.to_string_lossy().into_owned(), fs::read_to_string(&path).unwrap()));
+        }
+    }
+}
+
+#[test]
+fn only_the_emulator_names_the_protocol_of_a_vehicle() {
+    let mut sources = Vec::new();
+    add_sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut sources);
+    assert!(sources.len() > 100, "only {} files", sources.len());
+    let knows = |text: &str| text.contains("barrelman_wire::fotokite") || text.contains("Protocol::Fotokite");
+    let (emulator, others): (Vec<_>, Vec<_>) =
+        sources.iter().filter(|(_, text)| knows(text)).partition(|(path, _)| path.contains("/emulator/"));
+    assert!(!emulator.is_empty(), "the test finds what it looks for");
+    // The tests of the link thread put the vehicle's other end behind a port.
+    let others: Vec<&String> =
+        others.iter().map(|(path, _)| path).filter(|path| !path.ends_with("tests.rs")).collect();
+    assert!(others.is_empty(), "{others:?}");
+}

@@ -1,0 +1,34 @@
+//! The protocols of ports that carry bytes: the only place that chooses a session by the profile's [`Protocol`].
+
+use barrelman_vocab::Timestamp;
+use barrelman_vocab::profile::Protocol;
+
+use crate::fotokite_pro::{FotokiteProSession, SessionSettings};
+use crate::framing::Framing;
+use crate::session::Session;
+
+/// A session over bytes: a serial port, a TCP connection, or datagrams.
+pub type ByteSession = dyn Session<Sent = Vec<u8>, Received = [u8]>;
+
+/// A protocol over bytes, with what its sessions have to know about the line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ByteProtocol {
+    /// The protocol.
+    pub protocol: Protocol,
+    /// The framing of text lines, where the protocol has some.
+    pub framing: Framing,
+    /// What the line carries, bits per second.
+    pub baud: u32,
+}
+
+impl ByteProtocol {
+    /// A session on a newly opened port.
+    pub fn open(&self, now: Timestamp) -> Box<ByteSession> {
+        match self.protocol {
+            Protocol::FotokitePro => {
+                let settings = SessionSettings::for_baud(self.framing, self.baud);
+                Box::new(FotokiteProSession::open(settings, now))
+            }
+        }
+    }
+}

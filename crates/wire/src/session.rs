@@ -1,0 +1,72 @@
+//! The seam between a vehicle's protocol and the program: what a link does, without ports, threads and clocks.
+//!
+//! A [`Session`] is one conversation with a vehicle, from the opened port to its end. The worker around it owns the
+//! port and the clock, and decides nothing:
+//!
+//! ```text
+//!                   request(rates, renew_by), close
+//!   worker ------------------------------------------------> Session
+//!   worker -- received(packet, now) --> Session -- reports --> pilot
+//!   worker <-- packets, when to call again --- poll(now) --- Session
+//! ```
+//!
+//! A packet is what the vehicle's port carries at once: a few bytes of a stream, a datagram, or a request and its
+//! answer. The session names both types, so that a port of another kind does not fit it.
+//!
+//! All rates are in the vehicle's own signs. The dead-man's switch is not here: the worker requests rest when rates were
+//! not renewed in time. A protocol whose commands expire by themselves also uses `renew_by`.
+
+use core::time::Duration;
+
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+
+/// One conversation with a vehicle.
+pub trait Session {
+    /// What the session sends: a packet.
+    type Sent;
+    /// What the session receives: a packet, or a part of a stream of bytes.
+    type Received: ?Sized;
+
+    /// Appends the packets that are due now to `out`, and returns the worker's next action.
+    fn poll(&mut self, now: Timestamp, out: &mut Vec<Self::Sent>) -> NextAction;
+
+    /// Processes a received packet, and passes each report of the vehicle to `report`.
+    fn received(&mut self, packet: &Self::Received, now: Timestamp, report: &mut dyn FnMut(Telemetry));
+
+    /// Sets the target rates, which replace those before. They are sent once the session is up, and are renewed or
+    /// replaced until `renew_by`; `None`: rest, which needs no renewal.
+    fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>);
+
+    /// Begins the shut-down: rest, and the vehicle's own stop where it has one.
+    fn close(&mut self, now: Timestamp);
+
+    /// The state of the link.
+    fn link_state(&self) -> LinkState;
+
+    /// The packets that stop the vehicle from any state, each with the pause after it: for a session that has failed.
+    fn last_will(&self) -> Vec<WillStep<Self::Sent>>;
+}
+
+/// The worker's next action after [`Session::poll`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NextAction {
+    /// Poll again at this time at the latest, or earlier after a received packet or new rates.
+    WaitUntil(Timestamp),
+    /// The conversation has failed, for this reason: reopen the port and begin a new session.
+    Reopen {
+        /// The reason, in words.
+        reason: &'static str,
+    },
+    /// The shut-down is complete: close the port.
+    Closed,
+}
+
+/// A packet of a last will.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WillStep<P> {
+    /// The packet.
+    pub packet: P,
+    /// The time until the next packet, or until the port may be closed.
+    pub pause: Duration,
+}
