@@ -86,18 +86,16 @@ impl Workspace {
         let is_plausible = self.refined.probability > MIN_TIGHTENING_PROBABILITY
             && refined.w >= MIN_TIGHTENED_PX.0
             && refined.h >= MIN_TIGHTENED_PX.1;
-        if is_plausible && refined.iou(dragged) < MAX_KEPT_IOU {
-            let (target, colours) = self.learn_box(config, frame, refined);
-            return (target, colours, refined);
-        }
-        if target.reference.is_none() && is_plausible {
-            let (tightened, its_colours) = self.learn_box(config, frame, refined);
-            if tightened.reference.is_some() {
-                return (tightened, its_colours, refined);
-            }
-            let (target, colours) = self.learn_box(config, frame, dragged);
+        let is_off = refined.iou(dragged) < MAX_KEPT_IOU;
+        if !is_plausible || !is_off && target.reference.is_some() {
             return (target, colours, dragged);
         }
+        let (tightened, its_colours) = self.learn_box(config, frame, refined);
+        if is_off || tightened.reference.is_some() {
+            return (tightened, its_colours, refined);
+        }
+        // Window and references of the workspace have to be those of the box that is used.
+        let (target, colours) = self.learn_box(config, frame, dragged);
         (target, colours, dragged)
     }
 
