@@ -30,7 +30,7 @@ use super::files;
 use super::guard::Hosts;
 use super::limits::MAX_MESSAGE_BYTES;
 use super::links::link_for_control;
-use super::routes::{guarded, may_enter};
+use super::routes::{guarded, may_enter, require_json};
 use super::server::serve;
 use super::settings::ConsoleSettings;
 use crate::jpeg;
@@ -138,10 +138,8 @@ async fn selection(State(picker): Shared, headers: HeaderMap, body: Bytes) -> Re
         }
         Err(response) => return *response,
     }
-    // A page of another origin can send text without asking first, but not JSON.
-    let kind = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    if !kind.starts_with("application/json") {
-        return (StatusCode::UNSUPPORTED_MEDIA_TYPE, "send Content-Type: application/json\n").into_response();
+    if let Err(response) = require_json(&headers) {
+        return *response;
     }
     let selection: Selection = match serde_json::from_slice(&body) {
         Ok(selection) => selection,

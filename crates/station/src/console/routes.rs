@@ -168,15 +168,23 @@ async fn metrics(State(console): Shared, headers: HeaderMap) -> Response {
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], metrics_text(&status, clients)).into_response()
 }
 
+/// Requires a body of JSON: a page of another origin can send text without asking first, but not JSON.
+pub(super) fn require_json(headers: &HeaderMap) -> Result<(), Box<Response>> {
+    let kind = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    if kind.starts_with("application/json") {
+        return Ok(());
+    }
+    let text = "send Content-Type: application/json\n";
+    Err(Box::new((StatusCode::UNSUPPORTED_MEDIA_TYPE, text).into_response()))
+}
+
 async fn requests(State(console): Shared, headers: HeaderMap, body: Bytes) -> Response {
     let role = match role_of(&console, &headers) {
         Ok(role) => role,
         Err(response) => return *response,
     };
-    // A page of another origin can send text without asking first, but not JSON.
-    let kind = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    if !kind.starts_with("application/json") {
-        return (StatusCode::UNSUPPORTED_MEDIA_TYPE, "send Content-Type: application/json\n").into_response();
+    if let Err(response) = require_json(&headers) {
+        return *response;
     }
     let body: RequestBody = match serde_json::from_slice(&body) {
         Ok(body) => body,
