@@ -66,7 +66,7 @@ impl Licences {
     }
 
     /// The operator consents to a purpose. Consent to follow ends every other purpose, and a stop. The others need a
-    /// camera that nobody moves; a search may take the place of following.
+    /// camera without a licence; a search may take the place of following.
     ///
     /// # Errors
     /// The reason, if another purpose or a stop is in the way. Nothing changes then.

@@ -144,7 +144,7 @@ pub enum Refusal {
     Engaged,
     /// A nudge while the pilot is stopped.
     Stopped,
-    /// A nudge without fresh video: nobody can see what the camera looks at.
+    /// A nudge without fresh video: the operator cannot see what the camera looks at.
     NoFreshVideo,
     /// No object is followed that could be rejected.
     NothingToReject,

@@ -228,7 +228,7 @@ impl VehicleProfile {
         self
     }
 
-    /// What the vehicle can execute of a command, whoever gave it. Rates above their limit are reduced to it. A rate
+    /// What the vehicle can execute of a command of any source. Rates above their limit are reduced to it. A rate
     /// below the least rate of its axis becomes the least rate, or zero if it is less than half of it. With a reported
     /// tilt, no rate leads beyond an end stop.
     pub fn executable(&self, command: CameraCommand, tilt: Option<Angle>) -> CameraCommand {

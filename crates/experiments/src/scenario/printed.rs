@@ -1,8 +1,8 @@
 //! The text of a scenario with every key that its file may have: what `barrelman scenarios NAME` prints.
 //!
 //! A built-in file leaves out keys that have a default. The printed text holds them, each with its default and its
-//! meaning; a key without a default is a comment. So the printed file is a start for a scenario of one's own, and the same
-//! scenario as the built-in one. The built-in text itself stays as it is: its hash identifies campaigns.
+//! meaning; a key without a default is a comment. So the printed file is the same scenario as the
+//! built-in one, and a start for another scenario. The built-in text itself stays as it is: its hash identifies campaigns.
 
 use std::collections::BTreeSet;
 
