@@ -1,9 +1,10 @@
-//! Which clips are judged together, and which are of one recording.
+//! Which clips are judged together, which are of one recording, and where a label shows what cannot be seen.
 //!
 //! Clips of one recording, one flight or one site resemble each other. A mean over recordings counts each recording
 //! once, with the mean of its clips.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use super::clips::ClipFolder;
 use crate::statistics::mean;
@@ -35,6 +36,15 @@ const RECORDINGS: [(&str, &str); 4] = [
     ("uav123_truck4_", "uav123_truck4"),
     ("uav123_wakeboard", "uav123_wakeboard"),
 ];
+
+/// Clips with a label in frames in which more than half of the target is hidden, and those frames: here a bar that was
+/// drawn over the boat.
+const HIDDEN: [(&str, Range<usize>); 1] = [("stress_redboat_glare_occl", 101..119)];
+
+/// The frames of a clip in which more than half of the target is hidden although it is labelled.
+pub(crate) fn hidden_frames(clip: &str) -> Range<usize> {
+    HIDDEN.iter().find(|(name, _)| *name == clip).map_or(0..0, |(_, frames)| frames.clone())
+}
 
 /// The recording that a clip belongs to.
 pub(crate) fn recording_of(clip: &str) -> &str {

@@ -5,7 +5,8 @@
 //! *Refused*: the pilot says that it follows nothing. *Lost*: confirmed, but the pilot says that the target is lost when
 //! it is judged. *Wrong*: confirmed, and the box does not overlap the truth. Ten start frames of each clip, evenly spread
 //! over those from which the target stays visible until 1 s after the confirmation can come. In a clip with sparse labels
-//! the start frames are labelled ones, and the track is judged on the next labelled frame.
+//! the start frames are labelled ones, and the track is judged on the next labelled frame. A target of which more than
+//! half is hidden is not visible, whether or not it is labelled: no track can be judged by what cannot be seen.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -18,6 +19,7 @@ use barrelman_vocab::{DrawnSelection, OperatorRequest, PixelBox, Timestamp, Vehi
 use clap::Args;
 use serde_json::json;
 
+use super::clip_sets::hidden_frames;
 use super::clips::{Clip, list_clips};
 use super::scoring::Label;
 use crate::output::print_line;
@@ -169,13 +171,14 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
     Ok(boats.wrong == 0 && 20 * boats.refused <= count && 20 * boats.right >= 19 * count)
 }
 
-/// The truth of each frame that is labelled as visible.
+/// The truth of each frame that is labelled as visible, and in which at most half of the target is hidden.
 fn visible(clip: &Clip) -> Vec<Option<PixelBox>> {
-    let bounds = |label: &Option<Label>| match label {
-        Some(Label::Visible(bounds)) => Some(*bounds),
+    let hidden = hidden_frames(&clip.name);
+    let bounds = |(frame, label): (usize, &Option<Label>)| match label {
+        Some(Label::Visible(bounds)) if !hidden.contains(&frame) => Some(*bounds),
         _ => None,
     };
-    clip.labels.iter().map(bounds).collect()
+    clip.labels.iter().enumerate().map(bounds).collect()
 }
 
 /// Evenly spread start frames: labelled, followed by enough labels, and with the target visible in all of them.
