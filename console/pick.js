@@ -32,9 +32,18 @@ at("take").addEventListener("click", async () => {
   const answer = await fetch("/api/v1/selection", { method: "POST", headers: { "Content-Type": "application/json" }, body }).catch(() => null);
   if (!answer?.ok) return toast(answer ? await answer.text() : words.reasons.notConnected);
   at("take").disabled = true;
-  at("hint").textContent = words.pickDone;
   document.documentElement.dataset.picked = box.join();
+  const { console: link } = await answer.json();
+  at("hint").textContent = link ? words.pickDoneConsole : words.pickDone;
+  if (link) await openConsole(link);
 });
+
+/** Opens the console at this page's address, once the program serves it there. @param {string} link */
+async function openConsole(link) {
+  while (!(await fetch("/healthz").catch(() => null))?.ok) await new Promise((resolve) => setTimeout(resolve, 200));
+  history.replaceState(null, "", new URL(link).pathname + new URL(link).hash);
+  location.reload();
+}
 
 at("hint").textContent = words.pickHint;
 if (!(await enter())) await askForToken(words);

@@ -19,7 +19,7 @@ export default {
   entryWrong: "This token is not known. The program makes new tokens at each start.",
   // The page on which a box is drawn in one picture
   pickHint: "Drag a box around the whole boat. The wheel zooms.", pickTake: "Track this",
-  pickBox: (box) => `Box ${box.join(",")}`, pickDone: "The program goes on with this box. This page can be closed.",
+  pickBox: (box) => `Box ${box.join(",")}`, pickDone: "The program goes on with this box. This page can be closed.", pickDoneConsole: "The run begins with this box. The console opens here.",
   // State
   connecting: "Connecting.", connectionLost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
   dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",

@@ -12,7 +12,7 @@ import sys
 import time
 
 import common
-from common import Emulator, Table
+from common import Emulator, Lines, Table
 from console_page import Page, Program, find_red
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select
@@ -254,6 +254,27 @@ def run(table, args, folder):
     table.require("the recording replays bit for bit, with every request", replayed.returncode == 0 and "bit for bit" in replayed.stdout, replayed.stdout.splitlines()[0] if replayed.stdout else replayed.stderr[-300:])
 
 
+def recorded_file(table, args, folder):
+    """A run on a file: the page holds the first picture until the box is drawn, and becomes the console."""
+    clip, truth = common.practice_clip(args, folder)
+    words = [args.barrelman, "run", "--listen", "127.0.0.1:0", "--video", f"file:{clip}", "--no-record"]
+    child = common.spawn(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    lines, errors = Lines(child.stdout), Lines(child.stderr)
+    url = errors.wait_for(r"draw the box around the boat: http://", 30)[1].split(": ", 1)[1].strip()
+    table.require("a file: the page for the first picture asks for the token", "#token=" in url, url.partition("#")[0])
+    page = Page(url, folder, "picker")
+    size = page.wait_for_picture()
+    table.require("  the file does not play while the box is drawn", not lines.text(), lines.text()[-120:])
+    page.drag([float(value) for value in common.selection(truth).split(",")], size)
+    page.wait_until_enabled("take")
+    page.click("take")
+    followed = page.wait(lambda data: data.get("connected") == "yes" and data.get("track") == "tracking", 30, "the console, with the track")
+    table.require("  the same page becomes the console, and the box of the first picture is followed", True, followed["track"])
+    page.end()
+    child.send_signal(signal.SIGINT)
+    table.require("  SIGINT ends it with exit 0", child.wait(timeout=30) == 0)
+
+
 def watchers(table, args, folder, program, page):
     """Tests a second page that only watches, and a third page that takes and gives the control."""
     watcher = Page(program.watch_url, folder, "watch")
@@ -318,6 +339,7 @@ def main():
     if args.only != "run":
         demo(table, args, folder)
     if args.only != "demo":
+        recorded_file(table, args, folder)
         run(table, args, folder)
     return table.finish(args)
 

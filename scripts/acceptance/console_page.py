@@ -117,6 +117,15 @@ class Page:
             time.sleep(0.03)
         raise TimeoutError(f"{what} did not come within {seconds} s: {self.data}; {self.complaints()}")
 
+    def wait_for_picture(self):
+        """Waits until the page shows a picture. The picture's size."""
+        script = "const v = document.getElementById('picture')?.dataset.size; return v ? v.split('x').map(Number) : null"
+        common.wait_until(lambda: self.driver.execute_script(script), 30, "the picture")
+        return self.driver.execute_script(script)
+
+    def wait_until_enabled(self, name):
+        common.wait_until(lambda: self.element(name).is_enabled(), 10, f"the button {name}")
+
     def ready(self):
         return self.wait(lambda data: data.get("connected") == "yes" and int(data.get("drawn", 0)) > 3, 30, "the first pictures")
 

@@ -34,10 +34,11 @@ pub struct RunArgs {
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
     /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing is
-    /// tracked until the operator selects, except in a simulated world, where the world selects its boat.
+    /// tracked until the operator selects, except in a simulated world, where the world selects its boat. A file waits
+    /// with its first picture until the box is drawn in a browser, where there is a display or --listen is given.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
-    /// Wait for the operator to select the boat on the console, in a simulated world, too.
+    /// Let the operator select the boat on the console: also in a simulated world, and on a file while it plays.
     #[arg(long, conflicts_with_all = ["select", "headless"])]
     pub hands_on: bool,
     /// The tracker; default: the configuration's, or fused.

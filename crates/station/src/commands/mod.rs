@@ -4,6 +4,7 @@ pub mod check;
 pub mod compare;
 pub mod config;
 pub mod demo;
+mod draw_selection;
 pub mod emulate;
 pub mod export;
 pub mod law;

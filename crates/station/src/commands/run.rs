@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
+use super::draw_selection::{draw_selection, has_display};
 use crate::cli::{RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
-use crate::console::ConsoleSettings;
+use crate::console::{AfterPicking, ConsoleSettings};
 use crate::link::LinkUrl;
 use crate::link::url::{Endpoint, command_path};
 use crate::live::recording_folder::{self, DiskReserve};
@@ -21,6 +22,7 @@ use crate::source_url::SourceUrl;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 use barrelman_video::url::VideoSource;
+use barrelman_vocab::PixelBox;
 
 /// Runs the command.
 ///
@@ -65,6 +67,10 @@ pub fn run_with_outputs(
     let fault_injector = FaultInjector::parse(&args.fault)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
+    let selection = match args.select {
+        None => drawn_selection(args, &source, console.as_ref())?,
+        selection => selection,
+    };
     // The last to be opened: making room for a recording removes older ones.
     let outputs = open(&configuration.recording)?;
     let session = Session {
@@ -73,7 +79,7 @@ pub fn run_with_outputs(
         source,
         link,
         outputs,
-        selection: args.select,
+        selection,
         waits_for_selection: args.hands_on,
         console,
         engage: args.engage,
@@ -94,6 +100,23 @@ pub fn run_with_outputs(
             ExitCode::FAILURE
         }
     })
+}
+
+/// The box that the operator draws in the first frame of a file, before anything is opened that moves or records. A file
+/// with `--hands-on` plays on while the operator selects, as a stream does.
+fn drawn_selection(
+    args: &RunArgs,
+    source: &Source,
+    console: Option<&ConsoleSettings>,
+) -> Result<Option<PixelBox>> {
+    let (Source::Video(url), Some(console)) = (source, console) else { return Ok(None) };
+    let is_asked_for = args.console.listen.is_some() || has_display();
+    if source.is_live() || args.hands_on || !is_asked_for {
+        return Ok(None);
+    }
+    let settings = console.duplicate().context("the page for the selection cannot be served")?;
+    // The link holds a token: the command line of a browser could be read by others.
+    draw_selection(url, 0, settings, AfterPicking::Console, false).map(Some)
 }
 
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.

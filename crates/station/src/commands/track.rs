@@ -11,10 +11,10 @@ use barrelman_vocab::{PixelBox, Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
 use rustix::time::{ClockId, clock_gettime};
 
-use super::stored_frame::stored_frame;
+use super::draw_selection::{draw_selection, has_display};
 use super::track_figures::{TrackTotals, selection_warnings};
 use crate::cli::{TrackArgs, UsageError};
-use crate::console::{ConsoleSettings, pick};
+use crate::console::{AfterPicking, ConsoleSettings};
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
@@ -116,10 +116,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
 
 /// The box that the operator draws on a page, in the start frame.
 fn drawn_selection(args: &TrackArgs, url: &VideoUrl) -> Result<PixelBox> {
-    let has_display = ["DISPLAY", "WAYLAND_DISPLAY"]
-        .into_iter()
-        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
-    if args.listen.is_none() && !has_display {
+    if args.listen.is_none() && !has_display() {
         return Err(UsageError(format!(
             "no selection: give --select X,Y,W,H, the box around the boat in frame {} (`barrelman snapshot {} --frame {} \
              --output frame.png` shows it with coordinates), or --listen 127.0.0.1:8480 to draw the box in a browser",
@@ -127,28 +124,9 @@ fn drawn_selection(args: &TrackArgs, url: &VideoUrl) -> Result<PixelBox> {
         ))
         .into());
     }
-    let frame = stored_frame(url, args.start_frame)?;
     let settings = ConsoleSettings::without_tokens_on_loopback(args.listen, None)?;
-    let selection = pick(settings, &frame.picture, |link| {
-        tracing::info!("draw the box around the boat: {link}");
-        // A link with a token is for the person at the terminal alone.
-        if has_display && args.listen.is_none() {
-            open_browser(link);
-        }
-    })?;
-    let PixelBox { u, v, w, h } = selection;
-    tracing::info!("selected; --select {u},{v},{w},{h} repeats this");
-    Ok(selection)
-}
-
-/// Opens the page in the user's browser, where the system knows one. Without one, the link is on the terminal.
-fn open_browser(link: &str) {
-    let _ = std::process::Command::new("xdg-open")
-        .arg(link)
-        .stdin(std::process::Stdio::null())
-        .stdout(std::process::Stdio::null())
-        .stderr(std::process::Stdio::null())
-        .spawn();
+    let opens_browser = args.listen.is_none();
+    draw_selection(url, args.start_frame, settings, AfterPicking::Nothing, opens_browser)
 }
 
 /// CPU time of all threads of the program. While the tracker runs, no other thread does, so a difference is the tracker's.

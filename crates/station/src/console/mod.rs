@@ -42,7 +42,7 @@ mod links;
 mod in_memory;
 
 pub use on_lost::OnConsoleLost;
-pub use picker::pick;
+pub use picker::{AfterPicking, pick};
 pub use pictures::PictureSlot;
 pub use server::ConsoleServer;
 pub use session_time::SessionTime;

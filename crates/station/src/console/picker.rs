@@ -5,7 +5,7 @@
 //! | `GET /`, `GET /console/NAME` | the page |
 //! | `GET /api/v1/access`, `POST /api/v1/login` | as of the console ([`super::routes`]) |
 //! | `GET /api/v1/frame` | the picture, JPEG |
-//! | `POST /api/v1/selection` | takes `{"box": [left, top, width, height]}` |
+//! | `POST /api/v1/selection` | takes `{"box": [left, top, width, height]}`; answers `{"console": LINK}`, the console that follows at the same address, or null |
 //!
 //! The same guard, tokens and headers as for the console hold. Nothing moves while the page is open.
 
@@ -44,30 +44,48 @@ struct Picker {
     hosts: Hosts,
     size: PictureSize,
     jpeg: Bytes,
+    /// The link to the console that follows.
+    console: Option<String>,
     picked: Mutex<Option<oneshot::Sender<PixelBox>>>,
+}
+
+/// What is served at the picker's address after the box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AfterPicking {
+    /// Nothing.
+    Nothing,
+    /// The console, with the same tokens.
+    Console,
 }
 
 /// Serves the picture until a box is drawn. `announce` gets the page's address once the page can be opened.
 ///
 /// # Errors
 /// If the picture cannot be encoded, or the server not be started.
-pub fn pick(settings: ConsoleSettings, picture: &Picture, announce: impl FnOnce(&str)) -> Result<PixelBox> {
+pub fn pick(
+    settings: ConsoleSettings,
+    picture: &Picture,
+    after: AfterPicking,
+    announce: impl FnOnce(&str),
+) -> Result<PixelBox> {
     let ConsoleSettings { listener, tokens, host_names, .. } = settings;
     let address = listener.local_addr()?;
     listener.set_nonblocking(true)?;
     let (sender, picked) = oneshot::channel();
+    let link = link_for_control(address, tokens.as_ref());
     let picker = Arc::new(Picker {
         access: Access::new(tokens.clone(), address.port()),
         hosts: Hosts::new(address, host_names),
         size: picture.size(),
         jpeg: Bytes::from(jpeg::encode(picture).context("the frame cannot be shown in a browser")?),
+        console: (after == AfterPicking::Console).then(|| link.clone()),
         picked: Mutex::new(Some(sender)),
     });
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
         .context("the page's server cannot be started")?;
-    announce(&link_for_control(address, tokens.as_ref()));
+    announce(&link);
     runtime.block_on(async {
         tokio::select! {
             served = serve(listener, router(picker)) => {
@@ -157,7 +175,11 @@ async fn selection(State(picker): Shared, headers: HeaderMap, body: Bytes) -> Re
     }
     let sender = picker.picked.lock().unwrap_or_else(PoisonError::into_inner).take();
     match sender.map(|sender| sender.send(PixelBox { u, v, w, h })) {
-        Some(Ok(())) => StatusCode::NO_CONTENT.into_response(),
+        // The page has shown that it may control: the link tells it nothing new.
+        Some(Ok(())) => {
+            let body = json!({ "console": picker.console }).to_string();
+            ([(header::CONTENT_TYPE, "application/json")], body).into_response()
+        }
         _ => (StatusCode::CONFLICT, "a box was drawn already\n").into_response(),
     }
 }
@@ -192,16 +214,26 @@ mod tests {
 
     #[test]
     fn the_box_that_is_drawn_is_the_selection() {
+        let nothing = json!({ "console": null });
+        assert_eq!(draw_a_box(AfterPicking::Nothing), (nothing, None));
+        let (answer, link) = draw_a_box(AfterPicking::Console);
+        assert_eq!(answer["console"].as_str(), link.as_deref());
+        assert!(link.is_some());
+    }
+
+    /// Draws a box. Returns the answer to it, and the link that was announced where a console follows.
+    fn draw_a_box(after: AfterPicking) -> (serde_json::Value, Option<String>) {
         let picture = Picture::black(PictureSize::new(64, 48), ColourEncoding::JPEG);
         let settings =
             ConsoleSettings::without_tokens_on_loopback(Some("127.0.0.1:0".parse().unwrap()), None).unwrap();
         let address = settings.listener.local_addr().unwrap();
         let (sender, announced) = channel();
         let server = std::thread::spawn(move || {
-            pick(settings, &picture, |link| sender.send(link.to_owned()).unwrap())
+            pick(settings, &picture, after, |link| sender.send(link.to_owned()).unwrap())
         });
         let own = address.to_string();
-        assert_eq!(announced.recv().unwrap(), format!("http://{own}/"));
+        let link = announced.recv().unwrap();
+        assert_eq!(link, format!("http://{own}/"));
         let page = ask(address, "GET", "/", &own, "");
         assert!(page.0 == 200 && String::from_utf8_lossy(&page.1).contains("pick.js"));
         let frame = ask(address, "GET", "/api/v1/frame", &own, "");
@@ -211,10 +243,12 @@ mod tests {
             ("{\"box\": [60, 10, 20, 20]}", 400),
             ("{\"box\": [10, 10, 0, 20]}", 400),
             ("{\"box\": [1, 2, 3]}", 400),
-            ("{\"box\": [10.4, 9.6, 20, 20]}", 204),
         ] {
             assert_eq!(ask(address, "POST", "/api/v1/selection", &own, body).0, status, "{body}");
         }
+        let drawn = ask(address, "POST", "/api/v1/selection", &own, "{\"box\": [10.4, 9.6, 20, 20]}");
+        assert_eq!(drawn.0, 200);
         assert_eq!(server.join().unwrap().unwrap(), PixelBox { u: 10.0, v: 10.0, w: 20.0, h: 20.0 });
+        (serde_json::from_slice(&drawn.1).unwrap(), (after == AfterPicking::Console).then_some(link))
     }
 }

@@ -53,6 +53,19 @@ impl ConsoleSettings {
         }
     }
 
+    /// The same socket and tokens once more, for a page that comes before the console.
+    ///
+    /// # Errors
+    /// If the system has no further file descriptor.
+    pub fn duplicate(&self) -> std::io::Result<Self> {
+        Ok(Self {
+            listener: self.listener.try_clone()?,
+            tokens: self.tokens.clone(),
+            host_names: self.host_names.clone(),
+            on_lost: self.on_lost,
+        })
+    }
+
     fn open(address: Option<SocketAddr>) -> Result<Self> {
         Ok(Self {
             listener: listen(address)?,

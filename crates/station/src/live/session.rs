@@ -117,8 +117,8 @@ impl Session<'_> {
             let meanwhile = if self.source.is_live() {
                 ""
             } else {
-                "; the file plays on meanwhile: --select X,Y,W,H selects in its first frame, which `barrelman snapshot` \
-                 shows with coordinates"
+                "; the file plays on meanwhile. To draw the box in its first frame, give --listen 127.0.0.1:8480; \
+                 --select X,Y,W,H repeats a selection"
             };
             tracing::info!("nothing is selected yet: draw a box around the boat on the console{meanwhile}");
         } else {
