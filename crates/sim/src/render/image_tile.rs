@@ -1,5 +1,7 @@
 //! A part of the picture into which one shape is rendered: its samples while it is rasterised, its pixels afterwards.
 
+use std::ops::Range;
+
 use super::camera::Camera;
 use super::light::Lighting;
 use super::mesh::Mesh;
@@ -45,6 +47,8 @@ pub(super) struct ImageTile {
     pub(super) top: i32,
     pub(super) width: usize,
     pub(super) height: usize,
+    /// Columns and rows of the body: of all parts but the rigging. Empty unless the tile shows the target itself.
+    pub(super) body: (Range<i32>, Range<i32>),
     /// Red, green and blue times opacity, and opacity, of each pixel.
     pub(super) pixels: Vec<[f32; 4]>,
     /// Samples that would show the object if it lay in still water.
@@ -90,6 +94,7 @@ impl ImageTile {
     /// Makes the tile empty; its memory stays.
     pub(super) fn clear(&mut self) {
         (self.width, self.height, self.still_water_samples, self.samples_per_side) = (0, 0, 0, 1);
+        self.body = (0..0, 0..0);
         self.pixels.clear();
     }
 

@@ -16,6 +16,8 @@ pub(super) enum Part {
     White,
     /// A flag of signal colour.
     Flag,
+    /// A mast of black plastics.
+    Mast,
     /// A buoy's body, in the colour of its seed.
     Float,
     /// Orange cloth of a life jacket, with reflecting tape.
@@ -41,6 +43,11 @@ pub(super) enum Part {
 }
 
 impl Part {
+    /// Whether the part rises from the body as something slender, which a box around the body leaves out.
+    pub(super) fn is_rigging(self) -> bool {
+        matches!(self, Self::Flag | Self::Mast)
+    }
+
     /// Whether the part is a sheet without a back of its own.
     pub(super) fn is_seen_from_both_sides(self) -> bool {
         matches!(self, Self::Flag | Self::Roof | Self::Mark)

@@ -4,6 +4,7 @@
 //! the difference does not show. A triangle with a vertex behind the camera is left out.
 
 use super::image_tile::{ImageKind, ImageTile, NO_TRIANGLE, ProjectedVertex, Scene, Source};
+use super::mesh::Mesh;
 use super::resolve::{resolve_image, resolve_shadow};
 use crate::pose::WorldPoint;
 
@@ -31,6 +32,9 @@ impl ImageTile {
         let max_samples = if object.is_target { MAX_TARGET_SAMPLES } else { MAX_OTHER_SAMPLES };
         if !self.fit_to_vertices(scene, kind, max_samples) {
             return;
+        }
+        if kind == ImageKind::Direct && object.is_target {
+            self.measure_body(mesh);
         }
         for (index, (corners, part)) in mesh.triangles.iter().enumerate() {
             let vertices = corners.map(|corner| self.vertices[corner as usize]);
@@ -81,6 +85,21 @@ impl ImageTile {
             let facing = (normal[0] * view[0] + normal[1] * view[1] + normal[2] * view[2]) / length;
             self.vertices.push(ProjectedVertex { u, v, nearness, world, normal, above, facing });
         }
+    }
+
+    /// Measures the columns and rows of the body.
+    fn measure_body(&mut self, mesh: &Mesh) {
+        let (mut low, mut high) = ((f32::MAX, f32::MAX), (f32::MIN, f32::MIN));
+        for (vertex, shape) in self.vertices.iter().zip(&mesh.vertices) {
+            if vertex.nearness > 0.0 && !shape.part.is_rigging() {
+                low = (low.0.min(vertex.u), low.1.min(vertex.v));
+                high = (high.0.max(vertex.u), high.1.max(vertex.v));
+            }
+        }
+        let pixels = |low: f32, high: f32| {
+            libm::floorf(low.clamp(-1e6, 1e6)) as i32..libm::ceilf(high.clamp(-1e6, 1e6)) as i32
+        };
+        self.body = (pixels(low.0, high.0), pixels(low.1, high.1));
     }
 
     /// Fits the tile around the projected vertices and chooses the samples for each pixel. Returns `false` where

@@ -13,7 +13,8 @@ use crate::snapshot::{Snapshot, Target};
 pub struct RenderedTruth {
     /// Pixels of which the unhidden target covers at least half.
     pub mask: TargetMask,
-    /// Smallest upright box around the mask; `None` where the mask is empty.
+    /// Smallest upright box around the mask without the rigging: mast and flag, a few pixels wide, would change the box
+    /// by up to half with the heading and the wind. `None` where no such pixel is in the mask.
     pub bounds: Option<PixelBox>,
     /// Visible share of the target, 0 to 1: of what would be seen on still water, unhidden and wholly in the picture.
     pub visible_share: f64,
@@ -113,7 +114,9 @@ impl RenderedTruth {
                 seen += f64::from(opacity);
                 let is_target = opacity >= 0.499;
                 mask.is_target.push(is_target);
-                if is_target {
+                let is_body =
+                    target.body.0.contains(&(column as i32)) && target.body.1.contains(&(row as i32));
+                if is_target && is_body {
                     low = (low.0.min(column), low.1.min(row));
                     high = (high.0.max(column + 1), high.1.max(row + 1));
                 }

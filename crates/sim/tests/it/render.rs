@@ -358,6 +358,26 @@ fn a_boat_in_full_view_is_wholly_visible_and_heads_where_it_goes() {
 }
 
 #[test]
+fn the_box_around_the_boat_leaves_mast_and_flag_out() {
+    let sea = sea(0);
+    let size = PictureSize::new(416, 236);
+    let mut renderer = Renderer::new(settings(size, sea.clone()));
+    let mut picture = Picture::black(size, ENCODING);
+    let mut view = snapshot(Scene::Arena, &sea, 0);
+    view.objects.clear();
+    view.target = boat(pose_at(at(0.0, 5.0, 0.0), 0.0), 0.0);
+    let truth = renderer.render(&view, &mut picture, &Serial);
+    let (mask, bounds) = (&truth.mask, truth.bounds.unwrap());
+    let rows: Vec<usize> = (mask.top..mask.top + mask.height)
+        .filter(|row| (mask.left..mask.left + mask.width).any(|column| mask.at(column, *row)))
+        .collect();
+    let (top, bottom) = (*rows.first().unwrap() as f64, (rows.last().unwrap() + 1) as f64);
+    assert!(bounds.v > top + 2.0, "{bounds}: the flag in row {top} is in the mask, not in the box");
+    assert!((bounds.v + bounds.h - bottom).abs() < 1.5, "{bounds}: the hull ends in row {bottom}");
+    assert!(bounds.w > 2.0 * bounds.h, "{bounds}: a hull seen from its side");
+}
+
+#[test]
 fn a_frame_allocates_nothing_after_the_first_ones() {
     for (scene, state) in [(Scene::Pier, 2), (Scene::Floor, 0)] {
         let sea = sea(state);

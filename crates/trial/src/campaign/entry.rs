@@ -6,8 +6,9 @@ use crate::behaviour::{BehaviourVersions, FIRST, VersionDifference};
 use crate::metrics::TrialEntry;
 
 /// Version of the figures of trials in pixels. 1: from what the tracker said, selected by the exact box. 2: from the
-/// truth, with the tracker judged beside it, selected by a box drawn by hand.
-pub const FIGURES_IN_PIXELS: u32 = 2;
+/// truth, with the tracker judged beside it, selected by a box drawn by hand. 3: the same, with boxes that leave mast and
+/// flag out.
+pub const FIGURES_IN_PIXELS: u32 = 3;
 
 /// The settings of a campaign. Two trials with equal settings and equal seeds have equal results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -77,7 +77,7 @@ pub(crate) fn paint(part: Part, position: [f32; 3], normal: [f32; 3], seed: u64)
             let rim = position[2] > 0.10 && normal[2] < 0.5;
             plain(if rim { WHITE } else { RED }, 0.5)
         }
-        Part::Black => plain(DARK, 0.35),
+        Part::Black | Part::Mast => plain(DARK, 0.35),
         Part::Nozzle => plain(if position[0] < -0.66 { GREY } else { DARK }, 0.5),
         Part::White => plain(WHITE, 0.6),
         Part::Flag => plain([0.85, 0.42, 0.01], 0.1),

@@ -72,7 +72,7 @@ pub(crate) fn boat() -> Mesh {
     // The fairing of the jet's intake on deck, and a hatch ring.
     mesh.ellipsoid(Part::Black, [-0.40, 0.0, 0.125], [0.15, 0.085, 0.055], 8);
     mesh.tube(Part::Nozzle, 0.048, 10, &[[-0.58, 0.0, 0.015], [-0.64, 0.0, 0.012], [-0.70, 0.0, 0.010]]);
-    mesh.tube(Part::Black, 0.008, 5, &[[-0.33, 0.0, 0.12], [-0.335, 0.0, 0.30], [-0.34, 0.0, 0.46]]);
+    mesh.tube(Part::Mast, 0.008, 5, &[[-0.33, 0.0, 0.12], [-0.335, 0.0, 0.30], [-0.34, 0.0, 0.46]]);
     mesh.sheet(
         Part::Flag,
         [0.0, 1.0, 0.0],
