@@ -10,6 +10,9 @@ pub(super) const MIN_CONTRAST: f32 = 0.15;
 /// `MAX_ABSENT_COLOUR`.
 const CLEAR_CONTRAST: f32 = 0.35;
 const MAX_ABSENT_COLOUR: f32 = 0.08;
+/// From this relative height of the response on, the pattern is the target's whatever its colour: a change of the light
+/// or of the camera's white balance moves all colours within a second, and the colour model with them.
+const CLEAR_PATTERN: f32 = 0.9;
 /// Relative contrast that is evidence neither for nor against the target.
 const NEUTRAL_COLOUR: f32 = 0.6;
 /// Relative height of the response that is evidence neither for nor against the target, and the evidence per unit of
@@ -31,11 +34,16 @@ impl Observation {
         self.peak.height / target.appearance.usual.peak_height.max(MIN_USUAL_HEIGHT)
     }
 
-    /// Whether a colour that is usually distinct is absent. Then the filter responds to something else, such as what
-    /// hides the target.
+    /// Whether the response is about as high as the target's usually is.
+    pub(super) fn is_pattern_clear(&self, target: &Target) -> bool {
+        self.relative_height(target) >= CLEAR_PATTERN
+    }
+
+    /// Whether a colour that is usually distinct is absent, and the pattern is not clear. Then the filter responds to
+    /// something else, such as what hides the target.
     pub(super) fn is_colour_absent(&self, target: &Target) -> bool {
-        target.appearance.usual.contrast > CLEAR_CONTRAST
-            && self.relative_contrast(target).is_some_and(|share| share < MAX_ABSENT_COLOUR)
+        let contrast = self.relative_contrast(target);
+        is_colour_missing(target.appearance.usual.contrast, contrast, self.is_pattern_clear(target))
     }
 
     /// Evidence for the target, in standard deviations of the response's sidelobes.
@@ -44,6 +52,13 @@ impl Observation {
         let height = self.relative_height(target).clamp(0.0, 1.0) - NEUTRAL_HEIGHT;
         self.peak.peak_to_sidelobe_ratio + config.colour_evidence as f32 * colour + HEIGHT_EVIDENCE * height
     }
+}
+
+/// Whether a colour of this usual contrast is missing, given its relative contrast here.
+fn is_colour_missing(usual_contrast: f32, relative_contrast: Option<f32>, is_pattern_clear: bool) -> bool {
+    usual_contrast > CLEAR_CONTRAST
+        && !is_pattern_clear
+        && relative_contrast.is_some_and(|share| share < MAX_ABSENT_COLOUR)
 }
 
 /// Confidence in an observation by pattern and colour alone, 0 to 1: a logistic function of the logarithm of the
@@ -94,3 +109,18 @@ const COASTING_LOSS_PER_S: f64 = 1.2;
 const MIN_COASTING_CONFIDENCE: f64 = 0.05;
 /// Factor on the confidence of a rejected observation.
 const REJECTED_FACTOR: f64 = 0.3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_distinct_colour_is_missing_only_where_the_pattern_is_not_clear() {
+        let distinct = CLEAR_CONTRAST + 0.1;
+        assert!(is_colour_missing(distinct, Some(0.0), false), "something else hides the target");
+        assert!(!is_colour_missing(distinct, Some(0.0), true), "the target in another light");
+        assert!(!is_colour_missing(distinct, Some(0.5), false), "the colour is there");
+        assert!(!is_colour_missing(CLEAR_CONTRAST - 0.1, Some(0.0), false), "a colour like the water's");
+        assert!(!is_colour_missing(distinct, None, false), "the colour is not used");
+    }
+}

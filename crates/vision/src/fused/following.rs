@@ -122,7 +122,9 @@ impl Workspace {
         self.refine(config, target, &observation, frame, seconds);
         let has_its_colour =
             observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);
-        let is_well_visible = evidence >= config.learn as f32 * distance_factor && has_its_colour;
+        // A clear pattern in other colours is the target in another light, which the colour model has to learn.
+        let is_well_visible = evidence >= config.learn as f32 * distance_factor
+            && (has_its_colour || observation.is_pattern_clear(target));
         if target.phase == Phase::Tracking && is_well_visible && !target.geometry.touches_border() {
             self.learn(config, target, picture, &observation);
         }
