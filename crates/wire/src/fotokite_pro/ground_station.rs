@@ -19,8 +19,8 @@ use barrelman_vocab::{AngularRate, Timestamp};
 
 use super::command::{GIMBAL_LIMIT, Stream, YAW_LIMIT};
 use super::lines::LineSplitter;
-use super::session::PROMPT;
 use super::telemetry::{MODE_REMOTE_CONTROLLED, TETHER_METRES_PER_COUNT};
+use super::telemetry_reader::PROMPT;
 
 /// Lines beyond this number within one second are lost.
 pub const MAX_LINES_PER_SECOND: u32 = 100;
@@ -34,11 +34,13 @@ pub struct GroundStationSettings {
     pub echo: bool,
     /// Time without a line for an axis after which its rate becomes zero. `None`: no time-out.
     pub rate_timeout: Option<Duration>,
+    /// Whether `stop` leaves the rates in force, the worst that a real ground station may do.
+    pub stop_keeps_rates: bool,
 }
 
 impl Default for GroundStationSettings {
     fn default() -> Self {
-        Self { echo: true, rate_timeout: None }
+        Self { echo: true, rate_timeout: None, stop_keeps_rates: false }
     }
 }
 
@@ -76,6 +78,22 @@ pub struct SensorReadings {
     pub flight_mode: u32,
     /// Warning bits.
     pub flags: u32,
+}
+
+impl SensorReadings {
+    /// The readings with a level flight unit and the camera straight ahead, 10 m up on a nearly vertical tether.
+    pub const LEVEL: Self = Self {
+        attitude: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
+        gimbal: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
+        elevation_rad: 0.2,
+        azimuth_rad: 0.0,
+        altitude_m: 10.0,
+        tether_m: 10.2,
+        ground_battery_v: 15.8,
+        backup_battery_v: 8.1,
+        flight_mode: 2,
+        flags: 0,
+    };
 }
 
 /// State of the station.
@@ -206,8 +224,9 @@ impl GroundStation {
             ("stop", "") => {
                 self.state = StationState::Shell;
                 self.checksums = true;
-                self.rates = StationRates::default();
-                self.last_motion = LastMotion::default();
+                if !self.settings.stop_keeps_rates {
+                    self.rest();
+                }
             }
             ("RemoteControl", "start") => {
                 self.state = StationState::RemoteControlled;
@@ -249,6 +268,19 @@ impl GroundStation {
             }
             _ => {}
         }
+    }
+
+    /// Somebody takes the control at the ground station itself: this program's commands no longer count, and its rates
+    /// end.
+    pub fn take_over(&mut self) {
+        self.state = StationState::Shell;
+        self.checksums = true;
+        self.rest();
+    }
+
+    fn rest(&mut self) {
+        self.rates = StationRates::default();
+        self.last_motion = LastMotion::default();
     }
 
     /// Parameter 117 is the telemetry rate. Other parameters are accepted without effect.

@@ -6,13 +6,16 @@
 pub mod lines;
 
 pub mod command;
+pub mod motion;
 pub mod pacing;
 pub mod session;
 pub mod telemetry;
+pub mod telemetry_reader;
 
 pub mod ground_station;
 
 pub use command::Command;
 pub use ground_station::GroundStation;
+pub use telemetry_reader::TelemetryReader;
 
 pub use session::{FotokiteProSession, SessionSettings};
