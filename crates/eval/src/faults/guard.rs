@@ -12,9 +12,9 @@ use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
 use barrelman_wire::{ByteProtocol, ByteSession, Framing, NextAction, RestEvidence, Session, WillStep};
 
-use super::Mutant;
 use super::fault::FaultKind;
 use super::line::Line;
+use super::mutant::Mutant;
 
 const PROTOCOL: ByteProtocol =
     ByteProtocol { protocol: Protocol::FotokitePro, framing: Framing::CarriageReturns, baud: 115_200 };

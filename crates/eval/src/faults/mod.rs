@@ -20,14 +20,16 @@ mod station;
 mod line;
 
 mod fault;
+mod mutant;
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use self::mutant::Mutant;
 use self::oracle::{Licence, REST_LIMIT_MS};
 use self::run::RunResult;
 use crate::output::print_line;
@@ -37,21 +39,6 @@ use crate::parallel;
 const LEAST_MOVED: f64 = 0.05;
 /// Number of violations that are printed.
 const PRINTED: usize = 10;
-
-/// What is taken out of program or guard, to see that the campaign finds it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Mutant {
-    /// Nothing.
-    None,
-    /// Rates have no time to live.
-    NoTimeToLive,
-    /// A stop does not last.
-    NoLatch,
-    /// The link is a thread of the program.
-    NoGuard,
-    /// A session does not begin with zeros.
-    NoZerosFirst,
-}
 
 /// `faults`.
 #[derive(Debug, Args)]

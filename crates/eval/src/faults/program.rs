@@ -38,14 +38,14 @@ pub(super) struct Program {
 
 /// What a picture shows, and when it was captured.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sight {
+pub(super) struct SeenPicture {
     pub(super) captured: Timestamp,
     /// To the right of the picture's centre, radians; `None`: the target is not found.
     pub(super) bearing_rad: Option<f64>,
     pub(super) is_coasting: bool,
 }
 
-impl Sight {
+impl SeenPicture {
     fn track(self) -> Track {
         let lost = Track::Lost { since: self.captured, confidence: 0.1 };
         let Some(x) = self.bearing_rad.map(|bearing| FOCAL_PX * bearing.tan()) else { return lost };
@@ -151,9 +151,9 @@ impl Program {
     }
 
     /// A picture has arrived.
-    pub(super) fn see(&mut self, sight: Sight, oracle: &mut Oracle, now: Timestamp, at_ms: u64) {
-        let track = sight.track();
-        let age = now.since(sight.captured);
+    pub(super) fn see(&mut self, picture: SeenPicture, oracle: &mut Oracle, now: Timestamp, at_ms: u64) {
+        let track = picture.track();
+        let age = now.since(picture.captured);
         let is_fresh = age <= self.profile.video_latency + self.profile.stale_after;
         oracle.saw(at_ms, is_fresh && matches!(track, Track::Tracking(_)));
         self.step(Input::Localisation(track), now);

@@ -8,12 +8,12 @@ use barrelman_link::LinkReport;
 use barrelman_pilot::LawSettings;
 use barrelman_vocab::{Nudge, OperatorRequest, StopCause, Timestamp};
 
-use super::Mutant;
 use super::fault::{self, Fault, FaultKind};
 use super::guard::Guard;
 use super::line::Line;
+use super::mutant::Mutant;
 use super::oracle::{Licence, Oracle};
-use super::program::{Program, Sight};
+use super::program::{Program, SeenPicture};
 use super::station::Station;
 use crate::rng::Rng;
 
@@ -59,7 +59,7 @@ struct World {
     is_closing: bool,
     is_suspended: bool,
     suspended_ms: u64,
-    pictures: VecDeque<(u64, Sight)>,
+    pictures: VecDeque<(u64, SeenPicture)>,
     oracle: Oracle,
     is_excluded: bool,
 }
@@ -151,13 +151,13 @@ impl World {
         let now = Timestamp::from_nanos((at_ms - self.suspended_ms) * 1_000_000);
         let boat_rad = 0.9 * (0.55 * at_ms as f64 / 1000.0 + self.phase).sin() - 0.9 * self.phase.sin();
         let is_found = !self.is_active(FaultKind::TrackLost, at_ms);
-        let sight = Sight {
+        let picture = SeenPicture {
             captured: now,
             bearing_rad: is_found.then_some(boat_rad + self.station.yaw_rad()),
             is_coasting: self.is_active(FaultKind::TrackCoasts, at_ms),
         };
         let late_ms = if self.is_active(FaultKind::VideoLate, at_ms) { VIDEO_LATE_MS } else { 0 };
-        self.pictures.push_back((at_ms + VIDEO_LATENCY_MS + late_ms, sight));
+        self.pictures.push_back((at_ms + VIDEO_LATENCY_MS + late_ms, picture));
     }
 
     fn is_program_running(&self, at_ms: u64) -> bool {
@@ -223,11 +223,11 @@ impl World {
         self.ask(now, at_ms);
         self.program.advance(&mut self.oracle, now);
         let mut newest = None;
-        while let Some((_, sight)) = self.pictures.pop_front_if(|(due, _)| *due <= at_ms) {
-            newest = Some(sight);
+        while let Some((_, picture)) = self.pictures.pop_front_if(|(due, _)| *due <= at_ms) {
+            newest = Some(picture);
         }
-        if let Some(sight) = newest {
-            self.program.see(sight, &mut self.oracle, now, at_ms);
+        if let Some(picture) = newest {
+            self.program.see(picture, &mut self.oracle, now, at_ms);
         }
     }
 

@@ -47,6 +47,11 @@ impl VehicleLink for Link {
 }
 
 impl Link {
+    /// Whether there is a vehicle at the other end, or an emulated one, and no camera of this process.
+    pub const fn reaches_vehicle(&self) -> bool {
+        matches!(self, Self::Port(_) | Self::Guarded(_))
+    }
+
     /// Ends the link with zeros. Returns whether the zeros were sent.
     pub fn close(self) -> bool {
         match self {

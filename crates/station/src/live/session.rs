@@ -28,6 +28,7 @@ use super::recorder::Recorder;
 use super::recording_folder::DiskReserve;
 use super::recording_start::recording_start;
 use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
+use super::sleep_inhibitor::SleepInhibitor;
 use super::source::Source;
 use super::status_line::StatusLine;
 use super::status_writer::{LineStyle, StatusWriter};
@@ -111,6 +112,7 @@ impl Session<'_> {
             guard: self.guard.clone(),
         };
         let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
+        let _awake = link.as_ref().filter(|link| link.reaches_vehicle()).and_then(|_| SleepInhibitor::hold());
         self.warn_without_selection();
         let end = self.run_with(link, gateway, events, &queue, terminal.watches_keys())?;
         drop(terminal);

@@ -97,6 +97,7 @@ mod tests {
         tilt: Some(Angle::from_degrees(-20.0)),
         altitude_m: Some(10.5),
         flight: Some(FlightState::Flying),
+        may_be_turning: false,
         is_battery_low: true,
     };
 

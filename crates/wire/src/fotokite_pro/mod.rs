@@ -9,8 +9,12 @@ pub mod command;
 pub mod motion;
 pub mod pacing;
 pub mod session;
+mod session_times;
+mod start_up;
 pub mod telemetry;
 pub mod telemetry_reader;
+
+mod sensor_readings;
 
 pub mod ground_station;
 

@@ -25,44 +25,20 @@ use core::time::Duration;
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{AngularRate, Telemetry, Timestamp, VehicleRates};
 
-use super::command::{Command, Stream};
+use super::command::Command;
 use super::motion::MotionWatch;
 use super::pacing::{Pacing, ZERO_REFRESH, ZERO_REPEATS, ZERO_SPACING};
+use super::start_up::start_up;
 use super::telemetry_reader::{Received, TelemetryReader};
 use crate::framing::Framing;
 use crate::session::{NextAction, RestEvidence, Session, WillStep};
 
+pub use super::session_times::{
+    CONTROL_GRACE, MAX_ZEROS, OPENING_ZEROS, PROMPT_DELAY, PROMPT_REQUESTS, PROMPT_TIMEOUT, REPORT_TIMEOUT,
+    STOP_DELAY, TELEMETRY_TIMEOUT, UNREST_SPACING, ZEROS_AT_REST, ZEROS_IN_MOTION,
+};
+pub use super::start_up::{REQUEST_SPACING, START_SPACING};
 pub use super::telemetry_reader::PROMPT;
-
-/// Number of zeros before the first `stop` of a session.
-const OPENING_ZEROS: u32 = 3;
-/// Time from the first `stop` to the prompt requests.
-pub const PROMPT_DELAY: Duration = Duration::from_millis(500);
-/// Longest time from the prompt requests to the prompt.
-pub const PROMPT_TIMEOUT: Duration = Duration::from_secs(3);
-/// Number of carriage returns that request the prompt.
-pub const PROMPT_REQUESTS: usize = 5;
-/// Interval between the start-up lines that enter remote control.
-pub const START_SPACING: Duration = Duration::from_millis(500);
-/// Interval between the start-up lines that request telemetry: the shell loses lines that arrive faster.
-pub const REQUEST_SPACING: Duration = Duration::from_millis(50);
-/// Interval between the zeros of the shut-down while telemetry still shows motion.
-pub const UNREST_SPACING: Duration = Duration::from_millis(100);
-/// Least number of zeros of the shut-down of a camera that rests.
-pub const ZEROS_AT_REST: u32 = 3;
-/// Least number of zeros of the shut-down of a camera that may be turning: over one second, so that a line that loses half
-/// of all packets loses all of them once in 4,096 times. A slow rate is below what telemetry shows as motion.
-pub const ZEROS_IN_MOTION: u32 = 12;
-/// Largest number of zeros of the shut-down: for two seconds, in which every camera that obeys comes to rest.
-pub const MAX_ZEROS: u32 = 22;
-/// Time from the last zeros of the shut-down to `stop`.
-pub const STOP_DELAY: Duration = Duration::from_millis(500);
-/// The link counts as lost if a telemetry stream is silent for this time.
-pub const TELEMETRY_TIMEOUT: Duration = Duration::from_secs(3);
-/// Longest wait for the ground station's first report after the start-up: without it, the link is up all the same.
-pub const REPORT_TIMEOUT: Duration = Duration::from_secs(1);
-/// Time after the start-up in which the ground station may still report that it is not under remote control.
-pub const CONTROL_GRACE: Duration = Duration::from_secs(2);
 
 const UNANSWERED: NextAction = NextAction::Reopen { reason: "the ground station does not answer" };
 
@@ -239,7 +215,7 @@ impl FotokiteProSession {
                 if now < at {
                     return NextAction::WaitUntil(at);
                 }
-                let script = self.start_up();
+                let script = start_up(self.settings.telemetry_per_second);
                 let Some(&(command, pause)) = script.get(next) else {
                     let report_until = at.plus(REPORT_TIMEOUT);
                     if !self.has_reported && now < report_until {
@@ -320,25 +296,6 @@ impl FotokiteProSession {
     fn send_zeros(&self, out: &mut Vec<u8>) {
         self.send(Command::GimbalRest, out);
         self.send(Command::Yaw(AngularRate::ZERO), out);
-    }
-
-    /// The lines that enter remote control and start the telemetry, each with the pause after it.
-    fn start_up(&self) -> [(Command, Duration); 12] {
-        let (start, request) = (START_SPACING, REQUEST_SPACING);
-        [
-            (Command::Stop, start),
-            (Command::RemoteControlStart, start),
-            (Command::ChecksumsOff, start),
-            (Command::TelemetryRate(self.settings.telemetry_per_second), request),
-            (Command::CommitParameter, request),
-            (Command::DebugTextOff, request),
-            (Command::CommitParameter, request),
-            (Command::Stream(Stream::GroundStatus), request),
-            (Command::Stream(Stream::Attitude), request),
-            (Command::Stream(Stream::Position), request),
-            (Command::Stream(Stream::FlightStatus), request),
-            (Command::Stream(Stream::Gimbal), request),
-        ]
     }
 
     fn send(&self, command: Command, out: &mut Vec<u8>) {
