@@ -1,7 +1,7 @@
 // What the operator should do next: one line, from the state alone. Pure.
 
 // Stops that the vehicle's own reports caused.
-const fromVehicle = new Set(["control-lost", "vehicle-restarted", "battery-low"]);
+const fromVehicle = new Set(["control-lost", "vehicle-restarted", "vehicle-silent", "battery-low"]);
 
 /**
  * @param {object} state
@@ -14,6 +14,7 @@ export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot
   const { mode, track, video, link, alarms, drive } = snapshot;
   if (drive?.paused) return "paused";
   if (video.state !== "up" || alarms.includes("no-video")) return "video";
+  if (alarms.includes("camera-may-turn")) return "mayTurn";
   if (alarms.includes("link-down")) return "link";
   if (alarms.includes("control-lost")) return "vehicle";
   if (alarms.includes("emergency") || mode.cause === "emergency" || mode.cause === "landing") return "emergency";

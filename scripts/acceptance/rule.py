@@ -87,7 +87,11 @@ def check_rule(table, standstills, truth, recording, rows):
 def check_start_up(table, standstills, rows):
     # The five carriage returns are no lines: their prompts show that they came.
     prompts = [row.at for row in rows if row.direction == "out" and row.raw.startswith("nsh>")]
-    heard = [(row.raw, row.at) for row in rows if row.direction == "in"]
+    heard = [row for row in rows if row.direction == "in"]
+    begun = next((index for index, row in enumerate(heard) if row.raw == "stop"), 0)
+    table.require("the first bytes are zeros on both axes, three times, before `stop`", [row.is_zero for row in heard[:begun]] == [True] * 6, f"{begun} lines")
+    # The zeros that are repeated until the prompt comes are no step of the start-up.
+    heard = [(row.raw, row.at) for row in heard if not row.is_zero]
     first_stop = heard[0][1] if heard else 0.0
     prompted = next((at for at in prompts if at > first_stop + 0.3), None)
     events = heard[:1] + ([("prompt", prompted)] if prompted else []) + heard[1:]
@@ -103,7 +107,8 @@ def check_start_up(table, standstills, rows):
     lasted = rows[-1].at - up
     table.require("telemetry streams on", all(count > 8 * lasted for count in streams.values()), " ".join(f"{name} {count / lasted:.1f}/s" for name, count in streams.items()), "10/s each")
     motions = [row for row in rows if row.is_motion]
-    table.require("no motion line before the link is up", all(row.at >= up for row in motions), f"first {motions[0].at - up:+.3f} s" if motions else "none")
+    early = [row.raw for row in motions if row.at < up and not row.is_zero]
+    table.require("no motion line before the link is up but zeros", not early, "; ".join(early[:3]))
     table.require("the first rates are zeros", motions and motions[0].is_zero, motions[0].raw if motions else "none")
     return up
 

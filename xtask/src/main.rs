@@ -5,6 +5,7 @@
 mod circles;
 mod dependencies;
 mod documents;
+mod guard;
 mod retired_names;
 
 mod tracked_files;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
 fn tidy() -> Result<bool> {
     let root = root()?;
     let mut findings = dependencies::check(&root)?;
+    findings.extend(guard::check(&root)?);
     findings.extend(circles::check(&root)?);
     findings.extend(retired_names::check(&root)?);
     findings.extend(documents::check(&root)?);

@@ -2,7 +2,7 @@
 //! and fits parameters, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|law|tune|views|fit
+//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|law|tune|views|fit|faults
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -15,6 +15,8 @@ mod simulator;
 mod law;
 
 mod views;
+
+mod faults;
 
 mod output;
 mod parallel;
@@ -54,6 +56,8 @@ enum Command {
     Views(views::Options),
     /// Fit the motion of the simulated laboratory target to the recorded trials.
     Fit(simulator::FitOptions),
+    /// Let every fault, and every pair of faults, happen in virtual time, and measure the time until the camera rests.
+    Faults(faults::Options),
 }
 
 fn main() -> ExitCode {
@@ -68,6 +72,7 @@ fn main() -> ExitCode {
         Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),
         Command::Views(options) => ("views", views::render(&options).map(|()| true)),
         Command::Fit(options) => ("fit", simulator::fit_target(&options).map(|()| true)),
+        Command::Faults(options) => ("faults", faults::run(&options)),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

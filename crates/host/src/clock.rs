@@ -4,7 +4,7 @@
 //! so that any two timestamps of one run can be compared. The clock does not know the time of day. It stands still while
 //! the machine is suspended.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use barrelman_vocab::time::Timestamp;
 
@@ -22,9 +22,16 @@ impl Clock {
         Self { start: Instant::now(), start_on_monotonic_ns }
     }
 
+    /// The clock of another program on the same machine, which started at this moment of `CLOCK_MONOTONIC`, nanoseconds.
+    pub fn started_at(start_on_monotonic_ns: u64) -> Self {
+        let age = Duration::from_nanos(monotonic_ns().saturating_sub(start_on_monotonic_ns));
+        let now = Instant::now();
+        Self { start: now.checked_sub(age).unwrap_or(now), start_on_monotonic_ns }
+    }
+
     /// The clock with an earlier start, for tests of code that depends on the time since the start.
     #[must_use]
-    pub fn started_earlier(self, by: std::time::Duration) -> Self {
+    pub fn started_earlier(self, by: Duration) -> Self {
         Self { start: self.start.checked_sub(by).unwrap_or(self.start), ..self }
     }
 
@@ -65,6 +72,17 @@ mod tests {
         let clock = Clock::start();
         let at = Timestamp::from_nanos(1_234_567_890);
         assert_eq!(clock.at(clock.instant(at)), at);
+    }
+
+    #[test]
+    fn two_programs_have_the_same_time() {
+        let first = Clock::start().started_earlier(Duration::from_secs(3));
+        let first = Clock { start_on_monotonic_ns: first.start_on_monotonic_ns() - 3_000_000_000, ..first };
+        let second = Clock::started_at(first.start_on_monotonic_ns());
+        let (before, now, after) = (first.now(), second.now(), first.now());
+        let room = Duration::from_millis(1);
+        assert!(before.since(Timestamp::ZERO) <= now.since(Timestamp::ZERO) + room);
+        assert!(now.since(Timestamp::ZERO) <= after.since(Timestamp::ZERO) + room);
     }
 
     #[test]

@@ -10,5 +10,6 @@ pub mod input;
 pub mod output;
 pub mod random;
 pub mod redaction;
+pub mod suspend;
 
 pub mod latest;

@@ -9,9 +9,7 @@ use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, 
 
 use crate::purpose::Purpose;
 
-/// A command that moves the camera and is not renewed by [`Outcome::wake_at`] ends this much later at the link: the link's
-/// dead-man's switch leaves a pilot that is late some room.
-pub const RENEWAL_GRACE: Duration = Duration::from_millis(50);
+pub use barrelman_vocab::RENEWAL_GRACE;
 
 /// The outcome of one step.
 #[derive(Debug, Clone, PartialEq)]
@@ -268,6 +266,8 @@ const fn stop_text(cause: StopCause) -> &'static str {
         StopCause::Emergency => "stopped: the vehicle has an emergency",
         StopCause::Landing => "stopped: the vehicle lands",
         StopCause::BatteryLow => "stopped: a battery of the vehicle is low",
+        StopCause::VehicleSilent => "stopped: the vehicle fell silent",
+        StopCause::Suspended => "stopped: the machine was suspended",
     }
 }
 

@@ -4,7 +4,8 @@
 //!   level: rests the camera as long as it lasts         edge: ends the engagement, until the next Engage
 //!   dry run                                             control was taken away
 //!   link not up                                         the vehicle restarted
-//!   commands not accepted                               an emergency, or a landing, begins
+//!   commands not accepted                               the vehicle fell silent
+//!                                                       an emergency, or a landing, begins
 //!   landing, emergency                                  a battery becomes low
 //! ```
 //!
@@ -73,7 +74,7 @@ impl VehicleState {
                 if link != LinkState::Up {
                     self.control = None;
                 }
-                None
+                (link == LinkState::Silent).then_some(StopCause::VehicleSilent)
             }
             Report::Ground { control, uptime_s, .. } => {
                 let last_uptime_s = self.uptime_s.replace(uptime_s);

@@ -1,6 +1,12 @@
 //! Camera commands.
 
+use core::time::Duration;
+
 use crate::angle::AngularRate;
+
+/// A command that moves the camera and is not renewed in time ends this much later at the link: the link's dead-man's
+/// switch leaves a pilot that is late some room.
+pub const RENEWAL_GRACE: Duration = Duration::from_millis(50);
 
 /// The commanded pan and tilt rates. Pan > 0 turns the view right and tilt > 0 turns it up, independent of the
 /// vehicle's own signs. A command is in force until the next one.

@@ -22,7 +22,7 @@ pub mod telemetry;
 pub mod rng;
 
 pub use angle::{Angle, AngularRate};
-pub use command::CameraCommand;
+pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
 pub use operator::{DrawnSelection, LawId, Nudge, OperatorRequest, StopCause};
 pub use profile::{VehicleProfile, VehicleRates};

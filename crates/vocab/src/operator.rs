@@ -79,4 +79,8 @@ pub enum StopCause {
     Landing,
     /// A battery of the vehicle became low.
     BatteryLow,
+    /// The vehicle fell silent, though its port was open.
+    VehicleSilent,
+    /// The machine was suspended.
+    Suspended,
 }

@@ -57,6 +57,13 @@ pub enum Protocol {
 }
 
 impl Protocol {
+    /// Whether the vehicle keeps the last rate for ever when nobody is there any more to send another one.
+    pub const fn keeps_last_rate(self) -> bool {
+        match self {
+            Self::FotokitePro => true,
+        }
+    }
+
     /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
     ///
     /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep.
@@ -216,6 +223,11 @@ impl VehicleProfile {
             stale_after: Duration::from_millis(300),
             coast_motion: Duration::from_millis(250),
         }
+    }
+
+    /// Whether the vehicle keeps the last rate for ever when the program is gone. Its port then belongs to a guard.
+    pub const fn keeps_last_rate(&self) -> bool {
+        self.protocol.keeps_last_rate()
     }
 
     /// The same vehicle with another motor schema rate on both axes. Limits below that rate are raised to it, so that

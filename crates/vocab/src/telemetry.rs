@@ -69,6 +69,8 @@ pub enum LinkState {
     Starting,
     /// Commands reach the camera.
     Up,
+    /// The vehicle fell silent though the port is open.
+    Silent,
     /// The shut-down sequence is running: zeros, then the vehicle's own stop command.
     Closing,
     /// Closed.

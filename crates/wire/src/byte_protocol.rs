@@ -2,8 +2,10 @@
 
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::profile::Protocol;
+use barrelman_vocab::telemetry::Report;
 
-use crate::fotokite_pro::{FotokiteProSession, SessionSettings};
+use crate::fotokite_pro::telemetry_reader::Received;
+use crate::fotokite_pro::{FotokiteProSession, SessionSettings, TelemetryReader};
 use crate::framing::Framing;
 use crate::session::Session;
 
@@ -29,6 +31,32 @@ impl ByteProtocol {
                 let settings = SessionSettings::for_baud(self.framing, self.baud);
                 Box::new(FotokiteProSession::open(settings, now))
             }
+        }
+    }
+    /// A reader of the vehicle's reports, for received bytes that a session in another process has received, too.
+    pub fn reports(&self) -> ReportReader {
+        match self.protocol {
+            Protocol::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
+        }
+    }
+}
+
+/// Reads the reports of a vehicle from received bytes.
+#[derive(Debug, Clone)]
+pub enum ReportReader {
+    /// Those of a Fotokite Pro.
+    FotokitePro(TelemetryReader),
+}
+
+impl ReportReader {
+    /// Passes each report in received bytes to `each`.
+    pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) {
+        match self {
+            Self::FotokitePro(reader) => reader.read(bytes, |received| {
+                if let Received::Report(report) = received {
+                    each(report);
+                }
+            }),
         }
     }
 }

@@ -14,6 +14,6 @@ pub mod fotokite_pro;
 
 pub mod framing;
 
-pub use byte_protocol::{ByteProtocol, ByteSession};
+pub use byte_protocol::{ByteProtocol, ByteSession, ReportReader};
 pub use framing::Framing;
-pub use session::{NextAction, Session, WillStep};
+pub use session::{NextAction, RestEvidence, Session, WillStep};

@@ -19,7 +19,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+use barrelman_vocab::{AngularRate, Telemetry, Timestamp, VehicleRates};
 
 /// One conversation with a vehicle.
 pub trait Session {
@@ -38,14 +38,44 @@ pub trait Session {
     /// replaced until `renew_by`; `None`: rest, which needs no renewal.
     fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>);
 
+    /// The operator takes the control back that the vehicle gave to somebody else. Without such a loss nothing happens: a
+    /// session takes the control at its start, and never again by itself.
+    fn take_control(&mut self, _now: Timestamp) {}
+
     /// Begins the shut-down: rest, and the vehicle's own stop where it has one.
     fn close(&mut self, now: Timestamp);
 
     /// The state of the link.
     fn link_state(&self) -> LinkState;
 
+    /// The session before ended while the camera may have been turning: the shut-down is complete only when the vehicle
+    /// was heard.
+    fn must_be_answered(&mut self) {}
+
+    /// Whether the vehicle may be turning the camera if nothing reaches it from now on.
+    fn may_be_turning(&self) -> bool;
+
+    /// What telemetry shows of the camera's motion.
+    fn rest_evidence(&self, _now: Timestamp) -> RestEvidence {
+        RestEvidence::NoTelemetry
+    }
+
     /// The packets that stop the vehicle from any state, each with the pause after it: for a session that has failed.
     fn last_will(&self) -> Vec<WillStep<Self::Sent>>;
+}
+
+/// What telemetry shows of the camera's motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RestEvidence {
+    /// No axis turns.
+    AtRest,
+    /// An axis turns.
+    Moving {
+        /// The rate of the fastest axis.
+        rate: AngularRate,
+    },
+    /// There is no recent telemetry that tells.
+    NoTelemetry,
 }
 
 /// The worker's next action after [`Session::poll`].

@@ -63,6 +63,9 @@ pub struct EmulateFotokiteProArgs {
     /// End a rate this long after the last command for its axis, seconds; default: never.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
     pub rate_timeout: Option<f64>,
+    /// Keep the rates in force after `stop`: the worst that a real ground station may do.
+    #[arg(long)]
+    pub stop_keeps_rates: bool,
     /// Do not echo the shell's input.
     #[arg(long)]
     pub no_echo: bool,

@@ -30,6 +30,13 @@ pub struct RunArgs {
     /// Configuration, video and link.
     #[command(flatten)]
     pub connection: ConnectionOptions,
+    /// The guard's program; default: barrelman-guard beside this program. The guard owns the port of a vehicle that keeps its
+    /// last rate, and sends zeros when this program is gone.
+    #[arg(long, value_name = "FILE")]
+    pub guard: Option<PathBuf>,
+    /// Run without the guard: if this program is killed, crashes or hangs, the camera goes on turning.
+    #[arg(long, conflicts_with = "guard")]
+    pub without_guard: bool,
     /// The vehicle's profile; default: the configuration's, or fotokite-pro, the only one in this build.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,

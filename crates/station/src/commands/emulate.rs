@@ -51,6 +51,7 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
     let settings = GroundStationSettings {
         echo: !args.no_echo,
         rate_timeout: args.rate_timeout.map(Duration::from_secs_f64),
+        stop_keeps_rates: args.stop_keeps_rates,
     };
     let ended = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {

@@ -86,6 +86,9 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
                 link: Some(format!("serial:{}", port.display())),
                 ..ConnectionOptions::default()
             },
+            guard: None,
+            // The emulated ground station ends with this process.
+            without_guard: true,
             profile: None,
             select: Some(selection),
             tracker: Some(args.tracker),

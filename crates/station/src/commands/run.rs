@@ -10,8 +10,8 @@ use super::draw_selection::{draw_selection, has_display};
 use crate::cli::{RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::{AfterPicking, ConsoleSettings};
-use crate::link::LinkUrl;
-use crate::link::url::{Endpoint, command_path};
+use crate::link::url::Endpoint;
+use crate::link::{LinkUrl, command_path, find_guard};
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
@@ -64,6 +64,7 @@ pub fn run_with_outputs(
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
+    let guard = needed_guard(&configuration, link.as_ref())?;
     let fault_injector = FaultInjector::parse(&args.fault)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
@@ -78,6 +79,7 @@ pub fn run_with_outputs(
         configuration: &configuration,
         source,
         link,
+        guard,
         outputs,
         selection,
         waits_for_selection: args.hands_on,
@@ -117,6 +119,23 @@ fn drawn_selection(
     let settings = console.duplicate().context("the page for the selection cannot be served")?;
     // The link holds a token: the command line of a browser could be read by others.
     draw_selection(url, 0, settings, AfterPicking::Console, false).map(Some)
+}
+
+/// The guard's program, where the vehicle needs one: it keeps its last rate when this program is gone.
+///
+/// # Errors
+/// If the guard is not there, and the operator has not said that the run does without it.
+fn needed_guard(configuration: &Configuration, link: Option<&LinkUrl>) -> Result<Option<PathBuf>> {
+    if command_path(link) != CommandPath::Link || !configuration.profile.keeps_last_rate() {
+        return Ok(None);
+    }
+    if configuration.guard.is_omitted {
+        tracing::warn!(
+            "no guard: if this program is killed, crashes or hangs, the camera goes on turning at its last rate"
+        );
+        return Ok(None);
+    }
+    Ok(Some(find_guard(configuration.guard.program.as_deref())?))
 }
 
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
@@ -164,6 +183,12 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     override_key(&mut file.video.url, &connection.video);
     override_key(&mut file.link.url, &connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
+    if args.guard.is_some() {
+        file.link.guard.clone_from(&args.guard);
+    }
+    if args.without_guard {
+        file.link.without_guard = Some(true);
+    }
     file.tracker.name = args.tracker.or(file.tracker.name);
     let context = || match &connection.config {
         Some(path) => format!("the configuration {} is not usable", path.display()),

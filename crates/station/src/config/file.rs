@@ -69,6 +69,13 @@ pub struct LinkSection {
     /// Address: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port` or `udp://host:port`; without an address: a dry run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
+    /// The guard's program; default: `barrelman-guard` beside the program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guard: Option<PathBuf>,
+    /// Whether to run without the guard, also where the vehicle keeps its last rate when the program is gone; default:
+    /// false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_guard: Option<bool>,
     /// Delimiters of a line, where the vehicle takes lines of text (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,

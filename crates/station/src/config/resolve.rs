@@ -1,5 +1,6 @@
 //! The effective configuration: from a file with defaults filled in, and back to a complete file.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -25,6 +26,8 @@ pub struct Configuration {
     pub video_login: Option<LoginSource>,
     /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
+    /// The guard of the vehicle's port.
+    pub guard: GuardChoice,
     /// Framing of text lines, where the vehicle's protocol has some.
     pub framing: Framing,
     /// The vehicle.
@@ -37,6 +40,15 @@ pub struct Configuration {
     pub console: ConsoleConfig,
     /// The recordings that `run` makes without being asked.
     pub recording: RecordingConfig,
+}
+
+/// Which guard serves the port of a vehicle that keeps its last rate.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct GuardChoice {
+    /// The guard's program; `None`: the one beside this program.
+    pub program: Option<PathBuf>,
+    /// Whether the run does without a guard.
+    pub is_omitted: bool,
 }
 
 /// The largest rate in the configuration of a recording, rad/s.
@@ -103,6 +115,10 @@ impl Configuration {
             video: file.video.url.clone(),
             video_login: login_source(&file.video)?,
             link: file.link.url.clone(),
+            guard: GuardChoice {
+                program: file.link.guard.clone(),
+                is_omitted: file.link.without_guard.unwrap_or(false),
+            },
             framing: match file.link.line_ending {
                 None | Some(LineEnding::CrAround) => Framing::CarriageReturns,
                 Some(LineEnding::Lf) => Framing::LineFeed,
@@ -154,6 +170,8 @@ impl Configuration {
             },
             link: LinkSection {
                 url: self.link.clone(),
+                guard: self.guard.program.clone(),
+                without_guard: Some(self.guard.is_omitted),
                 line_ending: Some(match self.framing {
                     Framing::CarriageReturns => LineEnding::CrAround,
                     Framing::LineFeed => LineEnding::Lf,

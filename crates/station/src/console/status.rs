@@ -83,6 +83,8 @@ fn mode_of(mode: Mode) -> ModeStatus {
                 StopCause::Emergency => "emergency",
                 StopCause::Landing => "landing",
                 StopCause::BatteryLow => "battery-low",
+                StopCause::VehicleSilent => "vehicle-silent",
+                StopCause::Suspended => "suspended",
             };
             ("stopped", Some(cause))
         }
@@ -177,6 +179,7 @@ fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
             snapshot::LinkStatus::Link(LinkState::Opening) => "opening",
             snapshot::LinkStatus::Link(LinkState::Starting) => "starting",
             snapshot::LinkStatus::Link(LinkState::Up) => "up",
+            snapshot::LinkStatus::Link(LinkState::Silent) => "silent",
             snapshot::LinkStatus::Link(LinkState::Closing) => "closing",
             snapshot::LinkStatus::Link(LinkState::Closed) => "closed",
         },

@@ -25,22 +25,6 @@ const MAX_WAIT: Duration = Duration::from_millis(10);
 /// Delay of received bytes while the fault `delay` is active.
 const FAULT_DELAY: Duration = Duration::from_millis(400);
 
-/// The readings with a level flight unit and the camera straight ahead, 10 m up on a nearly vertical tether. All but the
-/// two attitudes stay as they are.
-pub(crate) const LEVEL_READINGS: SensorReadings = SensorReadings {
-    attitude: LEVEL,
-    gimbal: LEVEL,
-    elevation_rad: 0.2,
-    azimuth_rad: 0.0,
-    altitude_m: 10.0,
-    tether_m: 10.2,
-    ground_battery_v: 15.8,
-    backup_battery_v: 8.1,
-    flight_mode: 2,
-    flags: 0,
-};
-const LEVEL: Quaternion = Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 };
-
 /// An emulated Fotokite Pro.
 #[derive(Debug)]
 pub struct FotokitePro {
@@ -233,7 +217,7 @@ impl FotokitePro {
         SensorReadings {
             attitude: Quaternion { w: yaw.cos(), x: 0.0, y: 0.0, z: yaw.sin() },
             gimbal: Quaternion { w: pitch.cos(), x: 0.0, y: pitch.sin(), z: 0.0 },
-            ..LEVEL_READINGS
+            ..SensorReadings::LEVEL
         }
     }
 }

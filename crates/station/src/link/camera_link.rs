@@ -10,7 +10,7 @@ use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 
-use super::dead_mans_switch::{DeadMansSwitch, RequestedRates};
+use barrelman_link::{DeadMansSwitch, RequestedRates};
 
 /// Longest time from the request to close until the camera rests: many ticks.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
@@ -121,7 +121,9 @@ impl CameraLink {
             return state.in_force;
         }
         let requested = state.requested;
-        state.in_force = state.switch.rates_in_force(&requested, now);
+        state.in_force = state.switch.rates_in_force(&requested, now, || {
+            tracing::error!("the pilot is held up: the link rests the camera");
+        });
         self.0.rates_read.notify_all();
         state.in_force
     }

@@ -2,8 +2,9 @@
 
 use barrelman_vocab::{Timestamp, VehicleRates};
 
+use barrelman_link::{GuardedLink, LinkHandle};
+
 use super::camera_link::CameraLink;
-use super::handle::LinkHandle;
 
 /// Sends camera rates to a vehicle.
 pub trait VehicleLink {
@@ -11,13 +12,18 @@ pub trait VehicleLink {
     /// are in force until `renew_by`: without a renewal by then, the link rests the camera (dead-man's switch). Does
     /// not block.
     fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>);
+
+    /// The operator takes the control of the vehicle back, if somebody else has taken it. Does not block.
+    fn take_control(&self) {}
 }
 
 /// A link to a vehicle or to a simulated camera.
 #[derive(Debug)]
 pub enum Link {
-    /// A ground station at a port.
+    /// A ground station at a port that a thread of this process serves.
     Port(LinkHandle),
+    /// A ground station at a port that a guard serves.
+    Guarded(GuardedLink),
     /// The camera of a simulated world.
     SimulatedCamera(CameraLink),
 }
@@ -26,16 +32,31 @@ impl VehicleLink for Link {
     fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
         match self {
             Self::Port(link) => link.send(rates, renew_by),
+            Self::Guarded(link) => link.send(rates, renew_by),
             Self::SimulatedCamera(link) => link.send(rates, renew_by),
+        }
+    }
+
+    fn take_control(&self) {
+        match self {
+            Self::Port(link) => link.take_control(),
+            Self::Guarded(link) => link.take_control(),
+            Self::SimulatedCamera(_) => {}
         }
     }
 }
 
 impl Link {
+    /// Whether there is a vehicle at the other end, or an emulated one, and no camera of this process.
+    pub const fn reaches_vehicle(&self) -> bool {
+        matches!(self, Self::Port(_) | Self::Guarded(_))
+    }
+
     /// Ends the link with zeros. Returns whether the zeros were sent.
     pub fn close(self) -> bool {
         match self {
             Self::Port(link) => link.close(),
+            Self::Guarded(link) => link.close(),
             Self::SimulatedCamera(link) => link.close(),
         }
     }

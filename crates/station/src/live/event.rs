@@ -4,6 +4,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use barrelman_host::clock::Clock;
+use barrelman_host::suspend::SuspendWatch;
 use barrelman_video::VideoState;
 use barrelman_vocab::Timestamp;
 
@@ -65,6 +66,11 @@ pub trait EventSource {
     /// # Errors
     /// `Timeout` if no event arrived, `Disconnected` if no further event can arrive.
     fn next_event(&mut self, wait: Duration) -> Result<Event, RecvTimeoutError>;
+
+    /// How long the machine was suspended since the last call, if it was.
+    fn suspension(&mut self) -> Option<Duration> {
+        None
+    }
 }
 
 /// The queue into which the threads of a live run put their events.
@@ -74,6 +80,8 @@ pub struct EventQueue<'a> {
     pub queue: &'a Receiver<Event>,
     /// The program's clock.
     pub clock: Clock,
+    /// Detects suspensions of the machine.
+    pub suspend: SuspendWatch,
 }
 
 impl EventSource for EventQueue<'_> {
@@ -83,5 +91,9 @@ impl EventSource for EventQueue<'_> {
 
     fn next_event(&mut self, wait: Duration) -> Result<Event, RecvTimeoutError> {
         self.queue.recv_timeout(wait)
+    }
+
+    fn suspension(&mut self) -> Option<Duration> {
+        self.suspend.check()
     }
 }

@@ -17,6 +17,7 @@ pub mod run_loop;
 mod open_link;
 pub mod recording_folder;
 mod recording_start;
+mod sleep_inhibitor;
 pub mod source;
 mod video_sink;
 

@@ -2,17 +2,26 @@
 
 use std::sync::mpsc::SyncSender;
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Result};
 use barrelman_host::clock::Clock;
-use barrelman_vocab::Telemetry;
-use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_wire::{ByteProtocol, Framing};
+use barrelman_vocab::{Telemetry, VehicleProfile, VehicleRates};
+use barrelman_wire::{ByteProtocol, Framing, RestEvidence};
 
 use super::event::Event;
 use crate::link::url::Endpoint;
-use crate::link::{Link, LinkHandle, LinkReport, LinkUrl};
+use crate::link::{GuardedLink, GuardedLinkSettings, Link, LinkHandle, LinkReport, LinkUrl};
 use crate::simulated_source::LiveWorld;
+
+/// What is at the other end of the link.
+pub(super) struct LinkedVehicle<'a> {
+    pub(super) profile: &'a VehicleProfile,
+    pub(super) framing: Framing,
+    /// The guard's program; `None`: a thread of this process serves the port.
+    pub(super) guard: Option<PathBuf>,
+}
 
 /// Opens the link: to the camera of the simulated world, to a port, or none for a dry run.
 ///
@@ -21,7 +30,7 @@ use crate::simulated_source::LiveWorld;
 pub(super) fn open_link(
     url: Option<&LinkUrl>,
     world: Option<&LiveWorld>,
-    (protocol, framing): (Protocol, Framing),
+    vehicle: LinkedVehicle<'_>,
     clock: Clock,
     events: &SyncSender<Event>,
 ) -> Result<Option<Link>> {
@@ -31,16 +40,44 @@ pub(super) fn open_link(
             open_camera_link(url, world, clock, events).map(Some)
         }
         (Some(url), _) => {
-            let protocol = ByteProtocol { protocol, framing, baud: url.baud() };
-            let report = move |report| events.try_send(Event::Link(report)).is_ok();
-            let link = LinkHandle::open(url, protocol, clock, report).context("the link cannot be opened")?;
-            Ok(Some(Link::Port(link)))
+            let LinkedVehicle { profile, framing, guard } = vehicle;
+            let protocol = ByteProtocol { protocol: profile.protocol, framing, baud: url.baud() };
+            let report = move |report| pass_on(report, &events);
+            let context = "the link cannot be opened";
+            let link = match guard {
+                Some(guard) => {
+                    let limits = VehicleRates { yaw: profile.limits.pan, pitch: profile.limits.tilt };
+                    let settings = GuardedLinkSettings { guard, url: url.clone(), protocol, limits, clock };
+                    Link::Guarded(GuardedLink::open(settings, report).context(context)?)
+                }
+                None => Link::Port(LinkHandle::open(url, protocol, clock, report).context(context)?),
+            };
+            Ok(Some(link))
         }
         (None, _) => {
             tracing::warn!("no link: this is a dry run that sends nothing");
             Ok(None)
         }
     }
+}
+
+/// Passes a report to the loop. What the link says after the loop has ended is logged here. Returns whether there was room.
+fn pass_on(report: LinkReport, events: &SyncSender<Event>) -> bool {
+    match report {
+        LinkReport::Stopped(RestEvidence::AtRest) => {
+            tracing::info!("zeros and stop were sent; telemetry shows that the camera rests");
+        }
+        LinkReport::Stopped(RestEvidence::NoTelemetry) => tracing::warn!(
+            "zeros were sent three times, then stop; no telemetry shows whether the camera rests"
+        ),
+        LinkReport::Stopped(RestEvidence::Moving { rate }) => tracing::error!(
+            "zeros were sent for two seconds, then stop, but telemetry still shows motion of {:.2} rad/s: the camera may be \
+             turning. Stop it from the ground station itself",
+            rate.radians_per_second()
+        ),
+        report => return events.try_send(Event::Link(report)).is_ok(),
+    }
+    true
 }
 
 fn open_camera_link(

@@ -8,7 +8,7 @@ use barrelman_trial::records::RecordingStart;
 
 use super::source::Source;
 use crate::config::Configuration;
-use crate::link::url::{LinkUrl, command_path};
+use crate::link::{LinkUrl, command_path};
 
 /// The first record of a recording of this run. It contains no passwords: recordings are handed on.
 ///

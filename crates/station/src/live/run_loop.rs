@@ -129,6 +129,9 @@ impl RunLoop<'_> {
     fn wait_and_handle(&mut self, state: &mut LoopState) -> Option<Ending> {
         let now = self.events.now();
         self.fault_injector.apply_faults("pilot", now);
+        if let Some(gap) = self.events.suspension() {
+            self.on_suspension(state, gap);
+        }
         self.take_requests(state);
         if let Some(line) = self.status.next_line(self.publisher.newest(), now) {
             self.status_output.show(line);
@@ -138,6 +141,9 @@ impl RunLoop<'_> {
             Ok(event) => {
                 // A stop that was pressed during the wait comes before the event.
                 self.take_stop(state);
+                if let Some(gap) = self.events.suspension() {
+                    self.on_suspension(state, gap);
+                }
                 self.handle(state, event)
             }
             Err(RecvTimeoutError::Timeout) => {
@@ -211,10 +217,35 @@ impl RunLoop<'_> {
                 }
                 self.step(state, Input::Telemetry(telemetry));
             }
-            LinkReport::Lost(reason) => tracing::warn!("the link was lost ({reason}); reopening it"),
+            LinkReport::Lost { reason, may_be_turning: false } => {
+                tracing::warn!("the link was lost ({reason}); reopening it");
+            }
+            LinkReport::Lost { reason, may_be_turning: true } => self.warn_of_turning(&format!(
+                "the link was lost ({reason}): the camera may be turning; reopening it, zeros first"
+            )),
+            LinkReport::GuardLost(reason) => self.warn_of_turning(&format!(
+                "the guard is gone ({reason}): the camera may be turning; starting another guard, zeros first"
+            )),
+            LinkReport::HeldUp => tracing::error!("the pilot is held up: the link rests the camera"),
+            LinkReport::Suspended(gap) => self.on_suspension(state, gap),
+            // Told where it is reported: the loop may have ended.
+            LinkReport::Stopped(_) => {}
             LinkReport::Panicked => return Some(failed("the link thread panicked")),
         }
         None
+    }
+
+    /// Tells the operator, on every way there is, that the camera may be turning.
+    fn warn_of_turning(&mut self, text: &str) {
+        tracing::error!("{text}");
+        self.publisher.set_may_be_turning(text, self.events.now());
+    }
+
+    /// The machine was suspended: what arrived before says nothing about now, although its age seems small.
+    fn on_suspension(&mut self, state: &mut LoopState, gap: Duration) {
+        tracing::error!("the machine was suspended for {:.1} s: the camera is stopped", gap.as_secs_f64());
+        drop(self.latest.take());
+        self.step(state, Input::Request(OperatorRequest::Stop(StopCause::Suspended)));
     }
 
     /// Steps the pilot, sends the rates, and informs the observers, in this order.
@@ -225,6 +256,10 @@ impl RunLoop<'_> {
         let rates = self.profile.to_vehicle(outcome.command);
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
+            let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
+            if matches!(input, Input::Request(OperatorRequest::Engage)) && !is_refused {
+                link.take_control();
+            }
         }
         if matches!(input, Input::Frame(_)) {
             self.publisher.add_step_time(self.events.now().since(begun));

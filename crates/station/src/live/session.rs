@@ -7,6 +7,7 @@
 
 use std::io::{Write as _, stdout};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -14,18 +15,20 @@ use anyhow::{Context as _, Result};
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
 use barrelman_host::output::OutputFile;
+use barrelman_host::suspend::SuspendWatch;
 use barrelman_pilot::Pilot;
 use barrelman_video::VideoHandle;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{OperatorRequest, PixelBox};
 
 use super::event::{Event, EventQueue};
-use super::open_link::open_link;
+use super::open_link::{LinkedVehicle, open_link};
 use super::overlay_video::OverlayVideo;
 use super::recorder::Recorder;
 use super::recording_folder::DiskReserve;
 use super::recording_start::recording_start;
 use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
+use super::sleep_inhibitor::SleepInhibitor;
 use super::source::Source;
 use super::status_line::StatusLine;
 use super::status_writer::{LineStyle, StatusWriter};
@@ -66,6 +69,8 @@ pub struct Session<'a> {
     pub source: Source,
     /// The link; `None`: a dry run.
     pub link: Option<LinkUrl>,
+    /// The guard's program, which serves the port of the link; `None`: a thread of this process does.
+    pub guard: Option<PathBuf>,
     /// The output files.
     pub outputs: Outputs,
     /// The operator's selection in the first video frame. Without a selection, a simulated world selects its target.
@@ -101,8 +106,13 @@ impl Session<'_> {
         let gateway = Arc::new(Gateway::new(events.clone()));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), self.clock, self.fault_injector.clone())?;
-        let vehicle = (self.configuration.profile.protocol, self.configuration.framing);
+        let vehicle = LinkedVehicle {
+            profile: &self.configuration.profile,
+            framing: self.configuration.framing,
+            guard: self.guard.clone(),
+        };
         let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
+        let _awake = link.as_ref().filter(|link| link.reaches_vehicle()).and_then(|_| SleepInhibitor::hold());
         self.warn_without_selection();
         let end = self.run_with(link, gateway, events, &queue, terminal.watches_keys())?;
         drop(terminal);
@@ -224,7 +234,7 @@ impl Session<'_> {
         let run_loop = RunLoop {
             pilot,
             profile: profile.clone(),
-            events: &mut EventQueue { queue, clock },
+            events: &mut EventQueue { queue, clock, suspend: SuspendWatch::start() },
             gateway,
             publisher,
             latest,

@@ -11,6 +11,8 @@ pub enum Alarm {
     NoVideo,
     /// Commands do not reach the vehicle.
     LinkDown,
+    /// Nothing reaches a camera that was turning.
+    CameraMayTurn,
     /// The vehicle does not accept commands from this program.
     ControlLost,
     /// The camera is near a mechanical end stop.
@@ -33,6 +35,7 @@ impl Alarm {
             Self::StaleVideo => "stale-video",
             Self::NoVideo => "no-video",
             Self::LinkDown => "link-down",
+            Self::CameraMayTurn => "camera-may-turn",
             Self::ControlLost => "control-lost",
             Self::EndStop => "end-stop",
             Self::Emergency => "emergency",
@@ -49,6 +52,9 @@ impl Alarm {
             Self::StaleVideo => "the video is delayed",
             Self::NoVideo => "no video arrives",
             Self::LinkDown => "the link is down: commands do not reach the camera",
+            Self::CameraMayTurn => {
+                "nothing reaches the camera, which may be turning: stop it at the ground station"
+            }
             Self::ControlLost => "the vehicle does not accept commands from this program",
             Self::EndStop => "the camera is near its end stop",
             Self::Emergency => "the vehicle reports an emergency",

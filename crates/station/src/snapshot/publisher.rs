@@ -51,6 +51,13 @@ impl Publisher {
         }
     }
 
+    /// Nothing reaches a camera that was turning. The alarm lasts until zeros have been sent on a reopened port.
+    pub fn set_may_be_turning(&mut self, text: &str, now: Timestamp) {
+        self.state.vehicle.may_be_turning = true;
+        self.events.add(now, Level::Alarm, "camera-may-turn", text.to_owned());
+        self.publish(now);
+    }
+
     /// The newest snapshot, for readers.
     pub fn subscribe(&self) -> watch::Receiver<SharedSnapshot> {
         self.snapshots.subscribe()
@@ -198,6 +205,7 @@ impl Publisher {
                     || matches!(state.video.state, VideoSourceState::Lost(_)),
             ),
             (Alarm::LinkDown, is_link_down),
+            (Alarm::CameraMayTurn, vehicle.may_be_turning),
             (Alarm::ControlLost, vehicle.control == Some(ControlState::NotOurs)),
             (Alarm::EndStop, is_at_stop),
             (Alarm::Emergency, vehicle.flight == Some(FlightState::Emergency)),
@@ -253,6 +261,7 @@ pub const fn link_state_text(state: LinkState) -> &'static str {
         LinkState::Opening => "link opening",
         LinkState::Starting => "link starting",
         LinkState::Up => "link up",
+        LinkState::Silent => "the vehicle is silent",
         LinkState::Closing => "link closing",
         LinkState::Closed => "link closed",
     }

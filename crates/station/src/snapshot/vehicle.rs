@@ -32,6 +32,8 @@ pub struct VehicleSnapshot {
     pub altitude_m: Option<f64>,
     /// Flight state.
     pub flight: Option<FlightState>,
+    /// Whether nothing reaches a camera that was turning.
+    pub may_be_turning: bool,
 }
 
 impl VehicleSnapshot {
@@ -40,9 +42,13 @@ impl VehicleSnapshot {
         match telemetry.report {
             Report::Link(state) => {
                 self.link = LinkStatus::Link(state);
-                if state != LinkState::Up {
-                    *self = Self { link: self.link, ..Self::default() };
-                }
+                // A session begins with zeros.
+                let may_be_turning =
+                    self.may_be_turning && matches!(state, LinkState::Opening | LinkState::Silent);
+                *self = match state {
+                    LinkState::Up => Self { may_be_turning, ..*self },
+                    _ => Self { link: self.link, may_be_turning, ..Self::default() },
+                };
             }
             Report::Ground { control, battery_v, .. } => {
                 (self.control, self.battery_v) = (Some(control), Some(battery_v));
@@ -91,6 +97,7 @@ mod tests {
         tilt: Some(Angle::from_degrees(-20.0)),
         altitude_m: Some(10.5),
         flight: Some(FlightState::Flying),
+        may_be_turning: false,
         is_battery_low: true,
     };
 

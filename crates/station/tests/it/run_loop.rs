@@ -333,7 +333,13 @@ fn losses_of_video_and_link_are_survived() {
             (1_060, lost()),
             (1_070, event(Event::Video(VideoState::Up))),
             (1_100, Frame),
-            (1_120, event(Event::Link(LinkReport::Lost("unplugged".to_owned())))),
+            (
+                1_120,
+                event(Event::Link(LinkReport::Lost {
+                    reason: "unplugged".to_owned(),
+                    may_be_turning: false,
+                })),
+            ),
             (1_130, lost()),
             (1_140, lost()),
             (1_200, Frame),

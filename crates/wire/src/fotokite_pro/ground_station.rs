@@ -17,10 +17,12 @@ use core::time::Duration;
 use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{AngularRate, Timestamp};
 
+pub use super::sensor_readings::SensorReadings;
+
 use super::command::{GIMBAL_LIMIT, Stream, YAW_LIMIT};
 use super::lines::LineSplitter;
-use super::session::PROMPT;
 use super::telemetry::{MODE_REMOTE_CONTROLLED, TETHER_METRES_PER_COUNT};
+use super::telemetry_reader::PROMPT;
 
 /// Lines beyond this number within one second are lost.
 pub const MAX_LINES_PER_SECOND: u32 = 100;
@@ -34,11 +36,13 @@ pub struct GroundStationSettings {
     pub echo: bool,
     /// Time without a line for an axis after which its rate becomes zero. `None`: no time-out.
     pub rate_timeout: Option<Duration>,
+    /// Whether `stop` leaves the rates in force, the worst that a real ground station may do.
+    pub stop_keeps_rates: bool,
 }
 
 impl Default for GroundStationSettings {
     fn default() -> Self {
-        Self { echo: true, rate_timeout: None }
+        Self { echo: true, rate_timeout: None, stop_keeps_rates: false }
     }
 }
 
@@ -51,31 +55,6 @@ pub struct StationRates {
     pub pitch: AngularRate,
     /// Roll of the gimbal.
     pub roll: AngularRate,
-}
-
-/// Readings of the vehicle's sensors, for the telemetry lines.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SensorReadings {
-    /// Attitude of the flight unit.
-    pub attitude: Quaternion,
-    /// Attitude of the gimbal.
-    pub gimbal: Quaternion,
-    /// Angle of the tether from the vertical, rad.
-    pub elevation_rad: f64,
-    /// Azimuth, rad; positive to the left of the start direction.
-    pub azimuth_rad: f64,
-    /// Barometric altitude, metres.
-    pub altitude_m: f64,
-    /// Length of tether paid out, metres.
-    pub tether_m: f64,
-    /// Voltage of the ground battery, volts.
-    pub ground_battery_v: f64,
-    /// Voltage of the backup battery, volts.
-    pub backup_battery_v: f64,
-    /// Flight mode number.
-    pub flight_mode: u32,
-    /// Warning bits.
-    pub flags: u32,
 }
 
 /// State of the station.
@@ -206,8 +185,9 @@ impl GroundStation {
             ("stop", "") => {
                 self.state = StationState::Shell;
                 self.checksums = true;
-                self.rates = StationRates::default();
-                self.last_motion = LastMotion::default();
+                if !self.settings.stop_keeps_rates {
+                    self.rest();
+                }
             }
             ("RemoteControl", "start") => {
                 self.state = StationState::RemoteControlled;
@@ -249,6 +229,19 @@ impl GroundStation {
             }
             _ => {}
         }
+    }
+
+    /// Somebody takes the control at the ground station itself: this program's commands no longer count, and its rates
+    /// end.
+    pub fn take_over(&mut self) {
+        self.state = StationState::Shell;
+        self.checksums = true;
+        self.rest();
+    }
+
+    fn rest(&mut self) {
+        self.rates = StationRates::default();
+        self.last_motion = LastMotion::default();
     }
 
     /// Parameter 117 is the telemetry rate. Other parameters are accepted without effect.

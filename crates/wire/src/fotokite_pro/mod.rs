@@ -6,13 +6,20 @@
 pub mod lines;
 
 pub mod command;
+pub mod motion;
 pub mod pacing;
 pub mod session;
+mod session_times;
+mod start_up;
 pub mod telemetry;
+pub mod telemetry_reader;
+
+mod sensor_readings;
 
 pub mod ground_station;
 
 pub use command::Command;
 pub use ground_station::GroundStation;
+pub use telemetry_reader::TelemetryReader;
 
 pub use session::{FotokiteProSession, SessionSettings};

@@ -2,7 +2,7 @@
 //!
 //! The vehicle keeps a rate until the next one, and a line can get lost. A zero is therefore sent first, immediately,
 //! and is repeated twice at intervals of 50 ms. Non-zero rates coalesce to the newest one, with at most 20 lines per
-//! second over both axes. A rate that stays in force, including zero, is repeated every 0.5 s, which corrects even a
+//! second over both axes. A rate that stays in force is repeated every 0.5 s, a zero every 0.25 s, which corrects even a
 //! zero that was lost three times.
 
 use core::time::Duration;
@@ -19,6 +19,8 @@ pub const ZERO_REPEATS: u8 = 2;
 pub const LINE_SPACING: Duration = Duration::from_millis(50);
 /// A rate in force is repeated after this time.
 pub const REFRESH: Duration = Duration::from_millis(500);
+/// Zero in force is repeated after this time: a line that carries again what it lost before brings rest within 350 ms.
+pub const ZERO_REFRESH: Duration = Duration::from_millis(250);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum AxisName {
@@ -51,9 +53,11 @@ impl Axis {
     /// When the next line of this axis is due, without the spacing of lines with non-zero rates.
     fn due(&self) -> Timestamp {
         match self.last_sent {
-            Some((rate, at)) if rate == self.target => {
-                at.plus(if self.repeats_left > 0 { ZERO_SPACING } else { REFRESH })
-            }
+            Some((rate, at)) if rate == self.target => at.plus(match (self.repeats_left, rate.is_zero()) {
+                (0, true) => ZERO_REFRESH,
+                (0, false) => REFRESH,
+                _ => ZERO_SPACING,
+            }),
             _ => Timestamp::ZERO,
         }
     }
@@ -128,6 +132,14 @@ impl Pacing {
             axis.send_line(now, &mut send);
             self.last_moving_line = Some(now);
         }
+    }
+
+    /// Whether a rate other than zero was sent last, or a zero that was not repeated yet.
+    pub fn may_be_turning(&self) -> bool {
+        let is_moving = |axis: &Axis| axis.last_sent.is_some_and(|(rate, _)| !rate.is_zero());
+        self.axes
+            .iter()
+            .any(|axis| is_moving(axis) || axis.repeats_left > 0 && self.last_moving_line.is_some())
     }
 
     /// When the next line is due.

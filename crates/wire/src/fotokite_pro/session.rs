@@ -1,51 +1,44 @@
 //! The client's end of the protocol: start-up, rates, telemetry, shut-down.
 //!
 //! ```text
-//!              0.5 s                  prompt received         last line sent
-//!   Stopping --------> AwaitingPrompt ---------------> Starting ------------> Up
-//!      ^                  |                                                  |  |
-//!      +------------------+-- report: not under remote control --------------+  |
-//!                         |                                                     |
-//!                         | no prompt for 3 s          telemetry silent for 3 s |
-//!                         +---------------> Unresponsive <----------------------+
-//!                                       (reopen the port)
+//!             zeros, stop, 0.5 s        prompt received         last line sent, a report of the ground station
+//!   Stopping -------------> AwaitingPrompt ------------> Starting ------------> Up
+//!      ^                       |                                              |  | report: not under remote control
+//!      |                       | no prompt for 3 s    telemetry silent for 3 s|  v
+//!      |                       +------------> Unresponsive <------------------+ Yielded
+//!      |                                    (reopen the port)                    |
+//!      +-------------------------- take_control() -------------------------------+
 //!
 //!   any state but Closed and Unresponsive -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
 //! ```
 //!
+//! The first bytes on a newly opened port are zeros: nobody knows which rate is in force, or whether `stop` ends it.
+//! Zeros at the end are repeated until telemetry shows no motion ([`super::motion`]). A ground station that gave the control
+//! to somebody else is left alone until the operator takes the control back.
+//!
 //! [`FotokiteProSession`] is the [`Session`] of this protocol: a plain struct without I/O, bytes and the time in, bytes
 //! and the time of the next call out. It sends rates only in the state `Up`, which always begins with zeros.
 
+use core::cmp::Ordering;
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{AngularRate, Telemetry, Timestamp, VehicleRates};
 
-use super::command::{Command, Stream};
-use super::lines::LineSplitter;
-use super::pacing::{Pacing, ZERO_REPEATS, ZERO_SPACING};
-use super::telemetry::parse;
+use super::command::Command;
+use super::motion::MotionWatch;
+use super::pacing::{Pacing, ZERO_REFRESH, ZERO_REPEATS, ZERO_SPACING};
+use super::start_up::start_up;
+use super::telemetry_reader::{Received, TelemetryReader};
 use crate::framing::Framing;
-use crate::session::{NextAction, Session, WillStep};
+use crate::session::{NextAction, RestEvidence, Session, WillStep};
 
-/// The shell's prompt.
-pub const PROMPT: &str = "nsh>";
-/// Time from the first `stop` to the prompt requests.
-pub const PROMPT_DELAY: Duration = Duration::from_millis(500);
-/// Longest time from the prompt requests to the prompt.
-pub const PROMPT_TIMEOUT: Duration = Duration::from_secs(3);
-/// Number of carriage returns that request the prompt.
-pub const PROMPT_REQUESTS: usize = 5;
-/// Interval between the start-up lines that enter remote control.
-pub const START_SPACING: Duration = Duration::from_millis(500);
-/// Interval between the start-up lines that request telemetry: the shell loses lines that arrive faster.
-pub const REQUEST_SPACING: Duration = Duration::from_millis(50);
-/// Time from the last zeros of the shut-down to `stop`.
-pub const STOP_DELAY: Duration = Duration::from_millis(500);
-/// The link counts as lost if a telemetry stream is silent for this time.
-pub const TELEMETRY_TIMEOUT: Duration = Duration::from_secs(3);
-/// Time after the start-up in which the ground station may still report that it is not under remote control.
-pub const CONTROL_GRACE: Duration = Duration::from_secs(2);
+pub use super::session_times::{
+    CONTROL_GRACE, MAX_ZEROS, OPENING_ZEROS, PROMPT_DELAY, PROMPT_REQUESTS, PROMPT_TIMEOUT, REPORT_TIMEOUT,
+    STOP_DELAY, TELEMETRY_TIMEOUT, UNREST_SPACING, ZEROS_AT_REST, ZEROS_IN_MOTION,
+};
+pub use super::start_up::{REQUEST_SPACING, START_SPACING};
+pub use super::telemetry_reader::PROMPT;
 
 const UNANSWERED: NextAction = NextAction::Reopen { reason: "the ground station does not answer" };
 
@@ -68,18 +61,40 @@ impl SessionSettings {
 /// State of a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    Stopping { prompt_at: Timestamp, stop_sent: bool },
-    AwaitingPrompt { until: Timestamp },
-    Starting { next: usize, at: Timestamp },
-    Up { since: Timestamp },
-    Closing { zeros_sent: u32, next_at: Timestamp },
+    /// Zeros are sent at `next_at`, until enough were sent; then `stop`, and the prompt is requested.
+    Stopping {
+        zeros_sent: u32,
+        next_at: Timestamp,
+    },
+    /// Zeros are repeated at `zeros_at`: a line that lost the first ones may still have a vehicle that turns at its end.
+    AwaitingPrompt {
+        until: Timestamp,
+        zeros_at: Timestamp,
+    },
+    Starting {
+        next: usize,
+        at: Timestamp,
+    },
+    Up {
+        since: Timestamp,
+    },
+    /// Somebody else has the control.
+    Yielded {
+        since: Timestamp,
+    },
+    Closing {
+        since: Timestamp,
+        zeros_sent: u32,
+        next_at: Timestamp,
+        stop_at: Timestamp,
+    },
     Closed,
     Unresponsive,
 }
 
 impl State {
     fn stopping(now: Timestamp) -> Self {
-        Self::Stopping { prompt_at: now.plus(PROMPT_DELAY), stop_sent: false }
+        Self::Stopping { zeros_sent: 0, next_at: now }
     }
 }
 
@@ -89,9 +104,19 @@ pub struct FotokiteProSession {
     settings: SessionSettings,
     state: State,
     pacing: Pacing,
-    lines: LineSplitter,
+    reader: TelemetryReader,
+    motion: MotionWatch,
     last_telemetry: Option<Timestamp>,
-    restarts: u64,
+    /// When anything was received last.
+    last_heard: Option<Timestamp>,
+    /// Whether the session must not end before the vehicle was heard.
+    needs_answer: bool,
+    /// Least number of zeros of the shut-down.
+    least_zeros: u32,
+    /// Whether the ground station reported its state in this session.
+    has_reported: bool,
+    /// Whether a session that was up fell silent.
+    fell_silent: bool,
 }
 
 impl FotokiteProSession {
@@ -101,10 +126,26 @@ impl FotokiteProSession {
             settings,
             state: State::stopping(now),
             pacing: Pacing::default(),
-            lines: LineSplitter::default(),
+            reader: TelemetryReader::default(),
+            motion: MotionWatch::default(),
             last_telemetry: None,
-            restarts: 0,
+            last_heard: None,
+            needs_answer: false,
+            least_zeros: ZEROS_AT_REST,
+            has_reported: false,
+            fell_silent: false,
         }
+    }
+
+    /// Something was received. A vehicle that was silent during the shut-down may have received none of its zeros.
+    fn on_heard(&mut self, now: Timestamp) {
+        if let State::Closing { since, zeros_sent, next_at, .. } = &mut self.state
+            && self.last_heard.is_none_or(|heard| heard < *since)
+            && *zeros_sent > ZEROS_AT_REST
+        {
+            (*zeros_sent, *next_at) = (0, now);
+        }
+        self.last_heard = Some(now);
     }
 
     /// Handles a prompt. A prompt before the prompt requests may be an old one and is ignored.
@@ -115,45 +156,71 @@ impl FotokiteProSession {
     }
 
     fn on_report(&mut self, report: &Report, now: Timestamp) {
-        let not_ours = matches!(report, Report::Ground { control: ControlState::NotOurs, .. });
-        if let State::Up { since } = self.state
-            && not_ours
-            && now.since(since) >= CONTROL_GRACE
-        {
-            self.restarts += 1;
-            self.state = State::stopping(now);
+        self.motion.on_report(report, now);
+        let Report::Ground { control, .. } = report else { return };
+        self.has_reported = true;
+        match (self.state, control) {
+            (State::Up { since }, ControlState::NotOurs) if now.since(since) >= CONTROL_GRACE => {
+                self.state = State::Yielded { since };
+            }
+            // It was given back: the rates before are unknown.
+            (State::Yielded { .. }, ControlState::Ours) => {
+                self.pacing.forget_sent();
+                self.state = State::Up { since: now };
+            }
+            _ => {}
         }
     }
 
     /// Appends the lines that are due now to `out`, and returns the worker's next action.
     fn write_due(&mut self, now: Timestamp, out: &mut Vec<u8>) -> NextAction {
         match self.state {
-            State::Stopping { prompt_at, stop_sent } => {
-                if !stop_sent {
-                    self.send(Command::Stop, out);
-                    self.state = State::Stopping { prompt_at, stop_sent: true };
-                }
-                if now < prompt_at {
-                    return NextAction::WaitUntil(prompt_at);
-                }
+            State::Stopping { next_at, .. } if now < next_at => NextAction::WaitUntil(next_at),
+            State::Stopping { zeros_sent, .. } if zeros_sent <= OPENING_ZEROS => {
+                self.send_zeros(out);
+                let wait = match zeros_sent.cmp(&(OPENING_ZEROS - 1)) {
+                    Ordering::Less => ZERO_SPACING,
+                    Ordering::Equal => {
+                        self.send(Command::Stop, out);
+                        ZERO_REFRESH
+                    }
+                    Ordering::Greater => PROMPT_DELAY.saturating_sub(ZERO_REFRESH),
+                };
+                let next_at = now.plus(wait);
+                self.state = State::Stopping { zeros_sent: zeros_sent + 1, next_at };
+                NextAction::WaitUntil(next_at)
+            }
+            State::Stopping { .. } => {
+                self.send_zeros(out);
                 for _ in 0..PROMPT_REQUESTS {
                     self.send(Command::PromptRequest, out);
                 }
-                let until = now.plus(PROMPT_TIMEOUT);
-                self.state = State::AwaitingPrompt { until };
-                NextAction::WaitUntil(until)
+                let (until, zeros_at) = (now.plus(PROMPT_TIMEOUT), now.plus(ZERO_REFRESH));
+                self.state = State::AwaitingPrompt { until, zeros_at };
+                NextAction::WaitUntil(zeros_at)
             }
-            State::AwaitingPrompt { until } if now < until => NextAction::WaitUntil(until),
-            State::AwaitingPrompt { .. } => {
+            State::AwaitingPrompt { until, .. } if until <= now => {
                 self.state = State::Unresponsive;
                 UNANSWERED
+            }
+            State::AwaitingPrompt { until, mut zeros_at } => {
+                if zeros_at <= now {
+                    self.send_zeros(out);
+                    zeros_at = now.plus(ZERO_REFRESH);
+                    self.state = State::AwaitingPrompt { until, zeros_at };
+                }
+                NextAction::WaitUntil(until.min(zeros_at))
             }
             State::Starting { next, at } => {
                 if now < at {
                     return NextAction::WaitUntil(at);
                 }
-                let script = self.start_up();
+                let script = start_up(self.settings.telemetry_per_second);
                 let Some(&(command, pause)) = script.get(next) else {
+                    let report_until = at.plus(REPORT_TIMEOUT);
+                    if !self.has_reported && now < report_until {
+                        return NextAction::WaitUntil(report_until);
+                    }
                     self.state = State::Up { since: now };
                     self.last_telemetry = None;
                     self.pacing.send_zeros_first(now, encoder(self.settings.framing, out));
@@ -165,15 +232,21 @@ impl FotokiteProSession {
                 NextAction::WaitUntil(at)
             }
             State::Up { since } => self.poll_up(since, now, out),
+            State::Yielded { since } => match self.silent_at(since) {
+                Some(at) if at <= now => self.fall_silent(),
+                at => NextAction::WaitUntil(at.unwrap_or_else(|| now.plus(TELEMETRY_TIMEOUT))),
+            },
             State::Closing { next_at, .. } if now < next_at => NextAction::WaitUntil(next_at),
-            State::Closing { zeros_sent, .. } if zeros_sent <= u32::from(ZERO_REPEATS) => {
-                self.send(Command::GimbalRest, out);
-                self.send(Command::Yaw(AngularRate::ZERO), out);
-                let last = zeros_sent == u32::from(ZERO_REPEATS);
-                let next_at = now.plus(if last { STOP_DELAY } else { ZERO_SPACING });
-                self.state = State::Closing { zeros_sent: zeros_sent + 1, next_at };
+            State::Closing { since, zeros_sent, .. } if self.needs_zeros(since, zeros_sent, now) => {
+                self.send_zeros(out);
+                let zeros_sent = zeros_sent + 1;
+                let is_burst = zeros_sent <= u32::from(ZERO_REPEATS);
+                let next_at = now.plus(if is_burst { ZERO_SPACING } else { UNREST_SPACING });
+                let stop_at = now.plus(STOP_DELAY);
+                self.state = State::Closing { since, zeros_sent, next_at, stop_at };
                 NextAction::WaitUntil(next_at)
             }
+            State::Closing { stop_at, .. } if now < stop_at => NextAction::WaitUntil(stop_at),
             State::Closing { .. } => {
                 self.send(Command::Stop, out);
                 self.state = State::Closed;
@@ -186,41 +259,47 @@ impl FotokiteProSession {
 
     fn poll_up(&mut self, since: Timestamp, now: Timestamp, out: &mut Vec<u8>) -> NextAction {
         self.pacing.poll(now, encoder(self.settings.framing, out));
-        let silent_at = self.last_telemetry.map(|at| at.max(since).plus(TELEMETRY_TIMEOUT));
+        let silent_at = self.silent_at(since);
         if silent_at.is_some_and(|at| at <= now) {
-            self.state = State::Unresponsive;
-            return UNANSWERED;
+            return self.fall_silent();
         }
         let wake_at = self.pacing.wake_at();
         NextAction::WaitUntil(silent_at.map_or(wake_at, |silent_at| wake_at.min(silent_at)))
     }
 
-    /// The lines that enter remote control and start the telemetry, each with the pause after it.
-    fn start_up(&self) -> [(Command, Duration); 12] {
-        let (start, request) = (START_SPACING, REQUEST_SPACING);
-        [
-            (Command::Stop, start),
-            (Command::RemoteControlStart, start),
-            (Command::ChecksumsOff, start),
-            (Command::TelemetryRate(self.settings.telemetry_per_second), request),
-            (Command::CommitParameter, request),
-            (Command::DebugTextOff, request),
-            (Command::CommitParameter, request),
-            (Command::Stream(Stream::GroundStatus), request),
-            (Command::Stream(Stream::Attitude), request),
-            (Command::Stream(Stream::Position), request),
-            (Command::Stream(Stream::FlightStatus), request),
-            (Command::Stream(Stream::Gimbal), request),
-        ]
+    /// When a session that is up since then counts as silent.
+    fn silent_at(&self, since: Timestamp) -> Option<Timestamp> {
+        self.last_telemetry.map(|at| at.max(since).plus(TELEMETRY_TIMEOUT))
+    }
+
+    fn fall_silent(&mut self) -> NextAction {
+        self.fell_silent = true;
+        self.state = State::Unresponsive;
+        UNANSWERED
+    }
+
+    /// Whether the shut-down has to send zeros once more.
+    fn needs_zeros(&self, since: Timestamp, zeros_sent: u32, now: Timestamp) -> bool {
+        if zeros_sent < self.least_zeros {
+            return true;
+        }
+        let is_silent = self.last_heard.is_none_or(|heard| heard < since);
+        match self.motion.since(since, now) {
+            RestEvidence::AtRest => false,
+            // A vehicle that reported before, or must answer, has to be heard again: nothing may have reached it.
+            _ if is_silent && (self.needs_answer || self.last_telemetry.is_some()) => true,
+            RestEvidence::Moving { .. } => zeros_sent < MAX_ZEROS,
+            RestEvidence::NoTelemetry => self.motion.has_seen() && zeros_sent < MAX_ZEROS,
+        }
+    }
+
+    fn send_zeros(&self, out: &mut Vec<u8>) {
+        self.send(Command::GimbalRest, out);
+        self.send(Command::Yaw(AngularRate::ZERO), out);
     }
 
     fn send(&self, command: Command, out: &mut Vec<u8>) {
         command.encode(self.settings.framing, out);
-    }
-
-    /// How often the session restarted because the ground station had left remote control.
-    pub const fn restarts(&self) -> u64 {
-        self.restarts
     }
 }
 
@@ -239,19 +318,19 @@ impl Session for FotokiteProSession {
     }
 
     fn received(&mut self, bytes: &[u8], now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
-        for &byte in bytes {
-            let mut meaning = None;
-            self.lines.feed(&[byte], |line| meaning = parse(line.trim_start()));
-            if self.lines.partial().trim_start() == PROMPT {
-                self.lines.discard_partial();
-                self.on_prompt(now);
-            }
-            if let Some(content) = meaning {
+        if !bytes.is_empty() {
+            self.on_heard(now);
+        }
+        let mut reader = core::mem::take(&mut self.reader);
+        reader.read(bytes, |received| match received {
+            Received::Prompt => self.on_prompt(now),
+            Received::Report(content) => {
                 self.last_telemetry = Some(now);
                 self.on_report(&content, now);
                 report(Telemetry { at: now, report: content });
             }
-        }
+        });
+        self.reader = reader;
     }
 
     /// The vehicle keeps a rate until the next one, so that no time of renewal is sent.
@@ -261,10 +340,20 @@ impl Session for FotokiteProSession {
         }
     }
 
-    /// Begins the shut-down: three times zeros, the first immediately; 0.5 s after the last, the vehicle's own stop.
+    fn take_control(&mut self, now: Timestamp) {
+        if let State::Yielded { .. } = self.state {
+            self.state = State::stopping(now);
+        }
+    }
+
+    /// Begins the shut-down: zeros at once, three times, then until telemetry shows no motion; 0.5 s after the last, the
+    /// vehicle's own stop.
     fn close(&mut self, now: Timestamp) {
         if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
-            self.state = State::Closing { zeros_sent: 0, next_at: now };
+            if self.needs_answer || self.may_be_turning() {
+                self.least_zeros = ZEROS_IN_MOTION;
+            }
+            self.state = State::Closing { since: now, zeros_sent: 0, next_at: now, stop_at: now };
         }
     }
 
@@ -273,18 +362,32 @@ impl Session for FotokiteProSession {
             State::Stopping { .. } | State::AwaitingPrompt { .. } | State::Starting { .. } => {
                 LinkState::Starting
             }
-            State::Up { .. } => LinkState::Up,
+            State::Up { .. } | State::Yielded { .. } => LinkState::Up,
             State::Closing { .. } => LinkState::Closing,
             State::Closed => LinkState::Closed,
+            State::Unresponsive if self.fell_silent => LinkState::Silent,
             State::Unresponsive => LinkState::Opening,
         }
+    }
+
+    fn must_be_answered(&mut self) {
+        self.needs_answer = true;
+    }
+
+    fn may_be_turning(&self) -> bool {
+        let is_ours = matches!(self.state, State::Up { .. }) || self.fell_silent;
+        is_ours && self.pacing.may_be_turning()
+    }
+
+    fn rest_evidence(&self, now: Timestamp) -> RestEvidence {
+        let since = if let State::Closing { since, .. } = self.state { since } else { Timestamp::ZERO };
+        self.motion.since(since, now)
     }
 
     /// Three times zeros, half a second, stop.
     fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
         let mut zeros = Vec::new();
-        self.send(Command::GimbalRest, &mut zeros);
-        self.send(Command::Yaw(AngularRate::ZERO), &mut zeros);
+        self.send_zeros(&mut zeros);
         let mut stop = Vec::new();
         self.send(Command::Stop, &mut stop);
         let again = WillStep { packet: zeros.clone(), pause: ZERO_SPACING };

@@ -5,7 +5,7 @@ use core::time::Duration;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::pacing::Pacing;
-use barrelman_wire::fotokite_pro::{FotokiteProSession, SessionSettings};
+use barrelman_wire::fotokite_pro::{Command, FotokiteProSession, SessionSettings};
 use barrelman_wire::{Framing, NextAction, Session as _};
 
 use crate::transcript::{Case, Event, cases, words};
@@ -81,8 +81,12 @@ fn the_start_up_sequence_leaves_byte_for_byte_with_its_waits() {
             let mut session = FotokiteProSession::open(settings(&case), at(0));
             let sent = run(&mut session, &case, 0);
             // Other transcripts cover the rates, which are sent after the start-up.
-            let start_up: Vec<_> =
-                sent.lines.into_iter().filter(|(_, bytes)| !is_zero_burst(bytes)).collect();
+            let start_up: Vec<_> = sent
+                .lines
+                .into_iter()
+                .map(|(ms, bytes)| (ms, without_zeros(&bytes, settings(&case).framing)))
+                .filter(|(_, bytes)| !bytes.is_empty())
+                .collect();
             let expected = expected_bytes(&case);
             let texts = |lines: &[(u64, Vec<u8>)]| -> Vec<String> {
                 lines
@@ -101,9 +105,18 @@ fn the_start_up_sequence_leaves_byte_for_byte_with_its_waits() {
     }
 }
 
-fn is_zero_burst(bytes: &[u8]) -> bool {
-    words(bytes).iter().all(|line| is_zero_of("Yaw", line) || is_zero_of("GimbalPitch", line))
-        && !words(bytes).is_empty()
+/// A packet without its lines that rest an axis.
+fn without_zeros(packet: &[u8], framing: Framing) -> Vec<u8> {
+    let zeros =
+        [Command::GimbalRest, Command::GimbalPitch(AngularRate::ZERO), Command::Yaw(AngularRate::ZERO)];
+    zeros.iter().fold(packet.to_vec(), |mut rest, command| {
+        let mut line = Vec::new();
+        command.encode(framing, &mut line);
+        while let Some(at) = rest.windows(line.len()).position(|window| window == line) {
+            rest.drain(at..at + line.len());
+        }
+        rest
+    })
 }
 
 fn is_zero_of(axis: &str, line: &str) -> bool {
@@ -177,7 +190,7 @@ fn settled(settings: SessionSettings) -> (FotokiteProSession, u64) {
     let mut session = FotokiteProSession::open(settings, at(0));
     let mut out = Vec::new();
     for ms in 0..10_000 {
-        if ms == 510 {
+        if ms == 620 {
             session.received(b"\r\nnsh> ", at(ms), &mut |_| {});
         }
         session.poll(at(ms), &mut out);
@@ -207,7 +220,7 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
     let mut lines = Vec::new();
     for ms in 0..4_000 {
         match ms {
-            510 => session.received(b"nsh> ", at(ms), &mut |_| {}),
+            620 => session.received(b"nsh> ", at(ms), &mut |_| {}),
             700 => session.request(
                 VehicleRates { yaw: AngularRate::from_radians_per_second(0.3), pitch: AngularRate::ZERO },
                 None,
@@ -220,16 +233,98 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
     }
     let rates: Vec<&String> =
         lines.iter().filter(|line| line.starts_with(['Y', 'G']) && !line.starts_with("Get")).collect();
-    assert_eq!(rates[..3], ["GimbalPitch 0.000000", "Yaw 0.000000", "Yaw 0.300000"], "{lines:?}");
+    let (opening, up) =
+        rates.split_at(rates.iter().position(|line| line.starts_with("GimbalPitch")).unwrap_or(0));
+    assert!(opening.iter().all(|line| line.ends_with(" 0.000000") || line.ends_with(" 0.000000,0.000000")));
+    assert_eq!(up[..3], ["GimbalPitch 0.000000", "Yaw 0.000000", "Yaw 0.300000"], "{lines:?}");
+}
+
+/// The lines that a session sends in this time, and their times.
+fn lines_between(session: &mut FotokiteProSession, from: u64, to: u64) -> Vec<(u64, String)> {
+    let mut lines = Vec::new();
+    for ms in from..to {
+        let mut out = Vec::new();
+        session.poll(at(ms), &mut out);
+        lines.extend(out.iter().flat_map(|packet| words(packet)).map(|line| (ms, line)));
+    }
+    lines
 }
 
 #[test]
-fn a_ground_station_that_left_remote_control_is_started_again() {
+fn the_first_bytes_of_a_session_are_zeros_three_times() {
+    let mut session = FotokiteProSession::open(SessionSettings::for_baud(Framing::LineFeed, 115_200), at(0));
+    let lines = lines_between(&mut session, 0, 300);
+    let zeros = |ms| [(ms, "Gimbal 0.000000,0.000000".to_owned()), (ms, "Yaw 0.000000".to_owned())];
+    let stop = [(100, "stop".to_owned())];
+    assert_eq!(lines, [&zeros(0)[..], &zeros(50), &zeros(100), &stop].concat());
+}
+
+#[test]
+fn control_that_somebody_else_took_comes_back_by_request_only() {
+    let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
+    let moving = VehicleRates { yaw: AngularRate::from_radians_per_second(0.3), pitch: AngularRate::ZERO };
+    session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), &mut |_| {});
+    session.request(moving, None);
+    assert_eq!(
+        lines_between(&mut session, start, start + 1_000),
+        [],
+        "nothing is sent to somebody else's vehicle"
+    );
+    assert_eq!(session.link_state(), LinkState::Up);
+    session.take_control(at(start + 1_000));
+    let lines = lines_between(&mut session, start + 1_000, start + 1_200);
+    assert_eq!(lines.first().map(|(_, line)| line.as_str()), Some("Gimbal 0.000000,0.000000"));
+    assert_eq!(lines.last().map(|(_, line)| line.as_str()), Some("stop"));
+}
+
+#[test]
+fn control_that_is_given_back_begins_with_zeros() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
     session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), &mut |_| {});
-    let mut out = Vec::new();
-    session.poll(at(start), &mut out);
-    assert_eq!((words(&out.concat()), session.restarts()), (vec!["stop".to_owned()], 1));
+    session.received(b"!GSStatus 10,1.1,11.8,0\r\n", at(start + 100), &mut |_| {});
+    let lines = lines_between(&mut session, start + 100, start + 110);
+    assert_eq!(
+        lines,
+        [(start + 100, "GimbalPitch 0.000000".to_owned()), (start + 100, "Yaw 0.000000".to_owned())]
+    );
+}
+
+/// Ends a session whose telemetry, at 10 Hz, shows a yaw of this rate until a time after the request, and a camera at rest
+/// then. Returns the number of zeros on yaw, and when `stop` was sent after the request.
+fn shut_down_with_yaw(rate: f64, until_ms: u64) -> (usize, u64) {
+    let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
+    let mut lines = Vec::new();
+    for ms in 0..6_000 {
+        if ms % 100 == 7 {
+            let yaw: f64 = rate * ms.min(until_ms + 1_000) as f64 / 1000.0;
+            let (w, z) = ((yaw / 2.0).cos(), (yaw / 2.0).sin());
+            let text = format!("!Attitude {w:.6},0,0,{z:.6}\r\n!Gimbal 1,0,0,0\r\n");
+            session.received(text.as_bytes(), at(start + ms), &mut |_| {});
+        }
+        if ms == 1_000 {
+            session.close(at(start + ms));
+        }
+        let sent = lines_between(&mut session, start + ms, start + ms + 1);
+        lines.extend(sent.into_iter().filter(|_| ms >= 1_000).map(|(_, line)| (ms - 1_000, line)));
+        if session.link_state() == LinkState::Closed {
+            break;
+        }
+    }
+    let stop_at = lines.iter().find(|(_, line)| line == "stop").expect("it was stopped").0;
+    (lines.iter().filter(|(_, line)| line.starts_with("Yaw")).count(), stop_at)
+}
+
+#[test]
+fn zeros_are_repeated_until_telemetry_shows_no_motion() {
+    assert_eq!(shut_down_with_yaw(0.0, 0), (3, 600), "a camera at rest: two reports after the first zeros");
+    assert_eq!(shut_down_with_yaw(0.04, 6_000), (3, 600), "the sway of the flight unit");
+    let (zeros, stop_at) = shut_down_with_yaw(0.3, 800);
+    assert!(
+        (9..=12).contains(&zeros) && (1_200..=1_600).contains(&stop_at),
+        "{zeros} zeros, stop after {stop_at} ms"
+    );
+    let (zeros, stop_at) = shut_down_with_yaw(0.3, 60_000);
+    assert!(zeros == 22 && (2_400..=2_700).contains(&stop_at), "{zeros} zeros, stop after {stop_at} ms");
 }
 
 #[test]

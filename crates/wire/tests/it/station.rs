@@ -42,7 +42,7 @@ fn holds(station: &GroundStation, words: &[String]) -> bool {
 
 fn run(file: &str, case: &Case) {
     let rate_timeout = case.value("rate-time-out").map(|ms| Duration::from_millis(ms.parse().expect("ms")));
-    let settings = GroundStationSettings { echo: true, rate_timeout };
+    let settings = GroundStationSettings { rate_timeout, ..GroundStationSettings::default() };
     let mut station = GroundStation::boot(settings, at(0));
     let (mut expected, mut answered) = (Vec::new(), Vec::new());
     let settle = |expected: &mut Vec<u8>, answered: &mut Vec<u8>, ms: u64| {

@@ -48,7 +48,7 @@ pub struct StatusSnapshot {
     pub recording: RecordingStatus,
     /// The camera's work so far, and that of the paper's schema beside it.
     pub work: CameraWork,
-    /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `control-lost`, `end-stop`,
+    /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`, `control-lost`, `end-stop`,
     /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`.
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
@@ -64,7 +64,7 @@ pub struct ModeStatus {
     pub name: &'static str,
     /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`, `dry-run`,
     /// `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`, `video-ended`, `fault`,
-    /// `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`; otherwise `null`.
+    /// `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`, `vehicle-silent`, `suspended`; otherwise `null`.
     pub cause: Option<&'static str>,
     /// Whether the pilot is engaged (servoing or holding).
     pub engaged: bool,

@@ -54,6 +54,8 @@ variants!(StopCause, StopCause, "stop_cause", [
     StopCause::Emergency => Emergency,
     StopCause::Landing => Landing,
     StopCause::BatteryLow => BatteryLow,
+    StopCause::VehicleSilent => VehicleSilent,
+    StopCause::Suspended => Suspended,
 ]);
 variants!(LinkState, LinkState, "link", [
     LinkState::Opening => Opening,
@@ -61,6 +63,7 @@ variants!(LinkState, LinkState, "link", [
     LinkState::Up => Up,
     LinkState::Closing => Closing,
     LinkState::Closed => Closed,
+    LinkState::Silent => Silent,
 ]);
 variants!(HoldCause, HoldCause, "hold_cause", [
     HoldCause::NoSelection => NoSelection,

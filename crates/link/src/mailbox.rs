@@ -6,11 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rustix::event::EventfdFlags;
 
-use super::dead_mans_switch::RequestedRates;
+use crate::dead_mans_switch::RequestedRates;
 
 /// The mailbox of the link thread. New rates replace those that the thread has not read yet.
 #[derive(Debug)]
-pub(super) struct Mailbox {
+pub(crate) struct Mailbox {
     contents: Mutex<Contents>,
     waker: OwnedFd,
 }
@@ -19,7 +19,15 @@ pub(super) struct Mailbox {
 struct Contents {
     requested: RequestedRates,
     is_closing: bool,
+    takes_control: bool,
     is_stop_sent: bool,
+}
+
+/// What the program requests of the link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Requested {
+    pub(crate) rates: RequestedRates,
+    pub(crate) is_closing: bool,
 }
 
 impl Mailbox {
@@ -27,13 +35,13 @@ impl Mailbox {
     ///
     /// # Errors
     /// If the system has no more file descriptors.
-    pub(super) fn new() -> io::Result<Self> {
+    pub(crate) fn new() -> io::Result<Self> {
         let waker = rustix::event::eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
         Ok(Self { contents: Mutex::default(), waker })
     }
 
     /// Requests rates, and wakes the thread if they have changed.
-    pub(super) fn request(&self, requested: RequestedRates) {
+    pub(crate) fn request(&self, requested: RequestedRates) {
         let previous = std::mem::replace(&mut self.contents().requested, requested);
         if previous.rates != requested.rates {
             self.wake();
@@ -41,38 +49,49 @@ impl Mailbox {
     }
 
     /// Requests rest and the end of the link.
-    pub(super) fn close(&self) {
+    pub(crate) fn close(&self) {
         {
             let mut contents = self.contents();
-            contents.requested.rates = RequestedRates::REST.rates;
+            contents.requested = RequestedRates::REST;
             contents.is_closing = true;
         }
         self.wake();
     }
 
-    /// The requested rates, and whether the link must be closed.
-    pub(super) fn requested(&self) -> (RequestedRates, bool) {
+    /// Requests that the session takes the control of the vehicle back.
+    pub(crate) fn take_control(&self) {
+        self.contents().takes_control = true;
+        self.wake();
+    }
+
+    /// What is requested.
+    pub(crate) fn requested(&self) -> Requested {
         let contents = self.contents();
-        (contents.requested, contents.is_closing)
+        Requested { rates: contents.requested, is_closing: contents.is_closing }
+    }
+
+    /// Whether the control is to be taken back: once for each request.
+    pub(crate) fn takes_control(&self) -> bool {
+        std::mem::take(&mut self.contents().takes_control)
     }
 
     /// Stores, at the end of the thread, whether it has sent zeros and stop.
-    pub(super) fn set_stop_sent(&self, is_stop_sent: bool) {
+    pub(crate) fn set_stop_sent(&self, is_stop_sent: bool) {
         self.contents().is_stop_sent = is_stop_sent;
     }
 
     /// Whether the thread has ended and sent zeros and stop.
-    pub(super) fn is_stop_sent(&self) -> bool {
+    pub(crate) fn is_stop_sent(&self) -> bool {
         self.contents().is_stop_sent
     }
 
     /// Readable after a wake-up, until [`Self::clear_wake_ups`].
-    pub(super) fn waker(&self) -> BorrowedFd<'_> {
+    pub(crate) fn waker(&self) -> BorrowedFd<'_> {
         self.waker.as_fd()
     }
 
     /// Forgets the wake-ups so far.
-    pub(super) fn clear_wake_ups(&self) {
+    pub(crate) fn clear_wake_ups(&self) {
         let mut count = [0; 8];
         let _ = rustix::io::read(&self.waker, &mut count);
     }

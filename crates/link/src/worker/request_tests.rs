@@ -4,13 +4,16 @@
 
 use std::cell::{Cell, RefCell};
 
-use barrelman_host::fault::FaultPlan;
 use barrelman_vocab::telemetry::ControlState;
 use barrelman_vocab::{AngularRate, VehicleRates};
 
-use super::super::dead_mans_switch::RequestedRates;
-use super::super::url::Endpoint;
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_wire::NextAction;
+
 use super::*;
+use crate::dead_mans_switch::RequestedRates;
+use crate::port::PortError;
 
 const RENEWAL: Duration = Duration::from_millis(200);
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
@@ -82,6 +85,10 @@ impl Session for RequestSession {
 
     fn close(&mut self, _now: Timestamp) {
         self.is_closing = true;
+    }
+
+    fn may_be_turning(&self) -> bool {
+        false
     }
 
     fn link_state(&self) -> LinkState {
@@ -158,7 +165,6 @@ fn serve(status: u16, faults: &str) -> (bool, Vec<(Timestamp, Turn)>, Vec<LinkRe
     let (now, answers_at, turns) = (Cell::new(at(0)), Cell::default(), RefCell::default());
     let vehicle = Vehicle { mailbox: Arc::clone(&mailbox), now, status, answers_at, turns };
     let reports = RefCell::new(Vec::new());
-    let endpoint = Endpoint::Tcp { address: "vehicle:1".to_owned() };
     let open = |_| {
         let wanted = (VehicleRates::REST, None);
         let closed =
@@ -166,16 +172,17 @@ fn serve(status: u16, faults: &str) -> (bool, Vec<(Timestamp, Turn)>, Vec<LinkRe
         Box::new(closed)
     };
     let worker: Worker<RequestSession, _, _> = Worker {
-        url: LinkUrl { endpoint, faults: FaultPlan::parse(faults).unwrap() },
+        faults: FaultPlan::parse(faults).unwrap(),
+        persistence: Duration::ZERO,
         mailbox: Arc::clone(&mailbox),
         io: &vehicle,
-        open_session: Box::new(open),
+        open_session: Arc::new(open),
         report: |report| {
             reports.borrow_mut().push(report);
             true
         },
     };
-    worker.run(());
+    worker.run(Some(()));
     (mailbox.is_stop_sent(), vehicle.turns.take(), reports.take())
 }
 
@@ -205,6 +212,9 @@ fn a_refusal_is_reported_as_control_that_is_not_ours() {
 #[test]
 fn a_vehicle_that_does_not_answer_is_tried_again() {
     let (_, turns, reports) = serve(200, "stall@0+0.9");
-    assert!(reports.contains(&LinkReport::Lost("no answer".to_owned())), "{reports:?}");
+    assert!(
+        reports.contains(&LinkReport::Lost { reason: "no answer".to_owned(), may_be_turning: false }),
+        "{reports:?}"
+    );
     assert!(turns.iter().any(|(_, turn)| !turn.rates.is_rest()), "{turns:?}");
 }

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
 use barrelman_host::redaction::without_logins;
-use barrelman_pilot::CommandPath;
 
 /// Default baud rate: that of all public clients.
 pub const DEFAULT_BAUD: u32 = 115_200;
@@ -113,21 +112,22 @@ impl LinkUrl {
         Ok(Self { endpoint, faults })
     }
 
+    /// The address with its deliberate faults, as it is parsed.
+    pub fn with_faults(&self) -> String {
+        let separator = if matches!(self.endpoint, Endpoint::Serial { .. }) { '&' } else { '?' };
+        if self.faults.is_empty() {
+            self.to_string()
+        } else {
+            format!("{self}{separator}fault={}", self.faults)
+        }
+    }
+
     /// The baud rate. A network counts as a serial line with the default baud rate.
     pub fn baud(&self) -> u32 {
         match &self.endpoint {
             Endpoint::Serial { baud, .. } => *baud,
             Endpoint::Tcp { .. } | Endpoint::Udp { .. } | Endpoint::SimulatedCamera => DEFAULT_BAUD,
         }
-    }
-}
-
-/// Where the commands of a run with this link go.
-pub fn command_path(link: Option<&LinkUrl>) -> CommandPath {
-    match link.map(|link| &link.endpoint) {
-        None => CommandPath::DryRun,
-        Some(Endpoint::SimulatedCamera) => CommandPath::Simulated,
-        Some(_) => CommandPath::Link,
     }
 }
 

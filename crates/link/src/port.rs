@@ -11,14 +11,22 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rustix::fs::FlockOperation;
+use rustix::net::sockopt;
 use serial2::SerialPort;
 
-use super::url::Endpoint;
+use crate::url::Endpoint;
 
 /// Longest time of a write. The port then counts as lost.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
 /// Longest time of a connection attempt.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Time without traffic until a TCP connection is probed, and between the probes.
+const KEEPALIVE_INTERVAL: Duration = Duration::from_secs(1);
+/// Number of unanswered probes after which a TCP connection is lost.
+const KEEPALIVE_PROBES: u32 = 3;
+/// Longest time that sent bytes of a TCP connection may remain unacknowledged, ms.
+const UNACKNOWLEDGED_MS: u32 = 3_000;
 
 /// A port cannot be opened.
 #[derive(Debug, thiserror::Error)]
@@ -200,12 +208,23 @@ fn connect(address: &str) -> io::Result<TcpStream> {
                 stream.set_nodelay(true)?;
                 stream.set_write_timeout(Some(WRITE_TIMEOUT))?;
                 stream.set_nonblocking(false)?;
+                watch_connection(&stream)?;
                 return Ok(stream);
             }
             Err(error) => last = error,
         }
     }
     Err(last)
+}
+
+/// Makes a peer that is gone without a word an error within seconds, whether or not something waits to be sent.
+fn watch_connection(stream: &TcpStream) -> io::Result<()> {
+    sockopt::set_socket_keepalive(stream, true)?;
+    sockopt::set_tcp_keepidle(stream, KEEPALIVE_INTERVAL)?;
+    sockopt::set_tcp_keepintvl(stream, KEEPALIVE_INTERVAL)?;
+    sockopt::set_tcp_keepcnt(stream, KEEPALIVE_PROBES)?;
+    sockopt::set_tcp_user_timeout(stream, UNACKNOWLEDGED_MS)?;
+    Ok(())
 }
 
 /// A socket that exchanges datagrams with `address` alone. Nothing is sent yet, so that an address without a listener is

@@ -1,18 +1,32 @@
-//! The link to a port as the rest of the program uses it.
+//! A link to a port by a thread of this process.
 
+use std::io;
 use std::sync::Arc;
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use barrelman_host::clock::Clock;
 use barrelman_vocab::{Timestamp, VehicleRates};
-use barrelman_wire::ByteProtocol;
+use barrelman_wire::{ByteProtocol, ByteSession};
 
-use super::dead_mans_switch::RequestedRates;
-use super::mailbox::Mailbox;
-use super::port_io::{MachineIo, PortIo as _};
-use super::report::LinkReport;
-use super::url::LinkUrl;
-use super::worker::Worker;
+use crate::dead_mans_switch::RequestedRates;
+use crate::mailbox::Mailbox;
+use crate::port::PortError;
+use crate::port_io::{MachineIo, PortIo as _};
+use crate::report::LinkReport;
+use crate::url::LinkUrl;
+use crate::worker::Worker;
+
+/// A link cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum LinkError {
+    /// The port cannot be opened.
+    #[error(transparent)]
+    Port(#[from] PortError),
+    /// The system has no more threads or file descriptors.
+    #[error("the link's thread cannot be started")]
+    System(#[from] io::Error),
+}
 
 /// A link to a port. Dropping the handle ends the link: zeros, stop, and the port is closed.
 #[derive(Debug)]
@@ -32,18 +46,20 @@ impl LinkHandle {
         protocol: ByteProtocol,
         clock: Clock,
         report: impl Fn(LinkReport) -> bool + Send + 'static,
-    ) -> anyhow::Result<Self> {
+    ) -> Result<Self, LinkError> {
         let mailbox = Arc::new(Mailbox::new()?);
         let io = MachineIo { endpoint: url.endpoint.clone(), clock, mailbox: Arc::clone(&mailbox) };
         let port = io.open()?;
-        let worker = Worker {
-            url: url.clone(),
+        let worker: Worker<ByteSession, _, _> = Worker {
+            faults: url.faults.clone(),
+            persistence: Duration::ZERO,
             mailbox: Arc::clone(&mailbox),
             io,
-            open_session: Box::new(move |now| protocol.open(now)),
+            open_session: Arc::new(move |now| protocol.open(now)),
             report,
         };
-        let thread = std::thread::Builder::new().name("link".to_owned()).spawn(move || worker.run(port))?;
+        let work = move || worker.run(Some(port));
+        let thread = std::thread::Builder::new().name("link".to_owned()).spawn(work)?;
         Ok(Self { mailbox, thread: Some(thread) })
     }
 
@@ -51,6 +67,11 @@ impl LinkHandle {
     /// are in force until `renew_by`: without a renewal by then, the link rests the camera.
     pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
         self.mailbox.request(RequestedRates { rates, renew_by });
+    }
+
+    /// The operator takes the control of the vehicle back, if somebody else has taken it.
+    pub fn take_control(&self) {
+        self.mailbox.take_control();
     }
 
     /// Ends the link: zeros, half a second, stop. Returns whether they were sent.

@@ -3,16 +3,18 @@
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
-use barrelman_host::fault::FaultPlan;
 use barrelman_vocab::{AngularRate, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings};
 use barrelman_wire::fotokite_pro::session::STOP_DELAY;
 use barrelman_wire::{ByteProtocol, ByteSession, Framing};
 
-use super::super::dead_mans_switch::RequestedRates;
-use super::super::url::Endpoint;
+use barrelman_wire::fotokite_pro::ground_station::SensorReadings;
+
 use super::*;
-use crate::emulator::fotokite_pro::LEVEL_READINGS;
+use crate::dead_mans_switch::RequestedRates;
+use crate::port::PortError;
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{Telemetry, Timestamp};
 
 /// The session is up well before this time, ms.
 const UP_MS: u64 = 4_000;
@@ -85,7 +87,7 @@ impl Bench {
         if !self.is_silent.get() {
             let mut station = self.station.borrow_mut();
             station.tick(now);
-            station.write_telemetry(&LEVEL_READINGS, now, &mut self.incoming.borrow_mut());
+            station.write_telemetry(&SensorReadings::LEVEL, now, &mut self.incoming.borrow_mut());
         }
         is_woken
     }
@@ -210,18 +212,18 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
         baud: 115_200,
     };
     let worker: Worker<ByteSession, _, _> = Worker {
-        url: LinkUrl {
-            endpoint: Endpoint::Tcp { address: "bench:1".to_owned() },
-            faults: FaultPlan::parse(faults).unwrap(),
-        },
-        open_session: Box::new(move |now| protocol.open(now)),
+        faults: FaultPlan::parse(faults).unwrap(),
+        persistence: Duration::ZERO,
+        open_session: Arc::new(move |now| protocol.open(now)),
         mailbox: Arc::clone(&mailbox),
         io: bench,
         report: move |report| {
             let text = match report {
                 LinkReport::Telemetry(Telemetry { report: Report::Link(state), .. }) => format!("{state:?}"),
                 LinkReport::Telemetry(_) => return true,
-                LinkReport::Lost(reason) => format!("lost: {reason}"),
+                LinkReport::Lost { reason, .. } => format!("lost: {reason}"),
+                LinkReport::HeldUp | LinkReport::Stopped(_) => return true,
+                LinkReport::Suspended(_) | LinkReport::GuardLost(_) => panic!("not here"),
                 LinkReport::Panicked => "panicked".to_owned(),
             };
             let mut reported = reported.borrow_mut();
@@ -232,7 +234,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
             is_taken
         },
     };
-    worker.run(BenchPort);
+    worker.run(Some(BenchPort));
     Served {
         is_stop_sent: mailbox.is_stop_sent(),
         lines: bench.lines.take(),
@@ -353,6 +355,6 @@ fn a_stalled_line_carries_nothing_in_either_direction_and_gives_no_error() {
 fn a_line_that_stalls_for_long_ends_the_session() {
     let served = serve("stall@4.5+6", &[(20_000, Close)]);
     let lost = "lost: the ground station does not answer";
-    assert_eq!(served.reports[..5], ["Starting", "Up", "Opening", lost, "Starting"]);
-    assert_eq!(served.reports[6..], ["Starting", "Up", "Closing", "Closed"], "the second attempt is heard");
+    assert_eq!(served.reports[..5], ["Starting", "Up", "Silent", lost, "Opening"]);
+    assert_eq!(served.reports[7..], ["Starting", "Up", "Closing", "Closed"], "the second attempt is heard");
 }

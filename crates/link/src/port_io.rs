@@ -8,12 +8,12 @@ use barrelman_host::clock::Clock;
 use barrelman_vocab::Timestamp;
 use rustix::event::{PollFd, PollFlags, poll};
 
-use super::mailbox::Mailbox;
-use super::port::{Port, PortError};
-use super::url::Endpoint;
+use crate::mailbox::Mailbox;
+use crate::port::{Port, PortError};
+use crate::url::Endpoint;
 
 /// The time, a port, and waiting.
-pub(super) trait PortIo {
+pub(crate) trait PortIo {
     /// An open port.
     type Port;
     /// A packet that the port sends.
@@ -42,14 +42,14 @@ pub(super) trait PortIo {
 }
 
 /// Largest part of a stream that is read at once, and largest datagram, bytes.
-const MAX_READ_BYTES: usize = 2048;
+pub(crate) const MAX_READ_BYTES: usize = 2048;
 
 /// The program's clock and a port that carries bytes.
 #[derive(Debug)]
-pub(super) struct MachineIo {
-    pub(super) endpoint: Endpoint,
-    pub(super) clock: Clock,
-    pub(super) mailbox: Arc<Mailbox>,
+pub(crate) struct MachineIo {
+    pub(crate) endpoint: Endpoint,
+    pub(crate) clock: Clock,
+    pub(crate) mailbox: Arc<Mailbox>,
 }
 
 impl PortIo for MachineIo {
@@ -99,7 +99,7 @@ impl PortIo for MachineIo {
     }
 }
 
-fn poll_for(fds: &mut [PollFd<'_>], wait: Duration) {
+pub(crate) fn poll_for(fds: &mut [PollFd<'_>], wait: Duration) {
     // Waits are at most a second long: the conversion succeeds.
     let timeout = rustix::event::Timespec::try_from(wait).ok();
     // An interrupted wait is a short wait.

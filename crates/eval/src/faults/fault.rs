@@ -1,0 +1,136 @@
+//! The faults of the campaign, and which of them a run has.
+
+use crate::rng::Rng;
+
+/// What goes wrong. Times are those of the world, milliseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum FaultKind {
+    VideoStalls,
+    VideoLate,
+    TrackLost,
+    TrackCoasts,
+    PilotHangs,
+    ProgramKilled,
+    ProgramStopped,
+    ProgramEnds,
+    GuardKilled,
+    Suspension,
+    LineCut,
+    LineSilent,
+    LineLosesPackets,
+    LineDamagesBytes,
+    LineDelays,
+    LineRepeats,
+    StationReboots,
+    ControlTaken,
+    Emergency,
+    BatteryLow,
+    OperatorStops,
+}
+
+impl FaultKind {
+    pub(super) const ALL: [Self; 21] = [
+        Self::VideoStalls,
+        Self::VideoLate,
+        Self::TrackLost,
+        Self::TrackCoasts,
+        Self::PilotHangs,
+        Self::ProgramKilled,
+        Self::ProgramStopped,
+        Self::ProgramEnds,
+        Self::GuardKilled,
+        Self::Suspension,
+        Self::LineCut,
+        Self::LineSilent,
+        Self::LineLosesPackets,
+        Self::LineDamagesBytes,
+        Self::LineDelays,
+        Self::LineRepeats,
+        Self::StationReboots,
+        Self::ControlTaken,
+        Self::Emergency,
+        Self::BatteryLow,
+        Self::OperatorStops,
+    ];
+
+    /// The fault in words.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::VideoStalls => "video stalls",
+            Self::VideoLate => "video late",
+            Self::TrackLost => "track lost",
+            Self::TrackCoasts => "track coasts",
+            Self::PilotHangs => "pilot hangs",
+            Self::ProgramKilled => "program killed",
+            Self::ProgramStopped => "program stopped (5 s)",
+            Self::ProgramEnds => "program ends",
+            Self::GuardKilled => "guard killed",
+            Self::Suspension => "machine suspended",
+            Self::LineCut => "line cut",
+            Self::LineSilent => "line silent",
+            Self::LineLosesPackets => "line loses packets",
+            Self::LineDamagesBytes => "line damages bytes",
+            Self::LineDelays => "line delays",
+            Self::LineRepeats => "line repeats",
+            Self::StationReboots => "station reboots",
+            Self::ControlTaken => "control taken away",
+            Self::Emergency => "emergency",
+            Self::BatteryLow => "battery low",
+            Self::OperatorStops => "operator stops",
+        }
+    }
+
+    /// Whether the fault is one of the line, so that the time to rest counts from the line's return.
+    pub(super) const fn is_of_line(self) -> bool {
+        matches!(
+            self,
+            Self::LineCut
+                | Self::LineSilent
+                | Self::LineLosesPackets
+                | Self::LineDamagesBytes
+                | Self::LineDelays
+                | Self::LineRepeats
+        )
+    }
+}
+
+/// A fault with its times.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Fault {
+    pub(super) kind: FaultKind,
+    pub(super) from_ms: u64,
+    pub(super) until_ms: u64,
+}
+
+impl Fault {
+    pub(super) const fn is_active(&self, at_ms: u64) -> bool {
+        self.from_ms <= at_ms && at_ms < self.until_ms
+    }
+}
+
+/// The faults of the run with this number: each kind alone first, then every pair, over and over, with times from the seed.
+pub(super) fn draw(number: u64, rng: &mut Rng) -> Vec<Fault> {
+    let count = FaultKind::ALL.len();
+    let pairs = count * (count + 1) / 2;
+    // Each kind is paired with itself, too: twice the same fault.
+    let mut index = number as usize % (count + pairs);
+    let mut fault = |kind: FaultKind| {
+        let from_ms = rng.uniform(4_500.0, 7_000.0) as u64;
+        let lasts_ms = match kind {
+            FaultKind::ProgramStopped => 5_000,
+            _ => rng.uniform(50.0, 4_000.0) as u64,
+        };
+        Fault { kind, from_ms, until_ms: from_ms + lasts_ms }
+    };
+    if index < count {
+        return vec![fault(FaultKind::ALL[index])];
+    }
+    index -= count;
+    for (first, kind) in FaultKind::ALL.into_iter().enumerate() {
+        if index < count - first {
+            return vec![fault(kind), fault(FaultKind::ALL[first + index])];
+        }
+        index -= count - first;
+    }
+    Vec::new()
+}

@@ -1,0 +1,180 @@
+//! `faults`: every fault, and every pair of faults, in virtual time.
+//!
+//! ```text
+//!   program: Pilot on the truth --rates, time to live--> guard: Gate, LinkCore, Session --line--> ground station
+//! ```
+//! One process: the pilot, the guard's gate, the link and the session are those of a live run; pipe, line, clocks and the
+//! ground station are simulated, half of the ground stations with a `stop` that leaves the rates in force. An oracle that
+//! does not ask the pilot judges each millisecond ([`oracle`]).
+
+mod oracle;
+
+mod run;
+
+mod program;
+
+mod guard;
+
+mod station;
+
+mod line;
+
+mod fault;
+mod mutant;
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+
+use anyhow::Result;
+use clap::Args;
+
+use self::mutant::Mutant;
+use self::oracle::{Licence, REST_LIMIT_MS};
+use self::run::RunResult;
+use crate::output::print_line;
+use crate::parallel;
+
+/// Least share of the runs in which each licence must move the camera.
+const LEAST_MOVED: f64 = 0.05;
+/// Number of violations that are printed.
+const PRINTED: usize = 10;
+
+/// `faults`.
+#[derive(Debug, Args)]
+pub(crate) struct Options {
+    /// Number of runs: each fault, then each pair, over and over.
+    #[arg(long, default_value_t = 10_000)]
+    runs: u64,
+    /// Seed of the runs.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Take something out; the campaign must then find violations.
+    #[arg(long, value_enum, default_value = "none")]
+    mutant: Mutant,
+    /// Run this run alone, and print what the ground station received.
+    #[arg(long, value_name = "NUMBER")]
+    trace: Option<u64>,
+}
+
+/// The results of a campaign.
+struct Campaign {
+    results: Vec<(u64, Option<RunResult>)>,
+}
+
+impl Campaign {
+    fn run(runs: u64, seed: u64, mutant: Mutant) -> Result<Self> {
+        let numbers: Vec<u64> = (0..runs).collect();
+        let results = parallel::map(&numbers, |number| {
+            // A panic of the program under test is a result.
+            catch_unwind(AssertUnwindSafe(|| run::run(*number, seed, mutant, &mut |_| {}))).ok().transpose()
+        });
+        let results: Vec<Option<RunResult>> = results.into_iter().collect::<Result<_>>()?;
+        Ok(Self { results: numbers.into_iter().zip(results).collect() })
+    }
+
+    fn panics(&self) -> usize {
+        self.results.iter().filter(|(_, result)| result.is_none()).count()
+    }
+
+    /// The runs that violated the rule: the number, when, how, and their faults.
+    fn violations(&self) -> Vec<String> {
+        let text = |(number, result): &(u64, Option<RunResult>)| {
+            let result = result.as_ref()?;
+            let (at_ms, text) = result.violation.as_ref()?;
+            let faults: Vec<String> = result
+                .faults
+                .iter()
+                .map(|fault| format!("{} {}..{} ms", fault.kind.name(), fault.from_ms, fault.until_ms))
+                .collect();
+            Some(format!("run {number}, {at_ms} ms: {text} ({})", faults.join("; ")))
+        };
+        self.results.iter().filter_map(text).collect()
+    }
+
+    fn moved(&self, licence: Licence) -> usize {
+        let has_moved = |result: &&RunResult| result.moved.contains(&licence);
+        self.results.iter().filter_map(|(_, result)| result.as_ref()).filter(has_moved).count()
+    }
+
+    fn excluded(&self) -> usize {
+        let is_excluded = |result: &&RunResult| result.is_excluded;
+        self.results.iter().filter_map(|(_, result)| result.as_ref()).filter(is_excluded).count()
+    }
+
+    /// For each fault: the runs with it, and the worst time to rest, alone and in pairs, ms.
+    fn table(&self) -> BTreeMap<fault::FaultKind, (usize, u64, u64)> {
+        let mut table = BTreeMap::new();
+        for result in self.results.iter().filter_map(|(_, result)| result.as_ref()) {
+            for fault in &result.faults {
+                let row: &mut (usize, u64, u64) = table.entry(fault.kind).or_default();
+                row.0 += 1;
+                let worst = if result.faults.len() == 1 { &mut row.1 } else { &mut row.2 };
+                *worst = result.worst_ms.max(*worst);
+            }
+        }
+        table
+    }
+}
+
+/// Runs the campaign. Returns whether the requirements hold.
+pub(crate) fn run(options: &Options) -> Result<bool> {
+    let began = Instant::now();
+    if let Some(number) = options.trace {
+        let result = run::run(number, options.seed, options.mutant, &mut |line| print_line(line))?;
+        print_line(&format!("{result:?}"));
+        return Ok(result.violation.is_none());
+    }
+    let campaign = Campaign::run(options.runs, options.seed, options.mutant)?;
+    print_line(&format!("{:<22} {:>6} {:>12} {:>12}", "fault", "runs", "alone, ms", "in pairs, ms"));
+    for (kind, (runs, alone, paired)) in campaign.table() {
+        print_line(&format!("{:<22} {runs:>6} {alone:>12} {paired:>12}", kind.name()));
+    }
+    let (violations, panics) = (campaign.violations(), campaign.panics());
+    for text in violations.iter().take(PRINTED) {
+        print_line(text);
+    }
+    let least = (options.runs as f64 * LEAST_MOVED) as usize;
+    let mut holds = violations.is_empty() && panics == 0;
+    for licence in Licence::ALL {
+        let moved = campaign.moved(licence);
+        holds &= moved >= least;
+        print_line(&format!(
+            "moved the camera with the licence {}: {moved} runs (at least {least})",
+            licence.name()
+        ));
+    }
+    print_line(&format!(
+        "{} runs in {:.0} s: {} later than {REST_LIMIT_MS} ms or without a licence, {panics} panics; {} with guard and \
+         program gone together are not judged",
+        options.runs,
+        began.elapsed().as_secs_f64(),
+        violations.len(),
+        campaign.excluded(),
+    ));
+    Ok(holds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_and_pair_of_faults_ends_in_rest() {
+        let campaign = Campaign::run(504, 7, Mutant::None).unwrap();
+        assert_eq!(campaign.violations(), Vec::<String>::new());
+        assert_eq!(campaign.panics(), 0);
+        assert!(campaign.table().len() == fault::FaultKind::ALL.len());
+        for licence in Licence::ALL {
+            assert!(campaign.moved(licence) >= 25, "{}", licence.name());
+        }
+    }
+
+    #[test]
+    fn what_is_taken_out_is_found() {
+        for mutant in [Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::NoGuard, Mutant::NoZerosFirst] {
+            let campaign = Campaign::run(252, 7, mutant).unwrap();
+            assert!(!campaign.violations().is_empty(), "{mutant:?}");
+        }
+    }
+}

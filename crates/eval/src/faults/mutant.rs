@@ -1,0 +1,18 @@
+//! What the campaign must find.
+
+use clap::ValueEnum;
+
+/// What is taken out of program or guard, to see that the campaign finds it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Mutant {
+    /// Nothing.
+    None,
+    /// Rates have no time to live.
+    NoTimeToLive,
+    /// A stop does not last.
+    NoLatch,
+    /// The link is a thread of the program.
+    NoGuard,
+    /// A session does not begin with zeros.
+    NoZerosFirst,
+}

@@ -1,0 +1,108 @@
+//! The rule of the campaign, judged apart from the program: the rate in force at the ground station is zero within 350 ms of
+//! the last moment that permitted motion.
+//!
+//! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts, and at each
+//! renewal of a nudge. After a fault of the line the time counts from the line's return, after the death of a guard from
+//! that, after a suspension from the end of it.
+
+/// The longest time to rest, ms.
+pub(super) const REST_LIMIT_MS: u64 = 350;
+
+/// Which licence a run moved the camera with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Licence {
+    Follow,
+    Nudge,
+}
+
+impl Licence {
+    /// Every licence that an operator can ask for. A further one is added here and in the script of [`super::run`].
+    pub(super) const ALL: [Self; 2] = [Self::Follow, Self::Nudge];
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Follow => "follow",
+            Self::Nudge => "nudge",
+        }
+    }
+}
+
+/// The judge of one run.
+#[derive(Debug, Default)]
+pub(super) struct Oracle {
+    consent: Option<Licence>,
+    permitted_ms: Option<u64>,
+    /// The newest moment from which the time to rest counts at the earliest.
+    excused_until_ms: u64,
+    worst_ms: u64,
+    moved: Vec<Licence>,
+    violation: Option<(u64, String)>,
+}
+
+impl Oracle {
+    /// The operator consents.
+    pub(super) fn consent(&mut self, licence: Licence) {
+        self.consent = Some(licence);
+    }
+
+    /// The consent ends.
+    pub(super) fn withdraw(&mut self) {
+        self.consent = None;
+    }
+
+    /// A localisation arrived.
+    pub(super) fn saw(&mut self, at_ms: u64, is_fresh: bool) {
+        if is_fresh && self.consent == Some(Licence::Follow) {
+            self.permitted_ms = Some(at_ms);
+        }
+    }
+
+    /// A nudge was renewed.
+    pub(super) fn nudged(&mut self, at_ms: u64) {
+        if self.consent == Some(Licence::Nudge) {
+            self.permitted_ms = Some(at_ms);
+        }
+    }
+
+    /// The time to rest counts from here at the earliest.
+    pub(super) fn excuse(&mut self, at_ms: u64) {
+        self.excused_until_ms = self.excused_until_ms.max(at_ms);
+    }
+
+    /// Judges a millisecond.
+    pub(super) fn judge(&mut self, at_ms: u64, is_moving: bool) {
+        if !is_moving {
+            return;
+        }
+        if let Some(licence) = self.consent
+            && !self.moved.contains(&licence)
+        {
+            self.moved.push(licence);
+        }
+        let Some(permitted_ms) = self.permitted_ms else {
+            self.violation.get_or_insert((at_ms, "moves without ever a licence".to_owned()));
+            return;
+        };
+        let since_ms = at_ms.saturating_sub(permitted_ms.max(self.excused_until_ms));
+        self.worst_ms = self.worst_ms.max(since_ms);
+        if since_ms > REST_LIMIT_MS {
+            let text = format!("still moves {since_ms} ms after the last moment that permitted it");
+            self.violation.get_or_insert((at_ms, text));
+        }
+    }
+
+    /// The longest time that the camera moved after the last moment that permitted it, ms.
+    pub(super) const fn worst_ms(&self) -> u64 {
+        self.worst_ms
+    }
+
+    /// The licences with which the camera moved.
+    pub(super) fn moved(&self) -> &[Licence] {
+        &self.moved
+    }
+
+    /// The first violation of the rule: when, and how.
+    pub(super) const fn violation(&self) -> Option<&(u64, String)> {
+        self.violation.as_ref()
+    }
+}

@@ -1,0 +1,89 @@
+//! What the guard accepts of the program: rates within the limits, a time to live that is not too long, and a sign of life.
+//!
+//! A plain struct without clock and pipe.
+
+use std::time::Duration;
+
+use barrelman_vocab::profile::MAX_COAST_MOTION;
+use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+
+use crate::dead_mans_switch::RequestedRates;
+
+/// The guard closes the link after this time without a message.
+pub const SILENCE: Duration = Duration::from_secs(1);
+/// The program sends a message at least this often.
+pub const HEARTBEAT: Duration = Duration::from_millis(200);
+/// Longest time to live of rates that move the camera: no licence to move lasts longer without a renewal.
+pub const MAX_TIME_TO_LIVE: Duration = MAX_COAST_MOTION;
+/// Room for the rounding of a rate at its limit, rad/s.
+const ROUNDING_RAD_PER_S: f64 = 1e-6;
+
+/// The guard's own check of what the program requests.
+#[derive(Debug, Clone)]
+pub struct Gate {
+    limits: VehicleRates,
+    last_heard: Timestamp,
+}
+
+impl Gate {
+    /// A gate with the largest rates that may pass, in the vehicle's own axes; both at least zero.
+    pub const fn new(limits: VehicleRates, now: Timestamp) -> Self {
+        Self { limits, last_heard: now }
+    }
+
+    /// A message arrived.
+    pub fn heard(&mut self, now: Timestamp) {
+        self.last_heard = now;
+    }
+
+    /// Whether the program has been silent for too long.
+    pub fn is_silent(&self, now: Timestamp) -> bool {
+        now.since(self.last_heard) >= SILENCE
+    }
+
+    /// What passes of a request. A rate that is not a number or above its limit is a fault of the program: the camera rests.
+    /// A time to live that is too long is shortened.
+    pub fn pass(&self, requested: RequestedRates, now: Timestamp) -> RequestedRates {
+        let is_within = |rate: AngularRate, limit: AngularRate| {
+            rate.radians_per_second().abs() <= limit.radians_per_second() + ROUNDING_RAD_PER_S
+        };
+        let rates = requested.rates;
+        if !is_within(rates.yaw, self.limits.yaw) || !is_within(rates.pitch, self.limits.pitch) {
+            return RequestedRates::REST;
+        }
+        let latest = now.plus(MAX_TIME_TO_LIVE);
+        RequestedRates { rates, renew_by: requested.renew_by.map(|at| at.min(latest)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rates(yaw: f64, pitch: f64) -> VehicleRates {
+        let rate = AngularRate::from_radians_per_second;
+        VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+    }
+
+    #[track_caller]
+    fn check(requested: VehicleRates, lives_ms: u64, expected: VehicleRates, expected_ms: u64) {
+        let at = |ms: u64| Timestamp::from_nanos(ms * 1_000_000);
+        let gate = Gate::new(rates(0.4, 0.3), at(0));
+        let passed =
+            gate.pass(RequestedRates { rates: requested, renew_by: Some(at(1_000 + lives_ms)) }, at(1_000));
+        assert_eq!(passed.rates, expected);
+        if !expected.is_rest() {
+            assert_eq!(passed.renew_by, Some(at(1_000 + expected_ms)));
+        }
+    }
+
+    #[test]
+    fn rates_within_the_limits_pass_with_a_short_time_to_live() {
+        check(rates(0.4, -0.3), 250, rates(0.4, -0.3), 250);
+        check(rates(0.1, 0.0), 60_000, rates(0.1, 0.0), 500);
+        check(rates(0.41, 0.0), 250, VehicleRates::REST, 0);
+        check(rates(0.1, -0.31), 250, VehicleRates::REST, 0);
+        check(rates(f64::NAN, 0.0), 250, VehicleRates::REST, 0);
+        check(rates(0.0, f64::INFINITY), 250, VehicleRates::REST, 0);
+    }
+}

@@ -1,0 +1,133 @@
+//! What the guard's worker uses of the machine: the port, and the pipe to the program, in one wait.
+
+use std::cell::{Cell, RefCell};
+use std::io;
+use std::os::fd::OwnedFd;
+use std::sync::Arc;
+use std::time::Duration;
+
+use barrelman_host::clock::Clock;
+use barrelman_host::suspend::SuspendWatch;
+use barrelman_vocab::Timestamp;
+use rustix::event::{PollFd, PollFlags};
+
+use super::gate::{Gate, HEARTBEAT};
+use super::message::{FromGuard, ToGuard};
+use super::pipe::{Pipe, PipeRead};
+use crate::dead_mans_switch::RequestedRates;
+use crate::mailbox::Mailbox;
+use crate::port::{Port, PortError};
+use crate::port_io::{MAX_READ_BYTES, PortIo, poll_for};
+use crate::url::Endpoint;
+
+/// The guard's port, pipe and clock. What comes through the pipe goes to the mailbox, as far as the gate lets it pass.
+pub(super) struct PipeIo {
+    pub(super) endpoint: Endpoint,
+    pub(super) clock: Clock,
+    pub(super) mailbox: Arc<Mailbox>,
+    pub(super) pipe: Arc<Pipe>,
+    pub(super) gate: RefCell<Gate>,
+    pub(super) suspend: RefCell<SuspendWatch>,
+    /// Readable when the guard was asked to end by a signal.
+    pub(super) signalled: OwnedFd,
+    pub(super) last_alive: Cell<Timestamp>,
+    /// Whether the program can still be heard.
+    pub(super) is_connected: Cell<bool>,
+}
+
+impl PipeIo {
+    /// Takes what the program says. The end of the pipe, silence and what cannot be read close the link.
+    fn serve_pipe(&self) {
+        if let Some(gap) = self.suspend.borrow_mut().check() {
+            self.mailbox.request(RequestedRates::REST);
+            self.pipe.send(&FromGuard::Suspended(gap).encode());
+        }
+        while self.is_connected.get() {
+            let now = self.clock.now();
+            match self.pipe.read() {
+                PipeRead::Nothing => break,
+                PipeRead::End => self.disconnect(),
+                PipeRead::Message(packet) => {
+                    self.gate.borrow_mut().heard(now);
+                    match ToGuard::decode(&packet) {
+                        Ok(ToGuard::Request(requested)) => {
+                            self.mailbox.request(self.gate.borrow().pass(requested, now));
+                        }
+                        Ok(ToGuard::TakeControl) => self.mailbox.take_control(),
+                        Ok(ToGuard::Close) => self.mailbox.close(),
+                        Ok(ToGuard::Settings(_)) | Err(_) => self.disconnect(),
+                    }
+                }
+            }
+        }
+        let now = self.clock.now();
+        if self.is_connected.get() && self.gate.borrow().is_silent(now) {
+            self.disconnect();
+        }
+        if now.since(self.last_alive.get()) >= HEARTBEAT {
+            self.last_alive.set(now);
+            self.pipe.send(&FromGuard::Alive.encode());
+        }
+    }
+
+    fn disconnect(&self) {
+        self.is_connected.set(false);
+        self.mailbox.close();
+    }
+}
+
+impl PortIo for PipeIo {
+    type Port = Port;
+    type Sent = Vec<u8>;
+    type Received = [u8];
+
+    fn now(&self) -> Timestamp {
+        self.clock.now()
+    }
+
+    fn open(&self) -> Result<Port, PortError> {
+        Port::open(&self.endpoint)
+    }
+
+    fn send(&self, port: &mut Port, packet: &Vec<u8>) -> io::Result<()> {
+        port.write_all(packet)
+    }
+
+    fn receive(&self, port: &mut Port, each: &mut dyn FnMut(&[u8])) -> io::Result<()> {
+        let mut buffer = [0; MAX_READ_BYTES];
+        let read = port.read(&mut buffer)?;
+        self.pipe.send(&FromGuard::Received(self.clock.now(), buffer[..read].to_vec()).encode());
+        each(&buffer[..read]);
+        Ok(())
+    }
+
+    fn wait(&self, port: Option<&Port>, wait: Duration) -> bool {
+        // A pipe at its end, and a signal, are readable for ever.
+        let watched = if self.is_connected.get() { PollFlags::IN } else { PollFlags::empty() };
+        let until_signal =
+            if self.mailbox.requested().is_closing { PollFlags::empty() } else { PollFlags::IN };
+        let pipe = PollFd::new(&*self.pipe, watched);
+        let signal = PollFd::new(&self.signalled, until_signal);
+        let (is_readable, is_signalled) = match port {
+            Some(port) => {
+                let mut fds = [signal, PollFd::new(port, PollFlags::IN), pipe];
+                poll_for(if self.is_connected.get() { &mut fds } else { &mut fds[..2] }, wait);
+                (!fds[1].revents().is_empty(), fds[0].revents().contains(PollFlags::IN))
+            }
+            None => {
+                let mut fds = [signal, pipe];
+                poll_for(if self.is_connected.get() { &mut fds } else { &mut fds[..1] }, wait);
+                (false, fds[0].revents().contains(PollFlags::IN))
+            }
+        };
+        if is_signalled {
+            self.mailbox.close();
+        }
+        self.serve_pipe();
+        is_readable
+    }
+
+    fn sleep(&self, pause: Duration) {
+        std::thread::sleep(pause);
+    }
+}

@@ -1,0 +1,389 @@
+//! The link of the program to its guard: starts the guard, passes rates to it and its reports on, and starts another one if
+//! it is gone.
+
+use std::io;
+use std::os::fd::OwnedFd;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use barrelman_host::clock::Clock;
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+use barrelman_wire::{ByteProtocol, ReportReader};
+use rustix::event::{PollFd, PollFlags};
+
+use crate::dead_mans_switch::RequestedRates;
+use crate::guard::gate::HEARTBEAT;
+use crate::guard::message::{FromGuard, Settings, ToGuard};
+use crate::guard::pipe::{Pipe, PipeRead};
+use crate::handle::LinkHandle;
+use crate::port_io::poll_for;
+use crate::report::LinkReport;
+use crate::url::LinkUrl;
+
+/// The guard's program.
+pub const GUARD_NAME: &str = "barrelman-guard";
+/// Longest wait for the guard to open the port, the first time: a name that is looked up, and some addresses.
+const OPEN_TIMEOUT: Duration = Duration::from_secs(15);
+/// A guard that is up and says nothing for this time is replaced: its port's writes are bounded by half of it.
+const HUNG_AFTER: Duration = Duration::from_secs(1);
+/// The same for a guard without a session: it may be connecting.
+const HUNG_WITHOUT_SESSION: Duration = Duration::from_secs(5);
+/// Pause before a guard that could not be started is started again.
+const RESTART_PAUSE: Duration = Duration::from_millis(500);
+/// Longest wait for the end of the guard when the link is closed. The guard itself goes on after that.
+const CLOSING_TIMEOUT: Duration = Duration::from_secs(7);
+
+/// The guarded link cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum GuardError {
+    /// There is no guard.
+    #[error(
+        "this vehicle keeps its last rate when the program is gone, and its guard {} is not there: build both (`cargo build`), \
+         install barrelman-guard beside barrelman, or name it (--guard FILE, link.guard); --without-guard (link.without_guard) \
+         runs without it", path.display()
+    )]
+    Missing {
+        /// Where the guard was looked for.
+        path: PathBuf,
+    },
+    /// The guard cannot be started.
+    #[error("the guard {} cannot be started", path.display())]
+    Start {
+        /// The guard's program.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: io::Error,
+    },
+    /// The guard could not open the port. The text is that of the port's error.
+    #[error("{0}")]
+    Port(String),
+    /// The guard has ended, or said nothing.
+    #[error("the guard {} has not opened the port: is it of the same build as barrelman?", path.display())]
+    NoAnswer {
+        /// The guard's program.
+        path: PathBuf,
+    },
+}
+
+/// The guard's program: the one that is named, or the one beside this program.
+///
+/// # Errors
+/// If it is not there.
+pub fn find_guard(named: Option<&Path>) -> Result<PathBuf, GuardError> {
+    let beside = || {
+        let own = std::env::current_exe().unwrap_or_default();
+        own.with_file_name(GUARD_NAME)
+    };
+    let path = named.map_or_else(beside, Path::to_path_buf);
+    if path.is_file() { Ok(path) } else { Err(GuardError::Missing { path }) }
+}
+
+/// What a guarded link needs.
+#[derive(Debug, Clone)]
+pub struct GuardedLinkSettings {
+    /// The guard's program.
+    pub guard: PathBuf,
+    /// The address of the vehicle.
+    pub url: LinkUrl,
+    /// What is spoken there.
+    pub protocol: ByteProtocol,
+    /// The largest rates that may pass, in the vehicle's own axes.
+    pub limits: VehicleRates,
+    /// The program's clock.
+    pub clock: Clock,
+}
+
+/// A link whose port is the guard's. Dropping it ends the link: zeros, stop, and the guard ends.
+#[derive(Debug)]
+pub struct GuardedLink {
+    client: Arc<Client>,
+    thread: Option<JoinHandle<bool>>,
+}
+
+/// What the run loop and the thread share.
+#[derive(Debug, Default)]
+struct Client(Mutex<ClientState>);
+
+#[derive(Debug, Default)]
+struct ClientState {
+    pipe: Option<Arc<Pipe>>,
+    requested: RequestedRates,
+    is_closing: bool,
+}
+
+impl Client {
+    fn state(&self) -> MutexGuard<'_, ClientState> {
+        // Plain data, whole at any time: a panic elsewhere must not silence the link.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sends a message, if there is a guard with room for it. Rates are sent again by the next heartbeat.
+    fn send(&self, message: &ToGuard) {
+        let pipe = self.state().pipe.clone();
+        if let Some(pipe) = pipe {
+            pipe.send(&message.encode());
+        }
+    }
+}
+
+impl GuardedLink {
+    /// Starts the guard, waits until it has opened the port, and starts the thread that reads what it reports. `report`
+    /// takes the reports; it must not block, and returns whether there was room.
+    ///
+    /// # Errors
+    /// If the guard cannot be started, or cannot open the port now. A port that is lost later is reopened, and a guard that
+    /// is gone is replaced.
+    pub fn open(
+        settings: GuardedLinkSettings,
+        report: impl Fn(LinkReport) -> bool + Send + 'static,
+    ) -> Result<Self, GuardError> {
+        let client = Arc::new(Client::default());
+        let path = settings.guard.clone();
+        let start_error = |source| GuardError::Start { path: path.clone(), source };
+        let guard = Guard::start(&settings).map_err(start_error)?;
+        let (opened, first) = sync_channel(1);
+        let shared = Arc::clone(&client);
+        let supervisor = Supervisor {
+            reader: settings.protocol.reports(),
+            settings,
+            client: shared,
+            report,
+            state: LinkState::Opening,
+            opened: Some(opened),
+        };
+        let thread = std::thread::Builder::new()
+            .name("link".to_owned())
+            .spawn(move || supervisor.run(guard))
+            .map_err(start_error)?;
+        let link = Self { client, thread: Some(thread) };
+        wait_until_open(&first, &path).map(|()| link)
+    }
+
+    /// Requests rates, in the vehicle's own signs, and replaces the rates requested before. Rates that move the camera
+    /// are in force until `renew_by`: without a renewal by then, the guard rests the camera. Does not block.
+    pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
+        let requested = RequestedRates { rates, renew_by };
+        let previous = std::mem::replace(&mut self.client.state().requested, requested);
+        if previous != requested {
+            self.client.send(&ToGuard::Request(requested));
+        }
+    }
+
+    /// The operator takes the control of the vehicle back, if somebody else has taken it.
+    pub fn take_control(&self) {
+        self.client.send(&ToGuard::TakeControl);
+    }
+
+    /// Ends the link: zeros, stop, and the guard's end. Returns whether they were sent.
+    pub fn close(mut self) -> bool {
+        self.end()
+    }
+
+    fn end(&mut self) -> bool {
+        let Some(thread) = self.thread.take() else { return true };
+        {
+            let mut state = self.client.state();
+            state.is_closing = true;
+            state.requested = RequestedRates::REST;
+        }
+        self.client.send(&ToGuard::Close);
+        // The thread bounds the time of its own closing.
+        thread.join().unwrap_or(false)
+    }
+}
+
+impl Drop for GuardedLink {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+fn wait_until_open(first: &Receiver<Result<(), String>>, path: &Path) -> Result<(), GuardError> {
+    match first.recv_timeout(OPEN_TIMEOUT) {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(reason)) => Err(GuardError::Port(reason)),
+        Err(_) => Err(GuardError::NoAnswer { path: path.to_path_buf() }),
+    }
+}
+
+/// A guard's process and its pipe.
+struct Guard {
+    child: Child,
+    pipe: Arc<Pipe>,
+}
+
+impl Guard {
+    fn start(settings: &GuardedLinkSettings) -> io::Result<Self> {
+        let (pipe, other): (Pipe, OwnedFd) = Pipe::pair()?;
+        let first = ToGuard::Settings(Settings {
+            clock_start_ns: settings.clock.start_on_monotonic_ns(),
+            limits: settings.limits,
+            protocol: settings.protocol.protocol,
+            framing: settings.protocol.framing,
+            url: settings.url.with_faults(),
+        });
+        pipe.send(&first.encode());
+        let child = Command::new(&settings.guard).stdin(Stdio::from(other)).stdout(Stdio::null()).spawn()?;
+        Ok(Self { child, pipe: Arc::new(pipe) })
+    }
+
+    /// Ends a guard that is gone, hung, or has ended by itself.
+    fn reap(mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Why a guard is no longer served.
+enum GuardEnd {
+    /// It has ended, and zeros and stop were sent, or not.
+    Ended { is_stop_sent: bool },
+    /// It is gone, or hung.
+    Gone(&'static str),
+    /// The link is closing, and the guard takes too long. It goes on by itself.
+    TooLong,
+}
+
+/// The thread `link` of a guarded link.
+struct Supervisor<R> {
+    settings: GuardedLinkSettings,
+    client: Arc<Client>,
+    report: R,
+    reader: ReportReader,
+    state: LinkState,
+    /// Takes whether the first guard has opened the port.
+    opened: Option<SyncSender<Result<(), String>>>,
+}
+
+impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
+    /// Serves one guard after the other until the link is closed. Returns whether zeros and stop were sent.
+    fn run(mut self, first: Guard) -> bool {
+        let mut guard = Some(first);
+        let mut attempts_to_close = 0;
+        loop {
+            let Some(served) = guard.take().or_else(|| Guard::start(&self.settings).ok()) else {
+                self.stop_without_guard();
+                if self.client.state().is_closing {
+                    return false;
+                }
+                std::thread::sleep(RESTART_PAUSE);
+                continue;
+            };
+            self.client.state().pipe = Some(Arc::clone(&served.pipe));
+            if self.client.state().is_closing {
+                attempts_to_close += 1;
+                served.pipe.send(&ToGuard::Close.encode());
+            }
+            let end = self.serve(&served);
+            self.client.state().pipe = None;
+            let is_closing = self.client.state().is_closing;
+            let reason = match end {
+                GuardEnd::TooLong => return false,
+                GuardEnd::Ended { is_stop_sent } if is_closing => {
+                    served.reap();
+                    return is_stop_sent;
+                }
+                GuardEnd::Ended { .. } => "it has ended",
+                GuardEnd::Gone(reason) => reason,
+            };
+            served.reap();
+            if attempts_to_close > 1 {
+                return false;
+            }
+            (self.report)(LinkReport::GuardLost(reason.to_owned()));
+            self.report_state(LinkState::Opening, self.settings.clock.now());
+        }
+    }
+
+    /// Serves a guard until its end.
+    fn serve(&mut self, guard: &Guard) -> GuardEnd {
+        let mut last_heard = Instant::now();
+        let mut last_sent = Instant::now();
+        let mut closing_since = None;
+        loop {
+            poll_for(&mut [PollFd::new(&*guard.pipe, PollFlags::IN)], HEARTBEAT / 4);
+            loop {
+                match guard.pipe.read() {
+                    PipeRead::Nothing => break,
+                    PipeRead::End => return GuardEnd::Gone("it is gone"),
+                    PipeRead::Message(packet) => {
+                        last_heard = Instant::now();
+                        match FromGuard::decode(&packet) {
+                            Ok(FromGuard::Ended { is_stop_sent }) => return GuardEnd::Ended { is_stop_sent },
+                            Ok(message) => self.on_message(message),
+                            Err(_) => return GuardEnd::Gone("it says what cannot be read"),
+                        }
+                    }
+                }
+            }
+            let (requested, is_closing) = {
+                let state = self.client.state();
+                (state.requested, state.is_closing)
+            };
+            if is_closing {
+                let since = *closing_since.get_or_insert_with(Instant::now);
+                if since.elapsed() > CLOSING_TIMEOUT {
+                    return GuardEnd::TooLong;
+                }
+            } else if last_sent.elapsed() >= HEARTBEAT {
+                last_sent = Instant::now();
+                guard.pipe.send(&ToGuard::Request(requested).encode());
+            }
+            let patience = if self.state == LinkState::Up { HUNG_AFTER } else { HUNG_WITHOUT_SESSION };
+            if last_heard.elapsed() > patience {
+                return GuardEnd::Gone("it hangs");
+            }
+        }
+    }
+
+    fn on_message(&mut self, message: FromGuard) {
+        match message {
+            FromGuard::Opened => self.answer_opening(Ok(())),
+            FromGuard::NotOpened(reason) => self.answer_opening(Err(reason)),
+            FromGuard::State(state, at) => self.report_state(state, at),
+            FromGuard::Received(at, bytes) => {
+                let report = &self.report;
+                self.reader.read(&bytes, |content| {
+                    report(LinkReport::Telemetry(Telemetry { at, report: content }));
+                });
+            }
+            FromGuard::Lost { may_be_turning, reason } => {
+                (self.report)(LinkReport::Lost { reason, may_be_turning });
+            }
+            FromGuard::HeldUp => drop((self.report)(LinkReport::HeldUp)),
+            FromGuard::Suspended(gap) => drop((self.report)(LinkReport::Suspended(gap))),
+            FromGuard::Stopped(evidence) => drop((self.report)(LinkReport::Stopped(evidence))),
+            FromGuard::Panicked => drop((self.report)(LinkReport::Panicked)),
+            FromGuard::Alive | FromGuard::Ended { .. } => {}
+        }
+    }
+
+    fn answer_opening(&mut self, answer: Result<(), String>) {
+        if let Some(opened) = self.opened.take() {
+            // Without a receiver, the opening was given up.
+            let _ = opened.send(answer);
+        }
+    }
+
+    fn report_state(&mut self, state: LinkState, at: Timestamp) {
+        self.state = state;
+        let telemetry = Telemetry { at, report: Report::Link(state) };
+        // A state must not be lost: the pilot goes by it.
+        while !(self.report)(LinkReport::Telemetry(telemetry)) && !self.client.state().is_closing {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// No guard can be started: zeros and stop come from this process, once.
+    fn stop_without_guard(&self) {
+        let url = LinkUrl { faults: self.settings.url.faults.clone(), ..self.settings.url.clone() };
+        if let Ok(link) = LinkHandle::open(&url, self.settings.protocol, self.settings.clock, |_| true) {
+            link.close();
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! What a link does, without clock, port and thread: one session after the other, the dead-man's switch, reopening, closing.
+//!
+//! ```text
+//!              opened()                    port_lost(), a failed session
+//!   without port -----> session ----------------------------------> without port (reopened at once, then every 0.1 s)
+//!        |                 |
+//!        |  close(): try   |  close(): zeros, stop
+//!        v                 v
+//!      Ended             Ended
+//! ```
+//!
+//! The worker acts as [`LinkCore::poll`] says, and reports what became of it. The session is that of any vehicle.
+
+use std::time::Duration;
+
+use barrelman_host::fault::{FaultKind, FaultPlan};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_wire::{NextAction, Session};
+
+use crate::dead_mans_switch::{DeadMansSwitch, RequestedRates};
+use crate::report::LinkReport;
+
+/// Interval between attempts to reopen a lost port.
+pub const REOPEN_INTERVAL: Duration = Duration::from_millis(100);
+/// A session that ended earlier than this is no reason to reopen the port at once.
+const SHORT_SESSION: Duration = Duration::from_secs(1);
+/// Longest wait: a deliberate fault begins at most this late.
+const MAX_WAIT: Duration = Duration::from_millis(100);
+/// Longest time from the request to close to `stop`. The link then ends without `stop`.
+const CLOSING_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Opens a session on a newly opened port.
+pub type SessionOpener<S> = Box<dyn Fn(Timestamp) -> Box<S> + Send>;
+
+/// Takes a report of the link. Returns whether there was room for the report. Must not block.
+pub type ReportSink<'a> = &'a mut dyn FnMut(LinkReport) -> bool;
+
+/// What the worker does after it has sent the packets of [`LinkCore::poll`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinkAction {
+    /// Poll again at this time, or earlier after received packets or another request.
+    Wait {
+        /// The time.
+        until: Timestamp,
+    },
+    /// Open the port, and say what came of it: [`LinkCore::opened`], [`LinkCore::open_failed`].
+    Open,
+    /// Close the port, and poll again.
+    ClosePort,
+    /// The link has ended.
+    Ended {
+        /// Whether zeros and stop were sent.
+        is_stop_sent: bool,
+    },
+}
+
+/// A link's state.
+pub struct LinkCore<S: ?Sized> {
+    open_session: SessionOpener<S>,
+    faults: FaultPlan,
+    /// How long a link that is closing goes on trying to reach its vehicle.
+    persistence: Duration,
+    requested: RequestedRates,
+    switch: DeadMansSwitch,
+    session: Option<OpenSession<S>>,
+    reopen_at: Timestamp,
+    closing: Option<Closing>,
+    reported_state: Option<LinkState>,
+    has_fallen_silent: bool,
+    /// Whether the camera may have been turning when a session was lost, and no session was up since.
+    may_be_turning: bool,
+}
+
+struct OpenSession<S: ?Sized> {
+    session: Box<S>,
+    since: Timestamp,
+    is_closing: bool,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Closing {
+    since: Timestamp,
+    /// Whether the port was tried since, where it was not open.
+    has_tried: bool,
+}
+
+impl<S: Session + ?Sized> LinkCore<S> {
+    /// A link without an open port. A link that is closed without a port tries once more to reach its vehicle, and goes on
+    /// trying for `persistence`.
+    pub fn new(open_session: SessionOpener<S>, faults: FaultPlan, persistence: Duration) -> Self {
+        Self {
+            open_session,
+            faults,
+            persistence,
+            requested: RequestedRates::REST,
+            switch: DeadMansSwitch::default(),
+            session: None,
+            reopen_at: Timestamp::ZERO,
+            closing: None,
+            reported_state: None,
+            has_fallen_silent: false,
+            may_be_turning: false,
+        }
+    }
+
+    /// Sets the rates that are requested from now on.
+    pub fn request(&mut self, requested: RequestedRates) {
+        self.requested = requested;
+    }
+
+    /// The operator takes the control of the vehicle back.
+    pub fn take_control(&mut self, now: Timestamp) {
+        if let Some(open) = &mut self.session {
+            open.session.take_control(now);
+        }
+    }
+
+    /// Begins the end of the link: rest, zeros, stop.
+    pub fn close(&mut self, now: Timestamp) {
+        self.closing.get_or_insert(Closing { since: now, has_tried: false });
+        self.requested = RequestedRates::REST;
+        if self.session.is_none() {
+            self.reopen_at = now;
+        }
+    }
+
+    /// The port was opened.
+    pub fn opened(&mut self, now: Timestamp) {
+        let mut session = (self.open_session)(now);
+        if self.may_be_turning {
+            session.must_be_answered();
+        }
+        self.session = Some(OpenSession { session, since: now, is_closing: false });
+    }
+
+    /// The port could not be opened.
+    pub fn open_failed(&mut self, now: Timestamp) {
+        self.reopen_at = now.plus(REOPEN_INTERVAL);
+    }
+
+    /// The port failed for this reason.
+    pub fn port_lost(&mut self, reason: String, now: Timestamp, report: ReportSink<'_>) {
+        if let Some(open) = self.session.take() {
+            let may_be_turning = open.session.may_be_turning();
+            let is_short = now.since(open.since) < SHORT_SESSION;
+            self.reopen_at = if is_short { now.plus(REOPEN_INTERVAL) } else { now };
+            self.may_be_turning |= may_be_turning;
+            report(LinkReport::Lost { reason, may_be_turning });
+        }
+    }
+
+    /// Passes a received packet to the session.
+    pub fn received(&mut self, packet: &S::Received, now: Timestamp, report: ReportSink<'_>) {
+        if let Some(open) = self.session.as_mut().filter(|_| !self.faults.is_active(FaultKind::Stall, now)) {
+            open.session.received(packet, now, &mut |telemetry| {
+                report(LinkReport::Telemetry(telemetry));
+            });
+        }
+    }
+
+    /// Appends the packets that are due now to `out`, and returns what to do after they were sent.
+    pub fn poll(&mut self, now: Timestamp, out: &mut Vec<S::Sent>, report: ReportSink<'_>) -> LinkAction {
+        #[allow(clippy::panic, reason = "requested on the command line, to test the emergency stop")]
+        if self.faults.is_active(FaultKind::Panic, now) {
+            panic!("the link thread panics on purpose");
+        }
+        let rates = self.switch.rates_in_force(&self.requested, now, || {
+            report(LinkReport::HeldUp);
+        });
+        let is_disconnected = self.faults.is_active(FaultKind::Disconnect, now);
+        let Some(open) = &mut self.session else {
+            return self.poll_without_port(is_disconnected, now, report);
+        };
+        if is_disconnected {
+            self.port_lost("disconnected on purpose".to_owned(), now, report);
+            return LinkAction::ClosePort;
+        }
+        open.session.request(rates, self.requested.renew_by.filter(|_| !rates.is_rest()));
+        if let Some(closing) = self.closing {
+            if !open.is_closing {
+                open.is_closing = true;
+                open.session.close(now);
+            }
+            if now.since(closing.since) > CLOSING_TIMEOUT + self.persistence {
+                self.port_lost("zeros and stop could not be sent".to_owned(), now, report);
+                return LinkAction::ClosePort;
+            }
+        }
+        let next = open.session.poll(now, out);
+        if [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.faults.is_active(*kind, now)) {
+            out.clear();
+        }
+        let (state, evidence) = (open.session.link_state(), open.session.rest_evidence(now));
+        self.may_be_turning &= state != LinkState::Up;
+        self.report_state(state, now, report);
+        match next {
+            NextAction::Closed => {
+                report(LinkReport::Stopped(evidence));
+                LinkAction::Ended { is_stop_sent: true }
+            }
+            NextAction::Reopen { reason } => {
+                self.session_failed(reason, now, report);
+                LinkAction::ClosePort
+            }
+            NextAction::WaitUntil(at) => {
+                let until = if rates.is_rest() { at } else { at.min(self.requested.expires_at()) };
+                LinkAction::Wait { until: until.min(now.plus(MAX_WAIT)) }
+            }
+        }
+    }
+
+    fn poll_without_port(
+        &mut self,
+        is_disconnected: bool,
+        now: Timestamp,
+        report: ReportSink<'_>,
+    ) -> LinkAction {
+        self.report_state(LinkState::Opening, now, report);
+        if let Some(closing) = self.closing
+            && closing.has_tried
+            && now.since(closing.since) >= self.persistence
+        {
+            return LinkAction::Ended { is_stop_sent: false };
+        }
+        if now < self.reopen_at {
+            return LinkAction::Wait { until: self.reopen_at.min(now.plus(MAX_WAIT)) };
+        }
+        if let Some(closing) = &mut self.closing {
+            closing.has_tried = true;
+        }
+        if is_disconnected {
+            self.open_failed(now);
+            return LinkAction::Wait { until: self.reopen_at };
+        }
+        LinkAction::Open
+    }
+
+    /// The conversation has failed. A vehicle that does not answer is reported once.
+    fn session_failed(&mut self, reason: &'static str, now: Timestamp, report: ReportSink<'_>) {
+        let is_told = std::mem::replace(&mut self.has_fallen_silent, true);
+        let mut ignore = |_| true;
+        self.port_lost(reason.to_owned(), now, if is_told { &mut ignore } else { report });
+    }
+
+    /// Reports the state of the link if it has changed. A report without room is made again later.
+    fn report_state(&mut self, state: LinkState, now: Timestamp, report: ReportSink<'_>) {
+        let telemetry = Telemetry { at: now, report: Report::Link(state) };
+        if self.reported_state != Some(state) && report(LinkReport::Telemetry(telemetry)) {
+            self.reported_state = Some(state);
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The link's worker: drives a [`LinkCore`] on one port, by the clock. The worker decides nothing.
+
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::Duration;
+
+use barrelman_host::fault::FaultPlan;
+use barrelman_wire::{Session, WillStep};
+
+use crate::link_core::{LinkAction, LinkCore, SessionOpener};
+use crate::mailbox::Mailbox;
+use crate::port_io::PortIo;
+use crate::report::LinkReport;
+
+#[cfg(test)]
+mod request_tests;
+#[cfg(test)]
+mod tests;
+
+/// Pause before a report is offered again that must not be lost.
+const REPORT_PAUSE: Duration = Duration::from_millis(20);
+
+/// The work of a link's thread, or of the guard.
+pub(crate) struct Worker<S: ?Sized, I, R> {
+    pub(crate) faults: FaultPlan,
+    /// How long a link that is closing goes on trying to reach its vehicle.
+    pub(crate) persistence: Duration,
+    pub(crate) mailbox: Arc<Mailbox>,
+    pub(crate) io: I,
+    /// Opens a session with the vehicle.
+    pub(crate) open_session: Arc<dyn Fn(barrelman_vocab::Timestamp) -> Box<S> + Send + Sync>,
+    /// Takes the reports of the thread. Returns whether there was room for the report. Must not block.
+    pub(crate) report: R,
+}
+
+impl<S, I, R> Worker<S, I, R>
+where
+    S: Session + ?Sized + 'static,
+    I: PortIo<Sent = S::Sent, Received = S::Received>,
+    R: Fn(LinkReport) -> bool,
+{
+    /// Serves the port until the link is closed. A panic sends the emergency stop.
+    pub(crate) fn run(self, mut port: Option<I::Port>) {
+        // The port is outside of the code that may panic: the emergency stop needs it.
+        let served = catch_unwind(AssertUnwindSafe(|| self.serve(&mut port)));
+        let is_stop_sent = served.unwrap_or_else(|_| {
+            let is_sent = port.as_mut().is_some_and(|port| self.send_last_will(port).is_ok());
+            self.report_panic();
+            is_sent
+        });
+        self.mailbox.set_stop_sent(is_stop_sent);
+    }
+
+    /// Reports the panic, which ends the run. A loop that has no room for the report either makes some, or closes the
+    /// link: the thread does not wait for a loop that waits for the thread.
+    fn report_panic(&self) {
+        while !(self.report)(LinkReport::Panicked) {
+            if self.mailbox.requested().is_closing {
+                return;
+            }
+            self.io.sleep(REPORT_PAUSE);
+        }
+    }
+
+    /// Serves the port until the link is closed. Returns whether zeros and stop were sent.
+    fn serve(&self, port: &mut Option<I::Port>) -> bool {
+        let open_session = Arc::clone(&self.open_session);
+        let opener: SessionOpener<S> = Box::new(move |now| open_session(now));
+        let mut core = LinkCore::new(opener, self.faults.clone(), self.persistence);
+        if port.is_some() {
+            core.opened(self.io.now());
+        }
+        let mut report = |report| (self.report)(report);
+        let mut out = Vec::new();
+        loop {
+            let now = self.io.now();
+            let requested = self.mailbox.requested();
+            core.request(requested.rates);
+            if requested.is_closing {
+                core.close(now);
+            }
+            if self.mailbox.takes_control() {
+                core.take_control(now);
+            }
+            let action = core.poll(now, &mut out, &mut report);
+            let sent = match port {
+                Some(port) => out.iter().try_for_each(|packet| self.io.send(port, packet)),
+                None => Ok(()),
+            };
+            out.clear();
+            if let Err(error) = sent {
+                *port = None;
+                core.port_lost(error.to_string(), self.io.now(), &mut report);
+                continue;
+            }
+            match action {
+                LinkAction::Ended { is_stop_sent } => return is_stop_sent,
+                LinkAction::ClosePort => *port = None,
+                LinkAction::Open => match self.io.open() {
+                    Ok(opened) => {
+                        *port = Some(opened);
+                        core.opened(self.io.now());
+                    }
+                    Err(_) => core.open_failed(self.io.now()),
+                },
+                LinkAction::Wait { until } => {
+                    let wait = until.since(self.io.now());
+                    let is_readable = self.io.wait(port.as_ref(), wait);
+                    let Some(open) = port.as_mut().filter(|_| is_readable) else { continue };
+                    let now = self.io.now();
+                    let received =
+                        self.io.receive(open, &mut |packet| core.received(packet, now, &mut report));
+                    if let Err(error) = received {
+                        *port = None;
+                        core.port_lost(error.to_string(), now, &mut report);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Stops the vehicle without a session.
+    fn send_last_will(&self, port: &mut I::Port) -> io::Result<()> {
+        for WillStep { packet, pause } in (self.open_session)(self.io.now()).last_will() {
+            self.io.send(port, &packet)?;
+            self.io.sleep(pause);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,320 @@
+"""Tests that the guard rests the camera whatever becomes of the program, with real processes.
+
+Each case runs the practice clip with the camera engaged over a pseudo-terminal or TCP, waits until the camera moves, and
+causes one event: the program is killed, crashes, runs out of memory, is stopped, loses its terminal, or loses its guard. The
+emulator's log has what the ground station received, and the rates in force. The worst ground station is emulated, too: one
+whose `stop` leaves the rates in force.
+"""
+import concurrent.futures
+import itertools
+import os
+import pathlib
+import pty
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import common
+from common import Emulator, Lines, Table
+
+MOVES_WITHIN = 10.0
+REST_LIMIT = 0.35
+UP_AGAIN_LIMIT = 4.0
+GUARD_ENDS_WITHIN = 8.0
+HANG_S = 5.0
+GROWS_AT_FRAME = 150
+
+
+class TcpEmulator(Emulator):
+    """An emulated Fotokite Pro behind TCP."""
+
+    def __init__(self, barrelman, folder, *options):
+        self.log = pathlib.Path(folder) / "fotokite.jsonl"
+        command = [barrelman, "emulate", "fotokite-pro", "--listen", "127.0.0.1:0", "--log", self.log, *options]
+        self.child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines = Lines(self.child.stdout)
+        _, line = self.lines.wait_for("answers at", 10)
+        self.address = line.split("answers at ")[1].strip()
+
+    @property
+    def url(self):
+        return self.address
+
+
+def children(pid):
+    """The processes that a process started, and their names."""
+    found = {}
+    for entry in pathlib.Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                stat = (entry / "stat").read_text()
+            except OSError:
+                continue
+            name, rest = stat[stat.index("(") + 1 : stat.rindex(")")], stat[stat.rindex(")") + 2 :].split()
+            if int(rest[1]) == pid:
+                found[int(entry.name)] = name
+    return found
+
+
+def is_alive(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+class Run:
+    """A run with an emulator of its own, and its guard."""
+
+    def __init__(self, args, clip, selection, folder, port, more=(), station=(), terminal=False, grows=False):
+        folder.mkdir()
+        video = growing_pictures(clip, folder / "pictures") if grows else clip
+        self.emulator = Emulator(args.barrelman, folder, "fotokite", *station) if port == "pty" else TcpEmulator(args.barrelman, folder, *station)
+        command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--no-record", "--video", f"file:{video}"]
+        command += ["--select", selection, "--link", self.emulator.url, *more]
+        self.terminal = None
+        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+        if terminal:
+            self.terminal, inside = pty.openpty()
+            streams.update(stdin=inside, stdout=inside, start_new_session=True)
+        self.child = common.spawn(command, text=True, **streams)
+        if terminal:
+            os.close(inside)
+            self.reader = threading.Thread(target=self._show, args=(self.terminal,), daemon=True)
+            self.reader.start()
+        self.err = Lines(self.child.stderr)
+        self.guards = []
+
+    def _show(self, terminal):
+        while self.terminal is not None:
+            common.drain(terminal, 0.02)
+
+    def hang_up(self):
+        terminal, self.terminal = self.terminal, None
+        self.reader.join()
+        at = time.monotonic()
+        os.close(terminal)
+        return at
+
+    def guard(self):
+        """The guard's process."""
+        found = [pid for pid, name in children(self.child.pid).items() if name.startswith("barrelman-guard")]
+        if len(found) != 1:
+            raise AssertionError(f"{len(found)} guards instead of one")
+        self.guards.append(found[0])
+        return found[0]
+
+    def wait_until_it_moves(self):
+        self.emulator.wait_for(lambda row: row.moves, MOVES_WITHIN, "the first rate")
+        time.sleep(0.2)
+        return self.guard()
+
+    def close(self):
+        for process in (self.child,):
+            if process.poll() is None:
+                process.send_signal(signal.SIGCONT)
+                process.kill()
+                process.wait()
+        if self.terminal is not None:
+            self.hang_up()
+        self.emulator.close()
+
+
+def killed(number):
+    def act(run):
+        run.wait_until_it_moves()
+        at = time.monotonic()
+        # The program takes the first SIGSEGV that nothing caused for an overflowed stack that was none.
+        while run.child.poll() is None:
+            run.child.send_signal(number)
+            time.sleep(0.001)
+        return at
+
+    return act
+
+
+def out_of_memory(run):
+    """No further memory: the pictures of the video become larger, and need some."""
+    run.wait_until_it_moves()
+    resource.prlimit(run.child.pid, resource.RLIMIT_AS, (1 << 20, 1 << 20))
+    code = run.child.wait(timeout=15)
+    # The clock runs from the death of the program: until then it renews its rates.
+    at = time.monotonic() - 0.01
+    if code != -signal.SIGABRT:
+        raise AssertionError(f"exit {code} instead of running out of memory")
+    return at
+
+
+def growing_pictures(clip, folder):
+    """The first seconds of the clip as a folder of pictures, followed by one that takes 44 MB."""
+    import cv2
+
+    folder.mkdir()
+    video = cv2.VideoCapture(str(clip))
+    for frame in range(GROWS_AT_FRAME):
+        picture = video.read()[1]
+        cv2.imwrite(str(folder / f"{frame:04}.jpg"), picture)
+    for frame in range(GROWS_AT_FRAME, GROWS_AT_FRAME + 30):
+        cv2.imwrite(str(folder / f"{frame:04}.jpg"), cv2.resize(picture, (5120, 2880)))
+    return f"{folder}?fps=30"
+
+
+def stopped(run):
+    run.wait_until_it_moves()
+    at = time.monotonic()
+    run.child.send_signal(signal.SIGSTOP)
+    time.sleep(HANG_S)
+    run.child.send_signal(signal.SIGCONT)
+    return at
+
+
+def guard_killed(run):
+    pid = run.wait_until_it_moves()
+    at = time.monotonic()
+    os.kill(pid, signal.SIGKILL)
+    return at
+
+
+def terminal_closed(run):
+    run.wait_until_it_moves()
+    return run.hang_up()
+
+
+# Name, what happens, whether the guard must end by itself, further options of the run.
+CASES = [
+    ("SIGKILL", killed(signal.SIGKILL), True, {}),
+    ("SIGSEGV", killed(signal.SIGSEGV), True, {}),
+    ("SIGABRT", killed(signal.SIGABRT), True, {}),
+    ("SIGSTOP for 5 s", stopped, False, {}),
+    ("memory limit (RLIMIT_AS)", out_of_memory, True, {"grows": True}),
+    ("guard killed", guard_killed, False, {}),
+    ("terminal closed", terminal_closed, True, {"terminal": True}),
+]
+STATIONS = [("", ()), (", stop keeps rates", ("--stop-keeps-rates",))]
+
+
+def check_first_bytes(run, rows, since):
+    """After a session began anew, zeros must come before anything else."""
+    heard = [row for row in rows if row.direction == "in" and row.at > since]
+    first_stop = next((index for index, row in enumerate(heard) if row.raw == "stop"), None)
+    return [] if first_stop is None or any(row.is_zero for row in heard[:first_stop]) else ["`stop` came before the zeros"]
+
+
+def try_case(args, clip, selection, folder, table, case, port, station):
+    name, act, ends, options = case
+    suffix, station_options = station
+    run = Run(args, clip, selection, folder, port, station=station_options, **options)
+    title = f"{name}, {port}{suffix}"
+    try:
+        at = act(run)
+        time.sleep(0.6)
+        rows = run.emulator.rows()
+        before = next((row.rates for row in reversed(rows) if row.at < at), (0.0, 0.0))
+        rest = next((row.at - at for row in rows if row.at >= at and row.rates == (0.0, 0.0)), float("inf"))
+        faults = []
+        if not any(before):
+            faults.append("the camera did not move when it happened")
+        if rest > REST_LIMIT:
+            faults.append(f"later than {REST_LIMIT} s")
+        faults += check_first_bytes(run, rows, at)
+        if ends:
+            common.wait_until(lambda: not any(is_alive(pid) for pid in run.guards), GUARD_ENDS_WITHIN, "the guard's end")
+            time.sleep(0.05)
+            heard = run.emulator.heard()
+            if heard[-1].raw != "stop" or heard[-1].rates != (0.0, 0.0):
+                faults.append(f"the last line is {heard[-1].raw!r}, the rates {heard[-1].rates}")
+        elif act is guard_killed:
+            run.err.wait_for("camera may be turning", 2)
+            again = run.emulator.wait_for(lambda row: row.direction == "in" and row.at > at and row.raw == "RemoteControl start", 6, "another guard")
+            if again.at - at > UP_AGAIN_LIMIT:
+                faults.append(f"up again after {again.at - at:.1f} s")
+        table.require(title, not faults, f"rest after {rest * 1e3:.0f} ms", "; ".join(faults))
+        return {"case": title, "rest_ms": rest * 1e3}
+    finally:
+        run.close()
+
+
+def try_port_lost(args, clip, selection, folder, table, port):
+    """The port goes away for two seconds and comes back: up again within 4 s, without a restart, zeros first."""
+    lost_at, gone_for = 5.0, 2.0
+    run = Run(args, clip, selection, folder, port, station=("--fault", f"disconnect@{lost_at}+{gone_for}"))
+    try:
+        run.wait_until_it_moves()
+        run.err.wait_for("the link was lost", 8)
+        began = time.monotonic()
+        zeros = run.emulator.wait_for(lambda row: row.is_zero and row.at > began, 6, "zeros after the port's return")
+        up = run.emulator.wait_for(lambda row: row.direction == "in" and row.raw.startswith("Get_Gimbal") and row.at > zeros.at, 6, "the link's return")
+        faults = check_first_bytes(run, run.emulator.rows(), began)
+        taken = up.at - zeros.at + 0.3
+        if taken > UP_AGAIN_LIMIT:
+            faults.append(f"later than {UP_AGAIN_LIMIT} s")
+        table.require(f"the port is gone for {gone_for:.0f} s, {port}", not faults, f"up again after {taken:.1f} s", "; ".join(faults))
+        return {"case": f"port lost, {port}", "up_again_s": taken}
+    finally:
+        run.close()
+
+
+def check_refusal(args, clip, selection, folder, table):
+    """Without its guard the program refuses this vehicle, unless it is told otherwise."""
+    folder.mkdir()
+    with Emulator(args.barrelman, folder) as emulator:
+        command = [args.barrelman, "run", "--headless", "--no-record", "--video", f"file:{clip}", "--select", selection, "--link", emulator.url]
+        refused = common.run([*command, "--guard", folder / "none"])
+        table.require("no guard: refused, with the remedy", refused.returncode == 1 and "--without-guard" in refused.stderr and not emulator.heard(), f"exit {refused.returncode}")
+        child = common.spawn([*command, "--without-guard", "--engage"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        err = Lines(child.stderr)
+        err.wait_for("goes on turning", 5)
+        err.wait_for("link up", 8)
+        table.require("--without-guard: runs, with a warning", not children(child.pid))
+        child.send_signal(signal.SIGTERM)
+        child.wait(timeout=8)
+
+
+def main():
+    args = common.arguments(
+        __doc__, clip=common.CLIP, repeat={"type": int, "default": 1, "help": "how often each case runs"}, at_once={"type": int, "default": 2},
+        only={"metavar": "TEXT", "help": "only the cases with this in their name"},
+        few={"action": "store_true", "help": "each case once: over pseudo-terminal and TCP in turns"},
+    )
+    folder = common.temporary_folder()
+    clip, truth = common.practice_clip(args, folder)
+    selection = common.selection(truth)
+    table = Table("What becomes of the camera without the program")
+    guard = pathlib.Path(args.barrelman).with_name("barrelman-guard")
+    program = guard.read_bytes()
+    linked = [name for name in (b"openh264", b"WelsCreateDecoder", b"tiny_skia", b"retina") if name in program]
+    table.require("the guard links neither decoder nor renderer", not linked, f"{len(program) / 1e6:.1f} MB", str(linked) if linked else "")
+    combinations = list(itertools.product(CASES, ("pty", "tcp"), STATIONS))
+    if args.few:
+        combinations = [(case, ("pty", "tcp")[number % 2], STATIONS[number // 2 % 2]) for number, case in enumerate(CASES)]
+    jobs = [(f"{case[0]}, {port}{station[0]}", lambda where, rows, job=(case, port, station): try_case(args, clip, selection, where, rows, *job)) for case, port, station in combinations * args.repeat]
+    jobs += [(f"the port is gone, {port}", lambda where, rows, port=port: try_port_lost(args, clip, selection, where, rows, port)) for port in ("pty", "tcp")]
+    jobs += [("no guard", lambda where, rows: check_refusal(args, clip, selection, where, rows))]
+    jobs = [job for job in jobs if not args.only or args.only in job[0]]
+
+    def attempt(job):
+        number, (name, act) = job
+        places = (folder / f"case{number}-{attempt}" for attempt in itertools.count(1))
+
+        def safely(rows):
+            try:
+                return act(next(places), rows)
+            except Exception as error:  # One case that goes astray must not hide the others.
+                rows.require(name, False, type(error).__name__, str(error)[-300:])
+                return {"case": name, "error": str(error)}
+
+        return table.try_again_through_standstills(safely)
+
+    with concurrent.futures.ThreadPoolExecutor(args.at_once) as pool:
+        figures = list(pool.map(attempt, enumerate(jobs)))
+    rests = [figure["rest_ms"] for figure in figures if figure and "rest_ms" in figure]
+    if rests:
+        table.show("time to rest: median, worst", f"{common.median(rests):.0f}, {max(rests):.0f} ms", f"{len(rests)} runs, at most {REST_LIMIT * 1e3:.0f} ms")
+    return table.finish(args, cases=figures)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
