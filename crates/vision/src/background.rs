@@ -6,11 +6,13 @@
 //! |F G|^(1/2) peaks at the shift; the exponent is 1/2 instead of 1 because weak components are mostly noise. The water
 //! moves by itself, so the shift is one input of the prediction among others.
 
+use barrelman_vocab::PixelPoint;
 use barrelman_vocab::video::Plane;
 
 use crate::correlation::Peak;
 use crate::decimation::decimate;
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
+use crate::tracker::BackgroundShift;
 
 /// Registers patches of the target's surroundings.
 #[derive(Debug)]
@@ -19,6 +21,8 @@ pub(crate) struct BackgroundMotion {
     current: Spectrum,
     work: Spectrum,
     reference_patch: Option<Patch>,
+    /// The last measured shift.
+    measured: Option<BackgroundShift>,
     samples: Vec<u8>,
     columns: Vec<u16>,
     map: Box<Map>,
@@ -51,12 +55,23 @@ impl BackgroundMotion {
             current: Spectrum::default(),
             work: Spectrum::default(),
             reference_patch: None,
+            measured: None,
             samples: Vec::new(),
             columns: Vec::new(),
             map: Box::new([0.0; AREA]),
             response: Box::new([0.0; AREA]),
             window: hann_window(),
         }
+    }
+
+    /// The shift measured since [`Self::forget_measurement`].
+    pub(crate) const fn measured(&self) -> Option<BackgroundShift> {
+        self.measured
+    }
+
+    /// Begins another frame: nothing has been measured in it.
+    pub(crate) fn forget_measurement(&mut self) {
+        self.measured = None;
     }
 
     /// Discards the reference frame.
@@ -88,7 +103,11 @@ impl BackgroundMotion {
         {
             return None;
         }
-        Some((peak.right * patch.decimation as f32, peak.down * patch.decimation as f32))
+        let (u, v) = (peak.right * patch.decimation as f32, peak.down * patch.decimation as f32);
+        let half = patch.decimation * (SIDE / 2) as i32;
+        let centre = PixelPoint { u: f64::from(patch.left + half), v: f64::from(patch.top + half) };
+        self.measured = Some(BackgroundShift { u_px: f64::from(u), v_px: f64::from(v), centre });
+        Some((u, v))
     }
 
     /// Makes the surroundings of the target in this frame the reference for the next. A square of `blank_px` pixels a

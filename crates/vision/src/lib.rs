@@ -68,5 +68,5 @@ pub use refinement::{
     MEASUREMENTS, RefinementWeights, RefinementWeightsError, RefinementWindow, WINDOW_CHANNELS,
     WINDOW_SIDE_CELLS,
 };
-pub use tracker::{SelectionError, SelectionReport, Tracker};
+pub use tracker::{BackgroundShift, SelectionError, SelectionReport, Tracker};
 pub use window::Window;

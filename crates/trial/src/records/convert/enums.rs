@@ -54,6 +54,8 @@ variants!(StopCause, StopCause, "stop_cause", [
     StopCause::Emergency => Emergency,
     StopCause::Landing => Landing,
     StopCause::BatteryLow => BatteryLow,
+    StopCause::PanOpposed => PanOpposed,
+    StopCause::TiltOpposed => TiltOpposed,
 ]);
 variants!(LinkState, LinkState, "link", [
     LinkState::Opening => Opening,
