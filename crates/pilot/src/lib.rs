@@ -18,6 +18,7 @@ pub mod vehicle;
 
 pub mod behaviour;
 
+pub mod calibration;
 mod history;
 pub mod net_yaw;
 mod opposed_motion;

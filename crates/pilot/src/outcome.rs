@@ -138,6 +138,8 @@ pub enum Notice {
     SearchFound,
     /// The search has ended without the target.
     SearchGaveUp,
+    /// The test motions of a calibration have been made.
+    TestMotionsMade,
     /// The net yaw has come to another level, or was set.
     NetYaw(NetYawState),
 }
@@ -220,6 +222,7 @@ impl fmt::Display for Notice {
             Self::SearchGaveUp => {
                 f.write_str("the search has ended without the boat: select it, or search again")
             }
+            Self::TestMotionsMade => f.write_str("the test motions have been made"),
             Self::NetYaw(net) => net_yaw_text(*net, f),
         }
     }

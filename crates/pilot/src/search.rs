@@ -4,10 +4,10 @@
 //!   pan relative to the last bearing, a = half the picture's width
 //!        -2a      -a       0       +a      +2a
 //!                          1
-//!                          +-------->2                 the side on which the target left comes first
-//!                 3<----------------+
-//!                 +---------------------------> 4      the second pair of legs looks a third of a picture higher,
-//!        5<------------------------------------+       the third as much lower
+//!                          +-------->2------>3        the side on which the target left comes first
+//!        5<-----4<-------------------------+
+//!                                                    a narrow lens goes on: 3a and 4a, a third of a picture higher,
+//!                                                    then 5a and 6a, as much lower
 //! ```
 //! A leg ends when both axes have arrived, or after a time in which the camera should have arrived: an end stop, or the
 //! limit of the net yaw, may be in the way. The rates are the low rate of [`crate::safety`]; the search holds no
@@ -31,7 +31,7 @@ pub const SEARCH_LASTS: Duration = Duration::from_secs(58);
 
 /// Largest distance of the sweep from the last bearing, radians (150 degrees).
 const MAX_SWEEP: f64 = 2.62;
-/// Tilt of the second and third pair of legs relative to the first, as a share of the picture's height.
+/// Tilt of the second and third four legs relative to the first, as a share of the picture's height.
 const ROW_SHARE: f64 = 1.0 / 3.0;
 /// An axis has arrived at this distance, radians (1.1 degrees).
 const ARRIVED: f64 = 0.02;
@@ -40,7 +40,7 @@ const STOP_MARGIN: f64 = 0.052;
 /// A leg is given up after this time beyond the time that it takes at the low rate, seconds.
 const LEG_SLACK_S: f64 = 3.0;
 /// Two bearings that tell the side on which the target left lie at least so far apart.
-const SIDE_INTERVAL: Duration = Duration::from_millis(500);
+const SIDE_INTERVAL: Duration = Duration::from_millis(3000);
 
 /// The bearing at which the target was seen last, and the side to which the bearing moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -198,11 +198,11 @@ impl Search {
     /// Pan and tilt of the present leg relative to the last bearing; `None` beyond the sweep.
     fn leg_offsets(&self) -> Option<(f64, f64)> {
         let Some(index) = self.leg.checked_sub(1) else { return Some((0.0, 0.0)) };
-        let pair = index / 2;
-        let width = self.half_width * f64::from(pair + 1);
-        let is_within = f64::from(pair) * self.half_width < MAX_SWEEP;
-        let side = if index.is_multiple_of(2) { self.side } else { -self.side };
-        let row = match pair % 3 {
+        let block = index / 4;
+        let width = self.half_width * f64::from(2 * block + 1 + index % 2);
+        let is_within = f64::from(2 * block) * self.half_width < MAX_SWEEP;
+        let side = if index % 4 < 2 { self.side } else { -self.side };
+        let row = match block % 3 {
             0 => 0.0,
             1 => ROW_SHARE * self.height,
             _ => -ROW_SHARE * self.height,
@@ -222,7 +222,7 @@ mod tests {
     }
 
     fn seen(pan_before: f64, pan: f64, tilt: f64) -> LastBearing {
-        let first = LastBearing::update(None, (pan_before, tilt), at(-5.0));
+        let first = LastBearing::update(None, (pan_before, tilt), at(-8.0));
         LastBearing::update(Some(first), (pan, tilt), at(-4.0))
     }
 

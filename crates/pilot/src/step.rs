@@ -5,13 +5,13 @@ use core::time::Duration;
 use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
-use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track,
-    VehicleProfile, VideoFrame,
+    Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp, Track, VehicleProfile,
+    VideoFrame,
 };
 
 use crate::behaviour;
+use crate::calibration::Calibration;
 use crate::history::FrameHistory;
 use crate::input::Input;
 use crate::net_yaw::{NetYaw, NetYawLevel};
@@ -23,6 +23,7 @@ use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
 use crate::vehicle::CommandPath;
 
 mod net_turn;
+mod reports;
 mod searching;
 
 /// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a second.
@@ -65,6 +66,7 @@ pub struct Pilot {
     net_yaw_level: NetYawLevel,
     last_bearing: Option<LastBearing>,
     search: Option<Search>,
+    calibration: Option<Calibration>,
 }
 
 /// One observation of the scene: a tracked video frame, or a localisation measured elsewhere.
@@ -109,6 +111,7 @@ impl Pilot {
             net_yaw_level: NetYawLevel::Free,
             last_bearing: None,
             search: None,
+            calibration: None,
         }
     }
 
@@ -175,7 +178,8 @@ impl Pilot {
         }
         let age = observation.captured.map(|captured| now.since(captured));
         let result = self.evaluate(age, now);
-        let ended = self.advance_search(result, now);
+        let is_fresh = self.is_video_fresh(age);
+        let ended = self.advance_search(result, now).or_else(|| self.advance_calibration(is_fresh, now));
         self.finish_step(result, age, observation.notice.or(ended), now)
     }
 
@@ -229,7 +233,10 @@ impl Pilot {
                 self.net_yaw.set(*net, pan);
                 Some(Notice::NetYaw(self.net_yaw.state(pan)))
             }
-            OperatorRequest::Calibrate => None,
+            OperatorRequest::Calibrate => {
+                self.calibration = Some(Calibration::new(now));
+                None
+            }
             OperatorRequest::Engage
             | OperatorRequest::Disengage
             | OperatorRequest::Nudge(_)
@@ -260,33 +267,6 @@ impl Pilot {
             LawId::Eco => optimal(OptimalMode::Eco),
         };
         self.law.change_law(self.settings.law, &self.settings.profile);
-    }
-
-    /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
-    fn on_telemetry(&mut self, telemetry: &Telemetry) {
-        self.safety.on_report(&telemetry.report);
-        match telemetry.report {
-            Report::CameraTilt(tilt) => self.on_tilt(tilt, telemetry.at),
-            Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
-            Report::GimbalAttitude(attitude) => {
-                let tilt = self.settings.profile.gimbal_tilt.and_then(|convention| convention.tilt(attitude));
-                if let Some(tilt) = tilt {
-                    self.on_tilt(tilt, telemetry.at);
-                }
-            }
-            Report::VehicleAttitude(attitude) => {
-                let pan = self.pan_at(telemetry.at);
-                self.net_yaw.on_attitude(attitude, pan);
-            }
-            Report::Link(LinkState::Opening) => self.net_yaw.forget_reports(),
-            _ => {}
-        }
-    }
-
-    /// The vehicle tells the elevation of the camera's axis.
-    fn on_tilt(&mut self, tilt: Angle, at: Timestamp) {
-        self.reported_tilt = Some((tilt, at));
-        self.law.on_tilt_report(tilt, at);
     }
 
     /// Tracks the target in a video frame, or takes the pending selection in it.
@@ -369,8 +349,7 @@ impl Pilot {
         self.percept = evaluated.map(|(percept, _)| percept);
         self.advice = evaluated.map(|(_, advice)| advice);
         let is_stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
-        let is_measured_elsewhere = age.is_none() && self.behaviour > behaviour::FIRST;
-        if !is_stale || is_measured_elsewhere {
+        if self.is_video_fresh(age) {
             self.safety.on_video(now);
         }
         if let Some(localisation) = self.track.localisation().filter(|_| !is_stale) {
@@ -385,6 +364,16 @@ impl Pilot {
             _ if is_stale => ObservationResult::Unusable(HoldCause::VideoStale),
             (Track::Tracking(_), Some(command)) => ObservationResult::Fresh(command),
             (Track::Coasting(_), Some(command)) => ObservationResult::Coasting(command),
+        }
+    }
+
+    /// Whether an observation of this age shows what the camera sees now. A track that was measured elsewhere has no age
+    /// while the target is lost.
+    fn is_video_fresh(&self, age: Option<Duration>) -> bool {
+        let profile = &self.settings.profile;
+        match age {
+            Some(age) => age <= profile.video_latency.saturating_add(profile.stale_after),
+            None => self.behaviour > behaviour::FIRST,
         }
     }
 

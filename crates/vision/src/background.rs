@@ -82,6 +82,16 @@ impl BackgroundMotion {
     /// The shift of the surroundings since [`Self::set_reference`], pixels right and down; `None` without a reference
     /// or a distinct peak.
     pub(crate) fn measure_shift(&mut self, luma: Plane<'_>, fourier: &mut Fourier) -> Option<(f32, f32)> {
+        self.measure_distinct_shift(luma, fourier, MIN_PEAK_TO_SIDELOBE_RATIO)
+    }
+
+    /// The same with another least peak-to-sidelobe ratio.
+    pub(crate) fn measure_distinct_shift(
+        &mut self,
+        luma: Plane<'_>,
+        fourier: &mut Fourier,
+        min_peak_to_sidelobe_ratio: f32,
+    ) -> Option<(f32, f32)> {
         let patch = self.reference_patch?;
         self.transform_patch(luma, fourier, patch);
         let (work_re, work_im) = (&mut self.work.re, &mut self.work.im);
@@ -97,7 +107,7 @@ impl BackgroundMotion {
         fourier.inverse(&self.work, &mut self.response);
         let peak = Peak::find(&self.response);
         let limit = (SIDE / 3) as f32;
-        if peak.peak_to_sidelobe_ratio < MIN_PEAK_TO_SIDELOBE_RATIO
+        if peak.peak_to_sidelobe_ratio < min_peak_to_sidelobe_ratio
             || peak.right.abs() > limit
             || peak.down.abs() > limit
         {
@@ -120,6 +130,18 @@ impl BackgroundMotion {
         blank_px: f32,
     ) {
         let side = (PATCH_BLANKS * blank_px).max(MIN_HEIGHT_SHARE * luma.height as f32);
+        self.set_reference_patch(luma, fourier, centre, side, blank_px);
+    }
+
+    /// The same for a patch of about `side` pixels a side.
+    pub(crate) fn set_reference_patch(
+        &mut self,
+        luma: Plane<'_>,
+        fourier: &mut Fourier,
+        centre: (f32, f32),
+        side: f32,
+        blank_px: f32,
+    ) {
         // A cast turns NaN into 0.
         let decimation = ((side / SIDE as f32) as i32).clamp(1, 64);
         let half = decimation * (SIDE / 2) as i32;

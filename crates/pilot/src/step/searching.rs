@@ -1,4 +1,4 @@
-//! The pilot's part of a search: when it may begin, its commands, and its end.
+//! The pilot's part of a search and of a calibration: when a search may begin, their commands, and their end.
 
 use barrelman_vocab::{ImagePoint, OperatorRequest, PictureSize, Timestamp, Track};
 
@@ -73,6 +73,20 @@ impl Pilot {
             return Some(Notice::SearchGaveUp);
         };
         self.safety.propose(Purpose::Search, command, now);
+        None
+    }
+
+    /// Proposes the next test motion of a calibration after an observation, or ends the calibration.
+    pub(super) fn advance_calibration(&mut self, is_video_fresh: bool, now: Timestamp) -> Option<Notice> {
+        if self.safety.held() != Some(Purpose::Calibrate) || !is_video_fresh {
+            return None;
+        }
+        let Some(command) = self.calibration.as_ref()?.command(now) else {
+            self.calibration = None;
+            self.safety.finish_calibration();
+            return Some(Notice::TestMotionsMade);
+        };
+        self.safety.propose(Purpose::Calibrate, command, now);
         None
     }
 }

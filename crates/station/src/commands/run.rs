@@ -6,11 +6,12 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
-use crate::cli::{RunArgs, UsageError};
+use crate::cli::{CalibrateAxesArgs, RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::ConsoleSettings;
 use crate::link::LinkUrl;
 use crate::link::url::{Endpoint, command_path};
+use crate::live::calibration::LiveCalibration;
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
@@ -18,6 +19,7 @@ use crate::live::source::Source;
 use crate::live::threads::FaultInjector;
 use crate::secrets;
 use crate::source_url::SourceUrl;
+use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult};
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 use barrelman_video::url::VideoSource;
@@ -77,6 +79,7 @@ pub fn run_with_outputs(
         waits_for_selection: args.hands_on,
         console,
         engage: args.engage,
+        calibration: None,
         fault_injector,
         clock,
     };
@@ -94,6 +97,76 @@ pub fn run_with_outputs(
             ExitCode::FAILURE
         }
     })
+}
+
+/// A calibration that was run: the configuration that was in force, and what was measured (`None`: nothing).
+pub struct CalibrationRun {
+    /// The configuration.
+    pub configuration: Configuration,
+    /// What was measured.
+    pub result: Option<CalibrationResult>,
+}
+
+/// Runs the test motions of a calibration.
+///
+/// # Errors
+/// If the configuration, the video or the link cannot be used, or the run failed.
+pub fn calibrate(
+    args: &CalibrateAxesArgs,
+    record: Option<OutputFile>,
+    clock: Clock,
+) -> Result<CalibrationRun> {
+    let mut file = args.connection.config_file()?;
+    let override_key = |key: &mut Option<String>, value: &Option<String>| {
+        if let Some(value) = value {
+            *key = Some(value.clone());
+        }
+    };
+    override_key(&mut file.video.url, &args.connection.video);
+    override_key(&mut file.link.url, &args.connection.link);
+    override_key(&mut file.vehicle.profile, &args.profile);
+    let latency_is_known = file.vehicle.video_latency_s.is_some();
+    let mut configuration = Configuration::resolve(&file).context("the configuration is not usable")?;
+    let Some(video) = &configuration.video else {
+        return Err(UsageError(
+            "no video source: give --video, or video.url in the configuration".to_owned(),
+        )
+        .into());
+    };
+    let Some(link) = configuration.link.as_deref().map(LinkUrl::parse).transpose()? else {
+        return Err(UsageError("no link: give --link, or link.url in the configuration".to_owned()).into());
+    };
+    let source = Source::load(secrets::source_url(video, configuration.video_login.as_ref())?)?;
+    if source.world().is_none() && link.endpoint == Endpoint::SimulatedCamera {
+        bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
+    }
+    if let Some(world) = source.world().filter(|_| !latency_is_known) {
+        configuration.profile.video_latency = world.scenario().camera.latency();
+        let camera = &world.scenario().camera;
+        configuration.profile.camera.focal_share = camera.optics.focal_px / f64::from(camera.frame.width);
+    }
+    let calibration = LiveCalibration::new(configuration.profile.camera.focal_share);
+    let session = Session {
+        pilot: build_pilot(&configuration, command_path(Some(&link)))?,
+        configuration: &configuration,
+        source,
+        link: Some(link),
+        outputs: Outputs { record, ..Outputs::default() },
+        selection: None,
+        waits_for_selection: true,
+        console: None,
+        engage: false,
+        calibration: Some(calibration.clone()),
+        fault_injector: FaultInjector::default(),
+        clock,
+    };
+    match session.run()? {
+        RunEnd::Failed(why) => bail!("{why}"),
+        RunEnd::Requested(_) | RunEnd::VideoEnded => {
+            let result = calibration.with_recorder(CalibrationRecorder::result);
+            Ok(CalibrationRun { configuration, result })
+        }
+    }
 }
 
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
