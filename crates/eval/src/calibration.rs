@@ -2,17 +2,21 @@
 
 use anyhow::Result;
 use barrelman_control::LawSettings;
+use barrelman_control::view::View;
 use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult, CannotTell, MeasuredAxis};
 use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 use barrelman_pilot::{Input, Mode, Outcome, Pilot, PilotSettings};
 use barrelman_sim::camera_axis::AxisPlant;
+use barrelman_sim::pose::CameraPose;
+use barrelman_sim::random::{CounterRng, Stream};
 use barrelman_sim::render::Serial;
-use barrelman_sim::{Truth, World};
+use barrelman_sim::{Scenario, Truth, World};
 use barrelman_simd::Simd;
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::target_in_picture::TargetInPicture;
-use barrelman_vocab::{OperatorRequest, PictureSize, Timestamp, VehicleRates};
+use barrelman_vision::{PATCH_CENTRES, PATCHES, PatchShift};
+use barrelman_vocab::{OperatorRequest, PictureSize, PixelPoint, Timestamp, VehicleRates};
 use clap::Args;
 
 use crate::output::print_line;
@@ -22,7 +26,7 @@ use crate::parallel;
 const MAX_GAIN_ERROR: f64 = 0.05;
 const MAX_DEAD_TIME_ERROR_S: f64 = 0.06;
 /// A calibration takes less than this, seconds.
-const MAX_S: f64 = 90.0;
+const MAX_S: f64 = 110.0;
 
 /// Options of `calibration`.
 #[derive(Debug, Clone, Args)]
@@ -39,7 +43,10 @@ pub(crate) struct Options {
     /// The first seed.
     #[arg(long, value_name = "SEED", default_value_t = 40_000)]
     first_seed: u64,
-    /// Size of the picture.
+    /// Measure in rendered pictures; otherwise the patches move as the camera does over flat water, with noise.
+    #[arg(long)]
+    pixels: bool,
+    /// Width of the picture.
     #[arg(long, value_name = "WIDTH", default_value_t = 640)]
     width: u32,
 }
@@ -59,21 +66,81 @@ struct Calibrated {
     result: CalibrationResult,
 }
 
+/// The patches of a picture of flat water, as the true camera sees them.
+struct FlatWater {
+    focal_px: f64,
+    size: PictureSize,
+    before: Option<CameraPose>,
+    noise: CounterRng,
+    index: u64,
+}
+
+impl FlatWater {
+    /// Standard deviation of a measured shift, pixels.
+    const NOISE_PX: f64 = 0.3;
+
+    fn new(scenario: &Scenario, seed: u64) -> Self {
+        Self {
+            focal_px: scenario.camera.optics.focal_px,
+            size: scenario.camera.frame,
+            before: None,
+            noise: CounterRng::new(seed, Stream::Sensor),
+            index: 0,
+        }
+    }
+
+    fn shifts(&mut self, truth: &Truth) -> [Option<PatchShift>; PATCHES] {
+        let now = truth.camera;
+        let before = self.before.replace(now);
+        PATCH_CENTRES.map(|(u, v)| {
+            let before = before?;
+            let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
+            let centre = PixelPoint { u: u * width, v: v * height };
+            let view = |pose: &CameraPose| View::new(self.focal_px, pose.pan.radians(), pose.tilt.radians());
+            let point = centre.in_image(self.size);
+            let [right, ahead, up] = view(&before).unproject(point);
+            // Above the horizon there is no water; what is there is far away.
+            let range_m = if up < -0.02 { before.position.z / -up } else { 1e4 };
+            let moved = [
+                right * range_m + before.position.x - now.position.x,
+                ahead * range_m + before.position.y - now.position.y,
+                up * range_m + before.position.z - now.position.z,
+            ];
+            let length = moved.iter().map(|part| part * part).sum::<f64>().sqrt();
+            let seen = view(&now).project(moved.map(|part| part / length));
+            self.index += 2;
+            let noise = |index| Self::NOISE_PX * self.noise.normal(index);
+            Some(PatchShift {
+                centre,
+                u_px: seen.x - point.x + noise(self.index),
+                v_px: point.y - seen.y + noise(self.index + 1),
+            })
+        })
+    }
+}
+
 /// Records what the pilot's steps show.
 struct Recording {
     recorder: CalibrationRecorder,
     is_calibrating: bool,
+    /// Of trials without pixels.
+    flat_water: Option<FlatWater>,
 }
 
 impl StepObserver for Recording {
     fn on_step(&mut self, now: Timestamp, input: &Input<'_>, outcome: &Outcome, _: VehicleRates) {
         self.is_calibrating = outcome.mode == Mode::Calibrating;
-        if let Input::Frame(frame) = input {
+        if let (Input::Frame(frame), None) = (input, &self.flat_water) {
             self.recorder.on_frame(frame);
         }
         self.recorder.on_command(outcome.command, now);
     }
-    fn on_truth(&mut self, _: &Truth, _: Option<&TargetInPicture>) {}
+    fn on_truth(&mut self, truth: &Truth, _: Option<&TargetInPicture>) {
+        if let Some(water) = &mut self.flat_water {
+            let shifts = water.shifts(truth);
+            self.recorder.on_shifts(&shifts, water.size, truth.at);
+        }
+    }
 }
 
 /// Prints the table. Returns whether the requirements hold.
@@ -174,10 +241,13 @@ fn calibrate(options: &Options, seed: u64) -> Result<Calibrated> {
     let settings = PilotSettings { profile: profile.clone(), law: LawSettings::default() };
     let pilot = Pilot::new(settings, tracker);
     let mut camera = RenderedCamera::new(&world, scenario.camera.clone(), seed, Simd::widest(), &Serial);
-    let mut frames = Some(&mut camera as &mut dyn FrameSource);
+    let mut frames = options.pixels.then_some(&mut camera as &mut dyn FrameSource);
     let mut simulation = Simulation::new(&scenario, world, seed, pilot, &profile).without_selection();
-    let mut recording =
-        Recording { recorder: CalibrationRecorder::new(profile.camera.focal_share), is_calibrating: false };
+    let mut recording = Recording {
+        recorder: CalibrationRecorder::new(profile.camera.focal_share),
+        is_calibrating: false,
+        flat_water: (!options.pixels).then(|| FlatWater::new(&scenario, seed)),
+    };
     while simulation.world().now().as_secs_f64() < 1.0 {
         simulation.tick(&mut frames, &mut recording);
     }

@@ -4,7 +4,7 @@
 //!   rate  +r      +----+              +----+                     axis after axis, pan first
 //!          0  ----+    +---+    +-----+    +---+    +---- ...
 //!         -r               +----+              +----+
-//!             lead  move rest move rest    second time, third time
+//!             lead  move rest move rest    second time ... fifth time
 //! ```
 //! The motions are the same whatever the picture shows. What they do to the picture is measured by
 //! `barrelman-experiments`, from the recorded frames and commands.
@@ -22,7 +22,7 @@ pub const MOVE: Duration = Duration::from_millis(2500);
 /// Rest after each motion: longer than dead time and lag of any known camera.
 pub const REST: Duration = Duration::from_millis(2000);
 /// How often each axis turns to and fro.
-pub const REPETITIONS: u32 = 3;
+pub const REPETITIONS: u32 = 5;
 
 /// A calibration in progress.
 #[derive(Debug, Clone, Copy)]

@@ -33,6 +33,9 @@ pub const SEARCH_LASTS: Duration = Duration::from_secs(58);
 const MAX_SWEEP: f64 = 2.62;
 /// Tilt of the second and third four legs relative to the first, as a share of the picture's height.
 const ROW_SHARE: f64 = 1.0 / 3.0;
+/// In the sweep, the camera is raised by up to a quarter of the picture's height, until the horizon lies at this share of the
+/// upper half.
+const HORIZON_SHARE: f64 = 0.8;
 /// An axis has arrived at this distance, radians (1.1 degrees).
 const ARRIVED: f64 = 0.02;
 /// Distance kept from the end stops of the tilt, radians (3 degrees).
@@ -203,7 +206,8 @@ impl Search {
         let is_within = f64::from(2 * block) * self.half_width < MAX_SWEEP;
         let side = if index % 4 < 2 { self.side } else { -self.side };
         let row = match block % 3 {
-            0 => 0.0,
+            // A target that goes away comes nearer to the horizon.
+            0 => (-HORIZON_SHARE * 0.5 * self.height - self.origin.1).clamp(0.0, 0.25 * self.height),
             1 => ROW_SHARE * self.height,
             _ => -ROW_SHARE * self.height,
         };

@@ -66,7 +66,7 @@ pub use mean_shift::{
     CamShiftTarget, EDGE_MARGIN_PX, MOMENT_MARGIN_PX, SearchResult, TerminationCriteria, cam_shift,
 };
 pub use moments::{MomentSource, Moments, WeightMap};
-pub use picture_motion::{PATCHES, PatchShift, PictureMotion};
+pub use picture_motion::{PATCH_CENTRES, PATCHES, PatchShift, PictureMotion};
 pub use refinement::{
     MEASUREMENTS, RefinementWeights, RefinementWeightsError, RefinementWindow, WINDOW_CHANNELS,
     WINDOW_SIDE_CELLS,

@@ -10,7 +10,7 @@ use crate::background::BackgroundMotion;
 use crate::fourier::Fourier;
 
 /// Centres of the patches, as shares of the picture.
-const CENTRES: [(f64, f64); PATCHES] =
+pub const PATCH_CENTRES: [(f64, f64); PATCHES] =
     [(0.5, 0.5), (0.25, 0.35), (0.75, 0.35), (0.25, 0.65), (0.75, 0.65), (0.5, 0.25), (0.5, 0.75)];
 /// A reference is used for so many frames at most: water changes.
 const MAX_AGE: u32 = 8;
@@ -68,7 +68,7 @@ impl PictureMotion {
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         let max_shift = MAX_SHIFT_SHARE * size.height as f32;
         let mut shifts = [None; PATCHES];
-        for ((patch, (u, v)), shift) in self.patches.iter_mut().zip(CENTRES).zip(&mut shifts) {
+        for ((patch, (u, v)), shift) in self.patches.iter_mut().zip(PATCH_CENTRES).zip(&mut shifts) {
             let centre = PixelPoint { u: u * width, v: v * height };
             let before = patch.shift;
             let now = before.and_then(|_| {

@@ -3,7 +3,7 @@
 //! For given dead times and lag, the response of the model to the commands is linear in its gain and in a steady drift; both
 //! follow by least squares. Dead times and lag are searched for: a coarse grid, then ever smaller steps along each of them.
 //! Turns over [`SPAN_S`] are compared instead of angles: what sways slowly does not count. The repetitions of the test
-//! motions are fitted apart, too; where they do not agree, the axis cannot be told.
+//! motions tell the standard errors; where those are too large, the axis cannot be told.
 
 use core::fmt;
 
@@ -16,10 +16,9 @@ const MAX_LAG_S: f64 = 1.2;
 const LAGS_S: [f64; 8] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.9];
 /// Least share of the variance that the motion must explain.
 const MIN_EXPLAINED: f64 = 0.5;
-/// Largest differences between the repetitions: gain, as a share of the gain, and dead times, seconds. The mean of three
-/// repetitions is then known to about a third of it.
-const MAX_GAIN_SPREAD: f64 = 0.10;
-const MAX_DEAD_TIME_SPREAD_S: f64 = 0.12;
+/// Largest standard errors: of the gain, as a share of the gain, and of the dead times, seconds.
+const MAX_GAIN_ERROR: f64 = 0.02;
+const MAX_DEAD_TIME_ERROR_S: f64 = 0.025;
 /// Least gain of an axis that turns.
 const MIN_GAIN: f64 = 0.1;
 
@@ -77,10 +76,10 @@ pub enum CannotTell {
     },
     /// The repetitions differ.
     Unsteady {
-        /// Spread of the gain, as a share of the gain.
-        gain_spread: f64,
-        /// Largest spread of a dead time, seconds.
-        dead_time_spread_s: f64,
+        /// Standard error of the gain, as a share of the gain.
+        gain_error: f64,
+        /// Largest standard error of a dead time, seconds.
+        dead_time_error_s: f64,
     },
 }
 
@@ -95,11 +94,11 @@ impl fmt::Display for CannotTell {
                 "the picture does not follow the commands (they explain {:.0} % of its motion): check that the link moves this camera, and wait for less wind",
                 100.0 * explained
             ),
-            Self::Unsteady { gain_spread, dead_time_spread_s } => write!(
+            Self::Unsteady { gain_error, dead_time_error_s } => write!(
                 f,
-                "the repetitions differ by {:.0} % in the gain and {:.0} ms in the dead times: wait for less wind, or point at something that does not move",
-                100.0 * gain_spread,
-                1e3 * dead_time_spread_s
+                "the repetitions differ: standard errors of {:.1} % in the gain and {:.0} ms in the dead times; wait for less wind, or point at something that does not move",
+                100.0 * gain_error,
+                1e3 * dead_time_error_s
             ),
         }
     }
@@ -126,20 +125,27 @@ pub fn fit_axis(
     }
     let mut parts = Vec::new();
     for (from, to) in repetitions {
-        parts.push(fit(&within(*from, *to), commands).ok_or(CannotTell::NotMeasured)?);
+        let is_kept = |sample: &&AngleSample| {
+            (first.0..last.1).contains(&sample.at_s) && !(*from..*to).contains(&sample.at_s)
+        };
+        let kept: Vec<AngleSample> = samples.iter().filter(is_kept).copied().collect();
+        parts.push(fit(&kept, commands).ok_or(CannotTell::NotMeasured)?);
     }
-    let spread = |value: fn(&AxisFit) -> f64| {
-        let values = parts.iter().map(value);
-        let (low, high) = values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-        high - low
-    };
-    let gain_spread = spread(AxisFit::gain) / whole.gain();
-    let dead_time_spread_s = spread(|fit| fit.start_dead_time_s).max(spread(|fit| fit.stop_dead_time_s));
-    if gain_spread > MAX_GAIN_SPREAD || dead_time_spread_s > MAX_DEAD_TIME_SPREAD_S {
-        return Err(CannotTell::Unsteady { gain_spread, dead_time_spread_s });
+    let gain_error = jackknife(&parts, AxisFit::gain) / whole.gain();
+    let dead_time_error_s =
+        jackknife(&parts, |fit| fit.start_dead_time_s).max(jackknife(&parts, |fit| fit.stop_dead_time_s));
+    if gain_error > MAX_GAIN_ERROR || dead_time_error_s > MAX_DEAD_TIME_ERROR_S {
+        return Err(CannotTell::Unsteady { gain_error, dead_time_error_s });
     }
     Ok(whole)
+}
+
+/// The standard error of a value, from fits that each leave one repetition out (Tukey's jackknife).
+fn jackknife(parts: &[AxisFit], value: impl Fn(&AxisFit) -> f64) -> f64 {
+    let count = parts.len().max(1) as f64;
+    let mean = parts.iter().map(&value).sum::<f64>() / count;
+    let squares: f64 = parts.iter().map(|part| (value(part) - mean) * (value(part) - mean)).sum();
+    libm::sqrt((count - 1.0) / count * squares)
 }
 
 /// Dead time of a start, dead time of a stop, lag, seconds.

@@ -1,9 +1,9 @@
 //! What is recorded of the test motions, and what follows from it.
 
-use barrelman_vision::PictureMotion;
+use barrelman_vision::{PatchShift, PictureMotion};
 use barrelman_vocab::profile::{AxisDynamics, GimbalTilt, Sign, VehicleProfile};
 use barrelman_vocab::telemetry::{Quaternion, Report};
-use barrelman_vocab::{Angle, CameraCommand, Telemetry, Timestamp, VideoFrame};
+use barrelman_vocab::{Angle, CameraCommand, PictureSize, Telemetry, Timestamp, VideoFrame};
 use core::time::Duration;
 
 use super::fit::{AngleSample, AxisFit, CannotTell, RateStep, fit_axis};
@@ -69,10 +69,14 @@ impl CalibrationRecorder {
 
     /// A video frame was captured.
     pub fn on_frame(&mut self, frame: &VideoFrame) {
-        let size = frame.picture.size();
         let shifts = self.motion.measure(&frame.picture);
+        self.on_shifts(&shifts, frame.picture.size(), frame.capture.at);
+    }
+
+    /// A picture was captured, whose patches moved so.
+    pub fn on_shifts(&mut self, shifts: &[Option<PatchShift>], size: PictureSize, captured: Timestamp) {
         let focal_px = self.focal_share * f64::from(size.width);
-        match Turn::from_shifts(&shifts, size, focal_px) {
+        match Turn::from_shifts(shifts, size, focal_px) {
             Some(turn) => {
                 self.turned.pan_cos += turn.pan_cos;
                 self.turned.pan_sin += turn.pan_sin;
@@ -80,7 +84,7 @@ impl CalibrationRecorder {
             }
             None => self.epoch += 1,
         }
-        let (at_s, epoch) = (frame.capture.at.as_secs_f64(), self.epoch);
+        let (at_s, epoch) = (captured.as_secs_f64(), self.epoch);
         let Turn { pan_cos, pan_sin, tilt } = self.turned;
         self.pans.push(AngleSample { at_s, epoch, angle: [pan_cos, pan_sin] });
         self.tilts.push(AngleSample { at_s, epoch, angle: [tilt, 0.0] });

@@ -30,7 +30,7 @@ pub enum CalibrateCommand {
   barrelman calibrate axes barrelman.toml --turn-the-camera --output calibrated.toml
 
 The camera turns by itself, at most 0.1 rad/s, to 15 degrees to each side of where it
-points, for about a minute. Point it at something with structure that does not move.
+points, for a minute and a half. Point it at something with structure that does not move.
 Space stops it, and so does every signal.",
     mut_arg("config", |arg| arg.help("Configuration file (TOML); it is not changed")),
     mut_arg("link", |arg| arg.help("The link of the vehicle whose camera is measured"))

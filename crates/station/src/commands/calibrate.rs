@@ -55,7 +55,7 @@ fn is_confirmed() -> Result<bool> {
     let mut out = stdout().lock();
     writeln!(
         out,
-        "The camera will turn by itself, at 0.1 rad/s, 15 degrees to each side, for about a minute."
+        "The camera will turn by itself, at 0.1 rad/s, 15 degrees to each side, for a minute and a half."
     )?;
     write!(out, "Nobody touches the vehicle, and the tether is free? Type yes: ")?;
     out.flush()?;

@@ -16,11 +16,14 @@ use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
-use crate::live::threads::FaultInjector;
+use crate::live::threads::{FAULT_THREADS, FaultInjector};
 use crate::secrets;
 use crate::source_url::SourceUrl;
 use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult};
 use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultKind;
+use barrelman_host::fault_lines::parse_fault_lines;
+use barrelman_host::input;
 use barrelman_host::output::OutputFile;
 use barrelman_video::url::VideoSource;
 
@@ -54,7 +57,9 @@ pub fn run_with_outputs(
             UsageError(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
         );
     }
-    let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
+    let mut link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
+    let mut source = source;
+    let fault_injector = injected_faults(args, link.as_mut(), &mut source)?;
     let source = Source::load(source)?;
     if source.world().is_none()
         && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::SimulatedCamera)
@@ -64,7 +69,6 @@ pub fn run_with_outputs(
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
-    let fault_injector = FaultInjector::parse(&args.fault)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     // The last to be opened: making room for a recording removes older ones.
@@ -97,6 +101,51 @@ pub fn run_with_outputs(
             ExitCode::FAILURE
         }
     })
+}
+
+/// The kinds of faults that have an effect on a link.
+const LINK_FAULTS: [FaultKind; 4] =
+    [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect, FaultKind::Panic];
+/// The kinds of faults that have an effect on a source of video.
+const VIDEO_FAULTS: [FaultKind; 7] = [
+    FaultKind::Stall,
+    FaultKind::Drop,
+    FaultKind::Delay,
+    FaultKind::Duplicate,
+    FaultKind::Corrupt,
+    FaultKind::Disconnect,
+    FaultKind::Panic,
+];
+
+/// The faults of the command line and of the file of faults, each at its place.
+fn injected_faults(
+    args: &RunArgs,
+    mut link: Option<&mut LinkUrl>,
+    source: &mut SourceUrl,
+) -> Result<FaultInjector> {
+    let mut injector = FaultInjector::parse(&args.fault)?;
+    if let Some(path) = &args.faults {
+        let context = || format!("the file of faults {} is not usable", path.display());
+        let text =
+            String::from_utf8(input::read(path)?).context("it is not UTF-8 text").with_context(context)?;
+        for placed in parse_fault_lines(&text).with_context(context)? {
+            let Some(placed) = injector.add(placed).with_context(context)? else { continue };
+            match (placed.place.as_str(), &mut link) {
+                ("link", Some(link)) => link.faults.extend(placed.plan),
+                ("link", None) => bail!("{}: there is no link: give --link", context()),
+                ("video", _) => source.faults_mut().extend(placed.plan),
+                (place, _) => bail!(
+                    "{}: {place:?} is no place: use link, video, program, or one of the threads {FAULT_THREADS:?}",
+                    context()
+                ),
+            }
+        }
+    }
+    if let Some(link) = link {
+        link.faults.require_effect("the link", &LINK_FAULTS)?;
+    }
+    source.faults_mut().require_effect("the video", &VIDEO_FAULTS)?;
+    Ok(injector)
 }
 
 /// A calibration that was run: the configuration that was in force, and what was measured (`None`: nothing).
