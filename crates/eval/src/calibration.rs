@@ -32,10 +32,10 @@ const MAX_S: f64 = 110.0;
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Options {
     /// The scenario.
-    #[arg(long, value_name = "NAME", default_value = "arena1")]
+    #[arg(long, value_name = "NAME", default_value = "lab1")]
     scenario: String,
-    /// Its setting; default: `calm`.
-    #[arg(long, value_name = "NAME", default_value = "calm")]
+    /// Its setting.
+    #[arg(long, value_name = "NAME", default_value = "still")]
     setting: String,
     /// Number of drawn cameras.
     #[arg(long, value_name = "N", default_value_t = 50)]

@@ -18,7 +18,7 @@ const LAGS_S: [f64; 8] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.9];
 const MIN_EXPLAINED: f64 = 0.5;
 /// Largest standard errors: of the gain, as a share of the gain, and of the dead times, seconds.
 const MAX_GAIN_ERROR: f64 = 0.02;
-const MAX_DEAD_TIME_ERROR_S: f64 = 0.025;
+const MAX_DEAD_TIME_ERROR_S: f64 = 0.02;
 /// Least gain of an axis that turns.
 const MIN_GAIN: f64 = 0.1;
 
