@@ -111,6 +111,8 @@ const act = {
   disengage: () => request({ kind: "disengage" }),
   reject: () => request({ kind: "reject" }),
   deselect: () => request({ kind: "deselect" }),
+  search: () => request({ kind: "search" }),
+  "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
   helmsman: () => request({ kind: "helmsman" }),
   freeze: () => (stage.isFrozen ? stage.unfreeze() : stage.freeze()),
@@ -141,7 +143,7 @@ at("law").addEventListener("change", async (event) => {
   delete event.target.dataset.law;
 });
 
-const KEYS = { e: "engage", r: "disengage", f: "freeze", x: "reject", p: "pause", h: "helmsman", n: "theme", m: "sound", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
+const KEYS = { e: "engage", r: "disengage", f: "freeze", x: "reject", l: "search", p: "pause", h: "helmsman", n: "theme", m: "sound", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
 /** Whether keys write text there. A checkbox takes none: Enter switches it. */
 const takesText = (element) => element instanceof HTMLInputElement && element.type !== "checkbox";
 addEventListener("keydown", (event) => {

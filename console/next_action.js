@@ -18,10 +18,13 @@ export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot
   if (alarms.includes("link-down")) return "link";
   if (alarms.includes("control-lost")) return "vehicle";
   if (alarms.includes("emergency") || mode.cause === "emergency" || mode.cause === "landing") return "emergency";
+  if (mode.cause === "pan-opposed" || mode.cause === "tilt-opposed") return "opposed";
   if (mode.name === "nudging") return "nudge";
+  if (mode.name === "searching") return "searching";
+  if (alarms.includes("net-yaw-limit") && mode.engaged) return "unwind";
   if (track.confirming) return "confirm";
   if (track.state === "unseeded") return "select";
-  if (track.state === "lost") return "reselect";
+  if (track.state === "lost") return snapshot.search_refusal ? "reselect" : "search";
   if (mode.name === "stopped") return fromVehicle.has(mode.cause) ? "stoppedByVehicle" : "stopped";
   if (mode.cause === "dry-run") return "dryRun";
   if (alarms.includes("end-stop")) return "endStop";

@@ -7,6 +7,9 @@ import { words } from "./words.js";
 /** A simulated world below this share of real time is named as slow. */
 const SLOW = 0.9;
 
+/** From this net yaw on, the page offers to set it to zero: after the tether was untwisted by hand. */
+const SHOWN_NET_YAW_DEG = 180;
+
 const at = (id) => document.getElementById(id);
 
 /** Sets a text only where it changed, so that screen readers are not told the same again. */
@@ -40,6 +43,7 @@ function factsOf(snapshot) {
     [words.facts.link, words.links[link.state] + (link.battery_v === null ? "" : `, ${link.battery_v.toFixed(1)} V`)],
     [words.facts.recording, words.recordings[recording.state] + (recording.path ? `: ${recording.path.split("/").at(-1)}` : "")],
     [words.facts.work, words.workText(work.camera)],
+    [words.facts.netYaw, words.netYawText(Math.round(snapshot.net_yaw_deg))],
   ];
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
   if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
@@ -107,6 +111,11 @@ export function showStatus(state) {
   set("disengage", can && mode.name !== "idle", watcher);
   set("reject", can && (track.state === "tracking" || track.state === "coasting"), can ? words.reasons.nothingFollowed : watcher);
   set("deselect", can && track.state !== "unseeded", can ? words.reasons.nothingFollowed : watcher);
+  // Offered once the boat is lost; the title says why a search is not possible yet.
+  at("search").hidden = track.state !== "lost" && mode.name !== "searching";
+  set("search", can && !snapshot.search_refusal && mode.name !== "searching", can ? snapshot.search_refusal ?? "" : watcher);
+  at("net-yaw-zero").hidden = Math.abs(snapshot.net_yaw_deg) < SHOWN_NET_YAW_DEG;
+  set("net-yaw-zero", can, watcher);
   set("law", can && !mode.engaged, can ? words.reasons.law : watcher);
   const obstacle = nudgeObstacle(snapshot);
   for (const direction of ["up", "down", "left", "right"]) {

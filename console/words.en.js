@@ -4,6 +4,7 @@ export default {
   keys: "Keys ?", theme: "Night", themeDay: "Day", sound: "Sound off", soundOn: "Sound on",
   stage: "Picture", picture: "Picture of the camera. Drag a box around the boat. Enter starts a box by keyboard.",
   frozen: "Frozen: draw the box ", freeze: "Freeze", unfreeze: "Go on", reject: "Not that one", deselect: "Forget",
+  search: "Search", netYawZero: "Tether untwisted",
   tools: "Selection and zoom", zoomIn: "Zoom in", zoomOut: "Zoom out", zoomReset: "Whole picture", overlays: "Show",
   command: "Command", stop: "STOP", stopping: "STOPPING", stopKey: "Space", engage: "Engage", disengage: "Disengage",
   nudge: "Turn camera", nudgeUp: "Tilt the camera up", nudgeDown: "Tilt the camera down",
@@ -36,6 +37,8 @@ export default {
     "no-control": "vehicle takes no commands", "control-lost": "vehicle gave the control away",
     "vehicle-restarted": "vehicle restarted", emergency: "vehicle emergency", landing: "vehicle lands",
     "battery-low": "battery low", "vehicle-silent": "vehicle fell silent", suspended: "machine was suspended",
+    "pan-opposed": "the picture turned against the pan: check vehicle.yaw_sign",
+    "tilt-opposed": "the picture turned against the tilt: check vehicle.pitch_sign",
   },
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },
   alarmTexts: {
@@ -43,7 +46,8 @@ export default {
     "camera-may-turn": "Camera may be turning",
     "control-lost": "Vehicle does not accept commands", "end-stop": "Camera near its end stop",
     emergency: "Vehicle emergency", "battery-low": "Battery low", "recording-failed": "Recording failed",
-    "console-lost": "Controlling page gone",
+    "console-lost": "Controlling page gone", "net-yaw": "Tether winds up: turn the camera back",
+    "net-yaw-limit": "Tether wound up: the camera turns back only",
   },
   next: {
     connect: "Wait for the connection, or stop at the ground station.",
@@ -57,6 +61,10 @@ export default {
     vehicle: "Somebody else has the control. Press Engage to take it back.",
     select: "Draw a box around the boat.",
     reselect: "The boat is lost: draw a new box around it, or wait.",
+    search: "The boat is lost: draw a new box around it, or press Search.",
+    searching: "The camera searches for the boat. Stop or Disengage ends the search.",
+    opposed: "The camera turned the wrong way: check the sign in the configuration, then start again.",
+    unwind: "The tether is wound up: disengage, and turn the camera back by hand.",
     confirm: "Wait: the selection is being confirmed.",
     endStop: "The camera is near its end stop: move the kite.",
     engage: "Check the box, then press Engage.",
@@ -86,7 +94,7 @@ export default {
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
     track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
-    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema",
+    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw",
   },
   links: {
     "dry-run": "dry run: nothing is sent", simulated: "simulated camera", opening: "opening", starting: "starting", up: "up",
@@ -97,6 +105,7 @@ export default {
   seconds: (s) => `${s} s`, ago: (s) => `for ${s} s`,
   workText: (work) => `${work.moves} moves, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
+  netYawText: (degrees) => (degrees === 0 ? "0°" : `${Math.abs(degrees)}° to the ${degrees > 0 ? "right" : "left"}`),
   slowText: (pace) => `${Math.round(100 * pace)} % of real time; try --size 640x360`,
   turns: { pan: "pan", tilt: "tilt", left: "left", right: "right", up: "up", down: "down", rest: "at rest" },
   videoText: (state, fps, dropped) => `${state}, ${fps.toFixed(0)} frames/s, ${dropped} dropped`,
@@ -105,7 +114,7 @@ export default {
   keyList: [
     ["Space", "Stop the camera"], ["e", "Engage"], ["r", "Disengage: the camera rests"],
     ["w a s d", "Turn the camera by hand, while disengaged: tilt up, pan left, tilt down, pan right"], ["Arrows", "Drive the simulated boat"],
-    ["f", "Freeze the picture"], ["Enter, on a switch of the overlay", "Switch it"], ["x", "Not that one"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
+    ["f", "Freeze the picture"], ["Enter, on a switch of the overlay", "Switch it"], ["x", "Not that one"], ["l", "Search for a boat that is lost"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
     ["+ - 0", "Zoom in, out, whole picture"], ["p", "Pause or resume the simulated world"], ["h", "Give the helm back"],
     ["n", "Night or day"], ["m", "Sound"], ["?", "These keys"],
   ],

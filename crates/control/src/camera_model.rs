@@ -138,6 +138,32 @@ impl CameraModel {
         }
     }
 
+    /// Displacement `[x, y]` of a stationary object at an image point between two pictures, pixels: by the pan alone, and by
+    /// the tilt alone. `None`: the camera zoomed in between.
+    pub fn shifts_by_axis(
+        &self,
+        point: ImagePoint,
+        from: Timestamp,
+        to: Timestamp,
+        picture: PictureSize,
+    ) -> Option<[[f64; 2]; 2]> {
+        let focal_px = self.focal_px(to, picture);
+        if self.focal_px(from, picture).to_bits() != focal_px.to_bits() {
+            return None;
+        }
+        let ((pan, tilt), (pan_before, tilt_before)) = (self.angles_at(to), self.angles_at(from));
+        let before = View::new(focal_px, pan_before, tilt_before);
+        let direction = before.unproject(point);
+        let displacement = |view: View| {
+            let seen = view.project(direction);
+            [seen.x - point.x, seen.y - point.y]
+        };
+        Some([
+            displacement(before.with_pointing(focal_px, pan, tilt_before)),
+            displacement(before.with_pointing(focal_px, pan_before, tilt)),
+        ])
+    }
+
     pub(crate) const fn axes(&self) -> [&AxisModel; 2] {
         [&self.pan, &self.tilt]
     }

@@ -91,6 +91,16 @@ impl CameraLaw {
         self.law = Self::new(settings, profile).law;
     }
 
+    /// The camera model.
+    pub const fn camera(&self) -> &CameraModel {
+        &self.camera
+    }
+
+    /// Advances the camera model to `now`.
+    pub fn advance_to(&mut self, now: Timestamp) {
+        self.camera.advance_to(now);
+    }
+
     /// Computes the command of one step.
     pub fn command(&mut self, input: &LawInput<'_>) -> CameraCommand {
         self.camera.advance_to(input.now);

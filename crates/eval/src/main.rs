@@ -2,7 +2,7 @@
 //! and fits parameters, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|law|tune|views|fit|faults
+//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|law|tune|views|fit|faults
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -12,7 +12,9 @@ mod tracker;
 
 mod simulator;
 
+mod calibration;
 mod law;
+mod search;
 
 mod views;
 
@@ -48,6 +50,10 @@ enum Command {
     TrainingSamples(tracker::training_samples::TrainingOptions),
     /// Compare simulated trials with recorded ones.
     Simulator(simulator::Options),
+    /// Calibrate drawn cameras in the simulator, and compare with the truth.
+    Calibration(calibration::Options),
+    /// Let the boat leave the picture in a blind time, and search for it.
+    Search(search::Options),
     /// Compare the camera laws on the same seeds.
     Law(law::Options),
     /// Search for parameters of the optimal law.
@@ -68,6 +74,8 @@ fn main() -> ExitCode {
             ("training-samples", tracker::training_samples::run(&options).map(|()| true))
         }
         Command::Simulator(options) => ("simulator", simulator::run(&options)),
+        Command::Calibration(options) => ("calibration", calibration::run(&options)),
+        Command::Search(options) => ("search", search::run(&options)),
         Command::Law(options) => ("law", law::run(&options)),
         Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),
         Command::Views(options) => ("views", views::render(&options).map(|()| true)),

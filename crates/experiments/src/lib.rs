@@ -4,6 +4,7 @@
 //! into a world, a pilot and a trial, and stores the results. The crate reads no clock and opens no socket; files go
 //! through `barrelman_host`.
 
+pub mod calibration;
 pub mod campaign;
 pub mod drive;
 

@@ -29,10 +29,20 @@ pub enum FaultKind {
     Reboot,
     /// The thread panics, to test that the program stops.
     Panic,
+    /// The whole process is stopped (SIGSTOP) and goes on after the duration, as in a suspend of the machine.
+    Suspend,
+    /// An emulated vehicle gives the control to somebody else.
+    Takeover,
+    /// An emulated vehicle takes everything and answers nothing.
+    Silence,
+    /// The thread does not come back, as in a deadlock.
+    Hang,
+    /// The connection is cut without a word: nothing passes in either direction.
+    Cut,
 }
 
 impl FaultKind {
-    const NAMES: [(&'static str, Self); 8] = [
+    const NAMES: [(&'static str, Self); 13] = [
         ("stall", Self::Stall),
         ("drop", Self::Drop),
         ("delay", Self::Delay),
@@ -41,6 +51,11 @@ impl FaultKind {
         ("disconnect", Self::Disconnect),
         ("reboot", Self::Reboot),
         ("panic", Self::Panic),
+        ("suspend", Self::Suspend),
+        ("takeover", Self::Takeover),
+        ("silence", Self::Silence),
+        ("hang", Self::Hang),
+        ("cut", Self::Cut),
     ];
 
     fn from_name(name: &str) -> Option<Self> {
@@ -77,12 +92,22 @@ pub struct FaultPlan {
 pub enum FaultPlanError {
     /// The kind is unknown.
     #[error(
-        "unknown fault `{0}`: use stall, drop, delay, duplicate, corrupt, disconnect, reboot or panic, as in `stall@12.5s`"
+        "unknown fault `{0}`: use stall, drop, delay, duplicate, corrupt, disconnect, reboot, panic, suspend, takeover, silence, hang or cut, as in `stall@12.5s`"
     )]
     UnknownKind(String),
     /// There is no `@`, or no number after it.
     #[error("fault `{0}` has no time: write KIND@SECONDS or KIND@SECONDS+DURATION, as in `drop@3+2`")]
     NoTime(String),
+    /// The fault has no effect at this place.
+    #[error("fault `{kind}` has no effect on {place}: there, use {known}")]
+    NoEffect {
+        /// The kind.
+        kind: FaultKind,
+        /// The place.
+        place: String,
+        /// The kinds that have an effect there.
+        known: String,
+    },
 }
 
 impl FaultPlan {
@@ -93,6 +118,26 @@ impl FaultPlan {
     pub fn parse(text: &str) -> Result<Self, FaultPlanError> {
         let parts = text.split(',').map(str::trim).filter(|part| !part.is_empty());
         Ok(Self { faults: parts.map(parse_fault).collect::<Result<_, _>>()? })
+    }
+
+    /// Refuses the plan where a fault would have no effect at its place, where only the `known` kinds have one.
+    ///
+    /// # Errors
+    /// The first such fault.
+    pub fn require_effect(&self, place: &str, known: &[FaultKind]) -> Result<(), FaultPlanError> {
+        match self.faults.iter().find(|fault| !known.contains(&fault.kind)) {
+            None => Ok(()),
+            Some(fault) => Err(FaultPlanError::NoEffect {
+                kind: fault.kind,
+                place: place.to_owned(),
+                known: known.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
+            }),
+        }
+    }
+
+    /// Adds the faults of another plan.
+    pub fn extend(&mut self, other: Self) {
+        self.faults.extend(other.faults);
     }
 
     /// Whether the plan has no fault.
@@ -211,8 +256,20 @@ mod tests {
     }
 
     #[test]
+    fn a_fault_without_effect_is_refused() {
+        let plan = FaultPlan::parse("stall@1,corrupt@2").unwrap();
+        assert_eq!(plan.require_effect("the link", &[FaultKind::Stall, FaultKind::Corrupt]), Ok(()));
+        let said =
+            plan.require_effect("the link", &[FaultKind::Stall, FaultKind::Drop]).unwrap_err().to_string();
+        assert!(
+            said.contains("`corrupt` has no effect on the link") && said.contains("stall, drop"),
+            "{said}"
+        );
+    }
+
+    #[test]
     fn a_plan_prints_as_it_is_read() {
-        for text in ["stall@12.5,drop@3+2", "panic@0", ""] {
+        for text in ["stall@12.5,drop@3+2", "panic@0", "suspend@1+5,hang@2,cut@3,silence@4,takeover@5", ""] {
             assert_eq!(FaultPlan::parse(text).unwrap().to_string(), text);
         }
     }

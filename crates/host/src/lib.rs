@@ -6,6 +6,7 @@
 
 pub mod clock;
 pub mod fault;
+pub mod fault_lines;
 pub mod input;
 pub mod output;
 pub mod random;

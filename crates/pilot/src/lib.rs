@@ -16,7 +16,13 @@ pub mod licence;
 pub mod purpose;
 pub mod vehicle;
 
+pub mod behaviour;
+
+pub mod calibration;
 mod history;
+pub mod net_yaw;
+mod opposed_motion;
+pub mod search;
 mod selecting;
 
 pub mod input;

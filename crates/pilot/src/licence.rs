@@ -16,6 +16,8 @@
 //!     +------------- withdraw ------------+
 //! ```
 //!
+//! A search that took the place of following gives the licence back when it has found the target or has given up.
+//!
 //! Whether commands reach the camera, and whether video arrives, is not here: [`crate::safety`] asks for both.
 
 use core::time::Duration;
@@ -52,6 +54,8 @@ enum Holder {
 pub struct Licences {
     coast_motion: Duration,
     holder: Holder,
+    /// Whether the search that is held took the place of following.
+    resumes_following: bool,
 }
 
 impl Licences {
@@ -62,7 +66,7 @@ impl Licences {
 
     /// The same with a `coast_motion` of any length, for recordings of before it was limited.
     pub const fn with_any_coast_motion(coast_motion: Duration) -> Self {
-        Self { coast_motion, holder: Holder::Nobody }
+        Self { coast_motion, holder: Holder::Nobody, resumes_following: false }
     }
 
     /// The operator consents to a purpose. Consent to follow ends every other purpose, and a stop. The others need a
@@ -79,6 +83,7 @@ impl Licences {
             (Holder::Purpose { purpose: Purpose::Follow, .. }, _) => return Err(Refusal::Engaged),
             (Holder::Purpose { purpose: held, .. }, _) => return Err(Refusal::Busy(held)),
         }
+        self.resumes_following = purpose == Purpose::Search && self.held() == Some(Purpose::Follow);
         let renewed_at = (purpose != Purpose::Follow).then_some(now);
         self.holder = Holder::Purpose { purpose, consented_at: now, renewed_at };
         Ok(())
@@ -94,6 +99,20 @@ impl Licences {
         if !matches!(self.holder, Holder::Stopped(_)) {
             self.holder = Holder::Stopped(cause);
         }
+    }
+
+    /// Ends a search that has come to its end: the camera follows again if it did before. Returns whether it does.
+    pub fn finish_search(&mut self, now: Timestamp) -> bool {
+        if self.held() != Some(Purpose::Search) {
+            return false;
+        }
+        let follows = core::mem::take(&mut self.resumes_following);
+        self.holder = if follows {
+            Holder::Purpose { purpose: Purpose::Follow, consented_at: now, renewed_at: None }
+        } else {
+            Holder::Nobody
+        };
+        follows
     }
 
     /// Ends the licence of a purpose, if it is that one.

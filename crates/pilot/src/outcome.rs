@@ -7,7 +7,9 @@ use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, Track};
 
+use crate::net_yaw::{NetYawLevel, NetYawState};
 use crate::purpose::Purpose;
+use crate::search::LOST_BEFORE_SEARCH;
 
 pub use barrelman_vocab::RENEWAL_GRACE;
 
@@ -35,6 +37,10 @@ pub struct Outcome {
     pub wake_at: Option<Timestamp>,
     /// Whether a selection waits for its confirmation. The camera rests meanwhile.
     pub is_confirming: bool,
+    /// By how much the vehicle is turned about the vertical.
+    pub net_yaw: NetYawState,
+    /// Why a search would be refused now; `None`: the operator can ask for one.
+    pub search_refusal: Option<Refusal>,
     /// A message for the operator.
     pub notice: Option<Notice>,
 }
@@ -126,6 +132,14 @@ pub enum Notice {
     Deselected,
     /// This law is in force.
     LawChanged(LawId),
+    /// The search has found the target.
+    SearchFound,
+    /// The search has ended without the target.
+    SearchGaveUp,
+    /// The test motions of a calibration have been made.
+    TestMotionsMade,
+    /// The net yaw has come to another level, or was set.
+    NetYaw(NetYawState),
 }
 
 /// The reason why a request has no effect.
@@ -150,6 +164,12 @@ pub enum Refusal {
     Busy(Purpose),
     /// A nudge while no command may move the camera, for this reason.
     NoMotion(HoldCause),
+    /// A search while no target is lost.
+    NothingLost,
+    /// A search for a target that was lost just now.
+    LostTooBriefly,
+    /// A net yaw that is no number, or larger than any tether bears.
+    NetYawOutOfRange,
 }
 
 /// The reason why a selection was not confirmed.
@@ -196,6 +216,12 @@ impl fmt::Display for Notice {
             Self::TargetRejected => f.write_str("not that one: that object is not followed any more"),
             Self::Deselected => f.write_str("nothing is followed"),
             Self::LawChanged(law) => write!(f, "camera law: {}", law_text(*law)),
+            Self::SearchFound => f.write_str("the search has found the boat"),
+            Self::SearchGaveUp => {
+                f.write_str("the search has ended without the boat: select it, or search again")
+            }
+            Self::TestMotionsMade => f.write_str("the test motions have been made"),
+            Self::NetYaw(net) => net_yaw_text(*net, f),
         }
     }
 }
@@ -223,7 +249,36 @@ impl fmt::Display for Refusal {
                 write!(f, "the camera is {now}: stop or disengage first")
             }
             Self::NoMotion(cause) => write!(f, "the camera cannot be turned now: {}", hold_text(*cause)),
+            Self::NothingLost => {
+                f.write_str("no boat is lost: a search is for a boat that was selected and is lost")
+            }
+            Self::LostTooBriefly => write!(
+                f,
+                "the boat was lost just now: a search can begin {} s after the loss",
+                LOST_BEFORE_SEARCH.as_secs()
+            ),
+            Self::NetYawOutOfRange => f.write_str("the net yaw must be a number of radians from -100 to 100"),
         }
+    }
+}
+
+/// The net yaw in words, with the way back where there is need.
+fn net_yaw_text(net: NetYawState, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let degrees = net.angle.degrees();
+    let (side, back) = if degrees < 0.0 { ("left", "right") } else { ("right", "left") };
+    let turned = degrees.abs();
+    match net.level {
+        NetYawLevel::Free => write!(f, "net yaw {turned:.0} degrees to the {side}"),
+        NetYawLevel::Warned => {
+            write!(
+                f,
+                "the tether winds up: net yaw {turned:.0} degrees to the {side}; turn back to the {back}"
+            )
+        }
+        NetYawLevel::Refused => write!(
+            f,
+            "the tether is wound up: net yaw {turned:.0} degrees to the {side}; the camera turns to the {back} only: disengage, and turn it back by hand"
+        ),
     }
 }
 
@@ -268,6 +323,12 @@ const fn stop_text(cause: StopCause) -> &'static str {
         StopCause::BatteryLow => "stopped: a battery of the vehicle is low",
         StopCause::VehicleSilent => "stopped: the vehicle fell silent",
         StopCause::Suspended => "stopped: the machine was suspended",
+        StopCause::PanOpposed => {
+            "stopped: the picture turned against the commanded pan; check vehicle.yaw_sign of the configuration"
+        }
+        StopCause::TiltOpposed => {
+            "stopped: the picture turned against the commanded tilt; check vehicle.pitch_sign of the configuration"
+        }
     }
 }
 

@@ -15,7 +15,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, StopCause, Timestamp};
 
 use crate::licence::Licences;
 use crate::outcome::{HoldCause, Mode, Refusal};
@@ -124,6 +124,9 @@ impl Safety {
             }
             OperatorRequest::Disengage => self.licences.withdraw(),
             OperatorRequest::Stop(cause) => self.licences.stop(*cause),
+            OperatorRequest::Search => self.consent(Purpose::Search, now)?,
+            OperatorRequest::Calibrate => self.consent(Purpose::Calibrate, now)?,
+            OperatorRequest::SetNetYaw(_) => {}
             OperatorRequest::Select(_)
             | OperatorRequest::SelectOn(_)
             | OperatorRequest::Reject
@@ -180,6 +183,28 @@ impl Safety {
                 CameraCommand { pan: command.pan.clamped(limit), tilt: command.tilt.clamped(limit) };
             self.licences.renew(purpose, now);
         }
+    }
+
+    /// The purpose that the operator consented to.
+    pub const fn held(&self) -> Option<Purpose> {
+        self.licences.held()
+    }
+
+    /// The picture turns against the command: whatever moves the camera is stopped.
+    pub fn on_opposed_motion(&mut self, cause: StopCause) {
+        if self.licences.held().is_some() {
+            self.licences.stop(cause);
+        }
+    }
+
+    /// Ends a search that has found the target or has given up. The camera follows again if it did before.
+    pub fn finish_search(&mut self, now: Timestamp) -> bool {
+        self.licences.finish_search(now)
+    }
+
+    /// Ends a calibration that has been made.
+    pub fn finish_calibration(&mut self) {
+        self.licences.end(Purpose::Calibrate);
     }
 
     /// Decides the mode and the command of one step.

@@ -5,18 +5,26 @@ use core::time::Duration;
 use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
-use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Telemetry, Timestamp, Track,
-    VehicleProfile, VideoFrame,
+    Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp, Track, VehicleProfile,
+    VideoFrame,
 };
 
+use crate::behaviour;
+use crate::calibration::Calibration;
 use crate::history::FrameHistory;
 use crate::input::Input;
-use crate::outcome::{Advice, HoldCause, Notice, Outcome, RENEWAL_GRACE, Refusal};
+use crate::net_yaw::{NetYaw, NetYawLevel};
+use crate::opposed_motion::OpposedMotion;
+use crate::outcome::{Advice, HoldCause, Mode, Notice, Outcome, RENEWAL_GRACE, Refusal};
 use crate::safety::{ObservationResult, Safety};
+use crate::search::{LastBearing, Search};
 use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
 use crate::vehicle::CommandPath;
+
+mod net_turn;
+mod reports;
+mod searching;
 
 /// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a second.
 const TILT_LASTS: Duration = Duration::from_secs(1);
@@ -43,6 +51,8 @@ pub struct Pilot {
     history: FrameHistory,
     track: Track,
     region: Option<Region>,
+    /// Size of the newest picture.
+    picture: Option<PictureSize>,
     percept: Option<Percept>,
     advice: Option<Advice>,
     last_capture: Option<Timestamp>,
@@ -50,6 +60,13 @@ pub struct Pilot {
     reported_tilt: Option<(Angle, Timestamp)>,
     /// When the link rests the camera by itself, unless the pilot is stepped before.
     rested_at: Option<Timestamp>,
+    behaviour: u32,
+    opposed_motion: OpposedMotion,
+    net_yaw: NetYaw,
+    net_yaw_level: NetYawLevel,
+    last_bearing: Option<LastBearing>,
+    search: Option<Search>,
+    calibration: Option<Calibration>,
 }
 
 /// One observation of the scene: a tracked video frame, or a localisation measured elsewhere.
@@ -74,6 +91,7 @@ impl Pilot {
         Self {
             law,
             safety: Safety::new(settings.profile.coast_motion, CommandPath::Simulated),
+            net_yaw: NetYaw::new(settings.profile.net_yaw, settings.profile.attitude_yaw),
             first_law: settings.law,
             settings,
             tracker,
@@ -82,11 +100,18 @@ impl Pilot {
             history: FrameHistory::default(),
             track: Track::Unseeded,
             region: None,
+            picture: None,
             percept: None,
             advice: None,
             last_capture: None,
             reported_tilt: None,
             rested_at: None,
+            behaviour: behaviour::NEWEST,
+            opposed_motion: OpposedMotion::default(),
+            net_yaw_level: NetYawLevel::Free,
+            last_bearing: None,
+            search: None,
+            calibration: None,
         }
     }
 
@@ -100,6 +125,12 @@ impl Pilot {
     #[must_use]
     pub fn commanding(self, path: CommandPath) -> Self {
         Self { safety: Safety::new(self.settings.profile.coast_motion, path), ..self }
+    }
+
+    /// The same pilot with the rules of a behaviour version, for recordings of that version.
+    #[must_use]
+    pub fn with_behaviour(self, version: u32) -> Self {
+        Self { behaviour: version, ..self }
     }
 
     /// The law; `None`: a law that an operator cannot choose.
@@ -143,10 +174,13 @@ impl Pilot {
         self.track = observation.track;
         if let Some(picture) = observation.picture {
             self.region = Some(Region::from_shares(self.settings.profile.region, picture));
+            self.picture = Some(picture);
         }
         let age = observation.captured.map(|captured| now.since(captured));
         let result = self.evaluate(age, now);
-        self.finish_step(result, age, observation.notice, now)
+        let is_fresh = self.is_video_fresh(age);
+        let ended = self.advance_search(result, now).or_else(|| self.advance_calibration(is_fresh, now));
+        self.finish_step(result, age, observation.notice.or(ended), now)
     }
 
     /// Processes a request. Returns what the operator has to know.
@@ -154,7 +188,8 @@ impl Pilot {
         if *request == OperatorRequest::Reject && !self.tracker.reject() {
             return Some(Notice::RequestRefused(Refusal::NothingToReject));
         }
-        if let Err(refusal) = self.safety.on_request(request, now) {
+        let refusal = self.refusal(request, now);
+        if let Some(refusal) = refusal.or_else(|| self.safety.on_request(request, now).err()) {
             return Some(Notice::RequestRefused(refusal));
         }
         match request {
@@ -189,6 +224,19 @@ impl Pilot {
                 self.change_law(*law);
                 Some(Notice::LawChanged(*law))
             }
+            OperatorRequest::Search => {
+                self.begin_search(now);
+                None
+            }
+            OperatorRequest::SetNetYaw(net) => {
+                let pan = self.pan_at(now);
+                self.net_yaw.set(*net, pan);
+                Some(Notice::NetYaw(self.net_yaw.state(pan)))
+            }
+            OperatorRequest::Calibrate => {
+                self.calibration = Some(Calibration::new(now));
+                None
+            }
             OperatorRequest::Engage
             | OperatorRequest::Disengage
             | OperatorRequest::Nudge(_)
@@ -200,6 +248,7 @@ impl Pilot {
     fn begin_target(&mut self) {
         self.law.reset_target();
         self.drawn_selection = None;
+        self.last_bearing = None;
     }
 
     /// The target's position is not known.
@@ -220,26 +269,17 @@ impl Pilot {
         self.law.change_law(self.settings.law, &self.settings.profile);
     }
 
-    /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
-    fn on_telemetry(&mut self, telemetry: &Telemetry) {
-        self.safety.on_report(&telemetry.report);
-        match telemetry.report {
-            Report::CameraTilt(tilt) => {
-                self.reported_tilt = Some((tilt, telemetry.at));
-                self.law.on_tilt_report(tilt, telemetry.at);
-            }
-            Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
-            _ => {}
-        }
-    }
-
     /// Tracks the target in a video frame, or takes the pending selection in it.
     fn observe_frame(&mut self, frame: &VideoFrame) -> Observation {
         self.history.add(frame);
         let size = frame.picture.size();
         let (track, notice) = match self.drawn_selection.take() {
             Some(pending) => self.advance_selection(pending, frame),
-            None => self.track_frame(frame),
+            None => {
+                let answer = self.track_frame(frame);
+                self.check_motion(frame);
+                answer
+            }
         };
         let picture = track.localisation().map_or(size, |measured| measured.picture);
         Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
@@ -309,8 +349,12 @@ impl Pilot {
         self.percept = evaluated.map(|(percept, _)| percept);
         self.advice = evaluated.map(|(_, advice)| advice);
         let is_stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
-        if !is_stale {
+        if self.is_video_fresh(age) {
             self.safety.on_video(now);
+        }
+        if let Some(localisation) = self.track.localisation().filter(|_| !is_stale) {
+            let point = localisation.centre.in_image(localisation.picture);
+            self.note_bearing(point, localisation.picture, localisation.captured);
         }
         let advised = self.advice.map(|advice| advice.command);
         match (self.track, advised) {
@@ -323,6 +367,16 @@ impl Pilot {
         }
     }
 
+    /// Whether an observation of this age shows what the camera sees now. A track that was measured elsewhere has no age
+    /// while the target is lost.
+    fn is_video_fresh(&self, age: Option<Duration>) -> bool {
+        let profile = &self.settings.profile;
+        match age {
+            Some(age) => age <= profile.video_latency.saturating_add(profile.stale_after),
+            None => self.behaviour > behaviour::FIRST,
+        }
+    }
+
     /// What the vehicle can execute of a command. The pilots of recordings of before did not ask.
     fn executable(&mut self, command: CameraCommand, now: Timestamp) -> CameraCommand {
         if self.safety.path() == CommandPath::Unknown {
@@ -331,6 +385,7 @@ impl Pilot {
         let is_current = |at: Timestamp| at <= now && now.since(at) <= TILT_LASTS;
         let tilt = self.reported_tilt.filter(|(_, at)| is_current(*at)).map(|(tilt, _)| tilt);
         let executable = self.settings.profile.executable(command, tilt);
+        let executable = self.within_net_yaw(executable, now);
         self.safety.on_executed(executable);
         executable
     }
@@ -348,6 +403,12 @@ impl Pilot {
         self.rested_at = decision.wake_at.filter(|_| is_link_switched).map(|at| at.plus(RENEWAL_GRACE));
         let command = self.executable(decision.command, now);
         self.law.on_command_applied(command, now);
+        if decision.mode != Mode::Searching {
+            self.search = None;
+        }
+        let net_yaw = self.net_yaw.state(self.pan_at(now));
+        let has_changed = core::mem::replace(&mut self.net_yaw_level, net_yaw.level) != net_yaw.level;
+        let notice = notice.or(has_changed.then_some(Notice::NetYaw(net_yaw)));
         Outcome {
             at: now,
             mode: decision.mode,
@@ -359,6 +420,8 @@ impl Pilot {
             command,
             wake_at: decision.wake_at,
             is_confirming: self.drawn_selection.is_some(),
+            net_yaw,
+            search_refusal: self.search_refusal(now),
             notice,
         }
     }

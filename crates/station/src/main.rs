@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Command::Replay(args) => commands::replay::run(&args),
         Command::Export(args) => commands::export::run(&args),
         Command::Emulate(args) => commands::emulate::run(&args, clock),
+        Command::Calibrate(args) => commands::calibrate::run(&args, clock),
         Command::Check(args) => commands::check::run(&args, clock),
         Command::Config(args) => commands::config::run(&args),
     };

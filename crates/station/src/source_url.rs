@@ -55,6 +55,16 @@ impl SourceUrl {
     }
 }
 
+impl SourceUrl {
+    /// The injected faults of the source.
+    pub fn faults_mut(&mut self) -> &mut FaultPlan {
+        match self {
+            Self::Video(url) => &mut url.faults,
+            Self::Simulated(url) => &mut url.faults,
+        }
+    }
+}
+
 impl fmt::Display for SourceUrl {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

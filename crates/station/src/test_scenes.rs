@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use barrelman_pilot::net_yaw::NetYawState;
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{
@@ -27,6 +28,8 @@ pub(crate) fn idle(at: Timestamp) -> Outcome {
         command: CameraCommand::REST,
         wake_at: None,
         is_confirming: false,
+        net_yaw: NetYawState::default(),
+        search_refusal: None,
         notice: None,
     }
 }

@@ -6,11 +6,13 @@
 //! |F G|^(1/2) peaks at the shift; the exponent is 1/2 instead of 1 because weak components are mostly noise. The water
 //! moves by itself, so the shift is one input of the prediction among others.
 
+use barrelman_vocab::PixelPoint;
 use barrelman_vocab::video::Plane;
 
 use crate::correlation::Peak;
 use crate::decimation::decimate;
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
+use crate::tracker::BackgroundShift;
 
 /// Registers patches of the target's surroundings.
 #[derive(Debug)]
@@ -19,6 +21,8 @@ pub(crate) struct BackgroundMotion {
     current: Spectrum,
     work: Spectrum,
     reference_patch: Option<Patch>,
+    /// The last measured shift.
+    measured: Option<BackgroundShift>,
     samples: Vec<u8>,
     columns: Vec<u16>,
     map: Box<Map>,
@@ -51,12 +55,23 @@ impl BackgroundMotion {
             current: Spectrum::default(),
             work: Spectrum::default(),
             reference_patch: None,
+            measured: None,
             samples: Vec::new(),
             columns: Vec::new(),
             map: Box::new([0.0; AREA]),
             response: Box::new([0.0; AREA]),
             window: hann_window(),
         }
+    }
+
+    /// The shift measured since [`Self::forget_measurement`].
+    pub(crate) const fn measured(&self) -> Option<BackgroundShift> {
+        self.measured
+    }
+
+    /// Begins another frame: nothing has been measured in it.
+    pub(crate) fn forget_measurement(&mut self) {
+        self.measured = None;
     }
 
     /// Discards the reference frame.
@@ -67,6 +82,16 @@ impl BackgroundMotion {
     /// The shift of the surroundings since [`Self::set_reference`], pixels right and down; `None` without a reference
     /// or a distinct peak.
     pub(crate) fn measure_shift(&mut self, luma: Plane<'_>, fourier: &mut Fourier) -> Option<(f32, f32)> {
+        self.measure_distinct_shift(luma, fourier, MIN_PEAK_TO_SIDELOBE_RATIO)
+    }
+
+    /// The same with another least peak-to-sidelobe ratio.
+    pub(crate) fn measure_distinct_shift(
+        &mut self,
+        luma: Plane<'_>,
+        fourier: &mut Fourier,
+        min_peak_to_sidelobe_ratio: f32,
+    ) -> Option<(f32, f32)> {
         let patch = self.reference_patch?;
         self.transform_patch(luma, fourier, patch);
         let (work_re, work_im) = (&mut self.work.re, &mut self.work.im);
@@ -82,13 +107,17 @@ impl BackgroundMotion {
         fourier.inverse(&self.work, &mut self.response);
         let peak = Peak::find(&self.response);
         let limit = (SIDE / 3) as f32;
-        if peak.peak_to_sidelobe_ratio < MIN_PEAK_TO_SIDELOBE_RATIO
+        if peak.peak_to_sidelobe_ratio < min_peak_to_sidelobe_ratio
             || peak.right.abs() > limit
             || peak.down.abs() > limit
         {
             return None;
         }
-        Some((peak.right * patch.decimation as f32, peak.down * patch.decimation as f32))
+        let (u, v) = (peak.right * patch.decimation as f32, peak.down * patch.decimation as f32);
+        let half = patch.decimation * (SIDE / 2) as i32;
+        let centre = PixelPoint { u: f64::from(patch.left + half), v: f64::from(patch.top + half) };
+        self.measured = Some(BackgroundShift { u_px: f64::from(u), v_px: f64::from(v), centre });
+        Some((u, v))
     }
 
     /// Makes the surroundings of the target in this frame the reference for the next. A square of `blank_px` pixels a
@@ -101,6 +130,18 @@ impl BackgroundMotion {
         blank_px: f32,
     ) {
         let side = (PATCH_BLANKS * blank_px).max(MIN_HEIGHT_SHARE * luma.height as f32);
+        self.set_reference_patch(luma, fourier, centre, side, blank_px);
+    }
+
+    /// The same for a patch of about `side` pixels a side.
+    pub(crate) fn set_reference_patch(
+        &mut self,
+        luma: Plane<'_>,
+        fourier: &mut Fourier,
+        centre: (f32, f32),
+        side: f32,
+        blank_px: f32,
+    ) {
         // A cast turns NaN into 0.
         let decimation = ((side / SIDE as f32) as i32).clamp(1, 64);
         let half = decimation * (SIDE / 2) as i32;

@@ -64,7 +64,7 @@ use self::target::Target;
 use self::workspace::Workspace;
 use crate::explanation::Explanation;
 use crate::refinement::{RefinementWeights, RefinementWindow};
-use crate::tracker::{SelectionError, SelectionReport, Tracker};
+use crate::tracker::{BackgroundShift, SelectionError, SelectionReport, Tracker};
 use crate::window::{Window, exceeds_picture};
 
 /// Minimum width and height of a selection, pixels.
@@ -198,6 +198,7 @@ impl Tracker for FusedTracker {
         let Some(target) = &mut self.target else {
             return Track::Unseeded;
         };
+        self.workspace.background.forget_measurement();
         if !self.distractors.is_empty() {
             target.loss.excluded = self.distractors.advance(&self.config, frame, prior);
         }
@@ -221,6 +222,10 @@ impl Tracker for FusedTracker {
         search.loss.excluded = self.distractors.places();
         self.target = Some(search);
         true
+    }
+
+    fn background_shift(&self) -> Option<BackgroundShift> {
+        self.workspace.background.measured()
     }
 
     fn explain(&self, out: &mut Explanation) {

@@ -51,6 +51,8 @@ mod mean_shift;
 mod moments;
 mod window;
 
+mod picture_motion;
+
 #[cfg(test)]
 mod test_picture;
 
@@ -64,9 +66,10 @@ pub use mean_shift::{
     CamShiftTarget, EDGE_MARGIN_PX, MOMENT_MARGIN_PX, SearchResult, TerminationCriteria, cam_shift,
 };
 pub use moments::{MomentSource, Moments, WeightMap};
+pub use picture_motion::{PATCH_CENTRES, PATCHES, PatchShift, PictureMotion};
 pub use refinement::{
     MEASUREMENTS, RefinementWeights, RefinementWeightsError, RefinementWindow, WINDOW_CHANNELS,
     WINDOW_SIDE_CELLS,
 };
-pub use tracker::{SelectionError, SelectionReport, Tracker};
+pub use tracker::{BackgroundShift, SelectionError, SelectionReport, Tracker};
 pub use window::Window;

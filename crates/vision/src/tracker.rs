@@ -1,6 +1,6 @@
 //! The interface between the pilot and the trackers.
 
-use barrelman_vocab::{Localisation, MotionPrior, PictureSize, PixelBox, Track, VideoFrame};
+use barrelman_vocab::{Localisation, MotionPrior, PictureSize, PixelBox, PixelPoint, Track, VideoFrame};
 use thiserror::Error;
 
 use crate::explanation::Explanation;
@@ -32,6 +32,22 @@ pub trait Tracker: Send {
 
     /// Writes what the last answer is based on, for an overlay. Costs nothing if it is not called.
     fn explain(&self, out: &mut Explanation);
+
+    /// The shift of the background that the last call of `track` measured; `None`: none was measured.
+    fn background_shift(&self) -> Option<BackgroundShift> {
+        None
+    }
+}
+
+/// Shift of the background between two video frames, in the picture around a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BackgroundShift {
+    /// To the right, pixels.
+    pub u_px: f64,
+    /// Downwards, pixels.
+    pub v_px: f64,
+    /// The centre of the registered part of the picture, in the earlier frame.
+    pub centre: PixelPoint,
 }
 
 /// Result of a selection.

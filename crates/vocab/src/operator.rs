@@ -1,5 +1,6 @@
 //! Requests to the pilot from the operator, or from a program on behalf of the operator.
 
+use crate::angle::Angle;
 use crate::image::PixelBox;
 use crate::time::Timestamp;
 
@@ -17,6 +18,12 @@ pub enum OperatorRequest {
     Deselect,
     /// Turn the camera slowly, for a short time unless this is renewed; while disengaged only.
     Nudge(Nudge),
+    /// Turn the camera slowly to find the target that was lost: the last bearing first, then a bounded sweep.
+    Search,
+    /// Turn the camera slowly, by itself, to measure its axes.
+    Calibrate,
+    /// State by how much the vehicle is turned, and with it the tether twisted: positive to the right.
+    SetNetYaw(Angle),
     /// Change the camera law; while not engaged only.
     ChangeLaw(LawId),
     /// Let the pilot move the camera. After a stop, only `Engage` allows motion again.
@@ -83,4 +90,8 @@ pub enum StopCause {
     VehicleSilent,
     /// The machine was suspended.
     Suspended,
+    /// The picture turned against the commanded pan: the sign of the yaw rate is probably wrong.
+    PanOpposed,
+    /// The picture turned against the commanded tilt: the sign of the pitch rate is probably wrong.
+    TiltOpposed,
 }

@@ -8,6 +8,7 @@ use core::time::Duration;
 
 use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
+use crate::telemetry::{EulerAxis, Quaternion};
 
 /// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a fresh look.
 pub const MAX_COAST_MOTION: Duration = Duration::from_millis(500);
@@ -47,6 +48,49 @@ pub struct VehicleProfile {
     pub stale_after: Duration,
     /// How long a rate may stay in force after the last fresh localisation arrived, at most [`MAX_COAST_MOTION`].
     pub coast_motion: Duration,
+    /// How far the vehicle may turn about the vertical.
+    pub net_yaw: NetYawLimits,
+    /// How the reported attitude of the gimbal tells the tilt; `None`: not known, and the reports are not used.
+    pub gimbal_tilt: Option<GimbalTilt>,
+    /// The sense of the yaw in the reported attitude of the vehicle; `None`: not known, and the reports are not used.
+    pub attitude_yaw: Option<Sign>,
+}
+
+/// Limits of the net yaw: every turn of the vehicle twists its tether.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NetYawLimits {
+    /// From this size on, the operator is warned.
+    pub warn: Angle,
+    /// From this size on, the vehicle turns back only.
+    pub refuse: Angle,
+}
+
+impl NetYawLimits {
+    /// One and a half turns, and three. No document of a vehicle states what its tether bears.
+    pub const DEFAULT: Self = Self { warn: Angle::from_degrees(540.0), refuse: Angle::from_degrees(1080.0) };
+}
+
+/// The tilt in the reported attitude of a gimbal: one of the angles of its quaternion, with a sense and a zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GimbalTilt {
+    /// The angle of the quaternion.
+    pub axis: EulerAxis,
+    /// The sense of that angle relative to the tilt (positive upwards).
+    pub sign: Sign,
+    /// The tilt at which that angle is zero.
+    pub zero: Angle,
+}
+
+impl GimbalTilt {
+    /// The tilt of a reported attitude; `None`: the quaternion has no direction.
+    pub fn tilt(&self, attitude: Quaternion) -> Option<Angle> {
+        let angle = attitude.angle_about(self.axis)?.radians();
+        let raised = match self.sign {
+            Sign::Same => angle,
+            Sign::Opposite => -angle,
+        };
+        Some(Angle::from_radians(self.zero.radians() + raised))
+    }
 }
 
 /// The protocol of a vehicle's link.
@@ -121,6 +165,8 @@ pub struct AxisDynamics {
     pub lag: Duration,
     /// The smallest non-zero rate at which the axis turns.
     pub min_rate: AngularRate,
+    /// The rate that the axis reaches, divided by the rate that is sent to it; above zero.
+    pub gain: f64,
 }
 
 /// Signs of the vehicle's rates relative to [`CameraCommand`].
@@ -186,6 +232,7 @@ impl CameraDynamics {
             stop_dead_time: Duration::from_millis(stop_ms),
             lag: Duration::from_millis(lag_ms),
             min_rate: AngularRate::ZERO,
+            gain: 1.0,
         };
         Self {
             focal_share: 330.0 / 640.0,
@@ -222,6 +269,9 @@ impl VehicleProfile {
             video_latency: Duration::from_millis(200),
             stale_after: Duration::from_millis(300),
             coast_motion: Duration::from_millis(250),
+            net_yaw: NetYawLimits::DEFAULT,
+            gimbal_tilt: None,
+            attitude_yaw: None,
         }
     }
 
@@ -251,27 +301,35 @@ impl VehicleProfile {
         });
         let wanted_tilt = if leads_beyond_stop { AngularRate::ZERO } else { command.tilt };
         CameraCommand {
-            pan: executable_rate(command.pan, self.limits.pan, self.camera.pan.min_rate),
-            tilt: executable_rate(wanted_tilt, self.limits.tilt, self.camera.tilt.min_rate),
+            pan: executable_rate(command.pan, self.limits.pan, &self.camera.pan),
+            tilt: executable_rate(wanted_tilt, self.limits.tilt, &self.camera.tilt),
         }
     }
 
     /// The vehicle boundary: converts a command to rates in the vehicle's own signs that it can execute.
     pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
         let CameraCommand { pan, tilt } = self.executable(command, None);
-        VehicleRates { yaw: self.signs.yaw.apply(pan), pitch: self.signs.pitch.apply(tilt) }
+        let sent = |rate: AngularRate, axis: &AxisDynamics| rate * axis.gain.recip();
+        VehicleRates {
+            yaw: self.signs.yaw.apply(sent(pan, &self.camera.pan)).clamped(self.limits.pan),
+            pitch: self.signs.pitch.apply(sent(tilt, &self.camera.tilt)).clamped(self.limits.tilt),
+        }
     }
 
     /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's own signs
     /// to a command. Limits are not applied.
     pub fn from_vehicle(&self, rates: VehicleRates) -> CameraCommand {
-        CameraCommand { pan: self.signs.yaw.apply(rates.yaw), tilt: self.signs.pitch.apply(rates.pitch) }
+        CameraCommand {
+            pan: self.signs.yaw.apply(rates.yaw) * self.camera.pan.gain,
+            tilt: self.signs.pitch.apply(rates.pitch) * self.camera.tilt.gain,
+        }
     }
 }
 
-/// A rate within its limit and not below the least rate at which the axis turns. An axis whose least rate is above its
-/// limit does not turn.
-fn executable_rate(rate: AngularRate, limit: AngularRate, min_rate: AngularRate) -> AngularRate {
+/// A rate that the vehicle reaches within the limit of what is sent, and not below the least rate at which the axis
+/// turns. An axis whose least rate is above its limit does not turn.
+fn executable_rate(rate: AngularRate, limit: AngularRate, axis: &AxisDynamics) -> AngularRate {
+    let (limit, min_rate) = (limit * axis.gain, axis.min_rate);
     let rate = rate.clamped(limit);
     let (size, min) = (rate.abs().radians_per_second(), min_rate.radians_per_second());
     if rate.is_zero() || size >= min {

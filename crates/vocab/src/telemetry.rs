@@ -113,3 +113,32 @@ pub struct Quaternion {
     /// Third vector component.
     pub z: f64,
 }
+
+/// An axis of a frame of reference, about which an Euler angle turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum EulerAxis {
+    /// Roll in a frame forward, right, down.
+    X,
+    /// Pitch.
+    Y,
+    /// Yaw.
+    Z,
+}
+
+impl Quaternion {
+    /// The Euler angle about an axis, of the angles Z, Y, X in this order (yaw, pitch, roll); Y is in -90 to 90 degrees.
+    /// `None`: the quaternion has no direction.
+    pub fn angle_about(self, axis: EulerAxis) -> Option<Angle> {
+        let Self { w, x, y, z } = self;
+        let norm = w * w + x * x + y * y + z * z;
+        if !norm.is_finite() || norm < 1e-12 {
+            return None;
+        }
+        let angle = match axis {
+            EulerAxis::X => libm::atan2(2.0 * (w * x + y * z) / norm, 1.0 - 2.0 * (x * x + y * y) / norm),
+            EulerAxis::Y => libm::asin((2.0 * (w * y - z * x) / norm).clamp(-1.0, 1.0)),
+            EulerAxis::Z => libm::atan2(2.0 * (w * z + x * y) / norm, 1.0 - 2.0 * (y * y + z * z) / norm),
+        };
+        Some(Angle::from_radians(angle))
+    }
+}

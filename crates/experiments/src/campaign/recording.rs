@@ -87,6 +87,7 @@ impl TrialRecorder {
             live_video: false,
             behaviour: run.behaviour,
             command_path: CommandPath::Simulated,
+            pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
             trial: run.trial,
         };
         let writer =

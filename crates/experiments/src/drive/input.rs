@@ -2,7 +2,7 @@
 
 use barrelman_sim::boat::HelmCommand;
 use barrelman_trial::campaign::{Simulation, StepObserver};
-use barrelman_vocab::{DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause, Timestamp};
+use barrelman_vocab::{Angle, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause, Timestamp};
 use serde::{Deserialize, Serialize};
 
 /// An action of a person in a drive.
@@ -42,6 +42,15 @@ pub enum DriveInput {
         pan: f64,
         /// Share of the nudge rate, -1 to 1, positive upwards.
         tilt: f64,
+    },
+    /// Searches for the target that is lost.
+    Search,
+    /// Measures the camera's axes.
+    Calibrate,
+    /// States the net yaw.
+    NetYaw {
+        /// Positive to the right, radians.
+        radians: f64,
     },
     /// Changes the camera law.
     Law {
@@ -91,6 +100,9 @@ impl From<OperatorRequest> for DriveInput {
                 let law = LAWS.iter().find(|(_, own)| *own == id).map_or(DriveLaw::Schema, |(law, _)| *law);
                 Self::Law { law }
             }
+            OperatorRequest::Search => Self::Search,
+            OperatorRequest::Calibrate => Self::Calibrate,
+            OperatorRequest::SetNetYaw(net) => Self::NetYaw { radians: net.radians() },
             OperatorRequest::Engage => Self::Engage,
             OperatorRequest::Disengage => Self::Disengage,
             OperatorRequest::Stop(_) => Self::Stop,
@@ -114,6 +126,9 @@ impl DriveInput {
             }
             Self::Reject => OperatorRequest::Reject,
             Self::Deselect => OperatorRequest::Deselect,
+            Self::Search => OperatorRequest::Search,
+            Self::Calibrate => OperatorRequest::Calibrate,
+            Self::NetYaw { radians } => OperatorRequest::SetNetYaw(Angle::from_radians(radians)),
             Self::Nudge { pan, tilt } => OperatorRequest::Nudge(Nudge { pan, tilt }),
             Self::Law { law } => {
                 let id = LAWS.iter().find(|(own, _)| *own == law).map_or(LawId::MotorSchema, |(_, id)| *id);

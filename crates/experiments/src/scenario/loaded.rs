@@ -53,6 +53,7 @@ impl LoadedScenario {
             stop_dead_time: Duration::from_secs_f64(plant.stop_dead_time_s),
             lag: Duration::from_secs_f64(plant.lag_s),
             min_rate: AngularRate::from_radians_per_second(plant.imperfections.dead_band_rad_per_s),
+            gain: 1.0,
         };
         Ok(VehicleProfile {
             video_latency: camera.latency(),

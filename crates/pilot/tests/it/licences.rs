@@ -51,6 +51,8 @@ enum Event {
     Select,
     Consent(Purpose),
     Propose(Purpose),
+    /// The search comes to its end; accepted: the camera follows again.
+    SearchEnds,
     LinkUp,
     LinkDown,
     ControlTaken,
@@ -58,7 +60,7 @@ enum Event {
     Emergency,
 }
 
-const EVENTS: [Event; 18] = [
+const EVENTS: [Event; 19] = [
     Event::Fresh,
     Event::Frame,
     Event::Tick,
@@ -72,6 +74,7 @@ const EVENTS: [Event; 18] = [
     Event::Consent(Purpose::Calibrate),
     Event::Propose(Purpose::Search),
     Event::Propose(Purpose::Calibrate),
+    Event::SearchEnds,
     Event::LinkUp,
     Event::LinkDown,
     Event::ControlTaken,
@@ -112,7 +115,7 @@ impl Past {
 
     fn has_licence(&self, purpose: Purpose, now: Timestamp) -> bool {
         let is_consent = |event: Event| match purpose {
-            Purpose::Follow => event == Event::Engage,
+            Purpose::Follow => event == Event::Engage || event == Event::SearchEnds,
             Purpose::Nudge => event == Event::Nudge,
             other => event == Event::Consent(other),
         };
@@ -121,6 +124,7 @@ impl Past {
         };
         let ends = |(index, (_, event, accepted)): (usize, &(Timestamp, Event, bool))| match event {
             Event::Disengage | Event::Stop => true,
+            Event::SearchEnds => purpose == Purpose::Search,
             Event::Engage => purpose != Purpose::Follow,
             Event::Select => purpose != Purpose::Follow,
             Event::Consent(other) => *accepted && *other != purpose,
@@ -132,6 +136,9 @@ impl Past {
             _ => false,
         };
         if self.0.iter().enumerate().skip(consent + 1).any(ends) {
+            return false;
+        }
+        if self.0[consent].1 == Event::SearchEnds && !self.search_took_the_place_of_following(consent) {
             return false;
         }
         let (renewal, lasts) = match purpose {
@@ -151,6 +158,23 @@ impl Past {
             }
         };
         renewal.is_some_and(|at| now.since(at) < lasts)
+    }
+
+    /// Whether the newest search before an index began while the camera followed: the operator had engaged, and nothing
+    /// ended that.
+    fn search_took_the_place_of_following(&self, index: usize) -> bool {
+        let is_search = |(_, event, accepted): &(Timestamp, Event, bool)| {
+            *accepted && *event == Event::Consent(Purpose::Search)
+        };
+        let Some(search) = self.0[..index].iter().rposition(is_search) else { return false };
+        let engages = |(_, event, accepted): &(Timestamp, Event, bool)| {
+            *accepted && matches!(event, Event::Engage | Event::SearchEnds)
+        };
+        let Some(engaged) = self.0[..index].iter().rposition(engages) else { return false };
+        let ends = |(_, event, _): &(Timestamp, Event, bool)| {
+            matches!(event, Event::Disengage | Event::Stop | Event::Emergency)
+        };
+        engaged < search && !self.0[engaged..index].iter().any(ends)
     }
 
     fn had_control_before(&self, index: usize) -> bool {
@@ -195,6 +219,7 @@ fn step(safety: &mut Safety, event: Event, now: Timestamp) -> (bool, Decision) {
         Event::Select => accepted = request(safety, OperatorRequest::Deselect),
         Event::Consent(purpose) => accepted = safety.consent(purpose, now).is_ok(),
         Event::Propose(purpose) => safety.propose(purpose, command_of(purpose), now),
+        Event::SearchEnds => accepted = safety.finish_search(now),
         Event::LinkUp => safety.on_report(&Report::Link(LinkState::Up)),
         Event::LinkDown => safety.on_report(&Report::Link(LinkState::Opening)),
         Event::ControlTaken => safety.on_report(&ground(ControlState::NotOurs)),
@@ -260,12 +285,20 @@ fn check(past: &Past, decision: &Decision, now: Timestamp, found: &mut Found) {
 }
 
 /// What happens before the sequences, so that each purpose is within their reach.
-const BEGINNINGS: [&[Event]; 5] = [
+const BEGINNINGS: [&[Event]; 6] = [
     &[],
     &[Event::LinkUp, Event::ControlGiven, Event::Fresh],
     &[Event::LinkUp, Event::ControlGiven, Event::Fresh, Event::Engage, Event::Fresh],
     &[Event::LinkUp, Event::Frame, Event::Consent(Purpose::Search), Event::Propose(Purpose::Search)],
     &[Event::LinkUp, Event::Fresh, Event::Consent(Purpose::Calibrate), Event::Propose(Purpose::Calibrate)],
+    &[
+        Event::LinkUp,
+        Event::ControlGiven,
+        Event::Fresh,
+        Event::Engage,
+        Event::Consent(Purpose::Search),
+        Event::Propose(Purpose::Search),
+    ],
 ];
 
 #[test]
@@ -282,7 +315,7 @@ fn no_sequence_of_events_moves_the_camera_without_link_video_and_one_licence() {
         }
         explore(&safety, &mut past, now_ms, DEPTH, &mut found);
     }
-    assert_eq!(found.sequences, 5 * 18_u64.pow(DEPTH as u32));
+    assert_eq!(found.sequences, BEGINNINGS.len() as u64 * (EVENTS.len() as u64).pow(DEPTH as u32));
     assert!(found.moved.iter().all(|moved| *moved > 3_000), "each licence moves the camera: {found:?}");
 }
 

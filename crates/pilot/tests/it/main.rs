@@ -9,6 +9,8 @@ mod frames;
 mod licences;
 mod modes;
 mod motion;
+mod opposed_motion;
 mod scenes;
+mod searching;
 mod telemetry;
 mod vehicle;

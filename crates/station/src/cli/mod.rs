@@ -20,6 +20,7 @@ mod recordings;
 
 mod emulate;
 
+mod calibrate;
 mod check;
 mod config;
 
@@ -34,6 +35,7 @@ mod values;
 
 use clap::{Parser, Subcommand};
 
+pub use calibrate::{CalibrateArgs, CalibrateAxesArgs, CalibrateCommand};
 pub use check::CheckArgs;
 pub use config::{ConfigArgs, ConfigCommand};
 pub use connection_options::ConnectionOptions;
@@ -111,6 +113,8 @@ pub enum Command {
     Export(ExportArgs),
     /// Emulate a ground station for tests.
     Emulate(EmulateArgs),
+    /// Measure the camera's axes by slow test motions.
+    Calibrate(CalibrateArgs),
     /// Check the configuration, the video and the link, and suggest remedies.
     Check(CheckArgs),
     /// Print an example, the JSON schema, or the effective configuration.

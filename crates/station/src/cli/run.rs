@@ -76,8 +76,12 @@ pub struct RunArgs {
     #[arg(long)]
     pub force: bool,
     /// Inject a fault into a thread, to test the fail-safe: THREAD:panic@SECONDS or
-    /// THREAD:stall@SECONDS+DURATION. THREAD: pilot, recorder, overlay, terminal, status.
+    /// THREAD:stall@SECONDS+DURATION or THREAD:hang@SECONDS. THREAD: pilot, recorder, overlay, terminal, status.
     /// Times count from the program's start.
     #[arg(long, hide = true, value_name = "THREAD:FAULT")]
     pub fault: Vec<String>,
+    /// Inject the faults of a file, one place a line: PLACE: KIND@SECONDS[+DURATION], several with commas. PLACE: a
+    /// thread, link, video, or program (suspend).
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub faults: Option<PathBuf>,
 }

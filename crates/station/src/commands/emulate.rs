@@ -18,9 +18,22 @@ use crate::link::CameraLink;
 use crate::simulated_source::{LiveWorld, spawn_world};
 use crate::source_url::{SimulatedUrl, SourceUrl};
 use barrelman_host::clock::Clock;
-use barrelman_host::fault::FaultPlan;
+use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_host::output;
 use barrelman_video::VideoHandle;
+
+/// The kinds of faults that the emulator has.
+const EMULATOR_FAULTS: [FaultKind; 9] = [
+    FaultKind::Stall,
+    FaultKind::Drop,
+    FaultKind::Delay,
+    FaultKind::Duplicate,
+    FaultKind::Corrupt,
+    FaultKind::Disconnect,
+    FaultKind::Reboot,
+    FaultKind::Silence,
+    FaultKind::Cut,
+];
 
 /// Runs the command.
 ///
@@ -48,6 +61,7 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
     }
     let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
     let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
+    faults.require_effect("the emulator", &EMULATOR_FAULTS)?;
     let settings = GroundStationSettings {
         echo: !args.no_echo,
         rate_timeout: args.rate_timeout.map(Duration::from_secs_f64),

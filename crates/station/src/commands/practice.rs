@@ -102,6 +102,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             overlay: Some(film.clone()),
             force: args.force,
             fault: Vec::new(),
+            faults: None,
         },
         |_| Ok(outputs),
         clock,

@@ -104,8 +104,8 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
     let mut video = ReplayedVideo::new(StoredVideo::new(mode, MAX_QUEUED_BYTES), &start);
-    let mut replay =
-        Replay::new(build_pilot(&configuration, start.command_path)?, configuration.profile.clone());
+    let pilot = build_pilot(&configuration, start.command_path)?.with_behaviour(start.pilot_behaviour);
+    let mut replay = Replay::new(pilot, configuration.profile.clone());
     let difference = version_difference(&start, &configuration);
     let mut replayed = Replayed {
         steps: 0,

@@ -7,19 +7,24 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
 use super::draw_selection::{draw_selection, has_display};
-use crate::cli::{RunArgs, UsageError};
+use crate::cli::{CalibrateAxesArgs, RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::{AfterPicking, ConsoleSettings};
 use crate::link::url::Endpoint;
 use crate::link::{LinkUrl, command_path, find_guard};
+use crate::live::calibration::LiveCalibration;
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
-use crate::live::threads::FaultInjector;
+use crate::live::threads::{FAULT_THREADS, FaultInjector};
 use crate::secrets;
 use crate::source_url::SourceUrl;
+use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult};
 use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultKind;
+use barrelman_host::fault_lines::parse_fault_lines;
+use barrelman_host::input;
 use barrelman_host::output::OutputFile;
 use barrelman_video::url::VideoSource;
 use barrelman_vocab::PixelBox;
@@ -54,7 +59,9 @@ pub fn run_with_outputs(
             UsageError(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
         );
     }
-    let link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
+    let mut link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
+    let mut source = source;
+    let fault_injector = injected_faults(args, link.as_mut(), &mut source)?;
     let source = Source::load(source)?;
     if source.world().is_none()
         && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::SimulatedCamera)
@@ -65,7 +72,6 @@ pub fn run_with_outputs(
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
     let guard = needed_guard(&configuration, link.as_ref())?;
-    let fault_injector = FaultInjector::parse(&args.fault)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     let selection = match args.select {
@@ -85,6 +91,7 @@ pub fn run_with_outputs(
         waits_for_selection: args.hands_on,
         console,
         engage: args.engage,
+        calibration: None,
         fault_injector,
         clock,
     };
@@ -136,6 +143,123 @@ fn needed_guard(configuration: &Configuration, link: Option<&LinkUrl>) -> Result
         return Ok(None);
     }
     Ok(Some(find_guard(configuration.guard.program.as_deref())?))
+}
+
+/// The kinds of faults that have an effect on a link.
+const LINK_FAULTS: [FaultKind; 4] =
+    [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect, FaultKind::Panic];
+/// The kinds of faults that have an effect on a source of video.
+const VIDEO_FAULTS: [FaultKind; 7] = [
+    FaultKind::Stall,
+    FaultKind::Drop,
+    FaultKind::Delay,
+    FaultKind::Duplicate,
+    FaultKind::Corrupt,
+    FaultKind::Disconnect,
+    FaultKind::Panic,
+];
+
+/// The faults of the command line and of the file of faults, each at its place.
+fn injected_faults(
+    args: &RunArgs,
+    mut link: Option<&mut LinkUrl>,
+    source: &mut SourceUrl,
+) -> Result<FaultInjector> {
+    let mut injector = FaultInjector::parse(&args.fault)?;
+    if let Some(path) = &args.faults {
+        let context = || format!("the file of faults {} is not usable", path.display());
+        let text =
+            String::from_utf8(input::read(path)?).context("it is not UTF-8 text").with_context(context)?;
+        for placed in parse_fault_lines(&text).with_context(context)? {
+            let Some(placed) = injector.add(placed).with_context(context)? else { continue };
+            match (placed.place.as_str(), &mut link) {
+                ("link", Some(link)) => link.faults.extend(placed.plan),
+                ("link", None) => bail!("{}: there is no link: give --link", context()),
+                ("video", _) => source.faults_mut().extend(placed.plan),
+                (place, _) => bail!(
+                    "{}: {place:?} is no place: use link, video, program, or one of the threads {FAULT_THREADS:?}",
+                    context()
+                ),
+            }
+        }
+    }
+    if let Some(link) = link {
+        link.faults.require_effect("the link", &LINK_FAULTS)?;
+    }
+    source.faults_mut().require_effect("the video", &VIDEO_FAULTS)?;
+    Ok(injector)
+}
+
+/// A calibration that was run: the configuration that was in force, and what was measured (`None`: nothing).
+pub struct CalibrationRun {
+    /// The configuration.
+    pub configuration: Configuration,
+    /// What was measured.
+    pub result: Option<CalibrationResult>,
+}
+
+/// Runs the test motions of a calibration.
+///
+/// # Errors
+/// If the configuration, the video or the link cannot be used, or the run failed.
+pub fn calibrate(
+    args: &CalibrateAxesArgs,
+    record: Option<OutputFile>,
+    clock: Clock,
+) -> Result<CalibrationRun> {
+    let mut file = args.connection.config_file()?;
+    let override_key = |key: &mut Option<String>, value: &Option<String>| {
+        if let Some(value) = value {
+            *key = Some(value.clone());
+        }
+    };
+    override_key(&mut file.video.url, &args.connection.video);
+    override_key(&mut file.link.url, &args.connection.link);
+    override_key(&mut file.vehicle.profile, &args.profile);
+    let latency_is_known = file.vehicle.video_latency_s.is_some();
+    let mut configuration = Configuration::resolve(&file).context("the configuration is not usable")?;
+    let Some(video) = &configuration.video else {
+        return Err(UsageError(
+            "no video source: give --video, or video.url in the configuration".to_owned(),
+        )
+        .into());
+    };
+    let Some(link) = configuration.link.as_deref().map(LinkUrl::parse).transpose()? else {
+        return Err(UsageError("no link: give --link, or link.url in the configuration".to_owned()).into());
+    };
+    let source = Source::load(secrets::source_url(video, configuration.video_login.as_ref())?)?;
+    if source.world().is_none() && link.endpoint == Endpoint::SimulatedCamera {
+        bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
+    }
+    if let Some(world) = source.world().filter(|_| !latency_is_known) {
+        configuration.profile.video_latency = world.scenario().camera.latency();
+        let camera = &world.scenario().camera;
+        configuration.profile.camera.focal_share = camera.optics.focal_px / f64::from(camera.frame.width);
+    }
+    let guard = needed_guard(&configuration, Some(&link))?;
+    let calibration = LiveCalibration::new(configuration.profile.camera.focal_share);
+    let session = Session {
+        pilot: build_pilot(&configuration, command_path(Some(&link)))?,
+        configuration: &configuration,
+        source,
+        link: Some(link),
+        guard,
+        outputs: Outputs { record, ..Outputs::default() },
+        selection: None,
+        waits_for_selection: true,
+        console: None,
+        engage: false,
+        calibration: Some(calibration.clone()),
+        fault_injector: FaultInjector::default(),
+        clock,
+    };
+    match session.run()? {
+        RunEnd::Failed(why) => bail!("{why}"),
+        RunEnd::Requested(_) | RunEnd::VideoEnded => {
+            let result = calibration.with_recorder(CalibrationRecorder::result);
+            Ok(CalibrationRun { configuration, result })
+        }
+    }
 }
 
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.

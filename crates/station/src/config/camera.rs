@@ -49,6 +49,9 @@ pub struct AxisSection {
     /// Lowest rate above zero at which the axis turns, rad/s, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_rad_per_s: Option<f64>,
+    /// Rate that the axis reaches, divided by the rate that is sent, 0.2 to 5. `barrelman calibrate axes` measures it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gain: Option<f64>,
 }
 
 impl CameraSection {
@@ -59,6 +62,7 @@ impl CameraSection {
             stop_dead_time_s: Some(axis.stop_dead_time.as_secs_f64()),
             lag_s: Some(axis.lag.as_secs_f64()),
             least_rad_per_s: Some(axis.min_rate.radians_per_second()),
+            gain: Some(axis.gain),
         };
         Self {
             focal_share: Some(camera.focal_share),
@@ -121,6 +125,7 @@ impl AxisSection {
                 1.0,
                 "rad/s",
             )?),
+            gain: within(&format!("{section}.gain"), self.gain, base.gain, 0.2, 5.0, "a ratio")?,
         };
         if axis.stop_dead_time < axis.start_dead_time {
             bail!("{section}.stop_dead_time_s is less than {section}.start_dead_time_s: correct one of them");

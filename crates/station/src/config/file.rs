@@ -141,4 +141,41 @@ pub struct VehicleSection {
     /// How long a rate may last after the arrival of the last fresh localisation, seconds, 0 to 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coast_motion_s: Option<f64>,
+    /// Net yaw from which on the operator is warned that the tether winds up, radians, 0.5 to 100; default: 1.5 turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub net_yaw_warn_rad: Option<f64>,
+    /// Net yaw from which on the vehicle turns back only, radians, 0.5 to 100; default: 3 turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub net_yaw_limit_rad: Option<f64>,
+    /// Sense of the yaw in the reported attitude, relative to a turn to the right; without it, the reports are not used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub attitude_yaw_sign: Option<SignName>,
+    /// Which angle of the gimbal's reported attitude is the tilt; without it, the reports are not used. `barrelman calibrate
+    /// axes` finds it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gimbal_tilt: Option<GimbalTiltSection>,
+}
+
+/// The tilt in the reported attitude of a gimbal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GimbalTiltSection {
+    /// The angle of the reported quaternion.
+    pub axis: EulerName,
+    /// Sense of that angle, relative to a tilt upwards.
+    pub sign: SignName,
+    /// Tilt at which that angle is zero, radians, -1.571 to 1.571.
+    pub zero_rad: f64,
+}
+
+/// An Euler angle of a quaternion (turned about z, y, x, in this order).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EulerName {
+    /// About x.
+    Roll,
+    /// About y.
+    Pitch,
+    /// About z.
+    Yaw,
 }

@@ -13,6 +13,7 @@ pub mod tracker;
 pub mod resolve;
 
 mod range;
+mod turning;
 
 use std::path::Path;
 

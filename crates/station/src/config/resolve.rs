@@ -13,6 +13,7 @@ use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSe
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::range::within;
 use super::tracker::TrackerSection;
+use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
 use crate::secrets::LoginSource;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
@@ -190,6 +191,10 @@ impl Configuration {
                 video_latency_s: seconds(profile.video_latency),
                 stale_after_s: seconds(profile.stale_after),
                 coast_motion_s: seconds(profile.coast_motion),
+                net_yaw_warn_rad: Some(profile.net_yaw.warn.radians()),
+                net_yaw_limit_rad: Some(profile.net_yaw.refuse.radians()),
+                attitude_yaw_sign: profile.attitude_yaw.and_then(sign),
+                gimbal_tilt: profile.gimbal_tilt.map(|tilt| section_of(&tilt)),
             },
             camera: CameraSection::from_dynamics(&profile.camera),
             law: LawSection { name: Some(self.law.name), mode: self.law.mode, horizon: self.law.horizon_s },
@@ -264,6 +269,12 @@ fn overridden(
             base.coast_motion,
             max_coast_motion.as_secs_f64(),
         )?,
+        net_yaw: net_yaw_limits(vehicle, base.net_yaw)?,
+        attitude_yaw: vehicle
+            .attitude_yaw_sign
+            .map(|name| sign(Some(name), Sign::Same))
+            .or(base.attitude_yaw),
+        gimbal_tilt: vehicle.gimbal_tilt.as_ref().map(gimbal_tilt).transpose()?.or(base.gimbal_tilt),
         ..base
     })
 }

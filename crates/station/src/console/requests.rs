@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use barrelman_experiments::drive::DriveInput;
-use barrelman_vocab::{DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, Timestamp};
+use barrelman_vocab::{Angle, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, Timestamp};
 
 use tokio::sync::oneshot;
 
@@ -148,6 +148,11 @@ fn session_request(request: &ConsoleRequest) -> Result<Request, &'static str> {
             in_share(tilt)?;
             pilot(OperatorRequest::Nudge(Nudge { pan, tilt }))
         }
+        ConsoleRequest::Search => pilot(OperatorRequest::Search),
+        ConsoleRequest::NetYaw { degrees } if degrees.is_finite() => {
+            pilot(OperatorRequest::SetNetYaw(Angle::from_degrees(degrees)))
+        }
+        ConsoleRequest::NetYaw { .. } => Err("the net yaw must be a number of degrees"),
         ConsoleRequest::Law { law } => pilot(OperatorRequest::ChangeLaw(match law {
             LawName::Schema => LawId::MotorSchema,
             LawName::MinimumEnergy => LawId::MinimumEnergy,

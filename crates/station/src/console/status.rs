@@ -28,6 +28,8 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
         command: outcome.map_or_else(|| axes_of(CameraCommand::REST), |outcome| axes_of(outcome.command)),
         yaw_rate: snapshot.rates.yaw.radians_per_second(),
         pitch_rate: snapshot.rates.pitch.radians_per_second(),
+        net_yaw_deg: outcome.map_or(0.0, |outcome| outcome.net_yaw.angle.degrees()),
+        search_refusal: outcome.and_then(|outcome| outcome.search_refusal).map(|refusal| refusal.to_string()),
         law: snapshot.law.map(law_name),
         video: video_of(&snapshot.video, h264),
         link: link_of(&snapshot.vehicle),
@@ -85,6 +87,8 @@ fn mode_of(mode: Mode) -> ModeStatus {
                 StopCause::BatteryLow => "battery-low",
                 StopCause::VehicleSilent => "vehicle-silent",
                 StopCause::Suspended => "suspended",
+                StopCause::PanOpposed => "pan-opposed",
+                StopCause::TiltOpposed => "tilt-opposed",
             };
             ("stopped", Some(cause))
         }

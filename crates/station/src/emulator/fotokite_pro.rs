@@ -36,6 +36,8 @@ pub struct FotokitePro {
     world: Option<CameraLink>,
     profile: VehicleProfile,
     log: StationLog,
+    /// Steps through the bytes that are damaged.
+    corrupted: usize,
     faults: FaultPlan,
     clock: Clock,
     started: Timestamp,
@@ -71,6 +73,7 @@ impl FotokitePro {
             commanded: StationRates::default(),
             is_unplugged: false,
             faults_applied_at: None,
+            corrupted: 0,
             pending: VecDeque::new(),
         }
     }
@@ -128,12 +131,16 @@ impl FotokitePro {
     }
 
     fn receive(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
-        let is_dropped = [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.is_active(*kind, now));
+        let is_dropped =
+            [FaultKind::Drop, FaultKind::Stall, FaultKind::Cut].iter().any(|kind| self.is_active(*kind, now));
         if !bytes.is_empty() && !is_dropped && !self.is_unplugged {
             let due = if self.is_active(FaultKind::Delay, now) { now.plus(FAULT_DELAY) } else { now };
             let mut received = bytes.to_vec();
             if self.is_active(FaultKind::Corrupt, now) {
-                received[0] ^= 0x55;
+                // Another byte each time, so that any byte is damaged sooner or later.
+                let at = self.corrupted % received.len();
+                self.corrupted = self.corrupted.wrapping_add(7);
+                received[at] ^= 0x55;
             }
             if self.is_active(FaultKind::Duplicate, now) {
                 self.pending.push_back((due, received.clone()));
@@ -180,7 +187,10 @@ impl FotokitePro {
     }
 
     fn send(&mut self, bytes: &[u8], now: Timestamp) -> Result<()> {
-        if bytes.is_empty() || self.is_unplugged || self.is_active(FaultKind::Stall, now) {
+        let is_silent = [FaultKind::Stall, FaultKind::Silence, FaultKind::Cut]
+            .iter()
+            .any(|kind| self.is_active(*kind, now));
+        if bytes.is_empty() || self.is_unplugged || is_silent {
             return Ok(());
         }
         self.port.write(bytes);

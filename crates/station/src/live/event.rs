@@ -44,6 +44,8 @@ pub enum QuitCause {
     Signal(&'static str),
     /// The reader of the standard output has closed it.
     OutputClosed,
+    /// The test motions of a calibration have been made, or have ended.
+    CalibrationEnded,
 }
 
 impl std::fmt::Display for QuitCause {
@@ -52,6 +54,7 @@ impl std::fmt::Display for QuitCause {
             Self::Key => f.write_str("q was pressed"),
             Self::Signal(name) => write!(f, "{name} was received"),
             Self::OutputClosed => f.write_str("the output was closed"),
+            Self::CalibrationEnded => f.write_str("the calibration has ended"),
         }
     }
 }

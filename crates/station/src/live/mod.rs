@@ -14,6 +14,7 @@ pub mod session;
 pub mod event;
 pub mod run_loop;
 
+pub mod calibration;
 mod open_link;
 pub mod recording_folder;
 mod recording_start;

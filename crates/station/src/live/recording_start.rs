@@ -34,6 +34,7 @@ pub(super) fn recording_start(
         live_video: source.is_live(),
         behaviour: configuration.law.behaviour_with(configuration.tracker.name),
         command_path: command_path(link),
+        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     })
 }

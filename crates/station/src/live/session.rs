@@ -21,6 +21,7 @@ use barrelman_video::VideoHandle;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{OperatorRequest, PixelBox};
 
+use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue};
 use super::open_link::{LinkedVehicle, open_link};
 use super::overlay_video::OverlayVideo;
@@ -81,6 +82,8 @@ pub struct Session<'a> {
     pub engage: bool,
     /// The console; `None`: no console.
     pub console: Option<ConsoleSettings>,
+    /// The calibration that the run is made for; `None`: an ordinary run.
+    pub calibration: Option<LiveCalibration>,
     /// Deliberate faults of the program's own threads.
     pub fault_injector: FaultInjector,
     /// The clock.
@@ -120,7 +123,7 @@ impl Session<'_> {
     }
 
     fn warn_without_selection(&self) {
-        if self.selection.is_some() || self.source.world().is_some() {
+        if self.selection.is_some() || self.source.world().is_some() || self.calibration.is_some() {
             return;
         }
         if self.console.is_some() {
@@ -155,6 +158,7 @@ impl Session<'_> {
             clock,
             fault_injector,
             console,
+            calibration,
             ..
         } = self;
         let profile = &configuration.profile;
@@ -224,11 +228,15 @@ impl Session<'_> {
             writeln!(stdout(), "keys on this terminal: {KEYS}")?;
         }
         let style = LineStyle::for_stdout();
-        let status_output = StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events)?;
+        let status_output =
+            StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events.clone())?;
         let mut observers: Vec<Box<dyn LiveStepObserver + '_>> = Vec::new();
         observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
         if parts.console.is_some() {
             observers.push(Box::new(pictures));
+        }
+        if let Some(calibration) = &calibration {
+            observers.push(observer(calibration.observer(Arc::clone(&gateway), events)));
         }
         let requests = first_requests(self.selection, self.engage);
         let run_loop = RunLoop {

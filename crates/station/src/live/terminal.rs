@@ -36,7 +36,7 @@ const SIGNALS: [(i32, &str); 5] = [
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What the keys do, in words.
-pub const KEYS: &str = "e engages, d disengages, space stops, q quits";
+pub const KEYS: &str = "e engages, d disengages, s searches for a lost boat, space stops, q quits";
 
 /// The thread that watches keys, signals and the output.
 pub struct Terminal {
@@ -171,6 +171,7 @@ fn key_input(key: u8) -> Option<TerminalInput> {
     match key {
         b'e' => Some(TerminalInput::Request(OperatorRequest::Engage)),
         b'd' => Some(TerminalInput::Request(OperatorRequest::Disengage)),
+        b's' => Some(TerminalInput::Request(OperatorRequest::Search)),
         b' ' => Some(TerminalInput::Request(OperatorRequest::Stop(StopCause::Operator))),
         b'q' => Some(TerminalInput::Quit(QuitCause::Key)),
         _ => None,
@@ -225,6 +226,7 @@ mod tests {
         for (key, expected) in [
             (b'e', "Some(Request(Engage))"),
             (b'd', "Some(Request(Disengage))"),
+            (b's', "Some(Request(Search))"),
             (b' ', "Some(Request(Stop(Operator)))"),
             (b'q', "Some(Quit(Key))"),
             (b'E', "None"),

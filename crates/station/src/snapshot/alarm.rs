@@ -25,6 +25,10 @@ pub enum Alarm {
     RecordingFailed,
     /// The controlling page is gone while the pilot is engaged.
     ConsoleLost,
+    /// The tether winds up.
+    NetYaw,
+    /// The tether is wound up: the camera turns back only.
+    NetYawLimit,
 }
 
 impl Alarm {
@@ -42,6 +46,8 @@ impl Alarm {
             Self::BatteryLow => "battery-low",
             Self::RecordingFailed => "recording-failed",
             Self::ConsoleLost => "console-lost",
+            Self::NetYaw => "net-yaw",
+            Self::NetYawLimit => "net-yaw-limit",
         }
     }
 
@@ -61,6 +67,8 @@ impl Alarm {
             Self::BatteryLow => "the vehicle says that a battery is low",
             Self::RecordingFailed => "the recording has stopped",
             Self::ConsoleLost => "the controlling page is gone; the camera stays engaged",
+            Self::NetYaw => "the tether winds up: turn the camera back",
+            Self::NetYawLimit => "the tether is wound up: the camera turns back only",
         }
     }
 }

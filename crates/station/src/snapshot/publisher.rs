@@ -16,6 +16,7 @@ use super::step_time::StepTime;
 use super::vehicle::LinkStatus;
 use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState};
 use barrelman_pilot::Mode;
+use barrelman_pilot::net_yaw::NetYawLevel;
 use barrelman_pilot::outcome::HoldCause;
 
 /// Nearer to an end stop than this, the alarm is raised, rad (3 degrees).
@@ -195,6 +196,7 @@ impl Publisher {
             let (low, high) = self.tilt_stops;
             tilt.radians() < low + END_STOP_MARGIN_RAD || tilt.radians() > high - END_STOP_MARGIN_RAD
         });
+        let net_yaw = state.outcome.as_ref().map_or(NetYawLevel::Free, |outcome| outcome.net_yaw.level);
         let is_link_down = matches!(vehicle.link, LinkStatus::Link(link) if link != LinkState::Up);
         [
             (Alarm::TrackLost, is_lost),
@@ -212,6 +214,8 @@ impl Publisher {
             (Alarm::BatteryLow, vehicle.is_battery_low),
             (Alarm::RecordingFailed, matches!(state.recording, RecordingState::Failed(_))),
             (Alarm::ConsoleLost, self.is_console_lost && is_engaged),
+            (Alarm::NetYaw, net_yaw == NetYawLevel::Warned),
+            (Alarm::NetYawLimit, net_yaw == NetYawLevel::Refused),
         ]
         .into_iter()
         .filter_map(|(alarm, is_raised)| is_raised.then_some(alarm))

@@ -30,6 +30,7 @@ fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool)
         live_video: false,
         behaviour: BehaviourVersions::default(),
         command_path: stated,
+        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     };
     let path = empty_folder(name).join("run.mcap");

@@ -96,6 +96,7 @@ fn recording_start() -> RecordingStart {
         live_video: true,
         behaviour: BehaviourVersions::default(),
         command_path: CommandPath::DryRun,
+        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     }
 }

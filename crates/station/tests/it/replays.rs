@@ -73,6 +73,7 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
         live_video: false,
         behaviour: BehaviourVersions::default(),
         command_path: CommandPath::DryRun,
+        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     };
     let file = BufWriter::new(fs::File::create(&path).unwrap());

@@ -36,6 +36,8 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
         command: advised.filter(|_| is_moving).unwrap_or(CameraCommand::REST),
         wake_at: None,
         is_confirming: false,
+        net_yaw: barrelman_pilot::net_yaw::NetYawState::default(),
+        search_refusal: None,
         notice: None,
     }
 }

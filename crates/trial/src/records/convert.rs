@@ -29,6 +29,7 @@ impl From<&RecordingStart> for stored::RecordingStart {
             video: start.video.clone(),
             link: start.link.clone(),
             live_video: start.live_video,
+            pilot_behaviour: start.pilot_behaviour,
             tracker_behaviour: start.behaviour.tracker,
             law_behaviour: start.behaviour.law,
             command_path: stored::CommandPath::from(start.command_path) as i32,
@@ -61,6 +62,7 @@ impl TryFrom<stored::RecordingStart> for RecordingStart {
                 law: version(start.law_behaviour),
             },
             command_path,
+            pilot_behaviour: version(start.pilot_behaviour),
             trial: start.trial.map(|stored::SimulatedTrial { seed, settings, scenario }| SimulatedTrial {
                 seed,
                 settings,

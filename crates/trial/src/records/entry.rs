@@ -54,6 +54,8 @@ pub struct RecordingStart {
     pub behaviour: BehaviourVersions,
     /// Where the pilot's commands went.
     pub command_path: CommandPath,
+    /// Behaviour version of the pilot (`barrelman_pilot::behaviour`).
+    pub pilot_behaviour: u32,
     /// The simulated trial that the recording shows; `None` for other recordings, and those of earlier programs.
     pub trial: Option<SimulatedTrial>,
 }

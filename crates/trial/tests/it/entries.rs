@@ -34,6 +34,7 @@ pub(crate) fn start() -> RecordingStart {
         live_video: true,
         behaviour: BehaviourVersions { tracker: 3, law: 2 },
         command_path: CommandPath::Link,
+        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     }
 }

@@ -24,9 +24,6 @@ use barrelman_vocab::unit::EncodedUnit;
 /// The delay of a delayed unit.
 pub(super) const DELAY: Duration = Duration::from_millis(500);
 
-/// Bytes at the start of a unit that are not corrupted, so that the unit stays recognisable.
-const PROTECTED_BYTES: usize = 24;
-
 /// Applies the planned faults to the units of one source. Times count from the program's start.
 #[derive(Debug)]
 pub(super) struct FaultFilter {
@@ -94,9 +91,10 @@ impl FaultFilter {
 
     fn corrupted(&mut self, mut unit: EncodedUnit) -> EncodedUnit {
         let mut bytes = unit.payload.to_vec();
-        let length = bytes.len().saturating_sub(PROTECTED_BYTES);
+        // Any byte: the start of a unit and its headers, too.
+        let length = bytes.len();
         for _ in 0..length.div_ceil(64).min(32) {
-            let at = PROTECTED_BYTES + (self.rng.next_u64() % length as u64) as usize;
+            let at = (self.rng.next_u64() % length as u64) as usize;
             bytes[at] ^= (self.rng.next_u64() % 255) as u8 + 1;
         }
         unit.payload = Bytes::from(bytes);
@@ -148,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn corruption_is_the_same_each_time_and_spares_the_front() {
+    fn corruption_is_the_same_each_time() {
         let corrupted = || {
             let mut filter = FaultFilter::new(FaultPlan::parse("corrupt@0").unwrap());
             let mut passed = Vec::new();
@@ -157,7 +155,23 @@ mod tests {
         };
         assert_eq!(corrupted(), corrupted());
         assert_ne!(corrupted()[0], unit(0).payload);
-        assert_eq!(corrupted()[0][..PROTECTED_BYTES], unit(0).payload[..PROTECTED_BYTES]);
+    }
+
+    #[test]
+    fn any_byte_can_be_damaged() {
+        let mut filter = FaultFilter::new(FaultPlan::parse("corrupt@0").unwrap());
+        let whole = unit(0).payload;
+        let mut damaged = vec![false; whole.len()];
+        for _ in 0..20_000 {
+            filter.pass(unit(0), Timestamp::ZERO, &mut |unit| {
+                for (damaged, (before, after)) in
+                    damaged.iter_mut().zip(whole.iter().zip(unit.payload.iter()))
+                {
+                    *damaged |= before != after;
+                }
+            });
+        }
+        assert!(damaged.iter().all(|damaged| *damaged), "{damaged:?}");
     }
 
     #[test]

@@ -34,6 +34,14 @@ pub enum ConsoleRequest {
         /// Share of the nudge rate, -1 to 1, positive upwards.
         tilt: f64,
     },
+    /// Search for the boat that is lost, slowly: where it was seen last, then a sweep. A search ends by itself when the
+    /// boat is found, and after a minute.
+    Search,
+    /// State by how much the vehicle is turned about the vertical, and the tether twisted.
+    NetYaw {
+        /// Degrees, positive to the right.
+        degrees: f64,
+    },
     /// Change the camera law; while not engaged only.
     Law {
         /// The law.

@@ -38,6 +38,10 @@ pub struct StatusSnapshot {
     pub yaw_rate: f64,
     /// Pitch rate handed to the link, in the vehicle's own sign.
     pub pitch_rate: f64,
+    /// By how much the vehicle is turned about the vertical, degrees, positive to the right: the twist of the tether.
+    pub net_yaw_deg: f64,
+    /// Why a search would be refused now; `null`: it can be asked for.
+    pub search_refusal: Option<String>,
     /// The law; `null`: a law that cannot be chosen here.
     pub law: Option<LawName>,
     /// The video.
@@ -49,7 +53,7 @@ pub struct StatusSnapshot {
     /// The camera's work so far, and that of the paper's schema beside it.
     pub work: CameraWork,
     /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`, `control-lost`, `end-stop`,
-    /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`.
+    /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`, `net-yaw`, `net-yaw-limit`.
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
     pub stops_taken: u64,
@@ -64,7 +68,8 @@ pub struct ModeStatus {
     pub name: &'static str,
     /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`, `dry-run`,
     /// `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`, `video-ended`, `fault`,
-    /// `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`, `vehicle-silent`, `suspended`; otherwise `null`.
+    /// `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`, `vehicle-silent`, `suspended`,
+    /// `pan-opposed`, `tilt-opposed`; otherwise `null`.
     pub cause: Option<&'static str>,
     /// Whether the pilot is engaged (servoing or holding).
     pub engaged: bool,

@@ -56,6 +56,8 @@ variants!(StopCause, StopCause, "stop_cause", [
     StopCause::BatteryLow => BatteryLow,
     StopCause::VehicleSilent => VehicleSilent,
     StopCause::Suspended => Suspended,
+    StopCause::PanOpposed => PanOpposed,
+    StopCause::TiltOpposed => TiltOpposed,
 ]);
 variants!(LinkState, LinkState, "link", [
     LinkState::Opening => Opening,

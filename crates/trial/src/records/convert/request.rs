@@ -1,6 +1,6 @@
 //! The operator's requests, to and from their stored form.
 
-use barrelman_vocab::{DrawnSelection, Nudge, OperatorRequest, Timestamp};
+use barrelman_vocab::{Angle, DrawnSelection, Nudge, OperatorRequest, Timestamp};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;
@@ -27,6 +27,12 @@ impl From<&OperatorRequest> for stored::RequestInput {
             OperatorRequest::ChangeLaw(law) => {
                 message.law = stored::LawId::from(*law) as i32;
                 stored::RequestKind::ChangeLaw
+            }
+            OperatorRequest::Search => stored::RequestKind::Search,
+            OperatorRequest::Calibrate => stored::RequestKind::Calibrate,
+            OperatorRequest::SetNetYaw(net) => {
+                message.net_yaw_rad = net.radians();
+                stored::RequestKind::SetNetYaw
             }
             OperatorRequest::Engage => stored::RequestKind::Engage,
             OperatorRequest::Disengage => stored::RequestKind::Disengage,
@@ -57,6 +63,9 @@ impl TryFrom<stored::RequestInput> for OperatorRequest {
                 Self::Nudge(Nudge { pan: message.nudge_pan, tilt: message.nudge_tilt })
             }
             stored::RequestKind::ChangeLaw => Self::ChangeLaw(message.law().try_into()?),
+            stored::RequestKind::Search => Self::Search,
+            stored::RequestKind::Calibrate => Self::Calibrate,
+            stored::RequestKind::SetNetYaw => Self::SetNetYaw(Angle::from_radians(message.net_yaw_rad)),
             stored::RequestKind::Engage => Self::Engage,
             stored::RequestKind::Disengage => Self::Disengage,
             stored::RequestKind::Stop => Self::Stop(message.stop_cause().try_into()?),

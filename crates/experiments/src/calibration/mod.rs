@@ -1,0 +1,15 @@
+//! Measures the axes of a camera from its test motions: sign, gain, dead times and lag of each axis, and the convention of
+//! the reported tilt.
+//!
+//! [`CalibrationRecorder`] takes the video frames, the commands that left, and the reports of the gimbal during the test
+//! motions of `barrelman_pilot::calibration`. [`CalibrationRecorder::result`] fits each axis ([`fit`]) to the picture's own
+//! motion ([`turns`]). An axis whose repetitions do not agree is not told: [`CannotTell`].
+
+pub mod fit;
+
+mod gimbal_reports;
+mod recorder;
+mod turns;
+
+pub use fit::{AxisFit, CannotTell};
+pub use recorder::{CalibrationRecorder, CalibrationResult, MeasuredAxis};

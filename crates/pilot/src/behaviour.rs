@@ -1,0 +1,11 @@
+//! Behaviour version of the pilot: what it makes of the same inputs, tracks and advice.
+//!
+//! Recordings state the version of the pilot that made them, and a replay runs the pilot by that version's rules. Raise the
+//! version in the commit that adds a rule to the old ones, and keep the old ones for replays.
+
+/// The version of the pilots that stated none.
+pub const FIRST: u32 = 1;
+
+/// The version of this pilot. 2: the net yaw is limited; a picture that turns against the command stops the camera; a
+/// track that was measured elsewhere counts as video also while the target is lost.
+pub const NEWEST: u32 = 2;

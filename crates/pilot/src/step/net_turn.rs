@@ -1,0 +1,39 @@
+//! The pilot's part of what turns the vehicle: the net yaw, and motion against the command.
+
+use barrelman_vocab::{CameraCommand, Timestamp, VideoFrame};
+
+use super::Pilot;
+use crate::behaviour;
+use crate::opposed_motion::FrameShift;
+use crate::purpose::Purpose;
+use crate::vehicle::CommandPath;
+
+impl Pilot {
+    /// The pan of the camera model at a time, radians.
+    pub(super) fn pan_at(&self, at: Timestamp) -> f64 {
+        self.law.camera().angles_at(at).0
+    }
+
+    /// The command without a pan that winds up the tether beyond the limit.
+    pub(super) fn within_net_yaw(&self, command: CameraCommand, now: Timestamp) -> CameraCommand {
+        if self.behaviour == behaviour::FIRST {
+            return command;
+        }
+        self.net_yaw.limited(command, self.pan_at(now))
+    }
+
+    /// Compares the shift of the background in a tracked frame with the commands.
+    pub(super) fn check_motion(&mut self, frame: &VideoFrame) {
+        let is_checked = self.behaviour > behaviour::FIRST && self.safety.path() != CommandPath::Unknown;
+        let is_calibrating = self.safety.held() == Some(Purpose::Calibrate);
+        if !is_checked || is_calibrating || self.safety.held().is_none() {
+            return self.opposed_motion.clear();
+        }
+        let Some((shift, from)) = self.tracker.background_shift().zip(self.last_capture) else { return };
+        let seen = FrameShift { shift, picture: frame.picture.size(), from, to: frame.capture.at };
+        if let Some(cause) = self.opposed_motion.add(&seen, self.law.camera()) {
+            self.safety.on_opposed_motion(cause);
+            self.opposed_motion.clear();
+        }
+    }
+}

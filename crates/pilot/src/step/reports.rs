@@ -1,0 +1,35 @@
+//! What the vehicle reports: to the law, the net yaw and the safety rule.
+
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Angle, Telemetry, Timestamp};
+
+use super::Pilot;
+
+impl Pilot {
+    /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
+    pub(super) fn on_telemetry(&mut self, telemetry: &Telemetry) {
+        self.safety.on_report(&telemetry.report);
+        match telemetry.report {
+            Report::CameraTilt(tilt) => self.on_tilt(tilt, telemetry.at),
+            Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
+            Report::GimbalAttitude(attitude) => {
+                let tilt = self.settings.profile.gimbal_tilt.and_then(|convention| convention.tilt(attitude));
+                if let Some(tilt) = tilt {
+                    self.on_tilt(tilt, telemetry.at);
+                }
+            }
+            Report::VehicleAttitude(attitude) => {
+                let pan = self.pan_at(telemetry.at);
+                self.net_yaw.on_attitude(attitude, pan);
+            }
+            Report::Link(LinkState::Opening) => self.net_yaw.forget_reports(),
+            _ => {}
+        }
+    }
+
+    /// The vehicle tells the elevation of the camera's axis.
+    fn on_tilt(&mut self, tilt: Angle, at: Timestamp) {
+        self.reported_tilt = Some((tilt, at));
+        self.law.on_tilt_report(tilt, at);
+    }
+}
