@@ -75,4 +75,6 @@ pub enum LawName {
     TimeFuel,
     /// Optimal law: longest rest.
     Eco,
+    /// Optimal law: one movement for each excursion.
+    Intermittent,
 }
