@@ -85,7 +85,7 @@ export default {
     nudgeVideo: "There is no video.",
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
   },
-  laws: { "minimum-energy": "Optimal: least energy", "time-fuel": "Optimal: quick", eco: "Optimal: most rest", schema: "Paper's schema" },
+  laws: { "minimum-energy": "Optimal: least energy", "time-fuel": "Optimal: quick", eco: "Optimal: most rest", intermittent: "Optimal: one movement each time", schema: "Paper's schema" },
   layers: {
     region: "Region and sectors", box: "Box and axis", heading: "Heading", trail: "Trail", p: "P",
     command: "Camera command", advice: "Advice",

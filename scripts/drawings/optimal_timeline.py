@@ -1,9 +1,9 @@
 """Draws docs/drawings/optimal-timeline.svg: one excursion under the optimal law, beside the same seconds under the paper's.
 
-    for law in schema optimal; do
-      barrelman trials lab2 --perception truth --trials 1 --seed 3 --law $law --record $law
-      barrelman export $law/lab2-3.mcap --output $law-3
-    done
+    trial="barrelman trials lab2 --perception truth --trials 1 --seed 3"
+    $trial --law schema --record schema
+    $trial --law optimal --mode minimum-energy --record optimal
+    for law in schema optimal; do barrelman export $law/lab2-3.mcap --output $law-3; done
     scripts/drawings/optimal_timeline.py schema-3/trial.csv optimal-3/trial.csv > docs/drawings/optimal-timeline.svg
 """
 import csv

@@ -14,9 +14,19 @@ const SWING: u32 = 240;
 
 /// One step, including the camera model, with a target that oscillates with this amplitude: the mean over a period.
 #[divan::bench(args = [60.0, 200.0, 300.0], sample_count = 500, sample_size = SWING)]
-fn step(bencher: Bencher<'_, '_>, reach_px: f64) {
+fn intermittent(bencher: Bencher<'_, '_>, reach_px: f64) {
+    step(bencher, reach_px, OptimalMode::Intermittent);
+}
+
+/// The same of the mode with the least energy.
+#[divan::bench(args = [60.0, 200.0, 300.0], sample_count = 500, sample_size = SWING)]
+fn minimum_energy(bencher: Bencher<'_, '_>, reach_px: f64) {
+    step(bencher, reach_px, OptimalMode::MinimumEnergy);
+}
+
+fn step(bencher: Bencher<'_, '_>, reach_px: f64, mode: OptimalMode) {
     let profile = VehicleProfile::fotokite_pro();
-    let settings = LawSettings::Optimal(OptimalSettings::new(OptimalMode::MinimumEnergy));
+    let settings = LawSettings::Optimal(OptimalSettings::new(mode));
     let mut law = CameraLaw::new(settings, &profile);
     let picture = PictureSize::new(640, 480);
     let region = Region::from_shares(profile.region, picture);

@@ -1,32 +1,30 @@
-//! The optimal law: both axes at once, with the least energy that brings the target back, started by a prediction.
+//! The optimal law: both axes at once, started by a prediction.
 //!
-//! The law predicts the target's position at the time at which a command takes effect ([`BearingFilter`],
-//! [`CameraModel`]). While the predicted position stays well inside the region, the camera rests. When it leaves the
-//! *start* ellipse within the look-ahead, the camera starts. From then on, each step computes the constant rates that
-//! move the target into the *aim* ellipse within the horizon with the least `∫|u|² dt` ([`Transfer`]). When a camera
-//! told to rest now would keep the target inside the *stop* ellipse, the camera is told to rest. `docs/optimal-law.md`
-//! derives the law and shows the ellipses.
+//! Two controllers share the prediction, the bearing filter and the camera model: [`RecedingHorizonLaw`] computes the
+//! rates anew at each step, [`IntermittentLaw`] makes one movement for each excursion. `docs/optimal-law.md` derives
+//! both.
 //!
 //! What must not be here: the decision whether the camera may move at all (`barrelman-pilot`'s safety), and the
 //! vehicle's signs. Work per step: O(1), no allocation.
 
 mod prediction;
+
+mod intermittent;
+mod intermittent_tuning;
+mod movement;
+
+mod receding_horizon;
 mod tuning;
 
-use barrelman_vocab::profile::{AxisRates, VehicleProfile};
-use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
+use barrelman_vocab::profile::VehicleProfile;
+use barrelman_vocab::{CameraCommand, Timestamp};
 
-use self::prediction::{PredictedView, Prediction};
-pub use self::tuning::{OptimalMode, OptimalSettings, Tuning};
-use crate::bearing::{BearingFilter, Propagation};
+pub use self::intermittent::IntermittentLaw;
+pub use self::intermittent_tuning::IntermittentTuning;
+pub use self::receding_horizon::RecedingHorizonLaw;
+pub use self::tuning::{ModeTuning, OptimalMode, OptimalSettings, Tuning};
 use crate::camera_model::CameraModel;
 use crate::law_input::LawInput;
-use crate::transfer::{Pair, Transfer};
-
-/// A target already inside the aim ellipse is moved to this share of the stop ellipse.
-const RECENTRING_SHARE: f64 = 0.8;
-/// An axis rests if its end stop limits its rate to less than this, rad/s.
-const MIN_RATE_TO_STOP: f64 = 0.01;
 
 /// The optimal law with its state.
 ///
@@ -46,14 +44,12 @@ const MIN_RATE_TO_STOP: f64 = 0.01;
 /// assert!(law.command(&input, &camera).pan.radians_per_second() > 0.0);
 /// ```
 #[derive(Debug, Clone)]
-pub struct OptimalLaw {
-    tuning: Tuning,
-    limits: Pair,
-    min_rates: Pair,
-    bearings: BearingFilter,
-    stop_look_ahead: Propagation,
-    command_in_force: CameraCommand,
-    rested_since: Option<Timestamp>,
+pub struct OptimalLaw(Controller);
+
+#[derive(Debug, Clone)]
+enum Controller {
+    RecedingHorizon(RecedingHorizonLaw),
+    Intermittent(IntermittentLaw),
 }
 
 impl OptimalLaw {
@@ -63,160 +59,38 @@ impl OptimalLaw {
     }
 
     /// A law with a custom tuning.
-    pub fn with_tuning(tuning: Tuning, profile: &VehicleProfile) -> Self {
-        let AxisRates { pan, tilt } = profile.limits;
-        let limits = [pan, tilt].map(AngularRate::radians_per_second);
-        let min_rates =
-            [&profile.camera.pan, &profile.camera.tilt].map(|axis| axis.min_rate.radians_per_second());
-        Self {
-            limits: [0, 1].map(|axis| limits[axis].min(tuning.max_rate.max(min_rates[axis]))),
-            min_rates,
-            bearings: BearingFilter::new(tuning.noise),
-            stop_look_ahead: Propagation::new(tuning.stop_look_ahead_s, &tuning.noise),
-            tuning,
-            command_in_force: CameraCommand::REST,
-            rested_since: None,
-        }
+    pub fn with_tuning(tuning: impl Into<ModeTuning>, profile: &VehicleProfile) -> Self {
+        Self(match tuning.into() {
+            ModeTuning::RecedingHorizon(tuning) => {
+                Controller::RecedingHorizon(RecedingHorizonLaw::new(tuning, profile))
+            }
+            ModeTuning::Intermittent(tuning) => {
+                Controller::Intermittent(IntermittentLaw::new(tuning, profile))
+            }
+        })
     }
 
     /// Discards the observations of the target.
     pub fn reset_target(&mut self) {
-        self.bearings.reset_target();
+        match &mut self.0 {
+            Controller::RecedingHorizon(law) => law.reset_target(),
+            Controller::Intermittent(law) => law.reset_target(),
+        }
     }
 
     /// Notes that `command` is in force from `now` on.
     pub fn on_command_applied(&mut self, command: CameraCommand, now: Timestamp) {
-        if command.is_rest() && !self.command_in_force.is_rest() {
-            self.rested_since = Some(now);
+        match &mut self.0 {
+            Controller::RecedingHorizon(law) => law.on_command_applied(command, now),
+            Controller::Intermittent(law) => law.on_command_applied(command, now),
         }
-        self.command_in_force = command;
     }
 
     /// Computes the command of one step.
     pub fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand {
-        let view = self.bearings.observe(input, camera);
-        let Some((measured_at, bearing)) = self.bearings.estimate() else { return CameraCommand::REST };
-        let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
-        let noise = self.tuning.noise;
-        let age_s = input.now.since(*measured_at).as_secs_f64() + start_s;
-        let prediction = Prediction {
-            camera,
-            view,
-            focal_px: camera.focal_px(input.now, input.picture),
-            region: input.region,
-            bearing: *bearing,
-            noise,
-            until_effect: Propagation::new(age_s, &noise),
-            start_s,
-        };
-        let outside = if self.command_in_force.is_rest() {
-            self.view_outside_start(&prediction, input.now)
-        } else {
-            self.view_outside_stop(&prediction)
-        };
-        outside.map_or(CameraCommand::REST, |predicted| self.rates(&prediction, &predicted))
-    }
-
-    /// The stop ellipse for a target of this slowness (0: fast, 1: stationary).
-    fn stop_ellipse(&self, slowness: f64) -> f64 {
-        self.tuning.stop + self.tuning.slow_target_widening * slowness
-    }
-
-    /// The bearing rate relative to that of a fast target: 0 (stationary) to 1 (fast).
-    fn relative_speed(&self, prediction: &Prediction<'_>) -> f64 {
-        (prediction.bearing.angular_speed() / self.tuning.fast_target_rate).min(1.0)
-    }
-
-    /// The first predicted view of a resting camera in which the target is outside of the start ellipse.
-    fn view_outside_start(&self, prediction: &Prediction<'_>, now: Timestamp) -> Option<PredictedView> {
-        let has_rested =
-            self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.min_rest_s);
-        if !has_rested {
-            return None;
+        match &mut self.0 {
+            Controller::RecedingHorizon(law) => law.command(input, camera),
+            Controller::Intermittent(law) => law.command(input, camera),
         }
-        let look_ahead_s = self.relative_speed(prediction) * self.tuning.start_look_ahead_s;
-        let half = Propagation::new(0.5 * look_ahead_s, &self.tuning.noise);
-        [Propagation::ZERO, half, half.then(&half)].iter().map(|after| prediction.view_at_rest(after)).find(
-            |resting| {
-                let start =
-                    self.tuning.start + self.tuning.start_sigma * prediction.position_std_dev(resting);
-                prediction.region.p(resting.point) > start * start
-            },
-        )
-    }
-
-    /// The predicted view of a camera that is told to rest now, if the target is outside of the stop ellipse.
-    fn view_outside_stop(&self, prediction: &Prediction<'_>) -> Option<PredictedView> {
-        let resting = prediction.view_at_rest(&self.stop_look_ahead);
-        let stop = self.stop_ellipse(1.0 - self.relative_speed(prediction));
-        (prediction.region.p(resting.point) > stop * stop).then_some(resting)
-    }
-
-    /// The command of a moving camera. `resting` is the predicted view of a camera that rests instead.
-    fn rates(&self, prediction: &Prediction<'_>, resting: &PredictedView) -> CameraCommand {
-        let slowness = 1.0 - self.relative_speed(prediction);
-        let steepness = 1.0 + self.tuning.steep_view_gain * (prediction.turning_effort(resting) - 1.0);
-        let horizon_s = (1.0 + self.tuning.slow_target_gain * slowness) * steepness * self.tuning.horizon_s;
-        let transfer = prediction.transfer(
-            horizon_s,
-            self.tuning.aim + self.tuning.slow_target_widening * slowness,
-            self.limits,
-        );
-        let mut wanted = transfer.solve().rates;
-        let mut fastest = wanted[0].abs().max(wanted[1].abs());
-        if fastest == 0.0 {
-            // The target reaches the aim ellipse without any motion, but stays outside of the stop ellipse: move
-            // slowly.
-            let aim = RECENTRING_SHARE * self.stop_ellipse(slowness);
-            let factor = horizon_s / (steepness * steepness * self.tuning.recentring_time_s);
-            let recentring = Transfer { aim, ..transfer }.solve();
-            wanted = recentring.rates.map(|rate| factor * rate);
-            fastest = wanted[0].abs().max(wanted[1].abs());
-            if fastest == 0.0 {
-                // Either the target arrives without any motion, or no allowed rate brings it closer.
-                return if recentring.reaches_aim { self.command_in_force } else { CameraCommand::REST };
-            }
-        }
-        self.limited(wanted, fastest, &transfer)
-    }
-
-    /// The wanted rates as a command: scaled to the smallest rate, within the limits of the transfer, and with the
-    /// deadband. `fastest` is the larger of both absolute rates, above 0.
-    fn limited(&self, wanted: Pair, fastest: f64, transfer: &Transfer) -> CameraCommand {
-        let faster = usize::from(wanted[1].abs() > wanted[0].abs());
-        let scale = (self.tuning.min_rate.max(self.min_rates[faster]) / fastest).max(1.0);
-        let in_force = self.command_in_force;
-        let before = [in_force.pan, in_force.tilt].map(AngularRate::radians_per_second);
-        let mut rates = [0.0; 2];
-        for axis in [0, 1] {
-            let rate = wanted[axis] * scale;
-            let share = wanted[axis].abs() / fastest;
-            let (min, max) = (transfer.min_rates[axis], transfer.max_rates[axis]);
-            let limit = if rate < 0.0 { -min } else { max };
-            rates[axis] =
-                if share < self.tuning.min_axis_share || limit < MIN_RATE_TO_STOP.max(self.min_rates[axis]) {
-                    0.0
-                } else {
-                    snap_to_min_rate(rate, self.min_rates[axis]).clamp(min, max)
-                };
-        }
-        let has_changed =
-            (0..2).any(|axis| (rates[axis] - before[axis]).abs() >= self.tuning.command_deadband);
-        if !has_changed && !in_force.is_rest() {
-            return in_force;
-        }
-        let [pan, tilt] = rates.map(AngularRate::from_radians_per_second);
-        CameraCommand { pan, tilt }
-    }
-}
-
-/// The nearest rate that the vehicle can turn at: 0 below half of the smallest rate.
-fn snap_to_min_rate(rate: f64, min_rate: f64) -> f64 {
-    if rate.abs() >= min_rate {
-        rate
-    } else if rate.abs() >= 0.5 * min_rate {
-        libm::copysign(min_rate, rate)
-    } else {
-        0.0
     }
 }

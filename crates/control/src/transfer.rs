@@ -79,6 +79,18 @@ impl Transfer {
         }
     }
 
+    /// The smallest distance from the centre on the way of a movement with these constant rates within the horizon.
+    pub(crate) fn closest_passage(&self, rates: Pair) -> f64 {
+        let way = [0, 1].map(|i| self.pan[i] * rates[0] + self.tilt[i] * rates[1]);
+        let length_squared = square(way);
+        let share = if length_squared > 0.0 {
+            (-dot(self.offset, way) / length_squared).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        libm::sqrt(square([0, 1].map(|i| self.offset[i] + share * way[i])))
+    }
+
     fn is_within_limits(&self, rates: Pair) -> bool {
         (0..2).all(|axis| (self.min_rates[axis]..=self.max_rates[axis]).contains(&rates[axis]))
     }

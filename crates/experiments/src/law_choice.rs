@@ -37,6 +37,8 @@ pub enum ModeName {
     TimeFuel,
     /// Rests most: less energy and time in motion than the schema, in about as many movements.
     Eco,
+    /// One smooth movement for each excursion, with a rest after it.
+    Intermittent,
 }
 
 /// A camera law with its mode and its horizon, which only the optimal law has.
@@ -105,6 +107,14 @@ impl LawChoice {
         Ok(Self { mode: self.mode.or(Self::new(self.name).mode), ..self })
     }
 
+    /// The choice with the mode that a file without modes stands for: such files were written when minimum energy was the
+    /// only mode, or the default one.
+    #[must_use]
+    pub fn with_stored_mode(self) -> Self {
+        let mode = (self.name == LawName::Optimal).then_some(ModeName::MinimumEnergy);
+        Self { mode: self.mode.or(mode), ..self }
+    }
+
     /// The law's name on the command line and in a configuration.
     pub const fn name_str(&self) -> &'static str {
         match self.name {
@@ -120,6 +130,7 @@ impl LawChoice {
             ModeName::MinimumEnergy => "minimum-energy",
             ModeName::TimeFuel => "time-fuel",
             ModeName::Eco => "eco",
+            ModeName::Intermittent => "intermittent",
         })
     }
 
@@ -129,6 +140,7 @@ impl LawChoice {
             ModeName::MinimumEnergy => OptimalMode::MinimumEnergy,
             ModeName::TimeFuel => OptimalMode::TimeFuel,
             ModeName::Eco => OptimalMode::Eco,
+            ModeName::Intermittent => OptimalMode::Intermittent,
         };
         match self.name {
             LawName::MotorSchema => LawSettings::MotorSchema,

@@ -289,6 +289,7 @@ const fn law_text(law: LawId) -> &'static str {
         LawId::MinimumEnergy => "optimal, minimum energy",
         LawId::TimeFuel => "optimal, time and fuel",
         LawId::Eco => "optimal, eco",
+        LawId::Intermittent => "optimal, intermittent",
     }
 }
 

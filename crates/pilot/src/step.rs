@@ -265,6 +265,7 @@ impl Pilot {
             LawId::MinimumEnergy => optimal(OptimalMode::MinimumEnergy),
             LawId::TimeFuel => optimal(OptimalMode::TimeFuel),
             LawId::Eco => optimal(OptimalMode::Eco),
+            LawId::Intermittent => optimal(OptimalMode::Intermittent),
         };
         self.law.change_law(self.settings.law, &self.settings.profile);
     }
@@ -436,6 +437,7 @@ const fn law_id(settings: LawSettings) -> Option<LawId> {
             OptimalMode::MinimumEnergy => LawId::MinimumEnergy,
             OptimalMode::TimeFuel => LawId::TimeFuel,
             OptimalMode::Eco => LawId::Eco,
+            OptimalMode::Intermittent => LawId::Intermittent,
         }),
     }
 }

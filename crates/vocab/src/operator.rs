@@ -63,6 +63,8 @@ pub enum LawId {
     TimeFuel,
     /// Optimal law: longest rest.
     Eco,
+    /// Optimal law: one movement for each excursion.
+    Intermittent,
 }
 
 /// The reason for a stop.

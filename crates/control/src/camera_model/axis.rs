@@ -51,6 +51,11 @@ impl AxisModel {
         self.start_s
     }
 
+    /// The time for which an axis goes on at its full rate when it is told to rest as soon as it has started, seconds.
+    pub(crate) fn stopping_s(&self) -> f64 {
+        self.stop_s - self.start_s + self.lag_s
+    }
+
     /// The factor by which a rate decays within this duration.
     pub(crate) fn rate_decay(&self, duration_s: f64) -> f64 {
         libm::exp(-duration_s / self.lag_s)

@@ -2,11 +2,15 @@
 
 use barrelman_vocab::ImagePoint;
 
-use crate::bearing::{Bearing, BearingNoise, Propagation};
+use crate::bearing::{Bearing, BearingFilter, BearingNoise, Propagation};
 use crate::camera_model::CameraModel;
+use crate::law_input::LawInput;
 use crate::region::Region;
 use crate::transfer::{Pair, Transfer};
 use crate::view::View;
+
+/// An axis rests if its end stop limits its rate to less than this, rad/s.
+pub(super) const MIN_RATE_TO_STOP: f64 = 0.01;
 
 /// The predicted view at one moment.
 #[derive(Debug, Clone, Copy)]
@@ -34,7 +38,30 @@ pub(super) struct Prediction<'a> {
     pub(super) start_s: f64,
 }
 
-impl Prediction<'_> {
+impl<'a> Prediction<'a> {
+    /// The prediction of a step: the filter observes the input first. `None` without an estimate of the target.
+    pub(super) fn observed(
+        bearings: &mut BearingFilter,
+        noise: BearingNoise,
+        input: &LawInput<'_>,
+        camera: &'a CameraModel,
+    ) -> Option<Self> {
+        let view = bearings.observe(input, camera);
+        let (measured_at, bearing) = bearings.estimate()?;
+        let start_s = camera.axes().map(|axis| axis.start_s()).into_iter().fold(0.0, f64::max);
+        let age_s = input.now.since(*measured_at).as_secs_f64() + start_s;
+        Some(Self {
+            camera,
+            view,
+            focal_px: camera.focal_px(input.now, input.picture),
+            region: input.region,
+            bearing: *bearing,
+            noise,
+            until_effect: Propagation::new(age_s, &noise),
+            start_s,
+        })
+    }
+
     /// The view at a time after the effect time if the camera is told to rest now.
     pub(super) fn view_at_rest(&self, after: &Propagation) -> PredictedView {
         let angles = self
@@ -68,6 +95,19 @@ impl Prediction<'_> {
         let view = self.view.with_pointing(self.focal_px, pan, tilt);
         let point = view.project(self.bearing.apparent_direction_after(rate_gain_s, sway_decay));
         PredictedView { view, point, rate_gain_s, sway_decay }
+    }
+
+    /// The rates, limited so that each axis can be stopped before the end stop that it turns to; 0 where little is left.
+    pub(super) fn stoppable_rates(&self, rates: Pair) -> Pair {
+        let axes = self.camera.axes();
+        [0, 1].map(|index| {
+            let (axis, rate) = (axes[index], rates[index]);
+            let way = axis
+                .range_to_stops(axis.angle_coasting(0.0))
+                .map(|(below, above)| if rate < 0.0 { below } else { above });
+            let limit = way.map_or(f64::INFINITY, |way| way / axis.stopping_s());
+            if limit < MIN_RATE_TO_STOP { 0.0 } else { rate.clamp(-limit, limit) }
+        })
     }
 
     /// The problem of moving the target into the aim ellipse within the horizon.

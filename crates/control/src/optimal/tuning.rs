@@ -1,5 +1,6 @@
 //! Settings of the optimal law: its modes and the tuning of each mode.
 
+use super::intermittent_tuning::IntermittentTuning;
 use crate::bearing::BearingNoise;
 
 /// What the optimal law minimises.
@@ -13,6 +14,8 @@ pub enum OptimalMode {
     /// Energy, time in motion and number of movements: all are lower than with the motor schema. The target spends more
     /// time outside of the region than with the other modes.
     Eco,
+    /// All of it, and the smoothness of the commands: one movement for each excursion, with a rest after it.
+    Intermittent,
 }
 
 /// Settings of the optimal law.
@@ -35,17 +38,44 @@ impl OptimalSettings {
     pub const HORIZONS_S: core::ops::RangeInclusive<f64> = 0.5..=5.0;
 
     /// The tuning that corresponds to these settings.
-    pub fn tuning(&self) -> Tuning {
-        let tuning = match self.mode {
-            OptimalMode::MinimumEnergy => Tuning::MINIMUM_ENERGY,
-            OptimalMode::TimeFuel => Tuning::TIME_FUEL,
-            OptimalMode::Eco => Tuning::ECO,
+    pub fn tuning(&self) -> ModeTuning {
+        let receding = |tuning: Tuning| {
+            Tuning { horizon_s: self.horizon_s.unwrap_or(tuning.horizon_s), ..tuning }.into()
         };
-        Tuning { horizon_s: self.horizon_s.unwrap_or(tuning.horizon_s), ..tuning }
+        match self.mode {
+            OptimalMode::MinimumEnergy => receding(Tuning::MINIMUM_ENERGY),
+            OptimalMode::TimeFuel => receding(Tuning::TIME_FUEL),
+            OptimalMode::Eco => receding(Tuning::ECO),
+            OptimalMode::Intermittent => {
+                let tuning = IntermittentTuning::DEFAULT;
+                self.horizon_s.map_or(tuning, |horizon_s| tuning.with_horizon(horizon_s)).into()
+            }
+        }
     }
 }
 
-/// All parameters of the optimal law.
+/// The tuning of any mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ModeTuning {
+    /// Of a mode that computes its rates anew at each step.
+    RecedingHorizon(Tuning),
+    /// Of the intermittent mode.
+    Intermittent(IntermittentTuning),
+}
+
+impl From<Tuning> for ModeTuning {
+    fn from(tuning: Tuning) -> Self {
+        Self::RecedingHorizon(tuning)
+    }
+}
+
+impl From<IntermittentTuning> for ModeTuning {
+    fn from(tuning: IntermittentTuning) -> Self {
+        Self::Intermittent(tuning)
+    }
+}
+
+/// All parameters of the receding-horizon modes.
 ///
 /// Distances are in semi-axes of the region: 1 is the region's ellipse. A target is *slow* in proportion to how far its
 /// bearing rate lies below `fast_target_rate`; at zero rate it is fully slow.

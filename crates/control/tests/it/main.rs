@@ -3,6 +3,7 @@
 
 mod bearing;
 mod camera_model;
+mod intermittent;
 mod motor_schema;
 mod optimal;
 mod transfer;

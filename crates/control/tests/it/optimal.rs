@@ -8,19 +8,20 @@ use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, Times
 use proptest::prelude::*;
 
 const PICTURE: PictureSize = PictureSize::new(640, 480);
-const STEP_S: f64 = 1.0 / 30.0;
-const MODES: [OptimalMode; 3] = [OptimalMode::MinimumEnergy, OptimalMode::TimeFuel, OptimalMode::Eco];
+pub(crate) const STEP_S: f64 = 1.0 / 30.0;
+const MODES: [OptimalMode; 4] =
+    [OptimalMode::MinimumEnergy, OptimalMode::TimeFuel, OptimalMode::Eco, OptimalMode::Intermittent];
 
-fn law(mode: OptimalMode, profile: &VehicleProfile) -> CameraLaw {
+pub(crate) fn law(mode: OptimalMode, profile: &VehicleProfile) -> CameraLaw {
     CameraLaw::new(LawSettings::Optimal(OptimalSettings::new(mode)), profile)
 }
 
-fn rates(command: CameraCommand) -> [f64; 2] {
+pub(crate) fn rates(command: CameraCommand) -> [f64; 2] {
     [command.pan.radians_per_second(), command.tilt.radians_per_second()]
 }
 
 /// Runs one step with a measurement that is 0.1 s old, and returns the command.
-fn step(
+pub(crate) fn step(
     law: &mut CameraLaw,
     profile: &VehicleProfile,
     position: ImagePoint,
@@ -43,7 +44,7 @@ fn step(
 
 /// Runs the law with a camera without lag and a target with a constant bearing rate for `seconds`. Returns the target's
 /// x in the picture and the command of each step.
-fn follow(
+pub(crate) fn follow(
     mode: OptimalMode,
     profile: &VehicleProfile,
     start_px: f64,

@@ -1,14 +1,14 @@
 //! The table of laws and conditions: each law's metrics beside the motor schema's, with the limits that are judged.
 
 use anyhow::Result;
-use barrelman_control::optimal::Tuning;
+use barrelman_experiments::law_choice::ModeName;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
 
 use super::conditions::Condition;
 use super::law_under_test::LawUnderTest;
 use super::options::Options;
-use super::requirements::max_ratio;
+use super::requirements::{max_achieved_ratio, max_ratio};
 use crate::output::print_line;
 
 /// The rows of a law: the printed name, and the metric of a comparison.
@@ -26,16 +26,30 @@ const METRICS: [(&str, &str); 11] = [
     ("lost", "lost"),
 ];
 
+/// The rows of a law's achieved motion.
+const ACHIEVED_METRICS: [(&str, &str); 5] = [
+    ("rate2", "integral of rate squared"),
+    ("moves", "moves"),
+    ("|rate|", "integral of |rate|"),
+    ("moving", "movement time"),
+    ("variat.", "variation"),
+];
+
 /// Most trials of each condition for a law that solves an optimisation problem for each picture.
 const MAX_SEEDS_OF_SLOW_LAW: u64 = 48;
 
 /// Prints the table. Returns whether every requirement holds.
-pub(super) fn print(conditions: &[&Condition], options: &Options, minimum_energy: &Tuning) -> Result<bool> {
+pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool> {
     let Options { first_seed, seeds, .. } = *options;
+    let optimal = |mode| {
+        let (name, tuning) = options.tuning_of(mode)?;
+        anyhow::Ok((name, LawUnderTest::Optimal(tuning)))
+    };
     let laws = [
-        ("minimum-energy", LawUnderTest::Optimal(*minimum_energy)),
-        ("time-fuel", LawUnderTest::Optimal(Tuning::TIME_FUEL)),
-        ("eco", LawUnderTest::Optimal(Tuning::ECO)),
+        optimal(ModeName::MinimumEnergy)?,
+        optimal(ModeName::TimeFuel)?,
+        optimal(ModeName::Eco)?,
+        optimal(ModeName::Intermittent)?,
         ("centre", LawUnderTest::Centring),
         ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
         ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
@@ -44,31 +58,46 @@ pub(super) fn print(conditions: &[&Condition], options: &Options, minimum_energy
     let mut is_met = true;
     for condition in conditions {
         let plan = condition.plan()?;
-        let baseline = LawUnderTest::MotorSchema.simulate(&plan, first_seed..first_seed + seeds)?;
+        let baseline =
+            LawUnderTest::MotorSchema.simulate_with_motion(&plan, first_seed..first_seed + seeds)?;
         print_line(&format!(
             "\n{}: {seeds} trials, seeds from {first_seed} on; ratios to the schema's means, 95 %",
             condition.name()
         ));
         for (name, law) in laws.iter().filter(|(name, _)| options.includes_law(name)) {
             let count = if law.is_slow() { seeds.min(MAX_SEEDS_OF_SLOW_LAW) } else { seeds };
-            let trials = law.simulate(&plan, first_seed..first_seed + count)?;
-            let comparison = CampaignComparison::new(&baseline, &trials, &Bootstrap::DEFAULT);
-            is_met &= print_law(condition, name, &comparison);
+            let trials = law.simulate_with_motion(&plan, first_seed..first_seed + count)?;
+            let comparison = CampaignComparison::new(&baseline.0, &trials.0, &Bootstrap::DEFAULT);
+            is_met &=
+                print_rows(name, "", &comparison, &METRICS, |metric| max_ratio(condition, name, metric));
+            let comparison = CampaignComparison::new(&baseline.1, &trials.1, &Bootstrap::DEFAULT);
+            is_met &= print_rows(name, "achieved ", &comparison, &ACHIEVED_METRICS, |metric| {
+                max_achieved_ratio(name, metric)
+            });
         }
     }
     Ok(is_met)
 }
 
-/// Prints the rows of a law. Returns whether its requirements hold.
-fn print_law(condition: &Condition, law: &str, comparison: &CampaignComparison) -> bool {
+/// Prints rows of a law. Returns whether its requirements hold.
+fn print_rows(
+    law: &str,
+    prefix: &str,
+    comparison: &CampaignComparison,
+    metrics: &[(&str, &str)],
+    limit: impl Fn(&str) -> Option<f64>,
+) -> bool {
     let mut is_met = true;
-    for (printed_name, metric) in METRICS {
-        let Some(paired) = comparison.metrics.iter().find(|paired| paired.metric == metric) else { continue };
-        let limit = max_ratio(condition, law, metric);
+    for (printed_name, metric) in metrics {
+        let Some(paired) = comparison.metrics.iter().find(|paired| paired.metric == *metric) else {
+            continue;
+        };
+        let limit = limit(metric);
         let is_missed = limit.is_some_and(|limit| !is_within(paired, limit));
         is_met &= !is_missed;
         print_line(&format!(
-            "  {law:15} {printed_name:8} {:>9.3} {:>9.3}  {}  {}",
+            "  {law:15} {:17} {:>9.3} {:>9.3}  {}  {}",
+            format!("{prefix}{printed_name}"),
             paired.first,
             paired.second,
             ratio_cell(paired.ratio),

@@ -19,16 +19,20 @@ const fn condition(scenario: &'static str, setting: &'static str) -> Condition {
 }
 
 /// All conditions, in the order of the tables.
-pub(super) const CONDITIONS: [Condition; 10] = [
+pub(super) const CONDITIONS: [Condition; 14] = [
     condition("lab1", "still"),
     condition("lab1", "indoor"),
     condition("lab1", "windy"),
     condition("lab2", "still"),
     condition("lab2", "indoor"),
     condition("lab2", "windy"),
+    condition("field1", "still"),
     condition("field1", "field"),
+    condition("field2", "still"),
     condition("field2", "field"),
+    condition("steep1", "still"),
     condition("steep1", "field"),
+    condition("steep2", "still"),
     condition("steep2", "field"),
 ];
 

@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use anyhow::Result;
-use barrelman_control::optimal::{OptimalLaw, Tuning};
+use barrelman_control::optimal::{ModeTuning, OptimalLaw};
 use barrelman_control::{CentringGains, Law, MotorSchema};
 use barrelman_experiments::campaign::plan::CampaignPlan;
 use barrelman_trial::metrics::TrialEntry;
 use barrelman_vocab::VehicleProfile;
 
+use super::achieved_motion;
 use super::lqg::Lqg;
 use super::mpc::Mpc;
 use crate::parallel;
@@ -18,7 +19,7 @@ use crate::parallel;
 pub(super) enum LawUnderTest {
     MotorSchema,
     Centring,
-    Optimal(Tuning),
+    Optimal(ModeTuning),
     /// A linear-quadratic regulator with this weight of the squared rate, s².
     Lqg(f64),
     /// Model predictive control with a soft ellipse.
@@ -49,12 +50,26 @@ impl LawUnderTest {
     /// # Errors
     /// If a trial cannot be simulated.
     pub(super) fn simulate(&self, plan: &CampaignPlan, seeds: Range<u64>) -> Result<Vec<TrialEntry>> {
+        Ok(self.simulate_with_motion(plan, seeds)?.0)
+    }
+
+    /// Simulates a trial for each seed. The second list has the same trials, with the achieved rates in the place of
+    /// the commands.
+    ///
+    /// # Errors
+    /// If a trial cannot be simulated.
+    pub(super) fn simulate_with_motion(
+        &self,
+        plan: &CampaignPlan,
+        seeds: Range<u64>,
+    ) -> Result<(Vec<TrialEntry>, Vec<TrialEntry>)> {
         let seeds: Vec<u64> = seeds.collect();
         parallel::map(&seeds, |seed| {
             let log = plan.simulate_with_law(Some(self.build(plan.profile())), *seed, &mut ())?;
-            Ok(plan.entry(*seed, &log))
+            Ok((plan.entry(*seed, &log), plan.entry(*seed, &achieved_motion::as_commands(&log))))
         })
         .into_iter()
-        .collect()
+        .collect::<Result<Vec<_>>>()
+        .map(|pairs| pairs.into_iter().unzip())
     }
 }

@@ -17,6 +17,7 @@ mod conditions;
 mod requirements;
 mod tuning_parameters;
 
+mod achieved_motion;
 mod law_under_test;
 mod lqg;
 mod mpc;
@@ -27,7 +28,6 @@ mod options;
 pub(crate) use options::{Options, TuneOptions};
 
 use anyhow::Result;
-use barrelman_control::optimal::Tuning;
 
 use conditions::{CONDITIONS, Condition};
 
@@ -38,13 +38,13 @@ use conditions::{CONDITIONS, Condition};
 pub(crate) fn run(options: &Options) -> Result<bool> {
     let chosen: Vec<&Condition> =
         CONDITIONS.iter().filter(|condition| options.includes_condition(&condition.name())).collect();
-    let tuning = tuning_parameters::with_changes(Tuning::MINIMUM_ENERGY, &options.set)?;
-    let mut is_met = comparison_table::print(&chosen, options, &tuning)?;
+    let tuning = options.tuning()?;
+    let mut is_met = comparison_table::print(&chosen, options)?;
     if options.includes_table("robustness") {
-        is_met &= profile_errors::print(options.first_seed, options.seeds, &tuning)?;
+        is_met &= profile_errors::print(options.first_seed, options.seeds, tuning)?;
     }
     if options.includes_table("vehicles") {
-        is_met &= other_vehicles::print(options.first_seed, options.seeds, &tuning)?;
+        is_met &= other_vehicles::print(options.first_seed, options.seeds, tuning)?;
     }
     Ok(is_met)
 }

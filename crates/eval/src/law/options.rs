@@ -1,6 +1,11 @@
 //! Options of `barrelman-eval law` and `barrelman-eval tune`.
 
+use anyhow::Result;
+use barrelman_control::optimal::ModeTuning;
+use barrelman_experiments::law_choice::ModeName;
 use clap::Args;
+
+use super::tuning_parameters;
 
 /// Options of `law`.
 #[derive(Debug, Clone, Args)]
@@ -17,7 +22,10 @@ pub(crate) struct Options {
     /// Only laws whose name begins so, such as `minimum-energy` or `LQG` (repeatable).
     #[arg(long, value_name = "NAME")]
     pub(crate) law: Vec<String>,
-    /// Change a value of `minimum-energy` (repeatable); the names are those that `tune` prints.
+    /// The mode of the tables `robustness` and `vehicles`, and of `--set`.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) mode: ModeName,
+    /// Change a value of the mode (repeatable); the names are those that `tune` prints.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
 }
@@ -27,13 +35,16 @@ pub(crate) struct Options {
 pub(crate) struct TuneOptions {
     /// The mode that is tuned.
     #[arg(long, value_enum, default_value_t)]
-    pub(crate) mode: barrelman_experiments::law_choice::ModeName,
+    pub(crate) mode: ModeName,
     /// Tunings that are tried.
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub(crate) rounds: u64,
-    /// Trials of each condition for each tuning, with the seeds from 1 on.
+    /// Trials of each condition for each tuning.
     #[arg(long, value_name = "N", default_value_t = 24)]
     pub(crate) seeds: u64,
+    /// The first seed of the trials; seeds from 20,000 on are for judging.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub(crate) first_seed: u64,
     /// Seed of the search.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) search: u64,
@@ -43,6 +54,23 @@ pub(crate) struct TuneOptions {
 }
 
 impl Options {
+    /// The tuning of the chosen mode with the changes.
+    ///
+    /// # Errors
+    /// If a changed value does not exist.
+    pub(super) fn tuning(&self) -> Result<ModeTuning> {
+        tuning_parameters::with_changes(tuning_parameters::of_mode(self.mode).1, &self.set)
+    }
+
+    /// A mode's name in the tables, and its tuning: with the changes if the mode is the chosen one.
+    ///
+    /// # Errors
+    /// If a changed value does not exist.
+    pub(super) fn tuning_of(&self, mode: ModeName) -> Result<(&'static str, ModeTuning)> {
+        let (name, tuning) = tuning_parameters::of_mode(mode);
+        Ok((name, if mode == self.mode { self.tuning()? } else { tuning }))
+    }
+
     /// Whether a condition is chosen.
     pub(super) fn includes_condition(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|prefix| name.starts_with(prefix.as_str()))

@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use anyhow::Result;
-use barrelman_control::optimal::Tuning;
+use barrelman_control::optimal::ModeTuning;
 use barrelman_sim::Scenario;
 use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_vocab::profile::AxisRates;
@@ -15,7 +15,7 @@ use super::variants::{self, Variant};
 ///
 /// # Errors
 /// If a scenario cannot be used.
-pub(super) fn print(first_seed: u64, seeds: u64, tuning: &Tuning) -> Result<bool> {
+pub(super) fn print(first_seed: u64, seeds: u64, tuning: ModeTuning) -> Result<bool> {
     variants::print_table("other vehicles", &VARIANTS, (first_seed, seeds), tuning)
 }
 

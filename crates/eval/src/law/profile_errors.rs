@@ -1,7 +1,7 @@
 //! The table `robustness`: the laboratory with a vehicle that differs from its profile.
 
 use anyhow::Result;
-use barrelman_control::optimal::Tuning;
+use barrelman_control::optimal::ModeTuning;
 use barrelman_sim::Scenario;
 use barrelman_sim::camera_axis::AxisPlant;
 use barrelman_vocab::{Angle, VehicleProfile};
@@ -30,7 +30,7 @@ const VARIANTS: [Variant; 12] = [
 ///
 /// # Errors
 /// If a scenario cannot be used.
-pub(super) fn print(first_seed: u64, seeds: u64, tuning: &Tuning) -> Result<bool> {
+pub(super) fn print(first_seed: u64, seeds: u64, tuning: ModeTuning) -> Result<bool> {
     let title = "a vehicle that is not as its profile says";
     variants::print_table(title, &VARIANTS, (first_seed, seeds), tuning)
 }

@@ -17,6 +17,10 @@ pub(super) fn max_ratio(condition: &Condition, mode: &str, metric: &str) -> Opti
         ("minimum-energy", "integral of rate squared") if is_field => Some(0.75),
         ("minimum-energy", "time outside" | "integral of rate squared") => Some(1.0),
         ("minimum-energy", "moves") if condition.scenario.starts_with("steep") => Some(1.1),
+        ("intermittent", "time outside") => Some(if is_laboratory { 0.60 } else { 0.45 }),
+        ("intermittent", "integral of rate squared" | "largest P") => Some(0.85),
+        ("intermittent", metric) if is_of_motion(metric) => Some(1.0),
+        ("intermittent", "time out of the picture" | "lost") => Some(1.0),
         ("eco", "time outside") if is_laboratory => by_arena(0.85, 0.65),
         ("eco", "integral of |rate|" | "integral of rate squared" | "movement time") if is_laboratory => {
             Some(1.0)
@@ -24,4 +28,18 @@ pub(super) fn max_ratio(condition: &Condition, mode: &str, metric: &str) -> Opti
         ("eco", "moves") if is_laboratory => Some(1.15),
         _ => None,
     }
+}
+
+/// The same for the achieved motion, whose time outside and largest P are those of the commands.
+pub(super) fn max_achieved_ratio(mode: &str, metric: &str) -> Option<f64> {
+    match (mode, metric) {
+        ("intermittent", "integral of rate squared") => Some(0.85),
+        ("intermittent", metric) if metric != "jerk" && is_of_motion(metric) => Some(1.0),
+        _ => None,
+    }
+}
+
+/// Whether less of the metric means less or smoother motion.
+fn is_of_motion(metric: &str) -> bool {
+    matches!(metric, "moves" | "integral of |rate|" | "movement time" | "variation" | "jerk")
 }

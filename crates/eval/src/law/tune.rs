@@ -4,10 +4,11 @@
 //! The cost sums, over conditions and metrics, by how much a ratio exceeds its limit less a margin. Time outside and
 //! energy count beyond that, with a small weight.
 
+use std::ops::Range;
+
 use anyhow::Result;
-use barrelman_control::optimal::Tuning;
+use barrelman_control::optimal::ModeTuning;
 use barrelman_experiments::campaign::plan::CampaignPlan;
-use barrelman_experiments::law_choice::ModeName;
 use barrelman_sim::noise;
 use barrelman_trial::campaign::compare::{METRICS, Metric};
 use barrelman_trial::metrics::{TrialEntry, TrialMetrics};
@@ -15,18 +16,20 @@ use barrelman_trial::metrics::{TrialEntry, TrialMetrics};
 use super::conditions::{CONDITIONS, Condition};
 use super::law_under_test::LawUnderTest;
 use super::options::TuneOptions;
-use super::requirements::max_ratio;
-use super::tuning_parameters::{PARAMETERS, to_options, with_changes};
+use super::requirements::{max_achieved_ratio, max_ratio};
+use super::tuning_parameters::{mutated, of_mode, to_options, with_changes};
 use crate::output::print_line;
 
-/// The first seed of the trials.
-const FIRST_SEED: u64 = 1;
 /// A ratio is to be at most this share of its limit.
 const MARGIN: f64 = 0.93;
 /// Weight of the logarithms of time outside and energy.
 const LOG_WEIGHT: f64 = 0.01;
 /// Added to both means of a ratio, so that rare events such as lost trials count less.
 const RATIO_FLOOR: f64 = 0.02;
+/// The same for lost trials and for time out of the picture, which few seeds show.
+const RARE_FLOOR: f64 = 0.5;
+/// A candidate is given up when its cost exceeds the best by this: the terms still to come may be negative.
+const INCOMPLETE_MARGIN: f64 = 0.1;
 /// Widths of the random steps as shares of the ranges; mostly short ones, to escape a local minimum a long one.
 const SHORT_STEP: f64 = 0.08;
 const LONG_STEP: f64 = 0.3;
@@ -34,12 +37,15 @@ const LONG_STEP_PROBABILITY: f64 = 0.2;
 /// How many values a round changes on average.
 const MEAN_CHANGES: f64 = 2.5;
 
+/// Means in the order of [`METRICS`].
+type Means = Vec<Option<f64>>;
+
 /// A condition with the motor schema's means.
 struct Baseline {
     condition: &'static Condition,
     plan: CampaignPlan,
-    /// In the order of [`METRICS`].
-    means: Vec<Option<f64>>,
+    /// Of the commands, and of the achieved motion.
+    means: [Means; 2],
 }
 
 /// What is minimised.
@@ -48,80 +54,85 @@ struct Objective {
     mode: &'static str,
     baselines: Vec<Baseline>,
     /// Trials of each condition.
-    seeds: u64,
+    seeds: Range<u64>,
 }
 
 /// Searches, and prints each improvement.
 pub(super) fn run(options: &TuneOptions) -> Result<()> {
-    let (tuning, mode) = match options.mode {
-        ModeName::MinimumEnergy => (Tuning::MINIMUM_ENERGY, "minimum-energy"),
-        ModeName::TimeFuel => (Tuning::TIME_FUEL, "time-fuel"),
-        ModeName::Eco => (Tuning::ECO, "eco"),
-    };
-    let objective = Objective::new(mode, options.seeds)?;
+    let (mode, tuning) = of_mode(options.mode);
+    let objective = Objective::new(mode, options)?;
     let mut best = with_changes(tuning, &options.set)?;
-    let mut min_cost = objective.cost(&best)?;
+    let mut min_cost = objective.cost(best, f64::INFINITY)?;
     print_line(&format!("{mode}: {min_cost:.5} to begin with"));
     for round in 0..options.rounds {
-        let candidate = mutate(&best, |index| noise::unit(options.search, round, index));
-        let cost = objective.cost(&candidate)?;
+        let random = |index| noise::unit(options.search, round, index);
+        let step = if random(0) < LONG_STEP_PROBABILITY { LONG_STEP } else { SHORT_STEP };
+        let candidate = mutated(best, step, MEAN_CHANGES, random);
+        let cost = objective.cost(candidate, min_cost)?;
         if cost < min_cost {
             (best, min_cost) = (candidate, cost);
-            print_line(&format!("round {round}: {min_cost:.5} {}", to_options(&best)));
+            print_line(&format!("round {round}: {min_cost:.5} {}", to_options(best)));
         }
     }
     Ok(())
 }
 
-/// Changes a few values. `random` gives uniform deviates in [0, 1) by their index.
-fn mutate(tuning: &Tuning, random: impl Fn(u64) -> f64) -> Tuning {
-    let mut candidate = *tuning;
-    let step = if random(0) < LONG_STEP_PROBABILITY { LONG_STEP } else { SHORT_STEP };
-    for (index, (_, (low, high), field)) in (1_u64..).zip(&PARAMETERS) {
-        if random(2 * index) < MEAN_CHANGES / PARAMETERS.len() as f64 {
-            let value = field(&mut candidate);
-            *value = (*value + step * (high - low) * (2.0 * random(2 * index + 1) - 1.0)).clamp(*low, *high);
-        }
-    }
-    candidate
-}
-
 impl Objective {
-    fn new(mode: &'static str, seeds: u64) -> Result<Self> {
+    fn new(mode: &'static str, options: &TuneOptions) -> Result<Self> {
+        let seeds = options.first_seed..options.first_seed + options.seeds;
         let baselines = CONDITIONS
             .iter()
             // A platform that stands still is nearly like one indoors; conditions without requirements only cost time.
             .filter(|condition| {
                 let is_judged = |(metric, _, _): &Metric| max_ratio(condition, mode, metric).is_some();
-                condition.setting != "still" && METRICS.iter().any(is_judged)
+                let is_still_laboratory = condition.setting == "still" && condition.is_laboratory();
+                !is_still_laboratory && METRICS.iter().any(is_judged)
             })
             .map(|condition| {
                 let plan = condition.plan()?;
-                let means = means(&simulate(&plan, &LawUnderTest::MotorSchema, seeds)?);
+                let means = means(&plan, &LawUnderTest::MotorSchema, &seeds)?;
                 Ok(Baseline { condition, plan, means })
             })
             .collect::<Result<_>>()?;
         Ok(Self { mode, baselines, seeds })
     }
 
-    fn cost(&self, tuning: &Tuning) -> Result<f64> {
+    /// The cost of a tuning; beyond `max_cost` the sum may be incomplete.
+    fn cost(&self, tuning: ModeTuning, max_cost: f64) -> Result<f64> {
         let mut cost = 0.0;
         for baseline in &self.baselines {
-            let means = means(&simulate(&baseline.plan, &LawUnderTest::Optimal(*tuning), self.seeds)?);
-            for (((metric, _, _), base), mean) in METRICS.iter().zip(&baseline.means).zip(means) {
-                let (Some(base), Some(mean)) = (base, mean) else { continue };
-                let required = max_ratio(baseline.condition, self.mode, metric);
-                let limit = required.or_else(|| desired_ratio(baseline.condition, self.mode, metric));
-                let Some(limit) = limit else { continue };
-                let ratio = (mean + RATIO_FLOOR) / (base + RATIO_FLOOR);
-                let excess = (ratio / (MARGIN * limit) - 1.0).max(0.0);
-                cost += excess * excess + 0.1 * excess;
-                if matches!(*metric, "time outside" | "integral of rate squared") {
-                    cost += LOG_WEIGHT * (ratio / limit).max(1e-3).ln();
-                }
+            let means = means(&baseline.plan, &LawUnderTest::Optimal(tuning), &self.seeds)?;
+            for (achieved, (base, mean)) in [false, true].into_iter().zip(baseline.means.iter().zip(means)) {
+                cost += self.cost_of(baseline.condition, achieved, base, &mean);
+            }
+            if cost > max_cost + INCOMPLETE_MARGIN {
+                break;
             }
         }
         Ok(cost)
+    }
+
+    fn cost_of(&self, condition: &Condition, achieved: bool, base: &Means, means: &Means) -> f64 {
+        let mut cost = 0.0;
+        for (((metric, _, _), base), mean) in METRICS.iter().zip(base).zip(means) {
+            let (Some(base), Some(mean)) = (base, mean) else { continue };
+            let limit = if achieved {
+                max_achieved_ratio(self.mode, metric)
+            } else {
+                max_ratio(condition, self.mode, metric)
+                    .or_else(|| desired_ratio(condition, self.mode, metric))
+            };
+            let Some(limit) = limit else { continue };
+            let floor =
+                if matches!(*metric, "lost" | "time out of the picture") { RARE_FLOOR } else { RATIO_FLOOR };
+            let ratio = (mean + floor) / (base + floor);
+            let excess = (ratio / (MARGIN * limit) - 1.0).max(0.0);
+            cost += excess * excess + 0.1 * excess;
+            if !achieved && matches!(*metric, "time outside" | "integral of rate squared") {
+                cost += LOG_WEIGHT * (ratio / limit).max(1e-3).ln();
+            }
+        }
+        cost
     }
 }
 
@@ -132,15 +143,14 @@ fn desired_ratio(condition: &Condition, mode: &str, metric: &str) -> Option<f64>
     (is_desired && condition.is_laboratory()).then_some(4.0)
 }
 
-fn simulate(plan: &CampaignPlan, law: &LawUnderTest, seeds: u64) -> Result<Vec<TrialEntry>> {
-    law.simulate(plan, FIRST_SEED..FIRST_SEED + seeds)
+/// The mean of each metric over the trials that have it: of the commands, and of the achieved motion.
+fn means(plan: &CampaignPlan, law: &LawUnderTest, seeds: &Range<u64>) -> Result<[Means; 2]> {
+    let (commanded, achieved) = law.simulate_with_motion(plan, seeds.clone())?;
+    Ok([commanded, achieved]
+        .map(|trials| METRICS.iter().map(|(_, _, value)| mean_of(&trials, *value)).collect()))
 }
 
-/// The mean of each metric over the trials that have it.
-fn means(trials: &[TrialEntry]) -> Vec<Option<f64>> {
-    let mean = |value: &fn(&TrialMetrics) -> Option<f64>| {
-        let values: Vec<f64> = trials.iter().filter_map(|trial| value(&trial.metrics)).collect();
-        (!values.is_empty()).then(|| crate::statistics::mean(&values))
-    };
-    METRICS.iter().map(|(_, _, value)| mean(value)).collect()
+fn mean_of(trials: &[TrialEntry], value: fn(&TrialMetrics) -> Option<f64>) -> Option<f64> {
+    let values: Vec<f64> = trials.iter().filter_map(|trial| value(&trial.metrics)).collect();
+    (!values.is_empty()).then(|| crate::statistics::mean(&values))
 }

@@ -1,13 +1,14 @@
 //! The parameters of the optimal law that are tuned: their names for `--set`, and the ranges of the search.
 
 use anyhow::{Context, Result, bail};
-use barrelman_control::optimal::Tuning;
+use barrelman_control::optimal::{IntermittentTuning, ModeTuning, Tuning};
+use barrelman_experiments::law_choice::ModeName;
 
 /// A parameter: its name, the range that is searched, and its field.
-pub(super) type Parameter = (&'static str, (f64, f64), fn(&mut Tuning) -> &mut f64);
+pub(super) type Parameter<T> = (&'static str, (f64, f64), fn(&mut T) -> &mut f64);
 
-/// The parameters that are tuned. The names are words of the command line: they stay when a field is renamed.
-pub(super) const PARAMETERS: [Parameter; 22] = [
+/// The parameters of the receding-horizon modes. The names are words of the command line: they stay when a field is renamed.
+const RECEDING_HORIZON: [Parameter<Tuning>; 22] = [
     ("start", (0.7, 1.1), |t| &mut t.start),
     ("doubt", (0.0, 2.0), |t| &mut t.start_sigma),
     ("stop", (0.0, 1.0), |t| &mut t.stop),
@@ -32,15 +33,57 @@ pub(super) const PARAMETERS: [Parameter; 22] = [
     ("hold", (0.0, 0.1), |t| &mut t.command_deadband),
 ];
 
+/// The parameters of the intermittent mode.
+const INTERMITTENT: [Parameter<IntermittentTuning>; 21] = [
+    ("start", (0.8, 1.1), |t| &mut t.start),
+    ("start_sigma", (0.0, 1.0), |t| &mut t.start_sigma),
+    ("start_look_ahead_s", (-0.2, 0.5), |t| &mut t.start_look_ahead_s),
+    ("stop", (0.3, 1.0), |t| &mut t.stop),
+    ("stop_look_ahead_s", (0.0, 2.0), |t| &mut t.stop_look_ahead_s),
+    ("aim", (0.1, 0.9), |t| &mut t.aim),
+    ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),
+    ("steep_view_gain", (0.0, 3.0), |t| &mut t.steep_view_gain),
+    ("cruise_rate", (0.15, 0.34), |t| &mut t.cruise_rate),
+    ("max_rate", (0.25, 0.4), |t| &mut t.max_rate),
+    ("join_share", (0.2, 1.01), |t| &mut t.join_share),
+    ("leave_share", (0.0, 0.8), |t| &mut t.leave_share),
+    ("start_response_s", (0.0, 0.6), |t| &mut t.start_response_s),
+    ("stop_response_s", (0.0, 0.6), |t| &mut t.stop_response_s),
+    ("correction", (0.3, 1.3), |t| &mut t.correction),
+    ("min_rest_s", (0.0, 0.8), |t| &mut t.min_rest_s),
+    ("rate_std_dev", (0.05, 0.3), |t| &mut t.noise.rate_std_dev),
+    ("rate_time_constant_s", (0.5, 6.0), |t| &mut t.noise.rate_time_constant_s),
+    ("measurement_std_dev", (0.0005, 0.03), |t| &mut t.noise.measurement_std_dev),
+    ("max_sway_std_dev", (0.0, 0.15), |t| &mut t.noise.max_sway_std_dev),
+    ("sway_time_constant_s", (0.3, 8.0), |t| &mut t.noise.sway_time_constant_s),
+];
+
+/// A mode's name in the tables, and its tuning.
+pub(super) fn of_mode(mode: ModeName) -> (&'static str, ModeTuning) {
+    match mode {
+        ModeName::MinimumEnergy => ("minimum-energy", Tuning::MINIMUM_ENERGY.into()),
+        ModeName::TimeFuel => ("time-fuel", Tuning::TIME_FUEL.into()),
+        ModeName::Eco => ("eco", Tuning::ECO.into()),
+        ModeName::Intermittent => ("intermittent", IntermittentTuning::DEFAULT.into()),
+    }
+}
+
 /// A tuning with some of its values changed, each NAME=VALUE.
 ///
 /// # Errors
 /// If there is no parameter of that name, or the value is not a number.
-pub(super) fn with_changes(mut tuning: Tuning, changes: &[String]) -> Result<Tuning> {
+pub(super) fn with_changes(tuning: ModeTuning, changes: &[String]) -> Result<ModeTuning> {
+    Ok(match tuning {
+        ModeTuning::RecedingHorizon(tuning) => changed(tuning, &RECEDING_HORIZON, changes)?.into(),
+        ModeTuning::Intermittent(tuning) => changed(tuning, &INTERMITTENT, changes)?.into(),
+    })
+}
+
+fn changed<T>(mut tuning: T, parameters: &[Parameter<T>], changes: &[String]) -> Result<T> {
     for change in changes {
         let (name, value) = change.split_once('=').with_context(|| format!("{change}: write NAME=VALUE"))?;
-        let Some((_, _, field)) = PARAMETERS.iter().find(|(known, ..)| *known == name) else {
-            let known: Vec<&str> = PARAMETERS.iter().map(|(name, ..)| *name).collect();
+        let Some((_, _, field)) = parameters.iter().find(|(known, ..)| *known == name) else {
+            let known: Vec<&str> = parameters.iter().map(|(name, ..)| *name).collect();
             bail!("unknown value {name}; known are {}", known.join(", "));
         };
         *field(&mut tuning) = value.parse().with_context(|| format!("{change}: {value} is not a number"))?;
@@ -48,11 +91,51 @@ pub(super) fn with_changes(mut tuning: Tuning, changes: &[String]) -> Result<Tun
     Ok(tuning)
 }
 
+/// A tuning with a few values changed at random, by at most `step` of their ranges: `mean_changes` values on average.
+/// `random` gives uniform deviates in [0, 1) by their index.
+pub(super) fn mutated(
+    tuning: ModeTuning,
+    step: f64,
+    mean_changes: f64,
+    random: impl Fn(u64) -> f64,
+) -> ModeTuning {
+    match tuning {
+        ModeTuning::RecedingHorizon(tuning) => {
+            mutated_parameters(tuning, &RECEDING_HORIZON, step, mean_changes, random).into()
+        }
+        ModeTuning::Intermittent(tuning) => {
+            mutated_parameters(tuning, &INTERMITTENT, step, mean_changes, random).into()
+        }
+    }
+}
+
+fn mutated_parameters<T>(
+    mut tuning: T,
+    parameters: &[Parameter<T>],
+    step: f64,
+    mean_changes: f64,
+    random: impl Fn(u64) -> f64,
+) -> T {
+    for (index, (_, (low, high), field)) in (1_u64..).zip(parameters) {
+        if random(2 * index) < mean_changes / parameters.len() as f64 {
+            let value = field(&mut tuning);
+            *value = (*value + step * (high - low) * (2.0 * random(2 * index + 1) - 1.0)).clamp(*low, *high);
+        }
+    }
+    tuning
+}
+
 /// The options `--set NAME=VALUE` that give a tuning.
-pub(super) fn to_options(tuning: &Tuning) -> String {
-    let mut tuning = *tuning;
+pub(super) fn to_options(tuning: ModeTuning) -> String {
+    match tuning {
+        ModeTuning::RecedingHorizon(tuning) => options(tuning, &RECEDING_HORIZON),
+        ModeTuning::Intermittent(tuning) => options(tuning, &INTERMITTENT),
+    }
+}
+
+fn options<T>(mut tuning: T, parameters: &[Parameter<T>]) -> String {
     let options: Vec<String> =
-        PARAMETERS.iter().map(|(name, _, field)| format!("--set {name}={:.4}", field(&mut tuning))).collect();
+        parameters.iter().map(|(name, _, field)| format!("--set {name}={:.4}", field(&mut tuning))).collect();
     options.join(" ")
 }
 
@@ -62,11 +145,15 @@ mod tests {
 
     #[test]
     fn every_mode_lies_within_the_searched_ranges() {
-        for mut tuning in [Tuning::MINIMUM_ENERGY, Tuning::TIME_FUEL, Tuning::ECO] {
-            for (name, (low, high), field) in &PARAMETERS {
+        fn check<T>(mut tuning: T, parameters: &[Parameter<T>]) {
+            for (name, (low, high), field) in parameters {
                 let value = *field(&mut tuning);
                 assert!((*low..=*high).contains(&value), "{name}: {value} is not in {low} to {high}");
             }
         }
+        for tuning in [Tuning::MINIMUM_ENERGY, Tuning::TIME_FUEL, Tuning::ECO] {
+            check(tuning, &RECEDING_HORIZON);
+        }
+        check(IntermittentTuning::DEFAULT, &INTERMITTENT);
     }
 }

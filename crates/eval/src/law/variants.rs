@@ -2,7 +2,7 @@
 //! the optimal law in each.
 
 use anyhow::Result;
-use barrelman_control::optimal::Tuning;
+use barrelman_control::optimal::ModeTuning;
 use barrelman_sim::Scenario;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::Bootstrap;
@@ -43,7 +43,7 @@ pub(super) fn print_table(
     title: &str,
     variants: &[Variant],
     (first_seed, seeds): (u64, u64),
-    tuning: &Tuning,
+    tuning: ModeTuning,
 ) -> Result<bool> {
     let mut is_met = true;
     for scenario in ["lab1", "lab2"] {
@@ -59,7 +59,7 @@ pub(super) fn print_table(
                 .with_tilt_reports(variant.reports_tilt);
             let seeds = first_seed..first_seed + seeds;
             let baseline = LawUnderTest::MotorSchema.simulate(&plan, seeds.clone())?;
-            let optimal = LawUnderTest::Optimal(*tuning).simulate(&plan, seeds)?;
+            let optimal = LawUnderTest::Optimal(tuning).simulate(&plan, seeds)?;
             let comparison = CampaignComparison::new(&baseline, &optimal, &Bootstrap::DEFAULT);
             is_met &= print_row(variant.name, &comparison);
         }

@@ -4,7 +4,7 @@
 use anyhow::{Result, bail};
 use barrelman_experiments::campaign::PlantName;
 use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
-use barrelman_experiments::law_choice::{LawChoice, LawName};
+use barrelman_experiments::law_choice::{LawChoice, ModeName};
 use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_sim::scenario::TargetScript;
 use barrelman_simd::SimdLevel;
@@ -16,7 +16,10 @@ use crate::svg::{self, Svg};
 
 /// Speeds that the helmsman is asked to hold, m/s. In turns the helmsman goes slower.
 const SPEEDS: [f64; 8] = [1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
-const LAWS: [(LawName, &str); 2] = [(LawName::MotorSchema, "schema"), (LawName::Optimal, "minimum-energy")];
+const LAWS: [(LawChoice, &str); 2] = [
+    (LawChoice::MOTOR_SCHEMA, "schema"),
+    (LawChoice { mode: Some(ModeName::MinimumEnergy), ..LawChoice::OPTIMAL }, "minimum-energy"),
+];
 const ARENAS: [&str; 2] = ["arena1", "arena2"];
 
 /// A point of a curve: the boat's speed, m/s, and the share of trials in which the boat is never lost.
@@ -65,11 +68,11 @@ fn print_row(plan: &CampaignPlan, speed: f64, options: &Options) -> Result<Curve
 }
 
 /// Trials in an arena whose boat is asked to hold a speed, m/s, with full throttle.
-fn plan(arena: &str, law: LawName, speed: f64) -> Result<CampaignPlan> {
+fn plan(arena: &str, law: LawChoice, speed: f64) -> Result<CampaignPlan> {
     let plan = CampaignPlan::new(&CampaignRequest {
         scenario: arena.to_owned(),
         overrides: ScenarioOverrides { boat_speed_m_per_s: Some(speed), ..ScenarioOverrides::default() },
-        law: LawChoice::new(law),
+        law,
         rate: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,

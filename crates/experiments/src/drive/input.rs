@@ -75,14 +75,17 @@ pub enum DriveLaw {
     TimeFuel,
     /// Optimal law: longest rest.
     Eco,
+    /// Optimal law: one movement for each excursion.
+    Intermittent,
 }
 
 /// The laws by both names.
-const LAWS: [(DriveLaw, LawId); 4] = [
+const LAWS: [(DriveLaw, LawId); 5] = [
     (DriveLaw::Schema, LawId::MotorSchema),
     (DriveLaw::MinimumEnergy, LawId::MinimumEnergy),
     (DriveLaw::TimeFuel, LawId::TimeFuel),
     (DriveLaw::Eco, LawId::Eco),
+    (DriveLaw::Intermittent, LawId::Intermittent),
 ];
 
 impl From<OperatorRequest> for DriveInput {

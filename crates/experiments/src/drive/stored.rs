@@ -162,7 +162,7 @@ impl StoredDrive {
         let behaviour = BehaviourVersions { tracker: header.tracker_behaviour, law: header.law_behaviour };
         let size = header.size.map(|(width, height)| PictureSize::new(width, height));
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
-        let law = header.law.validated("law.")?;
+        let law = header.law.with_stored_mode().validated("law.")?;
         let setup = DriveSetup::new(url, header.tracker, law, header.encoded)?;
         let setup = DriveSetup { hands_on: header.hands_on, ..setup };
         if format!("{:016x}", setup.loaded.hash) != header.scenario_hash {

@@ -158,6 +158,7 @@ fn session_request(request: &ConsoleRequest) -> Result<Request, &'static str> {
             LawName::MinimumEnergy => LawId::MinimumEnergy,
             LawName::TimeFuel => LawId::TimeFuel,
             LawName::Eco => LawId::Eco,
+            LawName::Intermittent => LawId::Intermittent,
         })),
         ConsoleRequest::Helm { thrust, rudder } => {
             let (thrust, rudder) = (in_share(thrust)?, in_share(rudder)?);

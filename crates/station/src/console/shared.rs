@@ -126,7 +126,13 @@ impl Console {
             source: self.facts.source.clone(),
             link: self.facts.link.clone(),
             vehicle: self.facts.vehicle.clone(),
-            laws: vec![LawName::MinimumEnergy, LawName::TimeFuel, LawName::Eco, LawName::Schema],
+            laws: vec![
+                LawName::MinimumEnergy,
+                LawName::TimeFuel,
+                LawName::Eco,
+                LawName::Intermittent,
+                LawName::Schema,
+            ],
             nudge_rate: NUDGE_RATE,
             on_console_lost: if self.on_lost == OnConsoleLost::Stop { "stop" } else { "stay" },
         }

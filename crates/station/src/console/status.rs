@@ -48,6 +48,7 @@ pub(super) const fn law_name(law: LawId) -> LawName {
         LawId::MinimumEnergy => LawName::MinimumEnergy,
         LawId::TimeFuel => LawName::TimeFuel,
         LawId::Eco => LawName::Eco,
+        LawId::Intermittent => LawName::Intermittent,
     }
 }
 

@@ -83,4 +83,6 @@ pub enum LawName {
     TimeFuel,
     /// Optimal law: longest rest.
     Eco,
+    /// Optimal law: one movement for each excursion.
+    Intermittent,
 }

@@ -48,6 +48,7 @@ fn each_request_reaches_the_session_in_its_own_words() {
     check(r#"{"kind":"nudge","pan":0,"tilt":1.0}"#, nudge(0.0, 1.0));
     let law = |law| pilot(OperatorRequest::ChangeLaw(law));
     check(r#"{"kind":"law","law":"schema"}"#, law(LawId::MotorSchema));
+    check(r#"{"kind":"law","law":"intermittent"}"#, law(LawId::Intermittent));
     check(r#"{"kind":"law","law":"minimum-energy"}"#, law(LawId::MinimumEnergy));
     check(r#"{"kind":"law","law":"time-fuel"}"#, law(LawId::TimeFuel));
     check(r#"{"kind":"law","law":"eco"}"#, law(LawId::Eco));

@@ -97,6 +97,9 @@ fn the_first_message_tells_a_page_what_it_may_do_and_what_it_looks_at() {
         assert_eq!((&hello["command"], &hello["source"]), (&"run".into(), &"rtsp://camera/main".into()));
         assert_eq!(hello["link"], serde_json::Value::Null, "a dry run has no link");
         assert_eq!(hello["on_console_lost"], "stay");
-        assert_eq!(hello["laws"], serde_json::json!(["minimum-energy", "time-fuel", "eco", "schema"]));
+        assert_eq!(
+            hello["laws"],
+            serde_json::json!(["minimum-energy", "time-fuel", "eco", "intermittent", "schema"])
+        );
     }
 }

@@ -156,6 +156,7 @@ fn rates_are_given_on_both_sides_of_the_vehicle_boundary() {
 fn laws_have_the_names_by_which_they_are_requested() {
     for (law, name) in [
         (LawId::MotorSchema, "schema"),
+        (LawId::Intermittent, "intermittent"),
         (LawId::MinimumEnergy, "minimum-energy"),
         (LawId::TimeFuel, "time-fuel"),
         (LawId::Eco, "eco"),

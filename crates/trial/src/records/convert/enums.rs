@@ -91,6 +91,7 @@ variants!(LawId, LawId, "law", [
     LawId::MinimumEnergy => MinimumEnergy,
     LawId::TimeFuel => TimeFuel,
     LawId::Eco => Eco,
+    LawId::Intermittent => Intermittent,
 ]);
 variants!(Sector, Sector, "sector", [
     Sector::Right => Right,

@@ -1,0 +1,79 @@
+//! The parameters of the intermittent mode.
+
+use crate::bearing::BearingNoise;
+
+/// All parameters of the optimal law's intermittent mode.
+///
+/// Distances are in semi-axes of the region: 1 is the region's ellipse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntermittentTuning {
+    /// Start ellipse: a resting camera starts when the predicted target leaves it.
+    pub start: f64,
+    /// Widening of the start ellipse in standard deviations of the predicted position.
+    pub start_sigma: f64,
+    /// Look-ahead of the start, seconds after the effect time.
+    pub start_look_ahead_s: f64,
+    /// Stop ellipse: the camera stops when a camera told to rest now would keep the target inside.
+    pub stop: f64,
+    /// Look-ahead of the stop, seconds after the effect time.
+    pub stop_look_ahead_s: f64,
+    /// Aim ellipse of the transfer, which gives the direction of a movement and its smallest rates.
+    pub aim: f64,
+    /// Horizon of the transfer, seconds.
+    pub horizon_s: f64,
+    /// Increase of the horizon per unit of additional turning effort relative to a level camera.
+    pub steep_view_gain: f64,
+    /// Smallest rate of the faster axis, rad/s.
+    pub cruise_rate: f64,
+    /// Largest rate of each axis, rad/s.
+    pub max_rate: f64,
+    /// An axis joins a movement from this share of the faster axis' rate on.
+    pub join_share: f64,
+    /// An axis that moves ends its part of the movement below this share of the faster axis' rate.
+    pub leave_share: f64,
+    /// Response time to which an axis with a shorter lag is slowed by ramps when it starts, seconds.
+    pub start_response_s: f64,
+    /// The same when it stops, seconds.
+    pub stop_response_s: f64,
+    /// Correction ellipse: a movement is corrected when it would not bring the target into it within the horizon.
+    pub correction: f64,
+    /// Shortest rest between two movements, seconds.
+    pub min_rest_s: f64,
+    /// Noise parameters of the bearing filter.
+    pub noise: BearingNoise,
+}
+
+impl IntermittentTuning {
+    /// The tuning of [`OptimalMode::Intermittent`](super::OptimalMode::Intermittent).
+    pub const DEFAULT: Self = Self {
+        start: 0.995,
+        start_sigma: 0.055,
+        start_look_ahead_s: 0.02,
+        stop: 0.78,
+        stop_look_ahead_s: 1.4,
+        aim: 0.55,
+        horizon_s: 1.6,
+        steep_view_gain: 0.95,
+        cruise_rate: 0.292,
+        max_rate: 0.335,
+        join_share: 0.85,
+        leave_share: 0.54,
+        start_response_s: 0.28,
+        stop_response_s: 0.1,
+        correction: 0.95,
+        min_rest_s: 0.39,
+        noise: BearingNoise {
+            rate_std_dev: 0.0846,
+            rate_time_constant_s: 2.1,
+            measurement_std_dev: 0.002,
+            max_sway_std_dev: 0.0132,
+            sway_time_constant_s: 2.0,
+        },
+    };
+
+    /// This tuning with another horizon.
+    #[must_use]
+    pub fn with_horizon(self, horizon_s: f64) -> Self {
+        Self { horizon_s, ..self }
+    }
+}
