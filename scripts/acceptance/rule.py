@@ -182,7 +182,9 @@ def main():
     check_zeros(table, standstills, recording, rows)
     check_end(table, recording, rows)
     check_files(table, args, record, folder, len(recording.frames))
-    table.require("no warning and no error on stderr", not re.search(r"WARN|ERROR|panicked", err), "", err if re.search(r"WARN|ERROR|panicked", err) else "")
+    # Whether the machine can be kept awake is a property of the machine.
+    lines = [line for line in err.splitlines() if re.search(r"WARN|ERROR|panicked", line) and "systemd-inhibit" not in line]
+    table.require("no warning and no error on stderr", not lines, "", "; ".join(lines))
     return table.finish(args, **figures)
 
 
