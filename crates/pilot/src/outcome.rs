@@ -9,11 +9,13 @@ use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, 
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
 use crate::purpose::Purpose;
-use crate::search::LOST_BEFORE_SEARCH;
 
 /// A command that moves the camera and is not renewed by [`Outcome::wake_at`] ends this much later at the link: the link's
 /// dead-man's switch leaves a pilot that is late some room.
 pub const RENEWAL_GRACE: Duration = Duration::from_millis(50);
+
+/// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
+pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
 
 /// The outcome of one step.
 #[derive(Debug, Clone, PartialEq)]
