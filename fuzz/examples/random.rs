@@ -73,7 +73,7 @@ fn bytes(seed: u64) -> Vec<u8> {
         (state >> 40) as u8
     };
     let length = 30 + 3 * usize::from(next());
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         return (0..length).map(|_| next()).collect();
     }
     let mut made = Vec::new();

@@ -99,6 +99,10 @@ pub fn ground_station(bytes: &[u8]) {
         azimuth_rad: 0.1,
         altitude_m: 10.0,
         tether_m: 12.0,
+        ground_battery_v: 15.0,
+        backup_battery_v: 8.0,
+        flight_mode: 2,
+        flags: 0,
     };
     let mut station = GroundStation::boot(GroundStationSettings::default(), now);
     let mut out = Vec::new();

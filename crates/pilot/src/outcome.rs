@@ -9,9 +9,11 @@ use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, 
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
 use crate::purpose::Purpose;
-use crate::search::LOST_BEFORE_SEARCH;
 
 pub use barrelman_vocab::RENEWAL_GRACE;
+
+/// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
+pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
 
 /// The outcome of one step.
 #[derive(Debug, Clone, PartialEq)]

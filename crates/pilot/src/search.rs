@@ -24,8 +24,6 @@ use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, Timestamp};
 
 use crate::safety::NUDGE_RATE_RAD_PER_S;
 
-/// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
-pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
 /// A search gives up after this time, before its consent ends.
 pub const SEARCH_LASTS: Duration = Duration::from_secs(58);
 

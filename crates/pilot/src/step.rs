@@ -7,7 +7,6 @@ use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, 
 use barrelman_vision::Tracker;
 use barrelman_vocab::{
     Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp, Track, VehicleProfile,
-    VideoFrame,
 };
 
 use crate::behaviour;
@@ -19,10 +18,11 @@ use crate::opposed_motion::OpposedMotion;
 use crate::outcome::{Advice, HoldCause, Mode, Notice, Outcome, RENEWAL_GRACE, Refusal};
 use crate::safety::{ObservationResult, Safety};
 use crate::search::{LastBearing, Search};
-use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
+use crate::selecting::PendingSelection;
 use crate::vehicle::CommandPath;
 
 mod net_turn;
+mod observing;
 mod reports;
 mod searching;
 
@@ -268,66 +268,6 @@ impl Pilot {
             LawId::Intermittent => optimal(OptimalMode::Intermittent),
         };
         self.law.change_law(self.settings.law, &self.settings.profile);
-    }
-
-    /// Tracks the target in a video frame, or takes the pending selection in it.
-    fn observe_frame(&mut self, frame: &VideoFrame) -> Observation {
-        self.history.add(frame);
-        let size = frame.picture.size();
-        let (track, notice) = match self.drawn_selection.take() {
-            Some(pending) => self.advance_selection(pending, frame),
-            None => {
-                let answer = self.track_frame(frame);
-                self.check_motion(frame);
-                answer
-            }
-        };
-        let picture = track.localisation().map_or(size, |measured| measured.picture);
-        Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
-    }
-
-    fn track_frame(&mut self, frame: &VideoFrame) -> (Track, Option<Notice>) {
-        let size = frame.picture.size();
-        let prior = self
-            .last_capture
-            .filter(|last| *last <= frame.capture.at)
-            .map(|last| self.law.motion_prior(last, frame.capture.at, size));
-        match self.pending_selection.take() {
-            None => (self.tracker.track(frame, prior.as_ref()), None),
-            Some(selection) => match self.tracker.select(frame, selection) {
-                Ok(report) => (Track::Tracking(report.localisation), Some(Notice::Selected(report))),
-                Err(refusal) => {
-                    (self.tracker.track(frame, prior.as_ref()), Some(Notice::SelectionRefused(refusal)))
-                }
-            },
-        }
-    }
-
-    /// Brings a selection that was drawn on an earlier frame closer to its confirmation.
-    fn advance_selection(
-        &mut self,
-        mut pending: PendingSelection,
-        frame: &VideoFrame,
-    ) -> (Track, Option<Notice>) {
-        let law = &self.law;
-        let result = pending.advance(&mut SelectingContext {
-            tracker: &mut *self.tracker,
-            history: &self.history,
-            frame,
-            prior: &|from, to, size| law.motion_prior(from, to, size),
-        });
-        match result {
-            SelectingResult::Pending(track) => {
-                self.drawn_selection = Some(pending);
-                (track, None)
-            }
-            SelectingResult::Confirmed(track, notice) => (track, Some(notice)),
-            SelectingResult::Refused(notice) => {
-                let (track, _) = self.track_frame(frame);
-                (track, Some(notice))
-            }
-            SelectingResult::GivenUp(notice) => (Track::Unseeded, Some(notice)),
-        }
     }
 
     /// Computes percept and advice from the newest track, and classifies the observation for the safety rule.

@@ -3,10 +3,10 @@
 use barrelman_vocab::{ImagePoint, OperatorRequest, PictureSize, Timestamp, Track};
 
 use super::Pilot;
-use crate::outcome::{Notice, Refusal};
+use crate::outcome::{LOST_BEFORE_SEARCH, Notice, Refusal};
 use crate::purpose::Purpose;
 use crate::safety::ObservationResult;
-use crate::search::{LOST_BEFORE_SEARCH, LastBearing, Search};
+use crate::search::{LastBearing, Search};
 
 /// Largest net yaw that an operator can state, radians.
 const MAX_NET_YAW: f64 = 100.0;

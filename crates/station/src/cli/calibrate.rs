@@ -8,6 +8,9 @@ use super::connection_options::ConnectionOptions;
 
 /// `calibrate`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  barrelman calibrate axes --video sim:lab1 --link sim: --turn-the-camera"
+)]
 pub struct CalibrateArgs {
     /// What is calibrated.
     #[command(subcommand)]
@@ -27,11 +30,11 @@ pub enum CalibrateCommand {
 #[command(
     after_help = "Examples:
   barrelman calibrate axes --video sim:lab1 --link sim: --turn-the-camera
-  barrelman calibrate axes barrelman.toml --turn-the-camera --output calibrated.toml
+  barrelman calibrate axes barrelman.toml --turn-the-camera --output new.toml
 
-The camera turns by itself, at most 0.1 rad/s, to 15 degrees to each side of where it
-points, for a minute and a half. Point it at something with structure that does not move.
-Space stops it, and so does every signal.",
+The camera turns by itself, at most 0.1 rad/s, to 15 degrees to each side,
+for a minute and a half. Point it at something with structure that does not
+move. Space stops it, and so does every signal.",
     mut_arg("config", |arg| arg.help("Configuration file (TOML); it is not changed")),
     mut_arg("link", |arg| arg.help("The link of the vehicle whose camera is measured"))
 )]
