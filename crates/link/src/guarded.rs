@@ -243,6 +243,8 @@ impl Guard {
 enum GuardEnd {
     /// It has ended, and zeros and stop were sent, or not.
     Ended { is_stop_sent: bool },
+    /// The first guard could not open the port: nothing was sent, and there is nothing to stop.
+    NeverOpened,
     /// It is gone, or hung.
     Gone(&'static str),
     /// The link is closing, and the guard takes too long. It goes on by itself.
@@ -284,6 +286,10 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
             let is_closing = self.client.state().is_closing;
             let reason = match end {
                 GuardEnd::TooLong => return false,
+                GuardEnd::NeverOpened => {
+                    served.reap();
+                    return false;
+                }
                 GuardEnd::Ended { is_stop_sent } if is_closing => {
                     served.reap();
                     return is_stop_sent;
@@ -315,6 +321,10 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
                         last_heard = Instant::now();
                         match FromGuard::decode(&packet) {
                             Ok(FromGuard::Ended { is_stop_sent }) => return GuardEnd::Ended { is_stop_sent },
+                            Ok(FromGuard::NotOpened(reason)) if self.opened.is_some() => {
+                                self.answer_opening(Err(reason));
+                                return GuardEnd::NeverOpened;
+                            }
                             Ok(message) => self.on_message(message),
                             Err(_) => return GuardEnd::Gone("it says what cannot be read"),
                         }
@@ -344,7 +354,6 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
     fn on_message(&mut self, message: FromGuard) {
         match message {
             FromGuard::Opened => self.answer_opening(Ok(())),
-            FromGuard::NotOpened(reason) => self.answer_opening(Err(reason)),
             FromGuard::State(state, at) => self.report_state(state, at),
             FromGuard::Received(at, bytes) => {
                 let report = &self.report;
@@ -359,7 +368,8 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
             FromGuard::Suspended(gap) => drop((self.report)(LinkReport::Suspended(gap))),
             FromGuard::Stopped(evidence) => drop((self.report)(LinkReport::Stopped(evidence))),
             FromGuard::Panicked => drop((self.report)(LinkReport::Panicked)),
-            FromGuard::Alive | FromGuard::Ended { .. } => {}
+            // A later guard goes on trying; its state says so.
+            FromGuard::NotOpened(_) | FromGuard::Alive | FromGuard::Ended { .. } => {}
         }
     }
 
