@@ -170,7 +170,7 @@ mod tests {
     }
 
     fn attitude(yaw: f64) -> Quaternion {
-        Quaternion { w: (0.5 * yaw).cos(), x: 0.0, y: 0.0, z: (0.5 * yaw).sin() }
+        Quaternion { w: libm::cos(0.5 * yaw), x: 0.0, y: 0.0, z: libm::sin(0.5 * yaw) }
     }
 
     #[test]

@@ -92,9 +92,10 @@ fn solve(mut m: [[f64; 3]; 3], mut r: [f64; 3]) -> Option<[f64; 3]> {
         m.swap(column, pivot);
         r.swap(column, pivot);
         for row in column + 1..3 {
-            let factor = m[row][column] / m[column][column];
-            for k in column..3 {
-                m[row][k] -= factor * m[column][k];
+            let above = m[column];
+            let factor = m[row][column] / above[column];
+            for (value, from) in m[row].iter_mut().zip(above).skip(column) {
+                *value -= factor * from;
             }
             r[row] -= factor * r[column];
         }
@@ -135,7 +136,7 @@ mod tests {
             let tilt = tilt_deg.to_radians();
             for (pan, up) in [(0.004, 0.0), (-0.004, 0.0), (0.0, 0.003), (0.0, -0.003)] {
                 let turn = Turn::from_shifts(&shifts(pan, tilt, tilt + up), PICTURE, FOCAL_PX).unwrap();
-                let expected = [pan * tilt.cos(), pan * tilt.sin(), up];
+                let expected = [pan * libm::cos(tilt), pan * libm::sin(tilt), up];
                 for (seen, expected) in [turn.pan_cos, turn.pan_sin, turn.tilt].into_iter().zip(expected) {
                     assert!((seen - expected).abs() < 1e-4, "{tilt_deg} {pan} {up}: {turn:?}");
                 }
