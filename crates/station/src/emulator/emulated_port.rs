@@ -117,13 +117,18 @@ impl EmulatedPort {
         }
     }
 
-    /// Reconnects after `unplug`, with a new pseudo-terminal, as for a device that is plugged in again.
+    /// Reconnects after `unplug`, with a new pseudo-terminal, as for a device that is plugged in again. Connections that were
+    /// made meanwhile are closed: nobody was there.
     ///
     /// # Errors
     /// If the system has no pseudo-terminal left, or something else lies at the link's path.
     pub fn plug(&mut self) -> Result<()> {
-        if let Self::Pty(pty) = self {
-            *pty = Pty::open(pty.link.path(), pty.force)?;
+        match self {
+            Self::Pty(pty) => *pty = Pty::open(pty.link.path(), pty.force)?,
+            Self::Tcp(port) => {
+                port.client = None;
+                while port.listener.accept().is_ok() {}
+            }
         }
         Ok(())
     }
