@@ -20,8 +20,8 @@ from common import Lines, Table
 # The first screen of a document: what is read before anything is tried.
 FIRST_SCREEN = 60
 DOCUMENTS = ("console", "report", "simulation", "api", "law", "optimal-law", "tracking")
-# Devices and addresses that a desk does not have, and the words by which the program must name them.
-ABSENT = {"192.168.2.100": "192.168.2.100", "/dev/ttyACM0": "/dev/ttyACM0"}
+# Devices, addresses and consents that the script does not have, and the words by which the program must name them.
+ABSENT = {"192.168.2.100": "192.168.2.100", "/dev/ttyACM0": "/dev/ttyACM0", "--turn-the-camera": "not confirmed"}
 # Options whose value is a file or a folder that the command writes.
 WRITES = ("--output", "--truth", "--masks", "--overlay", "--svg", "--store", "--log", "--record")
 # Commands that are not run, each with its reason.
@@ -200,7 +200,7 @@ class Reader:
         problems = self.faults(out + err)
         if kind == "absent":
             named = [words for address, words in ABSENT.items() if address in command]
-            problems += [] if child.returncode == 1 else [f"exit {child.returncode}, 1 expected: there is no such device"]
+            problems += [] if child.returncode == 1 else [f"exit {child.returncode}, 1 expected"]
             problems += [] if any(word in out + err for word in named) else [f"does not name {named}"]
         else:
             problems += [] if child.returncode == 0 else [f"exit {child.returncode}: {(err or out).strip()[-160:]}"]
