@@ -9,7 +9,7 @@ use super::connection_options::ConnectionOptions;
 /// `calibrate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  barrelman calibrate axes --video sim:pier --link sim: --turn-the-camera"
+    after_help = "Examples:\n  barrelman calibrate axes --video sim:arena1 --link sim: --turn-the-camera"
 )]
 pub struct CalibrateArgs {
     /// What is calibrated.
@@ -29,7 +29,7 @@ pub enum CalibrateCommand {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:
-  barrelman calibrate axes --video sim:pier --link sim: --turn-the-camera
+  barrelman calibrate axes --video sim:arena1 --link sim: --turn-the-camera
   barrelman calibrate axes barrelman.toml --turn-the-camera --output new.toml
 
 The camera turns by itself, at most 0.1 rad/s, to 15 degrees to each side,
