@@ -77,17 +77,23 @@ fn table(root: &Path) -> Result<BTreeMap<String, Allowed>> {
     Ok(table)
 }
 
-/// Each package of the workspace by its folder, with the names of its dependencies (dev-dependencies excepted).
-fn packages(root: &Path) -> Result<BTreeMap<String, BTreeSet<String>>> {
+/// What `cargo metadata` says about the workspace.
+pub(crate) fn cargo_metadata(root: &Path, options: &[&str]) -> Result<Value> {
     let output = Command::new("cargo")
-        .args(["metadata", "--format-version", "1", "--no-deps"])
+        .args(["metadata", "--format-version", "1"])
+        .args(options)
         .current_dir(root)
         .output()
         .context("cargo metadata")?;
     if !output.status.success() {
         bail!("cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
     }
-    let metadata: Value = serde_json::from_slice(&output.stdout)?;
+    Ok(serde_json::from_slice(&output.stdout)?)
+}
+
+/// Each package of the workspace by its folder, with the names of its dependencies (dev-dependencies excepted).
+fn packages(root: &Path) -> Result<BTreeMap<String, BTreeSet<String>>> {
+    let metadata = cargo_metadata(root, &["--no-deps"])?;
     let mut packages = BTreeMap::new();
     for package in metadata["packages"].as_array().context("packages")? {
         let manifest = Path::new(package["manifest_path"].as_str().context("manifest_path")?);

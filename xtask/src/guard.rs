@@ -3,11 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use serde_json::Value;
 use syn::visit::Visit;
+
+use crate::dependencies::cargo_metadata;
 
 /// The source of the program `barrelman-guard`.
 const SOURCE: &str = "crates/station/src/guard.rs";
@@ -59,15 +60,7 @@ impl<'ast> Visit<'ast> for Crates {
 fn reached_from(root: &Path, package: &str) -> Result<BTreeSet<String>> {
     // The packages of other platforms may not have been downloaded.
     let platform = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
-    let output = Command::new("cargo")
-        .args(["metadata", "--format-version", "1", "--locked", "--offline", "--filter-platform", &platform])
-        .current_dir(root)
-        .output()
-        .context("cargo metadata")?;
-    if !output.status.success() {
-        bail!("cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
-    }
-    let metadata: Value = serde_json::from_slice(&output.stdout)?;
+    let metadata = cargo_metadata(root, &["--locked", "--offline", "--filter-platform", &platform])?;
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let packages = metadata["packages"].as_array().context("packages")?;
     let names: BTreeMap<String, String> =

@@ -42,7 +42,7 @@ pub(crate) trait PortIo {
 }
 
 /// Largest part of a stream that is read at once, and largest datagram, bytes.
-pub(crate) const MAX_READ_BYTES: usize = 2048;
+const MAX_READ_BYTES: usize = 2048;
 
 /// The program's clock and a port that carries bytes.
 #[derive(Debug)]

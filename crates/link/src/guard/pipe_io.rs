@@ -6,7 +6,6 @@ use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_host::clock::Clock;
 use barrelman_host::suspend::SuspendWatch;
 use barrelman_vocab::Timestamp;
 use rustix::event::{PollFd, PollFlags};
@@ -15,16 +14,12 @@ use super::gate::{Gate, HEARTBEAT};
 use super::message::{FromGuard, ToGuard};
 use super::pipe::{Pipe, PipeRead};
 use crate::dead_mans_switch::RequestedRates;
-use crate::mailbox::Mailbox;
 use crate::port::{Port, PortError};
-use crate::port_io::{MAX_READ_BYTES, PortIo, poll_for};
-use crate::url::Endpoint;
+use crate::port_io::{MachineIo, PortIo, poll_for};
 
 /// The guard's port, pipe and clock. What comes through the pipe goes to the mailbox, as far as the gate lets it pass.
 pub(super) struct PipeIo {
-    pub(super) endpoint: Endpoint,
-    pub(super) clock: Clock,
-    pub(super) mailbox: Arc<Mailbox>,
+    pub(super) machine: MachineIo,
     pub(super) pipe: Arc<Pipe>,
     pub(super) gate: RefCell<Gate>,
     pub(super) suspend: RefCell<SuspendWatch>,
@@ -39,11 +34,11 @@ impl PipeIo {
     /// Takes what the program says. The end of the pipe, silence and what cannot be read close the link.
     fn serve_pipe(&self) {
         if let Some(gap) = self.suspend.borrow_mut().check() {
-            self.mailbox.request(RequestedRates::REST);
+            self.machine.mailbox.request(RequestedRates::REST);
             self.pipe.send(&FromGuard::Suspended(gap).encode());
         }
         while self.is_connected.get() {
-            let now = self.clock.now();
+            let now = self.machine.clock.now();
             match self.pipe.read() {
                 PipeRead::Nothing => break,
                 PipeRead::End => self.disconnect(),
@@ -51,16 +46,16 @@ impl PipeIo {
                     self.gate.borrow_mut().heard(now);
                     match ToGuard::decode(&packet) {
                         Ok(ToGuard::Request(requested)) => {
-                            self.mailbox.request(self.gate.borrow().pass(requested, now));
+                            self.machine.mailbox.request(self.gate.borrow().pass(requested, now));
                         }
-                        Ok(ToGuard::TakeControl) => self.mailbox.take_control(),
-                        Ok(ToGuard::Close) => self.mailbox.close(),
+                        Ok(ToGuard::TakeControl) => self.machine.mailbox.take_control(),
+                        Ok(ToGuard::Close) => self.machine.mailbox.close(),
                         Ok(ToGuard::Settings(_)) | Err(_) => self.disconnect(),
                     }
                 }
             }
         }
-        let now = self.clock.now();
+        let now = self.machine.clock.now();
         if self.is_connected.get() && self.gate.borrow().is_silent(now) {
             self.disconnect();
         }
@@ -72,7 +67,7 @@ impl PipeIo {
 
     fn disconnect(&self) {
         self.is_connected.set(false);
-        self.mailbox.close();
+        self.machine.mailbox.close();
     }
 }
 
@@ -82,30 +77,29 @@ impl PortIo for PipeIo {
     type Received = [u8];
 
     fn now(&self) -> Timestamp {
-        self.clock.now()
+        self.machine.now()
     }
 
     fn open(&self) -> Result<Port, PortError> {
-        Port::open(&self.endpoint)
+        self.machine.open()
     }
 
     fn send(&self, port: &mut Port, packet: &Vec<u8>) -> io::Result<()> {
-        port.write_all(packet)
+        self.machine.send(port, packet)
     }
 
     fn receive(&self, port: &mut Port, each: &mut dyn FnMut(&[u8])) -> io::Result<()> {
-        let mut buffer = [0; MAX_READ_BYTES];
-        let read = port.read(&mut buffer)?;
-        self.pipe.send(&FromGuard::Received(self.clock.now(), buffer[..read].to_vec()).encode());
-        each(&buffer[..read]);
-        Ok(())
+        self.machine.receive(port, &mut |bytes| {
+            self.pipe.send(&FromGuard::Received(self.now(), bytes.to_vec()).encode());
+            each(bytes);
+        })
     }
 
     fn wait(&self, port: Option<&Port>, wait: Duration) -> bool {
         // A pipe at its end, and a signal, are readable for ever.
         let watched = if self.is_connected.get() { PollFlags::IN } else { PollFlags::empty() };
         let until_signal =
-            if self.mailbox.requested().is_closing { PollFlags::empty() } else { PollFlags::IN };
+            if self.machine.mailbox.requested().is_closing { PollFlags::empty() } else { PollFlags::IN };
         let pipe = PollFd::new(&*self.pipe, watched);
         let signal = PollFd::new(&self.signalled, until_signal);
         let (is_readable, is_signalled) = match port {
@@ -121,7 +115,7 @@ impl PortIo for PipeIo {
             }
         };
         if is_signalled {
-            self.mailbox.close();
+            self.machine.mailbox.close();
         }
         self.serve_pipe();
         is_readable

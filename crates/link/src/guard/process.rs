@@ -22,7 +22,7 @@ use super::pipe::{Pipe, PipeRead};
 use super::pipe_io::PipeIo;
 use crate::mailbox::Mailbox;
 use crate::port::Port;
-use crate::port_io::poll_for;
+use crate::port_io::{MachineIo, poll_for};
 use crate::report::LinkReport;
 use crate::url::LinkUrl;
 use crate::worker::Worker;
@@ -85,9 +85,7 @@ fn guard() -> Result<bool, String> {
         persistence: PERSISTENCE,
         mailbox: Arc::clone(&mailbox),
         io: PipeIo {
-            endpoint: url.endpoint,
-            clock,
-            mailbox: Arc::clone(&mailbox),
+            machine: MachineIo { endpoint: url.endpoint, clock, mailbox: Arc::clone(&mailbox) },
             pipe: Arc::clone(&pipe),
             gate: RefCell::new(Gate::new(settings.limits, clock.now())),
             suspend: RefCell::new(SuspendWatch::start()),
