@@ -59,8 +59,8 @@ link.addEventListener("snapshot", ({ detail }) => {
   snapshot = detail;
   strips.add(snapshot, video.delay?.median ?? null);
   keepAwake(snapshot.mode.engaged);
-  const alarms = snapshot.alarms.join();
-  if (lastMode && lastMode.alarms !== alarms && alarms.length > lastMode.alarms.length) sounds.play("alarm");
+  const { alarms } = snapshot;
+  if (lastMode && alarms.some((alarm) => !lastMode.alarms.includes(alarm))) sounds.play("alarm");
   else if (lastMode && lastMode.name !== snapshot.mode.name) sounds.play(snapshot.mode.name === "stopped" ? "stop" : "good");
   lastMode = { name: snapshot.mode.name, alarms };
 });

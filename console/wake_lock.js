@@ -9,6 +9,8 @@ async function request() {
   lock?.addEventListener("release", () => {
     lock = null;
   });
+  // The answer may come after the camera was disengaged.
+  if (!isWanted) lock?.release();
 }
 
 /** @param {boolean} wanted */

@@ -97,6 +97,54 @@ def out_of_view(page, names):
     return hidden
 
 
+# Records the tones that the page plays, and how many wake locks of the screen it holds.
+SPIES = """
+    window.spied = { tones: [], locks: 0, refusal: null };
+    const make = AudioContext.prototype.createOscillator;
+    AudioContext.prototype.createOscillator = function () {
+      const tone = make.call(this);
+      const start = tone.start.bind(tone);
+      tone.start = (at) => { window.spied.tones.push(tone.frequency.value); start(at); };
+      return tone;
+    };
+    const request = navigator.wakeLock.request.bind(navigator.wakeLock);
+    navigator.wakeLock.request = async (kind) => {
+      const lock = await request(kind).catch((error) => { window.spied.refusal = String(error); throw error; });
+      window.spied.locks += 1;
+      lock.addEventListener("release", () => { window.spied.locks -= 1; });
+      return lock;
+    };
+"""
+
+
+def spied(page):
+    return page.driver.execute_script("return window.spied")
+
+
+def sounds_and_screen(table, page):
+    """Engages and stops: the tones, and the screen that is kept awake."""
+    page.driver.execute_script(SPIES)
+    page.click("engage")
+    page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")
+    common.wait_until(lambda: spied(page)["locks"] or spied(page)["refusal"], 5, "the wake lock")
+    seen = spied(page)
+    table.require("engaged: the screen is kept awake", seen["locks"] == 1, seen["refusal"] or f"{seen['locks']} wake lock")
+    table.require("no sound that was not asked for", not seen["tones"], f"{seen['tones']}")
+    page.click("sound")
+    is_marked = page.element("sound").get_attribute("aria-pressed") == "true"
+    table.require("the button Sound plays a tone, and says that it is on", is_marked and spied(page)["tones"] == [660, 880], f"{spied(page)['tones']} Hz")
+    page.type("space")
+    page.wait(lambda data: data["mode"] == "stopped", 5, "the stop")
+    common.wait_until(lambda: spied(page)["locks"] == 0, 5, "the release of the wake lock")
+    table.require("stopped: the screen may sleep again", True)
+    table.require("Stop has a tone of its own", spied(page)["tones"][2:3] == [330], f"{spied(page)['tones'][2:]} Hz")
+    page.click("sound")
+    before = len(spied(page)["tones"])
+    page.type("r")
+    page.wait(lambda data: data["mode"] == "idle", 5, "disengaged")
+    table.require("switched off: no sound", len(spied(page)["tones"]) == before and page.element("sound").get_attribute("aria-pressed") == "false")
+
+
 def demo(table, args, folder):
     print("\ndemo --hands-on", flush=True)
     store = folder / "drive.jsonl"
@@ -110,6 +158,7 @@ def demo(table, args, folder):
     hidden = out_of_view(page, ("stop", "engage", "disengage"))
     table.require("Stop and Engage are in view in every window, however low", not hidden, ", ".join(hidden) or f"{len(WINDOWS)} sizes")
     select_boat(table, page, folder)
+    sounds_and_screen(table, page)
     page.click("engage")
     page.wait(lambda data: data["mode"] == "servoing", 5, "the engagement")
     page.press("up")
