@@ -1,5 +1,6 @@
 //! Checks the lengths of the records in a chunk against the length of the chunk, ahead of the MCAP reader, which trusts
-//! them: a damaged length would make it read beyond the chunk's end.
+//! them: a damaged length would make it read beyond the chunk's end. Attachments, which no recording of ours has and whose
+//! lengths the MCAP reader trusts too, are passed on as records of a private kind, which the MCAP reader ignores.
 
 use std::io::{self, Read};
 
@@ -14,6 +15,10 @@ const CHUNK_NAME_LENGTH: usize = 28;
 const CHUNK_RECORDS_LENGTH: usize = 32;
 /// Opcode of a chunk.
 const CHUNK: u8 = 0x06;
+/// Opcode of an attachment.
+const ATTACHMENT: u8 = 0x09;
+/// The first opcode for private use.
+const PRIVATE: u8 = 0x80;
 /// Bytes of the magic number at the beginning of a file.
 const MAGIC: u64 = 8;
 
@@ -43,7 +48,7 @@ impl<R> CheckedLengths<R> {
         Self { input, skip: MAGIC, state: State::Record, head: Vec::with_capacity(CHUNK_HEAD) }
     }
 
-    fn check(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+    fn check(&mut self, mut bytes: &mut [u8]) -> io::Result<()> {
         loop {
             if let State::InChunk { left: 0, padding } = self.state {
                 self.skip += padding;
@@ -51,14 +56,20 @@ impl<R> CheckedLengths<R> {
             }
             let skipped = bytes.len().min(usize::try_from(self.skip).unwrap_or(usize::MAX));
             self.skip -= skipped as u64;
-            bytes = &bytes[skipped..];
+            bytes = &mut bytes[skipped..];
+            if self.head.is_empty()
+                && matches!(self.state, State::Record)
+                && let Some(opcode @ &mut ATTACHMENT) = bytes.first_mut()
+            {
+                *opcode = PRIVATE;
+            }
             let needed = match self.state {
                 State::Chunk { .. } => CHUNK_HEAD,
                 State::Record | State::InChunk { .. } => RECORD_HEAD,
             };
             let taken = bytes.len().min(needed - self.head.len());
             self.head.extend_from_slice(&bytes[..taken]);
-            bytes = &bytes[taken..];
+            bytes = &mut bytes[taken..];
             if self.head.len() < needed {
                 return Ok(());
             }
@@ -106,7 +117,7 @@ impl<R> CheckedLengths<R> {
 impl<R: Read> Read for CheckedLengths<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let read = self.input.read(buffer)?;
-        self.check(&buffer[..read])?;
+        self.check(&mut buffer[..read])?;
         Ok(read)
     }
 }

@@ -173,3 +173,25 @@ fn a_message_that_lies_in_its_own_kind_has_columns_to_the_first_of_them() {
     assert_eq!(row.cells, ["8", "\"{\"\"weight\"\":6}\"", "5"]);
     assert_eq!(row.json_columns, ["next"]);
 }
+
+/// The messages of a file with an attachment whose content is cut to its last `kept` bytes before the messages.
+fn with_attachment(kept: usize) -> Vec<u8> {
+    let whole = file(&[("/input/tick", "protobuf", TICK)]);
+    // Magic, then the header: opcode, length, content.
+    let header = 8 + 9 + u64::from_le_bytes(whole[9..17].try_into().unwrap()) as usize;
+    // Two times, a name, a type of media, the length of the data, the data, a checksum.
+    let content = [[0; 16].as_slice(), &[1, 0, 0, 0, b'a'], &[0; 4], &[2, 0, 0, 0, 0, 0, 0, 0], b"hi", &[0; 4]].concat();
+    let content = &content[..kept.min(content.len())];
+    let attachment = [[0x09].as_slice(), &(content.len() as u64).to_le_bytes(), content].concat();
+    [&whole[..header], &attachment, &whole[header..]].concat()
+}
+
+#[test]
+fn an_attachment_is_passed_over_however_short() {
+    for kept in 0..=39 {
+        let (found, error) = read(&with_attachment(kept));
+        assert!(error.is_none(), "{kept}: {error:?}");
+        assert_eq!(found, [tick()], "{kept}");
+        read_rows(with_attachment(kept).as_slice(), |_| Ok::<(), ReadError>(())).unwrap();
+    }
+}
