@@ -1,8 +1,9 @@
 //! The rule of the campaign, judged apart from the program: the rate in force at the ground station is zero within 350 ms of
 //! the last moment that permitted motion.
 //!
-//! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts, and at each
-//! renewal of a nudge. After a fault of the line the time counts from the line's return, after the death of a guard from
+//! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts, at each
+//! renewal of a nudge, and at the arrival of a picture while the consent to a search or a calibration lasts. That consent
+//! ends where no picture permitted motion for the time to rest. After a fault of the line the time counts from the line's return, after the death of a guard from
 //! that, after a suspension from the end of it.
 
 /// The longest time to rest, ms.
@@ -13,16 +14,20 @@ pub(super) const REST_LIMIT_MS: u64 = 350;
 pub(super) enum Licence {
     Follow,
     Nudge,
+    Search,
+    Calibrate,
 }
 
 impl Licence {
     /// Every licence that an operator can ask for. A further one is added here and in the script of [`super::run`].
-    pub(super) const ALL: [Self; 2] = [Self::Follow, Self::Nudge];
+    pub(super) const ALL: [Self; 4] = [Self::Follow, Self::Nudge, Self::Search, Self::Calibrate];
 
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Follow => "follow",
             Self::Nudge => "nudge",
+            Self::Search => "search",
+            Self::Calibrate => "calibrate",
         }
     }
 }
@@ -50,10 +55,29 @@ impl Oracle {
         self.consent = None;
     }
 
-    /// A localisation arrived.
+    /// The operator consents to a search or a calibration, which is a moment that permits motion.
+    pub(super) fn consent_to_behaviour(&mut self, licence: Licence, at_ms: u64) {
+        self.consent(licence);
+        self.permitted_ms = Some(at_ms);
+    }
+
+    /// The consent to a search or a calibration ends; that to follow lasts.
+    pub(super) fn end_behaviours(&mut self) {
+        self.consent = self.consent.filter(|licence| matches!(licence, Licence::Follow | Licence::Nudge));
+    }
+
+    /// A picture arrived, with a fresh localisation or without.
     pub(super) fn saw(&mut self, at_ms: u64, is_fresh: bool) {
-        if is_fresh && self.consent == Some(Licence::Follow) {
-            self.permitted_ms = Some(at_ms);
+        match self.consent {
+            Some(Licence::Follow) if is_fresh => self.permitted_ms = Some(at_ms),
+            Some(Licence::Search | Licence::Calibrate) => {
+                if self.permitted_ms.is_some_and(|before| at_ms - before <= REST_LIMIT_MS) {
+                    self.permitted_ms = Some(at_ms);
+                } else {
+                    self.end_behaviours();
+                }
+            }
+            _ => {}
         }
     }
 

@@ -30,6 +30,7 @@ pub(super) struct Program {
     link: LinkState,
     control: Option<ControlState>,
     uptime_s: f64,
+    lost_since: Option<Timestamp>,
     /// Messages for the guard.
     pub(super) outbox: VecDeque<ToGuard>,
     /// Reports that the run loop has not read yet.
@@ -46,8 +47,9 @@ pub(super) struct SeenPicture {
 }
 
 impl SeenPicture {
-    fn track(self) -> Track {
-        let lost = Track::Lost { since: self.captured, confidence: 0.1 };
+    /// The track, with the time since when the boat has been lost where it is.
+    fn track(self, lost_since: Timestamp) -> Track {
+        let lost = Track::Lost { since: lost_since, confidence: 0.1 };
         let Some(x) = self.bearing_rad.map(|bearing| FOCAL_PX * bearing.tan()) else { return lost };
         if x.abs() > f64::from(PICTURE.width) / 2.0 {
             return lost;
@@ -80,6 +82,7 @@ impl Program {
             link: LinkState::Opening,
             control: None,
             uptime_s: 0.0,
+            lost_since: None,
             outbox: VecDeque::new(),
             reports: VecDeque::new(),
         })
@@ -126,6 +129,7 @@ impl Program {
                 self.link = state;
                 if state != LinkState::Up {
                     self.control = None;
+                    oracle.end_behaviours();
                 }
                 if state == LinkState::Silent {
                     oracle.withdraw();
@@ -152,7 +156,11 @@ impl Program {
 
     /// A picture has arrived.
     pub(super) fn see(&mut self, picture: SeenPicture, oracle: &mut Oracle, now: Timestamp, at_ms: u64) {
-        let track = picture.track();
+        let track = picture.track(self.lost_since.unwrap_or(picture.captured));
+        self.lost_since = match track {
+            Track::Lost { since, .. } => Some(since),
+            _ => None,
+        };
         let age = now.since(picture.captured);
         let is_fresh = age <= self.profile.video_latency + self.profile.stale_after;
         oracle.saw(at_ms, is_fresh && matches!(track, Track::Tracking(_)));

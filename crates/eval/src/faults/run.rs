@@ -24,6 +24,10 @@ const VIDEO_LATENCY_MS: u64 = 120;
 /// Added to it while the video is late, ms.
 const VIDEO_LATE_MS: u64 = 700;
 const ENGAGES_AT_MS: u64 = 1_500;
+/// The boat is out of sight from here on in the runs with a search, ms.
+const LOST_FROM_MS: u64 = 600;
+const SEARCHES_AT_MS: u64 = 3_900;
+const CALIBRATES_AT_MS: u64 = 3_000;
 const NUDGE_INTERVAL_MS: u64 = 100;
 /// From the death of a guard to the start of the next, ms.
 const GUARD_STARTS_MS: u64 = 40;
@@ -72,7 +76,12 @@ pub(super) fn run(number: u64, seed: u64, mutant: Mutant, trace: &mut dyn FnMut(
     let mut rng = Rng::from_name("faults", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let faults = fault::draw(number, &mut rng);
     let stop_keeps_rates = rng.uniform(0.0, 1.0) < 0.5;
-    let licence = if rng.uniform(0.0, 1.0) < 0.75 { Licence::Follow } else { Licence::Nudge };
+    let licence = match rng.uniform(0.0, 1.0) {
+        ..0.55 => Licence::Follow,
+        ..0.7 => Licence::Nudge,
+        ..0.85 => Licence::Search,
+        _ => Licence::Calibrate,
+    };
     let law = if rng.uniform(0.0, 1.0) < 0.5 {
         LawSettings::MotorSchema
     } else {
@@ -150,7 +159,8 @@ impl World {
         }
         let now = Timestamp::from_nanos((at_ms - self.suspended_ms) * 1_000_000);
         let boat_rad = 0.9 * (0.55 * at_ms as f64 / 1000.0 + self.phase).sin() - 0.9 * self.phase.sin();
-        let is_found = !self.is_active(FaultKind::TrackLost, at_ms);
+        let is_out_of_sight = self.licence == Licence::Search && at_ms >= LOST_FROM_MS;
+        let is_found = !is_out_of_sight && !self.is_active(FaultKind::TrackLost, at_ms);
         let picture = SeenPicture {
             captured: now,
             bearing_rad: is_found.then_some(boat_rad + self.station.yaw_rad()),
@@ -258,6 +268,7 @@ impl World {
                     self.program.request(OperatorRequest::Engage, now);
                 }
             }
+            Licence::Search | Licence::Calibrate => self.ask_for_behaviour(ends_ms, now, at_ms),
             Licence::Nudge => {
                 let is_held = at_ms >= ENGAGES_AT_MS && !self.is_active(FaultKind::OperatorStops, at_ms);
                 if is_held && at_ms.is_multiple_of(NUDGE_INTERVAL_MS) {
@@ -267,6 +278,30 @@ impl World {
                     self.program.request(OperatorRequest::Nudge(Nudge { pan, tilt: 0.5 }), now);
                 }
             }
+        }
+    }
+
+    /// Asks for a search of the boat that was followed, or for a calibration; in half of the runs once more after the faults.
+    fn ask_for_behaviour(&mut self, ends_ms: u64, now: Timestamp, at_ms: u64) {
+        let is_search = self.licence == Licence::Search;
+        let (first_ms, request) = if is_search {
+            (SEARCHES_AT_MS, OperatorRequest::Search)
+        } else {
+            (CALIBRATES_AT_MS, OperatorRequest::Calibrate)
+        };
+        let again_ms = ends_ms + ENGAGES_AGAIN_MS;
+        let is_again = self.engages_again && at_ms == again_ms;
+        if is_search && at_ms == ENGAGES_AT_MS {
+            self.program.request(OperatorRequest::Engage, now);
+        }
+        if is_again {
+            // A stop may have to be ended first.
+            self.oracle.withdraw();
+            self.program.request(OperatorRequest::Disengage, now);
+        }
+        if at_ms == first_ms || is_again {
+            self.oracle.consent_to_behaviour(self.licence, at_ms);
+            self.program.request(request, now);
         }
     }
 
