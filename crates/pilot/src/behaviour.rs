@@ -6,6 +6,9 @@
 /// The version of the pilots that stated none.
 pub const FIRST: u32 = 1;
 
-/// The version of this pilot. 2: the net yaw is limited; a picture that turns against the command stops the camera; a
-/// track that was measured elsewhere counts as video also while the target is lost.
-pub const NEWEST: u32 = 2;
+/// 2: the net yaw is limited; a picture that turns against the command stops the camera; a track that was measured
+/// elsewhere counts as video also while the target is lost.
+pub const OPPOSED_MOTION: u32 = 2;
+
+/// The version of this pilot. 3: in calm air, a picture that turns against the command stops the camera after 0.3 s.
+pub const NEWEST: u32 = 3;

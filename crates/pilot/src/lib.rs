@@ -22,6 +22,7 @@ pub mod calibration;
 mod history;
 pub mod net_yaw;
 mod opposed_motion;
+mod sway_estimate;
 pub mod search;
 mod selecting;
 

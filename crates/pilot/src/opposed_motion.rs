@@ -13,6 +13,10 @@
 //! opposite motion is rare: with a camera that turns as it was told, the sum passes [`EVIDENCE`] with a probability of
 //! about exp(-3 x EVIDENCE) in one motion. A camera that does not turn at all gives no evidence.
 //!
+//! The noise of this test is that of a windy day, so that it takes its time. Where the picture was calm while the camera
+//! rested ([`crate::sway_estimate`]), a second test needs [`OPPOSED_FOR`] alone: in each frame of that time the picture
+//! turned by more than half of the predicted rate the other way, and by more than [`CALM_FACTOR`] times the sway.
+//!
 //! Not handled: rates below [`LEAST_RATE`], a picture without a background that can be registered, and a vehicle that is
 //! carried by the wind faster than it is told to turn.
 
@@ -21,6 +25,8 @@ use core::time::Duration;
 use barrelman_control::CameraModel;
 use barrelman_vision::BackgroundShift;
 use barrelman_vocab::{PictureSize, StopCause, Timestamp};
+
+use crate::sway_estimate::SwayEstimate;
 
 /// Evidence that stops the camera.
 const EVIDENCE: f64 = 5.0;
@@ -35,6 +41,11 @@ const PREDICTION_ERROR: f64 = 0.3;
 const LEAST_RATE: f64 = 0.05;
 /// The axis must have turned in the predicted direction for this time: dead times and lags differ from the profile.
 const STEADY_FOR: Duration = Duration::from_millis(200);
+/// The second test: least predicted rate, rad/s, and least opposite rate as a multiple of the sway's standard deviation.
+const CALM_LEAST_RATE: f64 = 0.15;
+const CALM_FACTOR: f64 = 4.0;
+/// Both axes together turn slower than this where the camera rests, rad/s.
+const REST_RATE: f64 = 0.002;
 /// Frames that lie further apart are not compared.
 const MAX_INTERVAL: Duration = Duration::from_millis(250);
 /// Time constant in which evidence is forgotten, seconds.
@@ -45,6 +56,7 @@ const FORGETTING_S: f64 = 5.0;
 pub(crate) struct OpposedMotion {
     pan: AxisEvidence,
     tilt: AxisEvidence,
+    sway: SwayEstimate,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -52,6 +64,8 @@ struct AxisEvidence {
     sum: f64,
     /// Time of opposite motion since the sum was zero, seconds.
     opposed_s: f64,
+    /// Time of opposite motion without a break, by the second test, seconds.
+    unbroken_s: f64,
 }
 
 impl AxisEvidence {
@@ -67,8 +81,13 @@ impl AxisEvidence {
         }
     }
 
+    fn add_unbroken(&mut self, is_opposed: bool, interval_s: f64) {
+        self.unbroken_s = if is_opposed { self.unbroken_s + interval_s } else { 0.0 };
+    }
+
     fn is_opposed(self) -> bool {
-        self.sum >= EVIDENCE && self.opposed_s >= OPPOSED_FOR.as_secs_f64()
+        let opposed_for = OPPOSED_FOR.as_secs_f64();
+        (self.sum >= EVIDENCE && self.opposed_s >= opposed_for) || self.unbroken_s >= opposed_for
     }
 }
 
@@ -82,13 +101,28 @@ pub(crate) struct FrameShift {
     pub(crate) to: Timestamp,
 }
 
+impl FrameShift {
+    /// The time between the frames; `None`: too long, or none.
+    fn interval(&self) -> Option<Duration> {
+        let interval = self.to.since(self.from);
+        (!interval.is_zero() && interval <= MAX_INTERVAL).then_some(interval)
+    }
+}
+
 impl OpposedMotion {
+    /// Takes a measured shift, whether or not the camera may move: a camera that rests shows the sway.
+    pub(crate) fn observe_rest(&mut self, seen: &FrameShift, camera: &CameraModel) {
+        let Some(interval) = seen.interval() else { return };
+        let rates = [camera.rates_at(seen.from), camera.rates_at(seen.to)];
+        if rates.iter().all(|(pan, tilt)| pan.abs() + tilt.abs() < REST_RATE) {
+            let focal_px = camera.focal_px(seen.to, seen.picture);
+            self.sway.add([seen.shift.u_px / focal_px, seen.shift.v_px / focal_px], interval);
+        }
+    }
+
     /// Takes a measured shift. Returns why the camera must stop.
     pub(crate) fn add(&mut self, seen: &FrameShift, camera: &CameraModel) -> Option<StopCause> {
-        let interval = seen.to.since(seen.from);
-        if interval.is_zero() || interval > MAX_INTERVAL {
-            return None;
-        }
+        let interval = seen.interval()?;
         let point = seen.shift.centre.in_image(seen.picture);
         let [by_pan, by_tilt] = camera.shifts_by_axis(point, seen.from, seen.to, seen.picture)?;
         let measured = [seen.shift.u_px, -seen.shift.v_px];
@@ -105,6 +139,19 @@ impl OpposedMotion {
         let (pan_turns, tilt_turns) = steady_axes(camera, seen);
         self.pan.add(if pan_turns { ratio(by_pan, by_tilt) } else { 0.0 }, interval_s);
         self.tilt.add(if tilt_turns { ratio(by_tilt, by_pan) } else { 0.0 }, interval_s);
+        if let Some(sway) = self.sway.rate_rad_per_s() {
+            let focal_px = camera.focal_px(seen.to, seen.picture);
+            let is_opposed = |own: [f64; 2], other: [f64; 2]| {
+                let per_s = focal_px * interval_s;
+                let predicted = libm::hypot(own[0], own[1]);
+                let along = (measured[0] - other[0]) * own[0] + (measured[1] - other[1]) * own[1];
+                let opposite = -along / predicted / per_s;
+                predicted >= CALM_LEAST_RATE * per_s
+                    && opposite > (0.5 * predicted / per_s).max(CALM_FACTOR * sway)
+            };
+            self.pan.add_unbroken(pan_turns && is_opposed(by_pan, by_tilt), interval_s);
+            self.tilt.add_unbroken(tilt_turns && is_opposed(by_tilt, by_pan), interval_s);
+        }
         if self.pan.is_opposed() {
             Some(StopCause::PanOpposed)
         } else {
@@ -112,9 +159,9 @@ impl OpposedMotion {
         }
     }
 
-    /// Forgets the evidence.
+    /// Forgets the evidence, and keeps what is known of the sway.
     pub(crate) fn clear(&mut self) {
-        *self = Self::default();
+        (self.pan, self.tilt) = Default::default();
     }
 }
 

@@ -7,6 +7,8 @@
 
 use core::fmt;
 
+use super::bars::Bars;
+
 /// Turns over this time are compared, seconds.
 const SPAN_S: f64 = 0.4;
 /// Largest dead time and lag that are searched, seconds.
@@ -69,6 +71,8 @@ impl AxisFit {
 pub enum CannotTell {
     /// The axis was not commanded, or the picture's motion was not measured.
     NotMeasured,
+    /// The picture has black bars: gains would come out too small.
+    Bars(Bars),
     /// The picture's motion does not follow the commands.
     NotFollowing {
         /// Share of the variance that the commands explain.
@@ -88,6 +92,10 @@ impl fmt::Display for CannotTell {
         match self {
             Self::NotMeasured => f.write_str(
                 "the picture's motion could not be measured: point the camera at something with structure, not at even water",
+            ),
+            Self::Bars(bars) => write!(
+                f,
+                "the picture has black bars ({bars}): let the camera or the encoder send the picture without them"
             ),
             Self::NotFollowing { explained } => write!(
                 f,

@@ -3,13 +3,16 @@
 //!
 //! [`CalibrationRecorder`] takes the video frames, the commands that left, and the reports of the gimbal during the test
 //! motions of `barrelman_pilot::calibration`. [`CalibrationRecorder::result`] fits each axis ([`fit`]) to the picture's own
-//! motion ([`turns`]). An axis whose repetitions do not agree is not told: [`CannotTell`].
+//! motion ([`turns`]). An axis whose repetitions do not agree is not told: [`CannotTell`]; neither is any in a picture with
+//! black bars ([`bars`]).
 
 pub mod fit;
 
+mod bars;
 mod gimbal_reports;
 mod recorder;
 mod turns;
 
+pub use bars::Bars;
 pub use fit::{AxisFit, CannotTell};
 pub use recorder::{CalibrationRecorder, CalibrationResult, MeasuredAxis};

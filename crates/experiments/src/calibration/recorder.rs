@@ -6,6 +6,7 @@ use barrelman_vocab::telemetry::{Quaternion, Report};
 use barrelman_vocab::{Angle, CameraCommand, PictureSize, Telemetry, Timestamp, VideoFrame};
 use core::time::Duration;
 
+use super::bars::BarSearch;
 use super::fit::{AngleSample, AxisFit, CannotTell, RateStep, fit_axis};
 use super::gimbal_reports::convention;
 use super::turns::Turn;
@@ -15,6 +16,7 @@ use barrelman_pilot::calibration::{MOVE, REPETITIONS, REST};
 pub struct CalibrationRecorder {
     focal_share: f64,
     motion: PictureMotion,
+    bars: BarSearch,
     /// Sums of the turns so far.
     turned: Turn,
     epoch: u32,
@@ -57,6 +59,7 @@ impl CalibrationRecorder {
         Self {
             focal_share,
             motion: PictureMotion::default(),
+            bars: BarSearch::default(),
             turned: Turn::default(),
             epoch: 0,
             pans: Vec::new(),
@@ -69,6 +72,7 @@ impl CalibrationRecorder {
 
     /// A video frame was captured.
     pub fn on_frame(&mut self, frame: &VideoFrame) {
+        self.bars.add(&frame.picture);
         let shifts = self.motion.measure(&frame.picture);
         self.on_shifts(&shifts, frame.picture.size(), frame.capture.at);
     }
@@ -112,6 +116,10 @@ impl CalibrationRecorder {
 
     /// What was measured.
     pub fn result(&self) -> CalibrationResult {
+        if let Some(bars) = self.bars.found() {
+            let refused = Err(CannotTell::Bars(bars));
+            return CalibrationResult { pan: refused, tilt: refused, elevation: None, gimbal_tilt: None };
+        }
         let pan = fit_axis(&self.pans, &self.pan_commands, &repetitions(&self.pan_commands));
         let tilt = fit_axis(&self.tilts, &self.tilt_commands, &repetitions(&self.tilt_commands));
         let elevation = pan.ok().map(|fit| elevation(&fit));

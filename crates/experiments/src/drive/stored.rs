@@ -155,7 +155,11 @@ impl StoredDrive {
         read.with_context(|| format!("{} cannot be driven again", path.display()))
     }
 
-    fn parse(text: &str) -> Result<Self> {
+    /// Reads a drive from the text of its file.
+    ///
+    /// # Errors
+    /// The text is not a drive, or its scenario has changed since.
+    pub fn parse(text: &str) -> Result<Self> {
         let mut lines = text.lines();
         let first = lines.next().unwrap_or_default();
         let header: Header = serde_json::from_str(first).context("its first line is no drive's")?;

@@ -25,12 +25,18 @@ impl Pilot {
     /// Compares the shift of the background in a tracked frame with the commands.
     pub(super) fn check_motion(&mut self, frame: &VideoFrame) {
         let is_checked = self.behaviour > behaviour::FIRST && self.safety.path() != CommandPath::Unknown;
-        let is_calibrating = self.safety.held() == Some(Purpose::Calibrate);
-        if !is_checked || is_calibrating || self.safety.held().is_none() {
-            return self.opposed_motion.clear();
+        let may_turn = is_checked && !matches!(self.safety.held(), None | Some(Purpose::Calibrate));
+        if !may_turn {
+            self.opposed_motion.clear();
         }
         let Some((shift, from)) = self.tracker.background_shift().zip(self.last_capture) else { return };
         let seen = FrameShift { shift, picture: frame.picture.size(), from, to: frame.capture.at };
+        if self.behaviour > behaviour::OPPOSED_MOTION {
+            self.opposed_motion.observe_rest(&seen, self.law.camera());
+        }
+        if !may_turn {
+            return;
+        }
         if let Some(cause) = self.opposed_motion.add(&seen, self.law.camera()) {
             self.safety.on_opposed_motion(cause);
             self.opposed_motion.clear();

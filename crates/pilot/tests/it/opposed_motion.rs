@@ -147,6 +147,24 @@ fn a_wrong_sign_is_named_and_stops_the_camera() {
 }
 
 #[test]
+fn in_calm_air_a_wrong_sign_stops_the_camera_after_half_a_second() {
+    const RESTS_S: f64 = 3.0;
+    for (camera, point, cause, ms_to_speed) in [
+        // Dead time of the video and of the axis, then the lag until half of the rate.
+        (TrueCamera { pan_gain: -1.0, ..AS_PROFILE }, RIGHT, StopCause::PanOpposed, 200 + 200 + 291),
+        (TrueCamera { tilt_gain: -1.0, ..AS_PROFILE }, TOP, StopCause::TiltOpposed, 200 + 100 + 69),
+    ] {
+        for sway in [0.0, 0.003] {
+            let after_rest = |seconds| if seconds < RESTS_S { INSIDE } else { point };
+            let (ms, stopped) = run(TrueCamera { sway, ..camera }, 1, 10, after_rest).expect("stopped");
+            assert_eq!(stopped, cause, "{camera:?}");
+            let after_speed = ms as i64 - (1e3 * RESTS_S) as i64 - ms_to_speed;
+            assert!((250..=530).contains(&after_speed), "{cause:?}, sway {sway}: {after_speed} ms");
+        }
+    }
+}
+
+#[test]
 fn a_camera_that_turns_as_it_is_told_is_never_stopped() {
     let mut moved = 0;
     for seed in 0..60 {
