@@ -18,9 +18,11 @@ const MAX_LAG_S: f64 = 1.2;
 const LAGS_S: [f64; 8] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.9];
 /// Least share of the variance that the motion must explain.
 const MIN_EXPLAINED: f64 = 0.5;
-/// Largest standard errors: of the gain, as a share of the gain, and of the dead times, seconds.
-const MAX_GAIN_ERROR: f64 = 0.02;
-const MAX_DEAD_TIME_ERROR_S: f64 = 0.02;
+/// Largest standard errors: of the gain, as a share of the gain, and of the dead times, seconds. What is told is meant to be
+/// right within 5 % and 60 ms; five repetitions have four degrees of freedom, so that the error exceeds 2.8 standard errors in
+/// one case of twenty, and four of them in one of sixty.
+const MAX_GAIN_ERROR: f64 = 0.0125;
+const MAX_DEAD_TIME_ERROR_S: f64 = 0.015;
 /// Least gain of an axis that turns.
 const MIN_GAIN: f64 = 0.1;
 
