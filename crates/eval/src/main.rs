@@ -2,7 +2,7 @@
 //! and fits parameters, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|law|tune|views|fit|faults
+//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|law|tune|views|fit|faults|link-latency
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -19,6 +19,7 @@ mod search;
 mod views;
 
 mod faults;
+mod link_latency;
 
 mod output;
 mod parallel;
@@ -64,6 +65,8 @@ enum Command {
     Fit(simulator::FitOptions),
     /// Let every fault, and every pair of faults, happen in virtual time, and measure the time until the camera rests.
     Faults(faults::Options),
+    /// Measure the time from a command to its bytes on the port, through the guard.
+    LinkLatency(link_latency::Options),
 }
 
 fn main() -> ExitCode {
@@ -81,6 +84,7 @@ fn main() -> ExitCode {
         Command::Views(options) => ("views", views::render(&options).map(|()| true)),
         Command::Fit(options) => ("fit", simulator::fit_target(&options).map(|()| true)),
         Command::Faults(options) => ("faults", faults::run(&options)),
+        Command::LinkLatency(options) => ("link-latency", link_latency::run(&options)),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,
