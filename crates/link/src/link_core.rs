@@ -118,8 +118,11 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// Begins the end of the link: rest, zeros, stop.
     pub fn close(&mut self, now: Timestamp) {
-        self.closing.get_or_insert(Closing { since: now, has_tried: false });
         self.requested = RequestedRates::REST;
+        if self.closing.is_some() {
+            return;
+        }
+        self.closing = Some(Closing { since: now, has_tried: false });
         if self.session.is_none() {
             self.reopen_at = now;
         }
@@ -249,5 +252,66 @@ impl<S: Session + ?Sized> LinkCore<S> {
         if self.reported_state != Some(state) && report(LinkReport::Telemetry(telemetry)) {
             self.reported_state = Some(state);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::VehicleRates;
+    use barrelman_wire::WillStep;
+
+    use super::*;
+
+    /// A session that is never opened.
+    struct NoSession;
+
+    impl Session for NoSession {
+        type Sent = ();
+        type Received = [u8];
+
+        fn poll(&mut self, _: Timestamp, _: &mut Vec<()>) -> NextAction {
+            NextAction::Closed
+        }
+        fn received(&mut self, _: &[u8], _: Timestamp, _: &mut dyn FnMut(Telemetry)) {}
+        fn request(&mut self, _: VehicleRates, _: Option<Timestamp>) {}
+        fn close(&mut self, _: Timestamp) {}
+        fn link_state(&self) -> LinkState {
+            LinkState::Closed
+        }
+        fn may_be_turning(&self) -> bool {
+            false
+        }
+        fn last_will(&self) -> Vec<WillStep<()>> {
+            Vec::new()
+        }
+    }
+
+    #[test]
+    fn a_link_that_closes_without_a_port_waits_between_its_attempts() {
+        let persistence = Duration::from_secs(10);
+        let mut core = LinkCore::new(Box::new(|_| Box::new(NoSession)), FaultPlan::default(), persistence);
+        let (mut now, mut attempts) = (Timestamp::from_secs_f64(5.0), 0);
+        loop {
+            // The worker says so each time.
+            core.close(now);
+            match core.poll(now, &mut Vec::new(), &mut |_| true) {
+                LinkAction::Open => {
+                    attempts += 1;
+                    assert!(attempts <= 101, "one attempt every 0.1 s");
+                    core.open_failed(now);
+                }
+                LinkAction::Wait { until } => {
+                    assert!(until > now);
+                    now = until;
+                }
+                LinkAction::Ended { is_stop_sent } => {
+                    assert!(!is_stop_sent);
+                    break;
+                }
+                LinkAction::ClosePort => unreachable!("there is no port"),
+            }
+        }
+        assert!(attempts >= 99, "{attempts}");
+        assert!(now.since(Timestamp::from_secs_f64(5.0)) >= persistence);
     }
 }
