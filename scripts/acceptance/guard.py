@@ -69,8 +69,11 @@ def is_alive(pid):
 class Run:
     """A run with an emulator of its own, and its guard."""
 
-    def __init__(self, args, clip, selection, folder, port, more=(), station=(), terminal=False, grows=False):
+    def __init__(self, args, clip, selection, folder, port, more=(), station=(), terminal=False, grows=False, faults=None):
         folder.mkdir()
+        if faults:
+            (folder / "faults").write_text(faults + "\n")
+            more = (*more, "--faults", folder / "faults")
         video = growing_pictures(clip, folder / "pictures") if grows else clip
         self.emulator = Emulator(args.barrelman, folder, "fotokite", *station) if port == "pty" else TcpEmulator(args.barrelman, folder, *station)
         command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--no-record", "--video", f"file:{video}"]
@@ -80,6 +83,7 @@ class Run:
         if terminal:
             self.terminal, inside = pty.openpty()
             streams.update(stdin=inside, stdout=inside, start_new_session=True)
+        self.started = time.monotonic()
         self.child = common.spawn(command, text=True, **streams)
         if terminal:
             os.close(inside)
@@ -185,6 +189,22 @@ def terminal_closed(run):
     return run.hang_up()
 
 
+def by_itself(seconds):
+    """A fault of the program's own file of faults. Its times count from the program's start, at the script's clock."""
+
+    def act(run):
+        run.wait_until_it_moves()
+        at = run.started + seconds
+        time.sleep(max(0.0, at - time.monotonic()))
+        return at
+
+    return act
+
+
+# When a fault of a file begins: the camera turns again and again by then.
+FAULT_AT_S = 7.0
+
+
 # Name, what happens, whether the guard must end by itself, further options of the run.
 CASES = [
     ("SIGKILL", killed(signal.SIGKILL), True, {}),
@@ -194,6 +214,8 @@ CASES = [
     ("memory limit (RLIMIT_AS)", out_of_memory, True, {"grows": True}),
     ("guard killed", guard_killed, False, {}),
     ("terminal closed", terminal_closed, True, {"terminal": True}),
+    ("the pilot hangs (--faults)", by_itself(FAULT_AT_S), False, {"faults": f"pilot: hang@{FAULT_AT_S}"}),
+    ("suspended for 3 s (--faults)", by_itself(FAULT_AT_S), False, {"faults": f"program: suspend@{FAULT_AT_S}+3"}),
 ]
 TRIES_TO_HIT_A_MOTION = 4
 STATIONS = [("", ()), (", stop keeps rates", ("--stop-keeps-rates",))]
@@ -260,6 +282,26 @@ def try_port_lost(args, clip, selection, folder, table, port):
         run.close()
 
 
+def try_control_taken(args, clip, selection, folder, table, port):
+    """Somebody takes the control at the ground station in mid-motion: nothing is sent any more, until a new Engage."""
+    folder.mkdir()
+    at_s = FAULT_AT_S
+    run = Run(args, clip, selection, folder / "run", port, station=("--fault", f"takeover@{at_s}"))
+    try:
+        run.wait_until_it_moves()
+        taken = run.emulator.wait_for(lambda row: row.state["station"] == "shell" and row.at > run.started + at_s / 2, at_s + 4, "the ground station in its menu")
+        told_at = taken.at
+        time.sleep(2.0)
+        rows = run.emulator.rows()
+        moves = [row for row in rows if row.moves and row.at > told_at + REST_LIMIT]
+        faults = [f"{len(moves)} rates after the control was taken"] if moves else []
+        faults += ["the control was taken back"] if any(row.raw == "RemoteControl start" and row.at > told_at for row in rows if row.direction == "in") else []
+        table.require(f"control taken in mid-motion, {port}", not faults, "no rate without a new Engage", "; ".join(faults))
+        return {"case": f"control taken, {port}"}
+    finally:
+        run.close()
+
+
 def check_refusal(args, clip, selection, folder, table):
     """Without its guard the program refuses this vehicle, unless it is told otherwise."""
     folder.mkdir()
@@ -295,6 +337,7 @@ def main():
         combinations = [(case, ("pty", "tcp")[number % 2], STATIONS[number // 2 % 2]) for number, case in enumerate(CASES)]
     jobs = [(f"{case[0]}, {port}{station[0]}", lambda where, rows, job=(case, port, station): try_case(args, clip, selection, where, rows, *job)) for case, port, station in combinations * args.repeat]
     jobs += [(f"the port is gone, {port}", lambda where, rows, port=port: try_port_lost(args, clip, selection, where, rows, port)) for port in ("pty", "tcp")]
+    jobs += [(f"control taken, {port}", lambda where, rows, port=port: try_control_taken(args, clip, selection, where, rows, port)) for port in ("pty", "tcp")]
     jobs += [("no guard", lambda where, rows: check_refusal(args, clip, selection, where, rows))]
     jobs = [job for job in jobs if not args.only or args.only in job[0]]
 

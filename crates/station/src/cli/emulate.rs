@@ -57,7 +57,7 @@ pub struct EmulateFotokiteProArgs {
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
     /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate, corrupt,
-    /// disconnect, reboot, silence or cut. Times count from the program's start.
+    /// disconnect, reboot, takeover, silence or cut. Times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// End a rate this long after the last command for its axis, seconds; default: never.

@@ -23,7 +23,7 @@ use barrelman_host::output;
 use barrelman_video::VideoHandle;
 
 /// The kinds of faults that the emulator has.
-const EMULATOR_FAULTS: [FaultKind; 9] = [
+const EMULATOR_FAULTS: [FaultKind; 10] = [
     FaultKind::Stall,
     FaultKind::Drop,
     FaultKind::Delay,
@@ -31,6 +31,7 @@ const EMULATOR_FAULTS: [FaultKind; 9] = [
     FaultKind::Corrupt,
     FaultKind::Disconnect,
     FaultKind::Reboot,
+    FaultKind::Takeover,
     FaultKind::Silence,
     FaultKind::Cut,
 ];

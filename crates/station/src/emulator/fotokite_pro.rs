@@ -119,6 +119,9 @@ impl FotokitePro {
         if self.faults.count_started(FaultKind::Reboot, self.faults_applied_at, now) > 0 {
             self.station = GroundStation::boot(self.settings, now);
         }
+        if self.faults.count_started(FaultKind::Takeover, self.faults_applied_at, now) > 0 {
+            self.station.take_over();
+        }
         self.faults_applied_at = Some(now);
         let is_unplugged = self.is_active(FaultKind::Disconnect, now);
         match (self.is_unplugged, is_unplugged) {
