@@ -1,4 +1,4 @@
-//! Any bytes are a session in front of both trackers: neither panics, and what they say is in order.
+//! Any bytes for the target `tracker`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| barrelman_fuzz::tracker::session(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| barrelman_fuzz::run("tracker", bytes));
