@@ -27,6 +27,8 @@ pub struct Configuration {
     pub video_login: Option<LoginSource>,
     /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
+    /// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
+    pub link_access: LinkAccess,
     /// The guard of the vehicle's port.
     pub guard: GuardChoice,
     /// Framing of text lines, where the vehicle's protocol has some.
@@ -41,6 +43,17 @@ pub struct Configuration {
     pub console: ConsoleConfig,
     /// The recordings that `run` makes without being asked.
     pub recording: RecordingConfig,
+}
+
+/// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct LinkAccess {
+    /// The file of the token.
+    pub token_file: Option<PathBuf>,
+    /// The fingerprint of the vehicle's certificate.
+    pub certificate_sha256: Option<String>,
+    /// The file of the authorities that sign the vehicle's certificate.
+    pub ca_file: Option<PathBuf>,
 }
 
 /// Which guard serves the port of a vehicle that keeps its last rate.
@@ -116,6 +129,7 @@ impl Configuration {
             video: file.video.url.clone(),
             video_login: login_source(&file.video)?,
             link: file.link.url.clone(),
+            link_access: link_access(&file.link)?,
             guard: GuardChoice {
                 program: file.link.guard.clone(),
                 is_omitted: file.link.without_guard.unwrap_or(false),
@@ -173,6 +187,9 @@ impl Configuration {
                 url: self.link.clone(),
                 guard: self.guard.program.clone(),
                 without_guard: Some(self.guard.is_omitted),
+                token_file: self.link_access.token_file.clone(),
+                certificate_sha256: self.link_access.certificate_sha256.clone(),
+                ca_file: self.link_access.ca_file.clone(),
                 line_ending: Some(match self.framing {
                     Framing::CarriageReturns => LineEnding::CrAround,
                     Framing::LineFeed => LineEnding::Lf,
@@ -211,6 +228,17 @@ impl Configuration {
     pub fn to_toml(&self) -> Result<String> {
         Ok(toml::to_string_pretty(&self.to_file())?)
     }
+}
+
+fn link_access(link: &LinkSection) -> Result<LinkAccess> {
+    if link.certificate_sha256.is_some() && link.ca_file.is_some() {
+        bail!("link.certificate_sha256 and link.ca_file are both given: omit one");
+    }
+    Ok(LinkAccess {
+        token_file: link.token_file.clone(),
+        certificate_sha256: link.certificate_sha256.clone(),
+        ca_file: link.ca_file.clone(),
+    })
 }
 
 fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {

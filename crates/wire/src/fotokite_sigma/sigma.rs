@@ -130,6 +130,11 @@ impl Sigma {
         }
     }
 
+    /// The service starts again: the control is forgotten, and nothing turns the camera.
+    pub fn restart(&mut self) {
+        (self.control, self.wish_until, self.turning) = (None, None, None);
+    }
+
     /// Sets the state of the flight, as the API names it.
     pub fn set_flight_state(&mut self, state: &'static str) {
         self.flight_state = state;
