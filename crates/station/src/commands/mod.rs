@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod check;
+mod check_over_http;
 pub mod compare;
 pub mod config;
 pub mod demo;
