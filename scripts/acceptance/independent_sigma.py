@@ -17,7 +17,7 @@ LEAST, LARGEST = 2.0, 25.0
 ALLOWED = {
     ("GET", "/v1/health"), ("GET", "/v1/camera/info"), ("GET", "/v1/camera/state"), ("GET", "/v1/camera/state/subscribe"),
     ("GET", "/v1/videostreams"), ("GET", "/v1/videostreams/zoom/state"), ("GET", "/v1/flight/state"),
-    ("GET", "/v1/system/state"), ("GET", "/v1/notifications/state"), ("POST", "/v1/handoff/control/request"),
+    ("GET", "/v1/system/state"), ("GET", "/v1/handoff/state"), ("GET", "/v1/notifications/state"), ("POST", "/v1/handoff/control/request"),
     ("POST", "/v1/handoff/control/release"), ("POST", "/v1/camera/control/rotate_with_speed"), ("POST", "/v1/auth/plugin/update"),
 }
 COMMAND = "/v1/camera/control/rotate_with_speed"
@@ -134,6 +134,8 @@ class Sigma:
                 return 200, [{"stream_id": "zoom", "type": "Color", "rtsp_url": "rtsp://127.0.0.1:1/zoom"}]
             if path == "/v1/videostreams/zoom/state":
                 return 200, {"stream_id": "zoom", "is_streaming": True, "fov_horizontal": 63.7, "zoom_level": 1}
+            if path == "/v1/handoff/state":
+                return 200, {"controlling_client": {"plugin_id": "2", "operator_name": "the tablet"} if self.other_controls else None, "requesting_clients": []}
             if path == "/v1/auth/plugin/update":
                 update = json.loads(body)
                 self.shown = update["self_status_text"]

@@ -85,6 +85,9 @@ impl Drop for HttpPort {
     }
 }
 
+#[cfg(test)]
+mod tests;
+
 /// The program's clock and a port of HTTP.
 #[derive(Debug)]
 pub(crate) struct HttpIo {

@@ -76,8 +76,8 @@ pub enum Credential {
     ApiKey(String),
 }
 
-/// What is in the file of a token.
-const API_KEY: &str = "api-key ";
+/// The word before an API key in a token file.
+const API_KEY: &str = "api-key";
 
 impl Credential {
     /// Reads the content of a token file: its first line is an access token, or `api-key ` and an API key.
@@ -87,8 +87,8 @@ impl Credential {
     pub fn parse(content: &str) -> Result<Self, CredentialError> {
         let line = content.lines().next().unwrap_or_default().trim();
         let (is_key, secret) = match line.strip_prefix(API_KEY) {
-            Some(key) => (true, key.trim()),
-            None => (false, line),
+            Some(key) if key.is_empty() || key.starts_with(' ') => (true, key.trim()),
+            Some(_) | None => (false, line),
         };
         // What may stand in a header.
         let is_usable = !secret.is_empty() && secret.bytes().all(|byte| byte.is_ascii_graphic());
