@@ -20,6 +20,7 @@ pub mod settings;
 
 pub mod port;
 
+pub mod facts;
 pub mod inquiry;
 
 mod connection;
@@ -28,6 +29,7 @@ mod lane;
 mod socket;
 mod tls;
 
+pub use facts::{CameraInfo, MainVideo};
 pub use inquiry::Inquiry;
 pub use link::open_link;
 pub use settings::{Credential, CredentialError, HttpSettings, Trust};

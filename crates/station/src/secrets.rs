@@ -11,7 +11,6 @@ use barrelman_link_http::settings::Fingerprint;
 use barrelman_link_http::{Credential, HttpSettings, Trust};
 use barrelman_video::url::{Login, VideoSource};
 
-use crate::config::LinkAccess;
 use crate::source_url::SourceUrl;
 
 /// Permission bits that let the file's group or everybody read the file.
@@ -24,6 +23,17 @@ pub enum LoginSource {
     File(PathBuf),
     /// `user:password` in the environment variable of this name.
     Environment(String),
+}
+
+/// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct LinkAccess {
+    /// The file of the token.
+    pub token_file: Option<PathBuf>,
+    /// The fingerprint of the vehicle's certificate.
+    pub certificate_sha256: Option<String>,
+    /// The file of the authorities that sign the vehicle's certificate.
+    pub ca_file: Option<PathBuf>,
 }
 
 impl LoginSource {

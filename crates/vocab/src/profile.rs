@@ -115,6 +115,11 @@ impl Protocol {
         }
     }
 
+    /// Whether the vehicle answers requests over HTTP, and takes no bytes on a line.
+    pub const fn is_over_http(self) -> bool {
+        matches!(self, Self::FotokiteSigma)
+    }
+
     /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
     ///
     /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. Fotokite Sigma: 25 degrees

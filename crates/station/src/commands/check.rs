@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
-use serde::Serialize;
 
 use super::check_over_http::check_over_http;
+use super::check_result::{CheckResult, Verdict};
 use crate::cli::{CheckArgs, ConnectionOptions};
 use crate::config::{ConfigFile, Configuration};
 use crate::link::LinkUrl;
@@ -28,29 +28,6 @@ use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Path of this project's udev rule, when installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Verdict {
-    Ok,
-    Warning,
-    Failed,
-}
-
-/// The result of one check, as printed.
-#[derive(Debug, Serialize)]
-pub(super) struct CheckResult {
-    #[serde(rename = "what")]
-    subject: String,
-    verdict: Verdict,
-    details: String,
-}
-
-impl CheckResult {
-    pub(super) fn new(subject: impl Into<String>, verdict: Verdict, details: impl Into<String>) -> Self {
-        Self { subject: subject.into(), verdict, details: details.into() }
-    }
-}
 
 /// Runs the command.
 ///

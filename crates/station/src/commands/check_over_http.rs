@@ -1,29 +1,13 @@
 //! `barrelman check` of a vehicle that is asked over HTTP: it reads states, and asks for neither control nor motion.
 
 use barrelman_link::url::HttpAddress;
-use barrelman_link_http::Inquiry;
+use barrelman_link_http::{CameraInfo, Inquiry, MainVideo};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::profile::AxisDynamics;
-use barrelman_wire::fotokite_sigma::control::refusal;
-use barrelman_wire::fotokite_sigma::json::{self, CameraInfo, CameraState, VideoStream};
-use serde::Deserialize;
 
-use super::check::{CheckResult, Verdict};
+use super::check_result::{CheckResult, Verdict};
 use crate::config::Configuration;
-use crate::link::is_over_http;
 use crate::secrets;
-
-/// Who controls the vehicle.
-#[derive(Debug, Deserialize)]
-struct HandoffState {
-    controlling_client: Option<Controlling>,
-}
-
-/// The client that controls.
-#[derive(Debug, Deserialize)]
-struct Controlling {
-    operator_name: Option<String>,
-}
 
 /// Checks the vehicle at an address.
 pub(super) fn check_over_http(
@@ -34,7 +18,7 @@ pub(super) fn check_over_http(
     let subject = format!("link {address}");
     let Some(configuration) = configuration else { return };
     let profile = &configuration.profile;
-    if !is_over_http(profile.protocol) {
+    if !profile.protocol.is_over_http() {
         let details =
             format!("the vehicle {} is not asked over HTTP: give --profile fotokite-sigma", profile.name);
         results.push(CheckResult::new(subject, Verdict::Failed, details));
@@ -50,7 +34,7 @@ pub(super) fn check_over_http(
         }
     };
     results.push(CheckResult::new(subject, Verdict::Ok, "the vehicle answers"));
-    let info: CameraInfo = match ask(&vehicle, "/v1/camera/info") {
+    let info = match vehicle.camera_info() {
         Ok(info) => info,
         Err(said) => {
             let subject = if said == Acceptance::TokenRefused { "token" } else { "camera" };
@@ -60,35 +44,22 @@ pub(super) fn check_over_http(
     };
     results.push(CheckResult::new("token", Verdict::Ok, "the vehicle accepts the token"));
     results.push(check_speeds(&info, configuration));
-    results.push(match ask::<CameraState>(&vehicle, "/v1/camera/state") {
-        Ok(state) if state.online_state.as_deref() == Some("Offline") => {
-            CheckResult::new("camera", Verdict::Failed, Acceptance::NoCamera.text())
-        }
-        Ok(_) => CheckResult::new("camera", Verdict::Ok, "it is on line"),
+    results.push(match vehicle.is_camera_online() {
+        Ok(true) => CheckResult::new("camera", Verdict::Ok, "it is on line"),
+        Ok(false) => CheckResult::new("camera", Verdict::Failed, Acceptance::NoCamera.text()),
         Err(said) => CheckResult::new("camera", Verdict::Failed, said.text()),
     });
-    results.push(match ask::<HandoffState>(&vehicle, "/v1/handoff/state") {
-        Ok(HandoffState { controlling_client: Some(client) }) => {
-            let name = client.operator_name.unwrap_or_else(|| "another client".to_owned());
+    results.push(match vehicle.controller() {
+        Ok(Some(name)) => {
             let details = format!(
                 "{name} controls the vehicle: `run` waits in the queue until the control is given up"
             );
             CheckResult::new("control", Verdict::Warning, details)
         }
-        Ok(HandoffState { controlling_client: None }) => {
-            CheckResult::new("control", Verdict::Ok, "nobody controls the vehicle")
-        }
+        Ok(None) => CheckResult::new("control", Verdict::Ok, "nobody controls the vehicle"),
         Err(said) => CheckResult::new("control", Verdict::Failed, said.text()),
     });
-    results.push(check_streams(ask(&vehicle, "/v1/videostreams")));
-}
-
-fn ask<T: for<'a> Deserialize<'a>>(vehicle: &Inquiry, path: &str) -> Result<T, Acceptance> {
-    let (status, body) = vehicle.get(path).map_err(|_| Acceptance::Unanswered)?;
-    match refusal(status) {
-        Some(said) => Err(said),
-        None => json::read(&body).ok_or(Acceptance::Fault),
-    }
+    results.push(check_video(vehicle.main_video()));
 }
 
 /// Compares the speeds that the vehicle takes with those of the profile.
@@ -115,21 +86,17 @@ fn check_speeds(info: &CameraInfo, configuration: &Configuration) -> CheckResult
     CheckResult::new("speeds", Verdict::Warning, details)
 }
 
-fn check_streams(streams: Result<Vec<VideoStream>, Acceptance>) -> CheckResult {
-    let (verdict, details) = match &streams {
+fn check_video(main: Result<Option<MainVideo>, Acceptance>) -> CheckResult {
+    let (verdict, details) = match main {
         Err(said) => (Verdict::Failed, said.text().to_owned()),
-        Ok(streams) => match json::main_stream(streams) {
-            None => (Verdict::Warning, "the vehicle has no video stream".to_owned()),
-            Some(VideoStream { stream_id, rtsp_url: Some(_), .. }) => {
-                (Verdict::Ok, format!("{stream_id}, by RTSP: `run` without --video takes it"))
-            }
-            Some(VideoStream { stream_id, .. }) => (
-                Verdict::Warning,
-                format!(
-                    "{stream_id}, by RTSPS alone, which this program does not read: give --video rtsp://..."
-                ),
-            ),
-        },
+        Ok(None) => (Verdict::Warning, "the vehicle has no video".to_owned()),
+        Ok(Some(MainVideo { name, rtsp_url: Some(_) })) => {
+            (Verdict::Ok, format!("{name}, by RTSP: `run` without --video takes it"))
+        }
+        Ok(Some(MainVideo { name, rtsp_url: None })) => (
+            Verdict::Warning,
+            format!("{name}, by RTSPS alone, which this program does not read: give --video rtsp://..."),
+        ),
     };
-    CheckResult::new("video streams", verdict, details)
+    CheckResult::new("the vehicle's video", verdict, details)
 }

@@ -12,7 +12,7 @@ use anyhow::{Result, bail};
 use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, StationName};
 use crate::emulator::emulated_port::EmulatedPort;
 use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
-use crate::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS};
+use crate::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS, SigmaSettings};
 use crate::emulator::log::StationLog;
 use crate::emulator::rtsp_server::RtspServer;
 use crate::link::CameraLink;
@@ -23,7 +23,6 @@ use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_host::output;
 use barrelman_video::VideoHandle;
 use barrelman_vocab::VehicleProfile;
-use barrelman_wire::fotokite_sigma::sigma::SigmaSettings;
 
 /// The kinds of faults that the emulator has.
 const EMULATOR_FAULTS: [FaultKind; 9] = [

@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod check;
 mod check_over_http;
+mod check_result;
 pub mod compare;
 pub mod config;
 pub mod demo;

@@ -27,7 +27,7 @@ use barrelman_host::redaction::without_logins;
 
 pub use console::{ConsoleConfig, RecordingConfig};
 pub use file::{ConfigFile, LineEnding};
-pub use resolve::{Configuration, LinkAccess};
+pub use resolve::Configuration;
 
 /// The documented example.
 pub const EXAMPLE: &str = include_str!("../../../../config/barrelman.example.toml");

@@ -14,7 +14,7 @@ use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, Veh
 use super::range::within;
 use super::tracker::TrackerSection;
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
-use crate::secrets::LoginSource;
+use crate::secrets::{LinkAccess, LoginSource};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
@@ -43,17 +43,6 @@ pub struct Configuration {
     pub console: ConsoleConfig,
     /// The recordings that `run` makes without being asked.
     pub recording: RecordingConfig,
-}
-
-/// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct LinkAccess {
-    /// The file of the token.
-    pub token_file: Option<PathBuf>,
-    /// The fingerprint of the vehicle's certificate.
-    pub certificate_sha256: Option<String>,
-    /// The file of the authorities that sign the vehicle's certificate.
-    pub ca_file: Option<PathBuf>,
 }
 
 /// Which guard serves the port of a vehicle that keeps its last rate.

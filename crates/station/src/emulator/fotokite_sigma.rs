@@ -29,7 +29,8 @@ use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::{CameraMount, MountPlant};
 use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_sigma::Sigma;
-use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
+pub use barrelman_wire::fotokite_sigma::sigma::SigmaSettings;
+use barrelman_wire::fotokite_sigma::sigma::{Incoming, View};
 use tokio::sync::oneshot;
 
 use super::sigma_log::SigmaLog;

@@ -15,4 +15,4 @@ pub use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl, LinkUrlEr
 pub use camera_link::CameraLink;
 pub use command_path::command_path;
 pub use vehicle_link::{Link, VehicleLink};
-pub use vehicle_over_http::{is_over_http, vehicle_over_http, video_address};
+pub use vehicle_over_http::{vehicle_over_http, video_address};

@@ -75,6 +75,20 @@ pub struct Notification {
     pub end_time: Option<serde_json::Value>,
 }
 
+/// Who controls the vehicle.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct HandoffState {
+    /// The client that controls; absent: nobody does.
+    pub controlling_client: Option<ControllingClient>,
+}
+
+/// The client that controls.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ControllingClient {
+    /// How the client named itself.
+    pub operator_name: Option<String>,
+}
+
 /// Reads a body; `None`: it is not what was expected.
 pub fn read<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Option<T> {
     serde_json::from_slice(body).ok()

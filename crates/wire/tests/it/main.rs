@@ -16,4 +16,5 @@ mod sigma_conversation;
 
 mod sigma_calls;
 mod sigma_control;
+mod sigma_hostile;
 mod sigma_motion;
