@@ -15,13 +15,19 @@ const SOURCE: &str = "crates/station/src/guard.rs";
 /// The crate that the guard consists of.
 const CRATE: &str = "barrelman-link";
 /// What the guard must not link: decoders, renderers, the network of the console, the crates around them.
-const HEAVY: [&str; 8] = [
+const HEAVY: [&str; 14] = [
     "openh264",
     "openh264-sys2",
     "retina",
     "tiny-skia",
     "tokio",
     "axum",
+    "hyper",
+    "ring",
+    "rustls",
+    "tungstenite",
+    "webpki-roots",
+    "barrelman-link-http",
     "barrelman-video",
     "barrelman-vision",
 ];

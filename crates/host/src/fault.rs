@@ -39,10 +39,12 @@ pub enum FaultKind {
     Hang,
     /// The connection is cut without a word: nothing passes in either direction.
     Cut,
+    /// The tokens of an emulated vehicle have expired.
+    Expire,
 }
 
 impl FaultKind {
-    const NAMES: [(&'static str, Self); 13] = [
+    const NAMES: [(&'static str, Self); 14] = [
         ("stall", Self::Stall),
         ("drop", Self::Drop),
         ("delay", Self::Delay),
@@ -56,6 +58,7 @@ impl FaultKind {
         ("silence", Self::Silence),
         ("hang", Self::Hang),
         ("cut", Self::Cut),
+        ("expire", Self::Expire),
     ];
 
     fn from_name(name: &str) -> Option<Self> {
@@ -92,7 +95,7 @@ pub struct FaultPlan {
 pub enum FaultPlanError {
     /// The kind is unknown.
     #[error(
-        "unknown fault `{0}`: use stall, drop, delay, duplicate, corrupt, disconnect, reboot, panic, suspend, takeover, silence, hang or cut, as in `stall@12.5s`"
+        "unknown fault `{0}`: use stall, drop, delay, duplicate, corrupt, disconnect, reboot, panic, suspend, takeover, silence, hang, cut or expire, as in `stall@12.5s`"
     )]
     UnknownKind(String),
     /// There is no `@`, or no number after it.

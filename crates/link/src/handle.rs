@@ -7,12 +7,12 @@ use std::time::Duration;
 
 use barrelman_host::clock::Clock;
 use barrelman_vocab::{Timestamp, VehicleRates};
-use barrelman_wire::{ByteProtocol, ByteSession};
+use barrelman_wire::{ByteProtocol, ByteSession, Session};
 
 use crate::dead_mans_switch::RequestedRates;
 use crate::mailbox::Mailbox;
 use crate::port::PortError;
-use crate::port_io::{MachineIo, PortIo as _};
+use crate::port_io::{MachineIo, PortIo};
 use crate::report::LinkReport;
 use crate::url::LinkUrl;
 use crate::worker::Worker;
@@ -58,6 +58,21 @@ impl LinkHandle {
             open_session: Arc::new(move |now| protocol.open(now)),
             report,
         };
+        Ok(Self::start(worker, port)?)
+    }
+
+    /// Starts the thread of a worker on its open port: for vehicles of any packets.
+    ///
+    /// # Errors
+    /// If the system has no more threads.
+    pub fn start<S, I, R>(worker: Worker<S, I, R>, port: I::Port) -> io::Result<Self>
+    where
+        S: Session + ?Sized + 'static,
+        I: PortIo<Sent = S::Sent, Received = S::Received> + Send + 'static,
+        I::Port: Send,
+        R: Fn(LinkReport) -> bool + Send + 'static,
+    {
+        let mailbox = Arc::clone(&worker.mailbox);
         let work = move || worker.run(Some(port));
         let thread = std::thread::Builder::new().name("link".to_owned()).spawn(work)?;
         Ok(Self { mailbox, thread: Some(thread) })

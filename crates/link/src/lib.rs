@@ -28,7 +28,7 @@ pub mod worker;
 
 pub mod link_core;
 
-mod mailbox;
+pub mod mailbox;
 pub mod port_io;
 
 pub mod dead_mans_switch;
@@ -41,5 +41,8 @@ pub use dead_mans_switch::{DeadMansSwitch, RequestedRates};
 pub use guarded::{GuardError, GuardedLink};
 pub use handle::LinkHandle;
 pub use link_core::{LinkAction, LinkCore};
+pub use mailbox::Mailbox;
+pub use port_io::PortIo;
 pub use report::LinkReport;
 pub use url::{LinkUrl, LinkUrlError};
+pub use worker::Worker;

@@ -10,7 +10,7 @@ use crate::dead_mans_switch::RequestedRates;
 
 /// The mailbox of the link thread. New rates replace those that the thread has not read yet.
 #[derive(Debug)]
-pub(crate) struct Mailbox {
+pub struct Mailbox {
     contents: Mutex<Contents>,
     waker: OwnedFd,
 }
@@ -25,9 +25,11 @@ struct Contents {
 
 /// What the program requests of the link.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Requested {
-    pub(crate) rates: RequestedRates,
-    pub(crate) is_closing: bool,
+pub struct Requested {
+    /// The rates.
+    pub rates: RequestedRates,
+    /// Whether the link is to end.
+    pub is_closing: bool,
 }
 
 impl Mailbox {
@@ -35,13 +37,13 @@ impl Mailbox {
     ///
     /// # Errors
     /// If the system has no more file descriptors.
-    pub(crate) fn new() -> io::Result<Self> {
+    pub fn new() -> io::Result<Self> {
         let waker = rustix::event::eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
         Ok(Self { contents: Mutex::default(), waker })
     }
 
     /// Requests rates, and wakes the thread if they have changed.
-    pub(crate) fn request(&self, requested: RequestedRates) {
+    pub fn request(&self, requested: RequestedRates) {
         let previous = std::mem::replace(&mut self.contents().requested, requested);
         if previous.rates != requested.rates {
             self.wake();
@@ -49,7 +51,7 @@ impl Mailbox {
     }
 
     /// Requests rest and the end of the link.
-    pub(crate) fn close(&self) {
+    pub fn close(&self) {
         {
             let mut contents = self.contents();
             contents.requested = RequestedRates::REST;
@@ -59,39 +61,39 @@ impl Mailbox {
     }
 
     /// Requests that the session takes the control of the vehicle back.
-    pub(crate) fn take_control(&self) {
+    pub fn take_control(&self) {
         self.contents().takes_control = true;
         self.wake();
     }
 
     /// What is requested.
-    pub(crate) fn requested(&self) -> Requested {
+    pub fn requested(&self) -> Requested {
         let contents = self.contents();
         Requested { rates: contents.requested, is_closing: contents.is_closing }
     }
 
     /// Whether the control is to be taken back: once for each request.
-    pub(crate) fn takes_control(&self) -> bool {
+    pub fn takes_control(&self) -> bool {
         std::mem::take(&mut self.contents().takes_control)
     }
 
     /// Stores, at the end of the thread, whether it has sent zeros and stop.
-    pub(crate) fn set_stop_sent(&self, is_stop_sent: bool) {
+    pub fn set_stop_sent(&self, is_stop_sent: bool) {
         self.contents().is_stop_sent = is_stop_sent;
     }
 
     /// Whether the thread has ended and sent zeros and stop.
-    pub(crate) fn is_stop_sent(&self) -> bool {
+    pub fn is_stop_sent(&self) -> bool {
         self.contents().is_stop_sent
     }
 
     /// Readable after a wake-up, until [`Self::clear_wake_ups`].
-    pub(crate) fn waker(&self) -> BorrowedFd<'_> {
+    pub fn waker(&self) -> BorrowedFd<'_> {
         self.waker.as_fd()
     }
 
     /// Forgets the wake-ups so far.
-    pub(crate) fn clear_wake_ups(&self) {
+    pub fn clear_wake_ups(&self) {
         let mut count = [0; 8];
         let _ = rustix::io::read(&self.waker, &mut count);
     }

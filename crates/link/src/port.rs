@@ -74,6 +74,14 @@ pub enum PortError {
     /// The address is that of a simulated camera, which has no port.
     #[error("sim: has no port: it moves the camera of the world of --video sim:SCENARIO")]
     Simulated,
+    /// The vehicle at an address of HTTP cannot be used.
+    #[error("{address} is not usable: {reason}")]
+    NotUsable {
+        /// The base address.
+        address: String,
+        /// The reason, and the remedy.
+        reason: String,
+    },
     /// The device cannot be opened for another reason.
     #[error("the port {} cannot be opened", path.display())]
     Other {
@@ -104,6 +112,10 @@ impl Port {
         match endpoint {
             Endpoint::Serial { path, baud } => open_serial(path, *baud).map(Self::Serial),
             Endpoint::SimulatedCamera => Err(PortError::Simulated),
+            Endpoint::Http(address) => Err(PortError::NotUsable {
+                address: address.to_string(),
+                reason: "this vehicle is not asked over HTTP: --profile fotokite-sigma is".to_owned(),
+            }),
             Endpoint::Tcp { address } => connect(address)
                 .map(Self::Tcp)
                 .map_err(|source| PortError::Unreachable { address: address.clone(), source }),

@@ -13,7 +13,7 @@ use crate::port::{Port, PortError};
 use crate::url::Endpoint;
 
 /// The time, a port, and waiting.
-pub(crate) trait PortIo {
+pub trait PortIo {
     /// An open port.
     type Port;
     /// A packet that the port sends.
@@ -25,12 +25,21 @@ pub(crate) trait PortIo {
     fn now(&self) -> Timestamp;
 
     /// Opens the port.
+    ///
+    /// # Errors
+    /// [`PortError`] names the port and the remedy.
     fn open(&self) -> Result<Self::Port, PortError>;
 
     /// Sends a packet, or fails within a bounded time.
+    ///
+    /// # Errors
+    /// If the port is lost.
     fn send(&self, port: &mut Self::Port, packet: &Self::Sent) -> io::Result<()>;
 
     /// Passes what has arrived to `each`. Does not block.
+    ///
+    /// # Errors
+    /// If the port is lost.
     fn receive(&self, port: &mut Self::Port, each: &mut dyn FnMut(&Self::Received)) -> io::Result<()>;
 
     /// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether the port is
@@ -99,7 +108,8 @@ impl PortIo for MachineIo {
     }
 }
 
-pub(crate) fn poll_for(fds: &mut [PollFd<'_>], wait: Duration) {
+/// Waits until one of the descriptors is ready, at most for `wait`, which is at most an hour.
+pub fn poll_for(fds: &mut [PollFd<'_>], wait: Duration) {
     // Waits are at most a second long: the conversion succeeds.
     let timeout = rustix::event::Timespec::try_from(wait).ok();
     // An interrupted wait is a short wait.

@@ -41,6 +41,67 @@ pub enum Endpoint {
     },
     /// The camera of the simulated world that the video comes from.
     SimulatedCamera,
+    /// A vehicle that answers requests over HTTP.
+    Http(HttpAddress),
+}
+
+/// The base address of a vehicle that answers requests over HTTP.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HttpAddress {
+    /// Whether the connection is encrypted: `https://`.
+    pub is_encrypted: bool,
+    /// The host: a name or an address, without brackets.
+    pub host: String,
+    /// The port.
+    pub port: u16,
+    /// The path before those of the API, without a slash at its end.
+    pub path: String,
+}
+
+impl HttpAddress {
+    /// Parses the part after `http://` or `https://`; `None`: it names no host.
+    fn parse(is_encrypted: bool, text: &str) -> Option<Self> {
+        let (authority, path) = text.find('/').map_or((text, ""), |at| text.split_at(at));
+        let (host, rest) = match authority.strip_prefix('[') {
+            Some(literal) => literal.split_once(']')?,
+            None => authority.split_at(authority.find(':').unwrap_or(authority.len())),
+        };
+        let port = match rest.strip_prefix(':') {
+            Some(port) => port.parse().ok()?,
+            None if rest.is_empty() => {
+                if is_encrypted {
+                    443
+                } else {
+                    80
+                }
+            }
+            None => return None,
+        };
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | ':' | '/');
+        let is_usable = !host.is_empty() && host.chars().chain(path.chars()).all(is_plain);
+        is_usable.then(|| Self {
+            is_encrypted,
+            host: host.to_owned(),
+            port,
+            path: path.trim_end_matches('/').to_owned(),
+        })
+    }
+
+    /// `host:port`, as a request names it.
+    pub fn authority(&self) -> String {
+        if self.host.contains(':') {
+            format!("[{}]:{}", self.host, self.port)
+        } else {
+            format!("{}:{}", self.host, self.port)
+        }
+    }
+}
+
+impl fmt::Display for HttpAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scheme = if self.is_encrypted { "https" } else { "http" };
+        write!(f, "{scheme}://{}{}", self.authority(), self.path)
+    }
 }
 
 /// An unusable address of a link.
@@ -48,12 +109,12 @@ pub enum Endpoint {
 pub enum LinkUrlError {
     /// The scheme is unknown.
     #[error(
-        "{0:?} is not the address of a link: use serial:/dev/ttyACM0?baud=115200, tcp://host:port or udp://host:port, or sim: with --video sim:SCENARIO"
+        "{0:?} is not the address of a link: use serial:/dev/ttyACM0?baud=115200, tcp://host:port or udp://host:port, http://host:port/api or https://host/api, or sim: with --video sim:SCENARIO"
     )]
     UnknownScheme(String),
     /// The scheme is followed by no port.
     #[error(
-        "the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200, tcp://host:port or udp://host:port"
+        "the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port or http://host:port/api"
     )]
     MissingPort(String),
     /// The address contains a login, but no link uses one.
@@ -93,6 +154,11 @@ impl LinkUrl {
             }
             let address = address.to_owned();
             if is_datagrams { Endpoint::Udp { address } } else { Endpoint::Tcp { address } }
+        } else if let Some((is_encrypted, rest)) = http_address(address) {
+            if rest.split('/').next().is_some_and(|authority| authority.contains('@')) {
+                return Err(LinkUrlError::Login(without_logins(text)));
+            }
+            Endpoint::Http(HttpAddress::parse(is_encrypted, rest).ok_or_else(missing_port)?)
         } else if address == "sim:" {
             Endpoint::SimulatedCamera
         } else {
@@ -126,7 +192,9 @@ impl LinkUrl {
     pub fn baud(&self) -> u32 {
         match &self.endpoint {
             Endpoint::Serial { baud, .. } => *baud,
-            Endpoint::Tcp { .. } | Endpoint::Udp { .. } | Endpoint::SimulatedCamera => DEFAULT_BAUD,
+            Endpoint::Tcp { .. } | Endpoint::Udp { .. } | Endpoint::SimulatedCamera | Endpoint::Http(_) => {
+                DEFAULT_BAUD
+            }
         }
     }
 }
@@ -137,6 +205,12 @@ fn network_address(address: &str) -> Option<(bool, &str)> {
     stream.or_else(|| address.strip_prefix("udp://").map(|address| (true, address)))
 }
 
+/// Whether an address is that of an encrypted connection over HTTP, and what follows its scheme; `None`: another scheme.
+fn http_address(address: &str) -> Option<(bool, &str)> {
+    let plain = address.strip_prefix("http://").map(|rest| (false, rest));
+    plain.or_else(|| address.strip_prefix("https://").map(|rest| (true, rest)))
+}
+
 impl fmt::Display for LinkUrl {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.endpoint {
@@ -144,6 +218,7 @@ impl fmt::Display for LinkUrl {
             Endpoint::Tcp { address } => write!(f, "tcp://{address}"),
             Endpoint::Udp { address } => write!(f, "udp://{address}"),
             Endpoint::SimulatedCamera => f.write_str("sim:"),
+            Endpoint::Http(address) => address.fmt(f),
         }
     }
 }
@@ -170,6 +245,13 @@ mod tests {
         check("udp://127.0.0.1:14550", Ok("udp://127.0.0.1:14550"));
         check("udp://127.0.0.1", Err("names no port"));
         check("udp://127.0.0.1:1?baud=9600", Err("baud=9600"));
+        check("http://192.168.2.100:3128/api", Ok("http://192.168.2.100:3128/api"));
+        check("https://sigma.local/api/", Ok("https://sigma.local:443/api"));
+        check("http://[::1]:80", Ok("http://[::1]:80"));
+        check("https://", Err("names no port"));
+        check("http://host:port/api", Err("names no port"));
+        check("http://host/a b", Err("names no port"));
+        check("http://user:password@host/api", Err("has a login"));
         check("sim:", Ok("sim:"));
         check("sim:arena1", Err("use serial:"));
         check("serial:", Err("names no port"));

@@ -22,16 +22,19 @@ mod tests;
 const REPORT_PAUSE: Duration = Duration::from_millis(20);
 
 /// The work of a link's thread, or of the guard.
-pub(crate) struct Worker<S: ?Sized, I, R> {
-    pub(crate) faults: FaultPlan,
+pub struct Worker<S: ?Sized, I, R> {
+    /// Deliberate faults of the link.
+    pub faults: FaultPlan,
     /// How long a link that is closing goes on trying to reach its vehicle.
-    pub(crate) persistence: Duration,
-    pub(crate) mailbox: Arc<Mailbox>,
-    pub(crate) io: I,
+    pub persistence: Duration,
+    /// The program's requests.
+    pub mailbox: Arc<Mailbox>,
+    /// The time, the port, and waiting.
+    pub io: I,
     /// Opens a session with the vehicle.
-    pub(crate) open_session: Arc<dyn Fn(barrelman_vocab::Timestamp) -> Box<S> + Send + Sync>,
+    pub open_session: Arc<dyn Fn(barrelman_vocab::Timestamp) -> Box<S> + Send + Sync>,
     /// Takes the reports of the thread. Returns whether there was room for the report. Must not block.
-    pub(crate) report: R,
+    pub report: R,
 }
 
 impl<S, I, R> Worker<S, I, R>
@@ -41,7 +44,7 @@ where
     R: Fn(LinkReport) -> bool,
 {
     /// Serves the port until the link is closed. A panic sends the emergency stop.
-    pub(crate) fn run(self, mut port: Option<I::Port>) {
+    pub fn run(self, mut port: Option<I::Port>) {
         // The port is outside of the code that may panic: the emergency stop needs it.
         let served = catch_unwind(AssertUnwindSafe(|| self.serve(&mut port)));
         let is_stop_sent = served.unwrap_or_else(|_| {

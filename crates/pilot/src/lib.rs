@@ -22,9 +22,9 @@ pub mod calibration;
 mod history;
 pub mod net_yaw;
 mod opposed_motion;
-mod sway_estimate;
 pub mod search;
 mod selecting;
+mod sway_estimate;
 
 pub mod input;
 pub mod outcome;

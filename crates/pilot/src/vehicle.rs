@@ -12,6 +12,7 @@
 //! A vehicle's protocol that does not know some of these never reports them.
 
 use barrelman_vocab::StopCause;
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 
 use crate::outcome::HoldCause;
@@ -40,6 +41,10 @@ pub struct VehicleState {
     link: LinkState,
     /// Since the link came up.
     control: Option<ControlState>,
+    /// Since the link began to come up, of a vehicle that answers commands.
+    acceptance: Option<Acceptance>,
+    /// Whether such a vehicle has accepted commands, and nobody else has taken the control since.
+    has_accepted: bool,
     uptime_s: Option<f64>,
     flight: Option<FlightState>,
     is_battery_low: bool,
@@ -52,6 +57,8 @@ impl VehicleState {
             path,
             link: LinkState::Opening,
             control: None,
+            acceptance: None,
+            has_accepted: false,
             uptime_s: None,
             flight: None,
             is_battery_low: false,
@@ -72,7 +79,7 @@ impl VehicleState {
             Report::Link(link) => {
                 self.link = link;
                 if link != LinkState::Up {
-                    self.control = None;
+                    (self.control, self.acceptance, self.has_accepted) = (None, None, false);
                 }
                 (link == LinkState::Silent).then_some(StopCause::VehicleSilent)
             }
@@ -89,7 +96,13 @@ impl VehicleState {
                     (false, false) => None,
                 }
             }
-            Report::Flight { state, is_battery_low, .. } => {
+            Report::Acceptance(said) => {
+                self.acceptance = Some(said);
+                let is_taken = self.has_accepted && said.is_elsewhere();
+                self.has_accepted = !is_taken && (self.has_accepted || said == Acceptance::Accepted);
+                is_taken.then_some(StopCause::ControlLost)
+            }
+            Report::Flight { state, is_battery_low, .. } | Report::FlightState { state, is_battery_low } => {
                 let begins = self.flight.replace(state) != Some(state);
                 let becomes_low = is_battery_low && !self.is_battery_low;
                 self.is_battery_low = is_battery_low;
@@ -111,6 +124,9 @@ impl VehicleState {
             CommandPath::Link if self.link != LinkState::Up => Some(HoldCause::LinkDown),
             CommandPath::Link => match (self.control, self.flight) {
                 (Some(ControlState::NotOurs), _) => Some(HoldCause::NoControl),
+                _ if self.acceptance.is_some_and(|said| said != Acceptance::Accepted) => {
+                    Some(HoldCause::NoControl)
+                }
                 (_, Some(FlightState::Emergency)) => Some(HoldCause::Emergency),
                 (_, Some(FlightState::Landing)) => Some(HoldCause::Landing),
                 _ => None,

@@ -1,4 +1,4 @@
-//! Logins that stay off the command line: in a file, or in an environment variable that the configuration names.
+//! Logins and tokens that stay off the command line: in a file, or in an environment variable that the configuration names.
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow};
 
 use barrelman_host::input;
+use barrelman_link::url::HttpAddress;
+use barrelman_link_http::settings::Fingerprint;
+use barrelman_link_http::{Credential, HttpSettings, Trust};
 use barrelman_video::url::{Login, VideoSource};
 
 use crate::source_url::SourceUrl;
@@ -20,6 +23,17 @@ pub enum LoginSource {
     File(PathBuf),
     /// `user:password` in the environment variable of this name.
     Environment(String),
+}
+
+/// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct LinkAccess {
+    /// The file of the token.
+    pub token_file: Option<PathBuf>,
+    /// The fingerprint of the vehicle's certificate.
+    pub certificate_sha256: Option<String>,
+    /// The file of the authorities that sign the vehicle's certificate.
+    pub ca_file: Option<PathBuf>,
 }
 
 impl LoginSource {
@@ -57,19 +71,45 @@ pub fn source_url(address: &str, login: Option<&LoginSource>) -> Result<SourceUr
     })
 }
 
+/// What a link over HTTP needs, with the token of its file. If others may read the file, a warning is logged.
+///
+/// # Errors
+/// If no token file is named, or a file or the fingerprint is not usable. The message repeats nothing of a secret.
+pub fn http_settings(address: &HttpAddress, access: &LinkAccess) -> Result<HttpSettings> {
+    let path = access.token_file.as_deref().with_context(|| {
+        format!("the vehicle at {address} asks for a token: give --link-token-file FILE, or link.token_file")
+    })?;
+    let content = read_secret(path, "token")?;
+    let credential = Credential::parse(&content)
+        .with_context(|| format!("the token file {} is not usable", path.display()))?;
+    let trust = match (&access.certificate_sha256, &access.ca_file) {
+        (Some(text), _) => Trust::Fingerprint(
+            Fingerprint::parse(text).with_context(|| format!("the fingerprint {text:?} is not usable"))?,
+        ),
+        (None, Some(path)) => Trust::Authorities(input::read(path)?),
+        (None, None) => Trust::WellKnown,
+    };
+    Ok(HttpSettings { address: address.clone(), trust, credential })
+}
+
 fn read_file(path: &Path) -> Result<Login> {
+    let text = read_secret(path, "login")?;
+    Login::parse(text.lines().next().unwrap_or_default())
+        .with_context(|| format!("the login file {} is not usable", path.display()))
+}
+
+/// Reads a file of a secret, and warns if others may read it. `kind`: what it holds.
+fn read_secret(path: &Path, kind: &str) -> Result<String> {
     if is_readable_by_others(path) {
         tracing::warn!(
-            "the login file {} can be read by others: run `chmod 600 {}`",
+            "the {kind} file {} can be read by others: run `chmod 600 {}`",
             path.display(),
             path.display()
         );
     }
-    let unusable = || format!("the login file {} is not usable", path.display());
-    let text = String::from_utf8(input::read(path)?)
+    String::from_utf8(input::read(path)?)
         .map_err(|_| anyhow!("it is not UTF-8 text"))
-        .with_context(unusable)?;
-    Login::parse(text.lines().next().unwrap_or_default()).with_context(unusable)
+        .with_context(|| format!("the {kind} file {} is not usable", path.display()))
 }
 
 /// Whether the group or everybody may read a file; `false` for a file that does not exist.

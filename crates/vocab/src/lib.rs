@@ -14,6 +14,7 @@ pub mod video;
 
 pub mod track;
 
+pub mod acceptance;
 pub mod command;
 pub mod operator;
 pub mod profile;

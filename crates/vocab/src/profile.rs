@@ -13,6 +13,9 @@ use crate::telemetry::{EulerAxis, Quaternion};
 /// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a fresh look.
 pub const MAX_COAST_MOTION: Duration = Duration::from_millis(500);
 
+/// One degree, radians.
+const DEGREE: f64 = core::f64::consts::PI / 180.0;
+
 /// A vehicle and how to move its camera.
 ///
 /// ```
@@ -98,6 +101,8 @@ impl GimbalTilt {
 pub enum Protocol {
     /// The Fotokite Pro ground station's serial text protocol.
     FotokitePro,
+    /// The Fotokite Sigma's web API.
+    FotokiteSigma,
 }
 
 impl Protocol {
@@ -105,17 +110,29 @@ impl Protocol {
     pub const fn keeps_last_rate(self) -> bool {
         match self {
             Self::FotokitePro => true,
+            // Each command to turn names its duration.
+            Self::FotokiteSigma => false,
         }
+    }
+
+    /// Whether the vehicle answers requests over HTTP, and takes no bytes on a line.
+    pub const fn is_over_http(self) -> bool {
+        matches!(self, Self::FotokiteSigma)
     }
 
     /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
     ///
-    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep.
+    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. Fotokite Sigma: 25 degrees
+    /// per second on both axes, the example of its API document; what the vehicle itself states, if less, holds too.
     pub const fn rate_limits(self) -> AxisRates {
         match self {
             Self::FotokitePro => AxisRates {
                 pan: AngularRate::from_radians_per_second(0.4),
                 tilt: AngularRate::from_radians_per_second(0.3),
+            },
+            Self::FotokiteSigma => AxisRates {
+                pan: AngularRate::from_radians_per_second(25.0 * DEGREE),
+                tilt: AngularRate::from_radians_per_second(25.0 * DEGREE),
             },
         }
     }
@@ -246,11 +263,15 @@ impl CameraDynamics {
 
 impl VehicleProfile {
     /// Names of the built-in profiles; the first is the default.
-    pub const NAMES: [&str; 1] = ["fotokite-pro"];
+    pub const NAMES: [&str; 2] = ["fotokite-pro", "fotokite-sigma"];
 
     /// The built-in profile of a name.
     pub fn named(name: &str) -> Option<Self> {
-        (name == Self::NAMES[0]).then(Self::fotokite_pro)
+        match name {
+            "fotokite-pro" => Some(Self::fotokite_pro()),
+            "fotokite-sigma" => Some(Self::fotokite_sigma()),
+            _ => None,
+        }
     }
 
     /// The Fotokite Pro as the paper's authors flew it. Negative yaw turns the view right, negative pitch turns it up.
@@ -272,6 +293,30 @@ impl VehicleProfile {
             net_yaw: NetYawLimits::DEFAULT,
             gimbal_tilt: None,
             attitude_yaw: None,
+        }
+    }
+
+    /// The Fotokite Sigma. Its API counts pan to the right and tilt downwards. Limits (25 degrees per second), least rates (2)
+    /// and end stops (80 degrees below the kite's horizon, 11 above) are the examples of the API document; the session also
+    /// keeps what the vehicle itself states. No document states the dynamics of the camera: those of the Pro hold until
+    /// `barrelman calibrate axes` has measured them. The field of view is reported by the vehicle.
+    pub fn fotokite_sigma() -> Self {
+        let limits = Protocol::FotokiteSigma.rate_limits();
+        let laboratory = CameraDynamics::laboratory();
+        let least =
+            |axis| AxisDynamics { min_rate: AngularRate::from_radians_per_second(2.0 * DEGREE), ..axis };
+        Self {
+            name: "fotokite-sigma".to_owned(),
+            protocol: Protocol::FotokiteSigma,
+            limits,
+            signs: AxisSigns { yaw: Sign::Same, pitch: Sign::Opposite },
+            camera: CameraDynamics {
+                tilt_stops: (Angle::from_degrees(-80.0), Angle::from_degrees(11.0)),
+                pan: least(laboratory.pan),
+                tilt: least(laboratory.tilt),
+                ..laboratory
+            },
+            ..Self::fotokite_pro()
         }
     }
 

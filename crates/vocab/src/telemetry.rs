@@ -1,5 +1,6 @@
 //! Telemetry of a vehicle, independent of the vehicle's protocol.
 
+use crate::acceptance::Acceptance;
 use crate::angle::Angle;
 use crate::time::Timestamp;
 
@@ -58,6 +59,16 @@ pub enum Report {
         /// Whether the vehicle says that one of its batteries is low.
         is_battery_low: bool,
     },
+    /// State of the flight, of a vehicle that reports no more of it than this.
+    FlightState {
+        /// Flight state.
+        state: FlightState,
+        /// Whether one of the batteries is low.
+        is_battery_low: bool,
+    },
+    /// What the vehicle says to camera commands of this program. Vehicles that answer each command report this instead of
+    /// [`Report::Ground`].
+    Acceptance(Acceptance),
 }
 
 /// State of the link to the vehicle.

@@ -7,6 +7,7 @@ use barrelman_vocab::telemetry::Report;
 use crate::fotokite_pro::telemetry_reader::Received;
 use crate::fotokite_pro::{FotokiteProSession, SessionSettings, TelemetryReader};
 use crate::framing::Framing;
+use crate::no_conversation::NoConversation;
 use crate::session::Session;
 
 /// A session over bytes: a serial port, a TCP connection, or datagrams.
@@ -31,12 +32,14 @@ impl ByteProtocol {
                 let settings = SessionSettings::for_baud(self.framing, self.baud);
                 Box::new(FotokiteProSession::open(settings, now))
             }
+            Protocol::FotokiteSigma => Box::new(NoConversation),
         }
     }
     /// A reader of the vehicle's reports, for received bytes that a session in another process has received, too.
     pub fn reports(&self) -> ReportReader {
         match self.protocol {
             Protocol::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
+            Protocol::FotokiteSigma => ReportReader::Nothing,
         }
     }
 }
@@ -46,6 +49,8 @@ impl ByteProtocol {
 pub enum ReportReader {
     /// Those of a Fotokite Pro.
     FotokitePro(TelemetryReader),
+    /// None: the vehicle sends no bytes outside of requests and answers.
+    Nothing,
 }
 
 impl ReportReader {
@@ -57,6 +62,7 @@ impl ReportReader {
                     each(report);
                 }
             }),
+            Self::Nothing => {}
         }
     }
 }

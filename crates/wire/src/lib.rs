@@ -11,6 +11,9 @@ pub mod session;
 pub mod byte_protocol;
 
 pub mod fotokite_pro;
+pub mod fotokite_sigma;
+
+mod no_conversation;
 
 pub mod framing;
 

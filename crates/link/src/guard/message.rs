@@ -169,6 +169,7 @@ impl ToGuard {
                 put_rates(&mut out, settings.limits);
                 out.push(match settings.protocol {
                     Protocol::FotokitePro => 0,
+                    Protocol::FotokiteSigma => 2,
                 });
                 out.push(match settings.framing {
                     Framing::CarriageReturns => 0,
@@ -204,6 +205,7 @@ impl ToGuard {
                     limits: fields.rates()?,
                     protocol: match fields.byte()? {
                         0 => Protocol::FotokitePro,
+                        2 => Protocol::FotokiteSigma,
                         _ => return Err(MessageError::Malformed),
                     },
                     framing: if fields.flag()? { Framing::LineFeed } else { Framing::CarriageReturns },

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use barrelman_control::{CameraLaw, CameraModel, Law, LawInput};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{CommandPath, Input, Mode, Notice, Outcome, Pilot, Refusal};
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::{CameraCommand, Nudge, OperatorRequest, StopCause, Telemetry};
 
@@ -22,9 +23,10 @@ enum Do {
     Control(ControlState, f64),
     Flight(FlightState),
     Battery(bool),
+    Said(Acceptance),
 }
 
-use Do::{Battery, Control, Flight, Link, Nudge as Nudges, Scene};
+use Do::{Battery, Control, Flight, Link, Nudge as Nudges, Said, Scene};
 
 const UP: Do = Link(LinkState::Up);
 const SEEN: Do = Scene(Seen(RIGHT));
@@ -51,6 +53,7 @@ impl Do {
                 report(Report::Ground { control, uptime_s, battery_v: 12.0, tether_m: 1.0 })
             }
             Flight(state) => report(flight(state, false)),
+            Said(said) => report(Report::Acceptance(said)),
             Battery(is_low) => report(flight(FlightState::Flying, is_low)),
         };
         pilot.step(input, now)
@@ -124,6 +127,40 @@ fn control_that_is_not_ours_rests_the_camera() {
     check(&back, mode, REST);
     check(&[&back[..], &[OURS, SEEN]].concat(), Mode::Servoing, PAN_RIGHT);
     check(&[UP, ENGAGE, OURS, SEEN], Mode::Servoing, PAN_RIGHT);
+}
+
+#[test]
+fn what_a_vehicle_says_to_commands_rests_the_camera_as_long_as_it_lasts() {
+    let accepted = Said(Acceptance::Accepted);
+    for said in Acceptance::ALL.into_iter().filter(|said| *said != Acceptance::Accepted) {
+        // Said before the link is up, too: a vehicle answers while it is still being looked at.
+        let held = Mode::Holding(HoldCause::NoControl);
+        check(&[Link(LinkState::Starting), Said(said), UP, ENGAGE, SEEN], held, REST);
+        check(
+            &[Link(LinkState::Starting), Said(said), UP, ENGAGE, accepted, SEEN],
+            Mode::Servoing,
+            PAN_RIGHT,
+        );
+        let lost = if said.is_elsewhere() { Mode::Stopped(StopCause::ControlLost) } else { held };
+        check(&[UP, accepted, ENGAGE, SEEN, Said(said)], lost, REST);
+        let after = if said.is_elsewhere() { lost } else { Mode::Servoing };
+        let command = if said.is_elsewhere() { REST } else { PAN_RIGHT };
+        check(&[UP, accepted, ENGAGE, SEEN, Said(said), accepted, SEEN], after, command);
+    }
+}
+
+#[test]
+fn another_client_that_takes_the_control_during_a_fault_ends_the_engagement() {
+    let scene = [
+        UP,
+        Said(Acceptance::Accepted),
+        ENGAGE,
+        SEEN,
+        Said(Acceptance::NotReady),
+        Said(Acceptance::OtherClient),
+        Said(Acceptance::Queued),
+    ];
+    check(&scene, Mode::Stopped(StopCause::ControlLost), REST);
 }
 
 #[test]

@@ -17,6 +17,9 @@ pub struct CheckArgs {
     /// What is checked.
     #[command(flatten)]
     pub connection: ConnectionOptions,
+    /// The vehicle's profile; default: the configuration's, or fotokite-pro.
+    #[arg(long, value_name = "NAME")]
+    pub profile: Option<String>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -19,14 +19,24 @@ pub struct ConnectionOptions {
     /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
     #[arg(long, value_name = "FILE")]
     pub video_login_file: Option<PathBuf>,
-    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port, or sim: for the
+    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port,
+    /// http://host:port/api or https://host/api (Fotokite Sigma), or sim: for the
     /// simulated world's camera. Without a link: a dry run.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
+    /// File whose first line is the access token of a vehicle at http:// or https://, or `api-key ` and an API key.
+    #[arg(long, value_name = "FILE")]
+    pub link_token_file: Option<PathBuf>,
+    /// SHA-256 fingerprint of the certificate of a vehicle at https://: no other certificate is accepted.
+    #[arg(long, value_name = "HEX", conflicts_with = "link_ca_file")]
+    pub link_certificate_sha256: Option<String>,
+    /// File of authorities (PEM) that sign the certificate of a vehicle at https://; default: the well-known ones.
+    #[arg(long, value_name = "FILE")]
+    pub link_ca_file: Option<PathBuf>,
 }
 
 impl ConnectionOptions {
-    /// The configuration file with the login of the command line; without a file, an empty one.
+    /// The configuration file with the login and the link's secrets of the command line; without a file, an empty one.
     ///
     /// # Errors
     /// If the file cannot be read or parsed.
@@ -37,6 +47,13 @@ impl ConnectionOptions {
         };
         if let Some(path) = &self.video_login_file {
             (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
+        }
+        if self.link_token_file.is_some() {
+            file.link.token_file.clone_from(&self.link_token_file);
+        }
+        if self.link_certificate_sha256.is_some() || self.link_ca_file.is_some() {
+            file.link.certificate_sha256.clone_from(&self.link_certificate_sha256);
+            file.link.ca_file.clone_from(&self.link_ca_file);
         }
         Ok(file)
     }

@@ -21,6 +21,48 @@ pub struct EmulateArgs {
 pub enum StationName {
     /// The Fotokite Pro's serial ground station.
     FotokitePro(EmulateFotokiteProArgs),
+    /// The Fotokite Sigma's web API.
+    FotokiteSigma(EmulateFotokiteSigmaArgs),
+}
+
+/// `emulate fotokite-sigma`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example, a closed loop with a simulated world:
+  barrelman emulate fotokite-sigma --world sim:arena1
+and in another terminal
+  echo emulated > token && chmod 600 token
+  barrelman run --profile fotokite-sigma --link http://127.0.0.1:3128/api \\
+    --link-token-file token")]
+pub struct EmulateFotokiteSigmaArgs {
+    /// Listen on this address (HTTP).
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:3128")]
+    pub listen: SocketAddr,
+    /// The token that permits reading and control. The token `TEXT-read` permits reading alone, and the API key
+    /// `TEXT-key` is exchanged for the token.
+    #[arg(long, value_name = "TEXT", default_value = "emulated")]
+    pub token: String,
+    /// Offer no WebSocket: its path is not found.
+    #[arg(long)]
+    pub no_websocket: bool,
+    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world starts with
+    /// the first viewer.
+    #[arg(long, value_name = "SIM")]
+    pub world: Option<String>,
+    /// Address of the world's video (RTSP, path /world).
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8554")]
+    pub video_listen: SocketAddr,
+    /// Log every request and every change of the rates to this file, one JSON object per line.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub log: Option<PathBuf>,
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: takeover (another client has the control), reboot
+    /// (status 503, and the control is forgotten), hang (requests wait until the end of the fault), silence (requests are
+    /// carried out and not answered), delay (answers come 0.4 s late), corrupt (answers are damaged) or expire (the tokens
+    /// have expired). Times count from the program's start.
+    #[arg(long, value_name = "SPEC")]
+    pub fault: Option<String>,
+    /// Overwrite an existing log.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `emulate fotokite-pro`.

@@ -10,10 +10,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
-use serde::Serialize;
 
+use super::check_over_http::check_over_http;
+use super::check_result::{CheckResult, Verdict};
 use crate::cli::{CheckArgs, ConnectionOptions};
-use crate::config::Configuration;
+use crate::config::{ConfigFile, Configuration};
 use crate::link::LinkUrl;
 use crate::link::port::Port;
 use crate::link::url::Endpoint;
@@ -27,29 +28,6 @@ use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Path of this project's udev rule, when installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum Verdict {
-    Ok,
-    Warning,
-    Failed,
-}
-
-/// The result of one check, as printed.
-#[derive(Debug, Serialize)]
-struct CheckResult {
-    #[serde(rename = "what")]
-    subject: String,
-    verdict: Verdict,
-    details: String,
-}
-
-impl CheckResult {
-    fn new(subject: impl Into<String>, verdict: Verdict, details: impl Into<String>) -> Self {
-        Self { subject: subject.into(), verdict, details: details.into() }
-    }
-}
 
 /// Runs the command.
 ///
@@ -66,7 +44,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
         None => CheckResult::new("video", Verdict::Warning, "none configured: give --video or video.url"),
     });
     match link {
-        Some(url) => check_link(&url, &mut results),
+        Some(url) => check_link(&url, configuration.as_ref(), &mut results),
         None => {
             let details = "none configured: `run` would be a dry run";
             results.push(CheckResult::new("link", Verdict::Warning, details));
@@ -90,7 +68,11 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Option<Configuration> {
-    match args.connection.config_file().and_then(|file| Configuration::resolve(&file)) {
+    let with_profile = |mut file: ConfigFile| {
+        file.vehicle.profile = args.profile.clone().or(file.vehicle.profile);
+        Configuration::resolve(&file)
+    };
+    match args.connection.config_file().and_then(with_profile) {
         Ok(configuration) => {
             let details = format!("vehicle {}", configuration.profile.name);
             results.push(CheckResult::new("configuration", Verdict::Ok, details));
@@ -182,7 +164,7 @@ fn wait_for_picture(queue: &Receiver<Delivery>) -> Result<VideoFrame, String> {
     Err(format!("no picture within {} s: {reason}", FIRST_PICTURE_TIMEOUT.as_secs()))
 }
 
-fn check_link(url: &str, results: &mut Vec<CheckResult>) {
+fn check_link(url: &str, configuration: Option<&Configuration>, results: &mut Vec<CheckResult>) {
     let parsed = match LinkUrl::parse(url) {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -190,6 +172,10 @@ fn check_link(url: &str, results: &mut Vec<CheckResult>) {
             return;
         }
     };
+    if let Endpoint::Http(address) = &parsed.endpoint {
+        check_over_http(address, configuration, results);
+        return;
+    }
     let subject = format!("link {parsed}");
     if parsed.endpoint == Endpoint::SimulatedCamera {
         let details = "moves the camera of the simulated world of --video sim:";

@@ -9,9 +9,10 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, StationName};
+use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, StationName};
 use crate::emulator::emulated_port::EmulatedPort;
 use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
+use crate::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS, SigmaSettings};
 use crate::emulator::log::StationLog;
 use crate::emulator::rtsp_server::RtspServer;
 use crate::link::CameraLink;
@@ -21,6 +22,7 @@ use barrelman_host::clock::Clock;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_host::output;
 use barrelman_video::VideoHandle;
+use barrelman_vocab::VehicleProfile;
 
 /// The kinds of faults that the emulator has.
 const EMULATOR_FAULTS: [FaultKind; 10] = [
@@ -43,12 +45,17 @@ const EMULATOR_FAULTS: [FaultKind; 10] = [
 pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
     match &args.station {
         StationName::FotokitePro(args) => fotokite_pro(args, clock),
+        StationName::FotokiteSigma(args) => fotokite_sigma(args, clock),
     }
 }
 
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
-    let mut world =
-        args.world.as_deref().map(|world| ServedWorld::new(world, args.video_listen)).transpose()?;
+    let profile = VehicleProfile::fotokite_pro();
+    let mut world = args
+        .world
+        .as_deref()
+        .map(|world| ServedWorld::new(world, args.video_listen, &profile))
+        .transpose()?;
     let port = match (&args.pty, &args.listen) {
         (Some(path), _) => EmulatedPort::pty(path, args.force)?,
         (None, Some(address)) => EmulatedPort::listen(address)?,
@@ -68,10 +75,7 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
         rate_timeout: args.rate_timeout.map(Duration::from_secs_f64),
         stop_keeps_rates: args.stop_keeps_rates,
     };
-    let ended = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
-        signal_hook::flag::register(signal, Arc::clone(&ended))?;
-    }
+    let ended = ended_by_a_signal()?;
     let mut emulator = FotokitePro::new(port, settings, StationLog::new(log, clock), faults, clock);
     if let Some(world) = &world {
         writeln!(
@@ -85,22 +89,82 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
     writeln!(stdout(), "an emulated Fotokite Pro answers at {}", emulator.url())?;
     stdout().flush()?;
     let mut failure = None;
-    emulator.run(|| {
-        let is_over = world.as_mut().is_some_and(|world| {
-            world.update(clock).unwrap_or_else(|error| {
-                failure = Some(error);
-                true
-            })
-        });
-        is_over || ended.load(Ordering::Relaxed)
-    })?;
+    emulator.run(|| is_over(&mut world, clock, &mut failure) || ended.load(Ordering::Relaxed))?;
     failure.map_or(Ok(ExitCode::SUCCESS), Err)
+}
+
+fn fotokite_sigma(args: &EmulateFotokiteSigmaArgs, clock: Clock) -> Result<ExitCode> {
+    let profile = VehicleProfile::fotokite_sigma();
+    let mut world = args
+        .world
+        .as_deref()
+        .map(|world| ServedWorld::new(world, args.video_listen, &profile))
+        .transpose()?;
+    let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
+    let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
+    faults.require_effect("the emulator", &SIGMA_FAULTS)?;
+    let example = SigmaSettings::example();
+    let sigma = SigmaSettings {
+        token: args.token.clone(),
+        read_token: format!("{}-read", args.token),
+        api_key: format!("{}-key", args.token),
+        rtsp_url: world.as_ref().map(|world| world.server.url()),
+        field_of_view_deg: world.as_ref().map_or(example.field_of_view_deg, |world| world.field_of_view_deg),
+        ..example
+    };
+    let ended = ended_by_a_signal()?;
+    let settings = EmulatedSigmaSettings {
+        sigma,
+        has_websocket: !args.no_websocket,
+        world: world.as_ref().map(|world| world.link.clone()),
+        faults,
+        log,
+        clock,
+    };
+    let emulator = EmulatedSigma::start(args.listen, settings)?;
+    if emulator.is_public() {
+        tracing::warn!("other machines can move the emulated camera: the token is on the command line");
+    }
+    if let Some(world) = &world {
+        writeln!(
+            stdout(),
+            "the world's video is at {}; the world starts with the first viewer",
+            world.server.url()
+        )?;
+    }
+    // Scripts wait for this line before they connect.
+    writeln!(stdout(), "an emulated Fotokite Sigma answers at {}", emulator.url())?;
+    stdout().flush()?;
+    let mut failure = None;
+    emulator.run(|| is_over(&mut world, clock, &mut failure) || ended.load(Ordering::Relaxed))?;
+    failure.map_or(Ok(ExitCode::SUCCESS), Err)
+}
+
+/// A flag that a signal sets which asks to end.
+fn ended_by_a_signal() -> Result<Arc<AtomicBool>> {
+    let ended = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
+        signal_hook::flag::register(signal, Arc::clone(&ended))?;
+    }
+    Ok(ended)
+}
+
+/// Whether the world has ended, or has failed.
+fn is_over(world: &mut Option<ServedWorld>, clock: Clock, failure: &mut Option<anyhow::Error>) -> bool {
+    world.as_mut().is_some_and(|world| {
+        world.update(clock).unwrap_or_else(|error| {
+            *failure = Some(error);
+            true
+        })
+    })
 }
 
 /// A simulated world with a server of its video.
 struct ServedWorld {
     server: RtspServer,
     link: CameraLink,
+    /// Horizontal field of view, degrees.
+    field_of_view_deg: f64,
     url: SimulatedUrl,
     /// The world, until the first viewer starts it.
     waiting: Option<LiveWorld>,
@@ -108,16 +172,26 @@ struct ServedWorld {
 }
 
 impl ServedWorld {
-    fn new(url: &str, listen: SocketAddr) -> Result<Self> {
+    fn new(url: &str, listen: SocketAddr, profile: &VehicleProfile) -> Result<Self> {
         let url = match SourceUrl::parse(url)? {
             SourceUrl::Simulated(url) => url,
             SourceUrl::Video(url) => {
                 bail!("--world takes a simulated world, as in sim:arena1; {url} is a video")
             }
         };
-        let world = LiveWorld::load(&url.world)?.with_encoding(true);
+        let world = LiveWorld::load(&url.world)?.with_encoding(true).with_profile(profile);
+        let camera = &world.scenario().camera;
+        let half_width = f64::from(camera.frame.width) / 2.0;
+        let field_of_view_deg = 2.0 * (half_width / camera.optics.focal_px).atan().to_degrees();
         let link = world.link();
-        Ok(Self { server: RtspServer::start(listen)?, link, url, waiting: Some(world), running: None })
+        Ok(Self {
+            server: RtspServer::start(listen)?,
+            link,
+            field_of_view_deg,
+            url,
+            waiting: Some(world),
+            running: None,
+        })
     }
 
     /// Starts the world once there is a viewer. Returns whether the world has ended.

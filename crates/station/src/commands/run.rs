@@ -11,7 +11,7 @@ use crate::cli::{CalibrateAxesArgs, RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::{AfterPicking, ConsoleSettings};
 use crate::link::url::Endpoint;
-use crate::link::{LinkUrl, command_path, find_guard};
+use crate::link::{LinkUrl, command_path, find_guard, vehicle_over_http, video_address};
 use crate::live::calibration::LiveCalibration;
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
@@ -26,6 +26,7 @@ use barrelman_host::fault::FaultKind;
 use barrelman_host::fault_lines::parse_fault_lines;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
+use barrelman_host::redaction::without_logins;
 use barrelman_video::url::VideoSource;
 use barrelman_vocab::PixelBox;
 
@@ -47,6 +48,13 @@ pub fn run_with_outputs(
     clock: Clock,
 ) -> Result<ExitCode> {
     let (mut configuration, latency_is_known) = effective_configuration(args)?;
+    let mut link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
+    let http = vehicle_over_http(&configuration, link.as_ref())?;
+    if let (None, Some(http)) = (&configuration.video, &http) {
+        let video = video_address(http)?;
+        tracing::info!("the vehicle's video: {}", without_logins(&video));
+        configuration.video = Some(video);
+    }
     let Some(video) = &configuration.video else {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
         return Err(UsageError(format!("no video source: {remedy}")).into());
@@ -59,7 +67,6 @@ pub fn run_with_outputs(
             UsageError(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
         );
     }
-    let mut link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
     let mut source = source;
     let fault_injector = injected_faults(args, link.as_mut(), &mut source)?;
     let source = Source::load(source)?;
@@ -86,6 +93,7 @@ pub fn run_with_outputs(
         source,
         link,
         guard,
+        http,
         outputs,
         selection,
         waits_for_selection: args.hands_on,
@@ -236,6 +244,7 @@ pub fn calibrate(
         let camera = &world.scenario().camera;
         configuration.profile.camera.focal_share = camera.optics.focal_px / f64::from(camera.frame.width);
     }
+    let http = vehicle_over_http(&configuration, Some(&link))?;
     let guard = needed_guard(&configuration, Some(&link))?;
     let calibration = LiveCalibration::new(configuration.profile.camera.focal_share);
     let session = Session {
@@ -244,6 +253,7 @@ pub fn calibrate(
         source,
         link: Some(link),
         guard,
+        http,
         outputs: Outputs { record, ..Outputs::default() },
         selection: None,
         waits_for_selection: true,

@@ -66,7 +66,8 @@ pub struct VideoSection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LinkSection {
-    /// Address: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port` or `udp://host:port`; without an address: a dry run.
+    /// Address: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, `udp://host:port`,
+    /// `http://host:port/api` or `https://host/api`; without an address: a dry run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
     /// The guard's program; default: `barrelman-guard` beside the program.
@@ -76,6 +77,15 @@ pub struct LinkSection {
     /// false.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub without_guard: Option<bool>,
+    /// File whose first line is the access token of a vehicle at `http://` or `https://`, or `api-key ` and an API key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub token_file: Option<PathBuf>,
+    /// SHA-256 fingerprint of the certificate of a vehicle at `https://`, 64 hexadecimal digits: no other one is accepted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificate_sha256: Option<String>,
+    /// File of authorities (PEM) that sign the certificate of a vehicle at `https://`; default: the well-known ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ca_file: Option<PathBuf>,
     /// Delimiters of a line, where the vehicle takes lines of text (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,
@@ -120,10 +130,10 @@ pub struct VehicleSection {
     /// The motor schema's tilt rate, rad/s, 0 to the tilt limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_tilt_rad_per_s: Option<f64>,
-    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro).
+    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro) or 0.436 (Fotokite Sigma).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_pan_rad_per_s: Option<f64>,
-    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro).
+    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro) or 0.436 (Fotokite Sigma).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_tilt_rad_per_s: Option<f64>,
     /// Sign of the vehicle's yaw rate relative to pan.

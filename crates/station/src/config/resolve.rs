@@ -14,7 +14,7 @@ use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, Veh
 use super::range::within;
 use super::tracker::TrackerSection;
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
-use crate::secrets::LoginSource;
+use crate::secrets::{LinkAccess, LoginSource};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
@@ -27,6 +27,8 @@ pub struct Configuration {
     pub video_login: Option<LoginSource>,
     /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
+    /// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
+    pub link_access: LinkAccess,
     /// The guard of the vehicle's port.
     pub guard: GuardChoice,
     /// Framing of text lines, where the vehicle's protocol has some.
@@ -116,6 +118,7 @@ impl Configuration {
             video: file.video.url.clone(),
             video_login: login_source(&file.video)?,
             link: file.link.url.clone(),
+            link_access: link_access(&file.link)?,
             guard: GuardChoice {
                 program: file.link.guard.clone(),
                 is_omitted: file.link.without_guard.unwrap_or(false),
@@ -173,6 +176,9 @@ impl Configuration {
                 url: self.link.clone(),
                 guard: self.guard.program.clone(),
                 without_guard: Some(self.guard.is_omitted),
+                token_file: self.link_access.token_file.clone(),
+                certificate_sha256: self.link_access.certificate_sha256.clone(),
+                ca_file: self.link_access.ca_file.clone(),
                 line_ending: Some(match self.framing {
                     Framing::CarriageReturns => LineEnding::CrAround,
                     Framing::LineFeed => LineEnding::Lf,
@@ -211,6 +217,17 @@ impl Configuration {
     pub fn to_toml(&self) -> Result<String> {
         Ok(toml::to_string_pretty(&self.to_file())?)
     }
+}
+
+fn link_access(link: &LinkSection) -> Result<LinkAccess> {
+    if link.certificate_sha256.is_some() && link.ca_file.is_some() {
+        bail!("link.certificate_sha256 and link.ca_file are both given: omit one");
+    }
+    Ok(LinkAccess {
+        token_file: link.token_file.clone(),
+        certificate_sha256: link.certificate_sha256.clone(),
+        ca_file: link.ca_file.clone(),
+    })
 }
 
 fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {

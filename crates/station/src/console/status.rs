@@ -3,6 +3,7 @@
 use barrelman_control::Sector;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Mode, Outcome};
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
 use barrelman_vocab::{CameraCommand, LawId, PixelBox, StopCause, Track};
 
@@ -189,6 +190,7 @@ fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
             snapshot::LinkStatus::Link(LinkState::Closed) => "closed",
         },
         in_control: vehicle.control.map(|control| control == ControlState::Ours),
+        acceptance: vehicle.acceptance.map(Acceptance::key),
         battery_v: vehicle.battery_v,
         tilt_deg: vehicle.tilt.map(|tilt| tilt.radians().to_degrees()),
         altitude_m: vehicle.altitude_m,

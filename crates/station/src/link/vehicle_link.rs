@@ -24,6 +24,8 @@ pub enum Link {
     Port(LinkHandle),
     /// A ground station at a port that a guard serves.
     Guarded(GuardedLink),
+    /// A vehicle whose commands expire by themselves, which a thread of this process asks over HTTP.
+    Expiring(LinkHandle),
     /// The camera of a simulated world.
     SimulatedCamera(CameraLink),
 }
@@ -31,7 +33,7 @@ pub enum Link {
 impl VehicleLink for Link {
     fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
         match self {
-            Self::Port(link) => link.send(rates, renew_by),
+            Self::Port(link) | Self::Expiring(link) => link.send(rates, renew_by),
             Self::Guarded(link) => link.send(rates, renew_by),
             Self::SimulatedCamera(link) => link.send(rates, renew_by),
         }
@@ -39,7 +41,7 @@ impl VehicleLink for Link {
 
     fn take_control(&self) {
         match self {
-            Self::Port(link) => link.take_control(),
+            Self::Port(link) | Self::Expiring(link) => link.take_control(),
             Self::Guarded(link) => link.take_control(),
             Self::SimulatedCamera(_) => {}
         }
@@ -49,14 +51,22 @@ impl VehicleLink for Link {
 impl Link {
     /// Whether there is a vehicle at the other end, or an emulated one, and no camera of this process.
     pub const fn reaches_vehicle(&self) -> bool {
-        matches!(self, Self::Port(_) | Self::Guarded(_))
+        matches!(self, Self::Port(_) | Self::Guarded(_) | Self::Expiring(_))
     }
 
-    /// Ends the link with zeros. Returns whether the zeros were sent.
+    /// Ends the link with zeros. Returns whether the camera rests: the zeros were sent, or its motion ends without them.
     pub fn close(self) -> bool {
         match self {
             Self::Port(link) => link.close(),
             Self::Guarded(link) => link.close(),
+            Self::Expiring(link) => {
+                if !link.close() {
+                    tracing::warn!(
+                        "the last zeros could not be sent, as the link was down; the camera's motion has ended by itself"
+                    );
+                }
+                true
+            }
             Self::SimulatedCamera(link) => link.close(),
         }
     }

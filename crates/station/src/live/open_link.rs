@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use barrelman_host::clock::Clock;
+use barrelman_link_http::HttpSettings;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, VehicleProfile, VehicleRates};
 use barrelman_wire::{ByteProtocol, Framing, RestEvidence};
@@ -21,6 +22,8 @@ pub(super) struct LinkedVehicle<'a> {
     pub(super) framing: Framing,
     /// The guard's program; `None`: a thread of this process serves the port.
     pub(super) guard: Option<PathBuf>,
+    /// How the vehicle is reached over HTTP; `None`: by bytes.
+    pub(super) http: Option<HttpSettings>,
 }
 
 /// Opens the link: to the camera of the simulated world, to a port, or none for a dry run.
@@ -40,17 +43,21 @@ pub(super) fn open_link(
             open_camera_link(url, world, clock, events).map(Some)
         }
         (Some(url), _) => {
-            let LinkedVehicle { profile, framing, guard } = vehicle;
+            let LinkedVehicle { profile, framing, guard, http } = vehicle;
             let protocol = ByteProtocol { protocol: profile.protocol, framing, baud: url.baud() };
             let report = move |report| pass_on(report, &events);
             let context = "the link cannot be opened";
-            let link = match guard {
-                Some(guard) => {
+            let link = match (http, guard) {
+                (Some(http), _) => {
+                    let opened = barrelman_link_http::open_link(http, url.faults.clone(), clock, report);
+                    Link::Expiring(opened.context(context)?)
+                }
+                (None, Some(guard)) => {
                     let limits = VehicleRates { yaw: profile.limits.pan, pitch: profile.limits.tilt };
                     let settings = GuardedLinkSettings { guard, url: url.clone(), protocol, limits, clock };
                     Link::Guarded(GuardedLink::open(settings, report).context(context)?)
                 }
-                None => Link::Port(LinkHandle::open(url, protocol, clock, report).context(context)?),
+                (None, None) => Link::Port(LinkHandle::open(url, protocol, clock, report).context(context)?),
             };
             Ok(Some(link))
         }

@@ -16,6 +16,7 @@ use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
 use barrelman_host::output::OutputFile;
 use barrelman_host::suspend::SuspendWatch;
+use barrelman_link_http::HttpSettings;
 use barrelman_pilot::Pilot;
 use barrelman_video::VideoHandle;
 use barrelman_vocab::telemetry::LinkState;
@@ -72,6 +73,8 @@ pub struct Session<'a> {
     pub link: Option<LinkUrl>,
     /// The guard's program, which serves the port of the link; `None`: a thread of this process does.
     pub guard: Option<PathBuf>,
+    /// How the vehicle is reached over HTTP; `None`: by bytes.
+    pub http: Option<HttpSettings>,
     /// The output files.
     pub outputs: Outputs,
     /// The operator's selection in the first video frame. Without a selection, a simulated world selects its target.
@@ -113,6 +116,7 @@ impl Session<'_> {
             profile: &self.configuration.profile,
             framing: self.configuration.framing,
             guard: self.guard.clone(),
+            http: self.http.clone(),
         };
         let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
         let _awake = link.as_ref().filter(|link| link.reaches_vehicle()).and_then(|_| SleepInhibitor::hold());

@@ -7,6 +7,7 @@
 use std::time::Duration;
 
 use barrelman_pilot::Mode;
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{CameraCommand, Timestamp, Track};
 
@@ -91,6 +92,11 @@ fn line(snapshot: &Snapshot, now: Timestamp, names_keys: bool) -> String {
         LinkStatus::DryRun => ("dry run", false),
         LinkStatus::Simulated => ("simulated camera", true),
         LinkStatus::Link(state) => (link_state_text(state), state == LinkState::Up),
+    };
+    // Why commands are not accepted tells more than the state of the link.
+    let link = match snapshot.vehicle.acceptance {
+        Some(said) if said != Acceptance::Accepted => said.text(),
+        Some(_) | None => link,
     };
     let alarm = match &snapshot.recording {
         RecordingState::Failed(reason) => format!("  ALARM: recording stopped: {reason}"),

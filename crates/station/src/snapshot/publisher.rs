@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_pilot::{Input, Notice, Outcome};
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
 use barrelman_vocab::{LawId, Timestamp, Track, VehicleProfile, VehicleRates};
 use tokio::sync::watch;
@@ -86,6 +87,7 @@ impl Publisher {
                 let before = self.state.vehicle;
                 self.state.vehicle.on_telemetry(telemetry);
                 self.log_link_change(before.link, outcome.at);
+                self.log_acceptance(before.acceptance, outcome.at);
             }
             Input::Localisation(_) | Input::Request(_) | Input::Tick => {}
         }
@@ -246,6 +248,13 @@ impl Publisher {
                 add(Level::Warning, "refused", notice.to_string());
             }
             Some(notice) => add(Level::Info, "notice", notice.to_string()),
+        }
+    }
+
+    fn log_acceptance(&self, before: Option<Acceptance>, now: Timestamp) {
+        if let Some(said) = self.state.vehicle.acceptance.filter(|said| before != Some(*said)) {
+            let level = if said == Acceptance::Accepted { Level::Info } else { Level::Warning };
+            self.events.add(now, level, "acceptance", said.text());
         }
     }
 

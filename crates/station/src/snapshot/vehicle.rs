@@ -1,5 +1,6 @@
 //! The newest state of the vehicle and its link, from telemetry.
 
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::{Angle, Telemetry};
 
@@ -22,6 +23,8 @@ pub struct VehicleSnapshot {
     pub link: LinkStatus,
     /// Whether the vehicle accepts commands from this program.
     pub control: Option<ControlState>,
+    /// What a vehicle that answers commands says to them.
+    pub acceptance: Option<Acceptance>,
     /// Battery voltage, volts.
     pub battery_v: Option<f64>,
     /// Whether the vehicle says that one of its batteries is low.
@@ -53,9 +56,14 @@ impl VehicleSnapshot {
             Report::Ground { control, battery_v, .. } => {
                 (self.control, self.battery_v) = (Some(control), Some(battery_v));
             }
+            Report::Acceptance(said) => {
+                let is_ours = said == Acceptance::Accepted;
+                self.control = Some(if is_ours { ControlState::Ours } else { ControlState::NotOurs });
+                self.acceptance = Some(said);
+            }
             Report::CameraTilt(tilt) => self.tilt = Some(tilt),
             Report::Tether { altitude_m, .. } => self.altitude_m = Some(altitude_m),
-            Report::Flight { state, is_battery_low, .. } => {
+            Report::Flight { state, is_battery_low, .. } | Report::FlightState { state, is_battery_low } => {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
             }
             Report::VehicleAttitude(_) | Report::GimbalAttitude(_) | Report::FieldOfView(_) => {}
@@ -93,6 +101,7 @@ mod tests {
     const KNOWN: VehicleSnapshot = VehicleSnapshot {
         link: LinkStatus::Link(LinkState::Up),
         control: Some(ControlState::Ours),
+        acceptance: None,
         battery_v: Some(15.5),
         tilt: Some(Angle::from_degrees(-20.0)),
         altitude_m: Some(10.5),
@@ -109,6 +118,14 @@ mod tests {
             (&[][..], none),
             (&[UP], up),
             (&[UP, GROUND], VehicleSnapshot { control: KNOWN.control, battery_v: KNOWN.battery_v, ..up }),
+            (
+                &[UP, Report::Acceptance(Acceptance::Queued)],
+                VehicleSnapshot {
+                    control: Some(ControlState::NotOurs),
+                    acceptance: Some(Acceptance::Queued),
+                    ..up
+                },
+            ),
             (&[UP, TILT], VehicleSnapshot { tilt: KNOWN.tilt, ..up }),
             (&[UP, TETHER], VehicleSnapshot { altitude_m: KNOWN.altitude_m, ..up }),
             (&[UP, FLIGHT], VehicleSnapshot { flight: KNOWN.flight, is_battery_low: true, ..up }),

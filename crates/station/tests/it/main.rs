@@ -27,5 +27,6 @@ mod rooms;
 mod run_loop;
 mod secrets;
 mod sent_rates;
+mod sigma;
 mod simulated_source;
 mod status;

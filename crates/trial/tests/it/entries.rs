@@ -11,6 +11,7 @@ use barrelman_trial::records::{
     RecordingStart, RecordingWriter,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
@@ -157,6 +158,8 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::GimbalAttitude(q)),
         telemetry(Report::CameraTilt(Angle::from_radians(value))),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
+        telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
+        telemetry(Report::Acceptance(Acceptance::ALL[9])),
         telemetry(Report::Ground {
             control: ControlState::Ours,
             uptime_s: value,

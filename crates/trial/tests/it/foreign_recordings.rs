@@ -180,7 +180,9 @@ fn with_attachment(kept: usize) -> Vec<u8> {
     // Magic, then the header: opcode, length, content.
     let header = 8 + 9 + u64::from_le_bytes(whole[9..17].try_into().unwrap()) as usize;
     // Two times, a name, a type of media, the length of the data, the data, a checksum.
-    let content = [[0; 16].as_slice(), &[1, 0, 0, 0, b'a'], &[0; 4], &[2, 0, 0, 0, 0, 0, 0, 0], b"hi", &[0; 4]].concat();
+    let content =
+        [[0; 16].as_slice(), &[1, 0, 0, 0, b'a'], &[0; 4], &[2, 0, 0, 0, 0, 0, 0, 0], b"hi", &[0; 4]]
+            .concat();
     let content = &content[..kept.min(content.len())];
     let attachment = [[0x09].as_slice(), &(content.len() as u64).to_le_bytes(), content].concat();
     [&whole[..header], &attachment, &whole[header..]].concat()

@@ -1,5 +1,5 @@
-//! Both ends of the Fotokite Pro protocol against transcripts that were written by hand
-//! (`fixtures/fotokite-pro/README.md` describes their format).
+//! Both ends of the protocols: of the Fotokite Pro against transcripts that were written by hand
+//! (`fixtures/fotokite-pro/README.md` describes their format), of the Fotokite Sigma against each other in virtual time.
 
 // Tests read fixture files, and fail by panicking.
 #![allow(clippy::disallowed_methods, clippy::panic, clippy::unwrap_used)]
@@ -11,3 +11,10 @@ mod commands;
 mod hostile;
 mod station;
 mod telemetry;
+
+mod sigma_conversation;
+
+mod sigma_calls;
+mod sigma_control;
+mod sigma_hostile;
+mod sigma_motion;

@@ -154,6 +154,9 @@ pub struct LinkStatus {
     pub state: &'static str,
     /// Whether the vehicle accepts commands from this program.
     pub in_control: Option<bool>,
+    /// What a vehicle that answers commands says to them: `accepted`, `queued`, `other-client`, `flight-state`, `not-ready`,
+    /// `fault`, `no-camera`, `token-refused`, `unusable` or `unanswered`; `null`: the vehicle does not answer commands.
+    pub acceptance: Option<&'static str>,
     /// Battery voltage, volts.
     pub battery_v: Option<f64>,
     /// Elevation of the camera, degrees, positive above the horizon.

@@ -229,7 +229,7 @@ fn telemetry_is_given_in_volts_degrees_and_metres() {
             ..VehicleSnapshot::default()
         };
         let expected = json!({
-            "state": "dry-run", "in_control": false, "battery_v": 15.5, "tilt_deg": -90.0, "altitude_m": 10.5,
+            "state": "dry-run", "in_control": false, "acceptance": null, "battery_v": 15.5, "tilt_deg": -90.0, "altitude_m": 10.5,
             "flight": name,
         });
         assert_eq!(status(Snapshot { vehicle, ..Snapshot::default() })["link"], expected);

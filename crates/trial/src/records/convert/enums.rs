@@ -3,6 +3,7 @@
 use barrelman_control::Sector;
 use barrelman_pilot::CommandPath;
 use barrelman_pilot::outcome::HoldCause;
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
 use barrelman_vocab::{LawId, StopCause};
@@ -66,6 +67,18 @@ variants!(LinkState, LinkState, "link", [
     LinkState::Closing => Closing,
     LinkState::Closed => Closed,
     LinkState::Silent => Silent,
+]);
+variants!(Acceptance, Acceptance, "acceptance", [
+    Acceptance::Accepted => Accepted,
+    Acceptance::Queued => Queued,
+    Acceptance::OtherClient => OtherClient,
+    Acceptance::FlightState => FlightState,
+    Acceptance::NotReady => NotReady,
+    Acceptance::Fault => Fault,
+    Acceptance::NoCamera => NoCamera,
+    Acceptance::TokenRefused => TokenRefused,
+    Acceptance::Unusable => Unusable,
+    Acceptance::Unanswered => Unanswered,
 ]);
 variants!(HoldCause, HoldCause, "hold_cause", [
     HoldCause::NoSelection => NoSelection,

@@ -14,6 +14,28 @@ fn quaternion(q: stored::Quaternion) -> Quaternion {
     Quaternion { w: q.w, x: q.x, y: q.y, z: q.z }
 }
 
+/// A flight state's stored form, and the vehicle's own mode number.
+fn stored_flight_state(state: FlightState) -> (i32, u32) {
+    let (state, mode) = match state {
+        FlightState::Idle => (stored::FlightState::Idle, 0),
+        FlightState::Flying => (stored::FlightState::Flying, 0),
+        FlightState::Landing => (stored::FlightState::Landing, 0),
+        FlightState::Emergency => (stored::FlightState::Emergency, 0),
+        FlightState::Other(mode) => (stored::FlightState::Other, mode),
+    };
+    (state as i32, mode)
+}
+
+fn flight_state(state: i32, mode: u32) -> Result<FlightState, Malformed> {
+    Ok(match stored::FlightState::try_from(state).map_err(|_| missing("state"))? {
+        stored::FlightState::Idle => FlightState::Idle,
+        stored::FlightState::Flying => FlightState::Flying,
+        stored::FlightState::Landing => FlightState::Landing,
+        stored::FlightState::Emergency => FlightState::Emergency,
+        stored::FlightState::Other => FlightState::Other(mode),
+    })
+}
+
 impl From<&Telemetry> for stored::TelemetryInput {
     fn from(telemetry: &Telemetry) -> Self {
         use stored::telemetry_input::Report as Stored;
@@ -27,20 +49,18 @@ impl From<&Telemetry> for stored::TelemetryInput {
             Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
             Report::CameraTilt(tilt) => Stored::CameraTiltRad(tilt.radians()),
             Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
+            Report::FlightState { state, is_battery_low } => {
+                let (state, mode) = stored_flight_state(state);
+                Stored::FlightState(stored::FlightStateReport { state, mode, is_battery_low })
+            }
+            Report::Acceptance(said) => Stored::Acceptance(stored::Acceptance::from(said) as i32),
             Report::Tether { elevation, azimuth, altitude_m } => Stored::Tether(stored::TetherReport {
                 elevation_rad: elevation.radians(),
                 azimuth_rad: azimuth.radians(),
                 altitude_m,
             }),
             Report::Flight { state, on_time_s, backup_battery_v, warnings, is_battery_low } => {
-                let (state, mode) = match state {
-                    FlightState::Idle => (stored::FlightState::Idle, 0),
-                    FlightState::Flying => (stored::FlightState::Flying, 0),
-                    FlightState::Landing => (stored::FlightState::Landing, 0),
-                    FlightState::Emergency => (stored::FlightState::Emergency, 0),
-                    FlightState::Other(mode) => (stored::FlightState::Other, mode),
-                };
-                let state = state as i32;
+                let (state, mode) = stored_flight_state(state);
                 Stored::Flight(stored::FlightReport {
                     state,
                     mode,
@@ -74,19 +94,20 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
             Stored::GimbalAttitude(q) => Report::GimbalAttitude(quaternion(q)),
             Stored::CameraTiltRad(tilt) => Report::CameraTilt(Angle::from_radians(tilt)),
             Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
+            Stored::FlightState(flight) => Report::FlightState {
+                state: flight_state(flight.state, flight.mode)?,
+                is_battery_low: flight.is_battery_low,
+            },
+            Stored::Acceptance(said) => Report::Acceptance(
+                stored::Acceptance::try_from(said).map_err(|_| missing("acceptance"))?.try_into()?,
+            ),
             Stored::Tether(tether) => Report::Tether {
                 elevation: Angle::from_radians(tether.elevation_rad),
                 azimuth: Angle::from_radians(tether.azimuth_rad),
                 altitude_m: tether.altitude_m,
             },
             Stored::Flight(flight) => Report::Flight {
-                state: match stored::FlightState::try_from(flight.state).map_err(|_| missing("state"))? {
-                    stored::FlightState::Idle => FlightState::Idle,
-                    stored::FlightState::Flying => FlightState::Flying,
-                    stored::FlightState::Landing => FlightState::Landing,
-                    stored::FlightState::Emergency => FlightState::Emergency,
-                    stored::FlightState::Other => FlightState::Other(flight.mode),
-                },
+                state: flight_state(flight.state, flight.mode)?,
                 on_time_s: flight.on_time_s,
                 backup_battery_v: flight.backup_battery_v,
                 warnings: flight.warnings,

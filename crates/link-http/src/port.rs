@@ -1,0 +1,143 @@
+//! The port: the thread `http` with a connection for each lane, and what the link's thread sees of it.
+
+use std::io;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use barrelman_host::clock::Clock;
+use barrelman_link::mailbox::Mailbox;
+use barrelman_link::port::PortError;
+use barrelman_link::port_io::{PortIo, poll_for};
+use barrelman_vocab::Timestamp;
+use barrelman_wire::fotokite_sigma::Received;
+use barrelman_wire::fotokite_sigma::call::{Lane, Request};
+use rustix::event::{PollFd, PollFlags};
+use tokio::sync::mpsc::{Sender, channel};
+use tokio::sync::oneshot;
+
+use crate::inbox::Inbox;
+use crate::inquiry::Inquiry;
+use crate::settings::HttpSettings;
+use crate::{lane, socket};
+
+/// Requests that wait in a lane: the session has one under way, and the next only after the time of the first.
+const LANE_CAPACITY: usize = 2;
+
+/// An open port. Dropping it closes all its connections.
+#[derive(Debug)]
+pub struct HttpPort {
+    lanes: [Sender<Request>; Lane::ALL.len()],
+    inbox: Arc<Inbox>,
+    end: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl HttpPort {
+    /// Reaches the vehicle and starts the thread.
+    ///
+    /// # Errors
+    /// [`PortError`] names the address and the remedy.
+    pub fn open(settings: &HttpSettings) -> Result<Self, PortError> {
+        let (runtime, connector, token) = Inquiry::open(settings)?.into_parts();
+        let fails = |error: io::Error| PortError::NotUsable {
+            address: settings.address.to_string(),
+            reason: error.to_string(),
+        };
+        let inbox = Arc::new(Inbox::new().map_err(fails)?);
+        let token: Arc<str> = token.into();
+        let lanes = Lane::ALL.map(|lane| {
+            let (requests, queue) = channel(LANE_CAPACITY);
+            let (connector, token, inbox) = (connector.clone(), Arc::clone(&token), Arc::clone(&inbox));
+            match lane {
+                Lane::Socket => drop(runtime.spawn(socket::serve(connector, token, queue, inbox))),
+                _ => drop(runtime.spawn(lane::serve(lane, connector, token, queue, inbox))),
+            }
+            requests
+        });
+        let (end, ended) = oneshot::channel();
+        let thread = std::thread::Builder::new()
+            .name("http".to_owned())
+            .spawn(move || {
+                let _ = runtime.block_on(ended);
+                // A name that is being looked up does not hold up the end.
+                runtime.shutdown_background();
+            })
+            .map_err(fails)?;
+        Ok(Self { lanes, inbox, end: Some(end), thread: Some(thread) })
+    }
+
+    fn send(&self, request: &Request) {
+        let at = Lane::ALL.iter().position(|lane| *lane == request.lane).unwrap_or_default();
+        if self.lanes[at].try_send(request.clone()).is_err() {
+            // A lane that cannot take it within its time would send it too late.
+            self.inbox.put(Received::NoAnswer { id: request.id });
+        }
+    }
+}
+
+impl Drop for HttpPort {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
+
+/// The program's clock and a port of HTTP.
+#[derive(Debug)]
+pub(crate) struct HttpIo {
+    pub(crate) settings: HttpSettings,
+    pub(crate) clock: Clock,
+    pub(crate) mailbox: Arc<Mailbox>,
+}
+
+impl PortIo for HttpIo {
+    type Port = HttpPort;
+    type Sent = Request;
+    type Received = Received;
+
+    fn now(&self) -> Timestamp {
+        self.clock.now()
+    }
+
+    fn open(&self) -> Result<HttpPort, PortError> {
+        HttpPort::open(&self.settings)
+    }
+
+    fn send(&self, port: &mut HttpPort, request: &Request) -> io::Result<()> {
+        port.send(request);
+        Ok(())
+    }
+
+    fn receive(&self, port: &mut HttpPort, each: &mut dyn FnMut(&Received)) -> io::Result<()> {
+        port.inbox.take().iter().for_each(each);
+        Ok(())
+    }
+
+    fn wait(&self, port: Option<&HttpPort>, wait: Duration) -> bool {
+        let waker = self.mailbox.waker();
+        let waker = PollFd::from_borrowed_fd(waker, PollFlags::IN);
+        let is_readable = match port {
+            Some(port) => {
+                let mut fds = [waker, PollFd::new(&*port.inbox, PollFlags::IN)];
+                poll_for(&mut fds, wait);
+                !fds[1].revents().is_empty()
+            }
+            None => {
+                poll_for(&mut [waker], wait);
+                false
+            }
+        };
+        self.mailbox.clear_wake_ups();
+        is_readable
+    }
+
+    fn sleep(&self, pause: Duration) {
+        std::thread::sleep(pause);
+    }
+}

@@ -1,0 +1,102 @@
+//! `barrelman check` of a vehicle that is asked over HTTP: it reads states, and asks for neither control nor motion.
+
+use barrelman_link::url::HttpAddress;
+use barrelman_link_http::{CameraInfo, Inquiry, MainVideo};
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::profile::AxisDynamics;
+
+use super::check_result::{CheckResult, Verdict};
+use crate::config::Configuration;
+use crate::secrets;
+
+/// Checks the vehicle at an address.
+pub(super) fn check_over_http(
+    address: &HttpAddress,
+    configuration: Option<&Configuration>,
+    results: &mut Vec<CheckResult>,
+) {
+    let subject = format!("link {address}");
+    let Some(configuration) = configuration else { return };
+    let profile = &configuration.profile;
+    if !profile.protocol.is_over_http() {
+        let details =
+            format!("the vehicle {} is not asked over HTTP: give --profile fotokite-sigma", profile.name);
+        results.push(CheckResult::new(subject, Verdict::Failed, details));
+        return;
+    }
+    let opened = secrets::http_settings(address, &configuration.link_access)
+        .and_then(|settings| Inquiry::open(&settings).map_err(anyhow::Error::from));
+    let vehicle = match opened {
+        Ok(vehicle) => vehicle,
+        Err(error) => {
+            results.push(CheckResult::new(subject, Verdict::Failed, format!("{error:#}")));
+            return;
+        }
+    };
+    results.push(CheckResult::new(subject, Verdict::Ok, "the vehicle answers"));
+    let info = match vehicle.camera_info() {
+        Ok(info) => info,
+        Err(said) => {
+            let subject = if said == Acceptance::TokenRefused { "token" } else { "camera" };
+            results.push(CheckResult::new(subject, Verdict::Failed, said.text()));
+            return;
+        }
+    };
+    results.push(CheckResult::new("token", Verdict::Ok, "the vehicle accepts the token"));
+    results.push(check_speeds(&info, configuration));
+    results.push(match vehicle.is_camera_online() {
+        Ok(true) => CheckResult::new("camera", Verdict::Ok, "it is on line"),
+        Ok(false) => CheckResult::new("camera", Verdict::Failed, Acceptance::NoCamera.text()),
+        Err(said) => CheckResult::new("camera", Verdict::Failed, said.text()),
+    });
+    results.push(match vehicle.controller() {
+        Ok(Some(name)) => {
+            let details = format!(
+                "{name} controls the vehicle: `run` waits in the queue until the control is given up"
+            );
+            CheckResult::new("control", Verdict::Warning, details)
+        }
+        Ok(None) => CheckResult::new("control", Verdict::Ok, "nobody controls the vehicle"),
+        Err(said) => CheckResult::new("control", Verdict::Failed, said.text()),
+    });
+    results.push(check_video(vehicle.main_video()));
+}
+
+/// Compares the speeds that the vehicle takes with those of the profile.
+fn check_speeds(info: &CameraInfo, configuration: &Configuration) -> CheckResult {
+    let CameraInfo { pan_speed_min, pan_speed_max, tilt_speed_min, tilt_speed_max } = *info;
+    let speeds = format!(
+        "pan {pan_speed_min} to {pan_speed_max} deg/s, tilt {tilt_speed_min} to {tilt_speed_max} deg/s"
+    );
+    let camera = &configuration.profile.camera;
+    let is_below =
+        |axis: &AxisDynamics, least: f64| axis.min_rate.radians_per_second().to_degrees() < least - 1e-3;
+    let keys: Vec<String> = [("pan", &camera.pan, pan_speed_min), ("tilt", &camera.tilt, tilt_speed_min)]
+        .into_iter()
+        .filter(|(_, axis, least)| is_below(axis, *least))
+        .map(|(name, _, least)| format!("camera.{name}.least_rad_per_s = {:.4}", least.to_radians()))
+        .collect();
+    if keys.is_empty() {
+        return CheckResult::new("speeds", Verdict::Ok, speeds);
+    }
+    let details = format!(
+        "{speeds}: slower rates are sent as 0, which the law does not expect; set {}",
+        keys.join(" and ")
+    );
+    CheckResult::new("speeds", Verdict::Warning, details)
+}
+
+fn check_video(main: Result<Option<MainVideo>, Acceptance>) -> CheckResult {
+    let (verdict, details) = match main {
+        Err(said) => (Verdict::Failed, said.text().to_owned()),
+        Ok(None) => (Verdict::Warning, "the vehicle has no video".to_owned()),
+        Ok(Some(MainVideo { name, rtsp_url: Some(_) })) => {
+            (Verdict::Ok, format!("{name}, by RTSP: `run` without --video takes it"))
+        }
+        Ok(Some(MainVideo { name, rtsp_url: None })) => (
+            Verdict::Warning,
+            format!("{name}, by RTSPS alone, which this program does not read: give --video rtsp://..."),
+        ),
+    };
+    CheckResult::new("the vehicle's video", verdict, details)
+}

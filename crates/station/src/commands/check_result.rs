@@ -1,0 +1,30 @@
+//! What `barrelman check` found, as printed.
+
+use serde::Serialize;
+
+/// What a check found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Verdict {
+    /// All is well.
+    Ok,
+    /// Something is missing, or is not as it should be.
+    Warning,
+    /// It cannot be used.
+    Failed,
+}
+
+/// The result of one check, as printed.
+#[derive(Debug, Serialize)]
+pub(super) struct CheckResult {
+    #[serde(rename = "what")]
+    pub(super) subject: String,
+    pub(super) verdict: Verdict,
+    pub(super) details: String,
+}
+
+impl CheckResult {
+    pub(super) fn new(subject: impl Into<String>, verdict: Verdict, details: impl Into<String>) -> Self {
+        Self { subject: subject.into(), verdict, details: details.into() }
+    }
+}

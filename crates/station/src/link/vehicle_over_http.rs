@@ -1,0 +1,54 @@
+//! A vehicle that is asked over HTTP: whether profile and address fit together, and what the vehicle says of its video.
+
+use anyhow::{Result, anyhow, bail};
+use barrelman_link::LinkUrl;
+use barrelman_link::url::Endpoint;
+use barrelman_link_http::{HttpSettings, Inquiry, MainVideo};
+
+use crate::config::Configuration;
+use crate::secrets;
+
+/// How the vehicle of a configuration is reached over HTTP; `None`: it is reached otherwise, or there is none.
+///
+/// # Errors
+/// If the profile and the address do not fit together, or a secret is not usable.
+pub fn vehicle_over_http(
+    configuration: &Configuration,
+    link: Option<&LinkUrl>,
+) -> Result<Option<HttpSettings>> {
+    let profile = &configuration.profile;
+    let is_over_http = profile.protocol.is_over_http();
+    match link.map(|link| &link.endpoint) {
+        None | Some(Endpoint::SimulatedCamera) => Ok(None),
+        Some(Endpoint::Http(address)) if is_over_http => {
+            secrets::http_settings(address, &configuration.link_access).map(Some)
+        }
+        Some(Endpoint::Http(address)) => bail!(
+            "the link {address} is for a vehicle that is asked over HTTP, and {} is none: give --profile fotokite-sigma",
+            profile.name
+        ),
+        Some(_) if is_over_http => bail!(
+            "the vehicle {} is asked over HTTP: give --link http://192.168.2.100:3128/api or --link https://HOST/api",
+            profile.name
+        ),
+        Some(_) => Ok(None),
+    }
+}
+
+/// The address of the vehicle's main video.
+///
+/// # Errors
+/// If the vehicle cannot be reached, refuses the token, or names no video without encryption.
+pub fn video_address(settings: &HttpSettings) -> Result<String> {
+    let HttpSettings { address, .. } = settings;
+    let remedy = "give the address of the video with --video rtsp://...";
+    let main = Inquiry::open(settings)?.main_video();
+    match main.map_err(|said| anyhow!("{address} does not tell its video: {}. Or {remedy}", said.text()))? {
+        Some(MainVideo { rtsp_url: Some(url), .. }) => Ok(url),
+        Some(MainVideo { name, .. }) => bail!(
+            "{address} offers its video {name:?} by RTSPS alone, which this program does not read: use the vehicle's own \
+             network, or a relay (`stunnel`), and {remedy}"
+        ),
+        None => bail!("{address} has no video: is its camera mounted and on? Or {remedy}"),
+    }
+}

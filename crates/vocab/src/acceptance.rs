@@ -1,0 +1,85 @@
+//! Whether a vehicle takes camera commands of this program, and why not: for vehicles that answer each command.
+
+/// What a vehicle says to camera commands of this program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Acceptance {
+    /// Commands are accepted.
+    Accepted,
+    /// Another client has the control, and this program waits for it in the vehicle's queue.
+    Queued,
+    /// Another client has the control. This program asks for it when the operator engages.
+    OtherClient,
+    /// Not in this flight state: taking off, landing.
+    FlightState,
+    /// The vehicle's service is not ready.
+    NotReady,
+    /// The vehicle reports a fault of a part of its own.
+    Fault,
+    /// No camera is mounted, or the camera is off line.
+    NoCamera,
+    /// The vehicle does not know the token, or the token does not permit control.
+    TokenRefused,
+    /// The vehicle refuses the commands as unusable.
+    Unusable,
+    /// The vehicle does not answer commands.
+    Unanswered,
+}
+
+impl Acceptance {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Accepted,
+        Self::Queued,
+        Self::OtherClient,
+        Self::FlightState,
+        Self::NotReady,
+        Self::Fault,
+        Self::NoCamera,
+        Self::TokenRefused,
+        Self::Unusable,
+        Self::Unanswered,
+    ];
+
+    /// Whether another client has the control.
+    pub const fn is_elsewhere(self) -> bool {
+        matches!(self, Self::Queued | Self::OtherClient)
+    }
+
+    /// Its name in the console's API.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Accepted => "accepted",
+            Self::Queued => "queued",
+            Self::OtherClient => "other-client",
+            Self::FlightState => "flight-state",
+            Self::NotReady => "not-ready",
+            Self::Fault => "fault",
+            Self::NoCamera => "no-camera",
+            Self::TokenRefused => "token-refused",
+            Self::Unusable => "unusable",
+            Self::Unanswered => "unanswered",
+        }
+    }
+
+    /// What it means, and what the operator can do.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Accepted => "the vehicle accepts commands",
+            Self::Queued => {
+                "another client controls the vehicle; this program waits in its queue until the control is given up"
+            }
+            Self::OtherClient => "another client controls the vehicle; Engage asks for the control",
+            Self::FlightState => "the vehicle takes no camera commands in this flight state",
+            Self::NotReady => "the vehicle's service is not ready yet",
+            Self::Fault => "the vehicle reports a fault of its own: look at its tablet",
+            Self::NoCamera => "the vehicle's camera is not mounted, or off line",
+            Self::TokenRefused => {
+                "the vehicle refuses the token: put a valid one with the scopes read and control into the token file"
+            }
+            Self::Unusable => {
+                "the vehicle refuses the commands as unusable: compare its camera's limits with the profile's"
+            }
+            Self::Unanswered => "the vehicle does not answer commands",
+        }
+    }
+}

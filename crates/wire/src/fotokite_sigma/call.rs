@@ -1,0 +1,195 @@
+//! What can be asked of a Sigma. A call that is not listed here cannot be sent: there is no take-off, no landing, no altitude,
+//! no override of another's control.
+
+use core::time::Duration;
+
+use serde_json::json;
+
+use super::speeds::Speeds;
+
+/// How long a command to turn lasts: its end is the vehicle's own dead-man's switch.
+pub const TURN_DURATION: Duration = Duration::from_millis(450);
+/// The duration of a command that ends the motion: the shortest that the API takes.
+pub const STOP_DURATION: Duration = Duration::from_millis(100);
+/// How the program is named on the vehicle's tablet.
+pub const OPERATOR_NAME: &str = "Barrelman";
+/// Longest text on the vehicle's tablet, characters.
+pub const MAX_STATUS_CHARACTERS: usize = 160;
+
+/// A call with the number that its answer bears.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// The number, unique in a session.
+    pub id: u64,
+    /// The lane on which it is sent.
+    pub lane: Lane,
+    /// What is asked.
+    pub call: Call,
+}
+
+/// A call of the API.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Call {
+    /// The camera's limits.
+    CameraInfo,
+    /// Where the camera points.
+    CameraState,
+    /// The live state of the camera, as messages of a WebSocket.
+    Subscribe,
+    /// The list of the video streams.
+    VideoStreams,
+    /// The state of a video stream.
+    VideoStreamState {
+        /// The stream's name. It consists of letters, digits, `-` and `_`.
+        stream: StreamId,
+    },
+    /// The state of the flight.
+    FlightState,
+    /// The batteries.
+    SystemState,
+    /// Active notifications.
+    Notifications,
+    /// Asks for the control, or keeps it.
+    RequestControl,
+    /// Gives the control up, or withdraws the wish for it.
+    ReleaseControl,
+    /// Turns the camera for [`TURN_DURATION`], or stops it.
+    Turn(Speeds),
+    /// Shows this program's state on the vehicle's tablet.
+    ShowStatus {
+        /// The state.
+        status: SelfStatus,
+        /// What is shown beside the state, at most [`MAX_STATUS_CHARACTERS`].
+        text: &'static str,
+    },
+}
+
+/// The name of a video stream that may stand in a path.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StreamId(String);
+
+impl StreamId {
+    /// The name of a stream; `None`: it contains what could lead to another path.
+    pub fn new(name: &str) -> Option<Self> {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+        let is_usable = !name.is_empty() && name.len() <= 64 && name.chars().all(is_plain);
+        is_usable.then(|| Self(name.to_owned()))
+    }
+}
+
+/// This program's state on the vehicle's tablet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SelfStatus {
+    /// The program has ended.
+    None,
+    /// All is well.
+    Connected,
+    /// The camera does not follow.
+    Warning,
+}
+
+/// A method of HTTP.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Reads.
+    Get,
+    /// Changes.
+    Post,
+}
+
+/// What may be under way at the same time: one call of each lane. A port keeps a connection for each, so that a call that
+/// hangs holds up no call of another lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Lane {
+    /// Commands that end the motion.
+    Stop,
+    /// Commands to turn.
+    Turn,
+    /// Who controls.
+    Control,
+    /// Where the camera points.
+    Camera,
+    /// All other states, and the tablet.
+    State,
+    /// The WebSocket.
+    Socket,
+}
+
+impl Lane {
+    /// All lanes.
+    pub const ALL: [Self; 6] =
+        [Self::Stop, Self::Turn, Self::Control, Self::Camera, Self::State, Self::Socket];
+
+    /// The longest time until the answer. Commands have the shortest: what is late has expired.
+    pub const fn timeout(self) -> Duration {
+        match self {
+            Self::Stop | Self::Turn => Duration::from_millis(250),
+            Self::Control | Self::Camera => Duration::from_secs(1),
+            Self::State | Self::Socket => Duration::from_secs(2),
+        }
+    }
+}
+
+impl Call {
+    /// The method.
+    pub const fn method(&self) -> Method {
+        match self {
+            Self::CameraInfo
+            | Self::CameraState
+            | Self::Subscribe
+            | Self::VideoStreams
+            | Self::VideoStreamState { .. }
+            | Self::FlightState
+            | Self::SystemState
+            | Self::Notifications => Method::Get,
+            Self::RequestControl | Self::ReleaseControl | Self::Turn(_) | Self::ShowStatus { .. } => {
+                Method::Post
+            }
+        }
+    }
+
+    /// The path below the base address.
+    pub fn path(&self) -> String {
+        match self {
+            Self::CameraInfo => "/v1/camera/info",
+            Self::CameraState => "/v1/camera/state",
+            Self::Subscribe => "/v1/camera/state/subscribe",
+            Self::VideoStreams => "/v1/videostreams",
+            Self::VideoStreamState { stream } => return format!("/v1/videostreams/{}/state", stream.0),
+            Self::FlightState => "/v1/flight/state",
+            Self::SystemState => "/v1/system/state",
+            Self::Notifications => "/v1/notifications/state",
+            Self::RequestControl => "/v1/handoff/control/request",
+            Self::ReleaseControl => "/v1/handoff/control/release",
+            Self::Turn(_) => "/v1/camera/control/rotate_with_speed",
+            Self::ShowStatus { .. } => "/v1/auth/plugin/update",
+        }
+        .to_owned()
+    }
+
+    /// The body, JSON.
+    pub fn body(&self) -> Option<String> {
+        let body = match self {
+            Self::RequestControl => json!({ "operator_name": OPERATOR_NAME }),
+            Self::ReleaseControl => json!({}),
+            Self::Turn(speeds) => {
+                let duration = if speeds.is_rest() { STOP_DURATION } else { TURN_DURATION };
+                json!({
+                    "pan_speed": speeds.pan_deg_per_s(),
+                    "tilt_speed": speeds.tilt_deg_per_s(),
+                    "duration": duration.as_secs_f64(),
+                })
+            }
+            Self::ShowStatus { status, text } => {
+                let status = match status {
+                    SelfStatus::None => "None",
+                    SelfStatus::Connected => "Connected",
+                    SelfStatus::Warning => "Warning",
+                };
+                json!({ "self_status": status, "self_status_text": text })
+            }
+            _ => return None,
+        };
+        Some(body.to_string())
+    }
+}

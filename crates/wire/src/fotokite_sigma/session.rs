@@ -1,0 +1,366 @@
+//! The client's end of the API: limits, control, commands, states, shut-down.
+//!
+//! ```text
+//!           camera info 200           the vehicle has said who controls
+//!   Looking ----------------> Joining --------------------------------> Up
+//!     |  401 (any state)                                                |
+//!     +-------> Refused -- 5 s --> (a new session, a new token)         | nothing heard for 3 s
+//!                                                                       v
+//!   any state -- close() --> Closing (zeros, release) --> Closed      Silent (a new session)
+//! ```
+//!
+//! Motion needs the control: the first command after it was granted is a zero. Commands expire by themselves after 0.45 s
+//! ([`super::motion`]); therefore no guard is needed, and nothing turns for longer than that after the last request, whatever
+//! becomes of this program. [`FotokiteSigmaSession`] is the [`Session`] of this protocol: requests and the time out, answers
+//! and the time in.
+
+use core::time::Duration;
+
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+
+use super::call::{Call, Lane, Request, SelfStatus};
+use super::control::Control;
+use super::json;
+use super::lanes::Lanes;
+use super::motion::{Motion, Surroundings};
+use super::received::Received;
+use super::reports::{CameraWatch, Flight};
+use super::schedule::Schedule;
+use super::speeds::Speeds;
+use crate::session::{NextAction, RestEvidence, Session, WillStep};
+
+/// A vehicle that was silent for this time is silent.
+pub const SILENT_AFTER: Duration = Duration::from_secs(3);
+/// How long a refusal of a command holds the camera, before another one is tried.
+pub const REFUSAL_HOLD: Duration = Duration::from_secs(2);
+/// Number of commands in a row without an answer from which on the vehicle counts as not answering.
+const UNANSWERED: u32 = 2;
+/// Pause before a refused token is tried again.
+const TOKEN_RETRY: Duration = Duration::from_secs(5);
+/// Pause before the camera's limits are asked for again.
+const INFO_RETRY: Duration = Duration::from_secs(1);
+/// Least interval between two texts on the vehicle's tablet.
+const STATUS_INTERVAL: Duration = Duration::from_secs(1);
+/// Longest shut-down. Motion has ended by itself long before.
+const CLOSING_TIMEOUT: Duration = Duration::from_secs(2);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    Looking,
+    Joining,
+    Up,
+    Refused { until: Timestamp },
+    Silent,
+    Closing { since: Timestamp, has_released: bool },
+    Closed,
+}
+
+mod answers;
+
+/// One session with a Sigma.
+#[derive(Debug, Clone)]
+pub struct FotokiteSigmaSession {
+    state: State,
+    lanes: Lanes,
+    info: Option<json::CameraInfo>,
+    info_at: Timestamp,
+    rates: VehicleRates,
+    control: Control,
+    motion: Motion,
+    camera: CameraWatch,
+    flight: Flight,
+    schedule: Schedule,
+    is_offline: bool,
+    /// Why commands are refused, and until when no other is tried.
+    refused: Option<(Acceptance, Timestamp)>,
+    unanswered: u32,
+    reported: Option<(Acceptance, Timestamp)>,
+    shown: Option<(&'static str, Timestamp)>,
+    last_heard: Timestamp,
+}
+
+impl FotokiteSigmaSession {
+    /// A session that begins now.
+    pub fn open(now: Timestamp) -> Self {
+        Self {
+            state: State::Looking,
+            lanes: Lanes::default(),
+            info: None,
+            info_at: now,
+            rates: VehicleRates::REST,
+            control: Control::asked_for(now),
+            motion: Motion::default(),
+            camera: CameraWatch::default(),
+            flight: Flight::default(),
+            schedule: Schedule::starting(now),
+            is_offline: false,
+            refused: None,
+            unanswered: 0,
+            reported: None,
+            shown: None,
+            last_heard: now,
+        }
+    }
+
+    /// What the vehicle says to commands.
+    pub fn acceptance(&self, now: Timestamp) -> Acceptance {
+        if let State::Refused { .. } = self.state {
+            return Acceptance::TokenRefused;
+        }
+        if self.info.is_none() {
+            return self.refused.map_or(Acceptance::Unanswered, |(said, _)| said);
+        }
+        let refused = self.refused.filter(|(_, until)| now < *until).map(|(said, _)| said);
+        let offline = self.is_offline.then_some(Acceptance::NoCamera);
+        self.control.obstacle().or(offline).or(refused).unwrap_or(Acceptance::Accepted)
+    }
+
+    fn is_open(&self) -> bool {
+        matches!(self.state, State::Looking | State::Joining | State::Up)
+    }
+
+    fn send(&mut self, lane: Lane, call: Call, now: Timestamp, out: &mut Vec<Request>) {
+        self.lanes.send(lane, call, now, out);
+    }
+
+    fn surroundings(&self, now: Timestamp) -> Surroundings {
+        let since = self.motion.stopping_since().unwrap_or(Timestamp::ZERO);
+        Surroundings {
+            is_stop_free: self.lanes.is_free(Lane::Stop),
+            is_turn_free: self.lanes.is_free(Lane::Turn),
+            is_at_rest: self.camera.since(since, now) == RestEvidence::AtRest,
+        }
+    }
+
+    /// Sends the commands that are due.
+    fn poll_motion(&mut self, now: Timestamp, out: &mut Vec<Request>) {
+        if !self.control.is_ours() {
+            return;
+        }
+        let may_turn = self.state == State::Up && self.acceptance(now) == Acceptance::Accepted;
+        let wanted = match self.info.filter(|_| may_turn) {
+            Some(info) => Speeds::within(self.rates, &info),
+            None => Speeds::REST,
+        };
+        self.motion.want(wanted);
+        if let Some((lane, speeds)) = self.motion.due(self.surroundings(now), now) {
+            self.send(lane, Call::Turn(speeds), now, out);
+        }
+    }
+
+    fn poll_states(&mut self, now: Timestamp, out: &mut Vec<Request>) {
+        if self.lanes.is_free(Lane::Control)
+            && let Some(call) = self.control.due(now)
+        {
+            self.send(Lane::Control, call, now, out);
+        }
+        let is_stopping = self.motion.stopping_since().is_some();
+        if self.lanes.is_free(Lane::Camera)
+            && let Some(call) = self.schedule.due_camera(is_stopping, now)
+        {
+            self.send(Lane::Camera, call, now, out);
+        }
+        if self.lanes.is_free(Lane::Socket)
+            && let Some(call) = self.schedule.due_socket(now)
+        {
+            self.send(Lane::Socket, call, now, out);
+        }
+        if self.lanes.is_free(Lane::State) {
+            let call = self.due_status(now).or_else(|| self.schedule.due_state(now));
+            if let Some(call) = call {
+                self.send(Lane::State, call, now, out);
+            }
+        }
+    }
+
+    /// The text for the vehicle's tablet, if it has changed.
+    fn due_status(&mut self, now: Timestamp) -> Option<Call> {
+        let (status, text) = match self.acceptance(now) {
+            Acceptance::Accepted if self.motion.is_turning() => {
+                (SelfStatus::Connected, "The camera follows the boat")
+            }
+            Acceptance::Accepted => (SelfStatus::Connected, "Ready; the camera rests"),
+            Acceptance::Queued => (SelfStatus::Warning, "Waits for the control"),
+            Acceptance::OtherClient => (SelfStatus::Warning, "Has given way to another client"),
+            said => (SelfStatus::Warning, said.text()),
+        };
+        let is_due = self.shown.is_none_or(|(shown, at)| shown != text && now.since(at) >= STATUS_INTERVAL);
+        is_due.then(|| {
+            self.shown = Some((text, now));
+            Call::ShowStatus { status, text }
+        })
+    }
+
+    fn poll_closing(
+        &mut self,
+        since: Timestamp,
+        has_released: bool,
+        now: Timestamp,
+        out: &mut Vec<Request>,
+    ) -> NextAction {
+        self.rates = VehicleRates::REST;
+        self.poll_motion(now, out);
+        let is_over = now.since(since) >= CLOSING_TIMEOUT;
+        let is_stopped = self.motion.is_resting() || !self.control.is_ours();
+        if !is_over && !is_stopped {
+            if self.lanes.is_free(Lane::Camera)
+                && let Some(call) = self.schedule.due_camera(true, now)
+            {
+                self.send(Lane::Camera, call, now, out);
+            }
+            return NextAction::WaitUntil(self.wake_at(now).min(since.plus(CLOSING_TIMEOUT)));
+        }
+        let is_free = self.lanes.is_free(Lane::Control);
+        if !is_over && !has_released && self.info.is_some() {
+            if is_free {
+                self.state = State::Closing { since, has_released: true };
+                if self.control.has_claim() {
+                    self.send(Lane::Control, Call::ReleaseControl, now, out);
+                }
+                if self.lanes.is_free(Lane::State) {
+                    self.send(Lane::State, Call::ShowStatus { status: SelfStatus::None, text: "" }, now, out);
+                }
+            }
+            return NextAction::WaitUntil(self.wake_at(now).min(since.plus(CLOSING_TIMEOUT)));
+        }
+        if !is_over && has_released && !is_free {
+            return NextAction::WaitUntil(self.wake_at(now).min(since.plus(CLOSING_TIMEOUT)));
+        }
+        self.state = State::Closed;
+        NextAction::Closed
+    }
+
+    fn wake_at(&self, now: Timestamp) -> Timestamp {
+        let control = self.control.wake_at().filter(|_| self.lanes.is_free(Lane::Control));
+        let motion = self.motion.wake_at().filter(|_| self.control.is_ours());
+        let refused = self.refused.map(|(_, until)| until).filter(|until| now < *until);
+        let times = [control, motion, refused, self.lanes.next_overdue()];
+        let soon = times.into_iter().flatten().min().unwrap_or(Timestamp::from_nanos(u64::MAX));
+        // What waits for a free lane is looked at when the lane's answer arrives.
+        let states = self.schedule.wake_at(now).max(now.plus(Duration::from_millis(20)));
+        soon.max(now.plus(Duration::from_millis(1))).min(states).min(self.last_heard.plus(SILENT_AFTER))
+    }
+
+    fn is_starting(&self) -> bool {
+        matches!(self.state, State::Looking | State::Joining)
+    }
+
+    fn is_told(&self) -> bool {
+        self.refused.is_some() || self.control.is_known()
+    }
+}
+
+impl Session for FotokiteSigmaSession {
+    type Sent = Request;
+    type Received = Received;
+
+    fn poll(&mut self, now: Timestamp, out: &mut Vec<Request>) -> NextAction {
+        for id in self.lanes.overdue(now) {
+            self.on_answer(id, None, now, &mut |_| {});
+        }
+        if self.is_open() && now.since(self.last_heard) >= SILENT_AFTER {
+            self.state = State::Silent;
+        }
+        match self.state {
+            State::Refused { until } if now < until => return NextAction::WaitUntil(until),
+            State::Refused { .. } => {
+                return NextAction::Reopen { reason: "the vehicle refuses the token (401)" };
+            }
+            State::Silent => return NextAction::Reopen { reason: "the vehicle does not answer" },
+            State::Closed => return NextAction::Closed,
+            State::Closing { since, has_released } => {
+                return self.poll_closing(since, has_released, now, out);
+            }
+            State::Looking | State::Joining | State::Up => {}
+        }
+        // Commands go first.
+        self.poll_motion(now, out);
+        let needs_info = self.info.is_none() || self.info_at <= now && self.refused.is_some();
+        if needs_info && self.info_at <= now && self.lanes.is_free(Lane::State) {
+            self.info_at = now.plus(INFO_RETRY);
+            self.send(Lane::State, Call::CameraInfo, now, out);
+        }
+        if self.info.is_some() {
+            self.poll_states(now, out);
+            return NextAction::WaitUntil(self.wake_at(now));
+        }
+        NextAction::WaitUntil(self.wake_at(now).min(self.info_at.max(now.plus(Duration::from_millis(20)))))
+    }
+
+    fn received(&mut self, packet: &Received, now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
+        match packet {
+            Received::Answer { id, status, body } => {
+                self.last_heard = now;
+                self.on_answer(*id, Some((*status, body)), now, report);
+            }
+            Received::NoAnswer { id } => self.on_answer(*id, None, now, report),
+            Received::Message(body) => {
+                self.last_heard = now;
+                if let Some(state) = json::read::<json::CameraState>(body)
+                    && state.tilt_ned.is_some()
+                {
+                    self.schedule.on_message(now);
+                    self.on_camera_state(&state, now, report);
+                }
+            }
+            Received::SocketEnded => self.schedule.on_socket_end(now),
+        }
+        self.report_acceptance(now, report);
+    }
+
+    /// The commands name their own duration, which is shorter than any renewal of the rates: the time of renewal is not used.
+    fn request(&mut self, rates: VehicleRates, _renew_by: Option<Timestamp>) {
+        if !matches!(self.state, State::Closing { .. } | State::Closed) {
+            self.rates = rates;
+        }
+    }
+
+    fn take_control(&mut self, now: Timestamp) {
+        self.control.take(now);
+    }
+
+    /// Zeros at once, until the camera's state shows rest; then the control is released. Without the control nothing is sent.
+    fn close(&mut self, now: Timestamp) {
+        match self.state {
+            State::Closing { .. } | State::Closed => {}
+            State::Refused { .. } | State::Silent => self.state = State::Closed,
+            State::Looking | State::Joining | State::Up => {
+                if self.control.is_ours() {
+                    self.motion.stop(now);
+                }
+                self.state = State::Closing { since: now, has_released: false };
+            }
+        }
+    }
+
+    fn link_state(&self) -> LinkState {
+        match self.state {
+            State::Looking | State::Joining | State::Refused { .. } => LinkState::Starting,
+            State::Up => LinkState::Up,
+            State::Silent if self.control.is_known() => LinkState::Silent,
+            State::Silent => LinkState::Opening,
+            State::Closing { .. } => LinkState::Closing,
+            State::Closed => LinkState::Closed,
+        }
+    }
+
+    /// Never: each command ends by itself.
+    fn may_be_turning(&self) -> bool {
+        false
+    }
+
+    fn rest_evidence(&self, now: Timestamp) -> RestEvidence {
+        let since = if let State::Closing { since, .. } = self.state { since } else { Timestamp::ZERO };
+        self.camera.since(since, now)
+    }
+
+    /// A zero on each of the lanes of the commands. Where another client controls, the vehicle refuses it.
+    fn last_will(&self) -> Vec<WillStep<Request>> {
+        let zero = |id, lane| Request { id, lane, call: Call::Turn(Speeds::REST) };
+        [(1, Lane::Stop), (2, Lane::Turn)]
+            .map(|(id, lane)| WillStep { packet: zero(id, lane), pause: Duration::from_millis(100) })
+            .into()
+    }
+}

@@ -1,0 +1,164 @@
+//! What an answer changes in a session, and what it reports.
+
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{Telemetry, Timestamp};
+
+use super::{FotokiteSigmaSession, INFO_RETRY, REFUSAL_HOLD, State, TOKEN_RETRY, UNANSWERED};
+use crate::fotokite_sigma::call::{Call, StreamId};
+use crate::fotokite_sigma::control::refusal;
+use crate::fotokite_sigma::json;
+use crate::fotokite_sigma::reports::{field_of_view_of, tilt_of};
+use crate::session::RestEvidence;
+
+type ReportSink<'a> = &'a mut dyn FnMut(Telemetry);
+
+fn tell(content: Option<Report>, now: Timestamp, report: ReportSink<'_>) {
+    if let Some(content) = content {
+        report(Telemetry { at: now, report: content });
+    }
+}
+
+impl FotokiteSigmaSession {
+    /// An answer, or `None` where there was none.
+    pub(super) fn on_answer(
+        &mut self,
+        id: u64,
+        answer: Option<(u16, &[u8])>,
+        now: Timestamp,
+        report: ReportSink<'_>,
+    ) {
+        let Some(call) = self.lanes.take(id) else { return };
+        let status = answer.map(|(status, _)| status);
+        if status == Some(401) && self.is_open() {
+            self.motion.yield_control();
+            self.state = State::Refused { until: now.plus(TOKEN_RETRY) };
+            return;
+        }
+        let body = answer.filter(|(status, _)| (200..300).contains(status)).map(|(_, body)| body);
+        match call {
+            Call::CameraInfo => self.on_info(status, body, now),
+            Call::RequestControl => {
+                let is_newly_ours = self.control.on_answer(status, now);
+                if !self.control.is_ours() {
+                    self.motion.yield_control();
+                } else if is_newly_ours {
+                    self.motion.stop(now);
+                }
+                if self.state == State::Joining && self.control.is_known() {
+                    self.state = State::Up;
+                }
+            }
+            Call::Turn(speeds) => {
+                if !speeds.is_rest() {
+                    self.motion.on_turn_answer(status.is_some(), now);
+                }
+                self.on_command(status, now);
+            }
+            Call::CameraState => {
+                if let Some(state) = body.and_then(json::read) {
+                    self.on_camera_state(&state, now, report);
+                }
+            }
+            Call::Subscribe if status == Some(101) => {}
+            Call::Subscribe => self.schedule.on_socket_end(now),
+            Call::VideoStreams => {
+                let streams: Vec<json::VideoStream> = body.and_then(json::read).unwrap_or_default();
+                let main = json::main_stream(&streams);
+                self.schedule.set_stream(main.and_then(|stream| StreamId::new(&stream.stream_id)));
+            }
+            Call::VideoStreamState { .. } => {
+                let state: Option<json::VideoStreamState> = body.and_then(json::read);
+                tell(state.as_ref().and_then(field_of_view_of), now, report);
+            }
+            Call::FlightState => {
+                if let Some(state) = body.and_then(json::read) {
+                    self.flight.on_state(&state);
+                    tell(self.flight.report(), now, report);
+                }
+            }
+            Call::SystemState => {
+                if let Some(state) = body.and_then(json::read) {
+                    self.flight.on_batteries(&state);
+                    tell(self.flight.report(), now, report);
+                }
+            }
+            Call::Notifications => {
+                if let Some(list) = body.and_then(json::read::<Vec<json::Notification>>) {
+                    self.flight.on_notifications(&list);
+                    tell(self.flight.report(), now, report);
+                }
+            }
+            Call::ReleaseControl | Call::ShowStatus { .. } => {}
+        }
+    }
+
+    fn on_info(&mut self, status: Option<u16>, body: Option<&[u8]>, now: Timestamp) {
+        self.info_at = now.plus(INFO_RETRY);
+        match body.and_then(json::read) {
+            Some(info) => {
+                (self.info, self.refused) = (Some(info), None);
+                if self.state == State::Looking {
+                    self.state = State::Joining;
+                }
+            }
+            None => {
+                // An answer that cannot be read is a fault of the vehicle's.
+                let said = status
+                    .map_or(Acceptance::Unanswered, |status| refusal(status).unwrap_or(Acceptance::Fault));
+                self.refused = Some((said, now.plus(REFUSAL_HOLD)));
+            }
+        }
+    }
+
+    fn on_command(&mut self, status: Option<u16>, now: Timestamp) {
+        self.unanswered = if status.is_some() { 0 } else { self.unanswered + 1 };
+        let said = match status {
+            // Another client controls.
+            Some(403) => {
+                self.control.lose();
+                self.motion.yield_control();
+                return;
+            }
+            Some(status) => refusal(status),
+            None => (self.unanswered >= UNANSWERED).then_some(Acceptance::Unanswered),
+        };
+        if said == Some(Acceptance::Unusable) {
+            // The limits may have changed with the camera.
+            self.info_at = now;
+        }
+        if let Some(said) = said {
+            self.refused = Some((said, now.plus(REFUSAL_HOLD)));
+        }
+    }
+
+    pub(super) fn on_camera_state(
+        &mut self,
+        state: &json::CameraState,
+        now: Timestamp,
+        report: ReportSink<'_>,
+    ) {
+        self.is_offline = state.online_state.as_deref() == Some("Offline");
+        self.camera.on_state(state, now);
+        if let RestEvidence::Moving { .. } = self.camera.since(Timestamp::ZERO, now) {
+            self.motion.on_unexpected_motion(now);
+        }
+        tell(tilt_of(state), now, report);
+    }
+
+    /// Reports what the vehicle says to commands: at changes, and once a second, as a report may find no room.
+    pub(super) fn report_acceptance(&mut self, now: Timestamp, report: ReportSink<'_>) {
+        // Nothing is known before the first answers.
+        if matches!(self.state, State::Closing { .. } | State::Closed)
+            || (self.is_starting() && !self.is_told())
+        {
+            return;
+        }
+        let said = self.acceptance(now);
+        let is_new = self.reported.is_none_or(|(before, at)| before != said || now.since(at).as_secs() >= 1);
+        if is_new {
+            self.reported = Some((said, now));
+            report(Telemetry { at: now, report: Report::Acceptance(said) });
+        }
+    }
+}
