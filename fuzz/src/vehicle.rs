@@ -83,6 +83,7 @@ fn check_report(report: &Report) {
             vec![elevation.radians(), azimuth.radians(), *altitude_m]
         }
         Report::Flight { on_time_s, backup_battery_v, .. } => vec![*on_time_s, *backup_battery_v],
+        Report::Control { uptime_s, .. } => vec![*uptime_s],
         Report::Link(_) => vec![],
     };
     assert!(numbers.iter().all(|number| number.is_finite()), "{report:?}");

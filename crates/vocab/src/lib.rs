@@ -15,6 +15,7 @@ pub mod video;
 pub mod track;
 
 pub mod command;
+pub mod mavlink;
 pub mod operator;
 pub mod profile;
 pub mod telemetry;

@@ -8,6 +8,7 @@ use core::time::Duration;
 
 use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
+use crate::mavlink::MavlinkPeers;
 use crate::telemetry::{EulerAxis, Quaternion};
 
 /// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a fresh look.
@@ -93,30 +94,41 @@ impl GimbalTilt {
     }
 }
 
+/// The largest rates that are sent to a MAVLink gimbal, rad/s. The limit is our own: the protocol states none, and ArduPilot
+/// carries out 7 rad/s.
+pub const MAVLINK_RATE_LIMITS: AxisRates = AxisRates {
+    pan: AngularRate::from_radians_per_second(0.5),
+    tilt: AngularRate::from_radians_per_second(0.5),
+};
+
 /// The protocol of a vehicle's link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Protocol {
     /// The Fotokite Pro ground station's serial text protocol.
     FotokitePro,
+    /// A MAVLink gimbal manager, between these peers.
+    MavlinkGimbal(MavlinkPeers),
 }
 
 impl Protocol {
     /// Whether the vehicle keeps the last rate for ever when nobody is there any more to send another one.
     pub const fn keeps_last_rate(self) -> bool {
         match self {
-            Self::FotokitePro => true,
+            // ArduPilot's gimbal manager turns to its end stops.
+            Self::FotokitePro | Self::MavlinkGimbal(_) => true,
         }
     }
 
     /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
     ///
-    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep.
+    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. MAVLink gimbal: 0.5 rad/s, [`MAVLINK_RATE_LIMITS`].
     pub const fn rate_limits(self) -> AxisRates {
         match self {
             Self::FotokitePro => AxisRates {
                 pan: AngularRate::from_radians_per_second(0.4),
                 tilt: AngularRate::from_radians_per_second(0.3),
             },
+            Self::MavlinkGimbal(_) => MAVLINK_RATE_LIMITS,
         }
     }
 }
@@ -246,11 +258,15 @@ impl CameraDynamics {
 
 impl VehicleProfile {
     /// Names of the built-in profiles; the first is the default.
-    pub const NAMES: [&str; 1] = ["fotokite-pro"];
+    pub const NAMES: [&str; 2] = ["fotokite-pro", "mavlink-gimbal"];
 
     /// The built-in profile of a name.
     pub fn named(name: &str) -> Option<Self> {
-        (name == Self::NAMES[0]).then(Self::fotokite_pro)
+        match name {
+            "fotokite-pro" => Some(Self::fotokite_pro()),
+            "mavlink-gimbal" => Some(Self::mavlink_gimbal()),
+            _ => None,
+        }
     }
 
     /// The Fotokite Pro as the paper's authors flew it. Negative yaw turns the view right, negative pitch turns it up.
@@ -272,6 +288,21 @@ impl VehicleProfile {
             net_yaw: NetYawLimits::DEFAULT,
             gimbal_tilt: None,
             attitude_yaw: None,
+        }
+    }
+
+    /// Any gimbal behind a MAVLink gimbal manager. Positive yaw turns the view right, positive pitch turns it up. Attitude
+    /// reports state the tilt above the horizon. The dynamics are those of the laboratory's camera, slower than most gimbals,
+    /// until `barrelman calibrate axes` measures them. The end stops are those of a gimbal that looks straight down and a little
+    /// up.
+    pub fn mavlink_gimbal() -> Self {
+        let protocol = Protocol::MavlinkGimbal(MavlinkPeers::DEFAULT);
+        Self {
+            name: "mavlink-gimbal".to_owned(),
+            protocol,
+            limits: protocol.rate_limits(),
+            signs: AxisSigns { yaw: Sign::Same, pitch: Sign::Same },
+            ..Self::fotokite_pro()
         }
     }
 

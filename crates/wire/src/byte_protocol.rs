@@ -7,6 +7,8 @@ use barrelman_vocab::telemetry::Report;
 use crate::fotokite_pro::telemetry_reader::Received;
 use crate::fotokite_pro::{FotokiteProSession, SessionSettings, TelemetryReader};
 use crate::framing::Framing;
+use crate::mavlink::gimbal_reader::Received as GimbalReceived;
+use crate::mavlink::{GimbalReader, GimbalSession};
 use crate::session::Session;
 
 /// A session over bytes: a serial port, a TCP connection, or datagrams.
@@ -31,12 +33,14 @@ impl ByteProtocol {
                 let settings = SessionSettings::for_baud(self.framing, self.baud);
                 Box::new(FotokiteProSession::open(settings, now))
             }
+            Protocol::MavlinkGimbal(peers) => Box::new(GimbalSession::open(peers, now)),
         }
     }
     /// A reader of the vehicle's reports, for received bytes that a session in another process has received, too.
     pub fn reports(&self) -> ReportReader {
         match self.protocol {
             Protocol::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
+            Protocol::MavlinkGimbal(peers) => ReportReader::MavlinkGimbal(GimbalReader::new(peers)),
         }
     }
 }
@@ -46,6 +50,8 @@ impl ByteProtocol {
 pub enum ReportReader {
     /// Those of a Fotokite Pro.
     FotokitePro(TelemetryReader),
+    /// Those of a MAVLink gimbal manager.
+    MavlinkGimbal(GimbalReader),
 }
 
 impl ReportReader {
@@ -54,6 +60,11 @@ impl ReportReader {
         match self {
             Self::FotokitePro(reader) => reader.read(bytes, |received| {
                 if let Received::Report(report) = received {
+                    each(report);
+                }
+            }),
+            Self::MavlinkGimbal(reader) => reader.read(bytes, |received| {
+                if let GimbalReceived::Report(report) = received {
                     each(report);
                 }
             }),

@@ -11,6 +11,10 @@ pub mod session;
 pub mod byte_protocol;
 
 pub mod fotokite_pro;
+pub mod mavlink;
+
+mod attitude_rate;
+mod closing_zeros;
 
 pub mod framing;
 

@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
@@ -11,7 +12,7 @@ use barrelman_wire::{Framing, RestEvidence};
 use crate::dead_mans_switch::RequestedRates;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -129,6 +130,19 @@ impl<'a> Fields<'a> {
         Ok(VehicleRates { yaw: self.rate()?, pitch: self.rate()? })
     }
 
+    fn protocol(&mut self) -> Result<Protocol, MessageError> {
+        Ok(match self.byte()? {
+            0 => Protocol::FotokitePro,
+            1 => {
+                let own = Address::new(self.byte()?, self.byte()?);
+                let is_named = self.flag()?;
+                let vehicle = SystemId(self.byte()?);
+                Protocol::MavlinkGimbal(MavlinkPeers { own, vehicle: is_named.then_some(vehicle) })
+            }
+            _ => return Err(MessageError::Malformed),
+        })
+    }
+
     fn rest(&mut self) -> &'a [u8] {
         std::mem::take(&mut self.0)
     }
@@ -145,6 +159,19 @@ impl<'a> Fields<'a> {
 fn put_rates(out: &mut Vec<u8>, rates: VehicleRates) {
     for rate in [rates.yaw, rates.pitch] {
         out.extend_from_slice(&rate.radians_per_second().to_le_bytes());
+    }
+}
+
+fn put_protocol(out: &mut Vec<u8>, protocol: Protocol) {
+    match protocol {
+        Protocol::FotokitePro => out.push(0),
+        Protocol::MavlinkGimbal(MavlinkPeers { own, vehicle }) => out.extend_from_slice(&[
+            1,
+            own.system.0,
+            own.component.0,
+            u8::from(vehicle.is_some()),
+            vehicle.map_or(0, |system| system.0),
+        ]),
     }
 }
 
@@ -167,9 +194,7 @@ impl ToGuard {
                 out.extend_from_slice(&VERSION.to_le_bytes());
                 out.extend_from_slice(&settings.clock_start_ns.to_le_bytes());
                 put_rates(&mut out, settings.limits);
-                out.push(match settings.protocol {
-                    Protocol::FotokitePro => 0,
-                });
+                put_protocol(&mut out, settings.protocol);
                 out.push(match settings.framing {
                     Framing::CarriageReturns => 0,
                     Framing::LineFeed => 1,
@@ -202,10 +227,7 @@ impl ToGuard {
                 Self::Settings(Settings {
                     clock_start_ns: fields.number()?,
                     limits: fields.rates()?,
-                    protocol: match fields.byte()? {
-                        0 => Protocol::FotokitePro,
-                        _ => return Err(MessageError::Malformed),
-                    },
+                    protocol: fields.protocol()?,
                     framing: if fields.flag()? { Framing::LineFeed } else { Framing::CarriageReturns },
                     url: fields.text()?,
                 })
@@ -334,8 +356,13 @@ mod tests {
             framing: Framing::LineFeed,
             url: "tcp://[::1]:5000?fault=stall@3".to_owned(),
         };
+        let peers = MavlinkPeers { vehicle: Some(SystemId(3)), ..MavlinkPeers::DEFAULT };
+        let [gimbal, named] = [MavlinkPeers::DEFAULT, peers]
+            .map(|peers| Settings { protocol: Protocol::MavlinkGimbal(peers), ..settings.clone() });
         for message in [
             ToGuard::Settings(settings),
+            ToGuard::Settings(gimbal),
+            ToGuard::Settings(named),
             ToGuard::Request(RequestedRates { rates, renew_by: Some(at) }),
             ToGuard::Request(RequestedRates::REST),
             ToGuard::TakeControl,

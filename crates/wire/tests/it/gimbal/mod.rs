@@ -1,0 +1,7 @@
+//! The MAVLink gimbal protocol.
+
+mod bench;
+
+mod frames;
+mod hostile;
+mod session;
