@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, Subcommand};
+use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
 use super::values::parse_positive;
 
@@ -11,16 +11,18 @@ use super::values::parse_positive;
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  barrelman emulate fotokite-pro --pty /tmp/fotokite")]
 pub struct EmulateArgs {
-    /// The ground station.
+    /// The vehicle.
     #[command(subcommand)]
     pub station: StationName,
 }
 
-/// The ground stations that can be emulated.
+/// The vehicles that can be emulated.
 #[derive(Debug, Subcommand)]
 pub enum StationName {
     /// The Fotokite Pro's serial ground station.
     FotokitePro(EmulateFotokiteProArgs),
+    /// An autopilot with a MAVLink gimbal.
+    Gimbal(EmulateGimbalArgs),
 }
 
 /// `emulate fotokite-pro`.
@@ -46,6 +48,23 @@ pub struct EmulateFotokiteProArgs {
     /// Listen on this address, as the pass-through server does (TCP).
     #[arg(long, value_name = "ADDR", conflicts_with = "pty")]
     pub listen: Option<String>,
+    /// World, log and faults.
+    #[command(flatten)]
+    pub emulator: EmulatorOptions,
+    /// End a rate this long after the last command for its axis, seconds; default: never.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
+    pub rate_timeout: Option<f64>,
+    /// Keep the rates in force after `stop`: the worst that a real ground station may do.
+    #[arg(long)]
+    pub stop_keeps_rates: bool,
+    /// Do not echo the shell's input.
+    #[arg(long)]
+    pub no_echo: bool,
+}
+
+/// The options of every emulator.
+#[derive(Debug, Args)]
+pub struct EmulatorOptions {
     /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world starts with
     /// the first viewer.
     #[arg(long, value_name = "SIM")]
@@ -57,19 +76,48 @@ pub struct EmulateFotokiteProArgs {
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
     /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate, corrupt,
-    /// disconnect, reboot, silence or cut. Times count from the program's start.
+    /// disconnect, reboot, takeover, silence or cut. Times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
-    /// End a rate this long after the last command for its axis, seconds; default: never.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
-    pub rate_timeout: Option<f64>,
-    /// Keep the rates in force after `stop`: the worst that a real ground station may do.
-    #[arg(long)]
-    pub stop_keeps_rates: bool,
-    /// Do not echo the shell's input.
-    #[arg(long)]
-    pub no_echo: bool,
     /// Overwrite an existing log, and replace a symbolic link at the path of --pty.
     #[arg(long)]
     pub force: bool,
+}
+
+/// `emulate gimbal`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:
+  barrelman emulate gimbal --world sim:arena1
+and in another terminal
+  barrelman run --video rtsp://127.0.0.1:8554/world \\
+    --profile mavlink-gimbal --link udp://127.0.0.1:14560")]
+pub struct EmulateGimbalArgs {
+    /// Take packets at this address: udp://host:port or tcp://host:port.
+    #[arg(long, value_name = "URL", default_value = "udp://127.0.0.1:14560")]
+    pub listen: String,
+    /// Whose habits: ardupilot obeys everybody and keeps a rate for ever, px4 obeys the primary control alone.
+    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
+    pub habits: HabitsName,
+    /// Do not answer requests for the gimbal's information.
+    #[arg(long)]
+    pub withhold_information: bool,
+    /// Deny every claim of the control.
+    #[arg(long)]
+    pub deny_claims: bool,
+    /// Lose this number of claims.
+    #[arg(long, value_name = "N", default_value_t)]
+    pub drop_claims: u32,
+    /// World, log and faults.
+    #[command(flatten)]
+    pub emulator: EmulatorOptions,
+}
+
+/// Whose habits an emulated gimbal manager has.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum HabitsName {
+    /// ArduPilot's.
+    #[default]
+    Ardupilot,
+    /// PX4's.
+    Px4,
 }

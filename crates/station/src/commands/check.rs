@@ -1,6 +1,7 @@
 //! `barrelman check`: checks the configuration, the video source and the link, and suggests remedies.
 //!
-//! The check opens the port and takes its lock, as `run` does, but sends nothing.
+//! The check opens the port and takes its lock, as `run` does, but moves nothing: a serial ground station is sent nothing, a MAVLink
+//! gimbal manager is asked what it has ([`super::check_gimbal`]).
 
 use std::io::{Write as _, stdout};
 use std::path::Path;
@@ -9,11 +10,13 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
-use serde::Serialize;
 
+use super::check_gimbal;
+use super::check_result::{CheckResult, Verdict};
 use crate::cli::{CheckArgs, ConnectionOptions};
-use crate::config::Configuration;
+use crate::config::{ConfigFile, Configuration};
 use crate::link::LinkUrl;
 use crate::link::port::Port;
 use crate::link::url::Endpoint;
@@ -27,29 +30,6 @@ use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Path of this project's udev rule, when installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum Verdict {
-    Ok,
-    Warning,
-    Failed,
-}
-
-/// The result of one check, as printed.
-#[derive(Debug, Serialize)]
-struct CheckResult {
-    #[serde(rename = "what")]
-    subject: String,
-    verdict: Verdict,
-    details: String,
-}
-
-impl CheckResult {
-    fn new(subject: impl Into<String>, verdict: Verdict, details: impl Into<String>) -> Self {
-        Self { subject: subject.into(), verdict, details: details.into() }
-    }
-}
 
 /// Runs the command.
 ///
@@ -66,7 +46,10 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
         None => CheckResult::new("video", Verdict::Warning, "none configured: give --video or video.url"),
     });
     match link {
-        Some(url) => check_link(&url, &mut results),
+        Some(url) => {
+            let protocol = configuration.as_ref().map(|found| found.profile.protocol);
+            check_link(&url, protocol, &mut results);
+        }
         None => {
             let details = "none configured: `run` would be a dry run";
             results.push(CheckResult::new("link", Verdict::Warning, details));
@@ -90,7 +73,13 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Option<Configuration> {
-    match args.connection.config_file().and_then(|file| Configuration::resolve(&file)) {
+    let named = |mut file: ConfigFile| {
+        if args.profile.is_some() {
+            file.vehicle.profile.clone_from(&args.profile);
+        }
+        Configuration::resolve(&file)
+    };
+    match args.connection.config_file().and_then(named) {
         Ok(configuration) => {
             let details = format!("vehicle {}", configuration.profile.name);
             results.push(CheckResult::new("configuration", Verdict::Ok, details));
@@ -182,7 +171,7 @@ fn wait_for_picture(queue: &Receiver<Delivery>) -> Result<VideoFrame, String> {
     Err(format!("no picture within {} s: {reason}", FIRST_PICTURE_TIMEOUT.as_secs()))
 }
 
-fn check_link(url: &str, results: &mut Vec<CheckResult>) {
+fn check_link(url: &str, protocol: Option<Protocol>, results: &mut Vec<CheckResult>) {
     let parsed = match LinkUrl::parse(url) {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -196,10 +185,21 @@ fn check_link(url: &str, results: &mut Vec<CheckResult>) {
         results.push(CheckResult::new(subject, Verdict::Ok, details));
         return;
     }
-    results.push(match Port::open(&parsed.endpoint) {
-        Ok(_) => CheckResult::new(subject, Verdict::Ok, "opens, and no other program uses the port"),
-        Err(error) => CheckResult::new(subject, Verdict::Failed, format!("{:#}", anyhow::Error::from(error))),
-    });
+    match Port::open(&parsed.endpoint) {
+        Ok(port) => {
+            results.push(CheckResult::new(subject, Verdict::Ok, "opens, and no other program uses the port"));
+            if let Some(Protocol::MavlinkGimbal(peers)) = protocol {
+                results.extend(check_gimbal::check(port, peers));
+            }
+        }
+        Err(error) => {
+            results.push(CheckResult::new(
+                subject,
+                Verdict::Failed,
+                format!("{:#}", anyhow::Error::from(error)),
+            ));
+        }
+    }
     if matches!(parsed.endpoint, Endpoint::Serial { .. }) {
         results.push(check_modem_manager());
         results.push(check_udev_rule());

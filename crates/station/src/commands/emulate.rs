@@ -1,4 +1,4 @@
-//! `barrelman emulate`: an emulated ground station.
+//! `barrelman emulate`: an emulated vehicle.
 
 use std::io::{Write as _, stdout};
 use std::net::SocketAddr;
@@ -9,10 +9,17 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, StationName};
+use barrelman_vocab::VehicleProfile;
+
+use crate::cli::{
+    EmulateArgs, EmulateFotokiteProArgs, EmulateGimbalArgs, EmulatorOptions, HabitsName, StationName,
+};
 use crate::emulator::emulated_port::EmulatedPort;
+use crate::emulator::emulated_vehicle::EmulatedVehicle;
+use crate::emulator::emulation_loop::Emulator;
 use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
 use crate::emulator::log::StationLog;
+use crate::emulator::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
 use crate::emulator::rtsp_server::RtspServer;
 use crate::link::CameraLink;
 use crate::simulated_source::{LiveWorld, spawn_world};
@@ -23,7 +30,7 @@ use barrelman_host::output;
 use barrelman_video::VideoHandle;
 
 /// The kinds of faults that the emulator has.
-const EMULATOR_FAULTS: [FaultKind; 9] = [
+const EMULATOR_FAULTS: [FaultKind; 10] = [
     FaultKind::Stall,
     FaultKind::Drop,
     FaultKind::Delay,
@@ -31,6 +38,7 @@ const EMULATOR_FAULTS: [FaultKind; 9] = [
     FaultKind::Corrupt,
     FaultKind::Disconnect,
     FaultKind::Reboot,
+    FaultKind::Takeover,
     FaultKind::Silence,
     FaultKind::Cut,
 ];
@@ -42,36 +50,65 @@ const EMULATOR_FAULTS: [FaultKind; 9] = [
 pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
     match &args.station {
         StationName::FotokitePro(args) => fotokite_pro(args, clock),
+        StationName::Gimbal(args) => gimbal(args, clock),
     }
 }
 
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
-    let mut world =
-        args.world.as_deref().map(|world| ServedWorld::new(world, args.video_listen)).transpose()?;
     let port = match (&args.pty, &args.listen) {
-        (Some(path), _) => EmulatedPort::pty(path, args.force)?,
+        (Some(path), _) => EmulatedPort::pty(path, args.emulator.force)?,
         (None, Some(address)) => EmulatedPort::listen(address)?,
         (None, None) => bail!("no port: give --pty PATH or --listen ADDR"),
     };
-    if port.is_public() {
-        tracing::warn!("other machines can move the emulated camera: the port asks for no password");
-    }
-    if world.is_some() && !args.video_listen.ip().is_loopback() {
-        tracing::warn!("other machines can see the world's video at {}", args.video_listen);
-    }
-    let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
-    let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
-    faults.require_effect("the emulator", &EMULATOR_FAULTS)?;
     let settings = GroundStationSettings {
         echo: !args.no_echo,
         rate_timeout: args.rate_timeout.map(Duration::from_secs_f64),
         stop_keeps_rates: args.stop_keeps_rates,
     };
+    emulate(FotokitePro::new(settings, clock.now()), port, &args.emulator, clock)
+}
+
+fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
+    let port = match args.listen.split_once("://") {
+        Some(("udp", address)) => EmulatedPort::datagrams(address)?,
+        Some(("tcp", address)) => EmulatedPort::listen(address)?,
+        _ => bail!("--listen {}: give udp://host:port or tcp://host:port", args.listen),
+    };
+    let settings = GimbalManagerSettings {
+        habits: match args.habits {
+            HabitsName::Ardupilot => Habits::ArduPilot,
+            HabitsName::Px4 => Habits::Px4,
+        },
+        withholds_information: args.withhold_information,
+        denies_claims: args.deny_claims,
+        dropped_claims: args.drop_claims,
+    };
+    emulate(MavlinkGimbal::new(settings, clock.now()), port, &args.emulator, clock)
+}
+
+/// Runs the emulator of a vehicle at a port.
+fn emulate<V: EmulatedVehicle>(
+    vehicle: V,
+    port: EmulatedPort,
+    options: &EmulatorOptions,
+    clock: Clock,
+) -> Result<ExitCode> {
+    let world = |world: &str| ServedWorld::new(world, options.video_listen, vehicle.profile());
+    let mut world = options.world.as_deref().map(world).transpose()?;
+    if port.is_public() {
+        tracing::warn!("other machines can move the emulated camera: the port asks for no password");
+    }
+    if world.is_some() && !options.video_listen.ip().is_loopback() {
+        tracing::warn!("other machines can see the world's video at {}", options.video_listen);
+    }
+    let log = options.log.as_ref().map(|path| output::create(path, options.force)).transpose()?;
+    let faults = FaultPlan::parse(options.fault.as_deref().unwrap_or_default())?;
+    faults.require_effect("the emulator", &EMULATOR_FAULTS)?;
     let ended = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
         signal_hook::flag::register(signal, Arc::clone(&ended))?;
     }
-    let mut emulator = FotokitePro::new(port, settings, StationLog::new(log, clock), faults, clock);
+    let mut emulator = Emulator::new(port, vehicle, StationLog::new(log, clock), faults, clock);
     if let Some(world) = &world {
         writeln!(
             stdout(),
@@ -81,7 +118,7 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
         emulator = emulator.with_world(world.link.clone());
     }
     // Scripts wait for this line before they connect.
-    writeln!(stdout(), "an emulated Fotokite Pro answers at {}", emulator.url())?;
+    writeln!(stdout(), "an emulated {} answers at {}", V::NAME, emulator.url())?;
     stdout().flush()?;
     let mut failure = None;
     emulator.run(|| {
@@ -107,14 +144,14 @@ struct ServedWorld {
 }
 
 impl ServedWorld {
-    fn new(url: &str, listen: SocketAddr) -> Result<Self> {
+    fn new(url: &str, listen: SocketAddr, profile: &VehicleProfile) -> Result<Self> {
         let url = match SourceUrl::parse(url)? {
             SourceUrl::Simulated(url) => url,
             SourceUrl::Video(url) => {
                 bail!("--world takes a simulated world, as in sim:arena1; {url} is a video")
             }
         };
-        let world = LiveWorld::load(&url.world)?.with_encoding(true);
+        let world = LiveWorld::load(&url.world)?.with_profile(profile).with_encoding(true);
         let link = world.link();
         Ok(Self { server: RtspServer::start(listen)?, link, url, waiting: Some(world), running: None })
     }

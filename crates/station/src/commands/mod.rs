@@ -2,6 +2,8 @@
 
 pub mod calibrate;
 pub mod check;
+mod check_gimbal;
+mod check_result;
 pub mod compare;
 pub mod config;
 pub mod demo;

@@ -11,6 +11,7 @@ use barrelman_wire::Framing;
 use super::camera::CameraSection;
 use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
+use super::mavlink;
 use super::range::within;
 use super::tracker::TrackerSection;
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
@@ -98,6 +99,7 @@ impl Configuration {
             .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
         let mut profile = overridden(base, vehicle, max_rates, max_coast_motion)?;
+        profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
         profile.camera = file.camera.apply_to(&profile.camera)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
@@ -177,6 +179,7 @@ impl Configuration {
                     Framing::CarriageReturns => LineEnding::CrAround,
                     Framing::LineFeed => LineEnding::Lf,
                 }),
+                ..mavlink::section_of(profile.protocol)
             },
             vehicle: VehicleSection {
                 profile: Some(profile.name.clone()),

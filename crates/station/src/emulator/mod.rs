@@ -1,10 +1,14 @@
-//! An emulated Fotokite Pro: wire's ground station, a simulated camera mount, a port, and a server of simulated video.
+//! Emulated vehicles: the vehicle's end of a protocol, a simulated camera mount, a port, and a server of simulated video.
 //!
 //! ```text
-//! port -> GroundStation (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port
+//! port -> GroundStation or GimbalManager (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port
 //! ```
 
+pub mod emulation_loop;
+
+pub mod emulated_vehicle;
 pub mod fotokite_pro;
+pub mod mavlink_gimbal;
 
 pub mod log;
 

@@ -367,7 +367,7 @@ fn is_for_manager(to: Address) -> bool {
 /// Yaw, then pitch.
 fn quaternion(angles: GimbalAngles) -> [f32; 4] {
     let (yaw, pitch) = (angles.yaw.radians() / 2.0, angles.pitch.radians() / 2.0);
-    let (sin_yaw, cos_yaw) = (yaw.sin(), yaw.cos());
-    let (sin_pitch, cos_pitch) = (pitch.sin(), pitch.cos());
+    let (sin_yaw, cos_yaw) = (libm::sin(yaw), libm::cos(yaw));
+    let (sin_pitch, cos_pitch) = (libm::sin(pitch), libm::cos(pitch));
     [cos_yaw * cos_pitch, -sin_yaw * sin_pitch, cos_yaw * sin_pitch, sin_yaw * cos_pitch].map(|v| v as f32)
 }

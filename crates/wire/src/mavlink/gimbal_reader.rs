@@ -122,28 +122,29 @@ impl Facts {
         };
         let is_manager = frame.from == gimbal.manager;
         let is_device = |id: u8| id == gimbal.device || id == 0;
-        if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
-            if is_device(attitude.gimbal_device_id) {
-                self.on_uptime(attitude.time_boot_ms, each);
-                on_attitude(attitude.q, each);
-                self.report_control_again(each);
-            }
-        } else if let Some(status) = frame.read::<GIMBAL_MANAGER_STATUS_DATA>() {
-            if is_manager && is_device(status.gimbal_device_id) {
-                self.on_uptime(status.time_boot_ms, each);
-                self.on_status(&status, each);
-            }
-        } else if let Some(answer) = frame.read::<COMMAND_ACK_DATA>() {
-            if is_manager && self.is_for_us(&answer) {
-                let is_accepted = answer.result == MavResult::MAV_RESULT_ACCEPTED;
-                if answer.result != MavResult::MAV_RESULT_IN_PROGRESS {
-                    self.on_claim_answered(is_accepted, each);
-                }
-            }
+        if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>()
+            && is_device(attitude.gimbal_device_id)
+        {
+            self.on_uptime(attitude.time_boot_ms, each);
+            on_attitude(attitude.q, each);
+            self.report_control_again(each);
         }
-        if is_manager {
-            each(Received::Other);
+        if !is_manager {
+            return;
         }
+        if let Some(status) = frame.read::<GIMBAL_MANAGER_STATUS_DATA>()
+            && is_device(status.gimbal_device_id)
+        {
+            self.on_uptime(status.time_boot_ms, each);
+            self.on_status(&status, each);
+        }
+        if let Some(answer) = frame.read::<COMMAND_ACK_DATA>()
+            && self.is_for_us(&answer)
+            && answer.result != MavResult::MAV_RESULT_IN_PROGRESS
+        {
+            self.on_claim_answered(answer.result == MavResult::MAV_RESULT_ACCEPTED, each);
+        }
+        each(Received::Other);
     }
 
     fn is_for_us(&self, answer: &COMMAND_ACK_DATA) -> bool {
@@ -230,8 +231,7 @@ impl Facts {
 fn on_attitude(q: [f32; 4], each: &mut impl FnMut(Received)) {
     let [w, x, y, z] = q.map(f64::from);
     let norm = w * w + x * x + y * y + z * z;
-    // A comparison with NaN fails.
-    if !((norm - 1.0).abs() < NORM_TOLERANCE) {
+    if norm.is_nan() || (norm - 1.0).abs() > NORM_TOLERANCE {
         return;
     }
     let attitude = Quaternion { w, x, y, z };
