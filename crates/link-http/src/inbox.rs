@@ -2,11 +2,11 @@
 
 use std::collections::VecDeque;
 use std::io;
-use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::fd::{AsFd, BorrowedFd};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use barrelman_link::Waker;
 use barrelman_wire::fotokite_sigma::Received;
-use rustix::event::EventfdFlags;
 
 /// Capacity. Each lane has one answer at most; the rest are messages, of which the newest tells all.
 const CAPACITY: usize = 64;
@@ -15,13 +15,12 @@ const CAPACITY: usize = 64;
 #[derive(Debug)]
 pub(crate) struct Inbox {
     packets: Mutex<VecDeque<Received>>,
-    ready: OwnedFd,
+    ready: Waker,
 }
 
 impl Inbox {
     pub(crate) fn new() -> io::Result<Self> {
-        let ready = rustix::event::eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
-        Ok(Self { packets: Mutex::default(), ready })
+        Ok(Self { packets: Mutex::default(), ready: Waker::new()? })
     }
 
     /// Puts a packet in. Where the inbox is full, the oldest message makes room, or the oldest packet.
@@ -33,14 +32,12 @@ impl Inbox {
         }
         packets.push_back(packet);
         drop(packets);
-        // A full counter already tells.
-        let _ = rustix::io::write(&self.ready, &1_u64.to_ne_bytes());
+        self.ready.wake();
     }
 
     /// Takes everything out.
     pub(crate) fn take(&self) -> VecDeque<Received> {
-        let mut count = [0; 8];
-        let _ = rustix::io::read(&self.ready, &mut count);
+        self.ready.clear();
         std::mem::take(&mut *self.packets())
     }
 

@@ -8,11 +8,10 @@ use std::time::Duration;
 use barrelman_host::clock::Clock;
 use barrelman_link::mailbox::Mailbox;
 use barrelman_link::port::PortError;
-use barrelman_link::port_io::{PortIo, poll_for};
+use barrelman_link::port_io::{PortIo, wait_for_port};
 use barrelman_vocab::Timestamp;
 use barrelman_wire::fotokite_sigma::Received;
 use barrelman_wire::fotokite_sigma::call::{Lane, Request};
-use rustix::event::{PollFd, PollFlags};
 use tokio::sync::mpsc::{Sender, channel};
 use tokio::sync::oneshot;
 
@@ -120,21 +119,7 @@ impl PortIo for HttpIo {
     }
 
     fn wait(&self, port: Option<&HttpPort>, wait: Duration) -> bool {
-        let waker = self.mailbox.waker();
-        let waker = PollFd::from_borrowed_fd(waker, PollFlags::IN);
-        let is_readable = match port {
-            Some(port) => {
-                let mut fds = [waker, PollFd::new(&*port.inbox, PollFlags::IN)];
-                poll_for(&mut fds, wait);
-                !fds[1].revents().is_empty()
-            }
-            None => {
-                poll_for(&mut [waker], wait);
-                false
-            }
-        };
-        self.mailbox.clear_wake_ups();
-        is_readable
+        wait_for_port(&self.mailbox, port.map(|port| &*port.inbox), wait)
     }
 
     fn sleep(&self, pause: Duration) {

@@ -30,6 +30,7 @@ pub mod link_core;
 
 pub mod mailbox;
 pub mod port_io;
+pub mod waker;
 
 pub mod dead_mans_switch;
 pub mod port;
@@ -45,4 +46,5 @@ pub use mailbox::Mailbox;
 pub use port_io::PortIo;
 pub use report::LinkReport;
 pub use url::{LinkUrl, LinkUrlError};
+pub use waker::Waker;
 pub use worker::Worker;

@@ -1,18 +1,16 @@
 //! The requests of the program to the link thread: the newest rates, and the request to close.
 
 use std::io;
-use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use rustix::event::EventfdFlags;
-
 use crate::dead_mans_switch::RequestedRates;
+use crate::waker::Waker;
 
 /// The mailbox of the link thread. New rates replace those that the thread has not read yet.
 #[derive(Debug)]
 pub struct Mailbox {
     contents: Mutex<Contents>,
-    waker: OwnedFd,
+    waker: Waker,
 }
 
 #[derive(Debug, Default)]
@@ -38,15 +36,14 @@ impl Mailbox {
     /// # Errors
     /// If the system has no more file descriptors.
     pub fn new() -> io::Result<Self> {
-        let waker = rustix::event::eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
-        Ok(Self { contents: Mutex::default(), waker })
+        Ok(Self { contents: Mutex::default(), waker: Waker::new()? })
     }
 
     /// Requests rates, and wakes the thread if they have changed.
     pub fn request(&self, requested: RequestedRates) {
         let previous = std::mem::replace(&mut self.contents().requested, requested);
         if previous.rates != requested.rates {
-            self.wake();
+            self.waker.wake();
         }
     }
 
@@ -57,13 +54,13 @@ impl Mailbox {
             contents.requested = RequestedRates::REST;
             contents.is_closing = true;
         }
-        self.wake();
+        self.waker.wake();
     }
 
     /// Requests that the session takes the control of the vehicle back.
     pub fn take_control(&self) {
         self.contents().takes_control = true;
-        self.wake();
+        self.waker.wake();
     }
 
     /// What is requested.
@@ -87,20 +84,9 @@ impl Mailbox {
         self.contents().is_stop_sent
     }
 
-    /// Readable after a wake-up, until [`Self::clear_wake_ups`].
-    pub fn waker(&self) -> BorrowedFd<'_> {
-        self.waker.as_fd()
-    }
-
-    /// Forgets the wake-ups so far.
-    pub fn clear_wake_ups(&self) {
-        let mut count = [0; 8];
-        let _ = rustix::io::read(&self.waker, &mut count);
-    }
-
-    fn wake(&self) {
-        // A full counter already wakes the thread.
-        let _ = rustix::io::write(&self.waker, &1_u64.to_ne_bytes());
+    /// Readable once the mailbox has changed.
+    pub const fn waker(&self) -> &Waker {
+        &self.waker
     }
 
     fn contents(&self) -> MutexGuard<'_, Contents> {

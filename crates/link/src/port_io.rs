@@ -1,6 +1,7 @@
 //! What the link thread uses of the machine: the time, its port, and waiting.
 
 use std::io;
+use std::os::fd::AsFd;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -86,26 +87,30 @@ impl PortIo for MachineIo {
     }
 
     fn wait(&self, port: Option<&Port>, wait: Duration) -> bool {
-        let waker = self.mailbox.waker();
-        let waker = PollFd::from_borrowed_fd(waker, PollFlags::IN);
-        let is_readable = match port {
-            Some(port) => {
-                let mut fds = [waker, PollFd::new(port, PollFlags::IN)];
-                poll_for(&mut fds, wait);
-                !fds[1].revents().is_empty()
-            }
-            None => {
-                poll_for(&mut [waker], wait);
-                false
-            }
-        };
-        self.mailbox.clear_wake_ups();
-        is_readable
+        wait_for_port(&self.mailbox, port, wait)
     }
 
     fn sleep(&self, pause: Duration) {
         std::thread::sleep(pause);
     }
+}
+
+/// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether the port is readable.
+pub fn wait_for_port(mailbox: &Mailbox, port: Option<&impl AsFd>, wait: Duration) -> bool {
+    let waker = PollFd::new(mailbox.waker(), PollFlags::IN);
+    let is_readable = match port {
+        Some(port) => {
+            let mut fds = [waker, PollFd::new(port, PollFlags::IN)];
+            poll_for(&mut fds, wait);
+            !fds[1].revents().is_empty()
+        }
+        None => {
+            poll_for(&mut [waker], wait);
+            false
+        }
+    };
+    mailbox.waker().clear();
+    is_readable
 }
 
 /// Waits until one of the descriptors is ready, at most for `wait`, which is at most an hour.

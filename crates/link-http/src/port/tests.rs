@@ -94,8 +94,9 @@ fn request(id: u64, lane: Lane, call: Call) -> Request {
 
 /// The next packet that arrives.
 fn next_packet(port: &HttpPort) -> Received {
+    let mailbox = Mailbox::new().unwrap();
     loop {
-        poll_for(&mut [PollFd::new(&*port.inbox, PollFlags::IN)], Duration::from_millis(200));
+        wait_for_port(&mailbox, Some(&*port.inbox), Duration::from_millis(200));
         if let Some(packet) = port.inbox.take().pop_front() {
             return packet;
         }
