@@ -21,7 +21,7 @@ use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{AngularRate, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
-use barrelman_wire::{ByteProtocol, Framing};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
 use clap::Args;
 
 use crate::output::print_line;
@@ -71,7 +71,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let settings = GuardedLinkSettings {
         guard,
         protocol: ByteProtocol {
-            protocol: Protocol::FotokitePro,
+            protocol: ByteProtocolName::FotokitePro,
             framing: Framing::CarriageReturns,
             baud: url.baud(),
         },

@@ -1,4 +1,4 @@
-//! The protocols of ports that carry bytes: the only place that chooses a session by the profile's [`Protocol`].
+//! The protocols of ports that carry bytes: the only place that chooses a session over bytes by the profile's [`Protocol`].
 
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::profile::Protocol;
@@ -7,17 +7,33 @@ use barrelman_vocab::telemetry::Report;
 use crate::fotokite_pro::telemetry_reader::Received;
 use crate::fotokite_pro::{FotokiteProSession, SessionSettings, TelemetryReader};
 use crate::framing::Framing;
-use crate::no_conversation::NoConversation;
 use crate::session::Session;
 
 /// A session over bytes: a serial port, a TCP connection, or datagrams.
 pub type ByteSession = dyn Session<Sent = Vec<u8>, Received = [u8]>;
 
+/// The protocols that are spoken over bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ByteProtocolName {
+    /// The Fotokite Pro ground station's serial text protocol.
+    FotokitePro,
+}
+
+impl ByteProtocolName {
+    /// The name of a vehicle's protocol; `None`: it is not spoken over bytes.
+    pub const fn of(protocol: Protocol) -> Option<Self> {
+        match protocol {
+            Protocol::FotokitePro => Some(Self::FotokitePro),
+            Protocol::FotokiteSigma => None,
+        }
+    }
+}
+
 /// A protocol over bytes, with what its sessions have to know about the line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ByteProtocol {
     /// The protocol.
-    pub protocol: Protocol,
+    pub protocol: ByteProtocolName,
     /// The framing of text lines, where the protocol has some.
     pub framing: Framing,
     /// What the line carries, bits per second.
@@ -28,18 +44,17 @@ impl ByteProtocol {
     /// A session on a newly opened port.
     pub fn open(&self, now: Timestamp) -> Box<ByteSession> {
         match self.protocol {
-            Protocol::FotokitePro => {
+            ByteProtocolName::FotokitePro => {
                 let settings = SessionSettings::for_baud(self.framing, self.baud);
                 Box::new(FotokiteProSession::open(settings, now))
             }
-            Protocol::FotokiteSigma => Box::new(NoConversation),
         }
     }
+
     /// A reader of the vehicle's reports, for received bytes that a session in another process has received, too.
     pub fn reports(&self) -> ReportReader {
         match self.protocol {
-            Protocol::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
-            Protocol::FotokiteSigma => ReportReader::Nothing,
+            ByteProtocolName::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
         }
     }
 }
@@ -49,8 +64,6 @@ impl ByteProtocol {
 pub enum ReportReader {
     /// Those of a Fotokite Pro.
     FotokitePro(TelemetryReader),
-    /// None: the vehicle sends no bytes outside of requests and answers.
-    Nothing,
 }
 
 impl ReportReader {
@@ -62,7 +75,6 @@ impl ReportReader {
                     each(report);
                 }
             }),
-            Self::Nothing => {}
         }
     }
 }

@@ -13,10 +13,8 @@ pub mod byte_protocol;
 pub mod fotokite_pro;
 pub mod fotokite_sigma;
 
-mod no_conversation;
-
 pub mod framing;
 
-pub use byte_protocol::{ByteProtocol, ByteSession, ReportReader};
+pub use byte_protocol::{ByteProtocol, ByteProtocolName, ByteSession, ReportReader};
 pub use framing::Framing;
 pub use session::{NextAction, RestEvidence, Session, WillStep};

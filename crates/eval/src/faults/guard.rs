@@ -10,14 +10,19 @@ use barrelman_link::{LinkAction, LinkCore, LinkReport, RequestedRates};
 use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::{ByteProtocol, ByteSession, Framing, NextAction, RestEvidence, Session, WillStep};
+use barrelman_wire::{
+    ByteProtocol, ByteProtocolName, ByteSession, Framing, NextAction, RestEvidence, Session, WillStep,
+};
 
 use super::fault::FaultKind;
 use super::line::Line;
 use super::mutant::Mutant;
 
-const PROTOCOL: ByteProtocol =
-    ByteProtocol { protocol: Protocol::FotokitePro, framing: Framing::CarriageReturns, baud: 115_200 };
+const PROTOCOL: ByteProtocol = ByteProtocol {
+    protocol: ByteProtocolName::FotokitePro,
+    framing: Framing::CarriageReturns,
+    baud: 115_200,
+};
 /// As the real guard.
 const PERSISTENCE: Duration = Duration::from_secs(60);
 

@@ -3,10 +3,9 @@
 
 use std::time::Duration;
 
-use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
-use barrelman_wire::{Framing, RestEvidence};
+use barrelman_wire::{ByteProtocolName, Framing, RestEvidence};
 
 use crate::dead_mans_switch::RequestedRates;
 
@@ -23,7 +22,7 @@ pub struct Settings {
     /// The largest rates that may pass, in the vehicle's own axes.
     pub limits: VehicleRates,
     /// The vehicle's protocol.
-    pub protocol: Protocol,
+    pub protocol: ByteProtocolName,
     /// The framing of its lines.
     pub framing: Framing,
     /// The address of the link with its deliberate faults.
@@ -168,8 +167,7 @@ impl ToGuard {
                 out.extend_from_slice(&settings.clock_start_ns.to_le_bytes());
                 put_rates(&mut out, settings.limits);
                 out.push(match settings.protocol {
-                    Protocol::FotokitePro => 0,
-                    Protocol::FotokiteSigma => 2,
+                    ByteProtocolName::FotokitePro => 0,
                 });
                 out.push(match settings.framing {
                     Framing::CarriageReturns => 0,
@@ -204,8 +202,7 @@ impl ToGuard {
                     clock_start_ns: fields.number()?,
                     limits: fields.rates()?,
                     protocol: match fields.byte()? {
-                        0 => Protocol::FotokitePro,
-                        2 => Protocol::FotokiteSigma,
+                        0 => ByteProtocolName::FotokitePro,
                         _ => return Err(MessageError::Malformed),
                     },
                     framing: if fields.flag()? { Framing::LineFeed } else { Framing::CarriageReturns },
@@ -332,7 +329,7 @@ mod tests {
         let settings = Settings {
             clock_start_ns: 77,
             limits: rates,
-            protocol: Protocol::FotokitePro,
+            protocol: ByteProtocolName::FotokitePro,
             framing: Framing::LineFeed,
             url: "tcp://[::1]:5000?fault=stall@3".to_owned(),
         };

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use barrelman_vocab::{AngularRate, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings};
 use barrelman_wire::fotokite_pro::session::STOP_DELAY;
-use barrelman_wire::{ByteProtocol, ByteSession, Framing};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing};
 
 use barrelman_wire::fotokite_pro::ground_station::SensorReadings;
 
@@ -207,7 +207,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
     let (bench, reports) = (&bench, RefCell::new(Vec::new()));
     let reported = &reports;
     let protocol = ByteProtocol {
-        protocol: VehicleProfile::fotokite_pro().protocol,
+        protocol: ByteProtocolName::of(VehicleProfile::fotokite_pro().protocol).unwrap(),
         framing: Framing::LineFeed,
         baud: 115_200,
     };

@@ -78,7 +78,7 @@ pub struct Notification {
 /// Who controls the vehicle.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct HandoffState {
-    /// The client that controls; absent: nobody does.
+    /// The client that controls; absent: there is none.
     pub controlling_client: Option<ControllingClient>,
 }
 

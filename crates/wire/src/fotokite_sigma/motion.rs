@@ -75,7 +75,7 @@ impl Motion {
         self.state = State::Stopping { zeros: 0, next_at: now, since: now };
     }
 
-    /// Sends nothing more: somebody else has the control.
+    /// Sends nothing more: another client has the control.
     pub fn yield_control(&mut self) {
         *self = Self::default();
     }

@@ -102,7 +102,7 @@ pub struct Sigma {
 }
 
 impl Sigma {
-    /// A Sigma that flies, controlled by nobody.
+    /// A Sigma that flies; no client controls it.
     pub const fn new(settings: SigmaSettings) -> Self {
         Self {
             settings,
