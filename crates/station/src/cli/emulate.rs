@@ -44,13 +44,9 @@ pub struct EmulateFotokiteSigmaArgs {
     /// Offer no WebSocket: its path is not found.
     #[arg(long)]
     pub no_websocket: bool,
-    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world starts with
-    /// the first viewer.
-    #[arg(long, value_name = "SIM")]
-    pub world: Option<String>,
-    /// Address of the world's video (RTSP, path /world).
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8554")]
-    pub video_listen: SocketAddr,
+    /// The simulated world, if there is one.
+    #[command(flatten)]
+    pub world: WorldArgs,
     /// Log every request and every change of the rates to this file, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
@@ -88,13 +84,9 @@ pub struct EmulateFotokiteProArgs {
     /// Listen on this address, as the pass-through server does (TCP).
     #[arg(long, value_name = "ADDR", conflicts_with = "pty")]
     pub listen: Option<String>,
-    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world starts with
-    /// the first viewer.
-    #[arg(long, value_name = "SIM")]
-    pub world: Option<String>,
-    /// Address of the world's video (RTSP, path /world).
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8554")]
-    pub video_listen: SocketAddr,
+    /// The simulated world, if there is one.
+    #[command(flatten)]
+    pub world: WorldArgs,
     /// Log every line and state to this file, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
@@ -114,4 +106,17 @@ pub struct EmulateFotokiteProArgs {
     /// Overwrite an existing log, and replace a symbolic link at the path of --pty.
     #[arg(long)]
     pub force: bool,
+}
+
+/// The simulated world whose camera an emulated vehicle moves.
+#[derive(Debug, Args)]
+#[group(skip)]
+pub struct WorldArgs {
+    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world starts with
+    /// the first viewer.
+    #[arg(long, value_name = "SIM")]
+    pub world: Option<String>,
+    /// Address of the world's video (RTSP, path /world).
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8554")]
+    pub video_listen: SocketAddr,
 }

@@ -1,7 +1,6 @@
 //! `barrelman emulate`: an emulated ground station.
 
 use std::io::{Write as _, stdout};
-use std::net::SocketAddr;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,9 +8,9 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, StationName};
+use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, StationName, WorldArgs};
 use crate::emulator::emulated_port::EmulatedPort;
-use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
+use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings, PRO_FAULTS};
 use crate::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS, SigmaSettings};
 use crate::emulator::log::StationLog;
 use crate::emulator::rtsp_server::RtspServer;
@@ -19,24 +18,10 @@ use crate::link::CameraLink;
 use crate::simulated_source::{LiveWorld, spawn_world};
 use crate::source_url::{SimulatedUrl, SourceUrl};
 use barrelman_host::clock::Clock;
-use barrelman_host::fault::{FaultKind, FaultPlan};
+use barrelman_host::fault::FaultPlan;
 use barrelman_host::output;
 use barrelman_video::VideoHandle;
 use barrelman_vocab::VehicleProfile;
-
-/// The kinds of faults that the emulator has.
-const EMULATOR_FAULTS: [FaultKind; 10] = [
-    FaultKind::Stall,
-    FaultKind::Drop,
-    FaultKind::Delay,
-    FaultKind::Duplicate,
-    FaultKind::Corrupt,
-    FaultKind::Disconnect,
-    FaultKind::Reboot,
-    FaultKind::Takeover,
-    FaultKind::Silence,
-    FaultKind::Cut,
-];
 
 /// Runs the command.
 ///
@@ -50,12 +35,7 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
-    let profile = VehicleProfile::fotokite_pro();
-    let mut world = args
-        .world
-        .as_deref()
-        .map(|world| ServedWorld::new(world, args.video_listen, &profile))
-        .transpose()?;
+    let world = ServedWorld::open(&args.world, &VehicleProfile::fotokite_pro())?;
     let port = match (&args.pty, &args.listen) {
         (Some(path), _) => EmulatedPort::pty(path, args.force)?,
         (None, Some(address)) => EmulatedPort::listen(address)?,
@@ -64,12 +44,9 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
     if port.is_public() {
         tracing::warn!("other machines can move the emulated camera: the port asks for no password");
     }
-    if world.is_some() && !args.video_listen.ip().is_loopback() {
-        tracing::warn!("other machines can see the world's video at {}", args.video_listen);
-    }
     let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
     let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
-    faults.require_effect("the emulator", &EMULATOR_FAULTS)?;
+    faults.require_effect("the emulator", &PRO_FAULTS)?;
     let settings = GroundStationSettings {
         echo: !args.no_echo,
         rate_timeout: args.rate_timeout.map(Duration::from_secs_f64),
@@ -78,28 +55,14 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
     let ended = ended_by_a_signal()?;
     let mut emulator = FotokitePro::new(port, settings, StationLog::new(log, clock), faults, clock);
     if let Some(world) = &world {
-        writeln!(
-            stdout(),
-            "the world's video is at {}; the world starts with the first viewer",
-            world.server.url()
-        )?;
         emulator = emulator.with_world(world.link.clone());
     }
-    // Scripts wait for this line before they connect.
-    writeln!(stdout(), "an emulated Fotokite Pro answers at {}", emulator.url())?;
-    stdout().flush()?;
-    let mut failure = None;
-    emulator.run(|| is_over(&mut world, clock, &mut failure) || ended.load(Ordering::Relaxed))?;
-    failure.map_or(Ok(ExitCode::SUCCESS), Err)
+    let answers = format!("an emulated Fotokite Pro answers at {}", emulator.url());
+    serve(&answers, world, &ended, clock, |is_over| emulator.run(is_over))
 }
 
 fn fotokite_sigma(args: &EmulateFotokiteSigmaArgs, clock: Clock) -> Result<ExitCode> {
-    let profile = VehicleProfile::fotokite_sigma();
-    let mut world = args
-        .world
-        .as_deref()
-        .map(|world| ServedWorld::new(world, args.video_listen, &profile))
-        .transpose()?;
+    let world = ServedWorld::open(&args.world, &VehicleProfile::fotokite_sigma())?;
     let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
     let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
     faults.require_effect("the emulator", &SIGMA_FAULTS)?;
@@ -125,6 +88,18 @@ fn fotokite_sigma(args: &EmulateFotokiteSigmaArgs, clock: Clock) -> Result<ExitC
     if emulator.is_public() {
         tracing::warn!("other machines can move the emulated camera: the token is on the command line");
     }
+    let answers = format!("an emulated Fotokite Sigma answers at {}", emulator.url());
+    serve(&answers, world, &ended, clock, |is_over| emulator.run(is_over))
+}
+
+/// Says where the emulator answers, and runs the emulator until its world has ended or a signal asks to end.
+fn serve(
+    answers: &str,
+    mut world: Option<ServedWorld>,
+    ended: &AtomicBool,
+    clock: Clock,
+    run: impl FnOnce(&mut dyn FnMut() -> bool) -> Result<()>,
+) -> Result<ExitCode> {
     if let Some(world) = &world {
         writeln!(
             stdout(),
@@ -133,10 +108,18 @@ fn fotokite_sigma(args: &EmulateFotokiteSigmaArgs, clock: Clock) -> Result<ExitC
         )?;
     }
     // Scripts wait for this line before they connect.
-    writeln!(stdout(), "an emulated Fotokite Sigma answers at {}", emulator.url())?;
+    writeln!(stdout(), "{answers}")?;
     stdout().flush()?;
     let mut failure = None;
-    emulator.run(|| is_over(&mut world, clock, &mut failure) || ended.load(Ordering::Relaxed))?;
+    run(&mut || {
+        let is_world_over = world.as_mut().is_some_and(|world| {
+            world.update(clock).unwrap_or_else(|error| {
+                failure = Some(error);
+                true
+            })
+        });
+        is_world_over || ended.load(Ordering::Relaxed)
+    })?;
     failure.map_or(Ok(ExitCode::SUCCESS), Err)
 }
 
@@ -147,16 +130,6 @@ fn ended_by_a_signal() -> Result<Arc<AtomicBool>> {
         signal_hook::flag::register(signal, Arc::clone(&ended))?;
     }
     Ok(ended)
-}
-
-/// Whether the world has ended, or has failed.
-fn is_over(world: &mut Option<ServedWorld>, clock: Clock, failure: &mut Option<anyhow::Error>) -> bool {
-    world.as_mut().is_some_and(|world| {
-        world.update(clock).unwrap_or_else(|error| {
-            *failure = Some(error);
-            true
-        })
-    })
 }
 
 /// A simulated world with a server of its video.
@@ -172,7 +145,9 @@ struct ServedWorld {
 }
 
 impl ServedWorld {
-    fn new(url: &str, listen: SocketAddr, profile: &VehicleProfile) -> Result<Self> {
+    /// The world of the command line, if there is one.
+    fn open(args: &WorldArgs, profile: &VehicleProfile) -> Result<Option<Self>> {
+        let Some(url) = args.world.as_deref() else { return Ok(None) };
         let url = match SourceUrl::parse(url)? {
             SourceUrl::Simulated(url) => url,
             SourceUrl::Video(url) => {
@@ -184,14 +159,11 @@ impl ServedWorld {
         let half_width = f64::from(camera.frame.width) / 2.0;
         let field_of_view_deg = 2.0 * (half_width / camera.optics.focal_px).atan().to_degrees();
         let link = world.link();
-        Ok(Self {
-            server: RtspServer::start(listen)?,
-            link,
-            field_of_view_deg,
-            url,
-            waiting: Some(world),
-            running: None,
-        })
+        if !args.video_listen.ip().is_loopback() {
+            tracing::warn!("other machines can see the world's video at {}", args.video_listen);
+        }
+        let server = RtspServer::start(args.video_listen)?;
+        Ok(Some(Self { server, link, field_of_view_deg, url, waiting: Some(world), running: None }))
     }
 
     /// Starts the world once there is a viewer. Returns whether the world has ended.

@@ -25,6 +25,20 @@ const MAX_WAIT: Duration = Duration::from_millis(10);
 /// Delay of received bytes while the fault `delay` is active.
 const FAULT_DELAY: Duration = Duration::from_millis(400);
 
+/// The kinds of faults that the emulated Fotokite Pro has.
+pub const PRO_FAULTS: [FaultKind; 10] = [
+    FaultKind::Stall,
+    FaultKind::Drop,
+    FaultKind::Delay,
+    FaultKind::Duplicate,
+    FaultKind::Corrupt,
+    FaultKind::Disconnect,
+    FaultKind::Reboot,
+    FaultKind::Takeover,
+    FaultKind::Silence,
+    FaultKind::Cut,
+];
+
 /// An emulated Fotokite Pro.
 #[derive(Debug)]
 pub struct FotokitePro {

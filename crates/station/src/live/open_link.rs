@@ -1,15 +1,14 @@
 //! Opens the link of a live run and connects its reports with the loop.
 
-use std::sync::mpsc::SyncSender;
-
 use std::path::PathBuf;
+use std::sync::mpsc::SyncSender;
 
 use anyhow::{Context, Result};
 use barrelman_host::clock::Clock;
 use barrelman_link_http::HttpSettings;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, VehicleProfile, VehicleRates};
-use barrelman_wire::{ByteProtocol, Framing, RestEvidence};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, RestEvidence};
 
 use super::event::Event;
 use crate::link::url::Endpoint;
@@ -44,22 +43,23 @@ pub(super) fn open_link(
         }
         (Some(url), _) => {
             let LinkedVehicle { profile, framing, guard, http } = vehicle;
-            let protocol = ByteProtocol { protocol: profile.protocol, framing, baud: url.baud() };
             let report = move |report| pass_on(report, &events);
             let context = "the link cannot be opened";
-            let link = match (http, guard) {
-                (Some(http), _) => {
-                    let opened = barrelman_link_http::open_link(http, url.faults.clone(), clock, report);
-                    Link::Expiring(opened.context(context)?)
-                }
-                (None, Some(guard)) => {
+            if let Some(http) = http {
+                let opened = barrelman_link_http::open_link(http, url.faults.clone(), clock, report);
+                return Ok(Some(Link::Expiring(opened.context(context)?)));
+            }
+            let protocol = ByteProtocolName::of(profile.protocol)
+                .context("this vehicle is reached at an address http://... or https://... alone")?;
+            let protocol = ByteProtocol { protocol, framing, baud: url.baud() };
+            Ok(Some(match guard {
+                Some(guard) => {
                     let limits = VehicleRates { yaw: profile.limits.pan, pitch: profile.limits.tilt };
                     let settings = GuardedLinkSettings { guard, url: url.clone(), protocol, limits, clock };
                     Link::Guarded(GuardedLink::open(settings, report).context(context)?)
                 }
-                (None, None) => Link::Port(LinkHandle::open(url, protocol, clock, report).context(context)?),
-            };
-            Ok(Some(link))
+                None => Link::Port(LinkHandle::open(url, protocol, clock, report).context(context)?),
+            }))
         }
         (None, _) => {
             tracing::warn!("no link: this is a dry run that sends nothing");

@@ -4,7 +4,7 @@ use barrelman_station::config::{self, Configuration};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::session::PROMPT;
-use barrelman_wire::{ByteProtocol, Framing};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
 
 use crate::program::{argument, barrelman, empty_folder, succeeded};
 
@@ -14,7 +14,7 @@ fn at(ms: u64) -> Timestamp {
 
 /// The last yaw and pitch lines that a session writes for these rates.
 fn written(rates: VehicleRates) -> [String; 2] {
-    let protocol = VehicleProfile::fotokite_pro().protocol;
+    let protocol = ByteProtocolName::of(VehicleProfile::fotokite_pro().protocol).unwrap();
     let mut session = ByteProtocol { protocol, framing: Framing::LineFeed, baud: 115_200 }.open(at(0));
     let mut packets = Vec::new();
     for ms in 0..10_000 {
