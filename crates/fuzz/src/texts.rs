@@ -72,7 +72,6 @@ pub fn urls(bytes: &[u8]) {
             }
             _ => LinkUrl::parse(&with_login).map_or_else(|error| error.to_string(), |url| url.to_string()),
         };
-        // The part before the last @ of the host may be the login's.
         assert!(!shown.contains("n0t-th1s"), "{shown}");
     }
 }

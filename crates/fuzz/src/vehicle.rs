@@ -2,12 +2,11 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::{LinkState, Quaternion, Report};
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
-use barrelman_wire::{ByteProtocol, Framing, NextAction};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, NextAction};
 
 /// The bytes that stand for a time, a request or an end are followed by their arguments; every other byte is received.
 const CONTROL: u8 = 0xf8;
@@ -21,7 +20,8 @@ pub fn session(bytes: &[u8]) {
         Framing::CarriageReturns
     };
     let mut now = Timestamp::from_secs_f64(1.0);
-    let mut session = ByteProtocol { protocol: Protocol::FotokitePro, framing, baud: 115_200 }.open(now);
+    let mut session =
+        ByteProtocol { protocol: ByteProtocolName::FotokitePro, framing, baud: 115_200 }.open(now);
     let mut is_closing = false;
     let mut sent = Vec::new();
     let mut rest = bytes.iter().copied();

@@ -34,7 +34,7 @@ impl Inquiry {
         Ok(state.online_state.as_deref() != Some("Offline"))
     }
 
-    /// The name of the client that controls the vehicle; `None`: nobody does.
+    /// The name of the client that controls the vehicle; `None`: there is none.
     ///
     /// # Errors
     /// What the vehicle says instead.

@@ -24,7 +24,7 @@ pub enum Trust {
     WellKnown,
     /// Those that an authority of this PEM file has signed, for the name of the host.
     Authorities(Vec<u8>),
-    /// The one with this SHA-256 fingerprint, whoever signed it and whatever name it bears.
+    /// The one with this SHA-256 fingerprint, whatever its signature and its name.
     Fingerprint(Fingerprint),
 }
 

@@ -127,7 +127,8 @@ impl OpposedMotion {
         let [by_pan, by_tilt] = camera.shifts_by_axis(point, seen.from, seen.to, seen.picture)?;
         let measured = [seen.shift.u_px, -seen.shift.v_px];
         let interval_s = interval.as_secs_f64();
-        let sway_px = SWAY_RAD_PER_ROOT_S * camera.focal_px(seen.to, seen.picture);
+        let focal_px = camera.focal_px(seen.to, seen.picture);
+        let sway_px = SWAY_RAD_PER_ROOT_S * focal_px;
         let predicted_px = libm::hypot(by_pan[0] + by_tilt[0], by_pan[1] + by_tilt[1]);
         let noise_px = libm::hypot(SHIFT_NOISE_PX, PREDICTION_ERROR * predicted_px);
         let variance = sway_px * sway_px * interval_s + noise_px * noise_px;
@@ -140,9 +141,8 @@ impl OpposedMotion {
         self.pan.add(if pan_turns { ratio(by_pan, by_tilt) } else { 0.0 }, interval_s);
         self.tilt.add(if tilt_turns { ratio(by_tilt, by_pan) } else { 0.0 }, interval_s);
         if let Some(sway) = self.sway.rate_rad_per_s() {
-            let focal_px = camera.focal_px(seen.to, seen.picture);
+            let per_s = focal_px * interval_s;
             let is_opposed = |own: [f64; 2], other: [f64; 2]| {
-                let per_s = focal_px * interval_s;
                 let predicted = libm::hypot(own[0], own[1]);
                 let along = (measured[0] - other[0]) * own[0] + (measured[1] - other[1]) * own[1];
                 let opposite = -along / predicted / per_s;

@@ -43,7 +43,7 @@ pub struct VehicleState {
     control: Option<ControlState>,
     /// Since the link began to come up, of a vehicle that answers commands.
     acceptance: Option<Acceptance>,
-    /// Whether such a vehicle has accepted commands, and nobody else has taken the control since.
+    /// Whether such a vehicle has accepted commands, and no other client has taken the control since.
     has_accepted: bool,
     uptime_s: Option<f64>,
     flight: Option<FlightState>,

@@ -39,7 +39,6 @@ impl fmt::Display for Bars {
 #[derive(Debug, Clone, Default)]
 pub(super) struct BarSearch {
     pictures: u32,
-    looked_at: u32,
     least: Option<(PictureSize, Bars)>,
 }
 
@@ -51,7 +50,6 @@ impl BarSearch {
         if !index.is_multiple_of(EVERY) {
             return;
         }
-        self.looked_at += 1;
         let (size, seen) = (picture.size(), bars(picture));
         let least = match self.least {
             Some((known, least)) if known == size => Bars {
@@ -67,7 +65,7 @@ impl BarSearch {
 
     /// The bars; `None`: there are none of note, or too few pictures were seen.
     pub(super) fn found(&self) -> Option<Bars> {
-        let (size, bars) = self.least.filter(|_| self.looked_at >= MIN_PICTURES)?;
+        let (size, bars) = self.least.filter(|_| self.pictures.div_ceil(EVERY) >= MIN_PICTURES)?;
         let is_wide = |bar: usize, side: u32| bar as f64 >= MIN_SHARE * f64::from(side);
         let is_black = bars.left >= size.width as usize;
         let has_bars = is_wide(bars.left, size.width)

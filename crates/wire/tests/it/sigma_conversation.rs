@@ -84,14 +84,14 @@ impl Conversation {
         self.sigma.rates(self.now)
     }
 
-    /// Goes on for so many milliseconds.
+    /// Goes on for `ms` milliseconds.
     pub(crate) fn run_for(&mut self, ms: u64) {
         for _ in 0..ms {
             self.step();
         }
     }
 
-    /// Goes on until the condition holds, at most for so many milliseconds; returns how many it took.
+    /// Goes on until the condition holds, at most for `ms` milliseconds; returns the time that it took, milliseconds.
     pub(crate) fn run_until(
         &mut self,
         most_ms: u64,

@@ -1,4 +1,4 @@
-//! Answers, messages and requests that nobody would send: nothing panics, and what is sent keeps the rules.
+//! Answers, messages and requests that no real vehicle or program sends: nothing panics, and what is sent keeps the rules.
 
 use std::time::Duration;
 
