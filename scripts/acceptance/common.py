@@ -9,6 +9,7 @@ import contextlib
 import json
 import os
 import pathlib
+import pty
 import queue
 import re
 import select
@@ -408,6 +409,37 @@ def median(values):
 def percentile(values, share):
     values = sorted(values)
     return values[min(len(values) - 1, int(share * len(values)))] if values else float("nan")
+
+
+class Terminal:
+    """A terminal for a program, whose output is read until the terminal is hung up: a terminal without a reader fills up."""
+
+    def __init__(self):
+        self.outside, self.inside = pty.openpty()
+        self.is_read = True
+        self.reader = threading.Thread(target=self._read, daemon=True)
+
+    def start(self):
+        """The program has its end of the terminal now."""
+        os.close(self.inside)
+        self.reader.start()
+
+    def _read(self):
+        while self.is_read:
+            drain(self.outside, 0.02)
+
+    def type(self, key):
+        os.write(self.outside, key)
+
+    def hang_up(self):
+        """Closes the terminal once no read is under way, and returns the time of that. A closed one stays so."""
+        if not self.is_read:
+            return None
+        self.is_read = False
+        self.reader.join()
+        at = time.monotonic()
+        os.close(self.outside)
+        return at
 
 
 def drain(descriptor, seconds=0.0):

@@ -9,12 +9,10 @@ import concurrent.futures
 import itertools
 import os
 import pathlib
-import pty
 import resource
 import signal
 import subprocess
 import sys
-import threading
 import time
 
 import common
@@ -78,30 +76,16 @@ class Run:
         self.emulator = Emulator(args.barrelman, folder, "fotokite", *station) if port == "pty" else TcpEmulator(args.barrelman, folder, *station)
         command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--no-record", "--video", f"file:{video}"]
         command += ["--select", selection, "--link", self.emulator.url, *more]
-        self.terminal = None
+        self.terminal = common.Terminal() if terminal else None
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
         if terminal:
-            self.terminal, inside = pty.openpty()
-            streams.update(stdin=inside, stdout=inside, start_new_session=True)
+            streams.update(stdin=self.terminal.inside, stdout=self.terminal.inside, start_new_session=True)
         self.started = time.monotonic()
         self.child = common.spawn(command, text=True, **streams)
         if terminal:
-            os.close(inside)
-            self.reader = threading.Thread(target=self._show, args=(self.terminal,), daemon=True)
-            self.reader.start()
+            self.terminal.start()
         self.err = Lines(self.child.stderr)
         self.guards = []
-
-    def _show(self, terminal):
-        while self.terminal is not None:
-            common.drain(terminal, 0.02)
-
-    def hang_up(self):
-        terminal, self.terminal = self.terminal, None
-        self.reader.join()
-        at = time.monotonic()
-        os.close(terminal)
-        return at
 
     def guard(self):
         """The guard's process."""
@@ -123,7 +107,7 @@ class Run:
                 process.kill()
                 process.wait()
         if self.terminal is not None:
-            self.hang_up()
+            self.terminal.hang_up()
         self.emulator.close()
 
 
@@ -186,7 +170,7 @@ def guard_killed(run):
 
 def terminal_closed(run):
     run.wait_until_it_moves()
-    return run.hang_up()
+    return run.terminal.hang_up()
 
 
 def by_itself(seconds):
@@ -283,7 +267,7 @@ def try_port_lost(args, clip, selection, folder, table, port):
 
 
 def try_control_taken(args, clip, selection, folder, table, port):
-    """Somebody takes the control at the ground station in mid-motion: nothing is sent any more, until a new Engage."""
+    """The control is taken at the ground station itself, in mid-motion: nothing is sent any more, until a new Engage."""
     folder.mkdir()
     at_s = FAULT_AT_S
     run = Run(args, clip, selection, folder / "run", port, station=("--fault", f"takeover@{at_s}"))

@@ -8,11 +8,9 @@ import concurrent.futures
 import contextlib
 import itertools
 import os
-import pty
 import signal
 import subprocess
 import sys
-import threading
 import time
 import traceback
 
@@ -41,13 +39,12 @@ class Run:
         self.record = folder / "record.mcap"
         command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--video", f"file:{clip}{video_fault}", "--select", selection]
         command += ["--link", f"{self.emulator.url}{link_fault}", "--record", self.record, *more]
-        self.terminal = self.pipe = None
+        self.terminal = common.Terminal() if terminal else None
+        self.pipe = None
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         environment = {**common.environment(), **({"RUST_BACKTRACE": "1"} if backtrace else {})}
-        inside = None
         if terminal:
-            self.terminal, inside = pty.openpty()
-            streams.update(stdin=inside, stdout=inside)
+            streams.update(stdin=self.terminal.inside, stdout=self.terminal.inside)
         if full:
             self.pipe, inside = os.pipe()
             streams[full] = inside
@@ -56,25 +53,10 @@ class Run:
         if full:
             # A description of our own, so that not waiting is our own affair.
             self.filler = os.open(f"/proc/self/fd/{inside}", os.O_WRONLY | os.O_NONBLOCK)
-        if inside is not None:
             os.close(inside)
         if terminal:
-            self.reader = threading.Thread(target=self._show, args=(self.terminal,), daemon=True)
-            self.reader.start()
+            self.terminal.start()
         self.err = Lines(self.child.stderr if self.child.stderr else [])
-
-    def _show(self, terminal):
-        # A terminal that nobody reads fills up. It can only be closed while no read is under way.
-        while self.terminal is not None:
-            common.drain(terminal, 0.02)
-
-    def hang_up(self):
-        """Closes the terminal, and returns the time of that."""
-        terminal, self.terminal = self.terminal, None
-        self.reader.join()
-        at = time.monotonic()
-        os.close(terminal)
-        return at
 
     def fill(self):
         with contextlib.suppress(BlockingIOError):
@@ -90,7 +72,7 @@ class Run:
 
     def key(self, key):
         at = time.monotonic()
-        os.write(self.terminal, key)
+        self.terminal.type(key)
         return at
 
     def signal(self, number):
@@ -145,7 +127,7 @@ class Run:
             self.child.kill()
             self.child.wait()
         if self.terminal is not None:
-            self.hang_up()
+            self.terminal.hang_up()
         if self.pipe is not None:
             os.close(self.pipe)
             os.close(self.filler)
@@ -184,7 +166,7 @@ def errors_closed(run):
 
 def terminal_gone(run):
     run.wait_until_it_moves()
-    return run.hang_up()
+    return run.terminal.hang_up()
 
 
 def output_held(run):
