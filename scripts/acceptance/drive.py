@@ -79,6 +79,8 @@ def drive(table, args, folder):
     page.type("space")
     stopped = program.wait(lambda status: not status["mode"]["engaged"], 5, "the stop")
     table.require("space: the camera is stopped", not any(stopped["command"].values()), stopped["mode"]["name"])
+    # The page offers Engage when it has shown the stop; until then the key does nothing.
+    page.wait_until_enabled("engage")
     page.type("h")
     page.type("e")
     program.wait(lambda status: status["mode"]["engaged"] and status["drive"]["helm"] == "helmsman", 5, "the helmsman")
