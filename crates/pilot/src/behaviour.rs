@@ -10,5 +10,8 @@ pub const FIRST: u32 = 1;
 /// elsewhere counts as video also while the target is lost.
 pub const OPPOSED_MOTION: u32 = 2;
 
-/// The version of this pilot. 3: in calm air, a picture that turns against the command stops the camera after 0.3 s.
-pub const NEWEST: u32 = 3;
+/// 3: in calm air, a picture that turns against the command stops the camera after 0.3 s.
+pub const CALM_AIR: u32 = 3;
+
+/// The version of this pilot. 4: frames that confirm a selection need a confidence of 0.7, not of 0.5.
+pub const NEWEST: u32 = 4;

@@ -57,11 +57,13 @@ pub(crate) struct SelectionOptions {
 }
 
 /// One selection: what became of it, and how well the track overlapped the truth.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Selected {
     verdict: Verdict,
     /// IoU on confirmation and when it was judged again.
     ious: [Option<f64>; 2],
+    /// Confidences of the newest frames, from the first that the track reached to the confirmation.
+    confidences: Vec<f64>,
     /// Longest step, milliseconds.
     step_ms: f64,
 }
@@ -130,7 +132,8 @@ impl Tally {
 /// If a clip or the output file cannot be used.
 pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
     let folder = path_or_default(options.clips.as_ref(), "../shared/data/clips")?;
-    let (mut boats, mut all, mut figures) = (Tally::default(), Tally::default(), Vec::new());
+    let (mut boats, mut all) = (Tally::default(), Tally::default());
+    let (mut figures, mut selections) = (Vec::new(), Vec::new());
     let mut slowest_ms: f64 = 0.0;
     for clip in list_clips(&[folder], &options.clip)? {
         let clip = clip.load()?;
@@ -141,13 +144,14 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
                 let selected = select(&clip, &truth, start, age_s)?;
                 slowest_ms = slowest_ms.max(selected.step_ms);
                 tally.add(selected.verdict);
-                if options.each && selected.verdict != Verdict::Right {
-                    let Selected { verdict, ious, .. } = selected;
+                let Selected { verdict, ious, confidences, .. } = selected;
+                if options.each && verdict != Verdict::Right {
                     print_line(&format!(
-                        "  {} from frame {start}, {age_s} s: {verdict:?}, IoU {ious:.2?}",
+                        "  {} from frame {start}, {age_s} s: {verdict:?}, IoU {ious:.2?}, confidences {confidences:.2?}",
                         clip.name
                     ));
                 }
+                selections.push(json!({"clip": clip.name, "start": start, "age_s": age_s, "verdict": format!("{verdict:?}").to_lowercase(), "ious": ious, "confidences": confidences}));
             }
         }
         let sum = tallies.into_iter().fold(Tally::default(), Tally::plus);
@@ -165,7 +169,11 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
     print_line(&format!("{:<36} {}", "all clips", all.text()));
     print_line(&format!("longest step of the pilot with a selection: {slowest_ms:.1} ms"));
     if let Some(path) = &options.json {
-        std::fs::write(path, json!({"clips": figures, "longest_step_ms": slowest_ms}).to_string() + "\n")?;
+        std::fs::write(
+            path,
+            json!({"clips": figures, "selections": selections, "longest_step_ms": slowest_ms}).to_string()
+                + "\n",
+        )?;
     }
     let count = boats.count();
     Ok(boats.wrong == 0 && 20 * boats.refused <= count && 20 * boats.right >= 19 * count)
@@ -208,13 +216,20 @@ fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> 
     let bounds = truth[start].unwrap_or_default();
     let (mut confirmed_at, mut is_requested): (Option<Timestamp>, bool) = (None, false);
     // A selection that is not confirmed counts as refused.
-    let mut selected = Selected { verdict: Verdict::Refused, ious: [None; 2], step_ms: 0.0 };
+    let mut selected =
+        Selected { verdict: Verdict::Refused, ious: [None; 2], confidences: Vec::new(), step_ms: 0.0 };
     for (index, frame) in clip.frames.iter().enumerate().skip(start) {
         let now = frame.capture.at;
         let begin = Instant::now();
         let outcome = pilot.step(Input::Frame(frame), now);
         if outcome.is_confirming || is_requested {
             selected.step_ms = selected.step_ms.max(begin.elapsed().as_secs_f64() * 1e3);
+        }
+        if is_requested
+            && confirmed_at.is_none()
+            && let Some(seen) = outcome.track.localisation()
+        {
+            selected.confidences.push(seen.confidence);
         }
         match &outcome.notice {
             Some(Notice::SelectionConfirmed(_)) => confirmed_at = Some(now),

@@ -3,8 +3,11 @@
 use barrelman_vocab::{Track, VideoFrame};
 
 use super::{Observation, Pilot};
+use crate::behaviour;
 use crate::outcome::Notice;
-use crate::selecting::{PendingSelection, SelectingContext, SelectingResult};
+use crate::selecting::{
+    MIN_CONFIDENCE, MIN_CONFIDENCE_BEFORE, PendingSelection, SelectingContext, SelectingResult,
+};
 
 impl Pilot {
     /// Tracks the target in a video frame, or takes the pending selection in it.
@@ -47,7 +50,9 @@ impl Pilot {
         frame: &VideoFrame,
     ) -> (Track, Option<Notice>) {
         let law = &self.law;
+        let is_strict = self.behaviour > behaviour::CALM_AIR;
         let result = pending.advance(&mut SelectingContext {
+            min_confidence: if is_strict { MIN_CONFIDENCE } else { MIN_CONFIDENCE_BEFORE },
             tracker: &mut *self.tracker,
             history: &self.history,
             frame,

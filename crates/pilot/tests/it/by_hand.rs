@@ -3,7 +3,7 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::outcome::{HoldCause, Unconfirmed};
 use barrelman_pilot::{Input, LawSettings, Mode, Notice, Outcome, Pilot, PilotSettings, Refusal};
 use barrelman_vocab::{
     CameraCommand, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause, Timestamp, Track,
@@ -65,6 +65,22 @@ fn a_selection_on_an_earlier_frame_is_brought_up_to_date_and_confirmed() {
         }
     }
     assert_eq!(steps[0].track, Track::Unseeded, "a track in the past is not reported");
+}
+
+#[test]
+fn a_doubtful_selection_is_confirmed_by_pilots_of_before_only() {
+    let is_confirmed_by = |version: u32| {
+        let mut pilot = pilot(1, vec![Answer::Doubtful(RIGHT); 60]).with_behaviour(version);
+        frames(&mut pilot, 0..3);
+        request(&mut pilot, select_on(1), 1080);
+        let notices: Vec<_> = frames(&mut pilot, 3..25).into_iter().filter_map(|step| step.notice).collect();
+        match notices[..] {
+            [Notice::SelectionConfirmed(_)] => true,
+            [Notice::SelectionUnconfirmed(Unconfirmed::NotSure)] => false,
+            _ => panic!("{notices:?}"),
+        }
+    };
+    assert_eq!([1, 3, 4].map(is_confirmed_by), [true, true, false]);
 }
 
 #[test]

@@ -127,6 +127,8 @@ pub(crate) struct Scripted {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Answer {
     Tracking(ImagePoint),
+    /// Tracking, with a confidence of 0.6.
+    Doubtful(ImagePoint),
     Coasting(ImagePoint),
     Lost,
     Unseeded,
@@ -136,6 +138,9 @@ impl Answer {
     pub(crate) fn track(self, captured: Timestamp) -> Track {
         match self {
             Self::Tracking(point) => Track::Tracking(seen(point, captured)),
+            Self::Doubtful(point) => {
+                Track::Tracking(Localisation { confidence: 0.6, ..seen(point, captured) })
+            }
             Self::Coasting(point) => Track::Coasting(seen(point, captured)),
             Self::Lost => Track::Lost { since: captured, confidence: 0.0 },
             Self::Unseeded => Track::Unseeded,
