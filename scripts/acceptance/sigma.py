@@ -4,18 +4,17 @@ The video is a simulated world's, whose camera nothing moves: the boat leaves th
 A last case closes the loop: the emulated Sigma moves the camera of the world that the run sees.
 """
 import concurrent.futures
-import contextlib
 import csv
 import json
 import signal
 import subprocess
 import sys
 import time
-import urllib.request
 
 import common
 import live
 from common import Lines, Table
+from console_run import WORLD, ConsoleRun
 from independent_sigma import COMMAND, TOKEN, Sigma
 
 MOVES_WITHIN = 20.0
@@ -24,38 +23,16 @@ DURATION_LIMIT = 0.5
 STOP_LIMIT = 0.15
 
 
-class Run:
+class Run(ConsoleRun):
     """A run against a Sigma."""
 
-    def __init__(self, args, folder, sigma, name, *more, token=TOKEN, video="sim:arena1?seed=3&size=640x360"):
+    def __init__(self, args, folder, sigma, name, *more, token=TOKEN, video=WORLD):
         self.sigma = sigma
         token_file = folder / f"{name}.token"
         token_file.write_text(f"{token}\n")
         token_file.chmod(0o600)
-        tokens = folder / f"{name}.console"
-        tokens.write_text("control-token-of-the-test\nwatch-token-of-the-test\n")
-        tokens.chmod(0o600)
-        port = live.free_port()
-        self.base = f"http://127.0.0.1:{port}/api/v1"
-        command = [args.barrelman, "run", "--profile", "fotokite-sigma", "--link", getattr(sigma, "url", sigma), "--link-token-file", token_file]
-        command += ["--engage", "--no-record", "--listen", f"127.0.0.1:{port}", "--console-token-file", tokens, *more]
-        command += ["--video", video] if video else []
-        self.child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        self.err = Lines(self.child.stderr)
-
-    def ask(self, path, body=None):
-        request = urllib.request.Request(f"{self.base}/{path}", headers={"Authorization": "Bearer control-token-of-the-test", "Content-Type": "application/json"})
-        request.data = None if body is None else json.dumps(body).encode()
-        with urllib.request.urlopen(request, timeout=5) as answer:
-            return json.load(answer)
-
-    def request(self, kind):
-        return self.ask("requests", {"request": {"kind": kind}})
-
-    def link(self):
-        with contextlib.suppress(OSError):
-            return self.ask("status")["link"]
-        return {}
+        link = ["--profile", "fotokite-sigma", "--link", getattr(sigma, "url", sigma), "--link-token-file", token_file]
+        super().__init__(args, folder, name, *link, *more, video=video)
 
     def wait_for_link(self, acceptance, seconds=10):
         return common.wait_until(lambda: self.link().get("acceptance") == acceptance, seconds, f"acceptance {acceptance}")
@@ -64,24 +41,6 @@ class Run:
         common.wait_until(self.sigma.is_turning, MOVES_WITHIN, "the first motion")
         time.sleep(0.3)
         common.wait_until(self.sigma.is_turning, MOVES_WITHIN, "the next motion")
-
-    def end(self):
-        if self.child.poll() is None:
-            self.child.send_signal(signal.SIGCONT)
-            self.child.terminate()
-            try:
-                self.child.wait(timeout=8)
-            except subprocess.TimeoutExpired:
-                self.child.kill()
-                self.child.wait()
-        self.err.join()
-        return self.child.returncode
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.end()
 
 
 def rest_after(sigma, at, seconds=3.0):

@@ -32,6 +32,7 @@ pub fn open_link(
         persistence: Duration::ZERO,
         mailbox,
         io,
+        may_be_turning: false,
         open_session: Arc::new(|now| Box::new(FotokiteSigmaSession::open(now))),
         report,
     };

@@ -11,7 +11,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use barrelman_host::clock::Clock;
-use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
 use barrelman_wire::{ByteProtocol, ReportReader};
 use rustix::event::{PollFd, PollFlags};
@@ -145,7 +145,7 @@ impl GuardedLink {
         let client = Arc::new(Client::default());
         let path = settings.guard.clone();
         let start_error = |source| GuardError::Start { path: path.clone(), source };
-        let guard = Guard::start(&settings).map_err(start_error)?;
+        let guard = Guard::start(&settings, false).map_err(start_error)?;
         let (opened, first) = sync_channel(1);
         let shared = Arc::clone(&client);
         let supervisor = Supervisor {
@@ -154,6 +154,8 @@ impl GuardedLink {
             client: shared,
             report,
             state: LinkState::Opening,
+            control: None,
+            may_be_turning: false,
             opened: Some(opened),
         };
         let thread = std::thread::Builder::new()
@@ -218,13 +220,15 @@ struct Guard {
 }
 
 impl Guard {
-    fn start(settings: &GuardedLinkSettings) -> io::Result<Self> {
+    /// Starts a guard. `may_be_turning`: a guard before it may have left the camera turning.
+    fn start(settings: &GuardedLinkSettings, may_be_turning: bool) -> io::Result<Self> {
         let (pipe, other): (Pipe, OwnedFd) = Pipe::pair()?;
         let first = ToGuard::Settings(Settings {
             clock_start_ns: settings.clock.start_on_monotonic_ns(),
             limits: settings.limits,
             protocol: settings.protocol.protocol,
             framing: settings.protocol.framing,
+            may_be_turning,
             url: settings.url.with_faults(),
         });
         pipe.send(&first.encode());
@@ -258,6 +262,10 @@ struct Supervisor<R> {
     report: R,
     reader: ReportReader,
     state: LinkState,
+    /// Who has the control, where the vehicle reports it by itself.
+    control: Option<ControlState>,
+    /// Whether the guard before may have left the camera turning.
+    may_be_turning: bool,
     /// Takes whether the first guard has opened the port.
     opened: Option<SyncSender<Result<(), String>>>,
 }
@@ -268,7 +276,9 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
         let mut guard = Some(first);
         let mut attempts_to_close = 0;
         loop {
-            let Some(served) = guard.take().or_else(|| Guard::start(&self.settings).ok()) else {
+            let Some(served) =
+                guard.take().or_else(|| Guard::start(&self.settings, self.may_be_turning).ok())
+            else {
                 self.stop_without_guard();
                 if self.client.state().is_closing {
                     return false;
@@ -282,6 +292,8 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
                 served.pipe.send(&ToGuard::Close.encode());
             }
             let end = self.serve(&served);
+            let is_stop_sent = matches!(end, GuardEnd::Ended { is_stop_sent: true });
+            self.may_be_turning = !is_stop_sent && self.control != Some(ControlState::NotOurs);
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
             let reason = match end {
@@ -357,7 +369,11 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
             FromGuard::State(state, at) => self.report_state(state, at),
             FromGuard::Received(at, bytes) => {
                 let report = &self.report;
+                let control = &mut self.control;
                 self.reader.read(&bytes, |content| {
+                    if let Report::Control { control: newest, .. } = content {
+                        *control = Some(newest);
+                    }
                     report(LinkReport::Telemetry(Telemetry { at, report: content }));
                 });
             }
@@ -392,8 +408,7 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
     /// No guard can be started: zeros and stop come from this process, once.
     fn stop_without_guard(&self) {
         let url = LinkUrl { faults: self.settings.url.faults.clone(), ..self.settings.url.clone() };
-        if let Ok(link) = LinkHandle::open(&url, self.settings.protocol, self.settings.clock, |_| true) {
-            link.close();
-        }
+        // Without a port there is nothing to do but to try again.
+        let _ = LinkHandle::stop(&url, self.settings.protocol, self.settings.clock);
     }
 }

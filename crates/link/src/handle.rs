@@ -11,7 +11,7 @@ use barrelman_wire::{ByteProtocol, ByteSession, Session};
 
 use crate::dead_mans_switch::RequestedRates;
 use crate::mailbox::Mailbox;
-use crate::port::PortError;
+use crate::port::{Port, PortError};
 use crate::port_io::{MachineIo, PortIo};
 use crate::report::LinkReport;
 use crate::url::LinkUrl;
@@ -47,18 +47,38 @@ impl LinkHandle {
         clock: Clock,
         report: impl Fn(LinkReport) -> bool + Send + 'static,
     ) -> Result<Self, LinkError> {
+        let (worker, port) = Self::worker(url, protocol, clock, report)?;
+        Ok(Self::start(worker, port)?)
+    }
+
+    /// Stops a vehicle whose camera a link before may have left turning: zeros and stop, once.
+    ///
+    /// # Errors
+    /// If the port cannot be opened.
+    pub fn stop(url: &LinkUrl, protocol: ByteProtocol, clock: Clock) -> Result<bool, LinkError> {
+        let (worker, port) = Self::worker(url, protocol, clock, |_| true)?;
+        Ok(Self::start(Worker { may_be_turning: true, ..worker }, port)?.close())
+    }
+
+    fn worker<R: Fn(LinkReport) -> bool>(
+        url: &LinkUrl,
+        protocol: ByteProtocol,
+        clock: Clock,
+        report: R,
+    ) -> Result<(Worker<ByteSession, MachineIo, R>, Port), LinkError> {
         let mailbox = Arc::new(Mailbox::new()?);
         let io = MachineIo { endpoint: url.endpoint.clone(), clock, mailbox: Arc::clone(&mailbox) };
         let port = io.open()?;
-        let worker: Worker<ByteSession, _, _> = Worker {
+        let worker = Worker {
             faults: url.faults.clone(),
             persistence: Duration::ZERO,
             mailbox: Arc::clone(&mailbox),
             io,
+            may_be_turning: false,
             open_session: Arc::new(move |now| protocol.open(now)),
             report,
         };
-        Ok(Self::start(worker, port)?)
+        Ok((worker, port))
     }
 
     /// Starts the thread of a worker on its open port: for vehicles of any packets.

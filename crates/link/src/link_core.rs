@@ -104,6 +104,11 @@ impl<S: Session + ?Sized> LinkCore<S> {
         }
     }
 
+    /// A link before this one may have left the camera turning.
+    pub fn expect_motion(&mut self) {
+        self.may_be_turning = true;
+    }
+
     /// Sets the rates that are requested from now on.
     pub fn request(&mut self, requested: RequestedRates) {
         self.requested = requested;

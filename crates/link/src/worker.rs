@@ -31,6 +31,8 @@ pub struct Worker<S: ?Sized, I, R> {
     pub mailbox: Arc<Mailbox>,
     /// The time, the port, and waiting.
     pub io: I,
+    /// Whether a link before this one may have left the camera turning.
+    pub may_be_turning: bool,
     /// Opens a session with the vehicle.
     pub open_session: Arc<dyn Fn(barrelman_vocab::Timestamp) -> Box<S> + Send + Sync>,
     /// Takes the reports of the thread. Returns whether there was room for the report. Must not block.
@@ -71,6 +73,9 @@ where
         let open_session = Arc::clone(&self.open_session);
         let opener: SessionOpener<S> = Box::new(move |now| open_session(now));
         let mut core = LinkCore::new(opener, self.faults.clone(), self.persistence);
+        if self.may_be_turning {
+            core.expect_motion();
+        }
         if port.is_some() {
             core.opened(self.io.now());
         }

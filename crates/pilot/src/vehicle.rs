@@ -83,7 +83,7 @@ impl VehicleState {
                 }
                 (link == LinkState::Silent).then_some(StopCause::VehicleSilent)
             }
-            Report::Ground { control, uptime_s, .. } => {
+            Report::Ground { control, uptime_s, .. } | Report::Control { control, uptime_s } => {
                 let last_uptime_s = self.uptime_s.replace(uptime_s);
                 let has_restarted = last_uptime_s.is_some_and(|last| uptime_s < last - UPTIME_TOLERANCE_S);
                 // The start-up sequence gives the control away and takes it.

@@ -58,6 +58,8 @@ pub enum Stream {
     CornerPauses = 23,
     /// The box that the simulated operator draws.
     Operator = 24,
+    /// Losses of the packets of an emulated vehicle's line.
+    LinePackets = 25,
 }
 
 /// A counter-based generator: one stream of a seed. The hash is the finaliser of SplitMix64 ([`crate::noise::hash`]).

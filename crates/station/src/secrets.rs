@@ -2,14 +2,18 @@
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result, anyhow};
 
+use barrelman_host::clock::Clock;
 use barrelman_host::input;
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::settings::Fingerprint;
 use barrelman_link_http::{Credential, HttpSettings, Trust};
 use barrelman_video::url::{Login, VideoSource};
+use barrelman_vocab::Timestamp;
+use barrelman_wire::{Signing, SigningKey};
 
 use crate::source_url::SourceUrl;
 
@@ -90,6 +94,21 @@ pub fn http_settings(address: &HttpAddress, access: &LinkAccess) -> Result<HttpS
         (None, None) => Trust::WellKnown,
     };
     Ok(HttpSettings { address: address.clone(), trust, credential })
+}
+
+/// How the packets of a MAVLink link are signed, with the key of this file; without a file, they are not. If others may read
+/// the file, a warning is logged.
+///
+/// # Errors
+/// If the file is not usable. The message repeats nothing of its content.
+pub fn mavlink_signing(key_file: Option<&Path>, clock: Clock) -> Result<Option<Signing>> {
+    let Some(path) = key_file else { return Ok(None) };
+    let content = read_secret(path, "signing key")?;
+    let key = SigningKey::parse(&content)
+        .with_context(|| format!("the signing key file {} is not usable", path.display()))?;
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let began = since_1970.saturating_sub(clock.now().since(Timestamp::ZERO));
+    Ok(Some(Signing::new(key, began.as_millis() as u64)))
 }
 
 fn read_file(path: &Path) -> Result<Login> {

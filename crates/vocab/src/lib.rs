@@ -16,6 +16,7 @@ pub mod track;
 
 pub mod acceptance;
 pub mod command;
+pub mod mavlink;
 pub mod operator;
 pub mod profile;
 pub mod telemetry;

@@ -8,6 +8,7 @@ use core::time::Duration;
 
 use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
+use crate::mavlink::MavlinkPeers;
 use crate::telemetry::{EulerAxis, Quaternion};
 
 /// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a fresh look.
@@ -96,6 +97,13 @@ impl GimbalTilt {
     }
 }
 
+/// The largest rates that are sent to a MAVLink gimbal, rad/s. The limit is our own: the protocol states none, and ArduPilot
+/// carries out 7 rad/s.
+pub const MAVLINK_RATE_LIMITS: AxisRates = AxisRates {
+    pan: AngularRate::from_radians_per_second(0.5),
+    tilt: AngularRate::from_radians_per_second(0.5),
+};
+
 /// The protocol of a vehicle's link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Protocol {
@@ -103,13 +111,16 @@ pub enum Protocol {
     FotokitePro,
     /// The Fotokite Sigma's web API.
     FotokiteSigma,
+    /// A MAVLink gimbal manager, between these peers.
+    MavlinkGimbal(MavlinkPeers),
 }
 
 impl Protocol {
     /// Whether the vehicle keeps the last rate for ever when nobody is there any more to send another one.
     pub const fn keeps_last_rate(self) -> bool {
         match self {
-            Self::FotokitePro => true,
+            // ArduPilot's gimbal manager turns to its end stops.
+            Self::FotokitePro | Self::MavlinkGimbal(_) => true,
             // Each command to turn names its duration.
             Self::FotokiteSigma => false,
         }
@@ -123,7 +134,8 @@ impl Protocol {
     /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
     ///
     /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. Fotokite Sigma: 25 degrees
-    /// per second on both axes, the example of its API document; what the vehicle itself states, if less, holds too.
+    /// per second on both axes, the example of its API document; what the vehicle itself states, if less, holds too. MAVLink
+    /// gimbal: [`MAVLINK_RATE_LIMITS`].
     pub const fn rate_limits(self) -> AxisRates {
         match self {
             Self::FotokitePro => AxisRates {
@@ -134,6 +146,7 @@ impl Protocol {
                 pan: AngularRate::from_radians_per_second(25.0 * DEGREE),
                 tilt: AngularRate::from_radians_per_second(25.0 * DEGREE),
             },
+            Self::MavlinkGimbal(_) => MAVLINK_RATE_LIMITS,
         }
     }
 }
@@ -263,13 +276,14 @@ impl CameraDynamics {
 
 impl VehicleProfile {
     /// Names of the built-in profiles; the first is the default.
-    pub const NAMES: [&str; 2] = ["fotokite-pro", "fotokite-sigma"];
+    pub const NAMES: [&str; 3] = ["fotokite-pro", "fotokite-sigma", "mavlink-gimbal"];
 
     /// The built-in profile of a name.
     pub fn named(name: &str) -> Option<Self> {
         match name {
             "fotokite-pro" => Some(Self::fotokite_pro()),
             "fotokite-sigma" => Some(Self::fotokite_sigma()),
+            "mavlink-gimbal" => Some(Self::mavlink_gimbal()),
             _ => None,
         }
     }
@@ -293,6 +307,21 @@ impl VehicleProfile {
             net_yaw: NetYawLimits::DEFAULT,
             gimbal_tilt: None,
             attitude_yaw: None,
+        }
+    }
+
+    /// Any gimbal behind a MAVLink gimbal manager. Positive yaw turns the view right, positive pitch turns it up. Attitude
+    /// reports state the tilt above the horizon. The dynamics are those of the laboratory's camera, slower than most gimbals,
+    /// until `barrelman calibrate axes` measures them. The end stops are those of a gimbal that looks straight down and a little
+    /// up.
+    pub fn mavlink_gimbal() -> Self {
+        let protocol = Protocol::MavlinkGimbal(MavlinkPeers::DEFAULT);
+        Self {
+            name: "mavlink-gimbal".to_owned(),
+            protocol,
+            limits: protocol.rate_limits(),
+            signs: AxisSigns { yaw: Sign::Same, pitch: Sign::Same },
+            ..Self::fotokite_pro()
         }
     }
 

@@ -29,6 +29,13 @@ pub enum Report {
         /// Length of tether paid out since power-on, metres.
         tether_m: f64,
     },
+    /// Who has the control, of a vehicle that reports neither battery nor tether with it.
+    Control {
+        /// Whether the vehicle accepts camera commands from this program.
+        control: ControlState,
+        /// Time since the vehicle was switched on, seconds.
+        uptime_s: f64,
+    },
     /// Attitude of the vehicle relative to its attitude at initialisation.
     VehicleAttitude(Quaternion),
     /// Attitude of the gimbal, in the vehicle's own frames.

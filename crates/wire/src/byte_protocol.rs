@@ -1,12 +1,16 @@
 //! The protocols of ports that carry bytes: the only place that chooses a session over bytes by the profile's [`Protocol`].
 
 use barrelman_vocab::Timestamp;
+use barrelman_vocab::mavlink::MavlinkPeers;
 use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::Report;
 
 use crate::fotokite_pro::telemetry_reader::Received;
 use crate::fotokite_pro::{FotokiteProSession, SessionSettings, TelemetryReader};
 use crate::framing::Framing;
+use crate::mavlink::gimbal_reader::Received as GimbalReceived;
+use crate::mavlink::signing::Signing;
+use crate::mavlink::{GimbalReader, GimbalSession};
 use crate::session::Session;
 
 /// A session over bytes: a serial port, a TCP connection, or datagrams.
@@ -17,6 +21,13 @@ pub type ByteSession = dyn Session<Sent = Vec<u8>, Received = [u8]>;
 pub enum ByteProtocolName {
     /// The Fotokite Pro ground station's serial text protocol.
     FotokitePro,
+    /// A MAVLink gimbal manager.
+    MavlinkGimbal {
+        /// Who speaks to whom.
+        peers: MavlinkPeers,
+        /// How packets are signed; `None`: they are not, and signatures of received ones are not looked at.
+        signing: Option<Signing>,
+    },
 }
 
 impl ByteProtocolName {
@@ -25,6 +36,16 @@ impl ByteProtocolName {
         match protocol {
             Protocol::FotokitePro => Some(Self::FotokitePro),
             Protocol::FotokiteSigma => None,
+            Protocol::MavlinkGimbal(peers) => Some(Self::MavlinkGimbal { peers, signing: None }),
+        }
+    }
+
+    /// The same protocol with signed packets, where packets can be signed.
+    #[must_use]
+    pub const fn signed(self, signing: Option<Signing>) -> Self {
+        match self {
+            Self::FotokitePro => self,
+            Self::MavlinkGimbal { peers, .. } => Self::MavlinkGimbal { peers, signing },
         }
     }
 }
@@ -48,6 +69,9 @@ impl ByteProtocol {
                 let settings = SessionSettings::for_baud(self.framing, self.baud);
                 Box::new(FotokiteProSession::open(settings, now))
             }
+            ByteProtocolName::MavlinkGimbal { peers, signing } => {
+                Box::new(GimbalSession::open(peers, signing, now))
+            }
         }
     }
 
@@ -55,6 +79,9 @@ impl ByteProtocol {
     pub fn reports(&self) -> ReportReader {
         match self.protocol {
             ByteProtocolName::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
+            ByteProtocolName::MavlinkGimbal { peers, signing } => {
+                ReportReader::MavlinkGimbal(GimbalReader::new(peers, signing))
+            }
         }
     }
 }
@@ -64,6 +91,8 @@ impl ByteProtocol {
 pub enum ReportReader {
     /// Those of a Fotokite Pro.
     FotokitePro(TelemetryReader),
+    /// Those of a MAVLink gimbal manager.
+    MavlinkGimbal(GimbalReader),
 }
 
 impl ReportReader {
@@ -72,6 +101,11 @@ impl ReportReader {
         match self {
             Self::FotokitePro(reader) => reader.read(bytes, |received| {
                 if let Received::Report(report) = received {
+                    each(report);
+                }
+            }),
+            Self::MavlinkGimbal(reader) => reader.read(bytes, |received| {
+                if let GimbalReceived::Report(report) = received {
                     each(report);
                 }
             }),

@@ -12,9 +12,14 @@ pub mod byte_protocol;
 
 pub mod fotokite_pro;
 pub mod fotokite_sigma;
+pub mod mavlink;
+
+mod attitude_rate;
+mod closing_zeros;
 
 pub mod framing;
 
 pub use byte_protocol::{ByteProtocol, ByteProtocolName, ByteSession, ReportReader};
 pub use framing::Framing;
+pub use mavlink::signing::{Signing, SigningKey};
 pub use session::{NextAction, RestEvidence, Session, WillStep};

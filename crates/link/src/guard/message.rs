@@ -3,14 +3,15 @@
 
 use std::time::Duration;
 
+use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
-use barrelman_wire::{ByteProtocolName, Framing, RestEvidence};
+use barrelman_wire::{ByteProtocolName, Framing, RestEvidence, Signing, SigningKey};
 
 use crate::dead_mans_switch::RequestedRates;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -25,6 +26,8 @@ pub struct Settings {
     pub protocol: ByteProtocolName,
     /// The framing of its lines.
     pub framing: Framing,
+    /// Whether a guard before this one may have left the camera turning.
+    pub may_be_turning: bool,
     /// The address of the link with its deliberate faults.
     pub url: String,
 }
@@ -128,6 +131,23 @@ impl<'a> Fields<'a> {
         Ok(VehicleRates { yaw: self.rate()?, pitch: self.rate()? })
     }
 
+    fn protocol(&mut self) -> Result<ByteProtocolName, MessageError> {
+        Ok(match self.byte()? {
+            0 => ByteProtocolName::FotokitePro,
+            1 => {
+                let own = Address::new(self.byte()?, self.byte()?);
+                let vehicle = if self.flag()? { Some(SystemId(self.byte()?)) } else { None };
+                let signing = if self.flag()? {
+                    Some(Signing { key: SigningKey::new(self.take()?), began: self.number()? })
+                } else {
+                    None
+                };
+                ByteProtocolName::MavlinkGimbal { peers: MavlinkPeers { own, vehicle }, signing }
+            }
+            _ => return Err(MessageError::Malformed),
+        })
+    }
+
     fn rest(&mut self) -> &'a [u8] {
         std::mem::take(&mut self.0)
     }
@@ -144,6 +164,21 @@ impl<'a> Fields<'a> {
 fn put_rates(out: &mut Vec<u8>, rates: VehicleRates) {
     for rate in [rates.yaw, rates.pitch] {
         out.extend_from_slice(&rate.radians_per_second().to_le_bytes());
+    }
+}
+
+fn put_protocol(out: &mut Vec<u8>, protocol: ByteProtocolName) {
+    match protocol {
+        ByteProtocolName::FotokitePro => out.push(0),
+        ByteProtocolName::MavlinkGimbal { peers: MavlinkPeers { own, vehicle }, signing } => {
+            out.extend_from_slice(&[1, own.system.0, own.component.0, u8::from(vehicle.is_some())]);
+            out.extend(vehicle.map(|system| system.0));
+            out.push(u8::from(signing.is_some()));
+            if let Some(Signing { key, began }) = signing {
+                out.extend_from_slice(&key.bytes());
+                out.extend_from_slice(&began.to_le_bytes());
+            }
+        }
     }
 }
 
@@ -166,13 +201,12 @@ impl ToGuard {
                 out.extend_from_slice(&VERSION.to_le_bytes());
                 out.extend_from_slice(&settings.clock_start_ns.to_le_bytes());
                 put_rates(&mut out, settings.limits);
-                out.push(match settings.protocol {
-                    ByteProtocolName::FotokitePro => 0,
-                });
+                put_protocol(&mut out, settings.protocol);
                 out.push(match settings.framing {
                     Framing::CarriageReturns => 0,
                     Framing::LineFeed => 1,
                 });
+                out.push(u8::from(settings.may_be_turning));
                 put_text(&mut out, &settings.url);
             }
             Self::Request(RequestedRates { rates, renew_by }) => {
@@ -201,11 +235,9 @@ impl ToGuard {
                 Self::Settings(Settings {
                     clock_start_ns: fields.number()?,
                     limits: fields.rates()?,
-                    protocol: match fields.byte()? {
-                        0 => ByteProtocolName::FotokitePro,
-                        _ => return Err(MessageError::Malformed),
-                    },
+                    protocol: fields.protocol()?,
                     framing: if fields.flag()? { Framing::LineFeed } else { Framing::CarriageReturns },
+                    may_be_turning: fields.flag()?,
                     url: fields.text()?,
                 })
             }
@@ -331,8 +363,20 @@ mod tests {
             limits: rates,
             protocol: ByteProtocolName::FotokitePro,
             framing: Framing::LineFeed,
+            may_be_turning: true,
             url: "tcp://[::1]:5000?fault=stall@3".to_owned(),
         };
+        let named = MavlinkPeers { vehicle: Some(SystemId(3)), ..MavlinkPeers::DEFAULT };
+        let signing = Some(Signing { key: SigningKey::new([7; 32]), began: 1 << 40 });
+        let gimbals =
+            [(MavlinkPeers::DEFAULT, None), (named, None), (named, signing)].map(|(peers, signing)| {
+                let protocol = ByteProtocolName::MavlinkGimbal { peers, signing };
+                Settings { protocol, may_be_turning: false, ..settings.clone() }
+            });
+        for gimbal in gimbals {
+            let message = ToGuard::Settings(gimbal);
+            assert_eq!(ToGuard::decode(&message.encode()), Ok(message));
+        }
         for message in [
             ToGuard::Settings(settings),
             ToGuard::Request(RequestedRates { rates, renew_by: Some(at) }),

@@ -176,6 +176,7 @@ fn serve(status: u16, faults: &str) -> (bool, Vec<(Timestamp, Turn)>, Vec<LinkRe
         persistence: Duration::ZERO,
         mailbox: Arc::clone(&mailbox),
         io: &vehicle,
+        may_be_turning: false,
         open_session: Arc::new(open),
         report: |report| {
             reports.borrow_mut().push(report);

@@ -214,6 +214,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
     let worker: Worker<ByteSession, _, _> = Worker {
         faults: FaultPlan::parse(faults).unwrap(),
         persistence: Duration::ZERO,
+        may_be_turning: false,
         open_session: Arc::new(move |now| protocol.open(now)),
         mailbox: Arc::clone(&mailbox),
         io: bench,

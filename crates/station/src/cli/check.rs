@@ -7,7 +7,7 @@ use super::connection_options::ConnectionOptions;
 /// `check`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  barrelman check --video file:clip.mp4\n  barrelman check barrelman.toml",
+    after_help = "Examples:\n  barrelman check --video file:clip.mp4\n  barrelman check barrelman.toml\n  barrelman check --profile mavlink-gimbal --link udp://127.0.0.1:14550",
     mut_arg("config", |arg| arg.help("Configuration file (TOML)")),
     mut_arg("video", |arg| arg.help("Check this video source")),
     mut_arg("video_login_file", |arg| arg.help("File whose first line is user:password of the camera at rtsp://...")),

@@ -19,7 +19,7 @@ pub struct ConnectionOptions {
     /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
     #[arg(long, value_name = "FILE")]
     pub video_login_file: Option<PathBuf>,
-    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port,
+    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port (Fotokite Pro, MAVLink gimbal),
     /// http://host:port/api or https://host/api (Fotokite Sigma), or sim: for the
     /// simulated world's camera. Without a link: a dry run.
     #[arg(long, value_name = "URL")]
@@ -33,6 +33,9 @@ pub struct ConnectionOptions {
     /// File of authorities (PEM) that sign the certificate of a vehicle at https://; default: the well-known ones.
     #[arg(long, value_name = "FILE")]
     pub link_ca_file: Option<PathBuf>,
+    /// File whose first line is the key of a MAVLink vehicle that signs its packets: 64 hexadecimal digits, or a passphrase.
+    #[arg(long, value_name = "FILE")]
+    pub link_signing_key_file: Option<PathBuf>,
 }
 
 impl ConnectionOptions {
@@ -50,6 +53,9 @@ impl ConnectionOptions {
         }
         if self.link_token_file.is_some() {
             file.link.token_file.clone_from(&self.link_token_file);
+        }
+        if self.link_signing_key_file.is_some() {
+            file.link.signing_key_file.clone_from(&self.link_signing_key_file);
         }
         if self.link_certificate_sha256.is_some() || self.link_ca_file.is_some() {
             file.link.certificate_sha256.clone_from(&self.link_certificate_sha256);

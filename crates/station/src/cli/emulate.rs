@@ -3,9 +3,9 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, Subcommand};
+use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
-use super::values::parse_positive;
+use super::values::{parse_percent, parse_positive};
 
 /// `emulate`.
 #[derive(Debug, Args)]
@@ -23,6 +23,8 @@ pub enum StationName {
     FotokitePro(EmulateFotokiteProArgs),
     /// The Fotokite Sigma's web API.
     FotokiteSigma(EmulateFotokiteSigmaArgs),
+    /// An autopilot with a MAVLink gimbal.
+    Gimbal(EmulateGimbalArgs),
 }
 
 /// `emulate fotokite-sigma`.
@@ -106,6 +108,67 @@ pub struct EmulateFotokiteProArgs {
     /// Overwrite an existing log, and replace a symbolic link at the path of --pty.
     #[arg(long)]
     pub force: bool,
+}
+
+/// `emulate gimbal`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example, a closed loop with a simulated world:
+  barrelman emulate gimbal --world sim:arena1
+and in another terminal
+  barrelman run --video rtsp://127.0.0.1:8554/world \\
+    --profile mavlink-gimbal --link udp://127.0.0.1:14560")]
+pub struct EmulateGimbalArgs {
+    /// Take packets at this address: udp://host:port or tcp://host:port.
+    #[arg(long, value_name = "URL", default_value = "udp://127.0.0.1:14560")]
+    pub listen: String,
+    /// Create a pseudo-terminal with a symbolic link at this path, instead of an address.
+    #[arg(long, value_name = "PATH", conflicts_with = "listen")]
+    pub pty: Option<PathBuf>,
+    /// Whose habits: ardupilot obeys everybody and keeps a rate for ever, px4 obeys the primary control alone.
+    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
+    pub habits: HabitsName,
+    /// Do not answer requests for the gimbal's information.
+    #[arg(long)]
+    pub withhold_information: bool,
+    /// Never say who has the control. With --withhold-information: an autopilot without a gimbal.
+    #[arg(long)]
+    pub withhold_status: bool,
+    /// Deny every claim of the control.
+    #[arg(long)]
+    pub deny_claims: bool,
+    /// Lose this number of claims.
+    #[arg(long, value_name = "N", default_value_t)]
+    pub drop_claims: u32,
+    /// Lose this share of the packets in both directions, percent.
+    #[arg(long, value_name = "PERCENT", default_value_t, value_parser = parse_percent)]
+    pub loss: f64,
+    /// File whose first line is the key of signed packets: 64 hexadecimal digits, or a passphrase.
+    #[arg(long, value_name = "FILE")]
+    pub signing_key_file: Option<PathBuf>,
+    /// The simulated world, if there is one.
+    #[command(flatten)]
+    pub world: WorldArgs,
+    /// Log every message and every change of the rates to this file, one JSON object per line.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub log: Option<PathBuf>,
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate, corrupt,
+    /// disconnect, reboot, takeover (another commander claims the control), silence or cut. Times count from the program's
+    /// start.
+    #[arg(long, value_name = "SPEC")]
+    pub fault: Option<String>,
+    /// Overwrite an existing log, and replace a symbolic link at the path of --pty.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Whose habits an emulated gimbal manager has.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum HabitsName {
+    /// ArduPilot's.
+    #[default]
+    Ardupilot,
+    /// PX4's.
+    Px4,
 }
 
 /// The simulated world whose camera an emulated vehicle moves.

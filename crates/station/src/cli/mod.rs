@@ -41,7 +41,10 @@ pub use config::{ConfigArgs, ConfigCommand};
 pub use connection_options::ConnectionOptions;
 pub use console_options::ConsoleOptions;
 pub use demo::DemoArgs;
-pub use emulate::{EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, StationName, WorldArgs};
+pub use emulate::{
+    EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs, HabitsName,
+    StationName, WorldArgs,
+};
 pub use law_options::LawOptions;
 pub use log_options::{LogFormat, LogLevel};
 pub use logs::{LawArgs, MetricsArgs, ReportArgs};

@@ -37,7 +37,8 @@ pub struct RunArgs {
     /// Run without the guard: if this program is killed, crashes or hangs, the camera goes on turning.
     #[arg(long, conflicts_with = "guard")]
     pub without_guard: bool,
-    /// The vehicle's profile; default: the configuration's, or fotokite-pro; also fotokite-sigma.
+    /// The vehicle's profile; default: the configuration's, or fotokite-pro; also fotokite-sigma and
+    /// mavlink-gimbal.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
     /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing is

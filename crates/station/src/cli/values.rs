@@ -58,6 +58,11 @@ pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
     if value > 0.0 { Ok(value) } else { Err("must be above zero".to_owned()) }
 }
 
+pub(super) fn parse_percent(text: &str) -> Result<f64, String> {
+    let [value] = numbers(text, '\0', "a number")?;
+    if (0.0..=100.0).contains(&value) { Ok(value) } else { Err("must be from 0 to 100".to_owned()) }
+}
+
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = parse_positive(text)?;
     if seconds <= 1.0e6 { Ok(seconds) } else { Err("must be at most a million seconds".to_owned()) }

@@ -1,6 +1,7 @@
 //! `barrelman check`: checks the configuration, the video source and the link, and suggests remedies.
 //!
-//! The check opens the port and takes its lock, as `run` does, but sends nothing.
+//! The check opens the port and takes its lock, as `run` does, but moves nothing: a ground station on a line is sent nothing, other
+//! vehicles are asked what they have.
 
 use std::io::{Write as _, stdout};
 use std::path::Path;
@@ -11,6 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 
+use super::check_gimbal::check_gimbal;
 use super::check_over_http::check_over_http;
 use super::check_result::{CheckResult, Verdict};
 use crate::cli::{CheckArgs, ConnectionOptions};
@@ -44,7 +46,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
         None => CheckResult::new("video", Verdict::Warning, "none configured: give --video or video.url"),
     });
     match link {
-        Some(url) => check_link(&url, configuration.as_ref(), &mut results),
+        Some(url) => check_link(&url, configuration.as_ref(), clock, &mut results),
         None => {
             let details = "none configured: `run` would be a dry run";
             results.push(CheckResult::new("link", Verdict::Warning, details));
@@ -164,7 +166,12 @@ fn wait_for_picture(queue: &Receiver<Delivery>) -> Result<VideoFrame, String> {
     Err(format!("no picture within {} s: {reason}", FIRST_PICTURE_TIMEOUT.as_secs()))
 }
 
-fn check_link(url: &str, configuration: Option<&Configuration>, results: &mut Vec<CheckResult>) {
+fn check_link(
+    url: &str,
+    configuration: Option<&Configuration>,
+    clock: Clock,
+    results: &mut Vec<CheckResult>,
+) {
     let parsed = match LinkUrl::parse(url) {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -182,10 +189,18 @@ fn check_link(url: &str, configuration: Option<&Configuration>, results: &mut Ve
         results.push(CheckResult::new(subject, Verdict::Ok, details));
         return;
     }
-    results.push(match Port::open(&parsed.endpoint) {
-        Ok(_) => CheckResult::new(subject, Verdict::Ok, "opens, and no other program uses the port"),
-        Err(error) => CheckResult::new(subject, Verdict::Failed, format!("{:#}", anyhow::Error::from(error))),
-    });
+    match Port::open(&parsed.endpoint) {
+        Ok(port) => {
+            results.push(CheckResult::new(subject, Verdict::Ok, "opens, and no other program uses the port"));
+            if let Some(configuration) = configuration {
+                check_gimbal(port, configuration, clock, results);
+            }
+        }
+        Err(error) => {
+            let details = format!("{:#}", anyhow::Error::from(error));
+            results.push(CheckResult::new(subject, Verdict::Failed, details));
+        }
+    }
     if matches!(parsed.endpoint, Endpoint::Serial { .. }) {
         results.push(check_modem_manager());
         results.push(check_udev_rule());

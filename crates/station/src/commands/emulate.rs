@@ -1,6 +1,7 @@
-//! `barrelman emulate`: an emulated ground station.
+//! `barrelman emulate`: an emulated vehicle.
 
 use std::io::{Write as _, stdout};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,13 +9,20 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use crate::cli::{EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, StationName, WorldArgs};
+use crate::cli::{
+    EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs, HabitsName,
+    StationName, WorldArgs,
+};
 use crate::emulator::emulated_port::EmulatedPort;
-use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings, PRO_FAULTS};
+use crate::emulator::emulated_vehicle::EmulatedVehicle;
+use crate::emulator::emulation_loop::{EMULATOR_FAULTS, Emulator};
+use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
 use crate::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS, SigmaSettings};
 use crate::emulator::log::StationLog;
+use crate::emulator::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
 use crate::emulator::rtsp_server::RtspServer;
 use crate::link::CameraLink;
+use crate::secrets;
 use crate::simulated_source::{LiveWorld, spawn_world};
 use crate::source_url::{SimulatedUrl, SourceUrl};
 use barrelman_host::clock::Clock;
@@ -31,33 +39,92 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
     match &args.station {
         StationName::FotokitePro(args) => fotokite_pro(args, clock),
         StationName::FotokiteSigma(args) => fotokite_sigma(args, clock),
+        StationName::Gimbal(args) => gimbal(args, clock),
     }
 }
 
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
-    let world = ServedWorld::open(&args.world, &VehicleProfile::fotokite_pro())?;
     let port = match (&args.pty, &args.listen) {
         (Some(path), _) => EmulatedPort::pty(path, args.force)?,
         (None, Some(address)) => EmulatedPort::listen(address)?,
         (None, None) => bail!("no port: give --pty PATH or --listen ADDR"),
     };
-    if port.is_public() {
-        tracing::warn!("other machines can move the emulated camera: the port asks for no password");
-    }
-    let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
-    let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
-    faults.require_effect("the emulator", &PRO_FAULTS)?;
     let settings = GroundStationSettings {
         echo: !args.no_echo,
         rate_timeout: args.rate_timeout.map(Duration::from_secs_f64),
         stop_keeps_rates: args.stop_keeps_rates,
     };
+    let emulation = Emulation {
+        world: ServedWorld::open(&args.world, &VehicleProfile::fotokite_pro())?,
+        log: args.log.as_deref(),
+        force: args.force,
+        fault: args.fault.as_deref(),
+        loss_share: 0.0,
+    };
+    emulate(FotokitePro::new(settings, clock.now()), port, emulation, clock)
+}
+
+fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
+    let port = match (&args.pty, args.listen.split_once("://")) {
+        (Some(path), _) => EmulatedPort::pty(path, args.force)?,
+        (None, Some(("udp", address))) => EmulatedPort::datagrams(address)?,
+        (None, Some(("tcp", address))) => EmulatedPort::listen(address)?,
+        (None, _) => bail!("--listen {}: give udp://host:port or tcp://host:port", args.listen),
+    };
+    let settings = GimbalManagerSettings {
+        habits: match args.habits {
+            HabitsName::Ardupilot => Habits::ArduPilot,
+            HabitsName::Px4 => Habits::Px4,
+        },
+        withholds_information: args.withhold_information,
+        withholds_status: args.withhold_status,
+        denies_claims: args.deny_claims,
+        dropped_claims: args.drop_claims,
+        signing: secrets::mavlink_signing(args.signing_key_file.as_deref(), clock)?,
+        ..GimbalManagerSettings::default()
+    };
+    let emulation = Emulation {
+        world: ServedWorld::open(&args.world, &VehicleProfile::mavlink_gimbal())?,
+        log: args.log.as_deref(),
+        force: args.force,
+        fault: args.fault.as_deref(),
+        loss_share: args.loss / 100.0,
+    };
+    emulate(MavlinkGimbal::new(settings, clock.now()), port, emulation, clock)
+}
+
+/// What surrounds an emulated vehicle at a port.
+struct Emulation<'a> {
+    world: Option<ServedWorld>,
+    log: Option<&'a Path>,
+    /// Whether an existing log is overwritten.
+    force: bool,
+    fault: Option<&'a str>,
+    /// Share of the packets that get lost.
+    loss_share: f64,
+}
+
+/// Runs the emulator of a vehicle at a port.
+fn emulate<V: EmulatedVehicle>(
+    vehicle: V,
+    port: EmulatedPort,
+    emulation: Emulation<'_>,
+    clock: Clock,
+) -> Result<ExitCode> {
+    let Emulation { world, log, force, fault, loss_share } = emulation;
+    if port.is_public() {
+        tracing::warn!("other machines can move the emulated camera: the port asks for no password");
+    }
+    let log = log.map(|path| output::create(path, force)).transpose()?;
+    let faults = FaultPlan::parse(fault.unwrap_or_default())?;
+    faults.require_effect("the emulator", &EMULATOR_FAULTS)?;
     let ended = ended_by_a_signal()?;
-    let mut emulator = FotokitePro::new(port, settings, StationLog::new(log, clock), faults, clock);
+    let mut emulator =
+        Emulator::new(port, vehicle, StationLog::new(log, clock), faults, clock).with_loss(loss_share);
     if let Some(world) = &world {
         emulator = emulator.with_world(world.link.clone());
     }
-    let answers = format!("an emulated Fotokite Pro answers at {}", emulator.url());
+    let answers = format!("an emulated {} answers at {}", V::NAME, emulator.url());
     serve(&answers, world, &ended, clock, |is_over| emulator.run(is_over))
 }
 

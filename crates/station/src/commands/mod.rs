@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod check;
+mod check_gimbal;
 mod check_over_http;
 mod check_result;
 pub mod compare;

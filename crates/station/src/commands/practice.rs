@@ -18,6 +18,7 @@ use indicatif::ProgressBar;
 use super::run;
 use crate::cli::{ConnectionOptions, ConsoleOptions, DemoArgs, RunArgs};
 use crate::emulator::emulated_port::EmulatedPort;
+use crate::emulator::emulation_loop::Emulator;
 use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
 use crate::emulator::log::StationLog;
 use crate::live::session::Outputs;
@@ -63,8 +64,9 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     log_file.begin()?;
     let log = StationLog::new(Some(log_file), clock);
     let settings = GroundStationSettings::default();
+    let vehicle = FotokitePro::new(settings, clock.now());
     let mut emulator =
-        FotokitePro::new(EmulatedPort::pty(&port, args.force)?, settings, log, FaultPlan::default(), clock);
+        Emulator::new(EmulatedPort::pty(&port, args.force)?, vehicle, log, FaultPlan::default(), clock);
     writeln!(out, "an emulated Fotokite Pro answers at {}", emulator.url())?;
     let ended = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&ended);

@@ -89,6 +89,20 @@ pub struct LinkSection {
     /// Delimiters of a line, where the vehicle takes lines of text (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,
+    /// This program's own system id, 1 to 255; default: 245. Together with the component id no other part of the link may have
+    /// it (MAVLink).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub system_id: Option<u8>,
+    /// This program's own component id, 1 to 255; default: 191, an onboard computer (MAVLink).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub component_id: Option<u8>,
+    /// System id of the vehicle whose gimbal is moved, 1 to 255; default: the first that has a gimbal (MAVLink).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vehicle_system: Option<u8>,
+    /// File whose first line is the key of signed packets, 64 hexadecimal digits or a passphrase (MAVLink). With it, packets that
+    /// are not signed with this key are not read; default: packets are not signed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub signing_key_file: Option<PathBuf>,
 }
 
 /// Delimiters of a line of text.
@@ -130,10 +144,10 @@ pub struct VehicleSection {
     /// The motor schema's tilt rate, rad/s, 0 to the tilt limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_tilt_rad_per_s: Option<f64>,
-    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro) or 0.436 (Fotokite Sigma).
+    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5 (MAVLink gimbal).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_pan_rad_per_s: Option<f64>,
-    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro) or 0.436 (Fotokite Sigma).
+    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5 (MAVLink gimbal).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_tilt_rad_per_s: Option<f64>,
     /// Sign of the vehicle's yaw rate relative to pan.

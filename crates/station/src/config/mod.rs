@@ -12,6 +12,7 @@ pub mod tracker;
 
 pub mod resolve;
 
+mod mavlink;
 mod range;
 mod turning;
 

@@ -11,6 +11,7 @@ use barrelman_wire::Framing;
 use super::camera::CameraSection;
 use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
 use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
+use super::mavlink;
 use super::range::within;
 use super::tracker::TrackerSection;
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
@@ -29,6 +30,8 @@ pub struct Configuration {
     pub link: Option<String>,
     /// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
     pub link_access: LinkAccess,
+    /// The file of the key of signed packets, where the vehicle's packets are signed.
+    pub signing_key_file: Option<PathBuf>,
     /// The guard of the vehicle's port.
     pub guard: GuardChoice,
     /// Framing of text lines, where the vehicle's protocol has some.
@@ -100,6 +103,7 @@ impl Configuration {
             .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
         let mut profile = overridden(base, vehicle, max_rates, max_coast_motion)?;
+        profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
         profile.camera = file.camera.apply_to(&profile.camera)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
@@ -119,6 +123,7 @@ impl Configuration {
             video_login: login_source(&file.video)?,
             link: file.link.url.clone(),
             link_access: link_access(&file.link)?,
+            signing_key_file: file.link.signing_key_file.clone(),
             guard: GuardChoice {
                 program: file.link.guard.clone(),
                 is_omitted: file.link.without_guard.unwrap_or(false),
@@ -179,10 +184,12 @@ impl Configuration {
                 token_file: self.link_access.token_file.clone(),
                 certificate_sha256: self.link_access.certificate_sha256.clone(),
                 ca_file: self.link_access.ca_file.clone(),
+                signing_key_file: self.signing_key_file.clone(),
                 line_ending: Some(match self.framing {
                     Framing::CarriageReturns => LineEnding::CrAround,
                     Framing::LineFeed => LineEnding::Lf,
                 }),
+                ..mavlink::section_of(profile.protocol)
             },
             vehicle: VehicleSection {
                 profile: Some(profile.name.clone()),

@@ -1,8 +1,8 @@
-//! The port of an emulated ground station: a pseudo-terminal with a symbolic link, or a TCP listener.
+//! The port of an emulated vehicle: a pseudo-terminal with a symbolic link, a TCP listener, or a UDP socket.
 
 use std::fs::OpenOptions;
 use std::io::{self, Read as _, Write as _};
-use std::net::{TcpListener, TcpStream};
+use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::os::fd::{AsFd, OwnedFd};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -21,6 +21,16 @@ pub enum EmulatedPort {
     Pty(Pty),
     /// A TCP listener with at most one client.
     Tcp(TcpPort),
+    /// Datagrams to whoever sent the newest one.
+    Udp(UdpPort),
+}
+
+/// A UDP socket. Its client is the sender of the newest datagram.
+#[derive(Debug)]
+pub struct UdpPort {
+    socket: UdpSocket,
+    client: Option<SocketAddr>,
+    is_unplugged: bool,
 }
 
 /// A TCP listener with at most one client. A client that was silent for a while makes room for another one.
@@ -72,11 +82,22 @@ impl EmulatedPort {
         Ok(Self::Tcp(TcpPort { listener, client: None, silent_after }))
     }
 
+    /// Takes datagrams at an address.
+    ///
+    /// # Errors
+    /// If the address cannot be used.
+    pub fn datagrams(address: &str) -> Result<Self> {
+        let socket = UdpSocket::bind(address).with_context(|| format!("cannot listen on {address}"))?;
+        socket.set_nonblocking(true)?;
+        Ok(Self::Udp(UdpPort { socket, client: None, is_unplugged: false }))
+    }
+
     /// Whether other machines can reach the port.
     pub fn is_public(&self) -> bool {
         match self {
             Self::Pty(_) => false,
             Self::Tcp(port) => port.listener.local_addr().is_ok_and(|address| !address.ip().is_loopback()),
+            Self::Udp(port) => port.socket.local_addr().is_ok_and(|address| !address.ip().is_loopback()),
         }
     }
 
@@ -88,6 +109,10 @@ impl EmulatedPort {
                 .listener
                 .local_addr()
                 .map_or_else(|_| "tcp: (unknown address)".to_owned(), |address| format!("tcp://{address}")),
+            Self::Udp(port) => port
+                .socket
+                .local_addr()
+                .map_or_else(|_| "udp: (unknown address)".to_owned(), |address| format!("udp://{address}")),
         }
     }
 
@@ -96,6 +121,7 @@ impl EmulatedPort {
         match self {
             Self::Pty(pty) => pty.read(buffer, wait),
             Self::Tcp(port) => port.read(buffer, wait),
+            Self::Udp(port) => port.read(buffer, wait),
         }
     }
 
@@ -105,7 +131,8 @@ impl EmulatedPort {
         match self {
             Self::Pty(pty) => drop(rustix::io::write(&pty.master, bytes)),
             Self::Tcp(TcpPort { client: Some((client, _)), .. }) => drop(client.write(bytes)),
-            Self::Tcp(TcpPort { client: None, .. }) => {}
+            Self::Tcp(TcpPort { client: None, .. }) | Self::Udp(UdpPort { client: None, .. }) => {}
+            Self::Udp(UdpPort { socket, client: Some(client), .. }) => drop(socket.send_to(bytes, *client)),
         }
     }
 
@@ -114,6 +141,7 @@ impl EmulatedPort {
         match self {
             Self::Pty(pty) => pty.link.remove(),
             Self::Tcp(port) => port.client = None,
+            Self::Udp(port) => (port.client, port.is_unplugged) = (None, true),
         }
     }
 
@@ -129,6 +157,7 @@ impl EmulatedPort {
                 port.client = None;
                 while port.listener.accept().is_ok() {}
             }
+            Self::Udp(port) => port.is_unplugged = false,
         }
         Ok(())
     }
@@ -159,6 +188,23 @@ impl Pty {
             std::thread::sleep(wait.min(Duration::from_millis(5)));
             0
         })
+    }
+}
+
+impl UdpPort {
+    /// Reads a datagram. What comes while the port is unplugged is lost.
+    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> usize {
+        if !is_readable(&self.socket, wait) {
+            return 0;
+        }
+        match self.socket.recv_from(buffer) {
+            Ok((read, client)) if !self.is_unplugged => {
+                self.client = Some(client);
+                read
+            }
+            // An answer to a client that is gone is reported as an error of the next call.
+            Ok(_) | Err(_) => 0,
+        }
     }
 }
 

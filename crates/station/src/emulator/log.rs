@@ -3,9 +3,7 @@
 use std::io::Write as _;
 
 use anyhow::Result;
-use barrelman_vocab::Timestamp;
-use barrelman_wire::fotokite_pro::GroundStation;
-use barrelman_wire::fotokite_pro::ground_station::StationState;
+use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use serde::Serialize;
 
 use barrelman_host::clock::Clock;
@@ -23,7 +21,20 @@ pub enum Direction {
     None,
 }
 
-/// The state of station and camera, as logged.
+/// The state of an emulated vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VehicleState {
+    /// The state's name.
+    pub name: &'static str,
+    /// The rates in force, in the vehicle's own signs.
+    pub rates: VehicleRates,
+    /// The roll rate in force.
+    pub roll: AngularRate,
+    /// Number of lines that were lost because the client sent too many.
+    pub lost_lines: u64,
+}
+
+/// The state of vehicle and camera, as logged.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoggedState {
     station: &'static str,
@@ -36,20 +47,16 @@ pub struct LoggedState {
 }
 
 impl LoggedState {
-    /// The state of a station whose camera has these angles.
-    pub fn new(station: &GroundStation, pan_rad: f64, tilt_rad: f64) -> Self {
-        let rates = station.rates();
+    /// The state of a vehicle whose camera has these angles.
+    pub fn new(state: VehicleState, pan_rad: f64, tilt_rad: f64) -> Self {
         Self {
-            station: match station.state() {
-                StationState::Shell => "shell",
-                StationState::RemoteControlled => "remote-controlled",
-            },
-            yaw_rate: rates.yaw.radians_per_second(),
-            pitch_rate: rates.pitch.radians_per_second(),
-            roll_rate: rates.roll.radians_per_second(),
+            station: state.name,
+            yaw_rate: state.rates.yaw.radians_per_second(),
+            pitch_rate: state.rates.pitch.radians_per_second(),
+            roll_rate: state.roll.radians_per_second(),
             pan_rad,
             tilt_rad,
-            lost_lines: station.dropped_lines(),
+            lost_lines: state.lost_lines,
         }
     }
 }

@@ -1,11 +1,15 @@
 //! Emulated vehicles: wire's end of the vehicle, a simulated camera mount, a port or a server, and a server of simulated video.
 //!
 //! ```text
-//! port -> GroundStation (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port
+//! port -> GroundStation or GimbalManager (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port
 //! ```
 
+pub mod emulation_loop;
+
+pub mod emulated_vehicle;
 pub mod fotokite_pro;
 pub mod fotokite_sigma;
+pub mod mavlink_gimbal;
 
 pub mod log;
 mod sigma_log;

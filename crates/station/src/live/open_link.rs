@@ -8,7 +8,7 @@ use barrelman_host::clock::Clock;
 use barrelman_link_http::HttpSettings;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, VehicleProfile, VehicleRates};
-use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, RestEvidence};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, RestEvidence, Signing};
 
 use super::event::Event;
 use crate::link::url::Endpoint;
@@ -21,6 +21,8 @@ pub(super) struct LinkedVehicle<'a> {
     pub(super) framing: Framing,
     /// The guard's program; `None`: a thread of this process serves the port.
     pub(super) guard: Option<PathBuf>,
+    /// How packets are signed, where they are.
+    pub(super) signing: Option<Signing>,
     /// How the vehicle is reached over HTTP; `None`: by bytes.
     pub(super) http: Option<HttpSettings>,
 }
@@ -42,7 +44,7 @@ pub(super) fn open_link(
             open_camera_link(url, world, clock, events).map(Some)
         }
         (Some(url), _) => {
-            let LinkedVehicle { profile, framing, guard, http } = vehicle;
+            let LinkedVehicle { profile, framing, guard, signing, http } = vehicle;
             let report = move |report| pass_on(report, &events);
             let context = "the link cannot be opened";
             if let Some(http) = http {
@@ -51,7 +53,7 @@ pub(super) fn open_link(
             }
             let protocol = ByteProtocolName::of(profile.protocol)
                 .context("this vehicle is reached at an address http://... or https://... alone")?;
-            let protocol = ByteProtocol { protocol, framing, baud: url.baud() };
+            let protocol = ByteProtocol { protocol: protocol.signed(signing), framing, baud: url.baud() };
             Ok(Some(match guard {
                 Some(guard) => {
                     let limits = VehicleRates { yaw: profile.limits.pan, pitch: profile.limits.tilt };

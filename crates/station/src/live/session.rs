@@ -43,6 +43,7 @@ use crate::console::{
 };
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::operator::Gateway;
+use crate::secrets;
 use crate::snapshot::{LinkStatus, Publisher, RecordingState};
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
@@ -112,10 +113,12 @@ impl Session<'_> {
         let gateway = Arc::new(Gateway::new(events.clone()));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), self.clock, self.fault_injector.clone())?;
+        let key_file = self.configuration.signing_key_file.as_deref().filter(|_| self.link.is_some());
         let vehicle = LinkedVehicle {
             profile: &self.configuration.profile,
             framing: self.configuration.framing,
             guard: self.guard.clone(),
+            signing: secrets::mavlink_signing(key_file, self.clock)?,
             http: self.http.clone(),
         };
         let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;

@@ -61,6 +61,7 @@ impl VehicleSnapshot {
                 self.control = Some(if is_ours { ControlState::Ours } else { ControlState::NotOurs });
                 self.acceptance = Some(said);
             }
+            Report::Control { control, .. } => self.control = Some(control),
             Report::CameraTilt(tilt) => self.tilt = Some(tilt),
             Report::Tether { altitude_m, .. } => self.altitude_m = Some(altitude_m),
             Report::Flight { state, is_battery_low, .. } | Report::FlightState { state, is_battery_low } => {
@@ -88,6 +89,7 @@ mod tests {
     const UP: Report = Report::Link(LinkState::Up);
     const GROUND: Report =
         Report::Ground { control: ControlState::Ours, uptime_s: 9.0, battery_v: 15.5, tether_m: 12.0 };
+    const CONTROL: Report = Report::Control { control: ControlState::Ours, uptime_s: 9.0 };
     const TETHER: Report = Report::Tether { elevation: Angle::ZERO, azimuth: Angle::ZERO, altitude_m: 10.5 };
     const FLIGHT: Report = Report::Flight {
         state: FlightState::Flying,
@@ -126,6 +128,7 @@ mod tests {
                     ..up
                 },
             ),
+            (&[UP, CONTROL], VehicleSnapshot { control: KNOWN.control, ..up }),
             (&[UP, TILT], VehicleSnapshot { tilt: KNOWN.tilt, ..up }),
             (&[UP, TETHER], VehicleSnapshot { altitude_m: KNOWN.altitude_m, ..up }),
             (&[UP, FLIGHT], VehicleSnapshot { flight: KNOWN.flight, is_battery_low: true, ..up }),

@@ -166,6 +166,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
             battery_v: value,
             tether_m: value,
         }),
+        telemetry(Report::Control { control: ControlState::NotOurs, uptime_s: value }),
         telemetry(Report::Tether {
             elevation: Angle::from_radians(value),
             azimuth: Angle::from_radians(value),

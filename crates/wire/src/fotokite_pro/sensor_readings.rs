@@ -1,5 +1,6 @@
 //! What the sensors of a simulated vehicle read.
 
+use barrelman_vocab::Angle;
 use barrelman_vocab::telemetry::Quaternion;
 
 /// Readings of the vehicle's sensors, for the telemetry lines.
@@ -41,4 +42,15 @@ impl SensorReadings {
         flight_mode: 2,
         flags: 0,
     };
+
+    /// The readings with the camera at this pan (to the right) and tilt (upwards). The vehicle's yaw is positive to the left
+    /// about the vertical, its pitch positive downwards.
+    pub fn of_camera(pan: Angle, tilt: Angle) -> Self {
+        let (yaw, pitch) = (-pan.radians() / 2.0, -tilt.radians() / 2.0);
+        Self {
+            attitude: Quaternion { w: libm::cos(yaw), x: 0.0, y: 0.0, z: libm::sin(yaw) },
+            gimbal: Quaternion { w: libm::cos(pitch), x: 0.0, y: libm::sin(pitch), z: 0.0 },
+            ..Self::LEVEL
+        }
+    }
 }

@@ -30,6 +30,7 @@ use super::motion::MotionWatch;
 use super::pacing::{Pacing, ZERO_REFRESH, ZERO_REPEATS, ZERO_SPACING};
 use super::start_up::start_up;
 use super::telemetry_reader::{Received, TelemetryReader};
+use crate::closing_zeros::ClosingZeros;
 use crate::framing::Framing;
 use crate::session::{NextAction, RestEvidence, Session, WillStep};
 
@@ -280,17 +281,15 @@ impl FotokiteProSession {
 
     /// Whether the shut-down has to send zeros once more.
     fn needs_zeros(&self, since: Timestamp, zeros_sent: u32, now: Timestamp) -> bool {
-        if zeros_sent < self.least_zeros {
-            return true;
-        }
         let is_silent = self.last_heard.is_none_or(|heard| heard < since);
-        match self.motion.since(since, now) {
-            RestEvidence::AtRest => false,
-            // A vehicle that reported before, or must answer, has to be heard again: nothing may have reached it.
-            _ if is_silent && (self.needs_answer || self.last_telemetry.is_some()) => true,
-            RestEvidence::Moving { .. } => zeros_sent < MAX_ZEROS,
-            RestEvidence::NoTelemetry => self.motion.has_seen() && zeros_sent < MAX_ZEROS,
+        ClosingZeros {
+            sent: zeros_sent,
+            least: self.least_zeros,
+            evidence: self.motion.since(since, now),
+            has_seen: self.motion.has_seen(),
+            is_missing: is_silent && (self.needs_answer || self.last_telemetry.is_some()),
         }
+        .needs_more()
     }
 
     fn send_zeros(&self, out: &mut Vec<u8>) {

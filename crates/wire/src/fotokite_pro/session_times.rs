@@ -2,6 +2,8 @@
 
 use core::time::Duration;
 
+pub use crate::closing_zeros::{MAX_ZEROS, UNREST_SPACING, ZEROS_AT_REST, ZEROS_IN_MOTION};
+
 /// Number of zeros before the first `stop` of a session.
 pub const OPENING_ZEROS: u32 = 3;
 /// Time from the first `stop` to the prompt requests.
@@ -10,15 +12,6 @@ pub const PROMPT_DELAY: Duration = Duration::from_millis(500);
 pub const PROMPT_TIMEOUT: Duration = Duration::from_secs(3);
 /// Number of carriage returns that request the prompt.
 pub const PROMPT_REQUESTS: usize = 5;
-/// Interval between the zeros of the shut-down while telemetry still shows motion.
-pub const UNREST_SPACING: Duration = Duration::from_millis(100);
-/// Least number of zeros of the shut-down of a camera that rests.
-pub const ZEROS_AT_REST: u32 = 3;
-/// Least number of zeros of the shut-down of a camera that may be turning: over one second, so that a line that loses half
-/// of all packets loses all of them once in 4,096 times. A slow rate is below what telemetry shows as motion.
-pub const ZEROS_IN_MOTION: u32 = 12;
-/// Largest number of zeros of the shut-down: for two seconds, in which every camera that obeys comes to rest.
-pub const MAX_ZEROS: u32 = 22;
 /// Time from the last zeros of the shut-down to `stop`.
 pub const STOP_DELAY: Duration = Duration::from_millis(500);
 /// The link counts as lost if a telemetry stream is silent for this time.

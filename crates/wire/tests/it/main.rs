@@ -1,5 +1,6 @@
 //! Both ends of the protocols: of the Fotokite Pro against transcripts that were written by hand
-//! (`fixtures/fotokite-pro/README.md` describes their format), of the Fotokite Sigma against each other in virtual time.
+//! (`fixtures/fotokite-pro/README.md` describes their format), of the Fotokite Sigma and of MAVLink gimbals against each other in
+//! virtual time.
 
 // Tests read fixture files, and fail by panicking.
 #![allow(clippy::disallowed_methods, clippy::panic, clippy::unwrap_used)]
@@ -8,6 +9,7 @@ mod transcript;
 
 mod client;
 mod commands;
+mod gimbal;
 mod hostile;
 mod station;
 mod telemetry;

@@ -36,6 +36,10 @@ fn flight_state(state: i32, mode: u32) -> Result<FlightState, Malformed> {
     })
 }
 
+fn control(is_ours: bool) -> ControlState {
+    if is_ours { ControlState::Ours } else { ControlState::NotOurs }
+}
+
 impl From<&Telemetry> for stored::TelemetryInput {
     fn from(telemetry: &Telemetry) -> Self {
         use stored::telemetry_input::Report as Stored;
@@ -44,6 +48,10 @@ impl From<&Telemetry> for stored::TelemetryInput {
             Report::Ground { control, uptime_s, battery_v, tether_m } => {
                 let in_control = control == ControlState::Ours;
                 Stored::Ground(stored::GroundReport { in_control, uptime_s, battery_v, tether_m })
+            }
+            Report::Control { control, uptime_s } => {
+                let in_control = control == ControlState::Ours;
+                Stored::Control(stored::ControlReport { in_control, uptime_s })
             }
             Report::VehicleAttitude(q) => Stored::VehicleAttitude(stored_quaternion(q)),
             Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
@@ -84,8 +92,11 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
             Stored::Link(state) => {
                 Report::Link(stored::LinkState::try_from(state).map_err(|_| missing("link"))?.try_into()?)
             }
+            Stored::Control(report) => {
+                Report::Control { control: control(report.in_control), uptime_s: report.uptime_s }
+            }
             Stored::Ground(ground) => Report::Ground {
-                control: if ground.in_control { ControlState::Ours } else { ControlState::NotOurs },
+                control: control(ground.in_control),
                 uptime_s: ground.uptime_s,
                 battery_v: ground.battery_v,
                 tether_m: ground.tether_m,

@@ -1,0 +1,83 @@
+//! The emulated MAVLink gimbal: an autopilot with a gimbal manager.
+
+use barrelman_vocab::{AngularRate, Timestamp, VehicleProfile};
+use barrelman_wire::mavlink::GimbalManager;
+use barrelman_wire::mavlink::frame::FrameReader;
+use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, OTHER_COMMANDER};
+pub use barrelman_wire::mavlink::gimbal_manager::{GimbalManagerSettings, Habits};
+
+use super::emulated_vehicle::EmulatedVehicle;
+use super::log::VehicleState;
+use crate::link::camera_link::Pointing;
+
+/// An emulated autopilot with a gimbal.
+#[derive(Debug)]
+pub struct MavlinkGimbal {
+    manager: GimbalManager,
+    settings: GimbalManagerSettings,
+    profile: VehicleProfile,
+}
+
+impl MavlinkGimbal {
+    /// An autopilot that has just been switched on.
+    pub fn new(settings: GimbalManagerSettings, now: Timestamp) -> Self {
+        let manager = GimbalManager::boot(settings, now);
+        Self { manager, settings, profile: VehicleProfile::mavlink_gimbal() }
+    }
+}
+
+impl EmulatedVehicle for MavlinkGimbal {
+    const NAME: &'static str = "MAVLink gimbal";
+
+    fn profile(&self) -> &VehicleProfile {
+        &self.profile
+    }
+
+    fn reboot(&mut self, now: Timestamp) {
+        self.manager = GimbalManager::boot(self.settings, now);
+    }
+
+    fn take_over(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
+        self.manager.take_over(now, out);
+    }
+
+    fn receive(
+        &mut self,
+        bytes: &[u8],
+        now: Timestamp,
+        out: &mut Vec<Vec<u8>>,
+        on_message: &mut dyn FnMut(String, VehicleState),
+    ) {
+        let mut manager = self.manager.clone();
+        let name = name_of(&manager);
+        manager.receive(bytes, now, out, |text, rates| {
+            on_message(text.to_owned(), VehicleState { name, rates, ..VehicleState::default() });
+        });
+        self.manager = manager;
+    }
+
+    fn advance(&mut self, pointing: Pointing, now: Timestamp, out: &mut Vec<Vec<u8>>) {
+        let angles = GimbalAngles { yaw: pointing.pan, pitch: pointing.tilt };
+        self.manager.write_telemetry(angles, now, out);
+    }
+
+    fn state(&self) -> VehicleState {
+        let name = name_of(&self.manager);
+        VehicleState { name, rates: self.manager.rates(), roll: AngularRate::ZERO, lost_lines: 0 }
+    }
+
+    fn texts(&self, packet: &[u8]) -> Vec<String> {
+        let mut texts = Vec::new();
+        FrameReader::default().read(packet, |frame| texts.push(format!("message {}", frame.message)));
+        texts
+    }
+}
+
+/// Who has the control.
+fn name_of(manager: &GimbalManager) -> &'static str {
+    match manager.primary() {
+        None => "unclaimed",
+        Some(OTHER_COMMANDER) => "other-commander",
+        Some(_) => "claimed",
+    }
+}

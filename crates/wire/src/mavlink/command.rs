@@ -1,0 +1,155 @@
+//! The commands that this program can send to a gimbal manager.
+//!
+//! [`Command`] contains all of them. Arming, take-off, modes, missions, positions, and the gimbal's retract and neutral are not in
+//! it, so that they cannot be sent.
+
+use core::time::Duration;
+
+use barrelman_vocab::mavlink::Address;
+use barrelman_vocab::profile::MAVLINK_RATE_LIMITS;
+use barrelman_vocab::{AngularRate, VehicleRates};
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, HEARTBEAT_DATA, MavAutopilot,
+    MavCmd, MavModeFlag, MavState, MavType,
+};
+
+use super::frame::FrameWriter;
+
+/// A gimbal of a gimbal manager.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gimbal {
+    /// The gimbal manager.
+    pub manager: Address,
+    /// The gimbal device; 0: all devices of the manager.
+    pub device: u8,
+}
+
+impl Gimbal {
+    /// All gimbals that hear it.
+    pub const ALL: Self = Self { manager: Address::EVERYONE, device: 0 };
+}
+
+/// A message that can be asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// GIMBAL_MANAGER_INFORMATION (280): axes and end stops.
+    ManagerInformation,
+    /// GIMBAL_MANAGER_STATUS (281): who has the control.
+    ManagerStatus,
+    /// GIMBAL_DEVICE_ATTITUDE_STATUS (285).
+    Attitude,
+}
+
+impl Wanted {
+    /// The id of the message.
+    pub const fn id(self) -> u32 {
+        match self {
+            Self::ManagerInformation => 280,
+            Self::ManagerStatus => 281,
+            Self::Attitude => 285,
+        }
+    }
+}
+
+/// A command of this program.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Command {
+    /// HEARTBEAT (0): this program is there, as an onboard controller.
+    Heartbeat,
+    /// MAV_CMD_REQUEST_MESSAGE (512).
+    Request {
+        /// Who is asked.
+        to: Address,
+        /// What for.
+        message: Wanted,
+    },
+    /// MAV_CMD_SET_MESSAGE_INTERVAL (511).
+    SetInterval {
+        /// Who is asked.
+        to: Address,
+        /// What for.
+        message: Wanted,
+        /// The time between two of them.
+        interval: Duration,
+    },
+    /// MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE (1001) with this program's own address: takes the control.
+    Claim(Gimbal),
+    /// MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE (1001) with -3: gives the control back.
+    Release(Gimbal),
+    /// GIMBAL_MANAGER_SET_PITCHYAW (287): rates, clamped to the protocol's limits; roll and pitch stay against the horizon.
+    Rates(Gimbal, VehicleRates),
+}
+
+impl Command {
+    /// The command as a packet of this sender.
+    pub fn encode(self, writer: &mut FrameWriter) -> Vec<u8> {
+        let own = writer.address();
+        match self {
+            Self::Heartbeat => writer.write(&HEARTBEAT_DATA {
+                custom_mode: 0,
+                mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
+                autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+                base_mode: MavModeFlag::empty(),
+                system_status: MavState::MAV_STATE_ACTIVE,
+                mavlink_version: 3,
+            }),
+            Self::Request { to, message } => {
+                let parameters = [message.id() as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+                writer.write(&command_long(to, MavCmd::MAV_CMD_REQUEST_MESSAGE, parameters))
+            }
+            Self::SetInterval { to, message, interval } => {
+                let parameters = [message.id() as f32, interval.as_micros() as f32, 0.0, 0.0, 0.0, 0.0, 0.0];
+                writer.write(&command_long(to, MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, parameters))
+            }
+            Self::Claim(gimbal) => {
+                let (system, component) = (f32::from(own.system.0), f32::from(own.component.0));
+                writer.write(&configure(gimbal, [system, component]))
+            }
+            Self::Release(gimbal) => writer.write(&configure(gimbal, [-3.0, -3.0])),
+            Self::Rates(gimbal, rates) => {
+                let limits = MAVLINK_RATE_LIMITS;
+                writer.write(&GIMBAL_MANAGER_SET_PITCHYAW_DATA {
+                    flags: GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_ROLL_LOCK
+                        | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_PITCH_LOCK,
+                    // Angles that are numbers would win over the rates.
+                    pitch: f32::NAN,
+                    yaw: f32::NAN,
+                    pitch_rate: encodable(rates.pitch, limits.tilt),
+                    yaw_rate: encodable(rates.yaw, limits.pan),
+                    target_system: gimbal.manager.system.0,
+                    target_component: gimbal.manager.component.0,
+                    gimbal_device_id: gimbal.device,
+                })
+            }
+        }
+    }
+}
+
+/// A rate within the limit; a rate that is not a number is zero.
+fn encodable(rate: AngularRate, limit: AngularRate) -> f32 {
+    // Positive zero for both zeros.
+    rate.clamped(limit).radians_per_second() as f32 + 0.0
+}
+
+fn configure(gimbal: Gimbal, primary: [f32; 2]) -> COMMAND_LONG_DATA {
+    const KEEP: f32 = -1.0;
+    let parameters = [primary[0], primary[1], KEEP, KEEP, 0.0, 0.0, f32::from(gimbal.device)];
+    command_long(gimbal.manager, MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE, parameters)
+}
+
+fn command_long(to: Address, command: MavCmd, parameters: [f32; 7]) -> COMMAND_LONG_DATA {
+    let [param1, param2, param3, param4, param5, param6, param7] = parameters;
+    COMMAND_LONG_DATA {
+        param1,
+        param2,
+        param3,
+        param4,
+        param5,
+        param6,
+        param7,
+        command,
+        target_system: to.system.0,
+        target_component: to.component.0,
+        confirmation: 0,
+    }
+}

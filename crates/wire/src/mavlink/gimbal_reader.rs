@@ -1,0 +1,314 @@
+//! What a gimbal manager says: messages to facts for the session, and to reports for the pilot.
+//!
+//! The gimbal manager is the first component that sends GIMBAL_MANAGER_INFORMATION or GIMBAL_MANAGER_STATUS, of the configured
+//! system where there is one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and variants here.
+
+use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
+use barrelman_vocab::telemetry::{ControlState, EulerAxis, Quaternion, Report};
+use mavlink::dialects::common::{
+    COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
+    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavResult, MavType,
+};
+
+use super::command::Gimbal;
+use super::frame::{Frame, FrameReader};
+use super::signing::Signing;
+
+/// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each other.
+const UPTIME_TOLERANCE_S: f64 = 1.0;
+/// The control is reported again after this time, seconds.
+const CONTROL_REPORT_S: f64 = 0.5;
+/// From this id on a gimbal device is named by its component, below it is a part of the manager's.
+const LEAST_COMPONENT_DEVICE: u8 = 7;
+/// A quaternion whose squared norm is further from 1 is damaged.
+const NORM_TOLERANCE: f64 = 0.1;
+
+/// What was received.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Received {
+    /// A component is there; whether it is a ground station.
+    Heartbeat(Address, bool),
+    /// A gimbal manager was found.
+    Gimbal(Gimbal),
+    /// The gimbal manager describes its gimbal.
+    Information(Information),
+    /// Who has the control.
+    Holder(Holder),
+    /// The answer to a claim or a release of this program.
+    ClaimAnswered(Claim),
+    /// The gimbal's attitude.
+    Attitude(Quaternion),
+    /// The vehicle's clock begins anew.
+    Restarted,
+    /// Anything else of the gimbal manager.
+    Other,
+    /// A report for the pilot.
+    Report(Report),
+}
+
+/// What a gimbal manager answers to a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Claim {
+    /// The claim was accepted.
+    Accepted,
+    /// The claim was refused. A claim that is refused for the moment is not: it is repeated.
+    Refused,
+}
+
+/// Who has the primary control of a gimbal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Holder {
+    /// Nobody.
+    Nobody,
+    /// This program: by its address, or because its claim was accepted by a manager that names nobody.
+    Us,
+    /// Somebody else.
+    Other(Address),
+}
+
+/// What a gimbal manager says of its gimbal: axes and end stops. Angles are radians, pitch above the horizon and yaw to the right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Information {
+    /// The gimbal.
+    pub gimbal: Gimbal,
+    /// Whether it pitches.
+    pub has_pitch: bool,
+    /// Whether it yaws.
+    pub has_yaw: bool,
+    /// Least and largest pitch; `None`: not stated.
+    pub pitch_stops: Option<(f64, f64)>,
+    /// Least and largest yaw; `None`: not stated, or without end.
+    pub yaw_stops: Option<(f64, f64)>,
+}
+
+/// Reads the messages of a gimbal manager from received bytes.
+#[derive(Debug, Clone)]
+pub struct GimbalReader {
+    frames: FrameReader,
+    facts: Facts,
+}
+
+#[derive(Debug, Clone)]
+struct Facts {
+    peers: MavlinkPeers,
+    gimbal: Option<Gimbal>,
+    /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
+    uptimes: [Option<f64>; 3],
+    uptime_s: Option<f64>,
+    /// Whether a claim of this program was accepted, and nobody else has the control since.
+    is_claimed: bool,
+    /// Whether the status has named this program since.
+    is_named: bool,
+    control: Option<ControlState>,
+    /// The uptime of the newest report of the control.
+    control_reported_s: f64,
+}
+
+/// The kinds of messages that tell the time since boot.
+#[derive(Debug, Clone, Copy)]
+enum Timed {
+    Information,
+    Status,
+    Attitude,
+}
+
+impl GimbalReader {
+    /// A reader between these peers. With `signing`, packets without a right signature are not read.
+    pub fn new(peers: MavlinkPeers, signing: Option<Signing>) -> Self {
+        let facts = Facts {
+            peers,
+            gimbal: None,
+            uptimes: [None; 3],
+            uptime_s: None,
+            is_claimed: false,
+            is_named: false,
+            control: None,
+            control_reported_s: 0.0,
+        };
+        Self { frames: FrameReader::new(signing), facts }
+    }
+
+    /// Passes what received bytes mean to `each`.
+    pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Received)) {
+        let Self { frames, facts } = self;
+        frames.read(bytes, |frame| facts.on_frame(frame, &mut each));
+    }
+}
+
+impl Facts {
+    fn on_frame(&mut self, frame: &Frame<'_>, each: &mut impl FnMut(Received)) {
+        let is_ours = frame.from == self.peers.own;
+        if is_ours || self.peers.vehicle.is_some_and(|vehicle| vehicle != frame.from.system) {
+            return;
+        }
+        if let Some(heartbeat) = frame.read::<HEARTBEAT_DATA>() {
+            each(Received::Heartbeat(frame.from, heartbeat.mavtype == MavType::MAV_TYPE_GCS));
+        } else if let Some(information) = frame.read::<GIMBAL_MANAGER_INFORMATION_DATA>() {
+            if let Some(gimbal) = self.found(frame.from, information.gimbal_device_id, each) {
+                self.on_uptime(Timed::Information, information.time_boot_ms, each);
+                each(Received::Information(described(gimbal, &information)));
+            }
+        } else if let Some(status) = frame.read::<GIMBAL_MANAGER_STATUS_DATA>() {
+            if self.found(frame.from, status.gimbal_device_id, each).is_some() {
+                self.on_uptime(Timed::Status, status.time_boot_ms, each);
+                self.on_status(&status, each);
+            }
+        } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
+            if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
+                self.on_uptime(Timed::Attitude, attitude.time_boot_ms, each);
+                on_attitude(attitude.q, each);
+                self.report_control_again(each);
+            }
+        } else if let Some(answer) = frame.read::<COMMAND_ACK_DATA>()
+            && self.is_manager(frame.from)
+            && self.is_of_claim(&answer)
+        {
+            self.on_claim_answered(answer.result, each);
+        }
+        if self.is_manager(frame.from) {
+            each(Received::Other);
+        }
+    }
+
+    fn is_manager(&self, from: Address) -> bool {
+        self.gimbal.is_some_and(|gimbal| gimbal.manager == from)
+    }
+
+    /// The gimbal of a manager's message; `None`: another manager, or another device.
+    fn found(&mut self, from: Address, device: u8, each: &mut impl FnMut(Received)) -> Option<Gimbal> {
+        let gimbal = Gimbal { manager: from, device };
+        let known = self.gimbal.filter(|known| known.device != 0 || known.manager != from || device == 0);
+        match known {
+            // 0 is every device of the manager.
+            Some(known) => {
+                (known.manager == from && (known.device == device || device == 0)).then_some(known)
+            }
+            None => {
+                self.gimbal = Some(gimbal);
+                each(Received::Gimbal(gimbal));
+                Some(gimbal)
+            }
+        }
+    }
+
+    /// Whether an attitude is that of the gimbal. A device that is a component of its own leaves the id of the device out.
+    fn is_of_gimbal(&self, from: Address, device: u8) -> bool {
+        let Some(gimbal) = self.gimbal.filter(|gimbal| gimbal.manager.system == from.system) else {
+            return false;
+        };
+        let is_another_component = LEAST_COMPONENT_DEVICE <= gimbal.device
+            && from != gimbal.manager
+            && from.component.0 != gimbal.device;
+        match device {
+            0 => !is_another_component,
+            _ => device == gimbal.device || gimbal.device == 0,
+        }
+    }
+
+    fn is_of_claim(&self, answer: &COMMAND_ACK_DATA) -> bool {
+        let own = self.peers.own;
+        let to = Address::new(answer.target_system, answer.target_component);
+        answer.command == MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE
+            && (to == own || to == Address::EVERYONE)
+    }
+
+    fn on_uptime(&mut self, kind: Timed, time_boot_ms: u32, each: &mut impl FnMut(Received)) {
+        let uptime_s = f64::from(time_boot_ms) * 1e-3;
+        let last_s = self.uptimes[kind as usize].replace(uptime_s);
+        if last_s.is_some_and(|last_s| uptime_s < last_s - UPTIME_TOLERANCE_S) {
+            // Nobody has the control of a vehicle that has just started.
+            self.lose_control();
+            (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
+            each(Received::Restarted);
+            self.report_control(each);
+        } else {
+            self.uptime_s = Some(self.uptime_s.map_or(uptime_s, |known_s| known_s.max(uptime_s)));
+        }
+    }
+
+    fn on_status(&mut self, status: &GIMBAL_MANAGER_STATUS_DATA, each: &mut impl FnMut(Received)) {
+        let primary = Address::new(status.primary_control_sysid, status.primary_control_compid);
+        let holder = match primary {
+            primary if primary == self.peers.own => {
+                self.is_named = true;
+                Holder::Us
+            }
+            Address { system: SystemId(0), .. } if self.is_claimed && !self.is_named => Holder::Us,
+            Address { system: SystemId(0), .. } => Holder::Nobody,
+            primary => Holder::Other(primary),
+        };
+        if holder == Holder::Us {
+            self.control = Some(ControlState::Ours);
+        } else {
+            self.lose_control();
+        }
+        each(Received::Holder(holder));
+        self.report_control(each);
+    }
+
+    fn lose_control(&mut self) {
+        (self.is_claimed, self.is_named) = (false, false);
+        self.control = Some(ControlState::NotOurs);
+    }
+
+    fn on_claim_answered(&mut self, result: MavResult, each: &mut impl FnMut(Received)) {
+        match result {
+            MavResult::MAV_RESULT_IN_PROGRESS | MavResult::MAV_RESULT_TEMPORARILY_REJECTED => return,
+            MavResult::MAV_RESULT_ACCEPTED => {
+                self.is_claimed = true;
+                self.control = Some(ControlState::Ours);
+                each(Received::ClaimAnswered(Claim::Accepted));
+            }
+            _ => {
+                self.lose_control();
+                each(Received::ClaimAnswered(Claim::Refused));
+            }
+        }
+        self.report_control(each);
+    }
+
+    fn report_control(&mut self, each: &mut impl FnMut(Received)) {
+        if let (Some(control), Some(uptime_s)) = (self.control, self.uptime_s) {
+            self.control_reported_s = uptime_s;
+            each(Received::Report(Report::Control { control, uptime_s }));
+        }
+    }
+
+    /// Reports the control again now and then: a manager may send its status at changes only.
+    fn report_control_again(&mut self, each: &mut impl FnMut(Received)) {
+        if self.uptime_s.is_some_and(|uptime_s| uptime_s >= self.control_reported_s + CONTROL_REPORT_S) {
+            self.report_control(each);
+        }
+    }
+}
+
+/// What a manager says of its gimbal. End stops that are not in order are not stated.
+fn described(gimbal: Gimbal, information: &GIMBAL_MANAGER_INFORMATION_DATA) -> Information {
+    let stops = |low: f32, high: f32| {
+        let is_stated = low.is_finite() && high.is_finite() && low < high;
+        is_stated.then_some((f64::from(low), f64::from(high)))
+    };
+    let has = |flag: GimbalManagerCapFlags| information.cap_flags.contains(flag);
+    let is_endless = has(GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_SUPPORTS_INFINITE_YAW);
+    Information {
+        gimbal,
+        has_pitch: has(GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_HAS_PITCH_AXIS),
+        has_yaw: has(GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_HAS_YAW_AXIS),
+        pitch_stops: stops(information.pitch_min, information.pitch_max),
+        yaw_stops: stops(information.yaw_min, information.yaw_max).filter(|_| !is_endless),
+    }
+}
+
+fn on_attitude(q: [f32; 4], each: &mut impl FnMut(Received)) {
+    let [w, x, y, z] = q.map(f64::from);
+    let norm = w * w + x * x + y * y + z * z;
+    if norm.is_nan() || (norm - 1.0).abs() > NORM_TOLERANCE {
+        return;
+    }
+    let attitude = Quaternion { w, x, y, z };
+    each(Received::Attitude(attitude));
+    each(Received::Report(Report::GimbalAttitude(attitude)));
+    if let Some(tilt) = attitude.angle_about(EulerAxis::Y) {
+        each(Received::Report(Report::CameraTilt(tilt)));
+    }
+}

@@ -1,0 +1,22 @@
+//! MAVLink's gimbal protocol, version 2. `docs/wire/mavlink-gimbal.md` describes it.
+//!
+//! [`GimbalSession`] is the client of a gimbal manager: discovery, control, rates, attitude, shut-down. [`GimbalManager`] is the
+//! other end, for the emulator and the tests. Both are plain structs without I/O: bytes and times in, packets and times out.
+
+pub mod frame;
+pub mod signing;
+
+pub mod command;
+pub mod gimbal_reader;
+pub mod pacing;
+pub mod probe;
+pub mod session;
+mod session_times;
+
+pub mod gimbal_manager;
+
+pub use command::{Command, Gimbal, Wanted};
+pub use gimbal_manager::GimbalManager;
+pub use gimbal_reader::GimbalReader;
+pub use probe::Probe;
+pub use session::GimbalSession;

@@ -1,0 +1,108 @@
+//! Looks for a gimbal manager without moving anything: heartbeats and requests, no claim and no rate.
+
+use barrelman_vocab::Timestamp;
+use barrelman_vocab::mavlink::{Address, MavlinkPeers};
+
+use super::command::{Command, Gimbal, Wanted};
+use super::frame::FrameWriter;
+use super::gimbal_reader::{GimbalReader, Holder, Information, Received};
+use super::session_times::{ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, MAX_CANDIDATES};
+use super::signing::Signing;
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Findings {
+    /// The components that were heard, without ground stations.
+    pub components: Vec<Address>,
+    /// The gimbal.
+    pub gimbal: Option<Gimbal>,
+    /// What the gimbal manager says of its gimbal.
+    pub information: Option<Information>,
+    /// Who has the control.
+    pub holder: Option<Holder>,
+    /// Whether the gimbal's attitude is reported.
+    pub has_attitude: bool,
+}
+
+impl Findings {
+    /// Whether nothing more is to be found.
+    pub const fn is_complete(&self) -> bool {
+        self.information.is_some() && self.holder.is_some() && self.has_attitude
+    }
+}
+
+/// Looks for a gimbal manager.
+#[derive(Debug, Clone)]
+pub struct Probe {
+    writer: FrameWriter,
+    reader: GimbalReader,
+    ask_at: Timestamp,
+    asked: u32,
+    findings: Findings,
+}
+
+impl Probe {
+    /// A probe that has sent nothing yet.
+    pub fn new(peers: MavlinkPeers, signing: Option<Signing>) -> Self {
+        Self {
+            writer: FrameWriter::new(peers.own, signing),
+            reader: GimbalReader::new(peers, signing),
+            ask_at: Timestamp::ZERO,
+            asked: 0,
+            findings: Findings::default(),
+        }
+    }
+
+    /// Appends the packets that are due now to `out`.
+    pub fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
+        if now < self.ask_at {
+            return;
+        }
+        self.ask_at = now.plus(ASK_SPACING);
+        self.writer.set_time(now);
+        let mut send = |command: Command| out.push(command.encode(&mut self.writer));
+        send(Command::Heartbeat);
+        match self.findings.gimbal {
+            None => {
+                for to in &self.findings.components {
+                    send(Command::Request { to: *to, message: Wanted::ManagerInformation });
+                    if self.asked >= ASKS_FOR_INFORMATION {
+                        send(Command::Request { to: *to, message: Wanted::ManagerStatus });
+                    }
+                }
+                self.asked += u32::from(!self.findings.components.is_empty());
+            }
+            Some(gimbal) => {
+                let to = gimbal.manager;
+                if self.findings.information.is_none() {
+                    send(Command::Request { to, message: Wanted::ManagerInformation });
+                }
+                send(Command::Request { to, message: Wanted::ManagerStatus });
+                send(Command::SetInterval { to, message: Wanted::Attitude, interval: ATTITUDE_INTERVAL });
+            }
+        }
+    }
+
+    /// Takes received bytes.
+    pub fn received(&mut self, bytes: &[u8]) {
+        let findings = &mut self.findings;
+        self.reader.read(bytes, |received| match received {
+            Received::Heartbeat(from, false) => {
+                let is_new = !findings.components.contains(&from);
+                if is_new && findings.components.len() < MAX_CANDIDATES {
+                    findings.components.push(from);
+                }
+            }
+            Received::Gimbal(gimbal) => findings.gimbal = Some(gimbal),
+            Received::Information(information) => findings.information = Some(information),
+            Received::Holder(holder) => findings.holder = Some(holder),
+            Received::Attitude(_) => findings.has_attitude = true,
+            _ => {}
+        });
+    }
+
+    /// What was found until now.
+    pub const fn findings(&self) -> &Findings {
+        &self.findings
+    }
+}

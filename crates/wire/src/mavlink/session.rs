@@ -1,0 +1,294 @@
+//! The client of a gimbal manager: discovery, control, rates, attitude, shut-down.
+//!
+//! ```text
+//!            information (280)               nobody else has it:           claimed: status says so, or
+//!            or status (281)                 status (281), or 1 s          0.6 s after an accepted claim
+//!   Searching ------------------> Asking -----------------> Claiming ---------------> Up
+//!    ^  |                           | somebody else            | refused, or somebody  | somebody else,
+//!    |  | 6 s                       | has the control          | else has the control  | or nobody any more
+//!    |  v                           v                          v                       v
+//!    | Unresponsive <------------- Yielded <----------------------------------------------+
+//!    | (reopen the port)             |  ^
+//!    |         ^  silent for 3 s     |  | accepted, without effect for 3 s
+//!    |         +-- any but Searching +--+-- take_control() --> Claiming
+//!    |                               +-- status: control is ours again: Up, zeros first
+//!    +--------- the vehicle restarted (after Yielded, only take_control() claims)
+//!
+//!   Up, Claiming -- close() --> Closing (zeros until rest) --> Releasing (1001 with -3) --> Closed
+//!   any other state -- close() --> Closed
+//! ```
+//!
+//! No rate is sent to a gimbal whose control is not ours, with one exception: where a session before may have left the gimbal
+//! turning ([`Session::must_be_answered`]), zeros go to every gimbal manager that hears them, from the first packet on until
+//! the manager is known to obey somebody else. The control begins with zeros.
+//!
+//! [`GimbalSession`] is the [`Session`] of this protocol: a plain struct without I/O. It sends rates other than zero only in the
+//! state `Up`. `session/due.rs` has what is sent when, `session/events.rs` what received messages change.
+
+use core::time::Duration;
+
+use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers, SystemId};
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+
+use super::command::{Command, Gimbal};
+use super::frame::FrameWriter;
+use super::gimbal_reader::{GimbalReader, Holder};
+use super::pacing::{Pacing, SPACING, ZERO_REPEATS};
+use super::signing::Signing;
+use crate::attitude_rate::AttitudeRate;
+use crate::closing_zeros::{ZEROS_AT_REST, ZEROS_IN_MOTION};
+use crate::session::{NextAction, RestEvidence, Session, WillStep};
+
+pub use super::session_times::{
+    ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
+    HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING, MAX_CANDIDATES, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT,
+    SILENCE, STATUS_INTERVAL, STATUS_TIMEOUT,
+};
+
+mod due;
+mod events;
+
+const SILENT: NextAction = NextAction::Reopen { reason: "the gimbal manager does not answer any more" };
+
+/// State of a session.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum State {
+    /// The components that were heard are asked for a gimbal manager at `ask_at`.
+    Searching {
+        since: Timestamp,
+        asked: u32,
+        ask_at: Timestamp,
+    },
+    /// The gimbal manager is asked who has the control.
+    Asking {
+        since: Timestamp,
+        ask_at: Timestamp,
+    },
+    /// The control is claimed at `ask_at`. With `accepted_at`, the claim was accepted.
+    Claiming {
+        since: Timestamp,
+        ask_at: Timestamp,
+        accepted_at: Option<Timestamp>,
+        is_by_operator: bool,
+    },
+    Up,
+    /// Somebody else has the control.
+    Yielded,
+    Closing {
+        since: Timestamp,
+        zeros_sent: u32,
+        next_at: Timestamp,
+    },
+    Releasing {
+        sent: u32,
+        next_at: Timestamp,
+    },
+    Closed,
+    Unresponsive(NextAction),
+}
+
+/// One session with a gimbal manager.
+#[derive(Debug, Clone)]
+pub struct GimbalSession {
+    peers: MavlinkPeers,
+    state: State,
+    writer: FrameWriter,
+    reader: GimbalReader,
+    pacing: Pacing,
+    gimbal: Option<Gimbal>,
+    /// Whether the gimbal manager has described its gimbal.
+    has_information: bool,
+    holder: Option<Holder>,
+    /// Components that may have a gimbal manager.
+    candidates: Vec<Address>,
+    attitude: AttitudeRate,
+    heartbeat_at: Timestamp,
+    /// When missing reports are asked for again.
+    ask_again_at: Timestamp,
+    /// When the zeros are due that a session before has left to be sent.
+    zeros_at: Timestamp,
+    left_zeros_sent: u8,
+    last_attitude: Option<Timestamp>,
+    last_status: Option<Timestamp>,
+    /// When the gimbal manager was heard last.
+    last_heard: Option<Timestamp>,
+    /// Whether somebody else had the control when the vehicle restarted.
+    is_operator_asked: bool,
+    /// Whether a session before may have left the gimbal turning, and the control was not ours, or somebody else's, since.
+    needs_answer: bool,
+    /// Least number of zeros of the shut-down.
+    least_zeros: u32,
+    /// Whether a session with a gimbal manager fell silent.
+    fell_silent: bool,
+}
+
+impl GimbalSession {
+    /// A session on a newly opened port. With `signing`, packets are signed, and others are not read.
+    pub fn open(peers: MavlinkPeers, signing: Option<Signing>, now: Timestamp) -> Self {
+        Self {
+            peers,
+            state: searching(now),
+            writer: FrameWriter::new(peers.own, signing),
+            reader: GimbalReader::new(peers, signing),
+            pacing: Pacing::default(),
+            gimbal: None,
+            has_information: false,
+            holder: None,
+            candidates: Vec::new(),
+            attitude: AttitudeRate::new(LEAST_ATTITUDE_SPACING),
+            heartbeat_at: now,
+            ask_again_at: now,
+            zeros_at: now,
+            left_zeros_sent: 0,
+            last_attitude: None,
+            last_status: None,
+            last_heard: None,
+            is_operator_asked: false,
+            needs_answer: false,
+            least_zeros: ZEROS_AT_REST,
+            fell_silent: false,
+        }
+    }
+
+    /// Whom zeros reach: the gimbal, or whoever has one.
+    fn target(&self) -> Gimbal {
+        self.gimbal.unwrap_or(everyone(self.peers))
+    }
+
+    fn is_somebody_elses(&self) -> bool {
+        self.state == State::Yielded || matches!(self.holder, Some(Holder::Other(_)))
+    }
+
+    fn begin_up(&mut self) {
+        self.pacing.begin_with_zeros();
+        (self.is_operator_asked, self.needs_answer) = (false, false);
+        self.state = State::Up;
+    }
+
+    fn begin_claiming(&mut self, now: Timestamp, is_by_operator: bool) {
+        self.state = State::Claiming { since: now, ask_at: now, accepted_at: None, is_by_operator };
+    }
+
+    /// Leaves the gimbal to whoever has the control.
+    fn yield_control(&mut self) {
+        self.needs_answer = false;
+        self.state = State::Yielded;
+    }
+}
+
+fn searching(now: Timestamp) -> State {
+    State::Searching { since: now, asked: 0, ask_at: now }
+}
+
+/// All gimbals of the configured vehicle, or of every vehicle.
+fn everyone(peers: MavlinkPeers) -> Gimbal {
+    let system = peers.vehicle.unwrap_or(SystemId(0));
+    Gimbal { manager: Address { system, component: ComponentId(0) }, ..Gimbal::ALL }
+}
+
+impl Session for GimbalSession {
+    type Sent = Vec<u8>;
+    type Received = [u8];
+
+    fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
+        self.writer.set_time(now);
+        let next = self.write_due(now, out);
+        let NextAction::WaitUntil(at) = next else { return next };
+        // After the zeros, which come first.
+        if self.heartbeat_at <= now {
+            self.send(Command::Heartbeat, out);
+            self.heartbeat_at = now.plus(HEARTBEAT_INTERVAL);
+        }
+        NextAction::WaitUntil(at.min(self.heartbeat_at))
+    }
+
+    fn received(&mut self, packet: &[u8], now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
+        let mut heard = Vec::new();
+        self.reader.read(packet, |received| heard.push(received));
+        for received in heard {
+            self.on_received(received, now, report);
+        }
+    }
+
+    /// Rates are renewed at 10 Hz, and the worker requests rest in time, so that no time of renewal is sent.
+    fn request(&mut self, rates: VehicleRates, _renew_by: Option<Timestamp>) {
+        self.pacing.set_rates(rates);
+    }
+
+    fn take_control(&mut self, now: Timestamp) {
+        if self.state == State::Yielded {
+            self.holder = None;
+            self.begin_claiming(now, true);
+        }
+    }
+
+    /// Begins the shut-down: zeros at once, three times, then until telemetry shows no motion; then the control is released.
+    fn close(&mut self, now: Timestamp) {
+        let is_claimed = matches!(self.state, State::Claiming { accepted_at: Some(_), .. });
+        self.state = match self.state {
+            State::Closing { .. } | State::Releasing { .. } | State::Closed | State::Unresponsive(_) => {
+                return;
+            }
+            _ if self.is_somebody_elses() => State::Closed,
+            State::Up => self.closing(now),
+            _ if self.needs_answer || is_claimed => self.closing(now),
+            // The claim that is under way may yet be accepted.
+            State::Claiming { .. } => State::Releasing { sent: 0, next_at: now },
+            State::Searching { .. } | State::Asking { .. } | State::Yielded => State::Closed,
+        };
+    }
+
+    fn link_state(&self) -> LinkState {
+        match self.state {
+            State::Searching { .. } | State::Asking { .. } | State::Claiming { .. } => LinkState::Starting,
+            State::Up | State::Yielded => LinkState::Up,
+            State::Closing { .. } | State::Releasing { .. } => LinkState::Closing,
+            State::Closed => LinkState::Closed,
+            State::Unresponsive(SILENT) => LinkState::Silent,
+            State::Unresponsive(_) => LinkState::Opening,
+        }
+    }
+
+    fn must_be_answered(&mut self) {
+        self.needs_answer = true;
+    }
+
+    fn may_be_turning(&self) -> bool {
+        let is_ours = self.state == State::Up || self.fell_silent;
+        is_ours && self.pacing.may_be_turning()
+    }
+
+    fn rest_evidence(&self, now: Timestamp) -> RestEvidence {
+        let since = if let State::Closing { since, .. } = self.state { since } else { Timestamp::ZERO };
+        self.evidence_since(since, now)
+    }
+
+    /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal that somebody else has.
+    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+        if self.is_somebody_elses() {
+            return Vec::new();
+        }
+        let mut writer = self.writer.clone();
+        let mut will = Vec::new();
+        for _ in 0..=ZERO_REPEATS {
+            let mut targets = vec![everyone(self.peers)];
+            targets.extend(self.gimbal);
+            for (index, target) in targets.iter().enumerate() {
+                let pause = if index + 1 == targets.len() { SPACING } else { Duration::ZERO };
+                let packet = Command::Rates(*target, VehicleRates::REST).encode(&mut writer);
+                will.push(WillStep { packet, pause });
+            }
+        }
+        will
+    }
+}
+
+impl GimbalSession {
+    fn closing(&mut self, now: Timestamp) -> State {
+        if self.needs_answer || self.may_be_turning() {
+            self.least_zeros = ZEROS_IN_MOTION;
+        }
+        State::Closing { since: now, zeros_sent: 0, next_at: now }
+    }
+}

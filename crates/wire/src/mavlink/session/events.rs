@@ -1,0 +1,93 @@
+//! What received messages change in a session.
+
+use barrelman_vocab::telemetry::Quaternion;
+use barrelman_vocab::{Telemetry, Timestamp};
+
+use super::{GimbalSession, MAX_CANDIDATES, RELEASES, State, searching};
+use crate::closing_zeros::ZEROS_AT_REST;
+use crate::mavlink::gimbal_reader::{Claim, Holder, Received};
+
+impl GimbalSession {
+    pub(super) fn on_received(
+        &mut self,
+        received: Received,
+        now: Timestamp,
+        report: &mut dyn FnMut(Telemetry),
+    ) {
+        match received {
+            Received::Heartbeat(from, is_ground_station) => {
+                let is_new = !is_ground_station && !self.candidates.contains(&from);
+                if is_new && self.candidates.len() < MAX_CANDIDATES {
+                    self.candidates.push(from);
+                }
+            }
+            Received::Gimbal(gimbal) => {
+                self.gimbal = Some(gimbal);
+                self.on_heard(now);
+            }
+            Received::Information(_) => {
+                self.has_information = true;
+                self.on_heard(now);
+            }
+            Received::Holder(holder) => {
+                self.last_status = Some(now);
+                self.holder = Some(holder);
+                self.on_holder(holder);
+            }
+            Received::ClaimAnswered(claim) => self.on_claim_answered(claim, now),
+            Received::Attitude(attitude) => self.on_attitude(attitude, now),
+            Received::Restarted => self.on_restarted(now),
+            Received::Other => self.on_heard(now),
+            Received::Report(content) => report(Telemetry { at: now, report: content }),
+        }
+    }
+
+    /// The gimbal manager was heard. A vehicle that was silent during the shut-down may have received none of its zeros.
+    fn on_heard(&mut self, now: Timestamp) {
+        if let State::Closing { since, zeros_sent, next_at } = &mut self.state
+            && self.last_heard.is_none_or(|heard| heard < *since)
+            && *zeros_sent > ZEROS_AT_REST
+        {
+            (*zeros_sent, *next_at) = (0, now);
+        }
+        self.last_heard = Some(now);
+    }
+
+    fn on_attitude(&mut self, attitude: Quaternion, now: Timestamp) {
+        self.last_attitude = Some(now);
+        self.attitude.on_attitude(attitude, now);
+    }
+
+    fn on_holder(&mut self, holder: Holder) {
+        match (self.state, holder) {
+            (State::Asking { .. } | State::Up, Holder::Other(_))
+            | (State::Claiming { is_by_operator: false, .. }, Holder::Other(_))
+            | (State::Up, Holder::Nobody) => self.yield_control(),
+            // Somebody has taken the control in the last moment: the gimbal is theirs.
+            (State::Closing { .. } | State::Releasing { .. }, Holder::Other(_)) => self.state = State::Closed,
+            // The rates before are unknown.
+            (State::Asking { .. } | State::Claiming { .. } | State::Yielded, Holder::Us) => self.begin_up(),
+            _ => {}
+        }
+    }
+
+    fn on_claim_answered(&mut self, claim: Claim, now: Timestamp) {
+        match (&mut self.state, claim) {
+            (State::Claiming { accepted_at, .. }, Claim::Accepted) => {
+                accepted_at.get_or_insert(now);
+            }
+            (State::Claiming { .. }, Claim::Refused) => self.yield_control(),
+            (State::Releasing { sent, next_at }, _) => (*sent, *next_at) = (RELEASES, now),
+            _ => {}
+        }
+    }
+
+    fn on_restarted(&mut self, now: Timestamp) {
+        if matches!(self.state, State::Closing { .. } | State::Releasing { .. } | State::Closed) {
+            return;
+        }
+        self.is_operator_asked |= self.state == State::Yielded;
+        (self.gimbal, self.has_information, self.holder) = (None, false, None);
+        self.state = searching(now);
+    }
+}

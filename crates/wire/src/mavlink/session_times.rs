@@ -1,0 +1,35 @@
+//! The times and counts of a session.
+
+use core::time::Duration;
+
+/// Interval of this program's heartbeats.
+pub const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
+/// Interval of repeated requests and claims.
+pub const ASK_SPACING: Duration = Duration::from_millis(500);
+/// So many requests for a gimbal manager's information are sent alone; later ones go with a request for its status.
+pub const ASKS_FOR_INFORMATION: u32 = 3;
+/// Longest time from the opened port to a gimbal manager's information. The port is then opened again.
+pub const SEARCH_TIMEOUT: Duration = Duration::from_secs(6);
+/// Longest wait for the word who has the control before the claim: a manager may send its status at changes only.
+pub const STATUS_TIMEOUT: Duration = Duration::from_secs(1);
+/// A claim that was accepted counts after this time without a status.
+pub const CLAIM_GRACE: Duration = Duration::from_millis(600);
+/// Longest wait, after the operator took the control back, until somebody else's claim ends.
+pub const CLAIM_TIMEOUT: Duration = Duration::from_secs(3);
+/// Interval of the attitude reports that are asked for: 20 Hz.
+pub const ATTITUDE_INTERVAL: Duration = Duration::from_millis(50);
+/// Interval of the status reports that are asked for: 5 Hz.
+pub const STATUS_INTERVAL: Duration = Duration::from_millis(200);
+/// Reports that are missing for this time are asked for again.
+pub const ASK_AGAIN: Duration = Duration::from_secs(1);
+/// The link counts as lost if the gimbal manager is silent for this time.
+pub const SILENCE: Duration = Duration::from_secs(3);
+/// Interval between releases of the control that were not answered.
+pub const RELEASE_SPACING: Duration = Duration::from_millis(150);
+/// Number of releases of the control.
+pub const RELEASES: u32 = 3;
+/// Largest number of components that are asked for a gimbal.
+pub const MAX_CANDIDATES: usize = 16;
+/// Attitudes of the gimbal are compared if they were reported at least this far apart: the noise of a gimbal's sensors is then
+/// below what counts as motion.
+pub const LEAST_ATTITUDE_SPACING: Duration = Duration::from_millis(90);

@@ -1,0 +1,9 @@
+//! The MAVLink gimbal protocol.
+
+mod bench;
+
+mod frames;
+mod hostile;
+mod reader;
+mod session;
+mod signing;

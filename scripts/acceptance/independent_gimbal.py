@@ -1,0 +1,232 @@
+"""A gimbal manager that is written with pymavlink, an independent reading of the protocol, which judges every message.
+
+It behaves as ArduPilot was measured to: it obeys rates of anybody and keeps a rate for ever, says who has the control at changes
+and on request, and reports the attitude only after it was asked to. It judges the CRC and the signature (pymavlink refuses a
+wrong one), the sender, the target, the flags, the angles (NaN), the rates, who has the control, and what may be sent at all.
+"""
+import hashlib
+import math
+import os
+import random
+import socket
+import threading
+import time
+
+os.environ["MAVLINK20"] = "1"
+
+from pymavlink.dialects.v20 import common as mavlink  # noqa: E402
+
+OWN = (245, 191)
+OTHER = (255, 190)
+NOBODY = (0, 0)
+LIMIT = 0.5 + 1e-6
+# A packet that was under way when the control was taken.
+UNDER_WAY = 0.1
+MAY_BE_ASKED_FOR = {mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281), mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285)}
+
+
+class GimbalManager:
+    """An autopilot with a gimbal at a UDP port of loopback.
+
+    loss: share of the packets that get lost, both ways. held: another commander has the control from the start. withholds: no
+    answer to requests for 280. denies: claims are denied. drops: number of claims that get lost. passphrase: packets are signed.
+    """
+
+    def __init__(self, loss=0.0, held=False, withholds=False, denies=False, drops=0, passphrase=None):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(0.01)
+        self.out = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+        self.parser = mavlink.MAVLink(None)
+        if passphrase:
+            for end in (self.out, self.parser):
+                end.signing.secret_key = hashlib.sha256(passphrase.encode()).digest()
+                # Units of 10 us since the beginning of 2015.
+                end.signing.timestamp = int((time.time() - 1_420_070_400) * 1e5)
+            self.out.signing.sign_outgoing = True
+        self.loss, self.withholds, self.denies, self.drops = loss, withholds, denies, drops
+        self.random = random.Random(7)
+        self.client = None
+        self.booted = time.monotonic()
+        self.angles = [0.0, -0.4]
+        self.rates = (0.0, 0.0)
+        self.primary = OTHER if held else NOBODY
+        self.taken_at = self.booted if held else None
+        self.attitude_interval = None
+        self.is_silent = False
+        self.may_be_turning = False
+        self.messages = []
+        self.faults = []
+        self.is_over = False
+        self.lock = threading.Lock()
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    @property
+    def url(self):
+        return f"udp://127.0.0.1:{self.socket.getsockname()[1]}"
+
+    def _is_lost(self):
+        return self.random.random() < self.loss
+
+    def _send(self, message):
+        packet = message.pack(self.out)
+        self.out.seq = (self.out.seq + 1) % 256
+        if self.client and not self.is_silent and not self._is_lost():
+            self.socket.sendto(packet, self.client)
+
+    def _ms(self):
+        return int((time.monotonic() - self.booted) * 1e3)
+
+    def _run(self):
+        heartbeat_at = attitude_at = last = time.monotonic()
+        while not self.is_over:
+            try:
+                datagram, sender = self.socket.recvfrom(2048)
+                with self.lock:
+                    if not self._is_lost():
+                        self._take(datagram, sender)
+            except (TimeoutError, ConnectionError):
+                pass
+            now = time.monotonic()
+            with self.lock:
+                self.angles = [angle + rate * (now - last) for angle, rate in zip(self.angles, self.rates)]
+                last = now
+                if now >= heartbeat_at:
+                    heartbeat_at = now + 1.0
+                    self._send(mavlink.MAVLink_heartbeat_message(2, 3, 1, 0, 4, 3))
+                if self.attitude_interval and now >= attitude_at:
+                    attitude_at = now + self.attitude_interval
+                    self._send(self._attitude())
+
+    def _attitude(self):
+        yaw, pitch = (angle / 2 for angle in self.angles)
+        q = [math.cos(yaw) * math.cos(pitch), -math.sin(yaw) * math.sin(pitch), math.cos(yaw) * math.sin(pitch), math.sin(yaw) * math.cos(pitch)]
+        return mavlink.MAVLink_gimbal_device_attitude_status_message(0, 0, self._ms(), 44, q, math.nan, math.nan, math.nan, 0, math.nan, math.nan, 0)
+
+    def _status(self):
+        self._send(mavlink.MAVLink_gimbal_manager_status_message(self._ms(), 12, 1, *self.primary, 0, 0))
+
+    def _fault(self, text):
+        if len(self.faults) < 20:
+            self.faults.append(text)
+
+    def _take(self, datagram, sender):
+        self.client = sender
+        try:
+            messages = self.parser.parse_buffer(datagram) or []
+        except mavlink.MAVError as error:
+            self._fault(f"a datagram that pymavlink refuses: {error}")
+            return
+        if len(messages) != 1:
+            self._fault(f"{len(messages)} messages in a datagram")
+        for message in messages:
+            self._judge(message)
+
+    def _judge(self, message):
+        now = time.monotonic()
+        if (message.get_srcSystem(), message.get_srcComponent()) != OWN:
+            self._fault(f"from {message.get_srcSystem()}/{message.get_srcComponent()}")
+        kind = message.get_type()
+        self.messages.append((now, message))
+        if kind == "HEARTBEAT":
+            if message.type != mavlink.MAV_TYPE_ONBOARD_CONTROLLER:
+                self._fault(f"a heartbeat of type {message.type}")
+            return
+        if message.target_system not in (0, 1) or message.target_component not in (0, 1):
+            self._fault(f"{kind} to {message.target_system}/{message.target_component}")
+        if kind == "GIMBAL_MANAGER_SET_PITCHYAW":
+            self._judge_rates(message, now)
+        elif kind == "COMMAND_LONG":
+            self._command(message)
+        else:
+            self._fault(f"{kind} must not leave")
+
+    def _judge_rates(self, message, now):
+        rates = (message.yaw_rate, message.pitch_rate)
+        if message.flags != 12:
+            self._fault(f"flags {message.flags}")
+        if not (math.isnan(message.pitch) and math.isnan(message.yaw)):
+            self._fault("an angle")
+        if not all(math.isfinite(rate) and abs(rate) <= LIMIT for rate in rates):
+            self._fault(f"rates {rates}")
+        if any(rates) and (message.target_system, message.target_component, message.gimbal_device_id) != (1, 1, 1):
+            self._fault("motion that is not for the gimbal alone")
+        is_under_way = self.taken_at is not None and now <= self.taken_at + UNDER_WAY
+        if self.primary != OWN and not is_under_way and (any(rates) or not self.may_be_turning):
+            self._fault(f"rates {rates} while {self.primary} has the control")
+        if self.primary == OWN:
+            self.may_be_turning = False
+        self.rates = rates
+
+    def _command(self, message):
+        number = message.command
+        asked = int(message.param1)
+        result = mavlink.MAV_RESULT_ACCEPTED
+        if number in MAY_BE_ASKED_FOR and asked not in MAY_BE_ASKED_FOR[number]:
+            self._fault(f"command {number} for message {asked}")
+        if number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 280:
+            if self.withholds:
+                return
+            self._send(mavlink.MAVLink_gimbal_manager_information_message(self._ms(), 32 + 256, 1, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi))
+        elif number == mavlink.MAV_CMD_REQUEST_MESSAGE:
+            self._status()
+        elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and asked == 285:
+            self.attitude_interval = message.param2 / 1e6
+        elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL:
+            result = mavlink.MAV_RESULT_FAILED
+        elif number == mavlink.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE:
+            if self.drops:
+                self.drops -= 1
+                return
+            result = self._configure((int(message.param1), int(message.param2)), (message.param3, message.param4), message.param7)
+        else:
+            self._fault(f"command {number} must not leave")
+        self._send(mavlink.MAVLink_command_ack_message(number, result, 0, 0, *OWN))
+
+    def _configure(self, claim, secondary, device):
+        if secondary != (-1, -1) or device not in (0, 1):
+            self._fault(f"secondary control {secondary}, device {device}")
+        before = self.primary
+        if claim == OWN:
+            if self.primary == OTHER and not self.may_be_claimed:
+                self._fault("the control of another commander is claimed unasked")
+            if self.denies:
+                return mavlink.MAV_RESULT_DENIED
+            self.primary, self.taken_at = OWN, None
+        elif claim == (-3, -3):
+            if self.primary == OWN:
+                self.primary = NOBODY
+            elif self.primary == OTHER:
+                self._fault("the control of another commander is released")
+        else:
+            self._fault(f"a claim for {claim}")
+        if self.primary != before:
+            self._status()
+        return mavlink.MAV_RESULT_ACCEPTED
+
+    # Whether the operator has asked for the control of somebody else's gimbal.
+    may_be_claimed = False
+
+    def take(self):
+        """Another commander takes the control in mid-motion."""
+        with self.lock:
+            self.primary, self.taken_at = OTHER, time.monotonic()
+            self._status()
+            return self.taken_at
+
+    def rates_since(self, at):
+        with self.lock:
+            return [(when, (message.yaw_rate, message.pitch_rate)) for when, message in self.messages if when >= at and message.get_type() == "GIMBAL_MANAGER_SET_PITCHYAW"]
+
+    def commands(self, number):
+        with self.lock:
+            return [message for _, message in self.messages if message.get_type() == "COMMAND_LONG" and message.command == number]
+
+    def is_turning(self):
+        return any(self.rates)
+
+    def close(self):
+        self.is_over = True
+        self.thread.join()
+        self.socket.close()
