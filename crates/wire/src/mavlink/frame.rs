@@ -35,6 +35,11 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
+    /// The payload as received: zeros at its end may be left out.
+    pub const fn payload(&self) -> &[u8] {
+        self.payload
+    }
+
     /// The content, as the message `D`; `None`: another message, or one with a value that the message does not have.
     pub fn read<D: MessageData>(&self) -> Option<D> {
         (self.message == D::ID).then(|| D::deser(self.version, self.payload).ok()).flatten()
@@ -142,6 +147,11 @@ impl FrameWriter {
         if let Some(signer) = &mut self.signer {
             signer.set_time(now);
         }
+    }
+
+    /// Sends from another address from now on.
+    pub const fn set_address(&mut self, from: Address) {
+        self.from = from;
     }
 
     /// The sender.

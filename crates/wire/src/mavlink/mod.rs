@@ -1,7 +1,8 @@
-//! MAVLink's gimbal protocol, version 2. `docs/wire/mavlink-gimbal.md` describes it.
+//! MAVLink, version 2: a gimbal manager as the vehicle, and this program as a tracking camera.
 //!
-//! [`GimbalSession`] is the client of a gimbal manager: discovery, control, rates, attitude, shut-down. [`GimbalManager`] is the
-//! other end, for the emulator and the tests. Both are plain structs without I/O: bytes and times in, packets and times out.
+//! `docs/wire/mavlink-gimbal.md` and `docs/wire/mavlink-camera.md` describe both. [`GimbalSession`] is the client of a gimbal manager: discovery, control, rates, attitude, shut-down. [`GimbalManager`] is the
+//! other end, for the emulator and the tests. [`TrackingCamera`] is what ground stations find. All are plain structs without I/O:
+//! bytes and times in, packets and times out.
 
 pub mod frame;
 pub mod signing;
@@ -15,8 +16,11 @@ mod session_times;
 
 pub mod gimbal_manager;
 
+pub mod tracking_camera;
+
 pub use command::{Command, Gimbal, Wanted};
 pub use gimbal_manager::GimbalManager;
 pub use gimbal_reader::GimbalReader;
 pub use probe::Probe;
 pub use session::GimbalSession;
+pub use tracking_camera::TrackingCamera;
