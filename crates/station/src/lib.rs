@@ -20,6 +20,8 @@ pub mod console;
 
 pub mod link;
 
+pub mod tracking_camera;
+
 pub mod simulated_source;
 
 pub mod demo;

@@ -41,6 +41,10 @@ pub struct RunArgs {
     /// mavlink-gimbal.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
+    /// Appear as a tracking camera to MAVLink ground stations (QGroundControl, MAVSDK) there: udp://host:port, tcp://host:port or
+    /// serial:/dev/ttyACM0?baud=57600. They see the target and select; they never engage.
+    #[arg(long, value_name = "URL")]
+    pub mavlink: Option<String>,
     /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing is
     /// tracked until the operator selects, except in a simulated world, where the world selects its boat. A file waits
     /// with its first picture until the box is drawn in a browser, where there is a display or --listen is given.

@@ -92,6 +92,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             // The emulated ground station ends with this process.
             without_guard: true,
             profile: None,
+            mavlink: None,
             select: Some(selection),
             tracker: Some(args.tracker),
             law: args.law.resolve(LawChoice::MOTOR_SCHEMA)?.into(),

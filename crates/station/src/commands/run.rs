@@ -20,6 +20,7 @@ use crate::live::source::Source;
 use crate::live::threads::{FAULT_THREADS, FaultInjector};
 use crate::secrets;
 use crate::source_url::SourceUrl;
+use crate::tracking_camera::{self, TrackingCameraSetup};
 use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultKind;
@@ -28,7 +29,8 @@ use barrelman_host::input;
 use barrelman_host::output::OutputFile;
 use barrelman_host::redaction::without_logins;
 use barrelman_video::url::VideoSource;
-use barrelman_vocab::PixelBox;
+use barrelman_vocab::{Angle, PixelBox};
+use barrelman_wire::mavlink::tracking_camera::{CameraDescription, VideoStream};
 
 /// Runs the command.
 ///
@@ -78,6 +80,7 @@ pub fn run_with_outputs(
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
+    let tracking_camera = tracking_camera(&configuration, &source, clock)?;
     let guard = needed_guard(&configuration, link.as_ref())?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
@@ -98,6 +101,7 @@ pub fn run_with_outputs(
         selection,
         waits_for_selection: args.hands_on,
         console,
+        tracking_camera,
         engage: args.engage,
         calibration: None,
         fault_injector,
@@ -151,6 +155,44 @@ fn needed_guard(configuration: &Configuration, link: Option<&LinkUrl>) -> Result
         return Ok(None);
     }
     Ok(Some(find_guard(configuration.guard.program.as_deref())?))
+}
+
+/// The tracking camera on a MAVLink link, where one is asked for.
+///
+/// # Errors
+/// If the address or the key of signed packets cannot be used.
+fn tracking_camera(
+    configuration: &Configuration,
+    source: &Source,
+    clock: Clock,
+) -> Result<Option<TrackingCameraSetup>> {
+    let config = &configuration.tracking_camera;
+    let Some(url) = &config.url else { return Ok(None) };
+    let camera = &configuration.profile.camera;
+    let field_of_view = Angle::from_radians(2.0 * (0.5 / camera.focal_share).atan());
+    let stream = source.stream_address().and_then(|address| {
+        let stream = VideoStream::new(address, Some(field_of_view.degrees().round() as u16));
+        if stream.is_none() {
+            tracing::warn!("ground stations are not told of the video: its address is longer than 159 bytes");
+        }
+        stream
+    });
+    let number = |text: &str| text.parse().unwrap_or(0);
+    Ok(Some(TrackingCameraSetup {
+        endpoint: tracking_camera::endpoint(url).context("--mavlink, or tracking_camera.url")?,
+        settings: config.settings,
+        description: CameraDescription {
+            model: configuration.profile.name.clone(),
+            version: [
+                number(env!("CARGO_PKG_VERSION_MAJOR")),
+                number(env!("CARGO_PKG_VERSION_MINOR")),
+                number(env!("CARGO_PKG_VERSION_PATCH")),
+            ],
+            stream,
+        },
+        signing: secrets::mavlink_signing(config.signing_key_file.as_deref(), clock)?,
+        display_delay: config.display_delay,
+    }))
 }
 
 /// The kinds of faults that have an effect on a link.
@@ -258,6 +300,7 @@ pub fn calibrate(
         selection: None,
         waits_for_selection: true,
         console: None,
+        tracking_camera: None,
         engage: false,
         calibration: Some(calibration.clone()),
         fault_injector: FaultInjector::default(),
@@ -317,6 +360,7 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     override_key(&mut file.video.url, &connection.video);
     override_key(&mut file.link.url, &connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
+    override_key(&mut file.tracking_camera.url, &args.mavlink);
     if args.guard.is_some() {
         file.link.guard.clone_from(&args.guard);
     }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::camera::CameraSection;
 use super::console::{ConsoleSection, RecordingSection};
 use super::tracker::TrackerSection;
+use super::tracking_camera::TrackingCameraSection;
 use barrelman_experiments::law_choice::{LawName, ModeName};
 
 /// A configuration file.
@@ -26,6 +27,8 @@ pub struct ConfigFile {
     pub law: LawSection,
     /// The tracker.
     pub tracker: TrackerSection,
+    /// Barrelman as a tracking camera on a MAVLink link.
+    pub tracking_camera: TrackingCameraSection,
     /// The operator's console.
     pub console: ConsoleSection,
     /// The recordings that `run` makes without being asked.

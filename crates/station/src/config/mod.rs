@@ -9,6 +9,7 @@ pub mod file;
 pub mod camera;
 pub mod console;
 pub mod tracker;
+pub mod tracking_camera;
 
 pub mod resolve;
 
@@ -29,6 +30,7 @@ use barrelman_host::redaction::without_logins;
 pub use console::{ConsoleConfig, RecordingConfig};
 pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
+pub use tracking_camera::TrackingCameraConfig;
 
 /// The documented example.
 pub const EXAMPLE: &str = include_str!("../../../../config/barrelman.example.toml");

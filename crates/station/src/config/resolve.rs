@@ -14,6 +14,7 @@ use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, Veh
 use super::mavlink;
 use super::range::within;
 use super::tracker::TrackerSection;
+use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
 use crate::secrets::{LinkAccess, LoginSource};
 use barrelman_experiments::law_choice::LawChoice;
@@ -42,6 +43,8 @@ pub struct Configuration {
     pub law: LawChoice,
     /// The tracker.
     pub tracker: TrackerSettings,
+    /// The tracking camera on a MAVLink link.
+    pub tracking_camera: TrackingCameraConfig,
     /// The operator's console.
     pub console: ConsoleConfig,
     /// The recordings that `run` makes without being asked.
@@ -140,6 +143,7 @@ impl Configuration {
             }
             .validated("law.")?,
             tracker: file.tracker.settings().validated()?,
+            tracking_camera: file.tracking_camera.resolve()?,
             console: file.console.resolve(),
             recording: file.recording.resolve()?,
         })
@@ -212,6 +216,7 @@ impl Configuration {
             camera: CameraSection::from_dynamics(&profile.camera),
             law: LawSection { name: Some(self.law.name), mode: self.law.mode, horizon: self.law.horizon_s },
             tracker: TrackerSection::from_settings(&self.tracker),
+            tracking_camera: TrackingCameraSection::from_config(&self.tracking_camera),
             console: ConsoleSection::from_config(&self.console),
             recording: RecordingSection::from_config(&self.recording),
         }

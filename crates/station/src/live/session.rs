@@ -45,6 +45,7 @@ use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::operator::Gateway;
 use crate::secrets;
 use crate::snapshot::{LinkStatus, Publisher, RecordingState};
+use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
 const EVENT_QUEUE_CAPACITY: usize = 1024;
@@ -86,6 +87,8 @@ pub struct Session<'a> {
     pub engage: bool,
     /// The console; `None`: no console.
     pub console: Option<ConsoleSettings>,
+    /// The tracking camera on a MAVLink link; `None`: there is none.
+    pub tracking_camera: Option<TrackingCameraSetup>,
     /// The calibration that the run is made for; `None`: an ordinary run.
     pub calibration: Option<LiveCalibration>,
     /// Deliberate faults of the program's own threads.
@@ -101,6 +104,7 @@ struct OpenParts {
     overlay: Option<OverlayVideo>,
     source: VideoHandle,
     console: Option<ConsoleServer>,
+    tracking_camera: Option<TrackingCameraThread>,
 }
 
 impl Session<'_> {
@@ -165,6 +169,7 @@ impl Session<'_> {
             clock,
             fault_injector,
             console,
+            tracking_camera,
             calibration,
             ..
         } = self;
@@ -230,7 +235,13 @@ impl Session<'_> {
             ConsoleServer::open(settings, parts, events.clone())
         };
         let console = console.zip(relay).map(open_console).transpose()?;
-        let parts = OpenParts { link, recorder, overlay, source, console };
+        let open_camera = |setup: TrackingCameraSetup| {
+            let parts =
+                CameraParts { gateway: Arc::clone(&gateway), snapshots: publisher.subscribe(), clock };
+            TrackingCameraThread::start(setup, parts, events.clone())
+        };
+        let tracking_camera = tracking_camera.map(open_camera).transpose()?;
+        let parts = OpenParts { link, recorder, overlay, source, console, tracking_camera };
         if watches_keys {
             writeln!(stdout(), "keys on this terminal: {KEYS}")?;
         }
@@ -286,6 +297,7 @@ impl OpenParts {
             tracing::warn!("{error}");
         }
         drop(self.console);
+        drop(self.tracking_camera);
         if let Some(recorder) = self.recorder {
             recorder.finish();
         }

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use barrelman_host::clock::Clock;
+use barrelman_video::url::VideoSource;
 use barrelman_video::{VideoHandle, VideoUrl};
 use barrelman_vocab::VehicleProfile;
 
@@ -45,6 +46,14 @@ impl Source {
         match self {
             Self::Video(url) => url.to_string(),
             Self::Simulated(url, _) => url.to_string(),
+        }
+    }
+
+    /// The address of a stream that others can open, too, without a login; `None`: the source is no stream.
+    pub fn stream_address(&self) -> Option<&str> {
+        match self {
+            Self::Video(VideoUrl { source: VideoSource::Rtsp { address, .. }, .. }) => Some(address.as_str()),
+            Self::Video(_) | Self::Simulated(..) => None,
         }
     }
 
