@@ -75,7 +75,7 @@ def follow(rows, args, folder):
         gaps = [later[0] - earlier[0] for earlier, later in itertools.pairwise(sent) if any(earlier[1]) and any(later[1])]
         rows.require("follow: rates are sent steadily while moving", gaps and max(gaps) <= RENEWED_WITHIN, f"at most {max(gaps, default=0) * 1e3:.0f} ms apart", f"{RENEWED_WITHIN * 1e3:.0f} ms")
         moving = [when for when, rates in sent if any(rates)]
-        rows.require("follow: and no faster than 12 times a second", len(moving) <= 12 * 4, f"{len(moving)} in 4 s")
+        rows.require("follow: and no faster than 21 times a second", len(moving) <= 21 * 4, f"{len(moving)} in 4 s")
         at = time.monotonic()
         run.request("stop")
         rests(rows, "Stop", manager, at)

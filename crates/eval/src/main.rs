@@ -2,7 +2,7 @@
 //! and fits parameters, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|law|tune|views|fit|faults|link-latency
+//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|law|tune|views|fit|closed-loop|faults|link-latency
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -18,6 +18,7 @@ mod search;
 
 mod views;
 
+mod closed_loop;
 mod faults;
 mod link_latency;
 
@@ -63,6 +64,8 @@ enum Command {
     Views(views::Options),
     /// Fit the motion of the simulated laboratory target to the recorded trials.
     Fit(simulator::FitOptions),
+    /// Let each vehicle hold the boat in the simulator, through its protocol.
+    ClosedLoop(closed_loop::Options),
     /// Let every fault, and every pair of faults, happen in virtual time, and measure the time until the camera rests.
     Faults(faults::Options),
     /// Measure the time from a command to its bytes on the port, through the guard.
@@ -83,6 +86,7 @@ fn main() -> ExitCode {
         Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),
         Command::Views(options) => ("views", views::render(&options).map(|()| true)),
         Command::Fit(options) => ("fit", simulator::fit_target(&options).map(|()| true)),
+        Command::ClosedLoop(options) => ("closed-loop", closed_loop::run(&options)),
         Command::Faults(options) => ("faults", faults::run(&options)),
         Command::LinkLatency(options) => ("link-latency", link_latency::run(&options)),
     };

@@ -4,6 +4,7 @@
 
 pub mod tracker;
 
+pub mod gimbal;
 pub mod guard_messages;
 pub mod vehicle;
 
@@ -21,10 +22,11 @@ mod memory_file;
 pub type Target = fn(&[u8]);
 
 /// Every target, by its name.
-pub const TARGETS: [(&str, Target); 15] = [
+pub const TARGETS: [(&str, Target); 16] = [
     ("tracker", tracker::session),
     ("session", vehicle::session),
     ("ground_station", vehicle::ground_station),
+    ("mavlink", gimbal::mavlink),
     ("guard_messages", guard_messages::decode),
     ("recording", recording::read),
     ("h264", video::h264),

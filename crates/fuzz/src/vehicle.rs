@@ -74,7 +74,8 @@ fn check_rates(packet: &[u8]) {
     }
 }
 
-fn check_report(report: &Report) {
+/// Every reported number is finite.
+pub(crate) fn check_report(report: &Report) {
     let numbers: Vec<f64> = match report {
         Report::Ground { uptime_s, battery_v, tether_m, .. } => vec![*uptime_s, *battery_v, *tether_m],
         Report::VehicleAttitude(q) | Report::GimbalAttitude(q) => vec![q.w, q.x, q.y, q.z],
@@ -83,6 +84,7 @@ fn check_report(report: &Report) {
             vec![elevation.radians(), azimuth.radians(), *altitude_m]
         }
         Report::Flight { on_time_s, backup_battery_v, .. } => vec![*on_time_s, *backup_battery_v],
+        Report::Control { uptime_s, .. } => vec![*uptime_s],
         Report::Link(_) | Report::Acceptance(_) | Report::FlightState { .. } => vec![],
     };
     assert!(numbers.iter().all(|number| number.is_finite()), "{report:?}");

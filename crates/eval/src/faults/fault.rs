@@ -26,10 +26,42 @@ pub(super) enum FaultKind {
     Emergency,
     BatteryLow,
     OperatorStops,
+    InformationWithheld,
+    StatusWithheld,
+    ClaimsDenied,
+    ClaimsLost,
 }
 
 impl FaultKind {
-    pub(super) const ALL: [Self; 21] = [
+    /// The faults of a run with a MAVLink gimbal, which reports neither flight state nor battery.
+    pub(super) const OF_MAVLINK_GIMBAL: [Self; 23] = [
+        Self::VideoStalls,
+        Self::VideoLate,
+        Self::TrackLost,
+        Self::TrackCoasts,
+        Self::PilotHangs,
+        Self::ProgramKilled,
+        Self::ProgramStopped,
+        Self::ProgramEnds,
+        Self::GuardKilled,
+        Self::Suspension,
+        Self::LineCut,
+        Self::LineSilent,
+        Self::LineLosesPackets,
+        Self::LineDamagesBytes,
+        Self::LineDelays,
+        Self::LineRepeats,
+        Self::StationReboots,
+        Self::ControlTaken,
+        Self::OperatorStops,
+        Self::InformationWithheld,
+        Self::StatusWithheld,
+        Self::ClaimsDenied,
+        Self::ClaimsLost,
+    ];
+
+    /// The faults of a run with a Fotokite Pro.
+    pub(super) const OF_FOTOKITE_PRO: [Self; 21] = [
         Self::VideoStalls,
         Self::VideoLate,
         Self::TrackLost,
@@ -77,7 +109,19 @@ impl FaultKind {
             Self::Emergency => "emergency",
             Self::BatteryLow => "battery low",
             Self::OperatorStops => "operator stops",
+            Self::InformationWithheld => "information withheld",
+            Self::StatusWithheld => "status withheld",
+            Self::ClaimsDenied => "claims denied",
+            Self::ClaimsLost => "claims lost",
         }
+    }
+
+    /// Whether the fault is one of the beginning of a session. Half of such faults are there from the start of the run.
+    const fn is_of_beginning(self) -> bool {
+        matches!(
+            self,
+            Self::InformationWithheld | Self::StatusWithheld | Self::ClaimsDenied | Self::ClaimsLost
+        )
     }
 
     /// Whether the fault is one of the line, so that the time to rest counts from the line's return.
@@ -108,14 +152,15 @@ impl Fault {
     }
 }
 
-/// The faults of the run with this number: each kind alone first, then every pair, over and over, with times from the seed.
-pub(super) fn draw(number: u64, rng: &mut Rng) -> Vec<Fault> {
-    let count = FaultKind::ALL.len();
+/// The faults of the run with this number, of these kinds: each kind alone first, then every pair, over and over, with times from the seed.
+pub(super) fn draw(number: u64, kinds: &[FaultKind], rng: &mut Rng) -> Vec<Fault> {
+    let count = kinds.len();
     let pairs = count * (count + 1) / 2;
     // Each kind is paired with itself, too: twice the same fault.
     let mut index = number as usize % (count + pairs);
     let mut fault = |kind: FaultKind| {
-        let from_ms = rng.uniform(4_500.0, 7_000.0) as u64;
+        let is_from_start = kind.is_of_beginning() && rng.uniform(0.0, 1.0) < 0.5;
+        let from_ms = if is_from_start { 0 } else { rng.uniform(4_500.0, 7_000.0) as u64 };
         let lasts_ms = match kind {
             FaultKind::ProgramStopped => 5_000,
             _ => rng.uniform(50.0, 4_000.0) as u64,
@@ -123,12 +168,12 @@ pub(super) fn draw(number: u64, rng: &mut Rng) -> Vec<Fault> {
         Fault { kind, from_ms, until_ms: from_ms + lasts_ms }
     };
     if index < count {
-        return vec![fault(FaultKind::ALL[index])];
+        return vec![fault(kinds[index])];
     }
     index -= count;
-    for (first, kind) in FaultKind::ALL.into_iter().enumerate() {
+    for (first, kind) in kinds.iter().enumerate() {
         if index < count - first {
-            return vec![fault(kind), fault(FaultKind::ALL[first + index])];
+            return vec![fault(*kind), fault(kinds[first + index])];
         }
         index -= count - first;
     }

@@ -3,26 +3,20 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use anyhow::{Context as _, Result};
 use barrelman_host::fault::FaultPlan;
 use barrelman_link::guard::Gate;
 use barrelman_link::guard::message::ToGuard;
 use barrelman_link::{LinkAction, LinkCore, LinkReport, RequestedRates};
-use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::{
-    ByteProtocol, ByteProtocolName, ByteSession, Framing, NextAction, RestEvidence, Session, WillStep,
-};
+use barrelman_wire::{ByteSession, NextAction, RestEvidence, Session, WillStep};
 
 use super::fault::FaultKind;
 use super::line::Line;
 use super::mutant::Mutant;
+use super::vehicle::Vehicle;
 
-const PROTOCOL: ByteProtocol = ByteProtocol {
-    protocol: ByteProtocolName::FotokitePro,
-    framing: Framing::CarriageReturns,
-    baud: 115_200,
-};
 /// As the real guard.
 const PERSISTENCE: Duration = Duration::from_secs(60);
 
@@ -33,7 +27,8 @@ pub(super) struct Guard {
     mutant: Mutant,
     is_port_open: bool,
     is_connected: bool,
-    has_ended: bool,
+    /// Whether zeros and stop were sent, of a guard that has ended.
+    ended: Option<bool>,
     poll_at: Timestamp,
     /// Messages on their way to the guard.
     pub(super) inbox: VecDeque<ToGuard>,
@@ -42,30 +37,43 @@ pub(super) struct Guard {
 }
 
 impl Guard {
-    pub(super) fn start(mutant: Mutant, now: Timestamp) -> Self {
-        let limits = Protocol::FotokitePro.rate_limits();
+    /// Starts a guard. `may_be_turning`: a guard before it may have left the camera turning.
+    pub(super) fn start(
+        vehicle: Vehicle,
+        mutant: Mutant,
+        may_be_turning: bool,
+        now: Timestamp,
+    ) -> Result<Self> {
+        let profile = vehicle.profile();
+        let limits = profile.protocol.rate_limits();
+        let protocol = vehicle.protocol().context("the vehicle's port carries no bytes")?;
         let open = move |now| -> Box<ByteSession> {
-            let session = PROTOCOL.open(now);
+            let session = protocol.open(now);
             match mutant {
-                Mutant::NoZerosFirst => Box::new(WithoutFirstZeros { session, has_begun: false }),
+                Mutant::NoZerosFirst => Box::new(WithoutFirstZeros { vehicle, session, has_begun: false }),
                 _ => session,
             }
         };
-        Self {
-            core: LinkCore::new(Box::new(open), FaultPlan::default(), PERSISTENCE),
+        let mut core = LinkCore::new(Box::new(open), FaultPlan::default(), PERSISTENCE);
+        if may_be_turning {
+            core.expect_motion();
+        }
+        Ok(Self {
+            core,
             gate: Gate::new(VehicleRates { yaw: limits.pan, pitch: limits.tilt }, now),
             mutant,
             is_port_open: false,
             is_connected: true,
-            has_ended: false,
+            ended: None,
             poll_at: Timestamp::ZERO,
             inbox: VecDeque::new(),
             reports: VecDeque::new(),
-        }
+        })
     }
 
-    pub(super) const fn has_ended(&self) -> bool {
-        self.has_ended
+    /// Whether zeros and stop were sent, of a guard that has ended.
+    pub(super) const fn ended(&self) -> Option<bool> {
+        self.ended
     }
 
     /// The machine was suspended.
@@ -77,7 +85,7 @@ impl Guard {
 
     /// Runs for a millisecond. `is_program_there`: whether the other end of the pipe is open.
     pub(super) fn advance(&mut self, line: &mut Line, is_program_there: bool, now: Timestamp, at_ms: u64) {
-        if self.has_ended {
+        if self.ended.is_some() {
             return;
         }
         self.serve_pipe(is_program_there, now);
@@ -98,7 +106,7 @@ impl Guard {
                 true
             });
         }
-        while self.poll_at <= now && !self.has_ended {
+        while self.poll_at <= now && !self.ended.is_some() {
             self.poll(line, now, at_ms);
         }
     }
@@ -162,13 +170,14 @@ impl Guard {
                 self.core.opened(now);
             }
             LinkAction::ClosePort => self.is_port_open = false,
-            LinkAction::Ended { .. } => self.has_ended = true,
+            LinkAction::Ended { is_stop_sent } => self.ended = Some(is_stop_sent),
         }
     }
 }
 
 /// The mutant of a session that does not begin with zeros.
 struct WithoutFirstZeros {
+    vehicle: Vehicle,
     session: Box<ByteSession>,
     has_begun: bool,
 }
@@ -180,6 +189,10 @@ impl Session for WithoutFirstZeros {
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         let mut packets = Vec::new();
         let next = self.session.poll(now, &mut packets);
+        if self.vehicle == Vehicle::MavlinkGimbal {
+            out.append(&mut packets);
+            return next;
+        }
         for packet in packets {
             let stop = packet.windows(4).position(|window| window == b"stop");
             if !self.has_begun {
@@ -209,8 +222,11 @@ impl Session for WithoutFirstZeros {
         self.session.link_state()
     }
 
+    /// A MAVLink gimbal gets zeros first where a session before may have left it turning.
     fn must_be_answered(&mut self) {
-        self.session.must_be_answered();
+        if self.vehicle != Vehicle::MavlinkGimbal {
+            self.session.must_be_answered();
+        }
     }
 
     fn rest_evidence(&self, now: Timestamp) -> RestEvidence {

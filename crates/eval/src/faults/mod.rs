@@ -4,7 +4,8 @@
 //!   program: Pilot on the truth --rates, time to live--> guard: Gate, LinkCore, Session --line--> ground station
 //! ```
 //! One process: the pilot, the guard's gate, the link and the session are those of a live run; pipe, line, clocks and the
-//! ground station are simulated, half of the ground stations with a `stop` that leaves the rates in force. An oracle that
+//! ground station are simulated, half of the ground stations being the worst of their kind: a `stop` that leaves the rates in
+//! force (Fotokite Pro), a gimbal manager that obeys everybody and keeps a rate for ever (MAVLink gimbal). An oracle that
 //! does not ask the pilot judges each millisecond ([`oracle`]).
 
 mod oracle;
@@ -15,6 +16,10 @@ mod program;
 
 mod guard;
 
+mod vehicle;
+
+mod fotokite_pro_station;
+mod gimbal_station;
 mod station;
 
 mod line;
@@ -32,6 +37,7 @@ use clap::Args;
 use self::mutant::Mutant;
 use self::oracle::{Licence, REST_LIMIT_MS};
 use self::run::RunResult;
+use self::vehicle::Vehicle;
 use crate::output::print_line;
 use crate::parallel;
 
@@ -43,6 +49,9 @@ const PRINTED: usize = 10;
 /// `faults`.
 #[derive(Debug, Args)]
 pub(crate) struct Options {
+    /// The vehicle.
+    #[arg(long, value_enum, default_value = "fotokite-pro")]
+    vehicle: Vehicle,
     /// Number of runs: each fault, then each pair, over and over.
     #[arg(long, default_value_t = 10_000)]
     runs: u64,
@@ -63,11 +72,12 @@ struct Campaign {
 }
 
 impl Campaign {
-    fn run(runs: u64, seed: u64, mutant: Mutant) -> Result<Self> {
+    fn run(vehicle: Vehicle, runs: u64, seed: u64, mutant: Mutant) -> Result<Self> {
         let numbers: Vec<u64> = (0..runs).collect();
         let results = parallel::map(&numbers, |number| {
             // A panic of the program under test is a result.
-            catch_unwind(AssertUnwindSafe(|| run::run(*number, seed, mutant, &mut |_| {}))).ok().transpose()
+            let run = || run::run(vehicle, *number, seed, mutant, &mut |_| {});
+            catch_unwind(AssertUnwindSafe(run)).ok().transpose()
         });
         let results: Vec<Option<RunResult>> = results.into_iter().collect::<Result<_>>()?;
         Ok(Self { results: numbers.into_iter().zip(results).collect() })
@@ -121,11 +131,12 @@ impl Campaign {
 pub(crate) fn run(options: &Options) -> Result<bool> {
     let began = Instant::now();
     if let Some(number) = options.trace {
-        let result = run::run(number, options.seed, options.mutant, &mut |line| print_line(line))?;
+        let trace = &mut |line: &str| print_line(line);
+        let result = run::run(options.vehicle, number, options.seed, options.mutant, trace)?;
         print_line(&format!("{result:?}"));
         return Ok(result.violation.is_none());
     }
-    let campaign = Campaign::run(options.runs, options.seed, options.mutant)?;
+    let campaign = Campaign::run(options.vehicle, options.runs, options.seed, options.mutant)?;
     print_line(&format!("{:<22} {:>6} {:>12} {:>12}", "fault", "runs", "alone, ms", "in pairs, ms"));
     for (kind, (runs, alone, paired)) in campaign.table() {
         print_line(&format!("{:<22} {runs:>6} {alone:>12} {paired:>12}", kind.name()));
@@ -159,22 +170,32 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
 mod tests {
     use super::*;
 
+    /// Each fault once, and each pair.
+    fn round(vehicle: Vehicle) -> u64 {
+        let count = vehicle.faults().len() as u64;
+        count + count * (count + 1) / 2
+    }
+
     #[test]
     fn every_fault_and_pair_of_faults_ends_in_rest() {
-        let campaign = Campaign::run(504, 7, Mutant::None).unwrap();
-        assert_eq!(campaign.violations(), Vec::<String>::new());
-        assert_eq!(campaign.panics(), 0);
-        assert!(campaign.table().len() == fault::FaultKind::ALL.len());
-        for licence in Licence::ALL {
-            assert!(campaign.moved(licence) >= 25, "{}", licence.name());
+        for vehicle in [Vehicle::FotokitePro, Vehicle::MavlinkGimbal] {
+            let campaign = Campaign::run(vehicle, 2 * round(vehicle), 7, Mutant::None).unwrap();
+            assert_eq!(campaign.violations(), Vec::<String>::new(), "{vehicle:?}");
+            assert_eq!(campaign.panics(), 0);
+            assert!(campaign.table().len() == vehicle.faults().len());
+            for licence in Licence::ALL {
+                assert!(campaign.moved(licence) >= 25, "{vehicle:?}: {}", licence.name());
+            }
         }
     }
 
     #[test]
     fn what_is_taken_out_is_found() {
-        for mutant in [Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::NoGuard, Mutant::NoZerosFirst] {
-            let campaign = Campaign::run(252, 7, mutant).unwrap();
-            assert!(!campaign.violations().is_empty(), "{mutant:?}");
+        for vehicle in [Vehicle::FotokitePro, Vehicle::MavlinkGimbal] {
+            for mutant in [Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::NoGuard, Mutant::NoZerosFirst] {
+                let campaign = Campaign::run(vehicle, round(vehicle), 7, mutant).unwrap();
+                assert!(!campaign.violations().is_empty(), "{vehicle:?}: {mutant:?}");
+            }
         }
     }
 }

@@ -93,6 +93,12 @@ impl Oracle {
         self.excused_until_ms = self.excused_until_ms.max(at_ms);
     }
 
+    /// A command came to a camera that somebody else has had for this time.
+    pub(super) fn meddles(&mut self, at_ms: u64, after_ms: u64) {
+        let text = format!("commands a camera that somebody else has had for {after_ms} ms");
+        self.violation.get_or_insert((at_ms, text));
+    }
+
     /// Judges a millisecond.
     pub(super) fn judge(&mut self, at_ms: u64, is_moving: bool) {
         if !is_moving {

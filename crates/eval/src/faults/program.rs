@@ -69,8 +69,7 @@ impl SeenPicture {
 }
 
 impl Program {
-    pub(super) fn new(law: LawSettings) -> Result<Self> {
-        let profile = VehicleProfile::fotokite_pro();
+    pub(super) fn new(profile: VehicleProfile, law: LawSettings) -> Result<Self> {
         let tracker = TrackerSettings::new(TrackerName::Camshift).build()?;
         let settings = PilotSettings { profile: profile.clone(), law };
         Ok(Self {
@@ -86,6 +85,11 @@ impl Program {
             outbox: VecDeque::new(),
             reports: VecDeque::new(),
         })
+    }
+
+    /// Whether the vehicle says that somebody else has the control.
+    pub(super) fn is_control_elsewhere(&self) -> bool {
+        self.control == Some(ControlState::NotOurs)
     }
 
     /// The thread of the link: the sign of life.
@@ -135,7 +139,7 @@ impl Program {
                     oracle.withdraw();
                 }
             }
-            Report::Ground { control, uptime_s, .. } => {
+            Report::Ground { control, uptime_s, .. } | Report::Control { control, uptime_s } => {
                 let has_restarted = uptime_s + 1.0 < self.uptime_s;
                 self.uptime_s = uptime_s;
                 let before = std::mem::replace(

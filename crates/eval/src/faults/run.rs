@@ -15,6 +15,7 @@ use super::mutant::Mutant;
 use super::oracle::{Licence, Oracle};
 use super::program::{Program, SeenPicture};
 use super::station::Station;
+use super::vehicle::Vehicle;
 use crate::rng::Rng;
 
 const LASTS_MS: u64 = 13_000;
@@ -33,6 +34,9 @@ const NUDGE_INTERVAL_MS: u64 = 100;
 const GUARD_STARTS_MS: u64 = 40;
 /// A program that is gone within this time of its guard's death cannot replace it, ms: both are killed together.
 const TOGETHER_MS: u64 = 400;
+/// A gimbal of somebody else is left alone after this time on a line without faults, ms: a manager that tells a change once,
+/// on a line that loses what it tells, is asked again each second.
+const YIELDS_WITHIN_MS: u64 = 1_500;
 /// An operator engages again this long after a fault, in half of the runs, ms.
 const ENGAGES_AGAIN_MS: u64 = 1_000;
 
@@ -48,16 +52,21 @@ pub(super) struct RunResult {
 }
 
 struct World {
+    vehicle: Vehicle,
     faults: Vec<Fault>,
     mutant: Mutant,
     licence: Licence,
     phase: f64,
     engages_again: bool,
     line: Line,
-    station: Station,
+    station: Box<dyn Station>,
+    /// Since when somebody else has commanded the camera, on a line without faults.
+    elsewhere_since_ms: Option<u64>,
     program: Program,
     guard: Option<Guard>,
     guard_starts_at_ms: Option<u64>,
+    /// Whether the guard before has sent zeros and stop.
+    is_stop_sent: bool,
     guard_died_at_ms: Option<u64>,
     program_gone_at_ms: Option<u64>,
     is_closing: bool,
@@ -72,10 +81,16 @@ struct World {
 ///
 /// # Errors
 /// If the tracker of the pilot, which is not used, cannot be built.
-pub(super) fn run(number: u64, seed: u64, mutant: Mutant, trace: &mut dyn FnMut(&str)) -> Result<RunResult> {
+pub(super) fn run(
+    vehicle: Vehicle,
+    number: u64,
+    seed: u64,
+    mutant: Mutant,
+    trace: &mut dyn FnMut(&str),
+) -> Result<RunResult> {
     let mut rng = Rng::from_name("faults", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let faults = fault::draw(number, &mut rng);
-    let stop_keeps_rates = rng.uniform(0.0, 1.0) < 0.5;
+    let faults = fault::draw(number, vehicle.faults(), &mut rng);
+    let is_worst = rng.uniform(0.0, 1.0) < 0.5;
     let licence = match rng.uniform(0.0, 1.0) {
         ..0.55 => Licence::Follow,
         ..0.7 => Licence::Nudge,
@@ -88,15 +103,18 @@ pub(super) fn run(number: u64, seed: u64, mutant: Mutant, trace: &mut dyn FnMut(
         LawSettings::Optimal(OptimalSettings::new(OptimalMode::MinimumEnergy))
     };
     let mut world = World {
+        vehicle,
         mutant,
         licence,
         phase: rng.uniform(0.0, core::f64::consts::TAU),
         engages_again: rng.uniform(0.0, 1.0) < 0.5,
         line: Line::new(&faults, Rng::from_name("line", number ^ seed)),
-        station: Station::new(&faults, stop_keeps_rates),
-        program: Program::new(law)?,
-        guard: Some(Guard::start(mutant, Timestamp::ZERO)),
+        station: vehicle.station(&faults, is_worst),
+        program: Program::new(vehicle.profile(), law)?,
+        elsewhere_since_ms: None,
+        guard: Some(Guard::start(vehicle, mutant, false, Timestamp::ZERO)?),
         guard_starts_at_ms: None,
+        is_stop_sent: false,
         guard_died_at_ms: None,
         program_gone_at_ms: None,
         is_closing: false,
@@ -108,7 +126,7 @@ pub(super) fn run(number: u64, seed: u64, mutant: Mutant, trace: &mut dyn FnMut(
         faults,
     };
     for at_ms in 0..LASTS_MS {
-        world.advance(at_ms, trace);
+        world.advance(at_ms, trace)?;
     }
     Ok(RunResult {
         worst_ms: world.oracle.worst_ms(),
@@ -128,7 +146,7 @@ impl World {
         self.faults.iter().any(|fault| fault.kind == kind && fault.from_ms == at_ms)
     }
 
-    fn advance(&mut self, at_ms: u64, trace: &mut dyn FnMut(&str)) {
+    fn advance(&mut self, at_ms: u64, trace: &mut dyn FnMut(&str)) -> Result<()> {
         self.line.advance(at_ms);
         self.station.advance(&mut self.line, at_ms, trace);
         self.capture(at_ms);
@@ -147,9 +165,10 @@ impl World {
                 }
             }
             self.advance_guard(now, at_ms);
-            self.advance_program(was_suspended, now, at_ms);
+            self.advance_program(was_suspended, now, at_ms)?;
         }
         self.judge(at_ms);
+        Ok(())
     }
 
     /// The pictures of the camera: the boat swings to and fro before it.
@@ -163,7 +182,7 @@ impl World {
         let is_found = !is_out_of_sight && !self.is_active(FaultKind::TrackLost, at_ms);
         let picture = SeenPicture {
             captured: now,
-            bearing_rad: is_found.then_some(boat_rad + self.station.yaw_rad()),
+            bearing_rad: is_found.then_some(boat_rad - self.station.pan_rad()),
             is_coasting: self.is_active(FaultKind::TrackCoasts, at_ms),
         };
         let late_ms = if self.is_active(FaultKind::VideoLate, at_ms) { VIDEO_LATE_MS } else { 0 };
@@ -177,6 +196,7 @@ impl World {
     fn advance_guard(&mut self, now: Timestamp, at_ms: u64) {
         if self.begins(FaultKind::GuardKilled, at_ms) && self.guard.take().is_some() {
             self.guard_died_at_ms = Some(at_ms);
+            self.is_stop_sent = false;
             self.oracle.excuse(at_ms);
             if self.is_program_running(at_ms) {
                 self.guard_starts_at_ms = Some(at_ms + GUARD_STARTS_MS);
@@ -192,7 +212,11 @@ impl World {
             guard.inbox.extend(self.program.outbox.drain(..));
         }
         guard.advance(&mut self.line, is_there, now, at_ms);
-        if guard.has_ended() && !self.is_closing && is_there {
+        if let Some(is_stop_sent) = guard.ended()
+            && !self.is_closing
+            && is_there
+        {
+            self.is_stop_sent = is_stop_sent;
             // A guard that took the program for gone has ended; the program starts another.
             self.guard = None;
             self.program.reports.push_back(LinkReport::GuardLost("it has ended".to_owned()));
@@ -200,7 +224,7 @@ impl World {
         }
     }
 
-    fn advance_program(&mut self, was_suspended: bool, now: Timestamp, at_ms: u64) {
+    fn advance_program(&mut self, was_suspended: bool, now: Timestamp, at_ms: u64) -> Result<()> {
         if self.begins(FaultKind::ProgramKilled, at_ms) {
             self.program_gone_at_ms.get_or_insert(at_ms);
         }
@@ -210,11 +234,12 @@ impl World {
                     .guard_died_at_ms
                     .is_some_and(|died| self.program_gone_at_ms.is_none_or(|gone| gone < died + TOGETHER_MS));
             self.is_excluded |= is_helpless;
-            return;
+            return Ok(());
         }
         if self.guard_starts_at_ms.is_some_and(|starts| starts <= at_ms) {
             self.guard_starts_at_ms = None;
-            self.guard = Some(Guard::start(self.mutant, now));
+            let may_be_turning = !self.is_stop_sent && !self.program.is_control_elsewhere();
+            self.guard = Some(Guard::start(self.vehicle, self.mutant, may_be_turning, now)?);
             self.program.reports.push_back(LinkReport::GuardLost("it was killed".to_owned()));
         } else if self.guard.is_none() && self.guard_starts_at_ms.is_none() {
             self.guard_starts_at_ms = Some(at_ms + GUARD_STARTS_MS);
@@ -224,7 +249,7 @@ impl World {
         }
         self.program.beat(now);
         if self.is_active(FaultKind::PilotHangs, at_ms) {
-            return;
+            return Ok(());
         }
         if was_suspended {
             self.pictures.clear();
@@ -239,6 +264,7 @@ impl World {
         if let Some(picture) = newest {
             self.program.see(picture, &mut self.oracle, now, at_ms);
         }
+        Ok(())
     }
 
     /// What the operator asks for.
@@ -309,7 +335,21 @@ impl World {
         if self.line.is_disturbed(at_ms) {
             self.oracle.excuse(at_ms + 1);
         }
+        let is_unknown = self.line.is_disturbed(at_ms) || self.is_active(FaultKind::StatusWithheld, at_ms);
+        if !self.station.is_somebody_elses() || is_unknown || self.is_suspended {
+            self.elsewhere_since_ms = None;
+        } else {
+            let since_ms = *self.elsewhere_since_ms.get_or_insert(at_ms);
+            if self.station.is_meddled_with() && at_ms - since_ms > YIELDS_WITHIN_MS {
+                self.oracle.meddles(at_ms, at_ms - since_ms);
+            }
+        }
         if self.is_suspended || self.line.is_disturbed(at_ms) || self.is_excluded {
+            return;
+        }
+        // The motion is that of somebody else.
+        if self.station.is_somebody_elses() {
+            self.oracle.excuse(at_ms);
             return;
         }
         self.oracle.judge(at_ms, !self.station.rates().is_rest());

@@ -1,84 +1,30 @@
-//! The simulated ground station with its camera: rates in force, and where the camera points.
+//! The far end of the line: what takes rates and moves the camera, of any vehicle.
 
-use barrelman_vocab::telemetry::Quaternion;
-use barrelman_vocab::{Timestamp, VehicleRates};
-use barrelman_wire::fotokite_pro::GroundStation;
-use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
+use barrelman_vocab::VehicleRates;
 
-use super::fault::{Fault, FaultKind};
 use super::line::Line;
 
-const TICK_S: f64 = 0.001;
-/// `!FlightStatus` of a vehicle that lands by itself, and the warning bit of a low battery.
-const EMERGENCY_MODE: u32 = 48;
-const BATTERY_LOW: u32 = 1 << 6;
+/// The length of a tick of the campaign, seconds.
+pub(super) const TICK_S: f64 = 0.001;
 
-/// The ground station.
-pub(super) struct Station {
-    station: GroundStation,
-    settings: GroundStationSettings,
-    faults: Vec<Fault>,
-    yaw_rad: f64,
-    pitch_rad: f64,
-}
+/// The far end of the line, with its camera.
+pub(super) trait Station {
+    /// Lets a millisecond pass. `trace` takes what is received.
+    fn advance(&mut self, line: &mut Line, at_ms: u64, trace: &mut dyn FnMut(&str));
 
-impl Station {
-    pub(super) fn new(faults: &[Fault], stop_keeps_rates: bool) -> Self {
-        let settings = GroundStationSettings { stop_keeps_rates, ..GroundStationSettings::default() };
-        Self {
-            station: GroundStation::boot(settings, Timestamp::ZERO),
-            settings,
-            faults: faults.to_vec(),
-            yaw_rad: 0.0,
-            pitch_rad: 0.0,
-        }
+    /// The rates in force.
+    fn rates(&self) -> VehicleRates;
+
+    /// Where the camera points: to the right, radians.
+    fn pan_rad(&self) -> f64;
+
+    /// Whether somebody else commands the camera, so that the rates in force are theirs.
+    fn is_somebody_elses(&self) -> bool {
+        false
     }
 
-    /// Where the camera points: to the left, radians.
-    pub(super) const fn yaw_rad(&self) -> f64 {
-        self.yaw_rad
-    }
-
-    pub(super) fn rates(&self) -> VehicleRates {
-        let rates = self.station.rates();
-        VehicleRates { yaw: rates.yaw, pitch: rates.pitch }
-    }
-
-    /// Lets a millisecond pass.
-    pub(super) fn advance(&mut self, line: &mut Line, at_ms: u64, trace: &mut dyn FnMut(&str)) {
-        let now = Timestamp::from_nanos(at_ms * 1_000_000);
-        for fault in &self.faults {
-            match fault.kind {
-                FaultKind::StationReboots if fault.from_ms == at_ms => {
-                    self.station = GroundStation::boot(self.settings, now);
-                }
-                FaultKind::ControlTaken if fault.from_ms == at_ms => self.station.take_over(),
-                _ => {}
-            }
-        }
-        let mut answer = Vec::new();
-        while let Some(packet) = line.arrived_up(at_ms) {
-            self.station.receive(&packet, now, &mut answer, |line| trace(&format!("{at_ms} ms: {line}")));
-        }
-        self.station.tick(now);
-        let readings = self.readings(at_ms);
-        self.station.write_telemetry(&readings, now, &mut answer);
-        line.send_down(answer, at_ms);
-        let rates = self.rates();
-        self.yaw_rad += rates.yaw.radians_per_second() * TICK_S;
-        self.pitch_rad += rates.pitch.radians_per_second() * TICK_S;
-    }
-
-    fn readings(&self, at_ms: u64) -> SensorReadings {
-        let is_active =
-            |kind| self.faults.iter().any(|fault: &Fault| fault.kind == kind && fault.is_active(at_ms));
-        let (yaw, pitch) = (self.yaw_rad / 2.0, self.pitch_rad / 2.0);
-        SensorReadings {
-            attitude: Quaternion { w: yaw.cos(), x: 0.0, y: 0.0, z: yaw.sin() },
-            gimbal: Quaternion { w: pitch.cos(), x: 0.0, y: pitch.sin(), z: 0.0 },
-            flight_mode: if is_active(FaultKind::Emergency) { EMERGENCY_MODE } else { 2 },
-            flags: if is_active(FaultKind::BatteryLow) { BATTERY_LOW } else { 0 },
-            ..SensorReadings::LEVEL
-        }
+    /// Whether this program commanded the camera in the newest millisecond though somebody else has the control.
+    fn is_meddled_with(&self) -> bool {
+        false
     }
 }

@@ -1,18 +1,19 @@
 //! Pacing: when rates are sent.
 //!
 //! One message carries both axes. A gimbal manager may keep a rate for ever, or let it expire within a fraction of a second, and
-//! a packet may get lost: rates in force are sent at 10 Hz, changed or not, and zeros, sent at once and three times, every 0.25 s.
-//! What stops or reverses an axis is sent at once, and what ends a rest 50 ms after the message before.
+//! a packet may get lost: rates in force are repeated at 10 Hz, and zeros, sent at once and three times, every 0.25 s. What stops
+//! or reverses an axis is sent at once, other changes at the earliest 50 ms after the message before. (With 100 ms, the boat is
+//! outside of the region 1.4 times as long as with a Fotokite Pro; with 50 ms, 1.1 times.)
 
 use core::time::Duration;
 
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 
-/// Interval between a zero and its repetition, and least interval between a zero and a rate.
+/// Interval between a zero and its repetition, and least interval between two messages with rates.
 pub const SPACING: Duration = Duration::from_millis(50);
 /// Number of repetitions of a zero.
 pub const ZERO_REPEATS: u8 = 2;
-/// Interval of the messages while the camera moves.
+/// Rates in force are repeated after this time.
 pub const REFRESH: Duration = Duration::from_millis(100);
 /// Zeros in force are repeated after this time.
 pub const ZERO_REFRESH: Duration = Duration::from_millis(250);
@@ -64,8 +65,7 @@ impl Pacing {
         let Some((last, at)) = self.last else { return Timestamp::ZERO };
         if last != self.target {
             let is_urgent = stops(last.yaw, self.target.yaw) || stops(last.pitch, self.target.pitch);
-            let spacing = if last.is_rest() { SPACING } else { REFRESH };
-            return if is_urgent { Timestamp::ZERO } else { at.plus(spacing) };
+            return if is_urgent { Timestamp::ZERO } else { at.plus(SPACING) };
         }
         at.plus(match (self.repeats_left, last.is_rest()) {
             (0, true) => ZERO_REFRESH,

@@ -121,6 +121,8 @@ pub struct GimbalSession {
     least_zeros: u32,
     /// Whether a session with a gimbal manager fell silent.
     fell_silent: bool,
+    /// Whether rates other than zero were sent, and the gimbal manager was not heard since the zeros after them.
+    has_unheard_motion: bool,
 }
 
 impl GimbalSession {
@@ -148,6 +150,7 @@ impl GimbalSession {
             needs_answer: false,
             least_zeros: ZEROS_AT_REST,
             fell_silent: false,
+            has_unheard_motion: false,
         }
     }
 
@@ -256,7 +259,7 @@ impl Session for GimbalSession {
 
     fn may_be_turning(&self) -> bool {
         let is_ours = self.state == State::Up || self.fell_silent;
-        is_ours && self.pacing.may_be_turning()
+        is_ours && (self.pacing.may_be_turning() || self.has_unheard_motion)
     }
 
     fn rest_evidence(&self, now: Timestamp) -> RestEvidence {

@@ -6,6 +6,7 @@ use barrelman_vocab::{Telemetry, Timestamp};
 use super::{GimbalSession, MAX_CANDIDATES, RELEASES, State, searching};
 use crate::closing_zeros::ZEROS_AT_REST;
 use crate::mavlink::gimbal_reader::{Claim, Holder, Received};
+use crate::session::Session as _;
 
 impl GimbalSession {
     pub(super) fn on_received(
@@ -50,6 +51,7 @@ impl GimbalSession {
         {
             (*zeros_sent, *next_at) = (0, now);
         }
+        self.has_unheard_motion &= self.pacing.may_be_turning();
         self.last_heard = Some(now);
     }
 
@@ -87,6 +89,9 @@ impl GimbalSession {
             return;
         }
         self.is_operator_asked |= self.state == State::Yielded;
+        // A vehicle that obeys everybody has gone on with the rates that were sent until its restart was known.
+        self.needs_answer |= self.may_be_turning();
+        (self.zeros_at, self.left_zeros_sent) = (now, 0);
         (self.gimbal, self.has_information, self.holder) = (None, false, None);
         self.state = searching(now);
     }

@@ -1,0 +1,164 @@
+//! The line to a vehicle in virtual time: the session at one end, the vehicle's own end at the other. A packet takes one tick.
+
+use anyhow::{Context as _, Result};
+use barrelman_sim::CameraPose;
+use barrelman_vocab::profile::Protocol;
+use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{Angle, Telemetry, Timestamp, VehicleProfile, VehicleRates};
+use barrelman_wire::fotokite_pro::GroundStation;
+use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
+use barrelman_wire::fotokite_sigma::call::Method;
+use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
+use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Sigma};
+use barrelman_wire::mavlink::GimbalManager;
+use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, Session as _};
+
+/// Bits per second of the serial line.
+const BAUD: u32 = 115_200;
+
+/// A line with both its ends.
+pub(super) enum Line {
+    Bytes { session: Box<ByteSession>, far_end: FarEnd, down: Vec<Vec<u8>> },
+    Http { session: Box<FotokiteSigmaSession>, sigma: Box<Sigma>, down: Vec<Received>, ticks: u32 },
+}
+
+/// The far end of a line that carries bytes.
+pub(super) enum FarEnd {
+    FotokitePro(Box<GroundStation>),
+    MavlinkGimbal(Box<GimbalManager>),
+}
+
+impl Line {
+    /// A line to a vehicle that has just been switched on. `has_no_least_rates`: the vehicle executes any rate.
+    ///
+    /// # Errors
+    /// If the vehicle's protocol is of a kind that is not known here.
+    pub(super) fn new(profile: &VehicleProfile, has_no_least_rates: bool, now: Timestamp) -> Result<Self> {
+        let far_end = match profile.protocol {
+            Protocol::FotokitePro => {
+                FarEnd::FotokitePro(Box::new(GroundStation::boot(GroundStationSettings::default(), now)))
+            }
+            Protocol::MavlinkGimbal(_) => {
+                FarEnd::MavlinkGimbal(Box::new(GimbalManager::boot(GimbalManagerSettings::default(), now)))
+            }
+            Protocol::FotokiteSigma => {
+                let field_of_view = 2.0 * (0.5 / profile.camera.focal_share).atan();
+                let mut settings = SigmaSettings {
+                    field_of_view_deg: field_of_view.to_degrees(),
+                    ..SigmaSettings::example()
+                };
+                if has_no_least_rates {
+                    (settings.camera.pan_speed_min, settings.camera.tilt_speed_min) = (0.0, 0.0);
+                }
+                let session = Box::new(FotokiteSigmaSession::open(now));
+                let sigma = Box::new(Sigma::new(settings));
+                return Ok(Self::Http { session, sigma, down: Vec::new(), ticks: 0 });
+            }
+        };
+        let protocol = ByteProtocolName::of(profile.protocol).context("the protocol carries no bytes")?;
+        let protocol = ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: BAUD };
+        Ok(Self::Bytes { session: protocol.open(now), far_end, down: Vec::new() })
+    }
+
+    pub(super) fn link_state(&self) -> LinkState {
+        match self {
+            Self::Bytes { session, .. } => session.link_state(),
+            Self::Http { session, .. } => session.link_state(),
+        }
+    }
+
+    pub(super) fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>) {
+        match self {
+            Self::Bytes { session, .. } => session.request(rates, renew_by),
+            Self::Http { session, .. } => session.request(rates, renew_by),
+        }
+    }
+
+    /// Lets a tick pass, appends what the vehicle reports to `reports`, and returns the rates in force.
+    pub(super) fn advance(
+        &mut self,
+        pose: CameraPose,
+        now: Timestamp,
+        reports: &mut Vec<Telemetry>,
+    ) -> VehicleRates {
+        match self {
+            Self::Bytes { session, far_end, down } => {
+                for packet in std::mem::take(down) {
+                    session.received(&packet, now, &mut |report| reports.push(report));
+                }
+                let mut up = Vec::new();
+                let _ = session.poll(now, &mut up);
+                far_end.advance(&up, pose, now, down)
+            }
+            Self::Http { session, sigma, down, ticks } => {
+                for received in std::mem::take(down) {
+                    session.received(&received, now, &mut |report| reports.push(report));
+                }
+                let mut up = Vec::new();
+                let _ = session.poll(now, &mut up);
+                let view = View { pan_ned: wrapped(pose.pan).degrees(), tilt_ned: -pose.tilt.degrees() };
+                for request in up {
+                    let (status, body) = match request.call {
+                        Call::Subscribe => (101, Vec::new()),
+                        call => {
+                            let method = match call.method() {
+                                Method::Get => "GET",
+                                Method::Post => "POST",
+                            };
+                            let (path, body) = (call.path(), call.body().unwrap_or_default());
+                            let body = body.as_bytes();
+                            let incoming = Incoming { method, path: &path, token: Some("token"), body };
+                            let answer = sigma.answer(incoming, view, now);
+                            (answer.status, answer.body.into_bytes())
+                        }
+                    };
+                    down.push(Received::Answer { id: request.id, status, body });
+                }
+                *ticks += 1;
+                // Ten times a second, as the vehicle does.
+                if ticks.is_multiple_of(12) {
+                    down.push(Received::Message(Sigma::camera_state(view).to_string().into_bytes()));
+                }
+                sigma.rates(now)
+            }
+        }
+    }
+}
+
+impl FarEnd {
+    fn advance(
+        &mut self,
+        up: &[Vec<u8>],
+        pose: CameraPose,
+        now: Timestamp,
+        down: &mut Vec<Vec<u8>>,
+    ) -> VehicleRates {
+        match self {
+            Self::FotokitePro(station) => {
+                let mut answer = Vec::new();
+                for packet in up {
+                    station.receive(packet, now, &mut answer, |_| {});
+                }
+                station.tick(now);
+                station.write_telemetry(&SensorReadings::of_camera(pose.pan, pose.tilt), now, &mut answer);
+                down.push(answer);
+                let rates = station.rates();
+                VehicleRates { yaw: rates.yaw, pitch: rates.pitch }
+            }
+            Self::MavlinkGimbal(manager) => {
+                for packet in up {
+                    manager.receive(packet, now, down, |_, _| {});
+                }
+                let angles = GimbalAngles { yaw: pose.pan, pitch: pose.tilt };
+                manager.write_telemetry(angles, now, down);
+                manager.rates()
+            }
+        }
+    }
+}
+
+fn wrapped(pan: Angle) -> Angle {
+    let turns = (pan.degrees() / 360.0).round();
+    Angle::from_degrees(pan.degrees() - turns * 360.0)
+}
