@@ -45,6 +45,7 @@ function factsOf(snapshot) {
     [words.facts.work, words.workText(work.camera)],
     [words.facts.netYaw, words.netYawText(Math.round(snapshot.net_yaw_deg))],
   ];
+  if (link.position) facts.push([words.facts.position, words.positionText(link.position, link.altitude_m)]);
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
   if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
   if (drive && !drive.paused && drive.pace < SLOW) facts.push([words.facts.world, words.slowText(drive.pace)]);

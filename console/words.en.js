@@ -94,11 +94,11 @@ export default {
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
     track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
-    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw",
+    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw", position: "Kite",
   },
   links: {
     "dry-run": "dry run: nothing is sent", simulated: "simulated camera", opening: "opening", starting: "starting", up: "up",
-    closing: "closing", closed: "closed",
+    closing: "closing", closed: "closed", silent: "silent",
   },
   videos: { connecting: "connecting", up: "up", lost: "lost, reconnecting", ended: "ended" },
   recordings: { off: "off", recording: "on", failed: "FAILED" },
@@ -106,6 +106,9 @@ export default {
   workText: (work) => `${work.moves} moves, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
   netYawText: (degrees) => (degrees === 0 ? "0°" : `${Math.abs(degrees)}° to the ${degrees > 0 ? "right" : "left"}`),
+  positionText: ({ latitude_deg, longitude_deg, heading_deg }, height) =>
+    `${Math.abs(latitude_deg).toFixed(5)}° ${latitude_deg < 0 ? "S" : "N"}, ${Math.abs(longitude_deg).toFixed(5)}° ${longitude_deg < 0 ? "W" : "E"}`
+    + (height === null ? "" : `, ${height.toFixed(0)} m up`) + (heading_deg === null ? "" : `, heading ${heading_deg.toFixed(0)}°`),
   slowText: (pace) => `${Math.round(100 * pace)} % of real time; try --size 640x360`,
   turns: { pan: "pan", tilt: "tilt", left: "left", right: "right", up: "up", down: "down", rest: "at rest" },
   videoText: (state, fps, dropped) => `${state}, ${fps.toFixed(0)} frames/s, ${dropped} dropped`,

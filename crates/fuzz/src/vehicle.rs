@@ -80,6 +80,10 @@ pub(crate) fn check_report(report: &Report) {
         Report::Ground { uptime_s, battery_v, tether_m, .. } => vec![*uptime_s, *battery_v, *tether_m],
         Report::VehicleAttitude(q) | Report::GimbalAttitude(q) => vec![q.w, q.x, q.y, q.z],
         Report::CameraTilt(angle) | Report::FieldOfView(angle) => vec![angle.radians()],
+        Report::Position { latitude, longitude, altitude_m, height_m, heading } => {
+            let heading = heading.map_or(0.0, |heading| heading.radians());
+            vec![latitude.radians(), longitude.radians(), *altitude_m, *height_m, heading]
+        }
         Report::Tether { elevation, azimuth, altitude_m } => {
             vec![elevation.radians(), azimuth.radians(), *altitude_m]
         }

@@ -36,7 +36,7 @@ pub enum Report {
         /// Time since the vehicle was switched on, seconds.
         uptime_s: f64,
     },
-    /// Attitude of the vehicle relative to its attitude at initialisation.
+    /// Attitude of the vehicle: relative to its attitude at initialisation, or to north, east and down (MAVLink).
     VehicleAttitude(Quaternion),
     /// Attitude of the gimbal, in the vehicle's own frames.
     GimbalAttitude(Quaternion),
@@ -44,6 +44,19 @@ pub enum Report {
     CameraTilt(Angle),
     /// Horizontal field of view of the picture. A zoom changes it.
     FieldOfView(Angle),
+    /// Position of the vehicle on Earth.
+    Position {
+        /// Latitude (WGS 84), positive to the north.
+        latitude: Angle,
+        /// Longitude (WGS 84), positive to the east.
+        longitude: Angle,
+        /// Altitude above the mean sea level, metres.
+        altitude_m: f64,
+        /// Height above the place of the start, metres.
+        height_m: f64,
+        /// Direction of the vehicle's nose from north, 0 to 2 pi, positive to the east; `None`: not known.
+        heading: Option<Angle>,
+    },
     /// Position of the vehicle on its tether.
     Tether {
         /// Angle of the tether from the vertical.

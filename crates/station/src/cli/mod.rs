@@ -89,7 +89,7 @@ pub enum Command {
     /// Steer a simulated boat in the browser while the camera follows it.
     Demo(DemoArgs),
     /// Track the boat in live video and move the vehicle's camera.
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Run the tracker alone on a recording.
     Track(TrackArgs),
     /// Draw a frame of a video with a grid of coordinates, to select a boat.

@@ -5,11 +5,11 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
-use barrelman_vocab::{CameraCommand, LawId, PixelBox, StopCause, Track};
+use barrelman_vocab::{Angle, CameraCommand, LawId, PixelBox, StopCause, Track};
 
 use super::api::{
-    AxisPair, CameraWork, LawName, LinkStatus, ModeStatus, PerceptStatus, RecordingStatus, RegionStatus,
-    StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, CameraWork, LawName, LinkStatus, ModeStatus, PerceptStatus, PositionStatus, RecordingStatus,
+    RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
 
@@ -194,6 +194,11 @@ fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
         battery_v: vehicle.battery_v,
         tilt_deg: vehicle.tilt.map(|tilt| tilt.radians().to_degrees()),
         altitude_m: vehicle.altitude_m,
+        position: vehicle.position.map(|position| PositionStatus {
+            latitude_deg: position.latitude.degrees(),
+            longitude_deg: position.longitude.degrees(),
+            heading_deg: position.heading.map(Angle::degrees),
+        }),
         flight: vehicle.flight.map(|state| match state {
             FlightState::Idle => "idle",
             FlightState::Flying => "flying",

@@ -30,7 +30,7 @@ pub use camera_work::{CameraWork, WorkFigures};
 pub use drive_state::DriveState;
 pub use event_log::{EventEntry, EventLog, Level};
 pub use publisher::{Publisher, link_state_text};
-pub use vehicle::{LinkStatus, VehicleSnapshot};
+pub use vehicle::{LinkStatus, VehiclePosition, VehicleSnapshot};
 
 /// The newest snapshot; all readers share it.
 pub type SharedSnapshot = Arc<Snapshot>;

@@ -16,6 +16,17 @@ pub enum LinkStatus {
     Link(LinkState),
 }
 
+/// Position of the vehicle on Earth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VehiclePosition {
+    /// Latitude, positive to the north.
+    pub latitude: Angle,
+    /// Longitude, positive to the east.
+    pub longitude: Angle,
+    /// Direction of the vehicle's nose from north, positive to the east.
+    pub heading: Option<Angle>,
+}
+
 /// The newest state of the vehicle and its link.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VehicleSnapshot {
@@ -31,8 +42,10 @@ pub struct VehicleSnapshot {
     pub is_battery_low: bool,
     /// Elevation of the camera's axis.
     pub tilt: Option<Angle>,
-    /// Altitude, metres.
+    /// Height above the place of the start, metres.
     pub altitude_m: Option<f64>,
+    /// Position on Earth.
+    pub position: Option<VehiclePosition>,
     /// Flight state.
     pub flight: Option<FlightState>,
     /// Whether nothing reaches a camera that was turning.
@@ -63,6 +76,10 @@ impl VehicleSnapshot {
             }
             Report::Control { control, .. } => self.control = Some(control),
             Report::CameraTilt(tilt) => self.tilt = Some(tilt),
+            Report::Position { latitude, longitude, height_m, heading, .. } => {
+                self.altitude_m = Some(height_m);
+                self.position = Some(VehiclePosition { latitude, longitude, heading });
+            }
             Report::Tether { altitude_m, .. } => self.altitude_m = Some(altitude_m),
             Report::Flight { state, is_battery_low, .. } | Report::FlightState { state, is_battery_low } => {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
@@ -91,6 +108,13 @@ mod tests {
         Report::Ground { control: ControlState::Ours, uptime_s: 9.0, battery_v: 15.5, tether_m: 12.0 };
     const CONTROL: Report = Report::Control { control: ControlState::Ours, uptime_s: 9.0 };
     const TETHER: Report = Report::Tether { elevation: Angle::ZERO, azimuth: Angle::ZERO, altitude_m: 10.5 };
+    const POSITION: Report = Report::Position {
+        latitude: Angle::from_degrees(54.0),
+        longitude: Angle::from_degrees(10.0),
+        altitude_m: 55.0,
+        height_m: 10.5,
+        heading: None,
+    };
     const FLIGHT: Report = Report::Flight {
         state: FlightState::Flying,
         on_time_s: 9.0,
@@ -107,6 +131,7 @@ mod tests {
         battery_v: Some(15.5),
         tilt: Some(Angle::from_degrees(-20.0)),
         altitude_m: Some(10.5),
+        position: None,
         flight: Some(FlightState::Flying),
         may_be_turning: false,
         is_battery_low: true,
@@ -131,6 +156,18 @@ mod tests {
             (&[UP, CONTROL], VehicleSnapshot { control: KNOWN.control, ..up }),
             (&[UP, TILT], VehicleSnapshot { tilt: KNOWN.tilt, ..up }),
             (&[UP, TETHER], VehicleSnapshot { altitude_m: KNOWN.altitude_m, ..up }),
+            (
+                &[UP, POSITION],
+                VehicleSnapshot {
+                    altitude_m: Some(10.5),
+                    position: Some(VehiclePosition {
+                        latitude: Angle::from_degrees(54.0),
+                        longitude: Angle::from_degrees(10.0),
+                        heading: None,
+                    }),
+                    ..up
+                },
+            ),
             (&[UP, FLIGHT], VehicleSnapshot { flight: KNOWN.flight, is_battery_low: true, ..up }),
             (&[UP, Report::FieldOfView(Angle::ZERO)], up),
             (&[UP, GROUND, TILT, TETHER, FLIGHT], KNOWN),

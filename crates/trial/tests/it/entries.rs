@@ -167,6 +167,13 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
             tether_m: value,
         }),
         telemetry(Report::Control { control: ControlState::NotOurs, uptime_s: value }),
+        telemetry(Report::Position {
+            latitude: Angle::from_radians(value),
+            longitude: Angle::from_radians(value),
+            altitude_m: value,
+            height_m: value,
+            heading: Some(Angle::from_radians(value)),
+        }),
         telemetry(Report::Tether {
             elevation: Angle::from_radians(value),
             azimuth: Angle::from_radians(value),

@@ -10,6 +10,7 @@ use mavlink::dialects::common::{
     GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavResult, MavType,
 };
 
+use super::autopilot_reports::AutopilotReports;
 use super::command::Gimbal;
 use super::frame::{Frame, FrameReader};
 use super::signing::Signing;
@@ -92,6 +93,7 @@ pub struct GimbalReader {
 struct Facts {
     peers: MavlinkPeers,
     gimbal: Option<Gimbal>,
+    autopilot: AutopilotReports,
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
     uptimes: [Option<f64>; 3],
     uptime_s: Option<f64>,
@@ -118,6 +120,7 @@ impl GimbalReader {
         let facts = Facts {
             peers,
             gimbal: None,
+            autopilot: AutopilotReports::default(),
             uptimes: [None; 3],
             uptime_s: None,
             is_claimed: false,
@@ -164,6 +167,11 @@ impl Facts {
             && self.is_of_claim(&answer)
         {
             self.on_claim_answered(answer.result, each);
+        }
+        if self.gimbal.is_some_and(|gimbal| gimbal.manager.system == frame.from.system)
+            && let Some(report) = self.autopilot.read(frame)
+        {
+            each(Received::Report(report));
         }
         if self.is_manager(frame.from) {
             each(Received::Other);

@@ -7,6 +7,8 @@
 pub mod frame;
 pub mod signing;
 
+mod autopilot_reports;
+
 pub mod command;
 pub mod gimbal_reader;
 pub mod pacing;

@@ -147,10 +147,21 @@ pub struct VideoStatus {
     pub h264: bool,
 }
 
+/// Position of the vehicle on Earth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct PositionStatus {
+    /// Latitude, degrees, positive to the north.
+    pub latitude_deg: f64,
+    /// Longitude, degrees, positive to the east.
+    pub longitude_deg: f64,
+    /// Direction of the vehicle's nose from north, degrees, positive to the east; `null`: not known.
+    pub heading_deg: Option<f64>,
+}
+
 /// The link to the vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct LinkStatus {
-    /// `dry-run`, `simulated`, `opening`, `starting`, `up`, `closing` or `closed`.
+    /// `dry-run`, `simulated`, `opening`, `starting`, `up`, `silent`, `closing` or `closed`.
     pub state: &'static str,
     /// Whether the vehicle accepts commands from this program.
     pub in_control: Option<bool>,
@@ -161,8 +172,10 @@ pub struct LinkStatus {
     pub battery_v: Option<f64>,
     /// Elevation of the camera, degrees, positive above the horizon.
     pub tilt_deg: Option<f64>,
-    /// Altitude of the vehicle, metres.
+    /// Height of the vehicle above the place of its start, metres.
     pub altitude_m: Option<f64>,
+    /// Position of the vehicle on Earth (WGS 84); `null`: it reports none.
+    pub position: Option<PositionStatus>,
     /// `idle`, `flying`, `landing`, `emergency` or `other`.
     pub flight: Option<&'static str>,
 }

@@ -7,11 +7,11 @@ use barrelman_control::{Percept, Region};
 use barrelman_pilot::Advice;
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
-use barrelman_vocab::{Angle, AngularRate, ImagePoint, VehicleRates};
+use barrelman_vocab::{AngularRate, ImagePoint, VehicleRates};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::snapshot::{Alarm, SharedSnapshot};
+use crate::snapshot::{Alarm, SharedSnapshot, VehiclePosition};
 use crate::test_scenes::{PICTURE, at, command, idle, localisation};
 
 /// The JSON of a snapshot.
@@ -225,11 +225,17 @@ fn telemetry_is_given_in_volts_degrees_and_metres() {
             battery_v: Some(15.5),
             tilt: Some(Angle::from_radians(-core::f64::consts::FRAC_PI_2)),
             altitude_m: Some(10.5),
+            position: Some(VehiclePosition {
+                latitude: Angle::from_degrees(54.5),
+                longitude: Angle::from_degrees(-10.25),
+                heading: None,
+            }),
             flight: Some(flight),
             ..VehicleSnapshot::default()
         };
         let expected = json!({
             "state": "dry-run", "in_control": false, "acceptance": null, "battery_v": 15.5, "tilt_deg": -90.0, "altitude_m": 10.5,
+            "position": {"latitude_deg": 54.5, "longitude_deg": -10.25, "heading_deg": null},
             "flight": name,
         });
         assert_eq!(status(Snapshot { vehicle, ..Snapshot::default() })["link"], expected);

@@ -62,6 +62,15 @@ impl From<&Telemetry> for stored::TelemetryInput {
                 Stored::FlightState(stored::FlightStateReport { state, mode, is_battery_low })
             }
             Report::Acceptance(said) => Stored::Acceptance(stored::Acceptance::from(said) as i32),
+            Report::Position { latitude, longitude, altitude_m, height_m, heading } => {
+                Stored::Position(stored::PositionReport {
+                    latitude_rad: latitude.radians(),
+                    longitude_rad: longitude.radians(),
+                    altitude_m,
+                    height_m,
+                    heading_rad: heading.map(Angle::radians),
+                })
+            }
             Report::Tether { elevation, azimuth, altitude_m } => Stored::Tether(stored::TetherReport {
                 elevation_rad: elevation.radians(),
                 azimuth_rad: azimuth.radians(),
@@ -112,6 +121,13 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
             Stored::Acceptance(said) => Report::Acceptance(
                 stored::Acceptance::try_from(said).map_err(|_| missing("acceptance"))?.try_into()?,
             ),
+            Stored::Position(position) => Report::Position {
+                latitude: Angle::from_radians(position.latitude_rad),
+                longitude: Angle::from_radians(position.longitude_rad),
+                altitude_m: position.altitude_m,
+                height_m: position.height_m,
+                heading: position.heading_rad.map(Angle::from_radians),
+            },
             Stored::Tether(tether) => Report::Tether {
                 elevation: Angle::from_radians(tether.elevation_rad),
                 azimuth: Angle::from_radians(tether.azimuth_rad),

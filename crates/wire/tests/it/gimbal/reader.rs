@@ -1,10 +1,14 @@
 //! What a gimbal manager's messages mean.
 
+use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers};
+use barrelman_vocab::telemetry::Report;
 use barrelman_wire::mavlink::frame::FrameWriter;
 use barrelman_wire::mavlink::gimbal_reader::{Holder, Received};
 use barrelman_wire::mavlink::{Gimbal, GimbalReader};
-use mavlink::dialects::common::{GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_STATUS_DATA};
+use mavlink::dialects::common::{
+    ATTITUDE_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_STATUS_DATA, GLOBAL_POSITION_INT_DATA,
+};
 
 const AUTOPILOT: Address = Address::new(1, 1);
 
@@ -85,4 +89,54 @@ fn the_attitude_of_another_gimbal_does_not_count() {
     assert!(!is_attitude(&vehicle.attitude(Address::new(1, 171), 1_000, 0)));
     assert!(!is_attitude(&vehicle.attitude(AUTOPILOT, 1_000, 171)));
     assert!(!is_attitude(&vehicle.attitude(Address::new(2, 154), 1_000, 0)));
+}
+
+#[test]
+fn position_and_attitude_of_the_gimbals_vehicle_are_reported_at_most_five_times_a_second() {
+    let position = |time_boot_ms: u32, lat: i32, hdg: u16| GLOBAL_POSITION_INT_DATA {
+        time_boot_ms,
+        lat,
+        lon: -102_500_000,
+        alt: 55_000,
+        relative_alt: 12_500,
+        hdg,
+        ..GLOBAL_POSITION_INT_DATA::default()
+    };
+    let reports = |heard: Vec<Received>| -> Vec<Report> {
+        let report = |received: &Received| match received {
+            Received::Report(report) => Some(*report),
+            _ => None,
+        };
+        heard.iter().filter_map(report).collect()
+    };
+    let mut vehicle = Vehicle::new();
+    let before = vehicle.says(AUTOPILOT, &position(500, 541_000_000, 9_000));
+    assert_eq!(reports(before), vec![], "before the gimbal is known, so is not its vehicle");
+    vehicle.status(1_000, 1, Address::EVERYONE);
+    let known = Report::Position {
+        latitude: Angle::from_degrees(541_000_000.0 * 1e-7),
+        longitude: Angle::from_degrees(-102_500_000.0 * 1e-7),
+        altitude_m: 55.0,
+        height_m: 12.5,
+        heading: Some(Angle::from_degrees(90.0)),
+    };
+    assert_eq!(reports(vehicle.says(AUTOPILOT, &position(1_000, 541_000_000, 9_000))), vec![known]);
+    assert_eq!(reports(vehicle.says(AUTOPILOT, &position(1_199, 541_000_000, 9_000))), vec![]);
+    let without_heading = reports(vehicle.says(AUTOPILOT, &position(1_200, 541_000_000, u16::MAX)));
+    assert!(matches!(without_heading[..], [Report::Position { heading: None, .. }]), "{without_heading:?}");
+    assert_eq!(reports(vehicle.says(AUTOPILOT, &position(1_400, 910_000_000, 0))), vec![], "no place");
+    let nowhere = GLOBAL_POSITION_INT_DATA { time_boot_ms: 1_600, ..GLOBAL_POSITION_INT_DATA::default() };
+    assert_eq!(reports(vehicle.says(AUTOPILOT, &nowhere)), vec![], "no fix");
+    assert_eq!(reports(vehicle.says(Address::new(9, 1), &position(2_000, 541_000_000, 0))), vec![]);
+    assert_eq!(reports(vehicle.says(Address::new(1, 100), &position(2_000, 541_000_000, 0))), vec![]);
+
+    let attitude = |yaw: f32| ATTITUDE_DATA { time_boot_ms: 3_000, yaw, ..ATTITUDE_DATA::default() };
+    let turned = reports(vehicle.says(AUTOPILOT, &attitude(core::f32::consts::PI)));
+    assert!(
+        matches!(turned[..], [Report::VehicleAttitude(q)] if q.w.abs() < 1e-6 && (q.z - 1.0).abs() < 1e-6),
+        "{turned:?}"
+    );
+    let mut vehicle = Vehicle::new();
+    vehicle.status(1_000, 1, Address::EVERYONE);
+    assert_eq!(reports(vehicle.says(AUTOPILOT, &attitude(f32::NAN))), vec![]);
 }
