@@ -68,7 +68,7 @@ pub fn mavlink(bytes: &[u8]) {
                 let length = usize::from(rest.next().unwrap_or(0) % 64);
                 let payload: Vec<u8> = rest.by_ref().take(length).collect();
                 let packet = talk.writer.write_payload(message, &payload);
-                talk.hear(&[packet.clone()], now);
+                talk.hear(std::slice::from_ref(&packet), now);
                 talk.manager.receive(&packet, now, &mut Vec::new(), |_, _| {});
             }
         }

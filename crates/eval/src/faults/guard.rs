@@ -106,7 +106,7 @@ impl Guard {
                 true
             });
         }
-        while self.poll_at <= now && !self.ended.is_some() {
+        while self.poll_at <= now && self.ended.is_none() {
             self.poll(line, now, at_ms);
         }
     }

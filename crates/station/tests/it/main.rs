@@ -17,6 +17,7 @@ mod command_paths;
 mod configuration;
 mod emulated_port;
 mod exports;
+mod gimbal;
 mod live_scenes;
 mod output_files;
 mod recorder;
