@@ -12,8 +12,8 @@ use crate::inquiry::Inquiry;
 pub struct MainVideo {
     /// The stream's name.
     pub name: String,
-    /// Its address without encryption; `None`: there is none.
-    pub rtsp_url: Option<String>,
+    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has neither.
+    pub address: Option<String>,
 }
 
 impl Inquiry {
@@ -53,7 +53,10 @@ impl Inquiry {
     pub fn main_video(&self) -> Result<Option<MainVideo>, Acceptance> {
         let streams: Vec<VideoStream> = self.read("/v1/videostreams")?;
         let main = json::main_stream(&streams);
-        Ok(main.map(|stream| MainVideo { name: stream.stream_id.clone(), rtsp_url: stream.rtsp_url.clone() }))
+        Ok(main.map(|stream| MainVideo {
+            name: stream.stream_id.clone(),
+            address: stream.rtsp_url.clone().or_else(|| stream.rtsps_url.clone()),
+        }))
     }
 
     fn read<T: for<'a> serde::Deserialize<'a>>(&self, path: &str) -> Result<T, Acceptance> {

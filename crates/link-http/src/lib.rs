@@ -23,6 +23,8 @@ pub mod port;
 pub mod facts;
 pub mod inquiry;
 
+pub mod tls_relay;
+
 mod connection;
 mod inbox;
 mod lane;
@@ -33,3 +35,4 @@ pub use facts::{CameraInfo, MainVideo};
 pub use inquiry::Inquiry;
 pub use link::open_link;
 pub use settings::{Credential, CredentialError, HttpSettings, Trust};
+pub use tls_relay::{RelayFailures, TlsRelay, TlsServer};

@@ -66,8 +66,8 @@ impl ServerCertVerifier for Pinned {
             return Ok(ServerCertVerified::assertion());
         }
         Err(rustls::Error::General(format!(
-            "the certificate's SHA-256 is {got}, and {} was expected: if the vehicle's certificate was renewed, compare the new \
-             one on its tablet and give it with --link-certificate-sha256",
+            "the certificate's SHA-256 is {got}, and {} was expected: if the certificate was renewed, compare the new one at the \
+             vehicle itself (on its tablet), and give its SHA-256 instead",
             self.expected
         )))
     }

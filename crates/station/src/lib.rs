@@ -8,6 +8,7 @@ pub mod commands;
 
 pub mod config;
 
+mod encrypted_video;
 pub mod secrets;
 pub mod source_url;
 

@@ -34,9 +34,16 @@ pub enum LoginSource {
 pub struct LinkAccess {
     /// The file of the token.
     pub token_file: Option<PathBuf>,
-    /// The fingerprint of the vehicle's certificate.
+    /// Which certificate is accepted.
+    pub trust: TrustFiles,
+}
+
+/// Which certificate of a server is accepted; neither: one that a well-known authority has signed.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct TrustFiles {
+    /// The fingerprint of the certificate.
     pub certificate_sha256: Option<String>,
-    /// The file of the authorities that sign the vehicle's certificate.
+    /// The file of the authorities that sign the certificate.
     pub ca_file: Option<PathBuf>,
 }
 
@@ -86,14 +93,21 @@ pub fn http_settings(address: &HttpAddress, access: &LinkAccess) -> Result<HttpS
     let content = read_secret(path, "token")?;
     let credential = Credential::parse(&content)
         .with_context(|| format!("the token file {} is not usable", path.display()))?;
-    let trust = match (&access.certificate_sha256, &access.ca_file) {
+    Ok(HttpSettings { address: address.clone(), trust: trust(&access.trust)?, credential })
+}
+
+/// Which certificate of a server is accepted, with the authorities of their file.
+///
+/// # Errors
+/// If the file or the fingerprint is not usable.
+pub fn trust(files: &TrustFiles) -> Result<Trust> {
+    Ok(match (&files.certificate_sha256, &files.ca_file) {
         (Some(text), _) => Trust::Fingerprint(
             Fingerprint::parse(text).with_context(|| format!("the fingerprint {text:?} is not usable"))?,
         ),
         (None, Some(path)) => Trust::Authorities(input::read(path)?),
         (None, None) => Trust::WellKnown,
-    };
-    Ok(HttpSettings { address: address.clone(), trust, credential })
+    })
 }
 
 /// How the packets of a MAVLink link are signed, with the key of this file; without a file, they are not. If others may read

@@ -12,13 +12,19 @@ use crate::config::{self, ConfigFile};
 pub struct ConnectionOptions {
     /// Configuration file (TOML). Options on the command line override it.
     pub config: Option<PathBuf>,
-    /// The video source: rtsp://..., file:clip.mp4, a folder of pictures, or a simulated world
+    /// The video source: rtsp://..., rtsps://..., file:clip.mp4, a folder of pictures, or a simulated world
     /// (sim:SCENARIO?seed=1&size=WxH).
     #[arg(long, value_name = "URL")]
     pub video: Option<String>,
     /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
     #[arg(long, value_name = "FILE")]
     pub video_login_file: Option<PathBuf>,
+    /// SHA-256 fingerprint of the certificate of a camera at rtsps://: no other certificate is accepted.
+    #[arg(long, value_name = "HEX", conflicts_with = "video_ca_file")]
+    pub video_certificate_sha256: Option<String>,
+    /// File of authorities (PEM) that sign the certificate of a camera at rtsps://; default: the well-known ones.
+    #[arg(long, value_name = "FILE")]
+    pub video_ca_file: Option<PathBuf>,
     /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port (Fotokite Pro, MAVLink gimbal),
     /// http://host:port/api or https://host/api (Fotokite Sigma), or sim: for the
     /// simulated world's camera. Without a link: a dry run.
@@ -50,6 +56,10 @@ impl ConnectionOptions {
         };
         if let Some(path) = &self.video_login_file {
             (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
+        }
+        if self.video_certificate_sha256.is_some() || self.video_ca_file.is_some() {
+            file.video.certificate_sha256.clone_from(&self.video_certificate_sha256);
+            file.video.ca_file.clone_from(&self.video_ca_file);
         }
         if self.link_token_file.is_some() {
             file.link.token_file.clone_from(&self.link_token_file);

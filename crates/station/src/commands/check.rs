@@ -17,6 +17,7 @@ use super::check_over_http::check_over_http;
 use super::check_result::{CheckResult, Verdict};
 use crate::cli::{CheckArgs, ConnectionOptions};
 use crate::config::{ConfigFile, Configuration};
+use crate::encrypted_video;
 use crate::link::LinkUrl;
 use crate::link::port::Port;
 use crate::link::url::Endpoint;
@@ -24,6 +25,7 @@ use crate::secrets;
 use crate::simulated_source;
 use crate::source_url::SourceUrl;
 use barrelman_host::clock::Clock;
+use barrelman_link_http::Trust;
 use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 
 /// How long a live source may take to deliver its first picture.
@@ -93,10 +95,15 @@ fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -
         Ok(parsed) => parsed,
         Err(error) => return CheckResult::new("video", Verdict::Failed, format!("{error:#}")),
     };
+    let files = configuration.map(|configuration| configuration.video_trust.clone()).unwrap_or_default();
+    let trust = match secrets::trust(&files) {
+        Ok(trust) => trust,
+        Err(error) => return CheckResult::new("video", Verdict::Failed, format!("{error:#}")),
+    };
     let subject = format!("video {parsed}");
     let first = match &parsed {
         SourceUrl::Video(url) if !url.is_live() => first_stored_picture(url),
-        SourceUrl::Video(_) | SourceUrl::Simulated(_) => first_live_picture(parsed, clock),
+        SourceUrl::Video(_) | SourceUrl::Simulated(_) => first_live_picture(parsed, &trust, clock),
     };
     match first {
         Ok(frame) => {
@@ -138,13 +145,15 @@ impl VideoSink for FirstDeliveries {
     }
 }
 
-fn first_live_picture(url: SourceUrl, clock: Clock) -> Result<VideoFrame, String> {
+fn first_live_picture(url: SourceUrl, trust: &Trust, clock: Clock) -> Result<VideoFrame, String> {
     let (deliveries, queue) = sync_channel(16);
     let started = match url {
-        SourceUrl::Video(url) => barrelman_video::spawn(url, clock, FirstDeliveries(deliveries)),
-        SourceUrl::Simulated(url) => simulated_source::spawn(&url, clock, FirstDeliveries(deliveries)),
+        SourceUrl::Video(url) => encrypted_video::spawn(url, trust, clock, FirstDeliveries(deliveries)),
+        SourceUrl::Simulated(url) => {
+            simulated_source::spawn(&url, clock, FirstDeliveries(deliveries)).map_err(Into::into)
+        }
     };
-    let source = started.map_err(|error| error.to_string())?;
+    let source = started.map_err(|error| format!("{error:#}"))?;
     let result = wait_for_picture(&queue);
     if let Err(error) = source.stop() {
         tracing::warn!("{error}");

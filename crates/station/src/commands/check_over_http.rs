@@ -90,13 +90,13 @@ fn check_video(main: Result<Option<MainVideo>, Acceptance>) -> CheckResult {
     let (verdict, details) = match main {
         Err(said) => (Verdict::Failed, said.text().to_owned()),
         Ok(None) => (Verdict::Warning, "the vehicle has no video".to_owned()),
-        Ok(Some(MainVideo { name, rtsp_url: Some(_) })) => {
-            (Verdict::Ok, format!("{name}, by RTSP: `run` without --video takes it"))
+        Ok(Some(MainVideo { name, address: Some(address) })) => {
+            let protocol = if address.starts_with("rtsps:") { "RTSP in TLS" } else { "RTSP" };
+            (Verdict::Ok, format!("{name}, by {protocol}: `run` without --video takes it"))
         }
-        Ok(Some(MainVideo { name, rtsp_url: None })) => (
-            Verdict::Warning,
-            format!("{name}, by RTSPS alone, which this program does not read: give --video rtsp://..."),
-        ),
+        Ok(Some(MainVideo { name, address: None })) => {
+            (Verdict::Warning, format!("{name}, without an address: give --video rtsp://..."))
+        }
     };
     CheckResult::new("the vehicle's video", verdict, details)
 }

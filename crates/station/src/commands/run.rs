@@ -18,7 +18,7 @@ use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
 use crate::live::threads::{FAULT_THREADS, FaultInjector};
-use crate::secrets;
+use crate::secrets::{self, TrustFiles};
 use crate::source_url::SourceUrl;
 use crate::tracking_camera::{self, TrackingCameraSetup};
 use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult};
@@ -56,6 +56,10 @@ pub fn run_with_outputs(
         let video = video_address(http)?;
         tracing::info!("the vehicle's video: {}", without_logins(&video));
         configuration.video = Some(video);
+        // One vehicle, one certificate.
+        if configuration.video_trust == TrustFiles::default() {
+            configuration.video_trust = configuration.link_access.trust.clone();
+        }
     }
     let Some(video) = &configuration.video else {
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
@@ -71,7 +75,7 @@ pub fn run_with_outputs(
     }
     let mut source = source;
     let fault_injector = injected_faults(args, link.as_mut(), &mut source)?;
-    let source = Source::load(source)?;
+    let source = Source::load(source, secrets::trust(&configuration.video_trust)?)?;
     if source.world().is_none()
         && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::SimulatedCamera)
     {
@@ -130,7 +134,7 @@ fn drawn_selection(
     source: &Source,
     console: Option<&ConsoleSettings>,
 ) -> Result<Option<PixelBox>> {
-    let (Source::Video(url), Some(console)) = (source, console) else { return Ok(None) };
+    let (Source::Video(url, _), Some(console)) = (source, console) else { return Ok(None) };
     let is_asked_for = args.console.listen.is_some() || has_display();
     if source.is_live() || args.hands_on || !is_asked_for {
         return Ok(None);
@@ -277,7 +281,8 @@ pub fn calibrate(
     let Some(link) = configuration.link.as_deref().map(LinkUrl::parse).transpose()? else {
         return Err(UsageError("no link: give --link, or link.url in the configuration".to_owned()).into());
     };
-    let source = Source::load(secrets::source_url(video, configuration.video_login.as_ref())?)?;
+    let source = secrets::source_url(video, configuration.video_login.as_ref())?;
+    let source = Source::load(source, secrets::trust(&configuration.video_trust)?)?;
     if source.world().is_none() && link.endpoint == Endpoint::SimulatedCamera {
         bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
     }

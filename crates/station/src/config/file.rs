@@ -54,7 +54,7 @@ pub struct LawSection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VideoSection {
-    /// Address: `rtsp://...`, `file:...` or `sim:...`.
+    /// Address: `rtsp://...`, `rtsps://...`, `file:...` or `sim:...`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
     /// File whose first line is the camera's `user:password`, only for `rtsp://`.
@@ -63,6 +63,12 @@ pub struct VideoSection {
     /// Name of the environment variable that holds the camera's `user:password`, only for `rtsp://`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_env: Option<String>,
+    /// SHA-256 fingerprint of the certificate of a camera at `rtsps://`, 64 hexadecimal digits: no other one is accepted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificate_sha256: Option<String>,
+    /// File of authorities (PEM) that sign the certificate of a camera at `rtsps://`; default: the well-known ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ca_file: Option<PathBuf>,
 }
 
 /// The vehicle's link.

@@ -16,7 +16,7 @@ use super::range::within;
 use super::tracker::TrackerSection;
 use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
-use crate::secrets::{LinkAccess, LoginSource};
+use crate::secrets::{LinkAccess, LoginSource, TrustFiles};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
@@ -27,6 +27,8 @@ pub struct Configuration {
     pub video: Option<String>,
     /// Where the video's login is kept, if it is not in the address.
     pub video_login: Option<LoginSource>,
+    /// Which certificate of a video in TLS is accepted.
+    pub video_trust: TrustFiles,
     /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
     /// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
@@ -124,6 +126,7 @@ impl Configuration {
         Ok(Self {
             video: file.video.url.clone(),
             video_login: login_source(&file.video)?,
+            video_trust: trust_files("video", &file.video.certificate_sha256, &file.video.ca_file)?,
             link: file.link.url.clone(),
             link_access: link_access(&file.link)?,
             signing_key_file: file.link.signing_key_file.clone(),
@@ -180,14 +183,16 @@ impl Configuration {
                     Some(LoginSource::Environment(name)) => Some(name.clone()),
                     Some(LoginSource::File(_)) | None => None,
                 },
+                certificate_sha256: self.video_trust.certificate_sha256.clone(),
+                ca_file: self.video_trust.ca_file.clone(),
             },
             link: LinkSection {
                 url: self.link.clone(),
                 guard: self.guard.program.clone(),
                 without_guard: Some(self.guard.is_omitted),
                 token_file: self.link_access.token_file.clone(),
-                certificate_sha256: self.link_access.certificate_sha256.clone(),
-                ca_file: self.link_access.ca_file.clone(),
+                certificate_sha256: self.link_access.trust.certificate_sha256.clone(),
+                ca_file: self.link_access.trust.ca_file.clone(),
                 signing_key_file: self.signing_key_file.clone(),
                 line_ending: Some(match self.framing {
                     Framing::CarriageReturns => LineEnding::CrAround,
@@ -232,14 +237,21 @@ impl Configuration {
 }
 
 fn link_access(link: &LinkSection) -> Result<LinkAccess> {
-    if link.certificate_sha256.is_some() && link.ca_file.is_some() {
-        bail!("link.certificate_sha256 and link.ca_file are both given: omit one");
-    }
     Ok(LinkAccess {
         token_file: link.token_file.clone(),
-        certificate_sha256: link.certificate_sha256.clone(),
-        ca_file: link.ca_file.clone(),
+        trust: trust_files("link", &link.certificate_sha256, &link.ca_file)?,
     })
+}
+
+fn trust_files(
+    section: &str,
+    certificate_sha256: &Option<String>,
+    ca_file: &Option<PathBuf>,
+) -> Result<TrustFiles> {
+    if certificate_sha256.is_some() && ca_file.is_some() {
+        bail!("{section}.certificate_sha256 and {section}.ca_file are both given: omit one");
+    }
+    Ok(TrustFiles { certificate_sha256: certificate_sha256.clone(), ca_file: ca_file.clone() })
 }
 
 fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {

@@ -38,17 +38,14 @@ pub fn vehicle_over_http(
 /// The address of the vehicle's main video.
 ///
 /// # Errors
-/// If the vehicle cannot be reached, refuses the token, or names no video without encryption.
+/// If the vehicle cannot be reached, refuses the token, or names no video.
 pub fn video_address(settings: &HttpSettings) -> Result<String> {
     let HttpSettings { address, .. } = settings;
     let remedy = "give the address of the video with --video rtsp://...";
     let main = Inquiry::open(settings)?.main_video();
     match main.map_err(|said| anyhow!("{address} does not tell its video: {}. Or {remedy}", said.text()))? {
-        Some(MainVideo { rtsp_url: Some(url), .. }) => Ok(url),
-        Some(MainVideo { name, .. }) => bail!(
-            "{address} offers its video {name:?} by RTSPS alone, which this program does not read: use the vehicle's own \
-             network, or a relay (`stunnel`), and {remedy}"
-        ),
+        Some(MainVideo { address: Some(url), .. }) => Ok(url),
+        Some(MainVideo { name, .. }) => bail!("{address} tells no address of its video {name:?}: {remedy}"),
         None => bail!("{address} has no video: is its camera mounted and on? Or {remedy}"),
     }
 }

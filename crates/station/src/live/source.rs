@@ -2,18 +2,20 @@
 
 use anyhow::Result;
 use barrelman_host::clock::Clock;
+use barrelman_link_http::Trust;
 use barrelman_video::url::VideoSource;
 use barrelman_video::{VideoHandle, VideoUrl};
 use barrelman_vocab::VehicleProfile;
 
 use super::video_sink::LiveVideoSink;
+use crate::encrypted_video;
 use crate::simulated_source::{self, LiveWorld};
 use crate::source_url::{SimulatedUrl, SourceUrl};
 
 /// A video source that has not started.
 pub enum Source {
     /// A stream, a file, or a folder of pictures.
-    Video(VideoUrl),
+    Video(VideoUrl, Trust),
     /// A simulated world.
     Simulated(SimulatedUrl, Box<LiveWorld>),
 }
@@ -23,9 +25,11 @@ impl Source {
     ///
     /// # Errors
     /// If the scenario of a simulated world does not exist or has a mistake.
-    pub fn load(url: SourceUrl) -> Result<Self> {
+    ///
+    /// `trust`: which certificate of a stream in TLS is accepted.
+    pub fn load(url: SourceUrl, trust: Trust) -> Result<Self> {
         Ok(match url {
-            SourceUrl::Video(url) => Self::Video(url),
+            SourceUrl::Video(url) => Self::Video(url, trust),
             SourceUrl::Simulated(url) => {
                 let world = Box::new(LiveWorld::load(&url.world)?);
                 Self::Simulated(url, world)
@@ -36,7 +40,7 @@ impl Source {
     /// The simulated world, where the source is one.
     pub fn world(&self) -> Option<&LiveWorld> {
         match self {
-            Self::Video(_) => None,
+            Self::Video(..) => None,
             Self::Simulated(_, world) => Some(world),
         }
     }
@@ -44,7 +48,7 @@ impl Source {
     /// The address without a password.
     pub fn address(&self) -> String {
         match self {
-            Self::Video(url) => url.to_string(),
+            Self::Video(url, _) => url.to_string(),
             Self::Simulated(url, _) => url.to_string(),
         }
     }
@@ -52,15 +56,17 @@ impl Source {
     /// The address of a stream that others can open, too, without a login; `None`: the source is no stream.
     pub fn stream_address(&self) -> Option<&str> {
         match self {
-            Self::Video(VideoUrl { source: VideoSource::Rtsp { address, .. }, .. }) => Some(address.as_str()),
-            Self::Video(_) | Self::Simulated(..) => None,
+            Self::Video(VideoUrl { source: VideoSource::Rtsp { address, .. }, .. }, _) => {
+                Some(address.as_str())
+            }
+            Self::Video(..) | Self::Simulated(..) => None,
         }
     }
 
     /// Whether the video frames come at the speed of the scene, not of a file.
     pub fn is_live(&self) -> bool {
         match self {
-            Self::Video(url) => url.is_live(),
+            Self::Video(url, _) => url.is_live(),
             Self::Simulated(..) => true,
         }
     }
@@ -82,7 +88,7 @@ impl Source {
                 let world = (*world).with_profile(profile).with_encoding(is_recorded);
                 simulated_source::spawn_world(world, &url, clock, sink)?
             }
-            Self::Video(url) => barrelman_video::spawn(url, clock, sink)?,
+            Self::Video(url, trust) => encrypted_video::spawn(url, &trust, clock, sink)?,
         })
     }
 }

@@ -4,6 +4,7 @@
 //! once. The sink must not block; it decides which frames to drop. A file is paced by its times (time of capture = start +
 //! PTS) and ends. An RTSP source reconnects indefinitely (see [`super::supervision`]).
 
+use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -24,6 +25,8 @@ use barrelman_host::clock::Clock;
 pub struct VideoHandle {
     stop: Arc<StopSignal>,
     thread: Option<JoinHandle<()>>,
+    /// What the source needs until it has ended.
+    kept: Option<Box<dyn Any + Send>>,
 }
 
 /// Maximum wait for the thread to end after the stop signal.
@@ -55,10 +58,17 @@ impl std::error::Error for StopError {}
 /// The system refuses a thread. An error of the source itself reaches the sink as [`VideoState::Failed`].
 pub fn spawn(url: VideoUrl, clock: Clock, sink: impl VideoSink + 'static) -> Result<VideoHandle, VideoError> {
     VideoHandle::start(move |stop| {
-        let feed = Feed::new(url.feed_settings(), clock, sink);
+        let mut feed = Feed::new(url.feed_settings(), clock, sink);
         match &url.source {
             VideoSource::File(_) => run_file(&url, feed, stop),
-            VideoSource::Rtsp { address, login } => rtsp::run(address, login.as_ref(), feed, stop),
+            VideoSource::Rtsp { address, login } => match url.reachable(address) {
+                Some(address) => rtsp::run(&address, login.as_ref(), feed, stop),
+                None => feed.fail(VideoError::Stream {
+                    address: url.to_string(),
+                    what: "is encrypted, which this command does not read".to_owned(),
+                    remedy: "`barrelman run` reads it".to_owned(),
+                }),
+            },
         }
     })
 }
@@ -76,7 +86,14 @@ impl VideoHandle {
             .name("video".to_owned())
             .spawn(move || run(&thread_stop))
             .map_err(VideoError::Thread)?;
-        Ok(Self { stop, thread: Some(thread) })
+        Ok(Self { stop, thread: Some(thread), kept: None })
+    }
+
+    /// The same source, which keeps `part` until it has ended.
+    #[must_use]
+    pub fn keeping(mut self, part: impl Send + 'static) -> Self {
+        self.kept = Some(Box::new(part));
+        self
     }
 
     /// Tells the thread to end and waits for it, at most 2 s.

@@ -1,13 +1,14 @@
-//! The address of a video source, as the user writes it: `rtsp://...`, `file:clip.mp4`, or a path.
+//! The address of a video source, as the user writes it: `rtsp://...`, `rtsps://...`, `file:clip.mp4`, or a path.
 //!
 //! Options follow a question mark: `?fps=30` (pictures per second of a folder) and `?fault=stall@12.5s,drop@3+2`
 //! (deliberate faults). A file name may contain a question mark: the text after it is read as options only if every
 //! option is known, and an existing file of exactly that name takes precedence. A password is never printed.
 
 use std::fmt;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
-use url::Url;
+use url::{Position, Url};
 
 use super::feed::FeedSettings;
 use crate::codec::decoder::DecodeMode;
@@ -23,6 +24,8 @@ pub struct VideoUrl {
     pub fps: Option<f64>,
     /// Deliberate faults.
     pub faults: FaultPlan,
+    /// Where a relay takes what goes to a server that speaks TLS (`rtsps://`).
+    relay: Option<SocketAddr>,
 }
 
 /// A file or a stream.
@@ -30,7 +33,7 @@ pub struct VideoUrl {
 pub enum VideoSource {
     /// A file, or a folder of pictures.
     File(PathBuf),
-    /// A live stream over RTSP (RFC 2326).
+    /// A live stream over RTSP (RFC 2326), or over RTSP in TLS.
     Rtsp {
         /// The address without user and password.
         address: Url,
@@ -149,14 +152,14 @@ impl VideoUrl {
         }
         match scheme_of(text) {
             None => Self::parse_path(text),
-            Some("rtsp") => Self::parse_rtsp(text),
+            Some("rtsp" | ENCRYPTED) => Self::parse_rtsp(text),
             Some(scheme) => Err(unsupported(scheme, text)),
         }
     }
 
     /// A file or a folder, without options.
     pub fn file(path: impl Into<PathBuf>) -> Self {
-        Self { source: VideoSource::File(path.into()), fps: None, faults: FaultPlan::default() }
+        Self { source: VideoSource::File(path.into()), fps: None, faults: FaultPlan::default(), relay: None }
     }
 
     /// The source with this login.
@@ -173,6 +176,34 @@ impl VideoUrl {
             }
             VideoSource::File(_) => Err(VideoUrlError::LoginNotSupported { url }),
         }
+    }
+
+    /// The server that the stream comes from in TLS: host and port; `None`: the source needs no TLS.
+    pub fn tls_server(&self) -> Option<(String, u16)> {
+        match &self.source {
+            VideoSource::Rtsp { address, .. } if address.scheme() == ENCRYPTED => {
+                let host = address.host_str()?.trim_matches(['[', ']']).to_owned();
+                Some((host, address.port().unwrap_or(ENCRYPTED_PORT)))
+            }
+            VideoSource::Rtsp { .. } | VideoSource::File(_) => None,
+        }
+    }
+
+    /// The source, through a relay that speaks TLS to its server.
+    #[must_use]
+    pub const fn through(mut self, relay: SocketAddr) -> Self {
+        self.relay = Some(relay);
+        self
+    }
+
+    /// The address that a stream is asked for at: its own, or the relay's; `None`: the stream needs a relay and has none.
+    pub(super) fn reachable(&self, address: &Url) -> Option<Url> {
+        if address.scheme() != ENCRYPTED {
+            return Some(address.clone());
+        }
+        let relay = self.relay?;
+        let rest = &address[Position::BeforePath..];
+        Url::parse(&format!("rtsp://{relay}{rest}")).ok()
     }
 
     /// Whether the source is a live stream, which sets the pace and reconnects when it is lost.
@@ -247,6 +278,10 @@ impl VideoUrl {
 
 const KNOWN_OPTIONS: [&str; 2] = ["fps=", "fault="];
 
+/// The scheme of RTSP in TLS, and its usual port.
+const ENCRYPTED: &str = "rtsps";
+const ENCRYPTED_PORT: u16 = 322;
+
 /// The scheme of an address: letters, digits, `+-.` before the first colon. A single letter is a Windows drive.
 fn scheme_of(text: &str) -> Option<&str> {
     let (scheme, _) = text.split_once(':')?;
@@ -262,7 +297,6 @@ fn unsupported(scheme: &str, text: &str) -> VideoUrlError {
         "v4l2" => ("USB and other V4L2 cameras are", SERVE_CAMERA),
         "udp" | "rtp" | "srt" | "tcp" | "rtmp" => ("this kind of stream is", SERVE_STREAM),
         "http" | "https" => ("video over HTTP is", SERVE_STREAM),
-        "rtsps" => ("RTSP over TLS is", "Use rtsp:// inside a trusted network or a VPN"),
         _ => return VideoUrlError::UnknownScheme { url },
     };
     VideoUrlError::Unsupported { url, what, remedy }
@@ -279,7 +313,8 @@ impl fmt::Display for VideoSource {
             Self::Rtsp { address, login: None } => write!(f, "{address}"),
             Self::Rtsp { address, login: Some(_) } => {
                 let address = address.as_str();
-                write!(f, "rtsp://***@{}", address.strip_prefix("rtsp://").unwrap_or(address))
+                let (scheme, rest) = address.split_once("://").unwrap_or(("rtsp", address));
+                write!(f, "{scheme}://***@{rest}")
             }
         }
     }
@@ -372,6 +407,23 @@ mod tests {
     }
 
     #[test]
+    fn a_stream_in_tls_is_reached_through_a_relay_and_shown_as_itself() {
+        let url = parsed("rtsps://u:secret@cam/live?profile=2");
+        assert_eq!(url.tls_server(), Some(("cam".to_owned(), 322)));
+        assert_eq!(parsed("rtsps://[fe80::1]:8322/live").tls_server(), Some(("fe80::1".to_owned(), 8322)));
+        assert_eq!(parsed("rtsp://cam/live").tls_server(), None);
+        let reached = |url: &VideoUrl| {
+            let VideoSource::Rtsp { address, .. } = &url.source else { panic!("it is RTSP") };
+            url.reachable(address).map(String::from)
+        };
+        assert_eq!(reached(&url), None);
+        let url = url.through(SocketAddr::from(([127, 0, 0, 1], 5004)));
+        assert_eq!(reached(&url), Some("rtsp://127.0.0.1:5004/live?profile=2".to_owned()));
+        assert_eq!(url.to_string(), "rtsps://***@cam/live?profile=2");
+        assert_eq!(reached(&parsed("rtsp://cam/live")), Some("rtsp://cam/live".to_owned()));
+    }
+
+    #[test]
     fn a_password_is_used_and_never_printed() {
         let url = parsed("rtsp://admin:s%40cret@cam/live");
         for text in [url.to_string(), format!("{url:?}"), format!("{:?}", url.source)] {
@@ -412,7 +464,6 @@ mod tests {
             ("udp://127.0.0.1:5600", "MediaMTX"),
             ("https://cam/live.m3u8", "MediaMTX"),
             ("sim:arena1", "barrelman run --video sim:arena1"),
-            ("rtsps://cam/live", "rtsp://"),
             ("gopher://cam/live", "rtsp://HOST/PATH"),
             ("clip.mp4?fps=0", "more than 0"),
             ("clip.mp4?fps=many", "?fps=30"),
