@@ -44,6 +44,7 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
 }
 
 fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode> {
+    let world = ServedWorld::open(&args.world, &VehicleProfile::fotokite_pro())?;
     let port = match (&args.pty, &args.listen) {
         (Some(path), _) => EmulatedPort::pty(path, args.force)?,
         (None, Some(address)) => EmulatedPort::listen(address)?,
@@ -55,7 +56,7 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
         stop_keeps_rates: args.stop_keeps_rates,
     };
     let emulation = Emulation {
-        world: ServedWorld::open(&args.world, &VehicleProfile::fotokite_pro())?,
+        world,
         log: args.log.as_deref(),
         force: args.force,
         fault: args.fault.as_deref(),
@@ -65,6 +66,7 @@ fn fotokite_pro(args: &EmulateFotokiteProArgs, clock: Clock) -> Result<ExitCode>
 }
 
 fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
+    let world = ServedWorld::open(&args.world, &VehicleProfile::mavlink_gimbal())?;
     let port = match (&args.pty, args.listen.split_once("://")) {
         (Some(path), _) => EmulatedPort::pty(path, args.force)?,
         (None, Some(("udp", address))) => EmulatedPort::datagrams(address)?,
@@ -84,7 +86,7 @@ fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
         ..GimbalManagerSettings::default()
     };
     let emulation = Emulation {
-        world: ServedWorld::open(&args.world, &VehicleProfile::mavlink_gimbal())?,
+        world,
         log: args.log.as_deref(),
         force: args.force,
         fault: args.fault.as_deref(),
