@@ -4,16 +4,18 @@ The video is a simulated world's. The selection's truth is the box that the cons
 """
 import contextlib
 import itertools
+import json
 import math
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 
 import common
 import live
-from common import Table
+from common import Lines, Table
 from console_run import WORLD, ConsoleRun
 
 os.environ["MAVLINK20"] = "1"
@@ -272,6 +274,31 @@ def with_mavsdk(table, args, folder):
     sdk.destroy()
 
 
+def mavsdk_reads_the_gimbal(table, args, folder):
+    """The emulated gimbal beside the camera: MAVSDK finds a gimbal only where its attitude arrives, so that it is asked for."""
+    from mavsdk import ComponentType, Configuration, Mavsdk
+    from mavsdk.plugins.gimbal.gimbal import Gimbal
+    from mavsdk.plugins.mavlink_direct.mavlink_direct import MavlinkDirect, MavlinkMessage
+
+    port = live.free_port()
+    emulator = common.spawn([args.barrelman, "emulate", "gimbal", "--listen", f"udp://127.0.0.1:{port}"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    Lines(emulator.stdout).wait_for("gimbal", 10)
+    sdk = Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION))
+    sdk.add_any_connection(f"udpout://127.0.0.1:{port}")
+    common.wait_until(lambda: sdk.get_systems(), 15, "the autopilot")
+    system = sdk.get_systems()[0]
+    fields = {"target_system": 1, "target_component": 1, "command": 511, "confirmation": 0, "param1": 285.0, "param2": 200_000.0, **{f"param{index}": 0.0 for index in range(3, 8)}}
+    MavlinkDirect(system).send_message(MavlinkMessage(message_name="COMMAND_LONG", system_id=245, component_id=190, target_system_id=1, target_component_id=1, fields_json=json.dumps(fields)))
+    gimbal = Gimbal(system)
+    common.wait_until(lambda: gimbal.gimbal_list().gimbals, 15, "the gimbal")
+    number = gimbal.gimbal_list().gimbals[0].gimbal_id
+    pitch = gimbal.get_attitude(number).euler_angle_forward.pitch_deg
+    table.require("MAVSDK reads the emulated gimbal", abs(pitch + 24.0) < 0.1, f"pitch {pitch:.1f} degrees", "-24")
+    sdk.destroy()
+    emulator.terminate()
+    emulator.wait(timeout=10)
+
+
 def without_a_ground_station(table, args, folder):
     port = live.free_port()
     with ConsoleRun(args, folder, "alone", "--link", "sim:", "--mavlink", f"udp://127.0.0.1:{port}", video=WORLD) as run:
@@ -289,6 +316,7 @@ def main():
     table = Table("A tracking camera for MAVLink ground stations")
     with_a_ground_station(table, args, folder)
     with_mavsdk(table, args, folder)
+    mavsdk_reads_the_gimbal(table, args, folder)
     without_a_ground_station(table, args, folder)
     return table.finish(args)
 
