@@ -1,29 +1,29 @@
 //! `link-latency`: the time from a command to its bytes at the far end of the port, through the guard, beside a bare write.
 //!
 //! ```text
-//!   link.send(rates) --> pipe --> barrelman-guard: session, port --> TCP on the loopback --> emulated ground station
-//!   write(line) -----------------------------------------------> TCP on the loopback --> reader
+//!   link.send(rates) --> pipe --> barrelman-guard: session, port --> TCP or UDP on the loopback --> emulated vehicle
+//!   write(packet) ---------------------------------------------> TCP or UDP on the loopback --> reader
 //! ```
 //! Both are done in turns, so that whatever else the machine does meets both.
 
-use std::io::{Read as _, Write as _};
-use std::net::{TcpListener, TcpStream};
+mod bare;
+mod fotokite_pro;
+mod mavlink_gimbal;
+
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 use barrelman_host::clock::Clock;
 use barrelman_link::guarded::GuardedLinkSettings;
 use barrelman_link::{GuardedLink, LinkReport, LinkUrl};
-use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{AngularRate, VehicleRates};
-use barrelman_wire::fotokite_pro::GroundStation;
-use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
+use barrelman_vocab::{AngularRate, VehicleProfile, VehicleRates};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
-use clap::Args;
+use clap::{Args, ValueEnum};
 
+use self::bare::{BareDatagrams, BareLoop, BareStream};
 use crate::output::print_line;
 use crate::statistics::TimingSummary;
 
@@ -39,12 +39,52 @@ const LIVES: Duration = Duration::from_millis(400);
 /// `link-latency`.
 #[derive(Debug, Args)]
 pub(crate) struct Options {
+    /// The vehicle.
+    #[arg(long, value_enum, default_value_t = Vehicle::FotokitePro)]
+    vehicle: Vehicle,
     /// Number of commands.
     #[arg(long, default_value_t = 1_000)]
     commands: u32,
     /// The guard's program [default: barrelman-guard beside this program].
     #[arg(long, value_name = "FILE")]
     guard: Option<PathBuf>,
+}
+
+/// A vehicle whose port a guard owns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Vehicle {
+    /// A Fotokite Pro, over TCP.
+    FotokitePro,
+    /// A MAVLink gimbal, over UDP.
+    MavlinkGimbal,
+}
+
+/// A yaw rate that the vehicle received, rad/s, and when its bytes arrived.
+type Heard = (f64, Instant);
+
+impl Vehicle {
+    fn profile(self) -> VehicleProfile {
+        match self {
+            Self::FotokitePro => VehicleProfile::fotokite_pro(),
+            Self::MavlinkGimbal => VehicleProfile::mavlink_gimbal(),
+        }
+    }
+
+    /// Starts the emulated vehicle: its address, and what it hears.
+    fn start(self, clock: Clock) -> Result<(String, Receiver<Heard>)> {
+        match self {
+            Self::FotokitePro => fotokite_pro::start(clock),
+            Self::MavlinkGimbal => mavlink_gimbal::start(clock),
+        }
+    }
+
+    /// The same way without link and guard.
+    fn bare(self) -> Result<Box<dyn BareLoop>> {
+        Ok(match self {
+            Self::FotokitePro => Box::new(BareStream::open()?),
+            Self::MavlinkGimbal => Box::new(BareDatagrams::open()?),
+        })
+    }
 }
 
 /// Measures. Returns whether the requirement holds.
@@ -59,29 +99,22 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         guard.display()
     );
     let clock = Clock::start();
-    let listener = TcpListener::bind("127.0.0.1:0")?;
-    let url = LinkUrl::parse(&format!("tcp://{}", listener.local_addr()?))?;
-    let (heard, yaw_rates) = channel();
-    std::thread::Builder::new().name("station".to_owned()).spawn(move || {
-        // The station ends with its client.
-        let _ = listener.accept().map(|(client, _)| serve(client, clock, &heard));
-    })?;
+    let (address, yaw_rates) = options.vehicle.start(clock)?;
+    let url = LinkUrl::parse(&address)?;
     let (report, reports) = channel();
-    let limits = Protocol::FotokitePro.rate_limits();
+    let profile = options.vehicle.profile();
+    let limits = profile.protocol.rate_limits();
+    let protocol = ByteProtocolName::of(profile.protocol).context("the vehicle's port carries no bytes")?;
     let settings = GuardedLinkSettings {
         guard,
-        protocol: ByteProtocol {
-            protocol: ByteProtocolName::FotokitePro,
-            framing: Framing::CarriageReturns,
-            baud: url.baud(),
-        },
+        protocol: ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: url.baud() },
         url,
         limits: VehicleRates { yaw: limits.pan, pitch: limits.tilt },
         clock,
     };
     let link = GuardedLink::open(settings, move |content| report.send(content).is_ok())?;
     wait_until_up(&reports)?;
-    let mut bare = BareLoop::open()?;
+    let mut bare = options.vehicle.bare()?;
     let (mut linked_ms, mut bare_ms) = (Vec::new(), Vec::new());
     for index in 0..options.commands {
         // No two rates in a row are alike: each is a line of its own.
@@ -129,73 +162,12 @@ fn wait_until_up(reports: &Receiver<LinkReport>) -> Result<()> {
     }
 }
 
-/// When the line with this yaw rate arrived.
-fn arrival(yaw_rates: &Receiver<(f64, Instant)>, wanted: f64) -> Result<Instant> {
+/// When the packet with this yaw rate arrived.
+fn arrival(yaw_rates: &Receiver<Heard>, wanted: f64) -> Result<Instant> {
     loop {
         let (rate, at) = yaw_rates.recv_timeout(PATIENCE).context("a command did not arrive")?;
         if (rate - wanted).abs() < 5e-5 {
             return Ok(at);
         }
-    }
-}
-
-/// The emulated ground station: answers, and tells each yaw rate with the time of its bytes.
-fn serve(mut client: TcpStream, clock: Clock, heard: &Sender<(f64, Instant)>) -> std::io::Result<()> {
-    client.set_nodelay(true)?;
-    client.set_read_timeout(Some(Duration::from_millis(5)))?;
-    let mut station = GroundStation::boot(GroundStationSettings::default(), clock.now());
-    let (mut buffer, mut answer) = ([0; 1024], Vec::new());
-    loop {
-        let read = match client.read(&mut buffer) {
-            Ok(0) => return Ok(()),
-            Ok(read) => read,
-            Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => 0,
-            Err(error) => return Err(error),
-        };
-        let (arrived, now) = (Instant::now(), clock.now());
-        station.receive(&buffer[..read], now, &mut answer, |line| {
-            let rate = line.strip_prefix("Yaw ").and_then(|rate| rate.trim().parse().ok());
-            if let Some(rate) = rate {
-                // Without a reader, the measurement has ended.
-                let _ = heard.send((rate, arrived));
-            }
-        });
-        station.tick(now);
-        station.write_telemetry(&SensorReadings::LEVEL, now, &mut answer);
-        client.write_all(&answer)?;
-        answer.clear();
-    }
-}
-
-/// The bare write: a connection, and a reader that tells when bytes arrive.
-struct BareLoop {
-    writer: TcpStream,
-    arrivals: Receiver<Instant>,
-}
-
-impl BareLoop {
-    fn open() -> Result<Self> {
-        let listener = TcpListener::bind("127.0.0.1:0")?;
-        let writer = TcpStream::connect(listener.local_addr()?)?;
-        writer.set_nodelay(true)?;
-        let (mut reader, _) = listener.accept()?;
-        let (arrived, arrivals) = channel();
-        std::thread::Builder::new().name("reader".to_owned()).spawn(move || {
-            let mut buffer = [0; 1024];
-            while reader.read(&mut buffer).is_ok_and(|read| read > 0) {
-                if arrived.send(Instant::now()).is_err() {
-                    return;
-                }
-            }
-        })?;
-        Ok(Self { writer, arrivals })
-    }
-
-    /// Writes a line. The time until it arrived.
-    fn write(&mut self, yaw: f64) -> Result<Duration> {
-        let sent = Instant::now();
-        self.writer.write_all(format!("\rYaw {yaw:.6}\r").as_bytes())?;
-        let arrived = self.arrivals.recv_timeout(PATIENCE).context("a line did not arrive")?;
-        Ok(arrived.duration_since(sent))
     }
 }

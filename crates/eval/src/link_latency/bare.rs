@@ -1,0 +1,92 @@
+//! The same way without link and guard: a bare write, and a reader.
+
+use std::io::{Read as _, Write as _};
+use std::net::{TcpListener, TcpStream, UdpSocket};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+
+use super::PATIENCE;
+
+/// Writes to itself.
+pub(super) trait BareLoop {
+    /// Writes a packet with this yaw rate. The time until it arrived.
+    ///
+    /// # Errors
+    /// If the packet does not arrive.
+    fn write(&mut self, yaw: f64) -> Result<Duration>;
+}
+
+/// A connection, and a reader that tells when bytes arrive.
+pub(super) struct BareStream {
+    writer: TcpStream,
+    arrivals: Receiver<Instant>,
+}
+
+impl BareStream {
+    pub(super) fn open() -> Result<Self> {
+        let listener = TcpListener::bind("127.0.0.1:0")?;
+        let writer = TcpStream::connect(listener.local_addr()?)?;
+        writer.set_nodelay(true)?;
+        let (mut reader, _) = listener.accept()?;
+        let (arrived, arrivals) = channel();
+        std::thread::Builder::new().name("reader".to_owned()).spawn(move || {
+            let mut buffer = [0; 1024];
+            while reader.read(&mut buffer).is_ok_and(|read| read > 0) {
+                if arrived.send(Instant::now()).is_err() {
+                    return;
+                }
+            }
+        })?;
+        Ok(Self { writer, arrivals })
+    }
+}
+
+impl BareLoop for BareStream {
+    fn write(&mut self, yaw: f64) -> Result<Duration> {
+        let sent = Instant::now();
+        self.writer.write_all(format!("\rYaw {yaw:.6}\r").as_bytes())?;
+        time_to(&self.arrivals, sent)
+    }
+}
+
+/// Two sockets, and a reader that tells when datagrams arrive.
+pub(super) struct BareDatagrams {
+    sender: UdpSocket,
+    arrivals: Receiver<Instant>,
+}
+
+impl BareDatagrams {
+    pub(super) fn open() -> Result<Self> {
+        let reader = UdpSocket::bind("127.0.0.1:0")?;
+        let sender = UdpSocket::bind("127.0.0.1:0")?;
+        sender.connect(reader.local_addr()?)?;
+        let (arrived, arrivals) = channel();
+        std::thread::Builder::new().name("reader".to_owned()).spawn(move || {
+            let mut buffer = [0; 64];
+            while reader.recv(&mut buffer).is_ok() {
+                if arrived.send(Instant::now()).is_err() {
+                    return;
+                }
+            }
+        })?;
+        Ok(Self { sender, arrivals })
+    }
+}
+
+impl BareLoop for BareDatagrams {
+    /// A datagram as long as GIMBAL_MANAGER_SET_PITCHYAW.
+    fn write(&mut self, yaw: f64) -> Result<Duration> {
+        let mut datagram = [0; 35];
+        datagram[..8].copy_from_slice(&yaw.to_le_bytes());
+        let sent = Instant::now();
+        self.sender.send(&datagram)?;
+        time_to(&self.arrivals, sent)
+    }
+}
+
+fn time_to(arrivals: &Receiver<Instant>, sent: Instant) -> Result<Duration> {
+    let arrived = arrivals.recv_timeout(PATIENCE).context("a packet did not arrive")?;
+    Ok(arrived.duration_since(sent))
+}
