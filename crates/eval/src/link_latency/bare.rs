@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
-use super::PATIENCE;
+use super::heard::PATIENCE;
 
 /// Writes to itself.
 pub(super) trait BareLoop {

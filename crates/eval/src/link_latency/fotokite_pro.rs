@@ -10,7 +10,7 @@ use barrelman_host::clock::Clock;
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
 
-use super::Heard;
+use super::heard::Heard;
 
 /// Starts the ground station: its address, and what it hears.
 pub(super) fn start(clock: Clock) -> Result<(String, Receiver<Heard>)> {

@@ -11,7 +11,7 @@ use barrelman_vocab::Angle;
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings};
 
-use super::Heard;
+use super::heard::Heard;
 
 /// The gimbal rests: its attitude is not what is measured.
 const LEVEL: GimbalAngles = GimbalAngles { yaw: Angle::ZERO, pitch: Angle::ZERO };

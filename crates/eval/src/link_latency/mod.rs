@@ -6,6 +6,8 @@
 //! ```
 //! Both are done in turns, so that whatever else the machine does meets both.
 
+mod heard;
+
 mod bare;
 mod fotokite_pro;
 mod mavlink_gimbal;
@@ -24,6 +26,7 @@ use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
 use clap::{Args, ValueEnum};
 
 use self::bare::{BareDatagrams, BareLoop, BareStream};
+use self::heard::{Heard, PATIENCE};
 use crate::output::print_line;
 use crate::statistics::TimingSummary;
 
@@ -31,8 +34,6 @@ use crate::statistics::TimingSummary;
 const LIMIT_MS: f64 = 1.0;
 /// Least time between two commands: longer than the spacing of lines on the wire.
 const SPACING: Duration = Duration::from_millis(70);
-/// Longest wait for the bytes of a command, and for the link to be up.
-const PATIENCE: Duration = Duration::from_secs(10);
 /// Time to live of a command.
 const LIVES: Duration = Duration::from_millis(400);
 
@@ -58,9 +59,6 @@ enum Vehicle {
     /// A MAVLink gimbal, over UDP.
     MavlinkGimbal,
 }
-
-/// A yaw rate that the vehicle received, rad/s, and when its bytes arrived.
-type Heard = (f64, Instant);
 
 impl Vehicle {
     fn profile(self) -> VehicleProfile {

@@ -7,7 +7,7 @@
 //! ```
 //! The camera is a component of the vehicle's system. It appears when the first picture is known, because the picture's size is a
 //! part of its description. A track command selects and never engages; its answer is that of the operator gateway where that
-//! comes within [`ANSWER_WITHIN`], and ACCEPTED otherwise: ground stations repeat a command after 0.5 s, and the target is
+//! comes within [`times::ANSWER_WITHIN`], and ACCEPTED otherwise: ground stations repeat a command after 0.5 s, and the target is
 //! confirmed on several video frames. What becomes of the selection is in the status of the track, and a refusal also in a text.
 //!
 //! The protocol is [MAVLink's camera protocol][page], version 2; `docs/wire/mavlink-camera.md` lists what is answered.
@@ -17,12 +17,16 @@
 use core::time::Duration;
 
 use barrelman_vocab::mavlink::{Address, ComponentId, SystemId};
-use barrelman_vocab::{PictureSize, PixelBox, Timestamp};
+use barrelman_vocab::{PictureSize, Timestamp};
 use mavlink::MessageData as _;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavState, MavType};
 
 use super::frame::{Frame, FrameReader, FrameWriter};
 use super::signing::Signing;
+
+pub mod times;
+
+mod request;
 
 mod command;
 mod description;
@@ -31,19 +35,12 @@ mod status_text;
 mod waiting;
 
 use command::{Command, Order};
+use times::{HEARTBEAT_INTERVAL, STATUS_INTERVAL};
 use waiting::WaitingCommands;
 
 pub use description::{CameraDescription, VideoStream};
 pub use image_status::ShownTarget;
-
-/// Time between two heartbeats.
-pub const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
-/// Time between two statuses of the track, unless a ground station asks for another one.
-pub const STATUS_INTERVAL: Duration = Duration::from_millis(200);
-/// Least time between two statuses of the track.
-pub const LEAST_STATUS_INTERVAL: Duration = Duration::from_millis(20);
-/// Within this time a track command is answered.
-pub const ANSWER_WITHIN: Duration = Duration::from_millis(400);
+pub use request::{RequestNumber, TrackingAnswer, TrackingRequest};
 
 /// The component id of an autopilot.
 const AUTOPILOT: ComponentId = ComponentId(1);
@@ -64,30 +61,6 @@ pub struct CameraSettings {
 impl CameraSettings {
     /// The first camera of the first vehicle, whose predicted places look like measured ones.
     pub const DEFAULT: Self = Self { system: None, component: ComponentId(100), marks_coasting: false };
-}
-
-/// Names a request until it is answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct RequestNumber(u32);
-
-/// What a ground station asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TrackingRequest {
-    /// Track what is in this box of the picture.
-    Select(PixelBox),
-    /// Follow nothing.
-    Forget,
-}
-
-/// The operator gateway's answer to a request.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum TrackingAnswer {
-    /// The request is in force.
-    Accepted,
-    /// The request has no effect, for this reason.
-    Refused(String),
-    /// A later request took its place.
-    Superseded,
 }
 
 /// What the camera sees.

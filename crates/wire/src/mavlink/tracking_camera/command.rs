@@ -11,7 +11,7 @@ use mavlink::MessageData as _;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavResult};
 
 use super::image_status;
-use super::{LEAST_STATUS_INTERVAL, STATUS_INTERVAL};
+use super::times::{LEAST_STATUS_INTERVAL, STATUS_INTERVAL};
 use crate::mavlink::frame::{Frame, FrameWriter};
 
 /// Where the fields behind the parameters begin; they are the same in both messages.

@@ -9,7 +9,8 @@ use barrelman_vocab::Timestamp;
 use mavlink::dialects::common::MavResult;
 
 use super::command::Command;
-use super::{ANSWER_WITHIN, RequestNumber};
+use super::request::RequestNumber;
+use super::times::ANSWER_WITHIN;
 
 /// Within this time the same command of the same sender is the same request. Ground stations repeat after 0.5 to 3 s; an operator
 /// needs longer to draw the same box to the bit.
