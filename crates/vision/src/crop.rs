@@ -182,6 +182,30 @@ impl Crop {
         angle: f32,
         mut visit: impl FnMut(f32, f32, u8),
     ) {
+        let values = &self.probability.values;
+        self.for_each_index(centre, half, angle, |du, dv, index| visit(du, dv, values[index]));
+    }
+
+    /// The same with the chroma of each sample: U and V, 0 to 255.
+    pub(crate) fn for_each_chroma(
+        &self,
+        centre: (f32, f32),
+        half: (f32, f32),
+        angle: f32,
+        mut visit: impl FnMut(f32, f32, u8, u8),
+    ) {
+        let [u, v] = &self.chroma;
+        self.for_each_index(centre, half, angle, |du, dv, index| visit(du, dv, u[index], v[index]));
+    }
+
+    /// The same with the index of each sample.
+    fn for_each_index(
+        &self,
+        centre: (f32, f32),
+        half: (f32, f32),
+        angle: f32,
+        mut visit: impl FnMut(f32, f32, usize),
+    ) {
         let unit = self.probability_step();
         let (c, s) = (libm::cosf(angle), libm::sinf(angle));
         let reach = ((half.0 * c).abs() + (half.1 * s).abs(), (half.0 * s).abs() + (half.1 * c).abs());
@@ -199,12 +223,12 @@ impl Crop {
         let inverse = (1.0 / half.0.max(1.0), 1.0 / half.1.max(1.0));
         for row in index(top - reach.1, height)..index(top + reach.1 + unit, height) {
             let dv = (row as f32 + 0.5) * unit - top;
-            let line = &self.probability.values[row * self.probability.width..][..self.probability.width];
+            let first = row * self.probability.width;
             for column in columns.clone() {
                 let du = (column as f32 + 0.5) * unit - left;
                 let (a, b) = ((du * c + dv * s) * inverse.0, (dv * c - du * s) * inverse.1);
                 if a * a + b * b <= 1.0 {
-                    visit(du, dv, line[column]);
+                    visit(du, dv, first + column);
                 }
             }
         }

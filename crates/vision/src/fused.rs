@@ -16,7 +16,8 @@
 //! 3. *Evaluate*: the evidence and the probability of the refined box give the state (`phase`, `evidence`).
 //! 4. *Refine*: a network reads a window around the box and answers with its edges and the probability of the box,
 //!    which is the confidence (`refinement`). The filter's response at other sizes and rotations corrects both, the
-//!    moments of the colour correct centre and axis (`silhouette`), and the path distinguishes bow and stern (`heading`).
+//!    moments of the colour correct centre and axis (`silhouette`), the blob of the paint follows a target that changes
+//!    its shape (`blob`), and the path distinguishes bow and stern (`heading`).
 //! 5. *Learn*: filter and histograms adapt to the frame if the evidence is good (`learning`).
 //!
 //! A lost target is searched for by colour in the whole picture (`redetection`), and by the filter at the place of the
@@ -34,10 +35,12 @@ mod config;
 
 mod workspace;
 
+mod blob;
 mod distractors;
 mod excluded_places;
 mod following;
 mod learning;
+mod paint_selection;
 mod recovery;
 mod refining;
 
@@ -52,6 +55,7 @@ mod observation;
 mod prediction;
 mod reference_silhouette;
 mod target;
+mod target_paint;
 
 use std::sync::Arc;
 

@@ -34,6 +34,7 @@ mod gradients;
 mod heading;
 mod layout;
 mod motion;
+mod paint;
 mod redetection;
 mod refinement;
 mod sampling;

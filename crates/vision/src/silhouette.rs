@@ -41,9 +41,29 @@ impl Silhouette {
         }
         let (low, high) = (255.0 * (ring + 0.25 * contrast), 255.0 * (ring + 0.75 * contrast));
         let scale = 1.0 / (high - low);
+        let step = f64::from(crop.probability_step());
+        // A sample is a square with a variance of its own.
+        Self::from_weights(step, step * step / 12.0, MIN_MASS, (centre, half), |visit| {
+            crop.for_each_probability(centre, half, angle, |du, dv, probability| {
+                visit(du, dv, ((f32::from(probability) - low) * scale).clamp(0.0, 1.0));
+            });
+        })
+    }
+
+    /// The silhouette of weighted samples of this step (pixels) inside an ellipse of this centre and these half axes.
+    /// `for_each` passes each sample's distance right and down of the centre and its weight, 0 to 1. `own_variance` is
+    /// added to the samples' variance along each axis, square pixels. `None` where the weights sum up to less than
+    /// `min_mass`.
+    pub(crate) fn from_weights(
+        step: f64,
+        own_variance: f64,
+        min_mass: f64,
+        (centre, half): ((f32, f32), (f32, f32)),
+        for_each: impl Fn(&mut dyn FnMut(f32, f32, f32)),
+    ) -> Option<Self> {
         let (mut m, mut mu, mut mv, mut muu, mut muv, mut mvv) = (0.0_f64, 0.0, 0.0, 0.0, 0.0, 0.0);
-        crop.for_each_probability(centre, half, angle, |du, dv, probability| {
-            let weight = f64::from(((f32::from(probability) - low) * scale).clamp(0.0, 1.0));
+        for_each(&mut |du, dv, weight| {
+            let weight = f64::from(weight);
             let (du, dv) = (f64::from(du), f64::from(dv));
             m += weight;
             mu += weight * du;
@@ -52,14 +72,11 @@ impl Silhouette {
             muv += weight * du * dv;
             mvv += weight * dv * dv;
         });
-        if m < MIN_MASS {
+        if m < min_mass {
             return None;
         }
         let (u, v) = (mu / m, mv / m);
-        // A sample is a square with a variance of its own.
-        let sample = f64::from(crop.probability_step());
-        let own = sample * sample / 12.0;
-        let (a, b, c) = (muu / m - u * u + own, muv / m - u * v, mvv / m - v * v + own);
+        let (a, b, c) = (muu / m - u * u + own_variance, muv / m - u * v, mvv / m - v * v + own_variance);
         let root = (0.25 * (a - c) * (a - c) + b * b).sqrt();
         let mean_variance = 0.5 * (a + c);
         let axis = (0.5 * libm::atan2(2.0 * b, a - c)) as f32;
@@ -67,8 +84,7 @@ impl Silhouette {
         // The ends: a hundredth of the weight lies beyond each.
         let reach = 2.0 * half.0.max(half.1);
         let (mut along, mut across) = ([0.0_f32; BINS], [0.0_f32; BINS]);
-        crop.for_each_probability(centre, half, angle, |du, dv, probability| {
-            let weight = ((f32::from(probability) - low) * scale).clamp(0.0, 1.0);
+        for_each(&mut |du, dv, weight| {
             let bin = |x: f32| (((x / reach + 0.5) * BINS as f32) as usize).min(BINS - 1);
             along[bin(du * cos + dv * sin)] += weight;
             across[bin(dv * cos - du * sin)] += weight;
@@ -80,16 +96,18 @@ impl Silhouette {
                 * reach
         };
         let (along_mid, across_mid) = (halfway(&along), halfway(&across));
+        // Thinner than a quarter of a sample cannot be told.
+        let least = step * step / 192.0;
         Some(Self {
             midpoint: (
                 centre.0 + along_mid * cos - across_mid * sin,
                 centre.1 + along_mid * sin + across_mid * cos,
             ),
-            area: (m * sample * sample) as f32,
+            area: (m * step * step) as f32,
             centroid: (centre.0 + u as f32, centre.1 + v as f32),
             axis,
-            major: 4.0 * (mean_variance + root).sqrt() as f32,
-            minor: 4.0 * (mean_variance - root).max(0.0).sqrt() as f32,
+            major: 4.0 * (mean_variance + root).max(least).sqrt() as f32,
+            minor: 4.0 * (mean_variance - root).max(least).sqrt() as f32,
         })
     }
 

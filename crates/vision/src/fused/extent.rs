@@ -104,7 +104,7 @@ impl Extent {
 }
 
 /// Width and height of the upright box of a hull.
-fn upright_box_of(length: f32, breadth: f32, axis: f32) -> (f32, f32) {
+pub(super) fn upright_box_of(length: f32, breadth: f32, axis: f32) -> (f32, f32) {
     let (c, s) = (libm::cosf(axis).abs(), libm::sinf(axis).abs());
     let norm = |a: f32, b: f32| {
         libm::powf(libm::powf(a, NORM_EXPONENT) + libm::powf(b, NORM_EXPONENT), 1.0 / NORM_EXPONENT)

@@ -39,22 +39,15 @@ const MIN_TRUSTED_CONTRAST: f32 = 0.5;
 const MAX_TRUSTED_STRETCH: f32 = 1.25;
 /// ... and it filled at least this share of the ellipse.
 const MIN_TRUSTED_FILL: f32 = 0.5;
-/// The upright box around a hull at an angle touches the point of the bow at one corner and the corners of the blunt
-/// stern on two sides. The box's centre therefore lies astern of the hull's, by
-/// ([`ASTERN_CONSTANT`] + [`ASTERN_SLOPE`] |cos sin|) |cos sin| breadths, with cosine and sine of the hull's axis. The
-/// formula holds to within 0.02 breadths for hulls two to five times as long as wide whose bow, slender or full, tapers
-/// from the middle on.
-const ASTERN_CONSTANT: f32 = 0.22;
-const ASTERN_SLOPE: f32 = 0.34;
 /// Ellipse around the selection's box, in half sides of the box: a corner is 1.41 half sides from the centre.
-const BOX_ELLIPSE: f32 = 1.42;
+pub(super) const BOX_ELLIPSE: f32 = 1.42;
 /// Minimum target probability of a pixel that counts as coloured, 0 to 255.
 const MIN_COLOURED_PROBABILITY: u8 = 128;
 
 /// A dragged box is replaced by the refined one if that has at least this probability, these sides (pixels), and less
 /// than this IoU with the dragged one.
 const MIN_TIGHTENING_PROBABILITY: f32 = 0.5;
-const MIN_TIGHTENED_PX: (f64, f64) = (6.0, 4.0);
+pub(super) const MIN_TIGHTENED_PX: (f64, f64) = (6.0, 4.0);
 const MAX_KEPT_IOU: f64 = 0.7;
 /// Increase of the filter's learning rate with the box's distance from the filter's place, per size, and the largest
 /// rate.
@@ -83,6 +76,12 @@ impl Workspace {
         let [left, top, right, bottom] = self.refined.edges.map(f64::from);
         let refined =
             PixelBox { u: left, v: top, w: right - left, h: bottom - top }.clipped(frame.picture.size());
+        // The network tells whether the paint is the target or a part of it.
+        let is_better = |painted: &PixelBox| refined.iou(*painted) > refined.iou(dragged);
+        if let Some(painted) = self.painted_box(dragged).filter(is_better) {
+            let (tightened, its_colours) = self.learn_box(config, frame, painted);
+            return (tightened, its_colours, painted);
+        }
         let is_plausible = self.refined.probability > MIN_TIGHTENING_PROBABILITY
             && refined.w >= MIN_TIGHTENED_PX.0
             && refined.h >= MIN_TIGHTENED_PX.1;
@@ -182,6 +181,7 @@ impl Workspace {
         target.geometry.axis = extent.axis().unwrap_or(0.0);
         target.reference =
             silhouette.and_then(|seen| reference_silhouette(&seen, &extent, centre, target.geometry.axis));
+        self.learn_paint(target, box_size);
         if target.reference.is_none() {
             // Without a silhouette, the refinement follows an upright box.
             let extent = Extent::Box { width: box_size.0, height: box_size.1 };
@@ -276,6 +276,8 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         reference: None,
         heading: HeadingEstimator::default(),
         drift: DriftCheck::default(),
+        blob: None,
+        paint: None,
         loss: LossState::new(now, centre, geometry.extent),
         memory: WindowMemory::default(),
         confidence: 1.0,
@@ -285,31 +287,17 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
 }
 
 /// The reference silhouette of a selection with its box around `centre`, if the silhouette can be trusted.
-fn reference_silhouette(
+pub(super) fn reference_silhouette(
     seen: &Silhouette,
     extent: &Extent,
     centre: (f32, f32),
     axis: f32,
 ) -> Option<ReferenceSilhouette> {
     let Extent::Hull { length, breadth, stretch, .. } = *extent else { return None };
-    let (c, s) = (libm::cosf(axis), libm::sinf(axis));
-    let box_from = |from: (f32, f32)| {
-        let (right, down) = (centre.0 - from.0, centre.1 - from.1);
-        (right * c + down * s, down * c - right * s)
-    };
-    let reference = ReferenceSilhouette {
-        box_from_centroid: box_from(seen.centroid),
-        box_from_midpoint: box_from(seen.midpoint),
-        box_astern: (ASTERN_CONSTANT + ASTERN_SLOPE * (c * s).abs()) * breadth * (c * s).abs(),
-        major: seen.major,
-        minor: seen.minor,
-        length,
-        breadth,
-    };
     let matches_box = |stretch: f32| (1.0 / MAX_TRUSTED_STRETCH..=MAX_TRUSTED_STRETCH).contains(&stretch);
     let fill = seen.area / (0.25 * core::f32::consts::PI * length * breadth);
     let is_trusted = matches_box(stretch.0) && matches_box(stretch.1) && fill >= MIN_TRUSTED_FILL;
-    is_trusted.then_some(reference)
+    is_trusted.then(|| ReferenceSilhouette::of_hull(seen, (length, breadth), centre, axis))
 }
 
 /// A mask of ones within half sides given in cells around the centre, with an edge one cell wide.

@@ -18,7 +18,7 @@ const AXIS_TIME_S: f64 = 0.15;
 const CENTRE_TIME_S: f64 = 0.3;
 const SIZE_TIME_S: f64 = 1.0;
 /// The silhouette is measured in the target's ellipse enlarged by this factor.
-const SILHOUETTE_REACH: f32 = 1.35;
+pub(super) const SILHOUETTE_REACH: f32 = 1.35;
 /// A silhouette whose length or breadth differs by a larger factor includes something else.
 const MAX_MISFIT: f32 = 1.5;
 
@@ -77,7 +77,17 @@ impl Workspace {
         if !target.geometry.touches_border() {
             target.geometry.rescale(libm::powf(config.scale_step as f32, scale_steps));
             target.geometry.turn(turn_steps * turn_step);
-            self.follow_silhouette(target, observation, seconds as f32);
+            let seconds = seconds as f32;
+            // The silhouette of all colours is the more exact one, where the target is not too small for it.
+            match self.find_blob(target, seconds) {
+                Some(blob) if !blob.fits => Self::follow_blob(target, &blob, seconds),
+                blob => {
+                    let is_followed = self.follow_silhouette(target, observation, seconds);
+                    if let Some(blob) = blob.filter(|_| !is_followed) {
+                        Self::follow_blob(target, &blob, seconds);
+                    }
+                }
+            }
             self.correct_slipped_box(config, target, &frame.picture);
         }
         if target.reference.is_none() {
@@ -150,35 +160,33 @@ impl Workspace {
         geometry.centre = geometry.box_centre_at(place);
     }
 
-    /// Corrects the drift of axis, centre, length and breadth by the silhouette.
-    fn follow_silhouette(&mut self, target: &mut Target, observation: &Observation, seconds: f32) {
-        let Some(reference) = target.reference else { return };
+    /// Corrects the drift of axis, centre, length and breadth by the silhouette. Whether it could.
+    fn follow_silhouette(&mut self, target: &mut Target, observation: &Observation, seconds: f32) -> bool {
+        let Some(reference) = target.reference else { return false };
         let geometry = &mut target.geometry;
         let (along, across) = geometry.half_axes();
         let half = (SILHOUETTE_REACH * along, SILHOUETTE_REACH * across);
         let Some(seen) =
             Silhouette::measure(&self.crop, geometry.centre, half, geometry.axis, observation.contrast)
         else {
-            return;
+            return false;
         };
         let (longer, wider) = reference.stretch_of(&seen);
         let (length, breadth) = (reference.length * longer, reference.breadth * wider);
         let fits = |measured: f32, known: f32| (1.0 / MAX_MISFIT..=MAX_MISFIT).contains(&(measured / known));
         if !(fits(length, 2.0 * along) && fits(breadth, 2.0 * across)) || geometry.touches_border() {
-            return;
+            return false;
         }
         let rate = |time_s: f64| (1.0 - libm::exp(-f64::from(seconds) / time_s)) as f32;
         // The more elongated the silhouette, the more its axis counts.
         let elongation = (1.0 - seen.roundness()).clamp(0.0, 1.0);
         geometry.axis += rate(AXIS_TIME_S) * elongation * axis_difference(seen.axis, geometry.axis);
-        let (c, s) = (libm::cosf(geometry.axis), libm::sinf(geometry.axis));
-        let (forward, aside) =
-            (reference.box_from_centroid.0 * longer, reference.box_from_centroid.1 * wider);
-        let centre = (seen.centroid.0 + forward * c - aside * s, seen.centroid.1 + forward * s + aside * c);
+        let centre = reference.box_centre_of(&seen, geometry.axis);
         let centre_rate = rate(CENTRE_TIME_S);
         geometry.centre.0 += centre_rate * (centre.0 - geometry.centre.0);
         geometry.centre.1 += centre_rate * (centre.1 - geometry.centre.1);
         geometry.stretch_to(length, breadth, rate(SIZE_TIME_S));
+        true
     }
 
     /// Moves a box with a silhouette back that slipped off its target while the filter adapted.
@@ -258,7 +266,7 @@ fn update_heading(target: &mut Target, before: (f32, f32), at_s: f64, seconds: f
 }
 
 /// Difference of two axes, -pi/2 to pi/2.
-fn axis_difference(to: f32, from: f32) -> f32 {
+pub(super) fn axis_difference(to: f32, from: f32) -> f32 {
     let pi = core::f32::consts::PI;
     let turns = (to - from) / pi;
     (turns - (turns + 0.5).floor()) * pi

@@ -13,6 +13,7 @@ use super::observation::Observation;
 use super::phase::Phase;
 use super::prediction::TargetMotion;
 use super::reference_silhouette::ReferenceSilhouette;
+use super::target_paint::{SeenBlob, TargetPaint};
 use crate::features::PatchPose;
 use crate::heading::HeadingEstimator;
 use crate::refinement::WindowMemory;
@@ -40,6 +41,10 @@ pub(super) struct Target {
     pub(super) reference: Option<ReferenceSilhouette>,
     pub(super) heading: HeadingEstimator,
     pub(super) drift: DriftCheck,
+    /// The paint, if the target has one that sets it apart.
+    pub(super) paint: Option<TargetPaint>,
+    /// The blob of the paint, if it is followed.
+    pub(super) blob: Option<SeenBlob>,
     pub(super) loss: LossState,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
@@ -159,6 +164,7 @@ impl Target {
         self.geometry.axis = self.geometry.axis_in(&observation.pose);
         self.geometry.patch_angle = observation.pose.angle;
         self.geometry.centre = self.geometry.box_centre_at(observation.centre);
+        self.blob = None;
         self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
         self.heading.reset();
     }
