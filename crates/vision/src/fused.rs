@@ -43,6 +43,7 @@ mod learning;
 mod paint_selection;
 mod recovery;
 mod refining;
+mod shape_following;
 
 mod evidence;
 mod phase;

@@ -9,8 +9,9 @@
 //!
 //! The weight of a sample is (share - q) / (1 - q), from 0 to 1, with the share q that nine tenths of the surroundings do
 //! not reach. Foam has a share, too: white lies between blue water and red paint. For a target that is many samples
-//! wide, q is at least the share of foam, so that its wake counts nothing. Mixtures are weighed in proportion, so that the moments of a target of a few samples can be measured ([`Silhouette`]). The target
-//! probability of the colour model cannot do that: a mixed colour is a colour of its own there, and may be unknown.
+//! wide, q is at least the share of foam, so that its wake counts nothing. Mixtures are weighed in proportion, so that the
+//! moments of a target of a few samples can be measured ([`Silhouette`]). The target probability of the colour model cannot do
+//! that: a mixed colour is a colour of its own there, and may be unknown.
 
 use crate::crop::Crop;
 use crate::silhouette::Silhouette;

@@ -93,7 +93,7 @@ impl Oracle {
         self.excused_until_ms = self.excused_until_ms.max(at_ms);
     }
 
-    /// A command came to a camera that somebody else has had for this time.
+    /// A command came to a camera that another commander has had for this time.
     pub(super) fn meddles(&mut self, at_ms: u64, after_ms: u64) {
         let text = format!("commands a camera that somebody else has had for {after_ms} ms");
         self.violation.get_or_insert((at_ms, text));

@@ -87,7 +87,7 @@ impl Program {
         })
     }
 
-    /// Whether the vehicle says that somebody else has the control.
+    /// Whether the vehicle says that another commander has the control.
     pub(super) fn is_control_elsewhere(&self) -> bool {
         self.control == Some(ControlState::NotOurs)
     }

@@ -34,7 +34,7 @@ const NUDGE_INTERVAL_MS: u64 = 100;
 const GUARD_STARTS_MS: u64 = 40;
 /// A program that is gone within this time of its guard's death cannot replace it, ms: both are killed together.
 const TOGETHER_MS: u64 = 400;
-/// A gimbal of somebody else is left alone after this time on a line without faults, ms: a manager that tells a change once,
+/// A gimbal of another commander is left alone after this time on a line without faults, ms: a manager that tells a change once,
 /// on a line that loses what it tells, is asked again each second.
 const YIELDS_WITHIN_MS: u64 = 1_500;
 /// An operator engages again this long after a fault, in half of the runs, ms.
@@ -60,7 +60,7 @@ struct World {
     engages_again: bool,
     line: Line,
     station: Box<dyn Station>,
-    /// Since when somebody else has commanded the camera, on a line without faults.
+    /// Since when another commander has commanded the camera, on a line without faults.
     elsewhere_since_ms: Option<u64>,
     program: Program,
     guard: Option<Guard>,
@@ -347,7 +347,7 @@ impl World {
         if self.is_suspended || self.line.is_disturbed(at_ms) || self.is_excluded {
             return;
         }
-        // The motion is that of somebody else.
+        // The motion is that of another commander.
         if self.station.is_somebody_elses() {
             self.oracle.excuse(at_ms);
             return;

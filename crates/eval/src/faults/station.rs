@@ -18,12 +18,12 @@ pub(super) trait Station {
     /// Where the camera points: to the right, radians.
     fn pan_rad(&self) -> f64;
 
-    /// Whether somebody else commands the camera, so that the rates in force are theirs.
+    /// Whether another commander commands the camera, so that the rates in force are its own.
     fn is_somebody_elses(&self) -> bool {
         false
     }
 
-    /// Whether this program commanded the camera in the newest millisecond though somebody else has the control.
+    /// Whether this program commanded the camera in the newest millisecond though another commander has the control.
     fn is_meddled_with(&self) -> bool {
         false
     }

@@ -21,7 +21,7 @@ pub enum EmulatedPort {
     Pty(Pty),
     /// A TCP listener with at most one client.
     Tcp(TcpPort),
-    /// Datagrams to whoever sent the newest one.
+    /// Datagrams to the sender of the newest one.
     Udp(UdpPort),
 }
 

@@ -16,7 +16,7 @@ pub trait EmulatedVehicle {
     /// The vehicle is switched off and on.
     fn reboot(&mut self, now: Timestamp);
 
-    /// Somebody else takes the control.
+    /// Another commander takes the control.
     fn take_over(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>);
 
     /// Takes received bytes, appends the answers to `out`, and passes the text of each message to `on_message`, with the state

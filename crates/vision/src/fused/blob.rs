@@ -9,7 +9,8 @@
 //! corrects a box that does not fit, and that of a target that is too small for the silhouette.
 
 use super::geometry::TargetGeometry;
-use super::refining::{SILHOUETTE_REACH, axis_difference};
+use super::refining::SILHOUETTE_REACH;
+use super::shape_following::{FollowingTimes, follow_shape, is_within};
 use super::target::Target;
 use super::target_paint::{SeenBlob, TargetPaint};
 use super::workspace::Workspace;
@@ -17,9 +18,7 @@ use crate::paint::Paint;
 use crate::silhouette::Silhouette;
 
 /// Time constants with which axis, centre and size follow the blob's, seconds.
-const AXIS_TIME_S: f64 = 0.1;
-const CENTRE_TIME_S: f64 = 0.06;
-const SIZE_TIME_S: f64 = 0.2;
+const TIMES: FollowingTimes = FollowingTimes { axis_s: 0.1, centre_s: 0.06, size_s: 0.2 };
 /// Steps in which the blob is measured, each in an ellipse around the last one.
 const STEPS: usize = 2;
 /// Half axes of the ellipse exceed the blob's by the factor [`SILHOUETTE_REACH`] and by this many pixels.
@@ -56,9 +55,8 @@ impl Workspace {
         target.blob = last;
         let geometry = &target.geometry;
         let (seen, fill) = self.measure_blob(&paint, geometry, last.as_ref())?;
-        let (longer, wider) = reference.stretch_of(&seen);
         let (along, across) = geometry.half_axes();
-        let (length, breadth) = (reference.length * longer, reference.breadth * wider);
+        let (length, breadth) = reference.size_of(&seen);
         let changes = (length / (2.0 * along), breadth / (2.0 * across));
         let is_continuous = match last {
             Some(blob) => {
@@ -89,16 +87,7 @@ impl Workspace {
     pub(super) fn follow_blob(target: &mut Target, blob: &FollowedBlob, seconds: f32) {
         let Some(TargetPaint { reference, .. }) = target.paint else { return };
         let (geometry, seen) = (&mut target.geometry, &blob.seen);
-        let rate = |time_s: f64| (1.0 - libm::exp(-f64::from(seconds) / time_s)) as f32;
-        // The more elongated the blob, the more its axis counts.
-        let elongation = (1.0 - seen.roundness()).clamp(0.0, 1.0);
-        geometry.axis += rate(AXIS_TIME_S) * elongation * axis_difference(seen.axis, geometry.axis);
-        let centre = reference.box_centre_of(seen, geometry.axis);
-        let centre_rate = rate(CENTRE_TIME_S);
-        geometry.centre.0 += centre_rate * (centre.0 - geometry.centre.0);
-        geometry.centre.1 += centre_rate * (centre.1 - geometry.centre.1);
-        let (longer, wider) = reference.stretch_of(seen);
-        geometry.stretch_to(reference.length * longer, reference.breadth * wider, rate(SIZE_TIME_S));
+        follow_shape(geometry, &reference, seen, TIMES, seconds);
         if let Some(last) = &mut target.blob {
             last.from_centre = (seen.centroid.0 - geometry.centre.0, seen.centroid.1 - geometry.centre.1);
         }
@@ -129,9 +118,4 @@ impl Workspace {
         }
         found.map(|seen| (seen, scale.fill(&self.crop, centre, half, axis)))
     }
-}
-
-/// Whether a ratio is at most `limit`, and its reciprocal too.
-fn is_within(ratio: f32, limit: f32) -> bool {
-    (1.0 / limit..=limit).contains(&ratio)
 }

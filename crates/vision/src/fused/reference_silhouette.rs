@@ -57,6 +57,12 @@ impl ReferenceSilhouette {
         (seen.major / self.major, seen.minor / self.minor)
     }
 
+    /// Length and breadth of the target by a later silhouette, pixels.
+    pub(super) fn size_of(&self, seen: &Silhouette) -> (f32, f32) {
+        let (longer, wider) = self.stretch_of(seen);
+        (self.length * longer, self.breadth * wider)
+    }
+
     /// Centre of the box around a later silhouette of a target with this axis, pixels.
     pub(super) fn box_centre_of(&self, seen: &Silhouette, axis: f32) -> (f32, f32) {
         let (longer, wider) = self.stretch_of(seen);

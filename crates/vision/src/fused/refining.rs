@@ -4,6 +4,7 @@ use barrelman_vocab::{Picture, VideoFrame};
 
 use super::config::FusedConfig;
 use super::observation::Observation;
+use super::shape_following::{FollowingTimes, axis_difference, follow_shape, is_within};
 use super::target::Target;
 use super::workspace::Workspace;
 use crate::correlation::parabola_vertex;
@@ -14,9 +15,7 @@ use crate::silhouette::Silhouette;
 /// Standard deviation of a measured position, in sizes of the target.
 const POSITION_STD_DEV_SIZES: f64 = 0.05;
 /// Time constants with which axis, centre and size follow the silhouette's, seconds.
-const AXIS_TIME_S: f64 = 0.15;
-const CENTRE_TIME_S: f64 = 0.3;
-const SIZE_TIME_S: f64 = 1.0;
+const TIMES: FollowingTimes = FollowingTimes { axis_s: 0.15, centre_s: 0.3, size_s: 1.0 };
 /// The silhouette is measured in the target's ellipse enlarged by this factor.
 pub(super) const SILHOUETTE_REACH: f32 = 1.35;
 /// A silhouette whose length or breadth differs by a larger factor includes something else.
@@ -171,21 +170,12 @@ impl Workspace {
         else {
             return false;
         };
-        let (longer, wider) = reference.stretch_of(&seen);
-        let (length, breadth) = (reference.length * longer, reference.breadth * wider);
-        let fits = |measured: f32, known: f32| (1.0 / MAX_MISFIT..=MAX_MISFIT).contains(&(measured / known));
+        let (length, breadth) = reference.size_of(&seen);
+        let fits = |measured: f32, known: f32| is_within(measured / known, MAX_MISFIT);
         if !(fits(length, 2.0 * along) && fits(breadth, 2.0 * across)) || geometry.touches_border() {
             return false;
         }
-        let rate = |time_s: f64| (1.0 - libm::exp(-f64::from(seconds) / time_s)) as f32;
-        // The more elongated the silhouette, the more its axis counts.
-        let elongation = (1.0 - seen.roundness()).clamp(0.0, 1.0);
-        geometry.axis += rate(AXIS_TIME_S) * elongation * axis_difference(seen.axis, geometry.axis);
-        let centre = reference.box_centre_of(&seen, geometry.axis);
-        let centre_rate = rate(CENTRE_TIME_S);
-        geometry.centre.0 += centre_rate * (centre.0 - geometry.centre.0);
-        geometry.centre.1 += centre_rate * (centre.1 - geometry.centre.1);
-        geometry.stretch_to(length, breadth, rate(SIZE_TIME_S));
+        follow_shape(geometry, &reference, &seen, TIMES, seconds);
         true
     }
 
@@ -263,11 +253,4 @@ fn update_heading(target: &mut Target, before: (f32, f32), at_s: f64, seconds: f
     let length = 2.0 * f64::from(half.0.max(half.1));
     let moved = (f64::from(du), f64::from(dv));
     target.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length);
-}
-
-/// Difference of two axes, -pi/2 to pi/2.
-pub(super) fn axis_difference(to: f32, from: f32) -> f32 {
-    let pi = core::f32::consts::PI;
-    let turns = (to - from) / pi;
-    (turns - (turns + 0.5).floor()) * pi
 }

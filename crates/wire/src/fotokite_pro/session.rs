@@ -79,7 +79,7 @@ enum State {
     Up {
         since: Timestamp,
     },
-    /// Somebody else has the control.
+    /// Another commander has the control.
     Yielded {
         since: Timestamp,
     },

@@ -9,11 +9,11 @@ use barrelman_vocab::mavlink::Address;
 use barrelman_vocab::profile::MAVLINK_RATE_LIMITS;
 use barrelman_vocab::{AngularRate, VehicleRates};
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, HEARTBEAT_DATA, MavAutopilot,
-    MavCmd, MavModeFlag, MavState, MavType,
+    COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, MavCmd, MavType,
 };
 
 use super::frame::FrameWriter;
+use super::heartbeat::heartbeat;
 
 /// A gimbal of a gimbal manager.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,14 +85,7 @@ impl Command {
     pub fn encode(self, writer: &mut FrameWriter) -> Vec<u8> {
         let own = writer.address();
         match self {
-            Self::Heartbeat => writer.write(&HEARTBEAT_DATA {
-                custom_mode: 0,
-                mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
-                autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-                base_mode: MavModeFlag::empty(),
-                system_status: MavState::MAV_STATE_ACTIVE,
-                mavlink_version: 3,
-            }),
+            Self::Heartbeat => writer.write(&heartbeat(MavType::MAV_TYPE_ONBOARD_CONTROLLER)),
             Self::Request { to, message } => {
                 let parameters = [message.id() as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
                 writer.write(&command_long(to, MavCmd::MAV_CMD_REQUEST_MESSAGE, parameters))

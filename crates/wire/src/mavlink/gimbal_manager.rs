@@ -56,7 +56,7 @@ pub struct GimbalManagerSettings {
     pub withholds_information: bool,
     /// Whether it never says who has the control.
     pub withholds_status: bool,
-    /// Whether its status names nobody.
+    /// Whether its status names no commander.
     pub names_nobody: bool,
     /// Whether it denies claims.
     pub denies_claims: bool,

@@ -59,11 +59,11 @@ pub enum Claim {
 /// Who has the primary control of a gimbal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holder {
-    /// Nobody.
+    /// No commander.
     Nobody,
-    /// This program: by its address, or because its claim was accepted by a manager that names nobody.
+    /// This program: by its address, or because its claim was accepted by a manager that names no commander.
     Us,
-    /// Somebody else.
+    /// Another commander.
     Other(Address),
 }
 
@@ -97,7 +97,7 @@ struct Facts {
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
     uptimes: [Option<f64>; 3],
     uptime_s: Option<f64>,
-    /// Whether a claim of this program was accepted, and nobody else has the control since.
+    /// Whether a claim of this program was accepted, and no other commander has the control since.
     is_claimed: bool,
     /// Whether the status has named this program since.
     is_named: bool,
@@ -224,7 +224,7 @@ impl Facts {
         let uptime_s = f64::from(time_boot_ms) * 1e-3;
         let last_s = self.uptimes[kind as usize].replace(uptime_s);
         if last_s.is_some_and(|last_s| uptime_s < last_s - UPTIME_TOLERANCE_S) {
-            // Nobody has the control of a vehicle that has just started.
+            // No commander has the control of a vehicle that has just started.
             self.lose_control();
             (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
             each(Received::Restarted);

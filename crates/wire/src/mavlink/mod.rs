@@ -8,6 +8,7 @@ pub mod frame;
 pub mod signing;
 
 mod autopilot_reports;
+mod heartbeat;
 
 pub mod command;
 pub mod gimbal_reader;

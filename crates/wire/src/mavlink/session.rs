@@ -20,7 +20,7 @@
 //!
 //! No rate is sent to a gimbal whose control is not ours, with one exception: where a session before may have left the gimbal
 //! turning ([`Session::must_be_answered`]), zeros go to every gimbal manager that hears them, from the first packet on until
-//! the manager is known to obey somebody else. The control begins with zeros.
+//! the manager is known to obey another commander. The control begins with zeros.
 //!
 //! [`GimbalSession`] is the [`Session`] of this protocol: a plain struct without I/O. It sends rates other than zero only in the
 //! state `Up`. `session/due.rs` has what is sent when, `session/events.rs` what received messages change.
@@ -73,7 +73,7 @@ enum State {
         is_by_operator: bool,
     },
     Up,
-    /// Somebody else has the control.
+    /// Another commander has the control.
     Yielded,
     Closing {
         since: Timestamp,
@@ -113,9 +113,9 @@ pub struct GimbalSession {
     last_status: Option<Timestamp>,
     /// When the gimbal manager was heard last.
     last_heard: Option<Timestamp>,
-    /// Whether somebody else had the control when the vehicle restarted.
+    /// Whether another commander had the control when the vehicle restarted.
     is_operator_asked: bool,
-    /// Whether a session before may have left the gimbal turning, and the control was not ours, or somebody else's, since.
+    /// Whether a session before may have left the gimbal turning, and the control was not ours, or another commander's, since.
     needs_answer: bool,
     /// Least number of zeros of the shut-down.
     least_zeros: u32,
@@ -154,7 +154,7 @@ impl GimbalSession {
         }
     }
 
-    /// Whom zeros reach: the gimbal, or whoever has one.
+    /// Whom zeros reach: the gimbal, or every gimbal manager.
     fn target(&self) -> Gimbal {
         self.gimbal.unwrap_or(everyone(self.peers))
     }
@@ -173,7 +173,7 @@ impl GimbalSession {
         self.state = State::Claiming { since: now, ask_at: now, accepted_at: None, is_by_operator };
     }
 
-    /// Leaves the gimbal to whoever has the control.
+    /// Leaves the gimbal to the commander that has the control.
     fn yield_control(&mut self) {
         self.needs_answer = false;
         self.state = State::Yielded;
@@ -267,7 +267,7 @@ impl Session for GimbalSession {
         self.evidence_since(since, now)
     }
 
-    /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal that somebody else has.
+    /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of another commander.
     fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
         if self.is_somebody_elses() {
             return Vec::new();

@@ -14,7 +14,7 @@ pub const SEARCH_TIMEOUT: Duration = Duration::from_secs(6);
 pub const STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 /// A claim that was accepted counts after this time without a status.
 pub const CLAIM_GRACE: Duration = Duration::from_millis(600);
-/// Longest wait, after the operator took the control back, until somebody else's claim ends.
+/// Longest wait, after the operator took the control back, until another commander's claim ends.
 pub const CLAIM_TIMEOUT: Duration = Duration::from_secs(3);
 /// Interval of the attitude reports that are asked for: 20 Hz.
 pub const ATTITUDE_INTERVAL: Duration = Duration::from_millis(50);

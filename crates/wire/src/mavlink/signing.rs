@@ -2,7 +2,7 @@
 //!
 //! A signature is 13 bytes behind a frame of version 2: the id of the link, the time (6 bytes, little-endian, in units of 10 us
 //! since the beginning of 2015), and the first 6 bytes of the SHA-256 of the key, the frame, the id of the link and the time. The
-//! time of a sender and link never repeats, so that a packet cannot be sent again by somebody who heard it. A sender that is new
+//! time of a sender and link never repeats, so that a packet cannot be sent again by a listener. A sender that is new
 //! may be at most one minute behind the newest time that is known ([MAVLink's page on message signing][page]).
 //!
 //! [page]: https://mavlink.io/en/guide/message_signing.html

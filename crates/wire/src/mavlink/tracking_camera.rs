@@ -19,9 +19,10 @@ use core::time::Duration;
 use barrelman_vocab::mavlink::{Address, ComponentId, SystemId};
 use barrelman_vocab::{PictureSize, Timestamp};
 use mavlink::MessageData as _;
-use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavState, MavType};
+use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavResult, MavType};
 
 use super::frame::{Frame, FrameReader, FrameWriter};
+use super::heartbeat::heartbeat;
 use super::signing::Signing;
 
 pub mod times;
@@ -127,15 +128,13 @@ impl TrackingCamera {
         let mut next = now.plus(HEARTBEAT_INTERVAL);
         if let Some(picture) = self.shown.picture {
             if self.heartbeat_at <= now {
-                self.out.push(self.writer.write(&heartbeat()));
+                self.out.push(self.writer.write(&heartbeat(MavType::MAV_TYPE_CAMERA)));
                 self.heartbeat_at = now.plus(HEARTBEAT_INTERVAL);
             }
             next = next.min(self.heartbeat_at);
             if let Some(interval) = self.status_interval {
                 if self.status_at <= now {
-                    let status =
-                        image_status::encode(self.shown.target, picture, self.settings.marks_coasting);
-                    self.out.push(self.writer.write(&status));
+                    self.send_status(picture);
                     self.status_at = now.plus(interval);
                 }
                 next = next.min(self.status_at);
@@ -273,12 +272,16 @@ impl TrackingCamera {
         };
         self.acknowledge(command, MavResult::MAV_RESULT_ACCEPTED);
         if message == image_status::ID {
-            let status = image_status::encode(self.shown.target, picture, self.settings.marks_coasting);
-            self.out.push(self.writer.write(&status));
+            self.send_status(picture);
         } else {
             let asked = description::Asked { message, index, picture, now };
             self.description.write(&asked, &mut self.writer, &mut self.out);
         }
+    }
+
+    fn send_status(&mut self, picture: PictureSize) {
+        let status = image_status::encode(self.shown.target, picture, self.settings.marks_coasting);
+        self.out.push(self.writer.write(&status));
     }
 
     fn acknowledge(&mut self, command: &Command, result: MavResult) {
@@ -289,17 +292,6 @@ impl TrackingCamera {
     fn tell(&mut self, text: &str) {
         self.texts = self.texts.wrapping_add(1).max(1);
         status_text::write(text, self.texts, &mut self.writer, &mut self.out);
-    }
-}
-
-fn heartbeat() -> HEARTBEAT_DATA {
-    HEARTBEAT_DATA {
-        custom_mode: 0,
-        mavtype: MavType::MAV_TYPE_CAMERA,
-        autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-        base_mode: MavModeFlag::empty(),
-        system_status: MavState::MAV_STATE_ACTIVE,
-        mavlink_version: 3,
     }
 }
 

@@ -65,7 +65,7 @@ impl GimbalSession {
             (State::Asking { .. } | State::Up, Holder::Other(_))
             | (State::Claiming { is_by_operator: false, .. }, Holder::Other(_))
             | (State::Up, Holder::Nobody) => self.yield_control(),
-            // Somebody has taken the control in the last moment: the gimbal is theirs.
+            // Another commander has taken the control in the last moment: the gimbal is its own.
             (State::Closing { .. } | State::Releasing { .. }, Holder::Other(_)) => self.state = State::Closed,
             // The rates before are unknown.
             (State::Asking { .. } | State::Claiming { .. } | State::Yielded, Holder::Us) => self.begin_up(),

@@ -43,7 +43,7 @@ impl WaitingCommands {
         (is_in_force && is_repeated).then_some(newest.result)
     }
 
-    /// Whether so many commands wait that a selection is not taken.
+    /// Whether the commands that wait are too many for another selection.
     pub(super) fn is_full(&self) -> bool {
         self.next_due().is_some() && self.commands.len() >= CAPACITY
     }
