@@ -53,6 +53,7 @@ class GimbalManager:
         self.primary = OTHER if held else NOBODY
         self.taken_at = self.booted if held else None
         self.attitude_interval = None
+        self.denied_at = None
         self.is_silent = False
         self.may_be_turning = False
         self.messages = []
@@ -192,6 +193,7 @@ class GimbalManager:
             if self.primary == OTHER and not self.may_be_claimed:
                 self._fault("the control of another commander is claimed unasked")
             if self.denies:
+                self.denied_at = self.denied_at or time.monotonic()
                 return mavlink.MAV_RESULT_DENIED
             self.primary, self.taken_at = OWN, None
         elif claim == (-3, -3):
@@ -220,8 +222,9 @@ class GimbalManager:
             return [(when, (message.yaw_rate, message.pitch_rate)) for when, message in self.messages if when >= at and message.get_type() == "GIMBAL_MANAGER_SET_PITCHYAW"]
 
     def commands(self, number):
+        """The commands of this number, with their times."""
         with self.lock:
-            return [message for _, message in self.messages if message.get_type() == "COMMAND_LONG" and message.command == number]
+            return [(when, message) for when, message in self.messages if message.get_type() == "COMMAND_LONG" and message.command == number]
 
     def is_turning(self):
         return any(self.rates)

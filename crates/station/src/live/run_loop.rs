@@ -174,12 +174,22 @@ impl RunLoop<'_> {
             match request {
                 Request::Pilot(request) => {
                     let outcome = self.step(state, Input::Request(request));
+                    self.take_control_back(request, &outcome);
                     state.answers.on_request_step(&request, answer, &outcome);
                 }
                 Request::World(_) => {
                     answer.give(Answer::Refused("there is no simulated boat to steer here".to_owned()));
                 }
             }
+        }
+    }
+
+    /// With Engage, the operator takes the control back that another client has. An engagement that the start of the run asks for
+    /// does not: nobody knows then who has the control, and the link takes it by itself where it is free.
+    fn take_control_back(&self, request: OperatorRequest, outcome: &Outcome) {
+        let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
+        if let (OperatorRequest::Engage, false, Some(link)) = (request, is_refused, self.link) {
+            link.take_control();
         }
     }
 
@@ -256,10 +266,6 @@ impl RunLoop<'_> {
         let rates = self.profile.to_vehicle(outcome.command);
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
-            let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
-            if matches!(input, Input::Request(OperatorRequest::Engage)) && !is_refused {
-                link.take_control();
-            }
         }
         if matches!(input, Input::Frame(_)) {
             self.publisher.add_step_time(self.events.now().since(begun));

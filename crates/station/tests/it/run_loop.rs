@@ -1,6 +1,6 @@
 //! The run loop with scripted events and time, and a link in memory: no test waits.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -89,13 +89,20 @@ impl EventSource for Script {
     }
 }
 
-/// A link that remembers what it was asked to send.
+/// A link that remembers what it was asked to do.
 #[derive(Default)]
-struct MemoryLink(RefCell<Vec<(VehicleRates, Option<Timestamp>)>>);
+struct MemoryLink {
+    sent: RefCell<Vec<(VehicleRates, Option<Timestamp>)>>,
+    takes_of_control: Cell<usize>,
+}
 
 impl VehicleLink for MemoryLink {
     fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
-        self.0.borrow_mut().push((rates, renew_by));
+        self.sent.borrow_mut().push((rates, renew_by));
+    }
+
+    fn take_control(&self) {
+        self.takes_of_control.update(|takes| takes + 1);
     }
 }
 
@@ -134,6 +141,7 @@ impl StatusOutput for &MemoryStatus {
 struct Run {
     end: RunEnd,
     sent: Vec<(VehicleRates, Option<Timestamp>)>,
+    takes_of_control: usize,
     recorded: Vec<SeenStep>,
     overlaid: Vec<SeenStep>,
     lines: Vec<String>,
@@ -204,7 +212,8 @@ fn run_pilot(
     .run(requests);
     Run {
         end,
-        sent: link.0.into_inner(),
+        takes_of_control: link.takes_of_control.get(),
+        sent: link.sent.into_inner(),
         recorded: recorder.0.into_inner(),
         overlaid: overlay.0.into_inner(),
         lines: status.0.into_inner(),
@@ -236,6 +245,13 @@ fn requests_are_stepped_before_the_first_event() {
     let run = run(&[SELECT, ENGAGE], [(1_000, quit())]);
     let inputs = run.inputs();
     assert_eq!(inputs[..2], [(1_000, &*format!("{SELECT:?}")), (1_000, "Engage")]);
+}
+
+#[test]
+fn the_operators_engage_takes_the_control_back_and_the_one_of_the_start_does_not() {
+    assert_eq!(run(&[SELECT, ENGAGE], [(1_100, Frame), (1_200, quit())]).takes_of_control, 0);
+    let asked = run(&[SELECT, ENGAGE], [(1_100, Frame), (1_150, Arrival::Request(ENGAGE)), (1_200, quit())]);
+    assert_eq!(asked.takes_of_control, 1);
 }
 
 #[test]
