@@ -258,7 +258,8 @@ impl Session for GimbalSession {
     }
 
     fn may_be_turning(&self) -> bool {
-        let is_ours = self.state == State::Up || self.fell_silent;
+        // A shut-down that is cut off may not have stopped it.
+        let is_ours = matches!(self.state, State::Up | State::Closing { .. }) || self.fell_silent;
         is_ours && (self.pacing.may_be_turning() || self.has_unheard_motion)
     }
 

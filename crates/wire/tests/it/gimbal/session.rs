@@ -210,6 +210,21 @@ fn silence_ends_the_session_after_three_seconds() {
 }
 
 #[test]
+fn a_shut_down_that_was_not_heard_may_leave_the_gimbal_turning() {
+    let mut bench = Bench::up(ARDUPILOT);
+    bench.session.request(rates(0.3, 0.0), None);
+    bench.run(seconds(1.0));
+    bench.passes = (false, false);
+    bench.session.close(at(bench.now_ms));
+    bench.run(seconds(5.0));
+    assert_eq!(bench.session.link_state(), LinkState::Closing, "zeros go on until the gimbal is heard");
+    assert!(bench.session.may_be_turning());
+    bench.passes = (true, true);
+    bench.run_until("the end", |bench| bench.last == NextAction::Closed);
+    assert!(bench.manager.rates().is_rest() && !bench.session.may_be_turning());
+}
+
+#[test]
 fn a_restart_of_the_vehicle_begins_anew_with_zeros() {
     let mut bench = Bench::up(ARDUPILOT);
     bench.run(seconds(4.0));
