@@ -6,6 +6,8 @@ pub mod tracker;
 
 pub mod gimbal;
 pub mod guard_messages;
+pub mod sigma;
+pub mod tracking_camera;
 pub mod vehicle;
 
 pub mod rtp;
@@ -22,11 +24,13 @@ mod memory_file;
 pub type Target = fn(&[u8]);
 
 /// Every target, by its name.
-pub const TARGETS: [(&str, Target); 16] = [
+pub const TARGETS: [(&str, Target); 18] = [
     ("tracker", tracker::session),
     ("session", vehicle::session),
     ("ground_station", vehicle::ground_station),
     ("mavlink", gimbal::mavlink),
+    ("sigma", sigma::sigma),
+    ("tracking_camera", tracking_camera::tracking_camera),
     ("guard_messages", guard_messages::decode),
     ("recording", recording::read),
     ("h264", video::h264),
