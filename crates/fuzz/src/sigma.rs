@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+use barrelman_wire::fotokite_sigma::call::{STOP_DURATION, TURN_DURATION};
 use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Request, Sigma};
 use barrelman_wire::{NextAction, Session as _};
@@ -145,7 +146,8 @@ impl Talk {
             path.starts_with("/v1/") && !path.contains("..") && !path.contains("flight/control"),
             "{path}"
         );
-        if let Call::Turn(speeds) = &request.call {
+        if let Call::Turn { speeds, duration } = &request.call {
+            assert!((STOP_DURATION..=TURN_DURATION).contains(duration), "{duration:?}");
             for speed in [speeds.pan_deg_per_s(), speeds.tilt_deg_per_s()] {
                 assert!(speed.abs() <= MAX_SPEED, "{speeds:?}");
             }

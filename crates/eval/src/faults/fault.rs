@@ -30,38 +30,15 @@ pub(super) enum FaultKind {
     StatusWithheld,
     ClaimsDenied,
     ClaimsLost,
+    TokenExpired,
+    ServerNotReady,
+    ServerHangs,
+    WebSocketMissing,
 }
 
 impl FaultKind {
-    /// The faults of a run with a MAVLink gimbal, which reports neither flight state nor battery.
-    pub(super) const OF_MAVLINK_GIMBAL: [Self; 23] = [
-        Self::VideoStalls,
-        Self::VideoLate,
-        Self::TrackLost,
-        Self::TrackCoasts,
-        Self::PilotHangs,
-        Self::ProgramKilled,
-        Self::ProgramStopped,
-        Self::ProgramEnds,
-        Self::GuardKilled,
-        Self::Suspension,
-        Self::LineCut,
-        Self::LineSilent,
-        Self::LineLosesPackets,
-        Self::LineDamagesBytes,
-        Self::LineDelays,
-        Self::LineRepeats,
-        Self::StationReboots,
-        Self::ControlTaken,
-        Self::OperatorStops,
-        Self::InformationWithheld,
-        Self::StatusWithheld,
-        Self::ClaimsDenied,
-        Self::ClaimsLost,
-    ];
-
-    /// The faults of a run with a Fotokite Pro.
-    pub(super) const OF_FOTOKITE_PRO: [Self; 21] = [
+    /// Every kind.
+    pub(super) const ALL: [Self; 29] = [
         Self::VideoStalls,
         Self::VideoLate,
         Self::TrackLost,
@@ -83,6 +60,14 @@ impl FaultKind {
         Self::Emergency,
         Self::BatteryLow,
         Self::OperatorStops,
+        Self::InformationWithheld,
+        Self::StatusWithheld,
+        Self::ClaimsDenied,
+        Self::ClaimsLost,
+        Self::TokenExpired,
+        Self::ServerNotReady,
+        Self::ServerHangs,
+        Self::WebSocketMissing,
     ];
 
     /// The fault in words.
@@ -113,6 +98,10 @@ impl FaultKind {
             Self::StatusWithheld => "status withheld",
             Self::ClaimsDenied => "claims denied",
             Self::ClaimsLost => "claims lost",
+            Self::TokenExpired => "token expired (401)",
+            Self::ServerNotReady => "server not ready (503)",
+            Self::ServerHangs => "server hangs",
+            Self::WebSocketMissing => "no WebSocket",
         }
     }
 
@@ -124,7 +113,8 @@ impl FaultKind {
         )
     }
 
-    /// Whether the fault is one of the line, so that the time to rest counts from the line's return.
+    /// Whether the fault is one of the line, or of a server that carries out later what arrives: the time to rest counts from the
+    /// end of the fault.
     pub(super) const fn is_of_line(self) -> bool {
         matches!(
             self,
@@ -134,6 +124,7 @@ impl FaultKind {
                 | Self::LineDamagesBytes
                 | Self::LineDelays
                 | Self::LineRepeats
+                | Self::ServerHangs
         )
     }
 }

@@ -3,6 +3,8 @@
 //! ```text
 //!   program: Pilot on the truth --rates, time to live--> guard: Gate, LinkCore, Session --line--> ground station
 //! ```
+//! Without a guard (Fotokite Sigma) the link is a thread of the program, and the line carries requests and answers.
+//!
 //! One process: the pilot, the guard's gate, the link and the session are those of a live run; pipe, line, clocks and the
 //! ground station are simulated, half of the ground stations being the worst of their kind: a `stop` that leaves the rates in
 //! force (Fotokite Pro), a gimbal manager that obeys everybody and keeps a rate for ever (MAVLink gimbal). An oracle that
@@ -14,11 +16,13 @@ mod run;
 
 mod program;
 
-mod guard;
+mod link_host;
 
 mod vehicle;
 
 mod fotokite_pro_station;
+mod fotokite_sigma_network;
+mod fotokite_sigma_station;
 mod gimbal_station;
 mod station;
 
@@ -31,11 +35,11 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-use anyhow::Result;
-use clap::Args;
+use anyhow::{Result, ensure};
+use clap::{Args, ValueEnum as _};
 
 use self::mutant::Mutant;
-use self::oracle::{Licence, REST_LIMIT_MS};
+use self::oracle::Licence;
 use self::run::RunResult;
 use self::vehicle::Vehicle;
 use crate::output::print_line;
@@ -127,9 +131,20 @@ impl Campaign {
     }
 }
 
+/// The mutant as it is named on the command line.
+fn name_of(mutant: Mutant) -> String {
+    mutant.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}
+
 /// Runs the campaign. Returns whether the requirements hold.
 pub(crate) fn run(options: &Options) -> Result<bool> {
     let began = Instant::now();
+    ensure!(
+        options.mutant == Mutant::None || options.vehicle.mutants().contains(&options.mutant),
+        "--mutant {}: this vehicle has none; it has {}",
+        name_of(options.mutant),
+        options.vehicle.mutants().iter().map(|mutant| name_of(*mutant)).collect::<Vec<_>>().join(", ")
+    );
     if let Some(number) = options.trace {
         let trace = &mut |line: &str| print_line(line);
         let result = run::run(options.vehicle, number, options.seed, options.mutant, trace)?;
@@ -156,11 +171,12 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         ));
     }
     print_line(&format!(
-        "{} runs in {:.0} s: {} later than {REST_LIMIT_MS} ms or without a licence, {panics} panics; {} with guard and \
+        "{} runs in {:.0} s: {} later than {} ms or without a licence, {panics} panics; {} with guard and \
          program gone together are not judged",
         options.runs,
         began.elapsed().as_secs_f64(),
         violations.len(),
+        options.vehicle.rest_limit_ms(),
         campaign.excluded(),
     ));
     Ok(holds)
@@ -178,7 +194,7 @@ mod tests {
 
     #[test]
     fn every_fault_and_pair_of_faults_ends_in_rest() {
-        for vehicle in [Vehicle::FotokitePro, Vehicle::MavlinkGimbal] {
+        for vehicle in Vehicle::value_variants().iter().copied() {
             let campaign = Campaign::run(vehicle, 2 * round(vehicle), 7, Mutant::None).unwrap();
             assert_eq!(campaign.violations(), Vec::<String>::new(), "{vehicle:?}");
             assert_eq!(campaign.panics(), 0);
@@ -191,9 +207,9 @@ mod tests {
 
     #[test]
     fn what_is_taken_out_is_found() {
-        for vehicle in [Vehicle::FotokitePro, Vehicle::MavlinkGimbal] {
-            for mutant in [Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::NoGuard, Mutant::NoZerosFirst] {
-                let campaign = Campaign::run(vehicle, round(vehicle), 7, mutant).unwrap();
+        for vehicle in Vehicle::value_variants().iter().copied() {
+            for mutant in vehicle.mutants() {
+                let campaign = Campaign::run(vehicle, round(vehicle), 7, *mutant).unwrap();
                 assert!(!campaign.violations().is_empty(), "{vehicle:?}: {mutant:?}");
             }
         }

@@ -15,4 +15,6 @@ pub(super) enum Mutant {
     NoGuard,
     /// A session does not begin with zeros.
     NoZerosFirst,
+    /// The vehicle's commands last ten seconds.
+    CommandsLast,
 }

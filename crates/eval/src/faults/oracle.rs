@@ -1,13 +1,10 @@
-//! The rule of the campaign, judged apart from the program: the rate in force at the ground station is zero within 350 ms of
-//! the last moment that permitted motion.
+//! The rule of the campaign, judged apart from the program: the rate in force at the ground station is zero within the time to
+//! rest of the last moment that permitted motion: 350 ms, 500 ms where a command has to expire.
 //!
 //! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts, at each
 //! renewal of a nudge, and at the arrival of a picture while the consent to a search or a calibration lasts. That consent
 //! ends where no picture permitted motion for the time to rest. After a fault of the line the time counts from the line's return, after the death of a guard from
 //! that, after a suspension from the end of it.
-
-/// The longest time to rest, ms.
-pub(super) const REST_LIMIT_MS: u64 = 350;
 
 /// Which licence a run moved the camera with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,8 +30,10 @@ impl Licence {
 }
 
 /// The judge of one run.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Oracle {
+    /// The longest time to rest, ms.
+    rest_limit_ms: u64,
     consent: Option<Licence>,
     permitted_ms: Option<u64>,
     /// The newest moment from which the time to rest counts at the earliest.
@@ -45,6 +44,18 @@ pub(super) struct Oracle {
 }
 
 impl Oracle {
+    pub(super) const fn new(rest_limit_ms: u64) -> Self {
+        Self {
+            rest_limit_ms,
+            consent: None,
+            permitted_ms: None,
+            excused_until_ms: 0,
+            worst_ms: 0,
+            moved: Vec::new(),
+            violation: None,
+        }
+    }
+
     /// The operator consents.
     pub(super) fn consent(&mut self, licence: Licence) {
         self.consent = Some(licence);
@@ -71,7 +82,7 @@ impl Oracle {
         match self.consent {
             Some(Licence::Follow) if is_fresh => self.permitted_ms = Some(at_ms),
             Some(Licence::Search | Licence::Calibrate) => {
-                if self.permitted_ms.is_some_and(|before| at_ms - before <= REST_LIMIT_MS) {
+                if self.permitted_ms.is_some_and(|before| at_ms - before <= self.rest_limit_ms) {
                     self.permitted_ms = Some(at_ms);
                 } else {
                     self.end_behaviours();
@@ -115,7 +126,7 @@ impl Oracle {
         };
         let since_ms = at_ms.saturating_sub(permitted_ms.max(self.excused_until_ms));
         self.worst_ms = self.worst_ms.max(since_ms);
-        if since_ms > REST_LIMIT_MS {
+        if since_ms > self.rest_limit_ms {
             let text = format!("still moves {since_ms} ms after the last moment that permitted it");
             self.violation.get_or_insert((at_ms, text));
         }

@@ -1,4 +1,5 @@
-//! The simulated program: the real pilot on the truth, and its side of the pipe to the guard.
+//! The simulated program: the real pilot on the truth, and its side of the pipe to the guard, or its messages to the link's
+//! thread.
 
 use std::collections::VecDeque;
 
@@ -8,6 +9,7 @@ use barrelman_link::guard::gate::HEARTBEAT;
 use barrelman_link::guard::message::ToGuard;
 use barrelman_link::{LinkReport, RequestedRates};
 use barrelman_pilot::{CommandPath, Input, LawSettings, Pilot, PilotSettings};
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::{
     ImagePoint, Localisation, OperatorRequest, PictureSize, PixelBox, StopCause, Telemetry, Timestamp, Track,
@@ -29,9 +31,10 @@ pub(super) struct Program {
     sent_at: Timestamp,
     link: LinkState,
     control: Option<ControlState>,
+    flight: Option<FlightState>,
     uptime_s: f64,
     lost_since: Option<Timestamp>,
-    /// Messages for the guard.
+    /// Messages for the link.
     pub(super) outbox: VecDeque<ToGuard>,
     /// Reports that the run loop has not read yet.
     pub(super) reports: VecDeque<LinkReport>,
@@ -80,6 +83,7 @@ impl Program {
             sent_at: Timestamp::ZERO,
             link: LinkState::Opening,
             control: None,
+            flight: None,
             uptime_s: 0.0,
             lost_since: None,
             outbox: VecDeque::new(),
@@ -152,7 +156,19 @@ impl Program {
                     oracle.withdraw();
                 }
             }
-            Report::Flight { state: FlightState::Emergency | FlightState::Landing, .. } => oracle.withdraw(),
+            Report::Acceptance(said) => {
+                let is_taken = said == Acceptance::OtherClient;
+                if is_taken && self.control != Some(ControlState::NotOurs) {
+                    oracle.withdraw();
+                }
+                self.control = Some(if is_taken { ControlState::NotOurs } else { ControlState::Ours });
+            }
+            Report::Flight { state, .. } | Report::FlightState { state, .. } => {
+                let begins = self.flight.replace(state) != Some(state);
+                if begins && matches!(state, FlightState::Emergency | FlightState::Landing) {
+                    oracle.withdraw();
+                }
+            }
             _ => {}
         }
         self.step(Input::Telemetry(telemetry), now);

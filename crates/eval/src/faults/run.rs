@@ -9,8 +9,8 @@ use barrelman_pilot::LawSettings;
 use barrelman_vocab::{Nudge, OperatorRequest, StopCause, Timestamp};
 
 use super::fault::{self, Fault, FaultKind};
-use super::guard::Guard;
 use super::line::Line;
+use super::link_host::LinkHost;
 use super::mutant::Mutant;
 use super::oracle::{Licence, Oracle};
 use super::program::{Program, SeenPicture};
@@ -63,7 +63,7 @@ struct World {
     /// Since when another commander has commanded the camera, on a line without faults.
     elsewhere_since_ms: Option<u64>,
     program: Program,
-    guard: Option<Guard>,
+    link: Option<LinkHost>,
     guard_starts_at_ms: Option<u64>,
     /// Whether the guard before has sent zeros and stop.
     is_stop_sent: bool,
@@ -89,7 +89,7 @@ pub(super) fn run(
     trace: &mut dyn FnMut(&str),
 ) -> Result<RunResult> {
     let mut rng = Rng::from_name("faults", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let faults = fault::draw(number, vehicle.faults(), &mut rng);
+    let faults = fault::draw(number, &vehicle.faults(), &mut rng);
     let is_worst = rng.uniform(0.0, 1.0) < 0.5;
     let licence = match rng.uniform(0.0, 1.0) {
         ..0.55 => Licence::Follow,
@@ -109,10 +109,10 @@ pub(super) fn run(
         phase: rng.uniform(0.0, core::f64::consts::TAU),
         engages_again: rng.uniform(0.0, 1.0) < 0.5,
         line: Line::new(&faults, Rng::from_name("line", number ^ seed)),
-        station: vehicle.station(&faults, is_worst),
+        station: vehicle.station(&faults, is_worst, mutant),
         program: Program::new(vehicle.profile(), law)?,
         elsewhere_since_ms: None,
-        guard: Some(Guard::start(vehicle, mutant, false, Timestamp::ZERO)?),
+        link: Some(LinkHost::start(vehicle, mutant, false, Timestamp::ZERO)?),
         guard_starts_at_ms: None,
         is_stop_sent: false,
         guard_died_at_ms: None,
@@ -121,7 +121,7 @@ pub(super) fn run(
         is_suspended: false,
         suspended_ms: 0,
         pictures: VecDeque::new(),
-        oracle: Oracle::default(),
+        oracle: Oracle::new(vehicle.rest_limit_ms()),
         is_excluded: false,
         faults,
     };
@@ -160,11 +160,11 @@ impl World {
         if !self.is_suspended {
             if was_suspended {
                 self.oracle.excuse(at_ms);
-                if let Some(guard) = &mut self.guard {
-                    guard.on_suspension();
+                if let Some(link) = &mut self.link {
+                    link.on_suspension();
                 }
             }
-            self.advance_guard(now, at_ms);
+            self.advance_link(now, at_ms);
             self.advance_program(was_suspended, now, at_ms)?;
         }
         self.judge(at_ms);
@@ -193,8 +193,8 @@ impl World {
         self.program_gone_at_ms.is_none() && !self.is_active(FaultKind::ProgramStopped, at_ms)
     }
 
-    fn advance_guard(&mut self, now: Timestamp, at_ms: u64) {
-        if self.begins(FaultKind::GuardKilled, at_ms) && self.guard.take().is_some() {
+    fn advance_link(&mut self, now: Timestamp, at_ms: u64) {
+        if self.begins(FaultKind::GuardKilled, at_ms) && self.link.take().is_some() {
             self.guard_died_at_ms = Some(at_ms);
             self.is_stop_sent = false;
             self.oracle.excuse(at_ms);
@@ -203,22 +203,22 @@ impl World {
             }
         }
         let is_there = self.program_gone_at_ms.is_none();
-        if self.mutant == Mutant::NoGuard && !self.is_program_running(at_ms) {
-            // The link is a thread of the program.
+        let is_thread = !self.vehicle.has_guard() || self.mutant == Mutant::NoGuard;
+        if is_thread && !self.is_program_running(at_ms) {
             return;
         }
-        let Some(guard) = &mut self.guard else { return };
+        let Some(link) = &mut self.link else { return };
         if is_there {
-            guard.inbox.extend(self.program.outbox.drain(..));
+            link.inbox.extend(self.program.outbox.drain(..));
         }
-        guard.advance(&mut self.line, is_there, now, at_ms);
-        if let Some(is_stop_sent) = guard.ended()
+        link.advance(&mut self.line, is_there, now, at_ms);
+        if let Some(is_stop_sent) = link.ended()
             && !self.is_closing
             && is_there
         {
             self.is_stop_sent = is_stop_sent;
             // A guard that took the program for gone has ended; the program starts another.
-            self.guard = None;
+            self.link = None;
             self.program.reports.push_back(LinkReport::GuardLost("it has ended".to_owned()));
             self.guard_starts_at_ms = Some(at_ms + GUARD_STARTS_MS);
         }
@@ -229,7 +229,7 @@ impl World {
             self.program_gone_at_ms.get_or_insert(at_ms);
         }
         if !self.is_program_running(at_ms) {
-            let is_helpless = self.guard.is_none()
+            let is_helpless = self.link.is_none()
                 && self
                     .guard_died_at_ms
                     .is_some_and(|died| self.program_gone_at_ms.is_none_or(|gone| gone < died + TOGETHER_MS));
@@ -239,13 +239,13 @@ impl World {
         if self.guard_starts_at_ms.is_some_and(|starts| starts <= at_ms) {
             self.guard_starts_at_ms = None;
             let may_be_turning = !self.is_stop_sent && !self.program.is_control_elsewhere();
-            self.guard = Some(Guard::start(self.vehicle, self.mutant, may_be_turning, now)?);
+            self.link = Some(LinkHost::start(self.vehicle, self.mutant, may_be_turning, now)?);
             self.program.reports.push_back(LinkReport::GuardLost("it was killed".to_owned()));
-        } else if self.guard.is_none() && self.guard_starts_at_ms.is_none() {
+        } else if self.link.is_none() && self.guard_starts_at_ms.is_none() {
             self.guard_starts_at_ms = Some(at_ms + GUARD_STARTS_MS);
         }
-        if let Some(guard) = &mut self.guard {
-            self.program.reports.extend(guard.reports.drain(..));
+        if let Some(link) = &mut self.link {
+            self.program.reports.extend(link.reports.drain(..));
         }
         self.program.beat(now);
         if self.is_active(FaultKind::PilotHangs, at_ms) {

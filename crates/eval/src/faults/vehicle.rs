@@ -1,21 +1,27 @@
 //! The vehicles of the campaign: what is spoken to each, what is at the other end, and which faults each has.
 
-use barrelman_vocab::VehicleProfile;
-use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
+use anyhow::{Context as _, Result};
+use barrelman_vocab::{Timestamp, VehicleProfile};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing};
 use clap::ValueEnum;
 
 use super::fault::{Fault, FaultKind};
 use super::fotokite_pro_station::FotokiteProStation;
+use super::fotokite_sigma_network::SessionOverNetwork;
+use super::fotokite_sigma_station::FotokiteSigmaStation;
 use super::gimbal_station::GimbalStation;
+use super::mutant::Mutant;
 use super::station::Station;
 
-/// A vehicle whose port carries bytes.
+/// A vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Vehicle {
     /// A Fotokite Pro.
     FotokitePro,
     /// Any gimbal behind a MAVLink gimbal manager.
     MavlinkGimbal,
+    /// A Fotokite Sigma, whose commands expire: without a guard.
+    FotokiteSigma,
 }
 
 impl Vehicle {
@@ -23,28 +29,78 @@ impl Vehicle {
         match self {
             Self::FotokitePro => VehicleProfile::fotokite_pro(),
             Self::MavlinkGimbal => VehicleProfile::mavlink_gimbal(),
+            Self::FotokiteSigma => VehicleProfile::fotokite_sigma(),
         }
     }
 
-    /// What is spoken to the vehicle.
-    pub(super) fn protocol(self) -> Option<ByteProtocol> {
-        let protocol = ByteProtocolName::of(self.profile().protocol)?;
-        Some(ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: 115_200 })
+    /// Whether a guard owns the link; a thread of the program does otherwise.
+    pub(super) fn has_guard(self) -> bool {
+        self.profile().keeps_last_rate()
+    }
+
+    /// The longest time to rest, ms. A Sigma's last command has to expire.
+    pub(super) const fn rest_limit_ms(self) -> u64 {
+        match self {
+            Self::FotokitePro | Self::MavlinkGimbal => 350,
+            Self::FotokiteSigma => 500,
+        }
+    }
+
+    /// Opens sessions with the vehicle.
+    ///
+    /// # Errors
+    /// If the profile names a protocol that has no session here.
+    pub(super) fn session_opener(self) -> Result<Box<dyn Fn(Timestamp) -> Box<ByteSession> + Send>> {
+        if self == Self::FotokiteSigma {
+            return Ok(Box::new(|now| Box::new(SessionOverNetwork::open(now))));
+        }
+        let protocol = ByteProtocolName::of(self.profile().protocol);
+        let protocol = protocol.context("the vehicle's port carries no bytes")?;
+        let protocol = ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: 115_200 };
+        Ok(Box::new(move |now| protocol.open(now)))
+    }
+
+    /// Whether the vehicle can have this fault. TCP damages and repeats nothing; only a Fotokite Pro reports its flight state and
+    /// its battery with each status.
+    pub(super) fn can_have(self, fault: FaultKind) -> bool {
+        match fault {
+            FaultKind::GuardKilled => self.has_guard(),
+            FaultKind::LineDamagesBytes | FaultKind::LineRepeats => self != Self::FotokiteSigma,
+            FaultKind::Emergency => self != Self::MavlinkGimbal,
+            FaultKind::BatteryLow => self == Self::FotokitePro,
+            FaultKind::InformationWithheld
+            | FaultKind::StatusWithheld
+            | FaultKind::ClaimsDenied
+            | FaultKind::ClaimsLost => self == Self::MavlinkGimbal,
+            FaultKind::TokenExpired
+            | FaultKind::ServerNotReady
+            | FaultKind::ServerHangs
+            | FaultKind::WebSocketMissing => self == Self::FotokiteSigma,
+            _ => true,
+        }
     }
 
     /// The kinds of faults that the vehicle can have.
-    pub(super) const fn faults(self) -> &'static [FaultKind] {
+    pub(super) fn faults(self) -> Vec<FaultKind> {
+        FaultKind::ALL.into_iter().filter(|kind| self.can_have(*kind)).collect()
+    }
+
+    /// What can be taken out for this vehicle.
+    pub(super) const fn mutants(self) -> &'static [Mutant] {
         match self {
-            Self::FotokitePro => &FaultKind::OF_FOTOKITE_PRO,
-            Self::MavlinkGimbal => &FaultKind::OF_MAVLINK_GIMBAL,
+            Self::FotokitePro | Self::MavlinkGimbal => {
+                &[Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::NoGuard, Mutant::NoZerosFirst]
+            }
+            Self::FotokiteSigma => &[Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::CommandsLast],
         }
     }
 
     /// The far end of the line with these faults; `is_worst`: the kind that rests for nothing but zeros.
-    pub(super) fn station(self, faults: &[Fault], is_worst: bool) -> Box<dyn Station> {
+    pub(super) fn station(self, faults: &[Fault], is_worst: bool, mutant: Mutant) -> Box<dyn Station> {
         match self {
             Self::FotokitePro => Box::new(FotokiteProStation::new(faults, is_worst)),
             Self::MavlinkGimbal => Box::new(GimbalStation::new(faults, is_worst)),
+            Self::FotokiteSigma => Box::new(FotokiteSigmaStation::new(faults, mutant)),
         }
     }
 }

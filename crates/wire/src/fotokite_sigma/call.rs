@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::speeds::Speeds;
 
-/// How long a command to turn lasts: its end is the vehicle's own dead-man's switch.
+/// How long a command to turn lasts at most: its end is the vehicle's own dead-man's switch.
 pub const TURN_DURATION: Duration = Duration::from_millis(450);
 /// The duration of a command that ends the motion: the shortest that the API takes.
 pub const STOP_DURATION: Duration = Duration::from_millis(100);
@@ -53,8 +53,13 @@ pub enum Call {
     RequestControl,
     /// Gives the control up, or withdraws the wish for it.
     ReleaseControl,
-    /// Turns the camera for [`TURN_DURATION`], or stops it.
-    Turn(Speeds),
+    /// Turns the camera for a time, or stops it.
+    Turn {
+        /// The speeds.
+        speeds: Speeds,
+        /// From [`STOP_DURATION`] to [`TURN_DURATION`]; milliseconds are sent.
+        duration: Duration,
+    },
     /// Shows this program's state on the vehicle's tablet.
     ShowStatus {
         /// The state.
@@ -131,6 +136,9 @@ impl Lane {
 }
 
 impl Call {
+    /// A command that ends the motion.
+    pub const STOP: Self = Self::Turn { speeds: Speeds::REST, duration: STOP_DURATION };
+
     /// The method.
     pub const fn method(&self) -> Method {
         match self {
@@ -142,7 +150,7 @@ impl Call {
             | Self::FlightState
             | Self::SystemState
             | Self::Notifications => Method::Get,
-            Self::RequestControl | Self::ReleaseControl | Self::Turn(_) | Self::ShowStatus { .. } => {
+            Self::RequestControl | Self::ReleaseControl | Self::Turn { .. } | Self::ShowStatus { .. } => {
                 Method::Post
             }
         }
@@ -161,7 +169,7 @@ impl Call {
             Self::Notifications => "/v1/notifications/state",
             Self::RequestControl => "/v1/handoff/control/request",
             Self::ReleaseControl => "/v1/handoff/control/release",
-            Self::Turn(_) => "/v1/camera/control/rotate_with_speed",
+            Self::Turn { .. } => "/v1/camera/control/rotate_with_speed",
             Self::ShowStatus { .. } => "/v1/auth/plugin/update",
         }
         .to_owned()
@@ -172,14 +180,11 @@ impl Call {
         let body = match self {
             Self::RequestControl => json!({ "operator_name": OPERATOR_NAME }),
             Self::ReleaseControl => json!({}),
-            Self::Turn(speeds) => {
-                let duration = if speeds.is_rest() { STOP_DURATION } else { TURN_DURATION };
-                json!({
-                    "pan_speed": speeds.pan_deg_per_s(),
-                    "tilt_speed": speeds.tilt_deg_per_s(),
-                    "duration": duration.as_secs_f64(),
-                })
-            }
+            Self::Turn { speeds, duration } => json!({
+                "pan_speed": speeds.pan_deg_per_s(),
+                "tilt_speed": speeds.tilt_deg_per_s(),
+                "duration": duration.as_millis() as f64 / 1e3,
+            }),
             Self::ShowStatus { status, text } => {
                 let status = match status {
                     SelfStatus::None => "None",

@@ -9,7 +9,8 @@
 //!   any state -- close() --> Closing (zeros, release) --> Closed      Silent (a new session)
 //! ```
 //!
-//! Motion needs the control: the first command after it was granted is a zero. Commands expire by themselves after 0.45 s
+//! Motion needs the control: the first command after it was granted is a zero. Commands expire by themselves after 0.45 s, or
+//! 0.15 s after the rates should have been renewed
 //! ([`super::motion`]); therefore no guard is needed, and nothing turns for longer than that after the last request, whatever
 //! becomes of this program. [`FotokiteSigmaSession`] is the [`Session`] of this protocol: requests and the time out, answers
 //! and the time in.
@@ -20,7 +21,7 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
 
-use super::call::{Call, Lane, Request, SelfStatus};
+use super::call::{Call, Lane, Request, STOP_DURATION, SelfStatus, TURN_DURATION};
 use super::control::Control;
 use super::json;
 use super::lanes::Lanes;
@@ -43,6 +44,9 @@ const TOKEN_RETRY: Duration = Duration::from_secs(5);
 const INFO_RETRY: Duration = Duration::from_secs(1);
 /// Least interval between two texts on the vehicle's tablet.
 const STATUS_INTERVAL: Duration = Duration::from_secs(1);
+/// A command to turn ends at most this long after the time by which the rates have to be renewed: a video frame that is late by
+/// less does not interrupt the motion.
+const AFTER_RENEWAL: Duration = Duration::from_millis(150);
 /// Longest shut-down. Motion has ended by itself long before.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -67,6 +71,8 @@ pub struct FotokiteSigmaSession {
     info: Option<json::CameraInfo>,
     info_at: Timestamp,
     rates: VehicleRates,
+    /// When the rates have to be renewed.
+    renew_by: Option<Timestamp>,
     control: Control,
     motion: Motion,
     camera: CameraWatch,
@@ -90,6 +96,7 @@ impl FotokiteSigmaSession {
             info: None,
             info_at: now,
             rates: VehicleRates::REST,
+            renew_by: None,
             control: Control::asked_for(now),
             motion: Motion::default(),
             camera: CameraWatch::default(),
@@ -146,8 +153,16 @@ impl FotokiteSigmaSession {
         };
         self.motion.want(wanted);
         if let Some((lane, speeds)) = self.motion.due(self.surroundings(now), now) {
-            self.send(lane, Call::Turn(speeds), now, out);
+            let duration = if speeds.is_rest() { STOP_DURATION } else { self.turn_duration(now) };
+            self.send(lane, Call::Turn { speeds, duration }, now, out);
         }
+    }
+
+    /// How long a command to turn that is sent now lasts: where zeros do not reach the vehicle, or are refused, the motion ends
+    /// soon after the time by which the rates have to be renewed.
+    fn turn_duration(&self, now: Timestamp) -> Duration {
+        let until_renewal = self.renew_by.map_or(TURN_DURATION, |by| by.since(now));
+        (until_renewal + AFTER_RENEWAL).min(TURN_DURATION)
     }
 
     fn poll_states(&mut self, now: Timestamp, out: &mut Vec<Request>) {
@@ -310,10 +325,9 @@ impl Session for FotokiteSigmaSession {
         self.report_acceptance(now, report);
     }
 
-    /// The commands name their own duration, which is shorter than any renewal of the rates: the time of renewal is not used.
-    fn request(&mut self, rates: VehicleRates, _renew_by: Option<Timestamp>) {
+    fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>) {
         if !matches!(self.state, State::Closing { .. } | State::Closed) {
-            self.rates = rates;
+            (self.rates, self.renew_by) = (rates, renew_by);
         }
     }
 
@@ -358,7 +372,7 @@ impl Session for FotokiteSigmaSession {
 
     /// A zero on each of the lanes of the commands. Where another client controls, the vehicle refuses it.
     fn last_will(&self) -> Vec<WillStep<Request>> {
-        let zero = |id, lane| Request { id, lane, call: Call::Turn(Speeds::REST) };
+        let zero = |id, lane| Request { id, lane, call: Call::STOP };
         [(1, Lane::Stop), (2, Lane::Turn)]
             .map(|(id, lane)| WillStep { packet: zero(id, lane), pause: Duration::from_millis(100) })
             .into()

@@ -2,7 +2,7 @@
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile, VehicleRates};
-use barrelman_wire::fotokite_sigma::call::{MAX_STATUS_CHARACTERS, SelfStatus, StreamId};
+use barrelman_wire::fotokite_sigma::call::{MAX_STATUS_CHARACTERS, SelfStatus, StreamId, TURN_DURATION};
 use barrelman_wire::fotokite_sigma::sigma::SigmaSettings;
 use barrelman_wire::fotokite_sigma::speeds::Speeds;
 use barrelman_wire::fotokite_sigma::{Call, json};
@@ -23,14 +23,14 @@ fn every_call() -> Vec<Call> {
         Call::Notifications,
         Call::RequestControl,
         Call::ReleaseControl,
-        Call::Turn(Speeds::REST),
+        Call::STOP,
         Call::ShowStatus { status: SelfStatus::Connected, text: "" },
     ];
     for call in &calls {
         match call {
             Call::CameraInfo | Call::CameraState | Call::Subscribe | Call::VideoStreams => {}
             Call::VideoStreamState { .. } | Call::FlightState | Call::SystemState | Call::Notifications => {}
-            Call::RequestControl | Call::ReleaseControl | Call::Turn(_) | Call::ShowStatus { .. } => {}
+            Call::RequestControl | Call::ReleaseControl | Call::Turn { .. } | Call::ShowStatus { .. } => {}
         }
     }
     calls
@@ -70,9 +70,10 @@ fn a_stream_s_name_cannot_lead_to_another_path() {
 #[test]
 fn a_command_names_speeds_and_a_short_duration() {
     let info = SigmaSettings::example().camera;
-    let body = Call::Turn(Speeds::within(rates(5.0, -3.5), &info)).body().unwrap();
+    let speeds = Speeds::within(rates(5.0, -3.5), &info);
+    let body = Call::Turn { speeds, duration: TURN_DURATION }.body().unwrap();
     assert_eq!(body, r#"{"duration":0.45,"pan_speed":5.0,"tilt_speed":-3.5}"#);
-    let body = Call::Turn(Speeds::REST).body().unwrap();
+    let body = Call::STOP.body().unwrap();
     assert_eq!(body, r#"{"duration":0.1,"pan_speed":0.0,"tilt_speed":0.0}"#);
 }
 

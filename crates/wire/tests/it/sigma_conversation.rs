@@ -166,8 +166,9 @@ impl Conversation {
 
     /// Calls that only the one in control may make, from a time on.
     pub(crate) fn commands_since(&self, since: Timestamp) -> usize {
-        let is_command =
-            |(when, request): &&(Timestamp, Request)| *when > since && matches!(request.call, Call::Turn(_));
+        let is_command = |(when, request): &&(Timestamp, Request)| {
+            *when > since && matches!(request.call, Call::Turn { .. })
+        };
         self.sent.iter().filter(is_command).count()
     }
 }

@@ -66,7 +66,7 @@ proptest! {
             for request in out.drain(..) {
                 let path = request.call.path();
                 prop_assert!(!path.contains("..") && !path.contains("flight/control"), "{path}");
-                if let Call::Turn(speeds) = &request.call {
+                if let Call::Turn { speeds, .. } = &request.call {
                     prop_assert!(speeds.pan_deg_per_s().abs() <= wanted.0.abs() + 0.001);
                     prop_assert!(speeds.tilt_deg_per_s().abs() <= wanted.1.abs() + 0.001);
                 }

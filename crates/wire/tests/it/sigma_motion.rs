@@ -1,5 +1,7 @@
 //! Commands to turn and zeros, against a Sigma in virtual time.
 
+use std::time::Duration;
+
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{FlightState, LinkState, Report};
 use barrelman_vocab::{Angle, VehicleRates};
@@ -15,7 +17,7 @@ fn the_first_command_is_a_zero() {
     talk.session.request(rates(10.0, 0.0), Some(at(60_000)));
     talk.run_for(600);
     let first = talk.sent.iter().find_map(|(_, request)| match request.call {
-        Call::Turn(speeds) => Some(speeds),
+        Call::Turn { speeds, .. } => Some(speeds),
         _ => None,
     });
     assert!(first.unwrap().is_rest());
@@ -49,6 +51,20 @@ fn without_renewal_the_motion_ends_within_half_a_second_of_the_last_request() {
     talk.hung = Lane::ALL.map(|lane| (lane, false)).into();
     let ended = talk.run_until(1_000, |talk| talk.turning().is_rest()).unwrap();
     assert!(ended <= 455, "{ended} ms");
+}
+
+#[test]
+fn where_zeros_are_refused_the_motion_ends_soon_after_the_time_of_renewal() {
+    let mut talk = Conversation::up();
+    talk.session.request(rates(10.0, 0.0), Some(at(1_300)));
+    let renewed = talk.now.plus(Duration::from_millis(300));
+    talk.session.request(rates(10.0, 0.0), Some(renewed));
+    talk.run_for(200);
+    // A vehicle that lands refuses commands, zeros too, and carries out the last one to its end.
+    talk.sigma.set_flight_state("Landing");
+    talk.run_until(1_000, |talk| talk.turning().is_rest()).unwrap();
+    let late = talk.now.since(renewed).as_millis();
+    assert!(late <= 155, "{late} ms after the time of renewal");
 }
 
 #[test]

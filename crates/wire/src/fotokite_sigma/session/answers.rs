@@ -49,7 +49,7 @@ impl FotokiteSigmaSession {
                     self.state = State::Up;
                 }
             }
-            Call::Turn(speeds) => {
+            Call::Turn { speeds, .. } => {
                 if !speeds.is_rest() {
                     self.motion.on_turn_answer(status.is_some(), now);
                 }

@@ -1,9 +1,10 @@
-//! The simulated guard: the gate and the link of the real one, on the simulated line.
+//! The simulated owner of the link: a guard, with the gate and the link of the real one, or a thread of the program, where the
+//! vehicle's commands expire by themselves.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use barrelman_host::fault::FaultPlan;
 use barrelman_link::guard::Gate;
 use barrelman_link::guard::message::ToGuard;
@@ -17,50 +18,55 @@ use super::line::Line;
 use super::mutant::Mutant;
 use super::vehicle::Vehicle;
 
-/// As the real guard.
+/// Of the real guard. A thread of the program gives up at once.
 const PERSISTENCE: Duration = Duration::from_secs(60);
 
-/// A guard.
-pub(super) struct Guard {
+/// The owner of the link.
+pub(super) struct LinkHost {
     core: LinkCore<ByteSession>,
-    gate: Gate,
+    /// Of a guard.
+    gate: Option<Gate>,
+    /// Whether a line that is cut is an error of the port. Requests over a network get no answer instead.
+    sees_cuts: bool,
     mutant: Mutant,
     is_port_open: bool,
     is_connected: bool,
-    /// Whether zeros and stop were sent, of a guard that has ended.
+    /// Whether zeros and stop were sent, of a link that has ended.
     ended: Option<bool>,
     poll_at: Timestamp,
-    /// Messages on their way to the guard.
+    /// Messages on their way to the link.
     pub(super) inbox: VecDeque<ToGuard>,
     /// Reports on their way to the program.
     pub(super) reports: VecDeque<LinkReport>,
 }
 
-impl Guard {
-    /// Starts a guard. `may_be_turning`: a guard before it may have left the camera turning.
+impl LinkHost {
+    /// Starts a link. `may_be_turning`: a link before it may have left the camera turning.
     pub(super) fn start(
         vehicle: Vehicle,
         mutant: Mutant,
         may_be_turning: bool,
         now: Timestamp,
     ) -> Result<Self> {
-        let profile = vehicle.profile();
-        let limits = profile.protocol.rate_limits();
-        let protocol = vehicle.protocol().context("the vehicle's port carries no bytes")?;
+        let limits = vehicle.profile().protocol.rate_limits();
+        let open_session = vehicle.session_opener()?;
         let open = move |now| -> Box<ByteSession> {
-            let session = protocol.open(now);
+            let session = open_session(now);
             match mutant {
                 Mutant::NoZerosFirst => Box::new(WithoutFirstZeros { vehicle, session, has_begun: false }),
                 _ => session,
             }
         };
-        let mut core = LinkCore::new(Box::new(open), FaultPlan::default(), PERSISTENCE);
+        let has_guard = vehicle.has_guard();
+        let persistence = if has_guard { PERSISTENCE } else { Duration::ZERO };
+        let mut core = LinkCore::new(Box::new(open), FaultPlan::default(), persistence);
         if may_be_turning {
             core.expect_motion();
         }
         Ok(Self {
             core,
-            gate: Gate::new(VehicleRates { yaw: limits.pan, pitch: limits.tilt }, now),
+            gate: has_guard.then(|| Gate::new(VehicleRates { yaw: limits.pan, pitch: limits.tilt }, now)),
+            sees_cuts: has_guard,
             mutant,
             is_port_open: false,
             is_connected: true,
@@ -71,7 +77,7 @@ impl Guard {
         })
     }
 
-    /// Whether zeros and stop were sent, of a guard that has ended.
+    /// Whether zeros and stop were sent, of a link that has ended.
     pub(super) const fn ended(&self) -> Option<bool> {
         self.ended
     }
@@ -91,7 +97,7 @@ impl Guard {
         self.serve_pipe(is_program_there, now);
         let mut received = Vec::new();
         if self.is_port_open {
-            if line.is_active(FaultKind::LineCut, at_ms) {
+            if self.sees_cuts && line.is_active(FaultKind::LineCut, at_ms) {
                 self.lose_port(now);
             }
             while let Some(bytes) = line.arrived_down(at_ms) {
@@ -114,7 +120,9 @@ impl Guard {
     fn serve_pipe(&mut self, is_program_there: bool, now: Timestamp) {
         while let Some(message) = self.inbox.pop_front() {
             self.poll_at = Timestamp::ZERO;
-            self.gate.heard(now);
+            if let Some(gate) = &mut self.gate {
+                gate.heard(now);
+            }
             match message {
                 ToGuard::Request(requested) if self.is_connected => {
                     let passed = match self.mutant {
@@ -122,7 +130,7 @@ impl Guard {
                             let for_ever = now.plus(Duration::from_secs(3_600));
                             RequestedRates { renew_by: Some(for_ever), ..requested }
                         }
-                        _ => self.gate.pass(requested, now),
+                        _ => self.gate.as_mut().map_or(requested, |gate| gate.pass(requested, now)),
                     };
                     self.core.request(passed);
                 }
@@ -131,7 +139,8 @@ impl Guard {
                 ToGuard::Request(_) | ToGuard::Settings(_) => {}
             }
         }
-        if self.is_connected && (!is_program_there || self.gate.is_silent(now)) {
+        let is_silent = self.gate.as_ref().is_some_and(|gate| gate.is_silent(now));
+        if self.is_connected && (!is_program_there || is_silent) {
             self.disconnect(now);
         }
     }
