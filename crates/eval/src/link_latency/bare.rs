@@ -51,6 +51,29 @@ impl BareLoop for BareStream {
     }
 }
 
+/// A connection that carries requests as long as those of a link, and a reader that tells when they arrive.
+pub(super) struct BareRequests(BareStream);
+
+impl BareRequests {
+    pub(super) fn open() -> Result<Self> {
+        Ok(Self(BareStream::open()?))
+    }
+}
+
+impl BareLoop for BareRequests {
+    fn write(&mut self, yaw: f64) -> Result<Duration> {
+        let body = format!(r#"{{"duration":0.45,"pan_speed":{:.3},"tilt_speed":0.0}}"#, yaw.to_degrees());
+        let request = format!(
+            "POST /v1/camera/control/rotate_with_speed HTTP/1.1\r\nhost: 127.0.0.1:10000\r\n\
+             authorization: Bearer token\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
+            body.len()
+        );
+        let sent = Instant::now();
+        self.0.writer.write_all(request.as_bytes())?;
+        time_to(&self.0.arrivals, sent)
+    }
+}
+
 /// Two sockets, and a reader that tells when datagrams arrive.
 pub(super) struct BareDatagrams {
     sender: UdpSocket,

@@ -1,0 +1,145 @@
+//! The vehicles that are measured: the link to each, its far end, and the same way without a link.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultPlan;
+use barrelman_link::guarded::GuardedLinkSettings;
+use barrelman_link::url::Endpoint;
+use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl};
+use barrelman_link_http::{Credential, HttpSettings, Trust};
+use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
+use clap::ValueEnum;
+
+use super::bare::{BareDatagrams, BareLoop, BareRequests, BareStream};
+use super::heard::Heard;
+use super::{fotokite_pro, fotokite_sigma, mavlink_gimbal};
+
+/// A vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Vehicle {
+    /// A Fotokite Pro, over TCP, through a guard.
+    FotokitePro,
+    /// A MAVLink gimbal, over UDP, through a guard.
+    MavlinkGimbal,
+    /// A Fotokite Sigma, over HTTP.
+    FotokiteSigma,
+}
+
+impl Vehicle {
+    pub(super) fn profile(self) -> VehicleProfile {
+        match self {
+            Self::FotokitePro => VehicleProfile::fotokite_pro(),
+            Self::MavlinkGimbal => VehicleProfile::mavlink_gimbal(),
+            Self::FotokiteSigma => VehicleProfile::fotokite_sigma(),
+        }
+    }
+
+    /// The 99th percentile may be later than that of a bare write by this, milliseconds.
+    pub(super) const fn limit_ms(self) -> f64 {
+        match self {
+            Self::FotokitePro | Self::MavlinkGimbal => 1.0,
+            Self::FotokiteSigma => 3.0,
+        }
+    }
+
+    /// Starts the emulated vehicle: its address, and what it hears.
+    pub(super) fn start(self, clock: Clock) -> Result<(String, Receiver<Heard>)> {
+        match self {
+            Self::FotokitePro => fotokite_pro::start(clock),
+            Self::MavlinkGimbal => mavlink_gimbal::start(clock),
+            Self::FotokiteSigma => fotokite_sigma::start(clock),
+        }
+    }
+
+    /// The same way without link and guard.
+    pub(super) fn bare(self) -> Result<Box<dyn BareLoop>> {
+        Ok(match self {
+            Self::FotokitePro => Box::new(BareStream::open()?),
+            Self::MavlinkGimbal => Box::new(BareDatagrams::open()?),
+            Self::FotokiteSigma => Box::new(BareRequests::open()?),
+        })
+    }
+
+    /// Opens the link to the vehicle at this address.
+    ///
+    /// # Errors
+    /// If the guard's program is not there, or the vehicle is not reached.
+    pub(super) fn open(
+        self,
+        address: &str,
+        guard: Option<&Path>,
+        clock: Clock,
+        report: Sender<LinkReport>,
+    ) -> Result<MeasuredLink> {
+        let url = LinkUrl::parse(address)?;
+        let tell = move |content| report.send(content).is_ok();
+        let profile = self.profile();
+        if !profile.keeps_last_rate() {
+            let Endpoint::Http(address) = url.endpoint else { bail!("{address} is not reached over HTTP") };
+            let credential = Credential::Token(fotokite_sigma::TOKEN.to_owned());
+            let settings = HttpSettings { address, trust: Trust::WellKnown, credential };
+            let link = barrelman_link_http::open_link(settings, FaultPlan::default(), clock, tell)?;
+            return Ok(MeasuredLink::OfProgram(link));
+        }
+        let protocol =
+            ByteProtocolName::of(profile.protocol).context("the vehicle's port carries no bytes")?;
+        let limits = profile.protocol.rate_limits();
+        let settings = GuardedLinkSettings {
+            guard: guard_program(guard)?,
+            protocol: ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: url.baud() },
+            url,
+            limits: VehicleRates { yaw: limits.pan, pitch: limits.tilt },
+            clock,
+        };
+        Ok(MeasuredLink::Guarded(GuardedLink::open(settings, tell)?))
+    }
+}
+
+fn guard_program(guard: Option<&Path>) -> Result<PathBuf> {
+    let guard = match guard {
+        Some(guard) => guard.to_owned(),
+        None => std::env::current_exe()?.with_file_name("barrelman-guard"),
+    };
+    ensure!(
+        guard.exists(),
+        "the guard {} is not there: build it (`cargo build --release -p barrelman`)",
+        guard.display()
+    );
+    Ok(guard)
+}
+
+/// The link that is measured.
+pub(super) enum MeasuredLink {
+    Guarded(GuardedLink),
+    /// Of a vehicle whose commands expire: a thread of the program.
+    OfProgram(LinkHandle),
+}
+
+impl MeasuredLink {
+    pub(super) fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
+        match self {
+            Self::Guarded(link) => link.send(rates, renew_by),
+            Self::OfProgram(link) => link.send(rates, renew_by),
+        }
+    }
+
+    /// Ends the link. Returns whether the shut-down was completed.
+    pub(super) fn close(self) -> bool {
+        match self {
+            Self::Guarded(link) => link.close(),
+            Self::OfProgram(link) => link.close(),
+        }
+    }
+
+    /// How the link is named beside the bare write.
+    pub(super) const fn name(&self) -> &'static str {
+        match self {
+            Self::Guarded(_) => "link and guard",
+            Self::OfProgram(_) => "link",
+        }
+    }
+}
