@@ -27,6 +27,8 @@ pub mod view;
 
 pub mod transfer;
 
+pub mod water;
+
 pub mod optimal;
 
 pub mod shadow;

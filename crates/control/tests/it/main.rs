@@ -7,3 +7,4 @@ mod intermittent;
 mod motor_schema;
 mod optimal;
 mod transfer;
+mod water;
