@@ -29,6 +29,8 @@ pub mod transfer;
 
 pub mod water;
 
+pub mod guidance;
+
 pub mod optimal;
 
 pub mod shadow;
