@@ -27,6 +27,10 @@ pub mod view;
 
 pub mod transfer;
 
+pub mod water;
+
+pub mod guidance;
+
 pub mod optimal;
 
 pub mod shadow;

@@ -12,7 +12,7 @@
 //!
 //! T is the thrust of the jet, d the angle of its nozzle. The resistance R grows up to the hump speed and is nearly
 //! flat above it: the boat planes. **A jet does not steer without thrust**: a coasting boat goes straight on. (The
-//! paper's simulated boat has a rudder, which steers whenever the boat moves.) Above about 4 m/s the hull is unstable
+//! paper's simulated boat has a rudder, which steers whenever the boat moves: [`Steering::JetAndRudder`].) Above about 4 m/s the hull is unstable
 //! in sway and yaw and must be steered to hold its course.
 //!
 //! Heave, pitch and roll follow the waves, averaged over the hull, through second-order responses. Speed lifts the
@@ -56,6 +56,9 @@ const ASTERN_N: f64 = 18.0;
 /// Distance of the jet behind the centre of mass, metres, and the largest angle of the nozzle.
 const LEVER_M: f64 = 0.58;
 const NOZZLE_RAD: f64 = 27.0_f64.to_radians();
+/// A rudder beside the jet: force for each (m/s)² of speed through the water at full rudder, N, as a low plate of 60 cm²
+/// with a lift coefficient of 1 gives. It moves with the nozzle, at the same place.
+const RUDDER_N_PER_M2_PER_S2: f64 = 0.5 * 1000.0 * 0.006;
 /// Time constants of throttle and nozzle, seconds.
 const THROTTLE_S: f64 = 0.25;
 const NOZZLE_S: f64 = 0.15;
@@ -84,9 +87,20 @@ pub struct HelmCommand {
     pub rudder: f64,
 }
 
+/// What steers the boat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Steering {
+    /// The nozzle of the jet alone: nothing steers a coasting boat.
+    #[default]
+    Jet,
+    /// The nozzle, and a rudder that steers whenever the boat moves through the water.
+    JetAndRudder,
+}
+
 /// A boat under way.
 #[derive(Debug, Clone)]
 pub struct JetBoat {
+    steering: Steering,
     position: (f64, f64),
     heading: f64,
     /// Velocity over ground in the body's frame: ahead, left; and turn rate.
@@ -121,6 +135,7 @@ impl JetBoat {
     /// A boat at rest.
     pub fn at_rest(position: (f64, f64), heading: Angle) -> Self {
         Self {
+            steering: Steering::Jet,
             position,
             heading: heading.radians(),
             velocity: (0.0, 0.0),
@@ -132,6 +147,19 @@ impl JetBoat {
             roll: SecondOrderResponse::default(),
             averages: Vec::new(),
         }
+    }
+
+    /// The same boat with another steering.
+    #[must_use]
+    pub fn with_steering(self, steering: Steering) -> Self {
+        Self { steering, ..self }
+    }
+
+    /// The same boat with this velocity over ground along the world's x and y, m/s.
+    #[must_use]
+    pub fn with_velocity(self, (x, y): (f64, f64)) -> Self {
+        let (s, c) = libm::sincos(self.heading);
+        Self { velocity: (x * c + y * s, -x * s + y * c), ..self }
     }
 
     /// Advances by a tick. `wind` is along the world's x and y, m/s.
@@ -149,10 +177,17 @@ impl JetBoat {
         let (x_wind, y_wind) = (blown(DRAG_AHEAD_M2, air_u), blown(DRAG_ASIDE_M2, air_v));
         let thrust = thrust(self.throttle, u);
         let (sd, cd) = libm::sincos(self.nozzle);
-        let du = (thrust * cd - resistance(u) + M22 * v * r + x_wind) / M11;
+        let (thrust_aside, rudder_drag) = match self.steering {
+            Steering::Jet => (thrust * sd, 0.0),
+            Steering::JetAndRudder => {
+                let lift = RUDDER_N_PER_M2_PER_S2 * u * u.abs() * (self.nozzle / NOZZLE_RAD);
+                (thrust * sd + lift, lift * sd)
+            }
+        };
+        let du = (thrust * cd - resistance(u) - rudder_drag + M22 * v * r + x_wind) / M11;
         let dv =
-            (-thrust * sd + (Y_V + Y_UV * u.abs()) * v + Y_VV * v.abs() * v - M11 * u * r + y_wind) / M22;
-        let dr = (thrust * sd * LEVER_M + (N_R + N_UR * u.abs()) * r + N_RR * r.abs() * r
+            (-thrust_aside + (Y_V + Y_UV * u.abs()) * v + Y_VV * v.abs() * v - M11 * u * r + y_wind) / M22;
+        let dr = (thrust_aside * LEVER_M + (N_R + N_UR * u.abs()) * r + N_RR * r.abs() * r
             - MUNK * (M22 - M11) * u * v
             + WIND_LEVER_M * y_wind)
             / M33;
@@ -199,7 +234,8 @@ impl JetBoat {
         self.pitch.follow(along + trim, PITCH);
         // Water that climbs to the left lifts the left side, so that the right side sinks.
         self.roll.follow(to_left - HEEL_S * self.turn, ROLL);
-        water
+        let (x, y) = sea.current();
+        (water.0 + x, water.1 + y)
     }
 
     /// Position and attitude.

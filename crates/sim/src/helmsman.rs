@@ -3,7 +3,7 @@
 //! A jet steers by its thrust only. The helmsman therefore slows down before sharp turns, but keeps some throttle in
 //! them.
 
-use crate::boat::{HelmCommand, JetBoat, throttle_for_speed};
+use crate::boat::{HelmCommand, JetBoat, Steering, throttle_for_speed};
 use crate::path::{InvalidPath, Path};
 use crate::pursuit::wrap_angle;
 use crate::random::{CounterRng, Stream};
@@ -17,6 +17,8 @@ pub struct BoatScript {
     pub speed_m_per_s: f64,
     /// Standard deviation of the logarithm of the speed over the trials.
     pub log_speed_std_dev: f64,
+    /// What steers the boat.
+    pub steering: Steering,
     /// Largest throttle, above 0, at most 1.
     pub max_throttle: f64,
     /// Distance of the aim along the path, metres.
@@ -63,7 +65,8 @@ impl Helmsman {
         let boat = JetBoat::at_rest(
             path.point_at(0.0),
             barrelman_vocab::Angle::from_radians(path.direction_at(0.0)),
-        );
+        )
+        .with_steering(script.steering);
         let helmsman = Self {
             path,
             look_ahead_m: script.look_ahead_m,

@@ -97,6 +97,8 @@ pub struct Water {
     pub state: SeaState,
     /// Wind 10 m above the water.
     pub wind: Wind,
+    /// Steady current along the world's x and y, m/s.
+    pub current_m_per_s: (f64, f64),
 }
 
 /// Ranges of the plant's parameters.

@@ -23,6 +23,20 @@ pub struct ObjectScript {
     pub velocity_m_per_s: (f64, f64),
     /// Time after which the object reverses, again and again, seconds; `None`: never.
     pub turns_after_s: Option<f64>,
+    /// Whether the object drifts with the current, the waves and a little with the wind, on top of its own velocity.
+    pub drifts: bool,
+}
+
+/// Drift of a person or a life jacket for each m/s of the wind, 10 m above the water: the leeway of a person who floats
+/// upright (Allen and Plourde, 1999).
+const LEEWAY: f64 = 0.011;
+
+/// Velocity over ground of what drifts, along the world's x and y, m/s. Gusts are left out.
+pub fn drift_m_per_s(sea: &Sea) -> (f64, f64) {
+    let (current, stokes, wind) = (sea.current(), sea.stokes_drift(), sea.wind());
+    let (sin, cos) = libm::sincos(wind.towards.radians());
+    let leeway = LEEWAY * wind.speed_mps;
+    (current.0 + stokes.0 + leeway * cos, current.1 + stokes.1 + leeway * sin)
 }
 
 /// All objects of a trial beside the target.
@@ -46,6 +60,7 @@ impl Scenery {
     /// Writes the objects at a tick into `out`, reusing its memory; floating objects follow the waves.
     pub fn write_objects(&self, tick: u64, sea: Option<&Sea>, out: &mut Vec<SceneObject>) {
         out.clear();
+        let drift = sea.map(drift_m_per_s);
         out.extend(self.objects.iter().map(|(script, start, seed)| {
             let at_s = tick as f64 * TICK_S;
             // There and back: a triangle wave of the time.
@@ -53,10 +68,14 @@ impl Scenery {
                 let phase = at_s % (2.0 * turn_s);
                 if phase < turn_s { phase } else { 2.0 * turn_s - phase }
             });
-            let (x, y) = (
+            let (mut x, mut y) = (
                 start.0 + elapsed_s * script.velocity_m_per_s.0,
                 start.1 + elapsed_s * script.velocity_m_per_s.1,
             );
+            if let Some(drift) = drift.filter(|_| script.drifts) {
+                x += at_s * drift.0;
+                y += at_s * drift.1;
+            }
             let fixed =
                 matches!(script.kind, ObjectKind::Pier { .. } | ObjectKind::Shore | ObjectKind::FloorMark);
             let surface = sea.filter(|_| !fixed).map(|sea| sea.surface_at(x, y, tick)).unwrap_or_default();

@@ -13,7 +13,7 @@
 //!
 //! Phases are `u32` fractions of a turn, and the phase of a wave changes by a whole number of them in each tick: the
 //! surface at any tick is exact. Not modelled: ripples shorter than the tile's grid (they do not move a boat; the
-//! renderer adds them), breaking, currents, shallow water.
+//! renderer adds them), breaking, shallow water, and what a current does to the waves: it carries boats and people only.
 
 use barrelman_vocab::Angle;
 
@@ -126,6 +126,7 @@ pub struct Surface {
 pub struct Sea {
     state: SeaState,
     wind: Wind,
+    current: (f64, f64),
     seed: u64,
     side_m: f64,
     waves: Vec<Wave>,
@@ -164,7 +165,27 @@ impl Sea {
         let std_dev = state.significant_height_m() / 4.0;
         let scale = std_dev / libm::sqrt(variance);
         waves.iter_mut().for_each(|wave| wave.amplitude *= scale);
-        Self { state, wind, seed, side_m, waves }
+        Self { state, wind, current: (0.0, 0.0), seed, side_m, waves }
+    }
+
+    /// The same sea with a steady current along the world's x and y, m/s.
+    #[must_use]
+    pub fn with_current(self, current: (f64, f64)) -> Self {
+        Self { current, ..self }
+    }
+
+    /// Steady current along the world's x and y, m/s.
+    pub const fn current(&self) -> (f64, f64) {
+        self.current
+    }
+
+    /// Mean drift of the water at the surface due to the waves (Stokes drift), along the world's x and y, m/s: the sum
+    /// of a² w k over the waves.
+    pub fn stokes_drift(&self) -> (f64, f64) {
+        self.waves.iter().fold((0.0, 0.0), |(x, y), wave| {
+            let share = wave.amplitude * wave.amplitude * wave.frequency;
+            (x + share * wave.vector.0, y + share * wave.vector.1)
+        })
     }
 
     /// The surface at a point of the world and a tick.

@@ -18,7 +18,7 @@ use crate::pursuit::{Pursuit, wrap_angle};
 use crate::scenario::{CameraSetup, Platform, Scenario, TargetScript};
 use crate::scenery::Scenery;
 use crate::sea::Sea;
-use crate::snapshot::{Boat, Ground, Light, Snapshot, Target};
+use crate::snapshot::{Boat, Ground, Light, SceneObject, Snapshot, Target};
 use crate::sway::SwayingPlatform;
 use crate::tick::TICKS_PER_SECOND;
 use crate::wind::TurbulentWind;
@@ -111,7 +111,8 @@ impl World {
         Ok(Self {
             mount: CameraMount::at_angles(scenario.mount, pan, tilt),
             platform,
-            sea: water.map(|water| Sea::new(water.state, water.wind, seed)),
+            sea: water
+                .map(|water| Sea::new(water.state, water.wind, seed).with_current(water.current_m_per_s)),
             wind: water.map(|water| {
                 TurbulentWind::new(water.wind, SURFACE_WIND_HEIGHT_M, 1.0, seed.wrapping_add(1 << 40))
             }),
@@ -248,6 +249,11 @@ impl World {
         self.target.pose()
     }
 
+    /// Writes the present objects beside the target into `out`, reusing its memory: people, buoys, other craft.
+    pub fn write_objects(&self, out: &mut Vec<SceneObject>) {
+        self.scenery.write_objects(self.tick, self.sea.as_ref(), out);
+    }
+
     /// The true state now.
     pub fn truth(&self) -> Truth {
         let (camera, target) = (self.camera_pose(), self.target_pose());
@@ -283,7 +289,7 @@ impl World {
         snapshot.ground = if self.sea.is_some() { Ground::Water } else { Ground::Floor };
         snapshot.target = self.target.to_snapshot();
         snapshot.sensor = self.electronics.state();
-        self.scenery.write_objects(self.tick, self.sea.as_ref(), &mut snapshot.objects);
+        self.write_objects(&mut snapshot.objects);
     }
 
     /// A snapshot of the present state.
@@ -317,6 +323,11 @@ impl MovingTarget {
             }
             TargetScript::Boat(script) => {
                 let (helmsman, boat) = Helmsman::new(script, seed)?;
+                // A boat at rest in a current drifts with it.
+                let boat = match scenario.water.map(|water| water.current_m_per_s) {
+                    Some(current) if current != (0.0, 0.0) => boat.with_velocity(current),
+                    _ => boat,
+                };
                 Self::Boat { boat: Box::new(boat), helmsman }
             }
         })

@@ -9,10 +9,12 @@ pub mod time;
 
 pub mod angle;
 pub mod image;
+pub mod lens;
 pub mod unit;
 pub mod video;
 
 pub mod track;
+pub mod water;
 
 pub mod acceptance;
 pub mod command;
@@ -20,16 +22,20 @@ pub mod mavlink;
 pub mod operator;
 pub mod profile;
 pub mod telemetry;
+pub mod vessel;
 
 pub mod rng;
 
 pub use angle::{Angle, AngularRate};
 pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
+pub use lens::{BrownConrady, Distortion, Lens};
 pub use operator::{DrawnSelection, LawId, Nudge, OperatorRequest, StopCause};
 pub use profile::{VehicleProfile, VehicleRates};
 pub use telemetry::Telemetry;
 pub use time::Timestamp;
 pub use track::{Localisation, MotionPrior, Track};
 pub use unit::EncodedUnit;
+pub use vessel::VesselCommand;
 pub use video::{Picture, VideoFrame};
+pub use water::{CameraAboveWater, Sighting, SightingNoise, WaterCovariance, WaterFix, WaterPoint};

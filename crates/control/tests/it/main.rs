@@ -4,6 +4,8 @@
 mod bearing;
 mod camera_model;
 mod intermittent;
+mod lab_guidance;
 mod motor_schema;
 mod optimal;
 mod transfer;
+mod water;

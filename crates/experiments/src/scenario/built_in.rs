@@ -19,7 +19,7 @@ macro_rules! built_in {
 }
 
 /// The built-in scenarios, in the order of the list.
-pub const BUILT_IN: [BuiltIn; 15] = built_in![
+pub const BUILT_IN: [BuiltIn; 19] = built_in![
     "lab1",
     "lab2",
     "arena1",
@@ -35,6 +35,10 @@ pub const BUILT_IN: [BuiltIn; 15] = built_in![
     "pier",
     "exit",
     "gusts",
+    "rescue",
+    "rescue-current",
+    "rescue-surf",
+    "two-boats",
 ];
 
 /// The built-in paths by their names, each with the text of its file.

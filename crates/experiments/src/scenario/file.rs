@@ -143,6 +143,9 @@ pub struct WaterSection {
     pub wind_m_per_s: Option<f64>,
     /// Direction to which the wind blows, degrees: 0 along x, anticlockwise.
     pub wind_towards_deg: f64,
+    /// Steady current along x and y, m/s.
+    #[serde(default)]
+    pub current_m_per_s: [f64; 2],
 }
 
 /// The light.
@@ -167,6 +170,9 @@ pub struct BoatSection {
     pub way_points: Option<Vec<[f64; 2]>>,
     /// Scale of the path.
     pub scale: f64,
+    /// What steers the boat.
+    #[serde(default)]
+    pub steering: SteeringName,
     /// Median speed of the trials, m/s.
     pub speed_m_per_s: f64,
     /// Standard deviation of the logarithm of the speed.
@@ -177,6 +183,17 @@ pub struct BoatSection {
     pub look_ahead_m: f64,
     /// Standard deviation of each way-point, metres.
     pub way_point_jitter_m: f64,
+}
+
+/// What steers a boat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SteeringName {
+    /// The nozzle of the jet.
+    #[default]
+    Jet,
+    /// The nozzle, and a rudder beside the jet.
+    JetAndRudder,
 }
 
 /// An object beside the target.
@@ -198,6 +215,9 @@ pub struct SceneObjectSection {
     pub velocity_m_per_s: [f64; 2],
     /// Time after which the object reverses its velocity, again and again, seconds.
     pub turns_after_s: Option<f64>,
+    /// Whether the object drifts with the current, the waves and a little with the wind.
+    #[serde(default)]
+    pub drifts: bool,
     /// Length and breadth of a pier, metres.
     pub size_m: Option<[f64; 2]>,
 }

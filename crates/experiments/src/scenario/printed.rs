@@ -38,7 +38,7 @@ const fn without_default(
 }
 
 /// The keys that a file may leave out, in the order of their sections.
-const OPTIONAL: [OptionalKey; 35] = [
+const OPTIONAL: [OptionalKey; 38] = [
     without_default(
         "camera",
         "frame",
@@ -105,6 +105,12 @@ const OPTIONAL: [OptionalKey; 35] = [
         "way_points",
         "[[0, 20], [8, 30]]",
         "Way-points, metres, instead of a built-in path.",
+    ),
+    with_default(
+        "boat",
+        "steering",
+        "\"jet\"",
+        "What steers: jet (the nozzle), or jet-and-rudder, which steers a coasting boat, too.",
     ),
     without_default(
         "target",
@@ -177,7 +183,14 @@ const OPTIONAL: [OptionalKey; 35] = [
         "10",
         "Time after which it reverses its velocity, again and again, seconds. Without it, never.",
     ),
+    with_default(
+        "thing",
+        "drifts",
+        "false",
+        "Whether it drifts with the current, the waves and a little with the wind.",
+    ),
     without_default("thing", "size_m", "[12, 2]", "Length and breadth of a pier, metres."),
+    with_default("water", "current_m_per_s", "[0.0, 0.0]", "Steady current along x and y, m/s."),
     // The wind has a default that depends on the sea: see `wind_of`.
     without_default(
         "water",
@@ -202,6 +215,7 @@ const WATER: &str = "
 # sea_state = 1          # 0 (glassy) to 4 (moderate)
 # wind_m_per_s = 2.0     # without it, the wind that raises this sea
 # wind_towards_deg = 200 # where it blows to: 0 along x, anticlockwise
+# current_m_per_s = [0.0, 0.0] # steady current along x and y
 ";
 const BOAT: &str = "
 # A scenario has a moved [target] or a driven [boat]: `barrelman scenarios open`

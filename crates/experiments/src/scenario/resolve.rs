@@ -119,6 +119,7 @@ fn water(
             format!("{number}: use 0 (glassy) to 4 (moderate); rougher seas are not simulated"),
         ));
     };
+    let current = |value: f64| within("water.current_m_per_s", value, -5.0, 5.0, "m/s");
     let wind = overrides.wind_m_per_s.or(section.wind_m_per_s).unwrap_or_else(|| state.wind_mps());
     Ok(Some(Water {
         state,
@@ -126,6 +127,7 @@ fn water(
             speed_mps: within("water.wind_m_per_s", wind, 0.0, 30.0, "m/s")?,
             towards: angle_within("water.wind_towards_deg", section.wind_towards_deg, -360.0, 360.0)?,
         },
+        current_m_per_s: (current(section.current_m_per_s[0])?, current(section.current_m_per_s[1])?),
     }))
 }
 

@@ -2,7 +2,9 @@
 
 use barrelman_experiments::scenario::file::ScenarioFile;
 use barrelman_experiments::scenario::{BUILT_IN, ScenarioOverrides, complete, load, resolve};
+use barrelman_sim::World;
 use barrelman_sim::scenario::{BeyondBorder, Platform};
+use barrelman_sim::snapshot::ObjectKind;
 use barrelman_vocab::PictureSize;
 
 /// The text of a built-in scenario.
@@ -169,4 +171,34 @@ fn a_printed_scenario_holds_every_key() {
             assert!(printed.contains(&format!("[{section}]")), "{}: {section}", built_in.name);
         }
     }
+}
+
+#[test]
+fn people_drift_with_the_current_and_the_other_objects_do_not() {
+    let check = |name: &str, drifting: (f64, f64), tolerance: f64| {
+        let scenario = load(name, &ScenarioOverrides::default()).unwrap().scenario;
+        let mut world = World::new(&scenario, 3).unwrap();
+        let (mut before, mut after) = (Vec::new(), Vec::new());
+        world.write_objects(&mut before);
+        for _ in 0..20 * 120 {
+            world.advance();
+        }
+        world.write_objects(&mut after);
+        for (from, to) in before.iter().zip(&after) {
+            let (x, y) =
+                (to.pose.position.x - from.pose.position.x, to.pose.position.y - from.pose.position.y);
+            let expected = match to.kind {
+                ObjectKind::Swimmer | ObjectKind::LifeJacket => (20.0 * drifting.0, 20.0 * drifting.1),
+                _ => continue,
+            };
+            assert!(
+                (x - expected.0).abs() < tolerance && (y - expected.1).abs() < tolerance,
+                "{name}: {:?} drifted by {x}, {y}",
+                to.kind
+            );
+        }
+    };
+    // The wind of sea state 1 adds 3 cm/s to the current, its waves 3 cm/s at most.
+    check("rescue-current", (0.35, 0.0), 1.3);
+    check("open", (0.0, 0.0), 1e-9);
 }

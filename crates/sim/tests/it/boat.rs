@@ -1,6 +1,6 @@
 //! The boat against the table its parameters come from, and the limits of a jet.
 
-use barrelman_sim::boat::{HelmCommand, JetBoat, throttle_for_speed};
+use barrelman_sim::boat::{HelmCommand, JetBoat, Steering, throttle_for_speed};
 use barrelman_sim::sea::{Sea, SeaState, Wind};
 use barrelman_vocab::Angle;
 
@@ -115,4 +115,42 @@ fn it_rides_rougher_seas_more_than_smooth_ones() {
     let (heave, pitch) = all[3];
     assert!((0.12..0.33).contains(&heave), "the table has 0.22 m in state 3: {heave}");
     assert!((2.5..9.0).contains(&pitch), "the table has 5.1 degrees: {pitch}");
+}
+
+/// Change of the heading, radians, of a boat that had way on, in four seconds without thrust and with full rudder.
+fn turned_while_coasting(steering: Steering) -> f64 {
+    let sea = glassy();
+    let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::ZERO).with_steering(steering);
+    for tick in 0..10 * TICKS_PER_S {
+        let rudder = -3.0 * boat.pose().heading.radians() - 0.8 * boat.turn_rad_per_s();
+        boat.advance(HelmCommand { throttle: 0.5, rudder }, &sea, (0.0, 0.0), tick);
+    }
+    // The thrust has gone before the rudder is laid.
+    for tick in 10 * TICKS_PER_S..12 * TICKS_PER_S {
+        boat.advance(HelmCommand::default(), &sea, (0.0, 0.0), tick);
+    }
+    let before = boat.pose().heading.radians();
+    for tick in 12 * TICKS_PER_S..16 * TICKS_PER_S {
+        boat.advance(HelmCommand { throttle: 0.0, rudder: 1.0 }, &sea, (0.0, 0.0), tick);
+    }
+    boat.pose().heading.radians() - before
+}
+
+#[test]
+fn a_rudder_steers_a_coasting_boat_and_a_jet_does_not() {
+    let (jet, rudder) = (turned_while_coasting(Steering::Jet), turned_while_coasting(Steering::JetAndRudder));
+    assert!(jet.abs() < 0.1, "the jet alone turned the boat by {jet} rad");
+    assert!(rudder > 0.3, "the rudder turned the boat by {rudder} rad only");
+}
+
+#[test]
+fn a_current_carries_a_boat_at_rest() {
+    let current = (0.35, -0.2);
+    let sea = glassy().with_current(current);
+    let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::from_degrees(30.0));
+    for tick in 0..60 * TICKS_PER_S {
+        boat.advance(HelmCommand::default(), &sea, (0.0, 0.0), tick);
+    }
+    let (x, y) = boat.velocity_over_ground();
+    assert!((x - current.0).abs() < 0.05 && (y - current.1).abs() < 0.05, "{x}, {y}");
 }

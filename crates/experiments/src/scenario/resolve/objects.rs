@@ -50,6 +50,7 @@ fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ObjectScript> {
         heading: Angle::ZERO,
         velocity_m_per_s: (0.0, 0.0),
         turns_after_s: None,
+        drifts: false,
     };
     if !on_water {
         return way_points.iter().map(|at| mark(ObjectKind::FloorMark, *at)).collect();
@@ -100,5 +101,6 @@ fn object(at: &str, section: &SceneObjectSection) -> Result<ObjectScript, Scenar
             .turns_after_s
             .map(|after| within(&key("turns_after_s"), after, 0.1, 3600.0, "seconds"))
             .transpose()?,
+        drifts: section.drifts && !matches!(kind, ObjectKind::Pier { .. } | ObjectKind::Shore),
     })
 }

@@ -1,12 +1,13 @@
 //! The target and its path.
 
+use barrelman_sim::boat::Steering;
 use barrelman_sim::helmsman::BoatScript;
 use barrelman_sim::path::Path;
 use barrelman_sim::pursuit::PursuitScript;
 use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::TargetScript;
 
-use crate::scenario::file::{BoatSection, PathFile, ScenarioFile, TargetSection};
+use crate::scenario::file::{BoatSection, PathFile, ScenarioFile, SteeringName, TargetSection};
 use crate::scenario::range::within;
 use crate::scenario::{BUILT_IN_PATHS, ScenarioError, ScenarioOverrides};
 
@@ -124,6 +125,10 @@ fn boat(section: &BoatSection, overrides: &ScenarioOverrides) -> Result<TargetSc
         )?,
         speed_m_per_s: number("speed_m_per_s", speed, 0.1, 12.0, "m/s")?,
         log_speed_std_dev: number("speed_spread", section.speed_spread, 0.0, 1.0, "a share")?,
+        steering: match section.steering {
+            SteeringName::Jet => Steering::Jet,
+            SteeringName::JetAndRudder => Steering::JetAndRudder,
+        },
         max_throttle: number("most_throttle", section.most_throttle, 0.05, 1.0, "a share")?,
         look_ahead_m: number("look_ahead_m", section.look_ahead_m, 0.1, 1000.0, "metres")?,
         way_point_jitter_m: number("way_point_jitter_m", section.way_point_jitter_m, 0.0, 1000.0, "metres")?,
