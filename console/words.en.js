@@ -93,7 +93,7 @@ export default {
   paths: { h264: "H.264 (WebCodecs)", jpeg: "JPEG", none: "no video" },
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
-    track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
+    track: "Track", p: "P", confidence: "Confidence", distance: "Distance", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
     work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw", position: "Kite",
   },
   links: {
@@ -106,6 +106,10 @@ export default {
   workText: (work) => `${work.moves} moves, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
   netYawText: (degrees) => (degrees === 0 ? "0°" : `${Math.abs(degrees)}° to the ${degrees > 0 ? "right" : "left"}`),
+  distanceText: ({ distance_m, std_dev_m, direction_deg }) => {
+    const side = Math.round(direction_deg) === 0 ? "ahead" : `${Math.abs(direction_deg).toFixed(0)}° ${direction_deg > 0 ? "right" : "left"}`;
+    return `${distance_m.toFixed(0)} m ± ${Math.max(1, 2 * std_dev_m).toFixed(0)} m, ${side}`;
+  },
   positionText: ({ latitude_deg, longitude_deg, heading_deg }, height) =>
     `${Math.abs(latitude_deg).toFixed(5)}° ${latitude_deg < 0 ? "S" : "N"}, ${Math.abs(longitude_deg).toFixed(5)}° ${longitude_deg < 0 ? "W" : "E"}`
     + (height === null ? "" : `, ${height.toFixed(0)} m up`) + (heading_deg === null ? "" : `, heading ${heading_deg.toFixed(0)}°`),

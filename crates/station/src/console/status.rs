@@ -8,8 +8,8 @@ use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
 use barrelman_vocab::{Angle, CameraCommand, LawId, PixelBox, StopCause, Track};
 
 use super::api::{
-    AxisPair, CameraWork, LawName, LinkStatus, ModeStatus, PerceptStatus, PositionStatus, RecordingStatus,
-    RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, BoatStatus, CameraWork, LawName, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
+    RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
 
@@ -33,6 +33,7 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
         search_refusal: outcome.and_then(|outcome| outcome.search_refusal).map(|refusal| refusal.to_string()),
         law: snapshot.law.map(law_name),
         video: video_of(&snapshot.video, h264),
+        boat: snapshot.boat.map(boat_of),
         link: link_of(&snapshot.vehicle),
         recording: recording_of(&snapshot.recording),
         work: work_of(&snapshot.work),
@@ -174,6 +175,14 @@ fn video_of(video: &VideoSnapshot, h264: bool) -> VideoStatus {
         fps: video.fps,
         dropped: video.dropped,
         h264,
+    }
+}
+
+fn boat_of(boat: snapshot::BoatOnWater) -> BoatStatus {
+    BoatStatus {
+        distance_m: boat.distance_m,
+        std_dev_m: boat.std_dev_m,
+        direction_deg: boat.direction.degrees(),
     }
 }
 

@@ -188,7 +188,9 @@ impl LiveDrive<'_> {
 
     fn publish_state(&mut self, pace: f64, over: bool) {
         let (state, now) = (self.state(pace, over), self.drive.world().now());
+        let camera = self.drive.world().camera_pose();
         if let Some(console) = &mut self.observers.console {
+            console.publisher.set_camera(camera.tilt, camera.position.z);
             console.publisher.set_drive(state, now);
         }
     }

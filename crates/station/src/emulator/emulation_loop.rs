@@ -18,6 +18,8 @@ use barrelman_host::fault::{FaultKind, FaultPlan};
 
 /// Depression of the camera at the start.
 const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
+/// Height of the camera without a world, metres.
+const START_HEIGHT_M: f64 = 10.0;
 /// Longest wait for bytes; it bounds the delay of a tick.
 const MAX_WAIT: Duration = Duration::from_millis(10);
 /// Delay of received bytes while the fault `delay` is active.
@@ -240,12 +242,13 @@ impl<V: EmulatedVehicle> Emulator<V> {
     }
 
     fn logged(&self, state: VehicleState) -> LoggedState {
-        let Pointing { pan, tilt } = self.pointing();
+        let Pointing { pan, tilt, .. } = self.pointing();
         LoggedState::new(state, pan.radians(), tilt.radians())
     }
 
     fn pointing(&self) -> Pointing {
-        let own = Pointing { pan: self.mount.pan.angle(), tilt: self.mount.tilt.angle() };
+        let (pan, tilt) = (self.mount.pan.angle(), self.mount.tilt.angle());
+        let own = Pointing { pan, tilt, height_m: START_HEIGHT_M };
         self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 }

@@ -62,7 +62,8 @@ impl EmulatedVehicle for FotokitePro {
     fn advance(&mut self, pointing: Pointing, now: Timestamp, out: &mut Vec<Vec<u8>>) {
         self.station.tick(now);
         let mut lines = Vec::new();
-        let readings = SensorReadings::of_camera(pointing.pan, pointing.tilt);
+        let Pointing { pan, tilt, height_m } = pointing;
+        let readings = SensorReadings { altitude_m: height_m, ..SensorReadings::of_camera(pan, tilt) };
         self.station.write_telemetry(&readings, now, &mut lines);
         out.push(lines);
     }

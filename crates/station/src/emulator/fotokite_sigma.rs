@@ -48,6 +48,8 @@ const FAULT_DELAY: Duration = Duration::from_millis(400);
 const FAULT_LOOK: Duration = Duration::from_millis(20);
 /// Depression of the camera at the start.
 const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
+/// Height of the camera without a world, metres.
+const START_HEIGHT_M: f64 = 10.0;
 /// Largest body of a request, bytes.
 const MAX_BODY_BYTES: usize = 16 << 10;
 
@@ -106,12 +108,13 @@ struct Emulation {
 
 impl Emulation {
     fn pointing(&self) -> Pointing {
-        let own = Pointing { pan: self.mount.pan.angle(), tilt: self.mount.tilt.angle() };
+        let (pan, tilt) = (self.mount.pan.angle(), self.mount.tilt.angle());
+        let own = Pointing { pan, tilt, height_m: START_HEIGHT_M };
         self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 
     fn view(&self) -> View {
-        let Pointing { pan, tilt } = self.pointing();
+        let Pointing { pan, tilt, .. } = self.pointing();
         let turns = (pan.degrees() / 360.0).round();
         View { pan_ned: pan.degrees() - turns * 360.0, tilt_ned: -tilt.degrees() }
     }

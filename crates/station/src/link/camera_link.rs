@@ -19,13 +19,15 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 #[derive(Debug, Clone, Default)]
 pub struct CameraLink(Arc<Shared>);
 
-/// Where a camera points.
+/// Where a camera is, and points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pointing {
     /// To the right.
     pub pan: Angle,
     /// Upwards.
     pub tilt: Angle,
+    /// Height above the water, metres.
+    pub height_m: f64,
 }
 
 #[derive(Default)]
@@ -167,7 +169,8 @@ mod tests {
         let listener = Arc::clone(&reports);
         link.on_tilt_report(move |tilt| listener.lock().unwrap().push(tilt.degrees().round() as i32));
         for tick in 1..=120 {
-            link.set_pointing(Pointing { pan: Angle::ZERO, tilt: Angle::from_degrees(-f64::from(tick)) });
+            let tilt = Angle::from_degrees(-f64::from(tick));
+            link.set_pointing(Pointing { pan: Angle::ZERO, tilt, height_m: 10.0 });
         }
         assert_eq!(*reports.lock().unwrap(), [-12, -24, -36, -48, -60, -72, -84, -96, -108, -120]);
     }

@@ -99,7 +99,7 @@ impl Ticking<'_> {
                 world.command(profile.from_vehicle(rates));
             }
             let pose = world.camera_pose();
-            link.set_pointing(Pointing { pan: pose.pan, tilt: pose.tilt });
+            link.set_pointing(Pointing { pan: pose.pan, tilt: pose.tilt, height_m: pose.position.z });
             if world.is_frame_due() {
                 match video.send(world.tick()) {
                     Delivery::Lost => {}

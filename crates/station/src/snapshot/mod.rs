@@ -12,6 +12,7 @@
 mod publisher;
 
 mod alarm;
+mod boat_on_water;
 mod camera_work;
 mod drive_state;
 mod event_log;
@@ -26,6 +27,7 @@ use barrelman_pilot::Outcome;
 use barrelman_vocab::{LawId, PictureSize, Timestamp, VehicleRates};
 
 pub use alarm::Alarm;
+pub use boat_on_water::BoatOnWater;
 pub use camera_work::{CameraWork, WorkFigures};
 pub use drive_state::DriveState;
 pub use event_log::{EventEntry, EventLog, Level};
@@ -50,6 +52,8 @@ pub struct Snapshot {
     pub video: VideoSnapshot,
     /// The vehicle and its link.
     pub vehicle: VehicleSnapshot,
+    /// Where the followed boat is on the water, where that is known.
+    pub boat: Option<BoatOnWater>,
     /// The recording.
     pub recording: RecordingState,
     /// The camera's work, and that of the paper's schema beside it.

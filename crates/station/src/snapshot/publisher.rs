@@ -6,10 +6,11 @@ use std::time::Duration;
 use barrelman_pilot::{Input, Notice, Outcome};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
-use barrelman_vocab::{LawId, Timestamp, Track, VehicleProfile, VehicleRates};
+use barrelman_vocab::{Angle, LawId, Timestamp, Track, VehicleProfile, VehicleRates};
 use tokio::sync::watch;
 
 use super::alarm::Alarm;
+use super::boat_on_water::BoatFinder;
 use super::camera_work::CameraWorkMeter;
 use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
@@ -31,6 +32,7 @@ pub struct Publisher {
     frames: FrameRate,
     step_time: StepTime,
     work: CameraWorkMeter,
+    boat: BoatFinder,
     tilt_stops: (f64, f64),
     is_console_lost: bool,
 }
@@ -48,6 +50,7 @@ impl Publisher {
             frames: FrameRate::default(),
             step_time: StepTime::default(),
             work: CameraWorkMeter::new(profile),
+            boat: BoatFinder::new(profile),
             tilt_stops: (low.radians(), high.radians()),
             is_console_lost: false,
         }
@@ -93,6 +96,7 @@ impl Publisher {
         }
         self.work.on_step(outcome);
         self.log_outcome(outcome);
+        self.state.boat = self.boat.find(outcome.track, &self.state.vehicle);
         self.state.steps += 1;
         self.state.outcome = Some(outcome.clone());
         self.state.rates = rates;
@@ -128,6 +132,11 @@ impl Publisher {
             self.state.law = law;
             self.publish(now);
         }
+    }
+
+    /// Where the simulated camera of a demo is, and points. Published with the next step.
+    pub fn set_camera(&mut self, tilt: Angle, height_m: f64) {
+        (self.state.vehicle.tilt, self.state.vehicle.altitude_m) = (Some(tilt), Some(height_m));
     }
 
     /// The state of a demo's world.

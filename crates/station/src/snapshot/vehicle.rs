@@ -42,6 +42,8 @@ pub struct VehicleSnapshot {
     pub is_battery_low: bool,
     /// Elevation of the camera's axis.
     pub tilt: Option<Angle>,
+    /// Horizontal angle of view of the camera, of a vehicle that reports a zoom.
+    pub field_of_view: Option<Angle>,
     /// Height above the place of the start, metres.
     pub altitude_m: Option<f64>,
     /// Position on Earth.
@@ -84,7 +86,8 @@ impl VehicleSnapshot {
             Report::Flight { state, is_battery_low, .. } | Report::FlightState { state, is_battery_low } => {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
             }
-            Report::VehicleAttitude(_) | Report::GimbalAttitude(_) | Report::FieldOfView(_) => {}
+            Report::FieldOfView(angle) => self.field_of_view = Some(angle),
+            Report::VehicleAttitude(_) | Report::GimbalAttitude(_) => {}
         }
     }
 }
@@ -130,6 +133,7 @@ mod tests {
         acceptance: None,
         battery_v: Some(15.5),
         tilt: Some(Angle::from_degrees(-20.0)),
+        field_of_view: None,
         altitude_m: Some(10.5),
         position: None,
         flight: Some(FlightState::Flying),
@@ -169,7 +173,10 @@ mod tests {
                 },
             ),
             (&[UP, FLIGHT], VehicleSnapshot { flight: KNOWN.flight, is_battery_low: true, ..up }),
-            (&[UP, Report::FieldOfView(Angle::ZERO)], up),
+            (
+                &[UP, Report::FieldOfView(Angle::from_degrees(40.0))],
+                VehicleSnapshot { field_of_view: Some(Angle::from_degrees(40.0)), ..up },
+            ),
             (&[UP, GROUND, TILT, TETHER, FLIGHT], KNOWN),
         ] {
             assert_eq!(after(reports), expected, "{reports:?}");

@@ -23,7 +23,7 @@ pub use message::{Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerM
 pub use request::{ConsoleRequest, LawName};
 pub use schema::api_document;
 pub use snapshot::{
-    AxisPair, CameraWork, ControlSeat, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
+    AxisPair, BoatStatus, CameraWork, ControlSeat, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
     RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 pub use video_message::{HEAD_BYTES, VideoHead, VideoKind};

@@ -46,6 +46,8 @@ pub struct StatusSnapshot {
     pub law: Option<LawName>,
     /// The video.
     pub video: VideoStatus,
+    /// Where the followed boat is on the water; `null`: nothing is followed, or height or tilt of the camera are not known.
+    pub boat: Option<BoatStatus>,
     /// The link to the vehicle.
     pub link: LinkStatus,
     /// The recording.
@@ -145,6 +147,17 @@ pub struct VideoStatus {
     pub dropped: u64,
     /// Whether the video can be sent as H.264.
     pub h264: bool,
+}
+
+/// Where the boat is on the water, seen from the point below the camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct BoatStatus {
+    /// Distance over the water, metres.
+    pub distance_m: f64,
+    /// Standard deviation of the distance, metres.
+    pub std_dev_m: f64,
+    /// Direction from the camera's axis, degrees, positive to the right.
+    pub direction_deg: f64,
 }
 
 /// Position of the vehicle on Earth.
