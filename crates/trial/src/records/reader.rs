@@ -81,7 +81,7 @@ impl<R: Read> Iterator for RecordingReader<R> {
 
 /// Longest accepted record, bytes: more than a raw picture of 7680 x 4320 needs. Bounds the memory that a damaged length
 /// can allocate.
-const MAX_RECORD_BYTES: usize = 64 << 20;
+pub(super) const MAX_RECORD_BYTES: usize = 64 << 20;
 
 /// Reads the messages of an MCAP file.
 pub(super) fn messages<R: Read>(input: R) -> mcap::io::MessageReader<CheckedLengths<R>> {

@@ -55,6 +55,29 @@ fn a_record_that_reaches_beyond_its_chunk_is_refused() {
     }
 }
 
+/// The reader below takes as much memory as the length of a text says, up to 4 GiB.
+#[test]
+fn a_text_that_reaches_beyond_its_record_is_refused() {
+    let bytes = written(&every_kind());
+    for text in [start().program_version.as_str(), "protobuf", "proto3"] {
+        let text = [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
+        let found: Vec<_> = bytes
+            .windows(text.len())
+            .enumerate()
+            .filter(|(_, window)| *window == text)
+            .map(|(at, _)| at)
+            .collect();
+        for at in found {
+            let mut damaged = bytes.clone();
+            damaged[at + 3] = 0xff;
+            let (_, error) = read(&damaged);
+            let Some(ReadError::Container(error)) = error else { panic!("{at}: {error:?}") };
+            let cause = format!("{error:?}");
+            assert!(cause.contains("reaches beyond its record"), "{at}: {cause}");
+        }
+    }
+}
+
 #[test]
 fn a_schema_in_an_unknown_syntax_is_refused() {
     let mut bytes = written(&every_kind());
