@@ -58,7 +58,7 @@ export default {
     link: "The link is down: check the cable or the ground station.",
     dryRun: "Dry run: the camera is not moved. Start with --link to move it.",
     emergency: "The vehicle has an emergency or lands: the camera rests.",
-    vehicle: "Somebody else has the control. Press Engage to take it back.",
+    vehicle: "Another client has the control. Press Engage to take it back.",
     select: "Draw a box around the boat.",
     reselect: "The boat is lost: draw a new box around it, or wait.",
     search: "The boat is lost: draw a new box around it, or press Search.",

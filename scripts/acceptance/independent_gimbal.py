@@ -207,7 +207,7 @@ class GimbalManager:
             self._status()
         return mavlink.MAV_RESULT_ACCEPTED
 
-    # Whether the operator has asked for the control of somebody else's gimbal.
+    # Whether the operator has asked for the control of another client's gimbal.
     may_be_claimed = False
 
     def take(self):

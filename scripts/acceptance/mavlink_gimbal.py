@@ -256,7 +256,7 @@ def signed_wrong(rows, args, folder):
 
 
 def check_says(table, args, folder):
-    """What `check` says of a gimbal, of nobody, of one that somebody else has, and of one that describes nothing."""
+    """What `check` says of a gimbal, of nobody, of one that another client has, and of one that describes nothing."""
 
     def check(name, manager, *patterns, code=None):
         done = common.run([args.barrelman, "check", "--profile", "mavlink-gimbal", "--video", "sim:arena1", "--link", getattr(manager, "url", manager)])

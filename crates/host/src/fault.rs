@@ -31,7 +31,7 @@ pub enum FaultKind {
     Panic,
     /// The whole process is stopped (SIGSTOP) and goes on after the duration, as in a suspend of the machine.
     Suspend,
-    /// An emulated vehicle gives the control to somebody else.
+    /// An emulated vehicle gives the control to another client.
     Takeover,
     /// An emulated vehicle takes everything and answers nothing.
     Silence,

@@ -176,7 +176,7 @@ impl GuardedLink {
         }
     }
 
-    /// The operator takes the control of the vehicle back, if somebody else has taken it.
+    /// The operator takes the control of the vehicle back, if another client has taken it.
     pub fn take_control(&self) {
         self.client.send(&ToGuard::TakeControl);
     }

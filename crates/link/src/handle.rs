@@ -104,7 +104,7 @@ impl LinkHandle {
         self.mailbox.request(RequestedRates { rates, renew_by });
     }
 
-    /// The operator takes the control of the vehicle back, if somebody else has taken it.
+    /// The operator takes the control of the vehicle back, if another client has taken it.
     pub fn take_control(&self) {
         self.mailbox.take_control();
     }

@@ -38,7 +38,7 @@ pub trait Session {
     /// replaced until `renew_by`; `None`: rest, which needs no renewal.
     fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>);
 
-    /// The operator takes the control back that the vehicle gave to somebody else. Without such a loss nothing happens: a
+    /// The operator takes the control back that the vehicle gave to another client. Without such a loss nothing happens: a
     /// session takes the control at its start, and never again by itself.
     fn take_control(&mut self, _now: Timestamp) {}
 

@@ -152,7 +152,7 @@ impl Station for FotokiteSigmaStation {
         self.view.pan_ned.to_radians()
     }
 
-    fn is_somebody_elses(&self) -> bool {
+    fn is_anothers(&self) -> bool {
         self.is_another_clients
     }
 

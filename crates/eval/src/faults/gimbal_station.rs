@@ -68,7 +68,7 @@ impl Station for GimbalStation {
         self.manager.set_settings(settings);
         self.is_meddled_with = false;
         while let Some(packet) = line.arrived_up(at_ms) {
-            let is_theirs = self.is_somebody_elses();
+            let is_theirs = self.is_anothers();
             let is_meddled_with = &mut self.is_meddled_with;
             self.manager.receive(&packet, now, &mut out, |text, _| {
                 *is_meddled_with |= is_theirs && text.starts_with("SET_PITCHYAW");
@@ -96,7 +96,7 @@ impl Station for GimbalStation {
         self.yaw_rad
     }
 
-    fn is_somebody_elses(&self) -> bool {
+    fn is_anothers(&self) -> bool {
         self.manager.primary() == Some(OTHER_COMMANDER)
     }
 

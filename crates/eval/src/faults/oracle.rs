@@ -106,7 +106,7 @@ impl Oracle {
 
     /// A command came to a camera that another commander has had for this time.
     pub(super) fn meddles(&mut self, at_ms: u64, after_ms: u64) {
-        let text = format!("commands a camera that somebody else has had for {after_ms} ms");
+        let text = format!("commands a camera that another commander has had for {after_ms} ms");
         self.violation.get_or_insert((at_ms, text));
     }
 

@@ -336,7 +336,7 @@ impl World {
             self.oracle.excuse(at_ms + 1);
         }
         let is_unknown = self.line.is_disturbed(at_ms) || self.is_active(FaultKind::StatusWithheld, at_ms);
-        if !self.station.is_somebody_elses() || is_unknown || self.is_suspended {
+        if !self.station.is_anothers() || is_unknown || self.is_suspended {
             self.elsewhere_since_ms = None;
         } else {
             let since_ms = *self.elsewhere_since_ms.get_or_insert(at_ms);
@@ -348,7 +348,7 @@ impl World {
             return;
         }
         // The motion is that of another commander.
-        if self.station.is_somebody_elses() {
+        if self.station.is_anothers() {
             self.oracle.excuse(at_ms);
             return;
         }

@@ -19,7 +19,7 @@ pub(super) trait Station {
     fn pan_rad(&self) -> f64;
 
     /// Whether another commander commands the camera, so that the rates in force are its own.
-    fn is_somebody_elses(&self) -> bool {
+    fn is_anothers(&self) -> bool {
         false
     }
 

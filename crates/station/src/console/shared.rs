@@ -88,7 +88,7 @@ impl Console {
         f(&mut self.seats.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Tells all pages who controls, and the loop whether somebody does.
+    /// Tells all pages who controls, and the loop whether a page does.
     pub(super) fn publish_seats(&self) {
         let state = self.with_seats(|seats| seats.state());
         if state.holder.is_some() {

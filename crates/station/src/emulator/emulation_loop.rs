@@ -136,7 +136,7 @@ impl<V: EmulatedVehicle> Emulator<V> {
         if self.faults.count_started(FaultKind::Takeover, self.faults_applied_at, now) > 0 {
             let mut packets = Vec::new();
             self.vehicle.take_over(now, &mut packets);
-            self.log.add(now, Direction::None, "somebody else takes the control", self.state())?;
+            self.log.add(now, Direction::None, "another client takes the control", self.state())?;
             self.send(&packets, now)?;
         }
         self.faults_applied_at = Some(now);

@@ -13,7 +13,7 @@ pub trait VehicleLink {
     /// not block.
     fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>);
 
-    /// The operator takes the control of the vehicle back, if somebody else has taken it. Does not block.
+    /// The operator takes the control of the vehicle back, if another client has taken it. Does not block.
     fn take_control(&self) {}
 }
 

@@ -43,7 +43,7 @@ fn a_port_has_a_link_for_as_long_as_it_lasts() {
 }
 
 #[test]
-fn a_link_of_somebody_else_is_refused_and_kept() {
+fn a_link_of_another_program_is_refused_and_kept() {
     let path = port_in("theirs");
     // Dangling links too, and a link to a terminal that exists.
     for target in ["precious", "/dev/null", "/dev/pts", "/dev/pts/ptmx", "/dev/pts/x", "relative/gone"] {

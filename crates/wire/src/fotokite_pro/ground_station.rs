@@ -231,7 +231,7 @@ impl GroundStation {
         }
     }
 
-    /// Somebody takes the control at the ground station itself: this program's commands no longer count, and its rates
+    /// Another client takes the control at the ground station itself: this program's commands no longer count, and its rates
     /// end.
     pub fn take_over(&mut self) {
         self.state = StationState::Shell;

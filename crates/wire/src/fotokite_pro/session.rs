@@ -14,7 +14,7 @@
 //!
 //! The first bytes on a newly opened port are zeros: nobody knows which rate is in force, or whether `stop` ends it.
 //! Zeros at the end are repeated until telemetry shows no motion ([`super::motion`]). A ground station that gave the control
-//! to somebody else is left alone until the operator takes the control back.
+//! to another client is left alone until the operator takes the control back.
 //!
 //! [`FotokiteProSession`] is the [`Session`] of this protocol: a plain struct without I/O, bytes and the time in, bytes
 //! and the time of the next call out. It sends rates only in the state `Up`, which always begins with zeros.

@@ -1,11 +1,11 @@
 //! The client of a gimbal manager: discovery, control, rates, attitude, shut-down.
 //!
 //! ```text
-//!            information (280)               nobody else has it:           claimed: status says so, or
+//!            information (280)               no other commander has it:    claimed: status says so, or
 //!            or status (281)                 status (281), or 1 s          0.6 s after an accepted claim
 //!   Searching ------------------> Asking -----------------> Claiming ---------------> Up
-//!    ^  |                           | somebody else            | refused, or somebody  | somebody else,
-//!    |  | 6 s                       | has the control          | else has the control  | or nobody any more
+//!    ^  |                           | another commander        | refused, or another   | another commander
+//!    |  | 6 s                       | has the control          | commander has it      | has it, or none has
 //!    |  v                           v                          v                       v
 //!    | Unresponsive <------------- Yielded <----------------------------------------------+
 //!    | (reopen the port)             |  ^
@@ -159,7 +159,7 @@ impl GimbalSession {
         self.gimbal.unwrap_or(everyone(self.peers))
     }
 
-    fn is_somebody_elses(&self) -> bool {
+    fn is_anothers(&self) -> bool {
         self.state == State::Yielded || matches!(self.holder, Some(Holder::Other(_)))
     }
 
@@ -233,7 +233,7 @@ impl Session for GimbalSession {
             State::Closing { .. } | State::Releasing { .. } | State::Closed | State::Unresponsive(_) => {
                 return;
             }
-            _ if self.is_somebody_elses() => State::Closed,
+            _ if self.is_anothers() => State::Closed,
             State::Up => self.closing(now),
             _ if self.needs_answer || is_claimed => self.closing(now),
             // The claim that is under way may yet be accepted.
@@ -270,7 +270,7 @@ impl Session for GimbalSession {
 
     /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of another commander.
     fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
-        if self.is_somebody_elses() {
+        if self.is_anothers() {
             return Vec::new();
         }
         let mut writer = self.writer.clone();

@@ -260,7 +260,7 @@ fn the_first_bytes_of_a_session_are_zeros_three_times() {
 }
 
 #[test]
-fn control_that_somebody_else_took_comes_back_by_request_only() {
+fn control_that_another_client_took_comes_back_by_request_only() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
     let moving = VehicleRates { yaw: AngularRate::from_radians_per_second(0.3), pitch: AngularRate::ZERO };
     session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), &mut |_| {});
@@ -268,7 +268,7 @@ fn control_that_somebody_else_took_comes_back_by_request_only() {
     assert_eq!(
         lines_between(&mut session, start, start + 1_000),
         [],
-        "nothing is sent to somebody else's vehicle"
+        "nothing is sent to another client's vehicle"
     );
     assert_eq!(session.link_state(), LinkState::Up);
     session.take_control(at(start + 1_000));

@@ -60,7 +60,7 @@ impl GimbalSession {
     fn write_left_zeros(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> Option<Timestamp> {
         let is_before_up =
             matches!(self.state, State::Searching { .. } | State::Asking { .. } | State::Claiming { .. });
-        if !self.needs_answer || !is_before_up || self.is_somebody_elses() {
+        if !self.needs_answer || !is_before_up || self.is_anothers() {
             return None;
         }
         if self.zeros_at <= now {
@@ -120,7 +120,7 @@ impl GimbalSession {
         self.state = State::Asking { since, ask_at };
         let decide_at = since.plus(STATUS_TIMEOUT);
         let is_told = self.holder.is_some() || decide_at <= now;
-        if is_told && (self.is_operator_asked || self.is_somebody_elses()) {
+        if is_told && (self.is_operator_asked || self.is_anothers()) {
             self.yield_control();
         } else if is_told {
             self.begin_claiming(now, false);

@@ -60,7 +60,7 @@ fn after_a_session_that_may_have_left_the_gimbal_turning_zeros_go_to_everyone_fi
         bench.run(seconds(5.0));
         let after: Vec<_> =
             bench.since(taken_at + 1_500).filter(|(_, sent)| *sent != Sent::Heartbeat).collect();
-        assert!(after.is_empty(), "somebody else has the control: {after:?}");
+        assert!(after.is_empty(), "another client has the control: {after:?}");
     }
 }
 
@@ -134,7 +134,7 @@ fn another_commander_is_yielded_to_at_once_and_the_control_comes_back_by_request
 }
 
 #[test]
-fn a_gimbal_that_somebody_else_has_at_the_start_is_left_alone() {
+fn a_gimbal_that_another_commander_has_at_the_start_is_left_alone() {
     for settings in [ARDUPILOT, PX4] {
         let mut bench = Bench::new(settings);
         bench.take_over();
@@ -144,7 +144,7 @@ fn a_gimbal_that_somebody_else_has_at_the_start_is_left_alone() {
         assert!(!bench.sent.iter().any(|(_, sent)| sent.is_motion() || sent.is_command(1001)));
         bench.session.close(at(bench.now_ms));
         bench.step();
-        assert_eq!(bench.last, NextAction::Closed, "nothing is left to be sent to a gimbal of somebody else");
+        assert_eq!(bench.last, NextAction::Closed, "nothing is left to be sent to a gimbal of another client");
     }
 }
 

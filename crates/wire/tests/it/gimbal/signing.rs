@@ -60,7 +60,7 @@ fn what_is_not_signed_with_the_key_or_was_heard_before_is_not_read() {
         assert_eq!(read(&mut reader, &damaged), 0, "byte {index}");
     }
     assert_eq!(read(&mut reader, &packet), 1);
-    assert_eq!(read(&mut reader, &packet), 0, "sent again by somebody who heard it");
+    assert_eq!(read(&mut reader, &packet), 0, "sent again by a listener");
     // Without a key, signatures are not looked at.
     assert_eq!(read(&mut FrameReader::default(), &packet), 1);
 }
