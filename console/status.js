@@ -34,11 +34,11 @@ function factsOf(snapshot) {
   const { track, percept, video, link, recording, work, drive } = snapshot;
   const number = (value, digits = 2) => (value === null || value === undefined ? "–" : value.toFixed(digits));
   const lost = track.lost_s !== null ? ` ${words.ago(track.lost_s.toFixed(0))}` : "";
+  const distance = snapshot.boat ? `, ${words.distanceText(snapshot.boat)}` : "";
   const facts = [
-    [words.facts.track, words.tracks[track.confirming ? "confirming" : track.state] + lost],
+    [words.facts.track, words.tracks[track.confirming ? "confirming" : track.state] + lost + distance],
     [words.facts.p, `${number(percept?.p)}${work.schema_p === null ? "" : `  (${words.facts.schemaP}: ${number(work.schema_p)})`}`],
     [words.facts.confidence, number(track.confidence)],
-    [words.facts.distance, snapshot.boat ? words.distanceText(snapshot.boat) : "–"],
     [words.facts.camera, rateText(snapshot.command)],
     [words.facts.video, words.videoText(words.videos[video.state], video.fps, video.dropped)],
     [words.facts.link, words.links[link.state] + (link.battery_v === null ? "" : `, ${link.battery_v.toFixed(1)} V`)],

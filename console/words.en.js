@@ -93,7 +93,7 @@ export default {
   paths: { h264: "H.264 (WebCodecs)", jpeg: "JPEG", none: "no video" },
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
-    track: "Track", p: "P", confidence: "Confidence", distance: "Distance", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
+    track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
     work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw", position: "Kite",
   },
   links: {
