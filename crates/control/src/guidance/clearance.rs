@@ -81,6 +81,23 @@ pub fn free_distance(
     keep_outs.iter().filter_map(|circle| entry(boat, direction, circle, margin_m)).min_by(f64::total_cmp)
 }
 
+/// Whether a boat that turns to one side with this radius, metres, from its present course (a unit vector) on, stays `margin_m`
+/// away from all circles.
+pub fn turn_clears(
+    boat: WaterPoint,
+    course: (f64, f64),
+    side: Side,
+    radius_m: f64,
+    keep_outs: &[KeepOut],
+    margin_m: f64,
+) -> bool {
+    let left = (-course.1, course.0);
+    let reach = if side == Side::Left { radius_m } else { -radius_m };
+    let centre = WaterPoint { x: boat.x + reach * left.0, y: boat.y + reach * left.1 };
+    // NaN does not clear.
+    keep_outs.iter().all(|circle| centre.distance_to(circle.centre) >= radius_m + circle.radius_m + margin_m)
+}
+
 /// The direction around the circle `first` on one side, and around those that it meets.
 fn around(
     boat: WaterPoint,

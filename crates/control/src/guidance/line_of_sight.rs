@@ -20,7 +20,7 @@
 
 use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
 
-use super::clearance::{ClearCourse, Side, clear_course, free_distance};
+use super::clearance::{ClearCourse, Side, clear_course, free_distance, turn_clears};
 use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Progress, VesselLimits};
 use super::route::{LegGuidance, Route};
 use super::track::{BoatState, BoatTrack, wrapped};
@@ -44,11 +44,14 @@ const BACKING_M_PER_S: f64 = 0.4;
 /// The boat comes nearer to a person again from this distance beyond its place on, metres.
 const STAND_OFF_DRIFT_M: f64 = 1.5;
 /// Distance to a circle's edge within which the boat stops, metres.
-const EDGE_M: f64 = 0.4;
-/// A slow boat whose bow is this close to a circle backs off, to the second distance, metres, before it turns.
-const BACK_OFF_M: (f64, f64) = (0.3, 1.2);
-/// A boat slower than this backs off, m/s.
-const BACK_OFF_SPEED: f64 = 0.6;
+const EDGE_M: f64 = 1.0;
+/// A slow boat that is this close to a circle's edge and points at the circle backs off, to the second distance, metres,
+/// before it turns.
+const BACK_OFF_M: (f64, f64) = (1.3, 2.4);
+/// A boat slower than this is slow: its velocity has no direction, m/s.
+const SLOW_M_PER_S: f64 = 0.5;
+/// The boat points at a circle from this cosine on, and no longer below the second.
+const POINTS_AT: (f64, f64) = (0.3, 0.0);
 
 /// What the boat does at its destination.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -337,11 +340,29 @@ impl LineOfSight {
             let (from, is_strict) = (stop.left_m, stop.is_strict);
             allowed.limit(self.stopping_speed(from, self.braking_before(is_strict, limits)), is_strict);
         }
-        let free = free_distance(boat.point, boat.velocity, input.keep_outs, EDGE_M);
-        if let Some(free_m) = free {
+        // The velocity of a slow boat has no direction: the bow's counts.
+        let direction = match boat.heading {
+            Some(heading) if boat.speed_m_per_s() < SLOW_M_PER_S => libm::sincos(heading.radians()),
+            _ => boat.velocity,
+        };
+        let free = free_distance(boat.point, direction, input.keep_outs, EDGE_M);
+        if let Some(free_m) = free.filter(|_| !self.turns_clear(boat, input)) {
             allowed.limit(self.stopping_speed(free_m, self.braking_before(true, limits)), true);
         }
         allowed
+    }
+
+    /// Whether the turn to the side on which the boat goes around keeps clear of all circles: then the boat needs its thrust.
+    fn turns_clear(&self, boat: &BoatState, input: &GuidanceInput<'_>) -> bool {
+        let Some(side) = self.side else { return false };
+        let run_on_s = self.tuning.reaction_s;
+        let point = WaterPoint {
+            x: boat.point.x + run_on_s * boat.velocity.0,
+            y: boat.point.y + run_on_s * boat.velocity.1,
+        };
+        let course = self.course(boat).unwrap_or_else(|| boat.course());
+        let (sin, cos) = libm::sincos(course.radians());
+        turn_clears(point, (sin, cos), side, self.model.turn_radius_m, input.keep_outs, EDGE_M)
     }
 
     /// Whether the boat goes astern from a circle that it has no room to turn before.
@@ -351,12 +372,15 @@ impl LineOfSight {
             return false;
         };
         let (sin, cos) = libm::sincos(heading.radians());
-        let room_m = free_distance(boat.point, (sin, cos), input.keep_outs, 0.0).unwrap_or(f64::INFINITY);
-        self.backs_off = if self.backs_off {
-            room_m < BACK_OFF_M.1
-        } else {
-            room_m < BACK_OFF_M.0 && boat.speed_m_per_s() < BACK_OFF_SPEED
-        };
+        let is_slow = boat.speed_m_per_s() < SLOW_M_PER_S;
+        let (min_gap_m, min_cos) =
+            if self.backs_off { (BACK_OFF_M.1, POINTS_AT.1) } else { (BACK_OFF_M.0, POINTS_AT.0) };
+        self.backs_off = (self.backs_off || is_slow)
+            && input.keep_outs.iter().any(|circle| {
+                let (x, y) = boat.point.vector_to(circle.centre);
+                let distance = libm::sqrt(x * x + y * y);
+                distance - circle.radius_m < min_gap_m && x * sin + y * cos > min_cos * distance
+            });
         self.backs_off
     }
 
@@ -383,7 +407,13 @@ impl LineOfSight {
     fn throttle(&self, boat: &BoatState, speed: &AllowedSpeed, limits: &VesselLimits) -> f64 {
         let missing = speed.m_per_s - boat.speed_m_per_s();
         if speed.is_strict && -missing > ASTERN_EXCESS.0 {
-            return -limits.astern * (-missing / ASTERN_EXCESS.1).min(1.0);
+            let share = libm::sqrt((-missing / ASTERN_EXCESS.1).min(1.0));
+            // A boat that moves astern is stopped by thrust ahead.
+            let is_ahead = boat.heading.is_none_or(|heading| {
+                let (sin, cos) = libm::sincos(heading.radians());
+                boat.velocity.0 * sin + boat.velocity.1 * cos >= 0.0
+            });
+            return if is_ahead { -limits.astern * share } else { 0.5 * limits.ahead * share };
         }
         let throttle = speed.m_per_s / self.model.speed_per_throttle + THROTTLE_PER_SPEED * missing;
         throttle.clamp(0.0, limits.ahead)

@@ -161,7 +161,7 @@ impl BoatTrack {
             let yaw = set_point + kept * (last.yaw - set_point);
             let mean_yaw = 0.5 * (yaw + last.yaw);
             let kept = libm::exp(-duration_s / self.model.surge_lag_s);
-            let ahead = self.model.speed_per_throttle * thrust.max(0.0);
+            let ahead = self.model.speed_per_throttle * thrust;
             let surge = ahead + kept * (last.surge - ahead);
             let kept = libm::exp(-duration_s / self.model.drift_lag_s);
             let excess = last.turn - mean_yaw;

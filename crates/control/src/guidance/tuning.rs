@@ -18,6 +18,8 @@ pub struct VesselModel {
     pub surge_lag_s: f64,
     /// Speed for each unit of throttle, m/s.
     pub speed_per_throttle: f64,
+    /// Radius of a full turn under full thrust, metres.
+    pub turn_radius_m: f64,
     /// Deceleration of the coasting boat near rest, m/s².
     pub coasting_m_per_s2: f64,
     /// Additional deceleration of full throttle astern, m/s²; it grows with the square of the throttle.
@@ -34,6 +36,7 @@ impl VesselModel {
         thrust_lag_s: 0.25,
         surge_lag_s: 1.5,
         speed_per_throttle: 3.6,
+        turn_radius_m: 1.6,
         coasting_m_per_s2: 0.1,
         astern_m_per_s2: 1.4,
     };
@@ -108,9 +111,9 @@ impl LineOfSightTuning {
         arrival_m: 1.2,
         hold_m: 2.0,
         way_point_m: 2.0,
-        stand_off_margin_m: 1.0,
-        keep_out_margin_m: 1.8,
-        reaction_s: 0.35,
+        stand_off_margin_m: 1.2,
+        keep_out_margin_m: 2.0,
+        reaction_s: 0.6,
         max_silence_s: 0.6,
         max_age_s: 1.5,
     };
