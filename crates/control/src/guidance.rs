@@ -1,6 +1,8 @@
 //! Guidance laws: from where the boat is and where it shall go to a [`VesselCommand`].
 //!
-//! [`lab::LabLaw`] is the law of the paper's laboratory, in pixel coordinates.
+//! [`lab::LabLaw`] is the law of the paper's laboratory, in image coordinates. [`line_of_sight::LineOfSight`] steers over
+//! the water plane; [`track::BoatTrack`] estimates position, course and speed for it, [`route::Route`] is the line that
+//! it follows, and [`clearance`] keeps it away from people and forbidden areas.
 //!
 //! What must not be here: clocks, randomness, allocation per step, the vehicle's own signs, and any decision whether the
 //! boat may move at all.
@@ -10,6 +12,18 @@
 //!
 //! [`VesselCommand`]: barrelman_vocab::VesselCommand
 
+pub mod input;
+
 pub mod lab;
 
+pub mod clearance;
+pub mod route;
+pub mod track;
+pub mod tuning;
+
+pub mod line_of_sight;
+
+pub use input::{BoatFix, Destination, GuidanceInput, GuidanceState, GuidanceStep, KeepOut, VesselLimits};
 pub use lab::{LabBranch, LabInput, LabLaw, LabSettings};
+pub use line_of_sight::LineOfSight;
+pub use tuning::{LineOfSightTuning, VesselModel};

@@ -2,7 +2,7 @@
 //! and fits parameters, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|law|tune|views|fit|closed-loop|faults|link-latency
+//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|guidance|law|tune|views|fit|closed-loop|faults|link-latency
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -13,6 +13,7 @@ mod tracker;
 mod simulator;
 
 mod calibration;
+mod guidance;
 mod law;
 mod search;
 
@@ -56,6 +57,8 @@ enum Command {
     Calibration(calibration::Options),
     /// Let the boat leave the picture in a blind time, and search for it.
     Search(search::Options),
+    /// Compare the guidance laws of the boat on the same seeds.
+    Guidance(guidance::Options),
     /// Compare the camera laws on the same seeds.
     Law(law::Options),
     /// Search for parameters of the optimal law.
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
         Command::Simulator(options) => ("simulator", simulator::run(&options)),
         Command::Calibration(options) => ("calibration", calibration::run(&options)),
         Command::Search(options) => ("search", search::run(&options)),
+        Command::Guidance(options) => ("guidance", guidance::run(&options)),
         Command::Law(options) => ("law", law::run(&options)),
         Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),
         Command::Views(options) => ("views", views::render(&options).map(|()| true)),

@@ -5,6 +5,7 @@ mod bearing;
 mod camera_model;
 mod intermittent;
 mod lab_guidance;
+mod line_of_sight;
 mod motor_schema;
 mod optimal;
 mod transfer;

@@ -1,0 +1,445 @@
+//! Our guidance law: along a line over the water, around people and forbidden areas, and to rest before the goal.
+//!
+//! One step:
+//!
+//! 1. [`BoatTrack`] predicts position, velocity and heading to the present.
+//! 2. [`Route`] gives the course that leads back to the line (integral line of sight).
+//! 3. [`clear_course`] turns that course around circles that are in the way.
+//! 4. The boat may go as fast as it can stop: `v² = 2 a d` with the distance d to the stop, less the reaction, for the
+//!    destination, the stand-off of a person, and each circle that the velocity points into.
+//! 5. The rudder asks the vessel's model for a turn rate in proportion to the course error; the throttle is that of the
+//!    limit while the allowed speed is higher, and follows the allowed speed below. Astern is used before people and circles
+//!    only.
+//!
+//! While neither course nor heading is known, the boat goes straight on gently; the throttle rises, because a
+//! head current may hold a slow boat in its place. At a place the boat drifts within [`LineOfSightTuning::hold_m`], and goes
+//! back from there. Before a person it stays outside of the stand-off, astern if need be.
+//!
+//! What the law cannot do: keep away from a person who comes nearer faster than the boat goes astern, or hold its place in a
+//! current faster than the boat.
+
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
+
+use super::clearance::{ClearCourse, Side, clear_course, free_distance, turn_clears};
+use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Progress, VesselLimits};
+use super::route::{LegGuidance, Route};
+use super::track::{BoatState, BoatTrack, wrapped};
+use super::tuning::{LineOfSightTuning, VesselModel};
+
+/// Longest time that one step integrates, seconds.
+const MAX_STEP_S: f64 = 0.2;
+/// Time in which the throttle rises from that for getting way on to the limit, seconds.
+const WAY_RISE_S: f64 = 3.0;
+
+/// Least throttle that the rudder is divided by.
+const MIN_STEERING_THRUST: f64 = 0.2;
+/// Throttle for each m/s of missing speed.
+const THROTTLE_PER_SPEED: f64 = 0.25;
+/// Excess of the speed over the allowed speed, m/s, from which on the boat goes astern, and that of full astern.
+const ASTERN_EXCESS: (f64, f64) = (0.15, 0.6);
+/// A boat before a person moves away from a place too close by this share of the distance each second, and at most so fast,
+/// m/s.
+const BACKING_PER_S: f64 = 0.5;
+const BACKING_M_PER_S: f64 = 0.4;
+/// The boat comes nearer to a person again from this distance beyond its place on, metres.
+const STAND_OFF_DRIFT_M: f64 = 1.5;
+/// Distance to a circle's edge within which the boat stops, metres.
+const EDGE_M: f64 = 1.0;
+/// A slow boat that is this close to a circle's edge and points at the circle backs off, to the second distance, metres,
+/// before it turns.
+const BACK_OFF_M: (f64, f64) = (1.3, 2.4);
+/// A boat slower than this is slow: its velocity has no direction, m/s.
+const SLOW_M_PER_S: f64 = 0.5;
+/// The boat points at a circle from this cosine on, and no longer below the second.
+const POINTS_AT: (f64, f64) = (0.3, 0.0);
+
+/// What the boat does at its destination.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// On the way.
+    Going,
+    /// At rest there.
+    Resting,
+}
+
+/// The law with its state.
+#[derive(Debug, Clone)]
+pub struct LineOfSight {
+    tuning: LineOfSightTuning,
+    model: VesselModel,
+    track: BoatTrack,
+    route: Option<Route>,
+    phase: Phase,
+    side: Option<Side>,
+    /// Whether the boat goes astern from a circle.
+    backs_off: bool,
+    rudder: f64,
+    way_since: Option<Timestamp>,
+    last_step: Option<Timestamp>,
+}
+
+/// Where the boat must stop.
+#[derive(Debug, Clone, Copy)]
+struct Stop {
+    /// Distance that is left, metres; negative beyond.
+    left_m: f64,
+    /// Whether the boat goes astern rather than beyond.
+    is_strict: bool,
+}
+
+impl LineOfSight {
+    /// The law for a vessel, without fixes.
+    pub fn new(tuning: LineOfSightTuning, model: VesselModel) -> Self {
+        Self {
+            track: BoatTrack::new(model, &tuning),
+            tuning,
+            model,
+            route: None,
+            phase: Phase::Going,
+            side: None,
+            backs_off: false,
+            rudder: 0.0,
+            way_since: None,
+            last_step: None,
+        }
+    }
+
+    /// The estimate of the boat.
+    pub const fn track(&self) -> &BoatTrack {
+        &self.track
+    }
+
+    /// Discards the fixes and the route: another boat was selected.
+    pub const fn reset_boat(&mut self) {
+        self.track.reset();
+        self.route = None;
+        self.way_since = None;
+    }
+
+    /// Notes that `command` is in force from `now` on: the law's own, or what the safety rule made of it.
+    pub fn on_command_applied(&mut self, command: VesselCommand, now: Timestamp) {
+        self.track.apply_command(command, now);
+    }
+
+    /// Computes the command of one step.
+    pub fn step(&mut self, input: &GuidanceInput<'_>) -> GuidanceStep {
+        let now = input.now;
+        self.track.advance_to(now);
+        if let Some(fix) = &input.fix {
+            self.track.observe(fix, now);
+        }
+        let duration_s = self.last_step.map_or(0.0, |last| now.since(last).as_secs_f64()).min(MAX_STEP_S);
+        self.last_step = Some(now);
+        let Some(destination) = input.destination else {
+            self.route = None;
+            return self.neutral(GuidanceState::NoDestination, None);
+        };
+        let Some((_, boat)) = self.track.predicted(now).filter(|(arrived, _)| {
+            let captured = self.track.captured().unwrap_or(*arrived);
+            now.since(*arrived).as_secs_f64() <= self.tuning.max_silence_s
+                && now.since(captured).as_secs_f64() <= self.tuning.max_age_s
+        }) else {
+            return self.neutral(GuidanceState::NoFix, None);
+        };
+        let mut route = match self.route {
+            Some(route) if route.id() == input.route => route,
+            _ => {
+                self.phase = Phase::Going;
+                self.side = None;
+                self.backs_off = false;
+                self.way_since = None;
+                Route::new(input.route, boat.point)
+            }
+        };
+        let leg = route.guidance(
+            boat.point,
+            input.way_points,
+            destination.point(),
+            if self.phase == Phase::Going { duration_s } else { 0.0 },
+            &self.tuning,
+        );
+        let (command, state) = self.command(input, destination, &boat, &leg, &mut route);
+        let progress = Progress {
+            boat: boat.point,
+            speed_m_per_s: boat.speed_m_per_s(),
+            course: self.course(&boat),
+            distance_m: boat.point.distance_to(destination.point()),
+            cross_track_m: leg.cross_track_m,
+            leg: route.leg(),
+        };
+        self.route = Some(route);
+        self.rudder = command.rudder;
+        GuidanceStep { command: command.clamped(), state, progress: Some(progress) }
+    }
+
+    fn neutral(&mut self, state: GuidanceState, progress: Option<Progress>) -> GuidanceStep {
+        self.rudder = 0.0;
+        self.way_since = None;
+        GuidanceStep { command: VesselCommand::NEUTRAL, state, progress }
+    }
+
+    /// Course over ground, or the heading of a boat that is too slow for a course.
+    fn course(&self, boat: &BoatState) -> Option<Angle> {
+        if boat.speed_m_per_s() >= self.tuning.course_speed_m_per_s
+            && boat.surge >= self.tuning.way_speed_m_per_s
+        {
+            Some(boat.course())
+        } else {
+            boat.heading
+        }
+    }
+
+    fn command(
+        &mut self,
+        input: &GuidanceInput<'_>,
+        destination: Destination,
+        boat: &BoatState,
+        leg: &LegGuidance,
+        route: &mut Route,
+    ) -> (VesselCommand, GuidanceState) {
+        let limits = &input.limits;
+        let stop = self.stop_at(destination, boat, leg);
+        self.update_phase(destination, boat, leg, stop, route);
+        if self.phase == Phase::Resting {
+            self.way_since = None;
+            return self.rest(destination, boat, stop, limits);
+        }
+        let (sin, cos) = libm::sincos(leg.course);
+        let clear = clear_course(
+            boat.point,
+            leg.end,
+            (sin, cos),
+            input.keep_outs,
+            self.tuning.keep_out_margin_m,
+            self.side,
+        );
+        let state = match clear {
+            None => GuidanceState::Blocked,
+            Some(ClearCourse { side: Some(_), .. }) => GuidanceState::Avoiding,
+            Some(ClearCourse { side: None, .. }) => GuidanceState::UnderWay,
+        };
+        let side = clear.and_then(|clear| clear.side);
+        if self.side.is_some() && side.is_none() {
+            route.re_anchor(boat.point);
+        }
+        self.side = side;
+        let direction = clear.map_or((sin, cos), |clear| clear.direction);
+        let desired_course = libm::atan2(direction.0, direction.1);
+        let course = self.course(boat);
+        let error = course.map(|course| wrapped(desired_course - course.radians()));
+        let speed = self.allowed_speed(input, boat, stop);
+        if self.backs_off(boat, input) {
+            return (VesselCommand { throttle: -limits.astern, rudder: 0.0 }, state);
+        }
+        let Some(error) = error else { return (self.get_way(input, speed), GuidanceState::GettingWay) };
+        self.way_since = None;
+        let throttle = self.throttle(boat, &speed, limits);
+        let rudder = self.rudder(boat, error, throttle, limits);
+        (VesselCommand { throttle, rudder }, state)
+    }
+
+    /// Where the boat must stop on this leg; `None`: it passes the end of the leg.
+    fn stop_at(&self, destination: Destination, boat: &BoatState, leg: &LegGuidance) -> Option<Stop> {
+        match destination {
+            // A person's stand-off holds on every leg.
+            Destination::Person { at, stand_off_m, uncertainty_m } => {
+                let rest_m = stand_off_m + uncertainty_m + self.tuning.stand_off_margin_m;
+                let left_m = boat.point.distance_to(at) - rest_m;
+                let is_near = leg.is_last || left_m < self.tuning.pursuit_m;
+                is_near.then_some(Stop { left_m, is_strict: true })
+            }
+            Destination::Place(_) if leg.is_last => {
+                Some(Stop { left_m: leg.distance_m - 0.5 * self.tuning.arrival_m, is_strict: false })
+            }
+            Destination::Place(_) => None,
+        }
+    }
+
+    fn update_phase(
+        &mut self,
+        destination: Destination,
+        boat: &BoatState,
+        leg: &LegGuidance,
+        stop: Option<Stop>,
+        route: &mut Route,
+    ) {
+        let (is_there, is_away) = match (destination, stop) {
+            (Destination::Place(_), Some(_)) => {
+                (leg.distance_m < self.tuning.arrival_m, leg.distance_m > self.tuning.hold_m)
+            }
+            (Destination::Person { .. }, Some(stop)) if leg.is_last => {
+                (stop.left_m < 0.2, stop.left_m > STAND_OFF_DRIFT_M)
+            }
+            _ => (false, true),
+        };
+        match self.phase {
+            Phase::Going if is_there => self.phase = Phase::Resting,
+            Phase::Resting if is_away => {
+                self.phase = Phase::Going;
+                route.re_anchor(boat.point);
+            }
+            Phase::Going | Phase::Resting => {}
+        }
+    }
+
+    /// The command of a boat at its destination.
+    fn rest(
+        &self,
+        destination: Destination,
+        boat: &BoatState,
+        stop: Option<Stop>,
+        limits: &VesselLimits,
+    ) -> (VesselCommand, GuidanceState) {
+        let Destination::Person { at, .. } = destination else {
+            return (VesselCommand::NEUTRAL, GuidanceState::Holding);
+        };
+        let left_m = stop.map_or(0.0, |stop| stop.left_m);
+        let throttle = self.backing_throttle(boat, at, left_m, limits);
+        (VesselCommand { throttle, rudder: 0.0 }, GuidanceState::StandingOff)
+    }
+
+    /// Throttle of a boat at rest before a person: away from the person where it is too close.
+    fn backing_throttle(
+        &self,
+        boat: &BoatState,
+        person: WaterPoint,
+        left_m: f64,
+        limits: &VesselLimits,
+    ) -> f64 {
+        let bearing = boat.point.bearing_to(person).radians();
+        let (sin, cos) = libm::sincos(bearing);
+        let closing = boat.velocity.0 * sin + boat.velocity.1 * cos;
+        let desired = (BACKING_PER_S * left_m).clamp(-BACKING_M_PER_S, 0.0);
+        let excess = closing - desired;
+        if excess <= 0.0 || (left_m > 0.0 && closing < ASTERN_EXCESS.0) {
+            return 0.0;
+        }
+        // Thrust grows with the square of the throttle.
+        let share = libm::sqrt((excess / ASTERN_EXCESS.1).min(1.0));
+        let facing = boat.heading.map_or(1.0, |heading| libm::cos(heading.radians() - bearing));
+        if facing > 0.3 {
+            -limits.astern * share
+        } else if facing < -0.3 {
+            0.5 * limits.ahead * share
+        } else {
+            0.0
+        }
+    }
+
+    /// Deceleration with which the boat can stop, m/s².
+    fn braking(&self, limits: &VesselLimits) -> f64 {
+        self.model.coasting_m_per_s2 + self.model.astern_m_per_s2 * limits.astern * limits.astern
+    }
+
+    /// The largest speed at which the boat can stop in time, m/s, and whether it goes astern to keep it.
+    fn allowed_speed(&self, input: &GuidanceInput<'_>, boat: &BoatState, stop: Option<Stop>) -> AllowedSpeed {
+        let limits = &input.limits;
+        let speed_limit = limits.speed_m_per_s.unwrap_or(f64::INFINITY).max(0.0);
+        let mut allowed = AllowedSpeed { m_per_s: speed_limit, is_strict: false };
+        if let Some(stop) = stop {
+            let (from, is_strict) = (stop.left_m, stop.is_strict);
+            allowed.limit(self.stopping_speed(from, self.braking_before(is_strict, limits)), is_strict);
+        }
+        // The velocity of a slow boat has no direction: the bow's counts.
+        let direction = match boat.heading {
+            Some(heading) if boat.speed_m_per_s() < SLOW_M_PER_S => libm::sincos(heading.radians()),
+            _ => boat.velocity,
+        };
+        let free = free_distance(boat.point, direction, input.keep_outs, EDGE_M);
+        if let Some(free_m) = free.filter(|_| !self.turns_clear(boat, input)) {
+            allowed.limit(self.stopping_speed(free_m, self.braking_before(true, limits)), true);
+        }
+        allowed
+    }
+
+    /// Whether the turn to the side on which the boat goes around keeps clear of all circles: then the boat needs its thrust.
+    fn turns_clear(&self, boat: &BoatState, input: &GuidanceInput<'_>) -> bool {
+        let Some(side) = self.side else { return false };
+        let run_on_s = self.tuning.reaction_s;
+        let point = WaterPoint {
+            x: boat.point.x + run_on_s * boat.velocity.0,
+            y: boat.point.y + run_on_s * boat.velocity.1,
+        };
+        let course = self.course(boat).unwrap_or_else(|| boat.course());
+        let (sin, cos) = libm::sincos(course.radians());
+        turn_clears(point, (sin, cos), side, self.model.turn_radius_m, input.keep_outs, EDGE_M)
+    }
+
+    /// Whether the boat goes astern from a circle that it has no room to turn before.
+    fn backs_off(&mut self, boat: &BoatState, input: &GuidanceInput<'_>) -> bool {
+        let Some(heading) = boat.heading.filter(|_| input.limits.astern > 0.0) else {
+            self.backs_off = false;
+            return false;
+        };
+        let (sin, cos) = libm::sincos(heading.radians());
+        let is_slow = boat.speed_m_per_s() < SLOW_M_PER_S;
+        let (min_gap_m, min_cos) =
+            if self.backs_off { (BACK_OFF_M.1, POINTS_AT.1) } else { (BACK_OFF_M.0, POINTS_AT.0) };
+        self.backs_off = (self.backs_off || is_slow)
+            && input.keep_outs.iter().any(|circle| {
+                let (x, y) = boat.point.vector_to(circle.centre);
+                let distance = libm::sqrt(x * x + y * y);
+                distance - circle.radius_m < min_gap_m && x * sin + y * cos > min_cos * distance
+            });
+        self.backs_off
+    }
+
+    fn braking_before(&self, is_strict: bool, limits: &VesselLimits) -> f64 {
+        if is_strict { self.braking(limits) } else { self.tuning.approach_m_per_s2 }
+    }
+
+    /// The speed from which the boat stops within a distance: `v t + v² / (2 a) = d`.
+    fn stopping_speed(&self, distance_m: f64, braking: f64) -> f64 {
+        let run_on = braking * self.tuning.reaction_s;
+        libm::sqrt(run_on * run_on + 2.0 * braking * distance_m.max(0.0)) - run_on
+    }
+
+    /// The command of a boat whose heading is unknown.
+    fn get_way(&mut self, input: &GuidanceInput<'_>, speed: AllowedSpeed) -> VesselCommand {
+        let since = *self.way_since.get_or_insert(input.now);
+        let rise = (input.now.since(since).as_secs_f64() / WAY_RISE_S).min(1.0);
+        let start = self.tuning.way_throttle.min(input.limits.ahead);
+        let throttle =
+            (start + rise * (input.limits.ahead - start)).min(speed.m_per_s / self.model.speed_per_throttle);
+        VesselCommand { throttle, rudder: 0.0 }
+    }
+
+    fn throttle(&self, boat: &BoatState, speed: &AllowedSpeed, limits: &VesselLimits) -> f64 {
+        let missing = speed.m_per_s - boat.speed_m_per_s();
+        if speed.is_strict && -missing > ASTERN_EXCESS.0 {
+            let share = libm::sqrt((-missing / ASTERN_EXCESS.1).min(1.0));
+            // A boat that moves astern is stopped by thrust ahead.
+            let is_ahead = boat.heading.is_none_or(|heading| {
+                let (sin, cos) = libm::sincos(heading.radians());
+                boat.velocity.0 * sin + boat.velocity.1 * cos >= 0.0
+            });
+            return if is_ahead { -limits.astern * share } else { 0.5 * limits.ahead * share };
+        }
+        let throttle = speed.m_per_s / self.model.speed_per_throttle + THROTTLE_PER_SPEED * missing;
+        throttle.clamp(0.0, limits.ahead)
+    }
+
+    fn rudder(&self, boat: &BoatState, error: f64, throttle: f64, limits: &VesselLimits) -> f64 {
+        let thrust = boat.thrust.max(throttle).max(MIN_STEERING_THRUST);
+        let authority = self.model.turn_authority(thrust, boat.speed_m_per_s());
+        let turn = self.tuning.course_gain_per_s * (error - self.tuning.turn_damping * boat.turn_to_come);
+        let rudder = (turn / authority).clamp(-limits.rudder, limits.rudder);
+        if (rudder - self.rudder).abs() < self.tuning.rudder_step { self.rudder } else { rudder }
+    }
+}
+
+/// The largest allowed speed.
+#[derive(Debug, Clone, Copy)]
+struct AllowedSpeed {
+    m_per_s: f64,
+    is_strict: bool,
+}
+
+impl AllowedSpeed {
+    fn limit(&mut self, m_per_s: f64, is_strict: bool) {
+        if m_per_s < self.m_per_s {
+            self.m_per_s = m_per_s;
+            self.is_strict = is_strict;
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! The line-of-sight law with a simple vessel: where it goes, where it stops, what it keeps away from.
+
+use std::time::Duration;
+
+use barrelman_control::guidance::{
+    BoatFix, Destination, GuidanceInput, GuidanceState, GuidanceStep, KeepOut, LineOfSight,
+    LineOfSightTuning, VesselLimits, VesselModel,
+};
+use barrelman_vocab::rng::SplitMix64;
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterCovariance, WaterFix, WaterPoint};
+
+const FRAME_S: f64 = 1.0 / 15.0;
+const LATENCY: Duration = Duration::from_millis(200);
+
+/// A vessel that turns by its thrust, with lags, carried by a current; and its law.
+struct Scene {
+    law: LineOfSight,
+    at: WaterPoint,
+    heading: f64,
+    speed: f64,
+    yaw: f64,
+    thrust: f64,
+    current: (f64, f64),
+    gives_heading: bool,
+    noise: SplitMix64,
+    frame: u64,
+    pending: Vec<BoatFix>,
+    way_points: Vec<WaterPoint>,
+    keep_outs: Vec<KeepOut>,
+    limits: VesselLimits,
+    route: u32,
+}
+
+impl Scene {
+    fn new(heading_deg: f64) -> Self {
+        Self {
+            law: LineOfSight::new(LineOfSightTuning::DEFAULT, VesselModel::JET),
+            at: WaterPoint { x: 0.0, y: 0.0 },
+            heading: heading_deg.to_radians(),
+            speed: 0.0,
+            yaw: 0.0,
+            thrust: 0.0,
+            current: (0.0, 0.0),
+            gives_heading: false,
+            noise: SplitMix64::new(1),
+            frame: 0,
+            pending: Vec::new(),
+            way_points: Vec::new(),
+            keep_outs: Vec::new(),
+            limits: VesselLimits::DEFAULT,
+            route: 1,
+        }
+    }
+
+    fn now(&self) -> Timestamp {
+        Timestamp::from_secs_f64(self.frame as f64 * FRAME_S)
+    }
+
+    /// One video frame, with a measurement or without.
+    fn step(&mut self, destination: Option<Destination>, is_measured: bool) -> GuidanceStep {
+        let now = self.now();
+        let noise = || 0.1 * (self.noise.uniform() - 0.5);
+        let mut noise = noise;
+        let point = WaterPoint { x: self.at.x + noise(), y: self.at.y + noise() };
+        let heading = (Angle::from_radians(self.heading), Angle::from_degrees(8.0));
+        self.pending.push(BoatFix {
+            captured: now,
+            water: WaterFix { point, covariance: WaterCovariance::isotropic(0.05) },
+            heading: self.gives_heading.then_some(heading),
+        });
+        let arrives = self.pending.iter().position(|fix| now.since(fix.captured) >= LATENCY);
+        let fix = arrives.map(|index| self.pending.remove(index)).filter(|_| is_measured);
+        let step = self.law.step(&GuidanceInput {
+            now,
+            fix,
+            destination,
+            route: self.route,
+            way_points: &self.way_points,
+            keep_outs: &self.keep_outs,
+            limits: self.limits,
+        });
+        self.law.on_command_applied(step.command, now);
+        for _ in 0..8 {
+            self.advance(step.command, FRAME_S / 8.0);
+        }
+        self.frame += 1;
+        step
+    }
+
+    fn advance(&mut self, command: VesselCommand, dt: f64) {
+        self.thrust += (command.throttle - self.thrust) * dt / 0.25;
+        let braking = if self.thrust < 0.0 { 2.0 } else { 1.2 };
+        self.speed += (3.6 * self.thrust - self.speed) * dt / braking;
+        self.yaw += (1.8 * self.thrust.max(0.0) * command.rudder - self.yaw) * dt / 0.4;
+        self.heading += self.yaw * dt;
+        let (sin, cos) = libm::sincos(self.heading);
+        self.at.x += (self.speed * sin + self.current.0) * dt;
+        self.at.y += (self.speed * cos + self.current.1) * dt;
+    }
+
+    /// Steps for some seconds; calls `check` after each step.
+    fn run(&mut self, destination: Destination, seconds: f64, mut check: impl FnMut(&Self, &GuidanceStep)) {
+        for _ in 0..(seconds / FRAME_S) as u64 {
+            let step = self.step(Some(destination), true);
+            let VesselCommand { throttle, rudder } = step.command;
+            assert!(throttle <= self.limits.ahead + 1e-12 && throttle >= -self.limits.astern - 1e-12);
+            assert!(rudder.abs() <= self.limits.rudder + 1e-12);
+            check(self, &step);
+        }
+    }
+}
+
+fn place(x: f64, y: f64) -> Destination {
+    Destination::Place(WaterPoint { x, y })
+}
+
+fn person(x: f64, y: f64) -> Destination {
+    Destination::Person { at: WaterPoint { x, y }, stand_off_m: 2.0, uncertainty_m: 0.3 }
+}
+
+#[test]
+fn the_boat_goes_to_a_place_from_any_heading_and_stays_there() {
+    for heading_deg in [0.0, 80.0, 170.0, -120.0] {
+        for current in [(0.0, 0.0), (0.3, 0.1), (-0.2, -0.3)] {
+            let mut scene = Scene { current, ..Scene::new(heading_deg) };
+            let goal = WaterPoint { x: 3.0, y: 20.0 };
+            let mut worst_m: f64 = 0.0;
+            scene.run(Destination::Place(goal), 90.0, |scene, _| {
+                if scene.frame > 40 * 15 {
+                    worst_m = worst_m.max(scene.at.distance_to(goal));
+                }
+            });
+            assert!(worst_m < 5.0, "heading {heading_deg}, current {current:?}: {worst_m} m away");
+        }
+    }
+}
+
+#[test]
+fn the_boat_keeps_to_the_line_across_a_current() {
+    let mut scene = Scene { current: (0.35, 0.0), ..Scene::new(0.0) };
+    let mut worst_m: f64 = 0.0;
+    scene.run(place(0.0, 40.0), 14.0, |scene, _| {
+        if scene.frame > 6 * 15 {
+            worst_m = worst_m.max(scene.at.x.abs());
+        }
+    });
+    assert!(scene.at.y > 20.0 && worst_m < 0.5, "{worst_m} m off the line");
+}
+
+#[test]
+fn the_boat_stops_before_a_person_and_stays_outside_of_the_stand_off() {
+    for heading_deg in [0.0, 40.0, -100.0] {
+        let mut scene = Scene::new(heading_deg);
+        let at = WaterPoint { x: 2.0, y: 18.0 };
+        let mut states = Vec::new();
+        scene.run(person(at.x, at.y), 60.0, |scene, step| {
+            assert!(scene.at.distance_to(at) > 2.3, "{} m from the person", scene.at.distance_to(at));
+            states.push(step.state);
+        });
+        assert!(scene.at.distance_to(at) < 5.5, "{} m away", scene.at.distance_to(at));
+        assert!(states.contains(&GuidanceState::StandingOff));
+    }
+}
+
+#[test]
+fn a_vessel_that_cannot_go_astern_stops_before_a_person_too() {
+    let mut scene = Scene::new(0.0);
+    scene.limits.astern = 0.0;
+    let at = WaterPoint { x: 0.0, y: 18.0 };
+    scene.run(person(at.x, at.y), 60.0, |scene, _| {
+        assert!(scene.at.distance_to(at) > 2.3, "{} m from the person", scene.at.distance_to(at));
+    });
+}
+
+#[test]
+fn the_boat_goes_around_circles_and_arrives() {
+    let circle = |x: f64, y: f64, radius_m: f64| KeepOut { centre: WaterPoint { x, y }, radius_m };
+    for keep_outs in [
+        vec![circle(0.0, 12.0, 3.0)],
+        vec![circle(0.5, 12.0, 3.0), circle(-7.0, 13.0, 2.0)],
+        vec![circle(0.0, 10.0, 2.0), circle(1.0, 18.0, 3.0)],
+    ] {
+        let mut scene = Scene { keep_outs: keep_outs.clone(), ..Scene::new(10.0) };
+        let goal = WaterPoint { x: 0.0, y: 28.0 };
+        let mut has_avoided = false;
+        scene.run(Destination::Place(goal), 60.0, |scene, step| {
+            has_avoided |= step.state == GuidanceState::Avoiding;
+            for circle in &keep_outs {
+                let left_m = scene.at.distance_to(circle.centre) - circle.radius_m;
+                assert!(left_m > 0.0, "{left_m} m from the edge of {circle:?}");
+            }
+        });
+        assert!(has_avoided && scene.at.distance_to(goal) < 4.0, "{:?}", scene.at);
+    }
+}
+
+#[test]
+fn the_boat_stops_before_a_circle_around_its_goal() {
+    let goal = WaterPoint { x: 0.0, y: 20.0 };
+    let circle = KeepOut { centre: goal, radius_m: 5.0 };
+    let mut scene = Scene { keep_outs: vec![circle], ..Scene::new(0.0) };
+    let mut last = GuidanceState::UnderWay;
+    scene.run(Destination::Place(goal), 40.0, |scene, step| {
+        assert!(scene.at.distance_to(goal) > 5.0, "{} m", scene.at.distance_to(goal));
+        last = step.state;
+    });
+    assert_eq!(last, GuidanceState::Blocked);
+    assert!(scene.at.distance_to(goal) < 9.0, "it comes near the circle");
+}
+
+#[test]
+fn way_points_are_passed_in_their_order() {
+    let way_points = vec![WaterPoint { x: 8.0, y: 8.0 }, WaterPoint { x: -6.0, y: 18.0 }];
+    let mut scene = Scene { way_points: way_points.clone(), ..Scene::new(30.0) };
+    let mut nearest = [f64::INFINITY; 2];
+    let mut legs = Vec::new();
+    scene.run(place(4.0, 28.0), 60.0, |scene, step| {
+        let leg = step.progress.map_or(0, |progress| progress.leg);
+        for (index, point) in way_points.iter().enumerate() {
+            if leg <= index {
+                nearest[index] = nearest[index].min(scene.at.distance_to(*point));
+            }
+        }
+        legs.push(leg);
+    });
+    assert!(legs.is_sorted() && legs.last() == Some(&2), "{legs:?}");
+    assert!(nearest.iter().all(|distance| *distance < 3.0), "{nearest:?}");
+    assert!(scene.at.distance_to(WaterPoint { x: 4.0, y: 28.0 }) < 3.0);
+}
+
+#[test]
+fn a_speed_limit_holds() {
+    let mut scene = Scene::new(0.0);
+    scene.limits.speed_m_per_s = Some(1.0);
+    let mut fastest: f64 = 0.0;
+    scene.run(place(0.0, 30.0), 20.0, |scene, _| fastest = fastest.max(scene.speed));
+    assert!((0.7..1.25).contains(&fastest), "{fastest} m/s");
+}
+
+#[test]
+fn a_known_heading_needs_no_first_move() {
+    let mut scene = Scene { gives_heading: true, ..Scene::new(150.0) };
+    let mut states = Vec::new();
+    scene.run(place(0.0, 20.0), 20.0, |_, step| states.push(step.state));
+    assert!(!states.contains(&GuidanceState::GettingWay));
+    assert!(scene.at.distance_to(WaterPoint { x: 0.0, y: 20.0 }) < 4.0, "{:?}", scene.at);
+}
+
+#[test]
+fn without_a_destination_or_a_fresh_fix_the_vessel_is_neutral() {
+    let mut scene = Scene::new(0.0);
+    let first = scene.step(Some(place(0.0, 20.0)), true);
+    assert_eq!((first.command, first.state), (VesselCommand::NEUTRAL, GuidanceState::NoFix));
+    scene.run(place(0.0, 20.0), 5.0, |_, _| {});
+    let none = scene.step(None, true);
+    assert_eq!((none.command, none.state), (VesselCommand::NEUTRAL, GuidanceState::NoDestination));
+    scene.run(place(0.0, 40.0), 2.0, |_, _| {});
+    let lost_at = scene.frame;
+    loop {
+        let step = scene.step(Some(place(0.0, 40.0)), false);
+        let silence_s = (scene.frame - lost_at) as f64 * FRAME_S;
+        if step.state == GuidanceState::NoFix {
+            assert_eq!(step.command, VesselCommand::NEUTRAL);
+            assert!((0.5..0.8).contains(&silence_s), "after {silence_s} s");
+            break;
+        }
+        assert!(silence_s < 0.8, "no fix for {silence_s} s: {step:?}");
+    }
+}
+
+#[test]
+fn values_that_are_not_finite_move_nothing() {
+    let mut scene = Scene::new(0.0);
+    scene.run(place(0.0, 20.0), 3.0, |_, _| {});
+    let now = scene.now();
+    let bad = WaterFix {
+        point: WaterPoint { x: f64::NAN, y: 1.0 },
+        covariance: WaterCovariance { xx: f64::INFINITY, ..WaterCovariance::default() },
+    };
+    let step = scene.law.step(&GuidanceInput {
+        now,
+        fix: Some(BoatFix {
+            captured: now,
+            water: bad,
+            heading: Some((Angle::from_radians(f64::NAN), Angle::ZERO)),
+        }),
+        destination: Some(place(f64::NAN, f64::INFINITY)),
+        route: 2,
+        way_points: &[],
+        keep_outs: &[KeepOut { centre: WaterPoint { x: f64::NAN, y: 0.0 }, radius_m: f64::NAN }],
+        limits: VesselLimits::DEFAULT,
+    });
+    assert!(!step.command.throttle.is_nan() && !step.command.rudder.is_nan(), "{step:?}");
+    assert!(step.command.is_neutral(), "{step:?}");
+}
+
+#[test]
+fn a_new_selection_starts_a_new_route() {
+    let mut scene = Scene::new(0.0);
+    scene.run(place(0.0, 20.0), 6.0, |_, _| {});
+    scene.route = 2;
+    let step = scene.step(Some(place(20.0, scene.at.y)), true);
+    let progress = step.progress.unwrap();
+    assert!(progress.cross_track_m.abs() < 0.3, "the line starts at the boat: {progress:?}");
+}
+
+#[test]
+fn the_same_inputs_give_the_same_bits_and_no_step_allocates() {
+    let run = || {
+        let mut scene = Scene { current: (0.2, 0.1), ..Scene::new(60.0) };
+        let mut bits = Vec::new();
+        scene.run(place(4.0, 20.0), 20.0, |_, step| {
+            bits.push((step.command.throttle.to_bits(), step.command.rudder.to_bits()));
+        });
+        bits
+    };
+    assert_eq!(run(), run());
+    let mut law = LineOfSight::new(LineOfSightTuning::DEFAULT, VesselModel::JET);
+    let keep_outs = [KeepOut { centre: WaterPoint { x: 0.0, y: 10.0 }, radius_m: 2.0 }];
+    let allocations = allocation_counter::measure(|| {
+        for frame in 0..200_u64 {
+            let now = Timestamp::from_nanos(frame * 66_666_667);
+            let water = WaterFix {
+                point: WaterPoint { x: 0.0, y: 0.02 * frame as f64 },
+                covariance: WaterCovariance::isotropic(0.1),
+            };
+            let step = law.step(&GuidanceInput {
+                now,
+                fix: Some(BoatFix { captured: now, water, heading: None }),
+                destination: Some(place(1.0, 20.0)),
+                route: 1,
+                way_points: &[],
+                keep_outs: &keep_outs,
+                limits: VesselLimits::DEFAULT,
+            });
+            law.on_command_applied(step.command, now);
+        }
+    });
+    assert_eq!(allocations.count_total, 0);
+}
