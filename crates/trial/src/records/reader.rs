@@ -8,7 +8,7 @@ use prost::Message as _;
 
 use super::convert::Malformed;
 use super::entry::Entry;
-use super::record_lengths::CheckedLengths;
+use super::record_lengths::{CheckedLengths, MAX_RECORD_BYTES};
 use super::stored;
 use super::topics::Topic;
 
@@ -78,10 +78,6 @@ impl<R: Read> Iterator for RecordingReader<R> {
         item
     }
 }
-
-/// Longest accepted record, bytes: more than a raw picture of 7680 x 4320 needs. Bounds the memory that a damaged length
-/// can allocate.
-pub(super) const MAX_RECORD_BYTES: usize = 64 << 20;
 
 /// Reads the messages of an MCAP file.
 pub(super) fn messages<R: Read>(input: R) -> mcap::io::MessageReader<CheckedLengths<R>> {

@@ -5,8 +5,9 @@
 
 use std::io::{self, Read};
 
-use super::reader::MAX_RECORD_BYTES;
-
+/// Longest accepted record, bytes: more than a raw picture of 7680 x 4320 needs. Bounds the memory that a damaged length
+/// can allocate.
+pub(super) const MAX_RECORD_BYTES: usize = 64 << 20;
 /// Bytes of a record's opcode and length.
 const RECORD_HEAD: usize = 1 + 8;
 /// Bytes of a chunk's fields before its records, without the name of the compression: two times, size and checksum of the

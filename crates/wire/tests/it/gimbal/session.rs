@@ -144,7 +144,11 @@ fn a_gimbal_that_another_commander_has_at_the_start_is_left_alone() {
         assert!(!bench.sent.iter().any(|(_, sent)| sent.is_motion() || sent.is_command(1001)));
         bench.session.close(at(bench.now_ms));
         bench.step();
-        assert_eq!(bench.last, NextAction::Closed, "nothing is left to be sent to a gimbal of another client");
+        assert_eq!(
+            bench.last,
+            NextAction::Closed,
+            "nothing is left to be sent to a gimbal of another client"
+        );
     }
 }
 
