@@ -280,6 +280,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         paint: None,
         loss: LossState::new(now, centre, geometry.extent),
         memory: WindowMemory::default(),
+        seen_box: None,
         confidence: 1.0,
         last_probability: 1.0,
         geometry,

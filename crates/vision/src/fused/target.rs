@@ -13,6 +13,7 @@ use super::observation::Observation;
 use super::phase::Phase;
 use super::prediction::TargetMotion;
 use super::reference_silhouette::ReferenceSilhouette;
+use super::seen_box::SeenBox;
 use super::target_paint::{SeenBlob, TargetPaint};
 use crate::features::PatchPose;
 use crate::heading::HeadingEstimator;
@@ -48,6 +49,8 @@ pub(super) struct Target {
     pub(super) loss: LossState,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
+    /// The network's box of a target with a silhouette, as it was last seen.
+    pub(super) seen_box: Option<SeenBox>,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
     /// Probability of the box in the last frame in which the target was seen, 0 to 1.
@@ -78,6 +81,7 @@ impl Target {
         let factors = self.geometry.rescale_to_picture(picture);
         self.motion.rescale(factors);
         self.heading.reset();
+        self.seen_box = None;
         true
     }
 
@@ -164,17 +168,22 @@ impl Target {
         self.geometry.axis = self.geometry.axis_in(&observation.pose);
         self.geometry.patch_angle = observation.pose.angle;
         self.geometry.centre = self.geometry.box_centre_at(observation.centre);
-        self.blob = None;
+        (self.blob, self.seen_box) = (None, None);
         self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
         self.heading.reset();
     }
 
     /// The localisation to report for a frame.
     pub(super) fn report(&self, frame: &VideoFrame) -> Localisation {
-        let (w, h) = self.geometry.upright_box();
-        let (w, h) = (f64::from(w), f64::from(h));
-        let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
-        let bounds = PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h };
+        let bounds = self.seen_box.map_or_else(
+            || {
+                let (w, h) = self.geometry.upright_box();
+                let (w, h) = (f64::from(w), f64::from(h));
+                let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
+                PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h }
+            },
+            |seen| seen.bounds(&self.geometry),
+        );
         self.localisation(frame, bounds.clipped(frame.picture.size()), self.confidence)
     }
 
