@@ -55,7 +55,6 @@ mod loss;
 mod observation;
 mod prediction;
 mod reference_silhouette;
-mod seen_box;
 mod target;
 mod target_paint;
 

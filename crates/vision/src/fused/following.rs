@@ -6,7 +6,6 @@ use super::config::FusedConfig;
 use super::evidence::{coasting_confidence, rejected_confidence};
 use super::observation::Observation;
 use super::phase::{Phase, Visibility};
-use super::seen_box::SeenBox;
 use super::target::Target;
 use super::workspace::Workspace;
 use crate::features::PatchPose;
@@ -42,6 +41,7 @@ impl Workspace {
             self.background.clear_reference();
         }
         let seconds = target.predict(config, now, prior);
+        target.seen_box = None;
         let visibility = match target.phase {
             Phase::Lost { .. } => {
                 self.references.clear();
@@ -120,9 +120,8 @@ impl Workspace {
             };
         }
         (target.confidence, target.last_probability) = (f64::from(probability), f64::from(probability));
-        let edges = self.refined.edges;
+        target.seen_box = target.reference.map(|_| self.refined.bounds());
         self.refine(config, target, &observation, frame, seconds);
-        target.seen_box = target.reference.map(|_| SeenBox::new(edges, &target.geometry));
         let has_its_colour =
             observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);
         // A clear pattern in other colours is the target in another light, which the colour model has to learn.

@@ -13,7 +13,6 @@ use super::observation::Observation;
 use super::phase::Phase;
 use super::prediction::TargetMotion;
 use super::reference_silhouette::ReferenceSilhouette;
-use super::seen_box::SeenBox;
 use super::target_paint::{SeenBlob, TargetPaint};
 use crate::features::PatchPose;
 use crate::heading::HeadingEstimator;
@@ -49,8 +48,9 @@ pub(super) struct Target {
     pub(super) loss: LossState,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
-    /// The network's box of a target with a silhouette, as it was last seen.
-    pub(super) seen_box: Option<SeenBox>,
+    /// The network's box of a target with a silhouette that was seen in the last frame, pixels: the confidence is this
+    /// box's, and length and breadth follow the silhouette late, at the border of the picture not at all.
+    pub(super) seen_box: Option<PixelBox>,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
     /// Probability of the box in the last frame in which the target was seen, 0 to 1.
@@ -81,7 +81,6 @@ impl Target {
         let factors = self.geometry.rescale_to_picture(picture);
         self.motion.rescale(factors);
         self.heading.reset();
-        self.seen_box = None;
         true
     }
 
@@ -168,22 +167,19 @@ impl Target {
         self.geometry.axis = self.geometry.axis_in(&observation.pose);
         self.geometry.patch_angle = observation.pose.angle;
         self.geometry.centre = self.geometry.box_centre_at(observation.centre);
-        (self.blob, self.seen_box) = (None, None);
+        self.blob = None;
         self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
         self.heading.reset();
     }
 
     /// The localisation to report for a frame.
     pub(super) fn report(&self, frame: &VideoFrame) -> Localisation {
-        let bounds = self.seen_box.map_or_else(
-            || {
-                let (w, h) = self.geometry.upright_box();
-                let (w, h) = (f64::from(w), f64::from(h));
-                let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
-                PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h }
-            },
-            |seen| seen.bounds(&self.geometry),
-        );
+        let bounds = self.seen_box.unwrap_or_else(|| {
+            let (w, h) = self.geometry.upright_box();
+            let (w, h) = (f64::from(w), f64::from(h));
+            let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
+            PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h }
+        });
         self.localisation(frame, bounds.clipped(frame.picture.size()), self.confidence)
     }
 
