@@ -48,8 +48,8 @@ pub(super) struct Target {
     pub(super) loss: LossState,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
-    /// The network's box of a target with a silhouette that was seen in the last frame, pixels: the confidence is this
-    /// box's, and length and breadth follow the silhouette late, at the border of the picture not at all.
+    /// The network's box of a target with a silhouette, where it was probable in the last frame, pixels: the confidence is
+    /// this box's, and length and breadth follow the silhouette late, at the border of the picture not at all.
     pub(super) seen_box: Option<PixelBox>,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
