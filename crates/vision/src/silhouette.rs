@@ -115,6 +115,12 @@ impl Silhouette {
     pub(crate) fn roundness(&self) -> f32 {
         if self.major > 0.0 { self.minor / self.major } else { 1.0 }
     }
+
+    /// Share of the ellipse of its axes that it fills: about 1 for a single thing, less for several beside each other.
+    pub(crate) fn fill(&self) -> f32 {
+        let ellipse = 0.25 * core::f32::consts::PI * self.major * self.minor;
+        if ellipse > 0.0 { self.area / ellipse } else { 0.0 }
+    }
 }
 
 /// Position, in bins, up to which the bins contain a hundredth of the weight.
@@ -227,6 +233,13 @@ mod tests {
     fn a_circle_is_round() {
         assert!(seen((60.0, 60.0), 0.0, 1.0).roundness() > 0.97);
         assert!((seen((90.0, 30.0), 0.0, 1.0).roundness() - 1.0 / 3.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_single_thing_fills_its_ellipse() {
+        assert!((seen((90.0, 30.0), 0.5, 1.0).fill() - 1.0).abs() < 0.05);
+        let apart = Silhouette { major: 180.0, ..seen((90.0, 30.0), 0.5, 1.0) };
+        assert!((apart.fill() - 0.5).abs() < 0.05);
     }
 
     #[test]

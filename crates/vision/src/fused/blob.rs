@@ -25,6 +25,9 @@ const STEPS: usize = 2;
 const MARGIN_PX: f32 = 2.0;
 /// Minimum mean share of the paint in a blob.
 const MIN_FILL: f32 = 0.25;
+/// A blob that fills less of the ellipse of its axes than this share of what it filled at the selection contains another
+/// thing of the paint beside the target.
+const MIN_FILL_KEPT: f32 = 0.6;
 /// Largest factor between the areas of the blob in consecutive frames, and the factor per second without a measurement.
 const MAX_STEP: f32 = 1.25;
 const MAX_STEP_PER_S: f32 = 3.0;
@@ -65,7 +68,8 @@ impl Workspace {
             }
             None => is_within(changes.0, MAX_FIRST_MISFIT) && is_within(changes.1, MAX_FIRST_MISFIT),
         };
-        if !is_continuous || fill < MIN_FILL {
+        let is_whole = seen.fill() >= MIN_FILL_KEPT * reference.fill;
+        if !is_continuous || !is_whole || fill < MIN_FILL {
             return None;
         }
         target.blob = Some(SeenBlob {

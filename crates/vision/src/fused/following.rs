@@ -17,7 +17,8 @@ const MIN_PROBABILITY: f32 = 0.05;
 const CONVINCING_PROBABILITY: f32 = 0.4;
 const CONVINCING_CONTRAST: f32 = 0.3;
 const CONVINCING_EVIDENCE: f32 = 6.0;
-/// A less probable box is compared with that of the second peak, which must be more probable by this much.
+/// A less probable box is not reported where there is a silhouette, and is compared with that of the second peak, which
+/// must be more probable by this much.
 const DOUBTFUL_PROBABILITY: f32 = 0.7;
 const CLEARLY_MORE_PROBABLE: f32 = 0.2;
 /// Minimum relative contrast of a frame that is learned from; with less, the target may be hidden.
@@ -41,6 +42,7 @@ impl Workspace {
             self.background.clear_reference();
         }
         let seconds = target.predict(config, now, prior);
+        target.seen_box = None;
         let visibility = match target.phase {
             Phase::Lost { .. } => {
                 self.references.clear();
@@ -119,6 +121,8 @@ impl Workspace {
             };
         }
         (target.confidence, target.last_probability) = (f64::from(probability), f64::from(probability));
+        let is_certain = probability >= DOUBTFUL_PROBABILITY;
+        target.seen_box = target.reference.filter(|_| is_certain).map(|_| self.refined.bounds());
         self.refine(config, target, &observation, frame, seconds);
         let has_its_colour =
             observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);

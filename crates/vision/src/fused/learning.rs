@@ -73,9 +73,7 @@ impl Workspace {
         dragged: PixelBox,
     ) -> (Target, SelectionColours, PixelBox) {
         let (target, colours) = self.learn_box(config, frame, dragged);
-        let [left, top, right, bottom] = self.refined.edges.map(f64::from);
-        let refined =
-            PixelBox { u: left, v: top, w: right - left, h: bottom - top }.clipped(frame.picture.size());
+        let refined = self.refined.bounds().clipped(frame.picture.size());
         // The network tells whether the paint is the target or a part of it.
         let is_better = |painted: &PixelBox| refined.iou(*painted) > refined.iou(dragged);
         if let Some(painted) = self.painted_box(dragged).filter(is_better) {
@@ -280,6 +278,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         paint: None,
         loss: LossState::new(now, centre, geometry.extent),
         memory: WindowMemory::default(),
+        seen_box: None,
         confidence: 1.0,
         last_probability: 1.0,
         geometry,

@@ -22,6 +22,8 @@ pub(super) struct ReferenceSilhouette {
     /// Full axes of the silhouette, pixels.
     pub(super) major: f32,
     pub(super) minor: f32,
+    /// Share of the ellipse of its axes that it filled.
+    pub(super) fill: f32,
     /// Length and breadth of the target, pixels.
     pub(super) length: f32,
     pub(super) breadth: f32,
@@ -47,6 +49,7 @@ impl ReferenceSilhouette {
             box_astern: (ASTERN_CONSTANT + ASTERN_SLOPE * (c * s).abs()) * breadth * (c * s).abs(),
             major: seen.major,
             minor: seen.minor,
+            fill: seen.fill(),
             length,
             breadth,
         }

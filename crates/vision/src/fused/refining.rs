@@ -18,6 +18,8 @@ const POSITION_STD_DEV_SIZES: f64 = 0.05;
 const TIMES: FollowingTimes = FollowingTimes { axis_s: 0.15, centre_s: 0.3, size_s: 1.0 };
 /// The silhouette is measured in the target's ellipse enlarged by this factor.
 pub(super) const SILHOUETTE_REACH: f32 = 1.35;
+/// A silhouette that fills less of the ellipse of its axes consists of several things: the target and others of its colour.
+const MIN_SILHOUETTE_FILL: f32 = 0.7;
 /// A silhouette whose length or breadth differs by a larger factor includes something else.
 const MAX_MISFIT: f32 = 1.5;
 
@@ -170,6 +172,9 @@ impl Workspace {
         else {
             return false;
         };
+        if seen.fill() < MIN_SILHOUETTE_FILL {
+            return false;
+        }
         let (length, breadth) = reference.size_of(&seen);
         let fits = |measured: f32, known: f32| is_within(measured / known, MAX_MISFIT);
         if !(fits(length, 2.0 * along) && fits(breadth, 2.0 * across)) || geometry.touches_border() {

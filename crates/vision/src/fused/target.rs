@@ -48,6 +48,9 @@ pub(super) struct Target {
     pub(super) loss: LossState,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
+    /// The network's box of a target with a silhouette, where it was probable in the last frame, pixels: the confidence is
+    /// this box's, and length and breadth follow the silhouette late, at the border of the picture not at all.
+    pub(super) seen_box: Option<PixelBox>,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
     /// Probability of the box in the last frame in which the target was seen, 0 to 1.
@@ -171,10 +174,12 @@ impl Target {
 
     /// The localisation to report for a frame.
     pub(super) fn report(&self, frame: &VideoFrame) -> Localisation {
-        let (w, h) = self.geometry.upright_box();
-        let (w, h) = (f64::from(w), f64::from(h));
-        let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
-        let bounds = PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h };
+        let bounds = self.seen_box.unwrap_or_else(|| {
+            let (w, h) = self.geometry.upright_box();
+            let (w, h) = (f64::from(w), f64::from(h));
+            let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
+            PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h }
+        });
         self.localisation(frame, bounds.clipped(frame.picture.size()), self.confidence)
     }
 

@@ -17,6 +17,7 @@
 
 use std::sync::{Arc, LazyLock};
 
+use barrelman_vocab::PixelBox;
 use thiserror::Error;
 
 use super::window::{MEASUREMENTS, RefinementWindow, WINDOW_CHANNELS, WINDOW_SIDE_CELLS};
@@ -170,6 +171,14 @@ pub(crate) struct RefinedBox {
     pub(crate) errors: [f32; 4],
     /// Probability that the box has an IoU of at least 0.5 with the target, 0 to 1.
     pub(crate) probability: f32,
+}
+
+impl RefinedBox {
+    /// The box between the edges, pixels.
+    pub(crate) fn bounds(&self) -> PixelBox {
+        let [left, top, right, bottom] = self.edges.map(f64::from);
+        PixelBox { u: left, v: top, w: right - left, h: bottom - top }
+    }
 }
 
 /// The network with its buffers.
