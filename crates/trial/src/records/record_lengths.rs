@@ -169,10 +169,10 @@ fn texts_fit(opcode: u8, record: &[u8]) -> bool {
     if opcode != CHANNEL {
         return true;
     }
-    // A table of texts; its length counts bytes.
+    // A table of pairs of texts; its length counts bytes.
     let Some(mut pairs) = text(rest) else { return false };
     while !pairs.is_empty() {
-        let Some(rest) = after_text(pairs) else { return false };
+        let Some(rest) = after_text(pairs).and_then(after_text) else { return false };
         pairs = rest;
     }
     true

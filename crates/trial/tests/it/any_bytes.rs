@@ -78,6 +78,21 @@ fn a_text_that_reaches_beyond_its_record_is_refused() {
     }
 }
 
+/// A channel whose table holds a name without a value: the reader below would look for the value behind the table.
+#[test]
+fn a_table_that_ends_within_a_pair_is_refused() {
+    let name = [&1_u32.to_le_bytes()[..], b"x"].concat();
+    let content =
+        [&[1, 0, 0, 0][..], &name, &name, &(name.len() as u32).to_le_bytes(), &name, &u32::MAX.to_le_bytes()]
+            .concat();
+    let channel = [&[0x04][..], &(content.len() as u64).to_le_bytes(), &content].concat();
+    let bytes = [b"\x89MCAP0\r\n".as_slice(), &channel].concat();
+    let errors: Vec<String> = RecordingReader::new(bytes.as_slice())
+        .filter_map(|entry| entry.err().map(|error| format!("{error:?}")))
+        .collect();
+    assert!(errors.iter().any(|error| error.contains("reaches beyond its record")), "{errors:?}");
+}
+
 #[test]
 fn a_schema_in_an_unknown_syntax_is_refused() {
     let mut bytes = written(&every_kind());
