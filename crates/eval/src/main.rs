@@ -28,6 +28,7 @@ mod parallel;
 mod rng;
 mod statistics;
 mod svg;
+mod vehicle;
 mod workspace;
 
 use std::process::ExitCode;

@@ -16,7 +16,7 @@ use barrelman_wire::{ByteSession, NextAction, RestEvidence, Session, WillStep};
 use super::fault::FaultKind;
 use super::line::Line;
 use super::mutant::Mutant;
-use super::vehicle::Vehicle;
+use crate::vehicle::Vehicle;
 
 /// Of the real guard. A thread of the program gives up at once.
 const PERSISTENCE: Duration = Duration::from_secs(60);

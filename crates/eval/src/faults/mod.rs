@@ -41,9 +41,9 @@ use clap::{Args, ValueEnum as _};
 use self::mutant::Mutant;
 use self::oracle::Licence;
 use self::run::RunResult;
-use self::vehicle::Vehicle;
 use crate::output::print_line;
 use crate::parallel;
+use crate::vehicle::Vehicle;
 
 /// Least share of the runs in which each licence must move the camera.
 const LEAST_MOVED: f64 = 0.05;

@@ -15,8 +15,8 @@ use super::mutant::Mutant;
 use super::oracle::{Licence, Oracle};
 use super::program::{Program, SeenPicture};
 use super::station::Station;
-use super::vehicle::Vehicle;
 use crate::rng::Rng;
+use crate::vehicle::Vehicle;
 
 const LASTS_MS: u64 = 13_000;
 const FRAME_MS: u64 = 33;

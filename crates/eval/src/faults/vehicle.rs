@@ -1,9 +1,8 @@
-//! The vehicles of the campaign: what is spoken to each, what is at the other end, and which faults each has.
+//! A vehicle in the campaign: what is spoken to it, what is at the other end, and which faults it has.
 
 use anyhow::{Context as _, Result};
-use barrelman_vocab::{Timestamp, VehicleProfile};
+use barrelman_vocab::Timestamp;
 use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing};
-use clap::ValueEnum;
 
 use super::fault::{Fault, FaultKind};
 use super::fotokite_pro_station::FotokiteProStation;
@@ -12,27 +11,9 @@ use super::fotokite_sigma_station::FotokiteSigmaStation;
 use super::gimbal_station::GimbalStation;
 use super::mutant::Mutant;
 use super::station::Station;
-
-/// A vehicle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Vehicle {
-    /// A Fotokite Pro.
-    FotokitePro,
-    /// Any gimbal behind a MAVLink gimbal manager.
-    MavlinkGimbal,
-    /// A Fotokite Sigma, whose commands expire: without a guard.
-    FotokiteSigma,
-}
+use crate::vehicle::Vehicle;
 
 impl Vehicle {
-    pub(super) fn profile(self) -> VehicleProfile {
-        match self {
-            Self::FotokitePro => VehicleProfile::fotokite_pro(),
-            Self::MavlinkGimbal => VehicleProfile::mavlink_gimbal(),
-            Self::FotokiteSigma => VehicleProfile::fotokite_sigma(),
-        }
-    }
-
     /// Whether a guard owns the link; a thread of the program does otherwise.
     pub(super) fn has_guard(self) -> bool {
         self.profile().keeps_last_rate()

@@ -29,9 +29,9 @@ use barrelman_vocab::{AngularRate, VehicleRates};
 use clap::Args;
 
 use self::heard::{Heard, PATIENCE};
-use self::vehicle::Vehicle;
 use crate::output::print_line;
 use crate::statistics::TimingSummary;
+use crate::vehicle::Vehicle;
 
 /// Least time between two commands: longer than the spacing of lines on the wire.
 const SPACING: Duration = Duration::from_millis(70);

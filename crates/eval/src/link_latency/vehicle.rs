@@ -1,4 +1,4 @@
-//! The vehicles that are measured: the link to each, its far end, and the same way without a link.
+//! A vehicle that is measured: the link to it, its far end, and the same way without a link.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender};
@@ -10,34 +10,15 @@ use barrelman_link::guarded::GuardedLinkSettings;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl};
 use barrelman_link_http::{Credential, HttpSettings, Trust};
-use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
+use barrelman_vocab::{Timestamp, VehicleRates};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
-use clap::ValueEnum;
 
 use super::bare::{BareDatagrams, BareLoop, BareRequests, BareStream};
 use super::heard::Heard;
 use super::{fotokite_pro, fotokite_sigma, mavlink_gimbal};
-
-/// A vehicle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Vehicle {
-    /// A Fotokite Pro, over TCP, through a guard.
-    FotokitePro,
-    /// A MAVLink gimbal, over UDP, through a guard.
-    MavlinkGimbal,
-    /// A Fotokite Sigma, over HTTP.
-    FotokiteSigma,
-}
+use crate::vehicle::Vehicle;
 
 impl Vehicle {
-    pub(super) fn profile(self) -> VehicleProfile {
-        match self {
-            Self::FotokitePro => VehicleProfile::fotokite_pro(),
-            Self::MavlinkGimbal => VehicleProfile::mavlink_gimbal(),
-            Self::FotokiteSigma => VehicleProfile::fotokite_sigma(),
-        }
-    }
-
     /// The 99th percentile may be later than that of a bare write by this, milliseconds.
     pub(super) const fn limit_ms(self) -> f64 {
         match self {
