@@ -14,7 +14,7 @@ fn main() {
 const FRAME_NS: u64 = 66_666_667;
 const LATENCY_NS: u64 = 250_000_000;
 
-/// One step with a fix, a person to go to, and so many circles, of which some are in the way.
+/// One step with a fix, a person to go to, and this number of circles, some of which are in the way.
 #[divan::bench(args = [0, 2, 8], sample_count = 500, sample_size = 200)]
 fn line_of_sight(bencher: Bencher<'_, '_>, circles: usize) {
     let mut law = LineOfSight::new(LineOfSightTuning::DEFAULT, VesselModel::JET);

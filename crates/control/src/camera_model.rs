@@ -35,6 +35,14 @@ const FOCAL_SHARES: core::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Smallest relative change of the focal length that counts as a zoom: reports are rounded.
 const MIN_FOCAL_CHANGE: f64 = 0.002;
 
+/// The focal length of a horizontal field of view, as a share of the picture's width; `None`: no camera has it.
+pub fn focal_share_of(field_of_view: Angle) -> Option<f64> {
+    let angle = field_of_view.radians();
+    let share = 0.5 / libm::tan(0.5 * angle);
+    let is_valid = angle > 0.0 && angle < core::f64::consts::PI && FOCAL_SHARES.contains(&share);
+    is_valid.then_some(share)
+}
+
 /// The camera with both axes.
 #[derive(Debug, Clone)]
 pub struct CameraModel {
@@ -88,12 +96,10 @@ impl CameraModel {
 
     /// Sets the horizontal field of view from the time `at` on: the camera zooms. Impossible values are ignored.
     pub fn set_field_of_view(&mut self, angle: Angle, at: Timestamp) {
-        let field_of_view = angle.radians();
-        let share = 0.5 / libm::tan(0.5 * field_of_view);
         let known = self.focal_lengths.at(at);
-        let is_valid =
-            field_of_view > 0.0 && field_of_view < core::f64::consts::PI && FOCAL_SHARES.contains(&share);
-        if is_valid && (share - known).abs() > MIN_FOCAL_CHANGE * known {
+        if let Some(share) = focal_share_of(angle)
+            && (share - known).abs() > MIN_FOCAL_CHANGE * known
+        {
             self.focal_lengths.push(share, at);
         }
     }

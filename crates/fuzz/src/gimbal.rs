@@ -5,13 +5,13 @@ use core::time::Duration;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers};
 use barrelman_vocab::profile::MAVLINK_RATE_LIMITS;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{Angle, AngularRate, Timestamp, VehicleRates};
+use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use barrelman_wire::mavlink::frame::{FrameReader, FrameWriter};
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings, Habits, MANAGER};
 use barrelman_wire::mavlink::{GimbalManager, GimbalSession};
 use barrelman_wire::{NextAction, Session as _};
 
-use crate::vehicle::check_report;
+use crate::vehicle::{check_report, rates_of};
 
 /// The messages of the protocol, whose payloads are any bytes: heartbeat, command, its answer, information, status, attitude,
 /// rates.
@@ -43,9 +43,7 @@ pub fn mavlink(bytes: &[u8]) {
         match byte % 8 {
             0 => now = now.plus(Duration::from_millis(u64::from(value) * 8)),
             1 => {
-                let rate =
-                    |share: u8| AngularRate::from_radians_per_second((f64::from(share) - 128.0) / 50.0);
-                let rates = VehicleRates { yaw: rate(value), pitch: rate(rest.next().unwrap_or(128)) };
+                let rates = rates_of(value, rest.next(), 50.0);
                 talk.session.request(rates, Some(now.plus(Duration::from_millis(300))));
             }
             2 => talk.session.request(VehicleRates::REST, None),

@@ -2,13 +2,13 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+use barrelman_vocab::Timestamp;
 use barrelman_wire::fotokite_sigma::call::{STOP_DURATION, TURN_DURATION};
-use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
+use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Request, Sigma};
 use barrelman_wire::{NextAction, Session as _};
 
-use crate::vehicle::check_report;
+use crate::vehicle::{check_report, rates_of};
 
 /// Statuses of answers that the session tells apart.
 const STATUSES: [u16; 10] = [200, 201, 202, 204, 400, 401, 403, 409, 500, 503];
@@ -33,9 +33,7 @@ pub fn sigma(bytes: &[u8]) {
         match byte % 8 {
             0 => now = now.plus(Duration::from_millis(u64::from(value) * 8)),
             1 => {
-                let rate =
-                    |share: u8| AngularRate::from_radians_per_second((f64::from(share) - 128.0) / 200.0);
-                let rates = VehicleRates { yaw: rate(value), pitch: rate(rest.next().unwrap_or(128)) };
+                let rates = rates_of(value, rest.next(), 200.0);
                 talk.session.request(rates, Some(now.plus(Duration::from_millis(300))));
             }
             2 if value == 0 => {
@@ -104,12 +102,7 @@ impl Talk {
     /// The vehicle answers whatever waits.
     fn answer_all(&mut self, now: Timestamp) {
         for request in std::mem::take(&mut self.waiting) {
-            let body = request.call.body().unwrap_or_default();
-            let method = format!("{:?}", request.call.method()).to_uppercase();
-            let path = request.call.path();
-            let asked =
-                Incoming { method: &method, path: &path, token: Some("token"), body: body.as_bytes() };
-            let answer = self.vehicle.answer(asked, View::default(), now);
+            let answer = self.vehicle.answer_call(&request.call, "token", View::default(), now);
             let body = answer.body.into_bytes();
             self.hear(Received::Answer { id: request.id, status: answer.status, body }, now);
         }

@@ -32,11 +32,7 @@ pub fn session(bytes: &[u8]) {
                 match byte & 3 {
                     0 => now = now.plus(Duration::from_millis(u64::from(value) * 8)),
                     1 => {
-                        let rate = |share: u8| {
-                            AngularRate::from_radians_per_second((f64::from(share) - 128.0) / 100.0)
-                        };
-                        let rates =
-                            VehicleRates { yaw: rate(value), pitch: rate(rest.next().unwrap_or(128)) };
+                        let rates = rates_of(value, rest.next(), 100.0);
                         session.request(rates, Some(now.plus(Duration::from_millis(300))));
                     }
                     2 => session.request(VehicleRates::REST, None),
@@ -59,6 +55,12 @@ pub fn session(bytes: &[u8]) {
         }
     }
     assert!(!session.last_will().is_empty());
+}
+
+/// Rates of both axes from two bytes, 128 being none. `steps` are one rad/s.
+pub(crate) fn rates_of(yaw: u8, pitch: Option<u8>, steps: f64) -> VehicleRates {
+    let rate = |share: u8| AngularRate::from_radians_per_second((f64::from(share) - 128.0) / steps);
+    VehicleRates { yaw: rate(yaw), pitch: rate(pitch.unwrap_or(128)) }
 }
 
 /// No rate above the limits of the protocol is written.

@@ -48,7 +48,7 @@ pub struct LabSettings {
     pub turning_error_deg: f64,
     /// The target is reached within this distance, pixels.
     pub reached_px: f64,
-    /// The throttle shrinks within so many times `reached_px`.
+    /// The throttle shrinks within this multiple of `reached_px`.
     pub slowing_factor: f64,
     /// Largest distance of a position from the polyline, pixels.
     pub epsilon_px: f64,

@@ -15,7 +15,7 @@ use barrelman_vocab::WaterPoint;
 use super::track::wrapped;
 use super::tuning::LineOfSightTuning;
 
-/// A way-point that lies behind the boat counts as passed within so many times its radius.
+/// A way-point that lies behind the boat counts as passed within this multiple of its radius.
 const PASSED_FACTOR: f64 = 2.5;
 
 /// The state of a route.

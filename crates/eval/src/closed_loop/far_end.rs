@@ -7,8 +7,7 @@ use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Angle, Telemetry, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
-use barrelman_wire::fotokite_sigma::call::Method;
-use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
+use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Sigma};
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings};
@@ -102,14 +101,7 @@ impl Line {
                     let (status, body) = match request.call {
                         Call::Subscribe => (101, Vec::new()),
                         call => {
-                            let method = match call.method() {
-                                Method::Get => "GET",
-                                Method::Post => "POST",
-                            };
-                            let (path, body) = (call.path(), call.body().unwrap_or_default());
-                            let body = body.as_bytes();
-                            let incoming = Incoming { method, path: &path, token: Some("token"), body };
-                            let answer = sigma.answer(incoming, view, now);
+                            let answer = sigma.answer_call(&call, "token", view, now);
                             (answer.status, answer.body.into_bytes())
                         }
                     };

@@ -42,7 +42,7 @@ impl ReceivedRequest {
 }
 
 fn write_request(request: &Request) -> Vec<u8> {
-    let method = format!("{:?}", request.call.method()).to_uppercase();
+    let method = request.call.method().name();
     let body = request.call.body().unwrap_or_default();
     let mut packet = format!("{} {method} {}\n{body}", request.id, request.call.path()).into_bytes();
     packet.push(END);

@@ -13,7 +13,7 @@ pub(super) struct Requirements {
     cross_track_m: Option<f64>,
     /// Least share of the trials that arrive.
     arrived: Option<f64>,
-    /// Whether nobody may be approached closer than stand-off or keep-out.
+    /// Whether the distance to each person must stay above stand-off or keep-out.
     keeps_clear: bool,
 }
 

@@ -185,7 +185,7 @@ impl RunLoop<'_> {
     }
 
     /// With Engage, the operator takes the control back that another client has. An engagement that the start of the run asks for
-    /// does not: nobody knows then who has the control, and the link takes it by itself where it is free.
+    /// does not: who has the control is not known then, and the link takes the control by itself where it is free.
     fn take_control_back(&self, request: OperatorRequest, outcome: &Outcome) {
         let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
         if let (OperatorRequest::Engage, false, Some(link)) = (request, is_refused, self.link) {

@@ -5,6 +5,7 @@
 //! height or tilt there is no distance. The camera's roll and the lens's distortion are not known here and count as none: at the
 //! border of a wide picture the distance is too large by some percent.
 
+use barrelman_control::camera_model::focal_share_of;
 use barrelman_control::water::WaterView;
 use barrelman_vocab::{
     Angle, CameraAboveWater, Lens, Localisation, SightingNoise, Track, VehicleProfile, WaterPoint,
@@ -53,8 +54,7 @@ impl BoatFinder {
     pub(super) fn find(self, track: Track, vehicle: &VehicleSnapshot) -> Option<BoatOnWater> {
         let Track::Tracking(Localisation { picture, bounds, .. }) = track else { return None };
         let height_m = vehicle.altitude_m.filter(|height| *height >= LEAST_HEIGHT_M)?;
-        let focal_share =
-            vehicle.field_of_view.map_or(self.focal_share, |angle| 0.5 / (0.5 * angle.radians()).tan());
+        let focal_share = vehicle.field_of_view.and_then(focal_share_of).unwrap_or(self.focal_share);
         let lens = Lens::pinhole(picture, focal_share * f64::from(picture.width));
         let camera = CameraAboveWater {
             below: WaterPoint::default(),

@@ -24,10 +24,9 @@ const CHANNEL: u8 = 0x04;
 const CHUNK: u8 = 0x06;
 /// Opcodes of records that are not needed: index of a chunk, attachment and its index, metadata and their index.
 const NOT_NEEDED: [u8; 5] = [0x08, 0x09, 0x0a, 0x0c, 0x0d];
-/// Bytes of a schema and of a channel before their texts, and number of the texts.
-const SCHEMA_TEXTS: (usize, usize) = (2, 2);
-const CHANNEL_TEXTS: (usize, usize) = (4, 2);
-const HEADER_TEXTS: (usize, usize) = (0, 2);
+/// Bytes of a schema and of a channel before their texts; a header begins with texts.
+const SCHEMA_NUMBERS: usize = 2;
+const CHANNEL_NUMBERS: usize = 4;
 /// The first opcode for private use.
 const PRIVATE: u8 = 0x80;
 /// Bytes of the magic number at the beginning of a file.
@@ -159,13 +158,13 @@ fn damaged(what: &str) -> io::Error {
 
 /// Whether the texts of a header, a schema or a channel lie within the record.
 fn texts_fit(opcode: u8, record: &[u8]) -> bool {
-    let (before, count) = match opcode {
-        SCHEMA => SCHEMA_TEXTS,
-        CHANNEL => CHANNEL_TEXTS,
-        _ => HEADER_TEXTS,
+    let before = match opcode {
+        SCHEMA => SCHEMA_NUMBERS,
+        CHANNEL => CHANNEL_NUMBERS,
+        _ => 0,
     };
-    let Some(texts) = record.get(before..) else { return false };
-    let Some(rest) = (0..count).try_fold(texts, |rest, _| after_text(rest)) else { return false };
+    let texts = record.get(before..);
+    let Some(rest) = texts.and_then(after_text).and_then(after_text) else { return false };
     if opcode != CHANNEL {
         return true;
     }

@@ -102,6 +102,16 @@ pub enum Method {
     Post,
 }
 
+impl Method {
+    /// The name in a request.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Get => "GET",
+            Self::Post => "POST",
+        }
+    }
+}
+
 /// What may be under way at the same time: one call of each lane. A port keeps a connection for each, so that a call that
 /// hangs holds up no call of another lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -6,6 +6,7 @@ use core::time::Duration;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use serde_json::{Value, json};
 
+use super::call::Call;
 use super::json::CameraInfo;
 
 /// The control lapses when it is not asked for again.
@@ -168,6 +169,13 @@ impl Sigma {
     /// The rates that turn the camera, in the vehicle's own signs.
     pub fn rates(&self, now: Timestamp) -> VehicleRates {
         self.turning.filter(|(_, until)| now < *until).map_or(VehicleRates::REST, |(rates, _)| rates)
+    }
+
+    /// Answers a call as it arrives from a client with this token.
+    pub fn answer_call(&mut self, call: &Call, token: &str, view: View, now: Timestamp) -> Answer {
+        let (path, body) = (call.path(), call.body().unwrap_or_default());
+        let (method, token, body) = (call.method().name(), Some(token), body.as_bytes());
+        self.answer(Incoming { method, path: &path, token, body }, view, now)
     }
 
     /// Answers a request.

@@ -5,8 +5,7 @@ use std::time::Duration;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
-use barrelman_wire::fotokite_sigma::call::Method;
-use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
+use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Lane, Received, Request, Sigma};
 use barrelman_wire::{NextAction, Session as _};
 
@@ -153,14 +152,7 @@ impl Conversation {
         if request.call == Call::Subscribe {
             return (if self.has_socket { 101 } else { 404 }, Vec::new());
         }
-        let body = request.call.body().unwrap_or_default();
-        let method = match request.call.method() {
-            Method::Get => "GET",
-            Method::Post => "POST",
-        };
-        let path = request.call.path();
-        let incoming = Incoming { method, path: &path, token: Some(self.token), body: body.as_bytes() };
-        let answer = self.sigma.answer(incoming, self.view, self.now);
+        let answer = self.sigma.answer_call(&request.call, self.token, self.view, self.now);
         (answer.status, answer.body.into_bytes())
     }
 
