@@ -18,6 +18,8 @@ export class Link extends EventTarget {
   isUp = false;
   /** Whether the program closed the connection because too many pages are open. */
   isDismissed = false;
+  /** Whether this page commands a boat: the program then wants to hear the page some times a second. */
+  isWatchingBoat = false;
   clock = new ProgramClock();
 
   /** Connects, and reconnects for ever. */
@@ -25,6 +27,7 @@ export class Link extends EventTarget {
     this.#connect();
     setInterval(() => this.#watch(), 250);
     setInterval(() => this.#ping(), 1000);
+    setInterval(() => this.isWatchingBoat && this.#ping(), 200);
   }
 
   #connect() {

@@ -3,6 +3,7 @@
 import { askForToken, enter } from "./access.js";
 import { ControlSeat } from "./control_seat.js";
 import { EventList } from "./events.js";
+import { GamepadHelm } from "./gamepad.js";
 import { HeldControl } from "./held_controls.js";
 import { Link } from "./link.js";
 import { nudgeObstacle } from "./nudge_obstacle.js";
@@ -48,6 +49,15 @@ stage.addEventListener("change", () => {
   at("freeze").setAttribute("aria-pressed", String(stage.isFrozen));
 });
 stage.addEventListener("say", ({ detail }) => toast(words.reasons[detail]));
+stage.addEventListener("change", () => {
+  at("mark").setAttribute("aria-pressed", String(stage.isMarking));
+  at("mark").textContent = stage.isMarking ? words.marking : words.mark;
+  at("stage").classList.toggle("marking", stage.isMarking);
+});
+stage.addEventListener("mark", ({ detail }) => {
+  if (!seat.isControlling) return toast(words.reasons.watcher);
+  request({ kind: "mark", mark: at("mark-kind").value, ...detail });
+});
 stage.addEventListener("select", ({ detail }) => {
   if (!seat.isControlling) return toast(words.reasons.watcher);
   stage.trail.clear();
@@ -58,7 +68,10 @@ let lastMode = null;
 link.addEventListener("snapshot", ({ detail }) => {
   snapshot = detail;
   strips.add(snapshot, video.delay?.median ?? null);
-  keepAwake(snapshot.mode.engaged);
+  const { vessel } = snapshot;
+  const isBoatMoving = seat.isControlling && ["by-hand", "guided", "holding"].includes(vessel?.mode);
+  link.isWatchingBoat = isBoatMoving;
+  keepAwake(snapshot.mode.engaged || isBoatMoving);
   const { alarms } = snapshot;
   if (lastMode && alarms.some((alarm) => !lastMode.alarms.includes(alarm))) sounds.play("alarm");
   else if (lastMode && lastMode.name !== snapshot.mode.name) sounds.play(snapshot.mode.name === "stopped" ? "stop" : "good");
@@ -97,14 +110,18 @@ const turn = new HeldControl({
   mayStart: () => seat.isControlling && Boolean(snapshot) && !nudgeObstacle(snapshot),
   send: ([pan, tilt]) => request({ kind: "nudge", pan, tilt }),
 });
+const maySteer = () => seat.isControlling && Boolean(snapshot?.vessel);
+// A positive rudder turns to the left.
+const steer = ([right, ahead]) => request({ kind: "helm", thrust: ahead, rudder: -right });
 const helm = new HeldControl({
   keys: { ArrowUp: "up", ArrowLeft: "left", ArrowDown: "down", ArrowRight: "right" },
   buttons: "helm",
   everyMs: 150,
-  mayStart: () => seat.isControlling && Boolean(snapshot?.drive),
-  // A positive rudder turns to the left.
-  send: ([right, ahead]) => request({ kind: "helm", thrust: ahead, rudder: -right }),
+  mayStart: maySteer,
+  send: steer,
 });
+const gamepad = new GamepadHelm({ mayStart: maySteer, send: steer });
+setInterval(() => gamepad.tick(), 150);
 
 const act = {
   engage: () => request({ kind: "engage" }),
@@ -115,6 +132,12 @@ const act = {
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
   helmsman: () => request({ kind: "helmsman" }),
+  mark: () => stage.setMarking(!stage.isMarking),
+  "unmark-all": () => request({ kind: "unmark-all" }),
+  guide: () => request({ kind: "guide" }),
+  "stop-boat": () => request({ kind: "stop-boat" }),
+  "next-mark": () => request({ kind: "next-mark" }),
+  "go-home": () => request({ kind: "go-home" }),
   freeze: () => (stage.isFrozen ? stage.unfreeze() : stage.freeze()),
   stop: () => stopper.press(),
   theme: () => {
@@ -143,7 +166,7 @@ at("law").addEventListener("change", async (event) => {
   delete event.target.dataset.law;
 });
 
-const KEYS = { e: "engage", r: "disengage", f: "freeze", x: "reject", l: "search", p: "pause", h: "helmsman", n: "theme", m: "sound", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
+const KEYS = { t: "mark", g: "guide", b: "stop-boat", c: "next-mark", y: "go-home", e: "engage", r: "disengage", f: "freeze", x: "reject", l: "search", p: "pause", h: "helmsman", n: "theme", m: "sound", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
 /** Whether keys write text there. A checkbox takes none: Enter switches it. */
 const takesText = (element) => element instanceof HTMLInputElement && element.type !== "checkbox";
 addEventListener("keydown", (event) => {
@@ -184,6 +207,7 @@ function fillLayers() {
   }
 }
 
+at("mark-kind").replaceChildren(...Object.entries(words.markKinds).map(([kind, text]) => new Option(text, kind)));
 for (const [key, meaning] of words.keyList) {
   const [name, text] = [document.createElement("dt"), document.createElement("dd")];
   [name.textContent, text.textContent] = [key, meaning];

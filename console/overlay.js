@@ -1,6 +1,8 @@
 // What is drawn over the picture: region, sectors, box, axis, heading, trail, P, commands.
 
-export const LAYERS = ["region", "box", "heading", "trail", "p", "command", "advice"];
+import { drawMap, drawMarks } from "./marks.js";
+
+export const LAYERS = ["region", "box", "heading", "trail", "p", "command", "advice", "marks", "map"];
 
 const LINE = "#ffffff";
 const EDGE = "#000000";
@@ -122,6 +124,8 @@ export function drawOverlay(pen, view, snapshot, trail, shown, label, unit) {
   const { track } = snapshot;
   if (shown.has("region")) drawRegion(pen, view, snapshot, unit);
   if (shown.has("trail")) trail.draw(pen, view, unit);
+  if (shown.has("marks")) drawMarks(pen, view, snapshot, unit);
+  if (shown.has("map")) drawMap(pen, view, snapshot, unit);
   if (track.box && shown.has("box")) drawBox(pen, view, track, unit);
   if (track.heading_deg !== null && track.centre && shown.has("heading")) {
     const reach = (0.5 * (track.axes?.[0] ?? 40) + 24) * view.scale;

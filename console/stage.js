@@ -22,6 +22,8 @@ export class Stage extends EventTarget {
   trail = new Trail();
   layers = new Set();
   isFreezeWanted = false;
+  /** Whether the next point is a mark, not a box. */
+  isMarking = false;
   /** A box that stays: left, top, width, height. @type {number[] | null} */
   kept = null;
 
@@ -96,6 +98,17 @@ export class Stage extends EventTarget {
     this.dispatchEvent(new CustomEvent("say", { detail: reason }));
   }
 
+  /** Whether the next point is a mark. */
+  setMarking(isMarking) {
+    [this.isMarking, this.#keyBox] = [isMarking, null];
+    this.#change();
+  }
+
+  #mark(at, captured) {
+    this.setMarking(false);
+    this.dispatchEvent(new CustomEvent("mark", { detail: { at, captured_ns: captured } }));
+  }
+
   #select(box, captured) {
     if (box[2] < MIN_BOX_PX || box[3] < MIN_BOX_PX) return this.#say(box[2] + box[3] < 2 ? "tap" : "small");
     this.dispatchEvent(new CustomEvent("select", { detail: { box, captured_ns: captured } }));
@@ -144,7 +157,8 @@ export class Stage extends EventTarget {
         // After the end of the freeze, the box was finished on the newest picture.
         const captured = this.isFrozen ? drag.captured : this.#shown.captured;
         this.unfreeze();
-        if (isDone) this.#select(boxBetween(drag.from, drag.to, this.view.picture), captured);
+        if (isDone && this.isMarking) this.#mark(drag.to, captured);
+        else if (isDone) this.#select(boxBetween(drag.from, drag.to, this.view.picture), captured);
       }
       this.#drag = null;
       this.redraw();
@@ -184,16 +198,21 @@ export class Stage extends EventTarget {
     const [width, height] = this.view.picture;
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
     if (event.key === "Enter") {
-      if (this.#keyBox) {
+      if (this.#keyBox && this.isMarking) {
+        const [u, v, w, h] = this.#keyBox;
+        this.#mark([u + w / 2, v + h / 2], this.#shown.captured);
+      } else if (this.#keyBox) {
         this.#select(this.#keyBox, this.#shown.captured);
         this.#keyBox = null;
+      } else if (this.isMarking) {
+        this.#keyBox = boxBetween([width / 2 - 12, height / 2 - 12], [width / 2 + 12, height / 2 + 12], [width, height]);
       } else {
         const [w, h] = [width / 8, height / 8];
         const [u, v] = this.#shown.snapshot?.track.centre ?? [width / 2, height / 2];
         this.#keyBox = boxBetween([u - w / 2, v - h / 2], [u + w / 2, v + h / 2], [width, height]);
       }
-    } else if (event.key === "Escape" && this.#keyBox) {
-      this.#keyBox = null;
+    } else if (event.key === "Escape" && (this.#keyBox || this.isMarking)) {
+      this.setMarking(false);
     } else if (steps[event.key] && this.#keyBox) {
       const [dx, dy] = steps[event.key].map((step) => step * KEY_STEP_PX);
       const [u, v, w, h] = this.#keyBox;
@@ -237,7 +256,8 @@ export class Stage extends EventTarget {
     pen.drawImage(this.#picture, x, y, picture[0] * this.view.scale, picture[1] * this.view.scale);
     const { snapshot } = this.#shown;
     if (snapshot) drawOverlay(pen, this.view, snapshot, this.trail, this.layers, this.label(snapshot), unit);
-    const box = this.#keyBox ?? (this.#drag?.from ? boxBetween(this.#drag.from, this.#drag.to, picture) : this.kept);
+    const isDrawing = this.#drag?.from && !this.isMarking;
+    const box = this.#keyBox ?? (isDrawing ? boxBetween(this.#drag.from, this.#drag.to, picture) : this.kept);
     if (box) {
       const corner = this.view.toCanvas([box[0], box[1]]);
       pen.setLineDash([8 * unit, 5 * unit]);

@@ -48,7 +48,8 @@ function factsOf(snapshot) {
   ];
   if (link.position) facts.push([words.facts.position, words.positionText(link.position, link.altitude_m)]);
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
-  if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
+  if (snapshot.vessel) facts.push([words.facts.boat, words.vesselText(snapshot.vessel, drive)]);
+  else if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
   if (drive && !drive.paused && drive.pace < SLOW) facts.push([words.facts.world, words.slowText(drive.pace)]);
   return facts;
 }
@@ -122,15 +123,37 @@ export function showStatus(state) {
   const obstacle = nudgeObstacle(snapshot);
   for (const direction of ["up", "down", "left", "right"]) {
     set(`nudge-${direction}`, can && !obstacle, can ? words.reasons[obstacle] : watcher);
-    set(`helm-${direction}`, can, watcher);
+    set(`helm-${direction}`, can && Boolean(snapshot.vessel), can ? words.reasons.noBoat : watcher);
   }
   for (const id of ["pause", "helmsman"]) set(id, can, watcher);
   // A list that the operator has open is left alone.
   // A law that is not in the list leaves it empty.
   const law = snapshot.law ?? "";
   if (at("law").dataset.law !== law) at("law").value = at("law").dataset.law = law;
-  at("drive").hidden = at("world").hidden = !snapshot.drive || snapshot.drive.helm === "nobody";
+  const { vessel } = snapshot;
+  at("drive").hidden = at("boat").hidden = at("marks").hidden = !vessel;
+  at("world").hidden = !snapshot.drive;
+  at("helmsman").hidden = !vessel;
+  if (vessel) showVessel(vessel, set, can, watcher);
   if (snapshot.drive) setText(at("pause"), snapshot.drive.paused ? words.resume : words.pause);
+}
+
+/** The boat's mode, and what can be done with it. */
+function showVessel(vessel, set, can, watcher) {
+  const goals = vessel.marks.filter(({ kind }) => kind === "place" || kind === "person");
+  const isGuided = vessel.mode === "guided" || vessel.mode === "holding";
+  Object.assign(document.documentElement.dataset, {
+    boat: vessel.mode, throttle: vessel.throttle.toFixed(3), rudder: vessel.rudder.toFixed(3), marks: vessel.marks.length,
+    distance: vessel.progress?.distance_m.toFixed(2) ?? "", guidance: vessel.guidance ?? "", basis: vessel.basis ?? "",
+  });
+  setText(at("boat-mode"), words.boatMode(vessel));
+  set("mark", can, watcher);
+  set("mark-kind", can, watcher);
+  set("unmark-all", can && vessel.marks.length > 0, can ? words.reasons.nothingMarked : watcher);
+  set("guide", can && !isGuided && goals.length > 0, can ? words.reasons.nothingMarked : watcher);
+  set("stop-boat", can && vessel.mode !== "stopped", watcher);
+  set("next-mark", can && goals.length > 1, can ? words.reasons.nothingMarked : watcher);
+  set("go-home", can && vessel.marks.some(({ kind }) => kind === "home"), can ? words.reasons.noHome : watcher);
 }
 
 /** Shows a message for some seconds. */

@@ -4,6 +4,9 @@ export default {
   keys: "Keys ?", theme: "Night", themeDay: "Day", sound: "Sound off", soundOn: "Sound on",
   stage: "Picture", picture: "Picture of the camera. Drag a box around the boat. Enter starts a box by keyboard.",
   frozen: "Frozen: draw the box ", freeze: "Freeze", unfreeze: "Go on", reject: "Not that one", deselect: "Forget",
+  mark: "Mark", marking: "Tap the point", markKind: "What is marked", unmarkAll: "Clear marks",
+  markKinds: { person: "Person", place: "Place", "way-point": "Way-point", forbidden: "Keep out", home: "Home" },
+  guide: "Go", stopBoat: "Stop boat", nextMark: "Next", goHome: "Home",
   search: "Search", netYawZero: "Tether untwisted",
   tools: "Selection and zoom", zoomIn: "Zoom in", zoomOut: "Zoom out", zoomReset: "Whole picture", overlays: "Show",
   command: "Command", stop: "STOP", stopping: "STOPPING", stopKey: "Space", engage: "Engage", disengage: "Disengage",
@@ -83,12 +86,13 @@ export default {
     nudgeDryRun: "A dry run does not move the camera.", nudgeLink: "The link is not up.",
     nudgeControl: "The vehicle does not accept commands.", nudgeFlight: "The vehicle has an emergency or lands.",
     nudgeVideo: "There is no video.",
+    noBoat: "No boat is connected.", nothingMarked: "Mark a place or a person first.", noHome: "Mark home first.",
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
   },
   laws: { "minimum-energy": "Optimal: least energy", "time-fuel": "Optimal: quick", eco: "Optimal: most rest", intermittent: "Optimal: one movement each time", schema: "Paper's schema" },
   layers: {
     region: "Region and sectors", box: "Box and axis", heading: "Heading", trail: "Trail", p: "P",
-    command: "Camera command", advice: "Advice",
+    command: "Camera command", advice: "Advice", marks: "Marks and circles", map: "Map",
   },
   paths: { h264: "H.264 (WebCodecs)", jpeg: "JPEG", none: "no video" },
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
@@ -105,6 +109,18 @@ export default {
   seconds: (s) => `${s} s`, ago: (s) => `for ${s} s`,
   workText: (work) => `${work.moves} moves, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
+  boatMode: (vessel) => {
+    const text = vessel.text.charAt(0).toUpperCase() + vessel.text.slice(1);
+    const doing = { "getting-way": "getting under way", avoiding: "going around a circle", blocked: "no way past the circles", holding: "at the mark", "standing-off": "waiting before the person", "no-fix": "boat near the horizon" }[vessel.guidance];
+    const how = vessel.mode === "guided" ? `${doing ? `: ${doing}` : ""}${vessel.basis === "picture" ? " (by the picture: no distances)" : ""}` : "";
+    return text + how;
+  },
+  vesselText: ({ progress, throttle, rudder, marks }, drive) => {
+    const speed = progress ?? drive;
+    const goal = progress && marks.some(({ destination }) => destination) ? `, ${progress.distance_m.toFixed(1)} m to go` : "";
+    const helm = throttle || rudder ? `, throttle ${Math.round(100 * throttle)} %, rudder ${Math.round(100 * Math.abs(rudder))} % ${rudder < 0 ? "left" : "right"}` : "";
+    return `${speed ? `${speed.speed_m_per_s.toFixed(1)} m/s` : "speed not known"}${goal}${helm}`;
+  },
   netYawText: (degrees) => (degrees === 0 ? "0°" : `${Math.abs(degrees)}° to the ${degrees > 0 ? "right" : "left"}`),
   distanceText: ({ distance_m, std_dev_m, direction_deg }) => {
     const side = Math.round(direction_deg) === 0 ? "ahead" : `${Math.abs(direction_deg).toFixed(0)}° ${direction_deg > 0 ? "right" : "left"}`;
@@ -119,8 +135,9 @@ export default {
   strip: { p: "P", command: "pan (+ right), tilt (+ up), rad/s", confidence: "confidence", delay: "delay ms" },
   answers: { superseded: "Replaced by a later request", refused: "Refused" },
   keyList: [
-    ["Space", "Stop the camera"], ["e", "Engage"], ["r", "Disengage: the camera rests"],
-    ["w a s d", "Turn the camera by hand, while disengaged: tilt up, pan left, tilt down, pan right"], ["Arrows", "Drive the simulated boat"],
+    ["Space", "Stop the camera and the boat"], ["e", "Engage"], ["r", "Disengage: the camera rests"],
+    ["w a s d", "Turn the camera by hand, while disengaged: tilt up, pan left, tilt down, pan right"], ["Arrows", "Drive the boat by hand; a gamepad's left stick does, too"],
+    ["t", "Mark a point: then tap it, or Enter, arrows, Enter on the picture"], ["g", "The boat goes to the mark"], ["b", "Stop the boat alone"], ["c", "The next mark"], ["y", "The boat goes home"],
     ["f", "Freeze the picture"], ["Enter, on a switch of the overlay", "Switch it"], ["x", "Not that one"], ["l", "Search for a boat that is lost"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
     ["+ - 0", "Zoom in, out, whole picture"], ["p", "Pause or resume the simulated world"], ["h", "Give the helm back"],
     ["n", "Night or day"], ["m", "Sound"], ["?", "These keys"],

@@ -23,7 +23,8 @@ pub mod tuning;
 
 pub mod line_of_sight;
 
-pub use input::{BoatFix, Destination, GuidanceInput, GuidanceState, GuidanceStep, KeepOut, VesselLimits};
+pub use barrelman_vocab::VesselLimits;
+pub use input::{BoatFix, Destination, GuidanceInput, GuidanceState, GuidanceStep, KeepOut};
 pub use lab::{LabBranch, LabInput, LabLaw, LabSettings};
 pub use line_of_sight::LineOfSight;
 pub use tuning::{LineOfSightTuning, VesselModel};

@@ -91,6 +91,7 @@ pub(crate) fn check_report(report: &Report) {
         }
         Report::Flight { on_time_s, backup_battery_v, .. } => vec![*on_time_s, *backup_battery_v],
         Report::Control { uptime_s, .. } => vec![*uptime_s],
+        Report::CameraHeight(height_m) => vec![*height_m],
         Report::Link(_) | Report::Acceptance(_) | Report::FlightState { .. } => vec![],
     };
     assert!(numbers.iter().all(|number| number.is_finite()), "{report:?}");

@@ -9,8 +9,10 @@ pub enum Input<'a> {
     Frame(&'a VideoFrame),
     /// A track that was measured elsewhere: the truth of a simulation, or positions of a recorded log.
     Localisation(Track),
-    /// Telemetry of the vehicle.
+    /// Telemetry of the camera's vehicle.
     Telemetry(Telemetry),
+    /// Telemetry of the vessel.
+    VesselTelemetry(Telemetry),
     /// A request of the operator.
     Request(OperatorRequest),
     /// The current time only.

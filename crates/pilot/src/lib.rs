@@ -5,7 +5,7 @@
 //! state. It does not allocate after the first few video frames.
 //!
 //! What must not be here: clocks, threads, files, vehicle signs, protocols, and a second place that decides whether the
-//! camera may move: only [`safety`] decides it.
+//! camera may move: only [`safety`] decides it, and for the boat only [`vessel::gate`].
 #![forbid(unsafe_code)]
 
 pub mod step;
@@ -26,6 +26,8 @@ pub mod search;
 mod selecting;
 mod sway_estimate;
 
+pub mod vessel;
+
 pub mod input;
 pub mod outcome;
 
@@ -36,3 +38,4 @@ pub use purpose::Purpose;
 pub use safety::NUDGE_RATE_RAD_PER_S;
 pub use step::{Pilot, PilotSettings};
 pub use vehicle::CommandPath;
+pub use vessel::{VesselMode, VesselOutcome, VesselSettings};

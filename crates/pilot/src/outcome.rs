@@ -5,10 +5,12 @@ use core::time::Duration;
 
 use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
-use barrelman_vocab::{CameraCommand, LawId, Localisation, StopCause, Timestamp, Track};
+use barrelman_vocab::{CameraCommand, LawId, Localisation, MarkKind, StopCause, Timestamp, Track};
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
 use crate::purpose::Purpose;
+use crate::vessel::marks::MAX_MARKS;
+use crate::vessel::{VesselHold, VesselMode, VesselOutcome, VesselStop};
 
 pub use barrelman_vocab::RENEWAL_GRACE;
 
@@ -34,8 +36,8 @@ pub struct Outcome {
     pub advice: Option<Advice>,
     /// The command in force from this step on (pan > 0 right, tilt > 0 up).
     pub command: CameraCommand,
-    /// Latest time of the next step. Without any other input, a tick at that time makes the pilot stop the camera.
-    /// `None` if no deadline is pending.
+    /// Time by which the pilot renews the command. Without any other input, a tick at that time makes the pilot stop the
+    /// camera. `None` if no deadline is pending.
     pub wake_at: Option<Timestamp>,
     /// Whether a selection waits for its confirmation. The camera rests meanwhile.
     pub is_confirming: bool,
@@ -43,8 +45,18 @@ pub struct Outcome {
     pub net_yaw: NetYawState,
     /// Why a search would be refused now; `None`: the operator can ask for one.
     pub search_refusal: Option<Refusal>,
+    /// The vessel's part.
+    pub vessel: VesselOutcome,
     /// A message for the operator.
     pub notice: Option<Notice>,
+}
+
+impl Outcome {
+    /// Latest time of the next step, for camera and vessel; `None` if no deadline is pending.
+    pub fn next_step_at(&self) -> Option<Timestamp> {
+        let deadlines = [self.wake_at, self.vessel.renew_by];
+        deadlines.into_iter().flatten().min()
+    }
 }
 
 /// The advice of a law.
@@ -142,6 +154,8 @@ pub enum Notice {
     TestMotionsMade,
     /// The net yaw has come to another level, or was set.
     NetYaw(NetYawState),
+    /// The mark of this number was set.
+    Marked(u32, MarkKind),
 }
 
 /// The reason why a request has no effect.
@@ -172,6 +186,26 @@ pub enum Refusal {
     LostTooBriefly,
     /// A net yaw that is no number, or larger than any tether bears.
     NetYawOutOfRange,
+    /// A request about a boat that is not connected.
+    NoVessel,
+    /// The boat cannot be commanded, for this reason.
+    NoVesselMotion(HoldCause),
+    /// The helm was held when the boat was stopped, and was not let go since.
+    HelmHeldAtStop,
+    /// There is no mark of that number.
+    NoSuchMark,
+    /// There is no mark that could be a destination.
+    NothingMarked,
+    /// No place is marked as home.
+    NoHome,
+    /// There is no guidance: the boat is steered by hand alone.
+    ByHandOnly,
+    /// The boat is not followed in fresh video.
+    BoatNotSeen,
+    /// There are as many marks as there can be.
+    TooManyMarks,
+    /// A mark at the horizon, or above it.
+    MarkNotOnWater,
 }
 
 /// The reason why a selection was not confirmed.
@@ -224,6 +258,7 @@ impl fmt::Display for Notice {
             }
             Self::TestMotionsMade => f.write_str("the test motions have been made"),
             Self::NetYaw(net) => net_yaw_text(*net, f),
+            Self::Marked(id, kind) => write!(f, "mark {id}: {}", mark_text(*kind)),
         }
     }
 }
@@ -260,6 +295,18 @@ impl fmt::Display for Refusal {
                 LOST_BEFORE_SEARCH.as_secs()
             ),
             Self::NetYawOutOfRange => f.write_str("the net yaw must be a number of radians from -100 to 100"),
+            Self::NoVessel => f.write_str("there is no boat to command: start with --vessel"),
+            Self::NoVesselMotion(cause) => {
+                write!(f, "the boat cannot be commanded now: {}", hold_text(*cause))
+            }
+            Self::HelmHeldAtStop => f.write_str("the boat was stopped: let go of the helm first"),
+            Self::NoSuchMark => f.write_str("there is no such mark"),
+            Self::NothingMarked => f.write_str("nothing is marked: mark a place or a person first"),
+            Self::NoHome => f.write_str("no home is marked: mark it first"),
+            Self::ByHandOnly => f.write_str("the boat is steered by hand alone: start with --guidance los"),
+            Self::BoatNotSeen => f.write_str("the boat is not seen: select it first"),
+            Self::TooManyMarks => write!(f, "there are {MAX_MARKS} marks already: remove one first"),
+            Self::MarkNotOnWater => f.write_str("there is no water at that point: mark below the horizon"),
         }
     }
 }
@@ -281,6 +328,17 @@ fn net_yaw_text(net: NetYawState, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             f,
             "the tether is wound up: net yaw {turned:.0} degrees to the {side}; the camera turns to the {back} only: disengage, and turn it back by hand"
         ),
+    }
+}
+
+/// What is marked, in words.
+const fn mark_text(kind: MarkKind) -> &'static str {
+    match kind {
+        MarkKind::Place => "a place",
+        MarkKind::Person => "a person",
+        MarkKind::WayPoint => "a way-point",
+        MarkKind::Forbidden => "a forbidden area",
+        MarkKind::Home => "home",
     }
 }
 
@@ -331,6 +389,32 @@ const fn stop_text(cause: StopCause) -> &'static str {
         }
         StopCause::TiltOpposed => {
             "stopped: the picture turned against the commanded tilt; check vehicle.pitch_sign of the configuration"
+        }
+    }
+}
+
+impl fmt::Display for VesselMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let held = |hold: &VesselHold| match hold {
+            VesselHold::NoDestination => "no destination",
+            VesselHold::Cause(cause) => hold_text(*cause),
+        };
+        match self {
+            Self::Absent => f.write_str("no boat"),
+            Self::Released => f.write_str("boat not commanded"),
+            Self::Neutral => f.write_str("boat neutral"),
+            Self::ByHand => f.write_str("boat steered by hand"),
+            Self::Guided => f.write_str("boat guided"),
+            Self::Holding(hold) => write!(f, "boat holding: {}", held(hold)),
+            Self::Stopped(VesselStop::Operator) => f.write_str("boat stopped by the operator"),
+            Self::Stopped(VesselStop::ConsoleLost) => f.write_str("boat stopped: the console is gone"),
+            Self::Stopped(VesselStop::OtherBoat) => f.write_str("boat stopped: another one was selected"),
+            Self::Stopped(VesselStop::Everything(cause) | VesselStop::Vessel(cause)) => {
+                write!(f, "boat {}", stop_text(*cause))
+            }
+            Self::Stopped(VesselStop::HeldTooLong(hold)) => {
+                write!(f, "boat stopped: {} for too long", held(hold))
+            }
         }
     }
 }

@@ -137,6 +137,8 @@ impl Safety {
                 self.following = CameraCommand::REST;
                 self.last_fresh_at = None;
             }
+            // About the vessel, which has a rule of its own.
+            _ => {}
         }
         Ok(())
     }

@@ -20,11 +20,13 @@ use crate::safety::{ObservationResult, Safety};
 use crate::search::{LastBearing, Search};
 use crate::selecting::PendingSelection;
 use crate::vehicle::CommandPath;
+use crate::vessel::{VesselPilot, VesselSettings};
 
 mod net_turn;
 mod observing;
 mod reports;
 mod searching;
+mod vessel_part;
 
 /// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a second.
 const TILT_LASTS: Duration = Duration::from_secs(1);
@@ -67,6 +69,7 @@ pub struct Pilot {
     last_bearing: Option<LastBearing>,
     search: Option<Search>,
     calibration: Option<Calibration>,
+    vessel: Option<Box<VesselPilot>>,
 }
 
 /// One observation of the scene: a tracked video frame, or a localisation measured elsewhere.
@@ -112,6 +115,7 @@ impl Pilot {
             last_bearing: None,
             search: None,
             calibration: None,
+            vessel: None,
         }
     }
 
@@ -125,6 +129,12 @@ impl Pilot {
     #[must_use]
     pub fn commanding(self, path: CommandPath) -> Self {
         Self { safety: Safety::new(self.settings.profile.coast_motion, path), ..self }
+    }
+
+    /// The same pilot, which commands a vessel, too.
+    #[must_use]
+    pub fn with_vessel(self, settings: VesselSettings) -> Self {
+        Self { vessel: Some(Box::new(VesselPilot::new(settings))), ..self }
     }
 
     /// The same pilot with the rules of a behaviour version, for recordings of that version.
@@ -159,6 +169,12 @@ impl Pilot {
                 self.on_telemetry(&telemetry);
                 None
             }
+            Input::VesselTelemetry(telemetry) => {
+                if let Some(vessel) = &mut self.vessel {
+                    vessel.on_vessel_report(&telemetry.report);
+                }
+                None
+            }
             Input::Tick => None,
         };
         let Some(mut observation) = observation else {
@@ -185,6 +201,9 @@ impl Pilot {
 
     /// Processes a request. Returns what the operator has to know.
     fn on_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
+        if is_about_vessel(request) {
+            return self.on_vessel_request(request, now);
+        }
         if *request == OperatorRequest::Reject && !self.tracker.reject() {
             return Some(Notice::RequestRefused(Refusal::NothingToReject));
         }
@@ -237,15 +256,21 @@ impl Pilot {
                 self.calibration = Some(Calibration::new(now));
                 None
             }
-            OperatorRequest::Engage
-            | OperatorRequest::Disengage
-            | OperatorRequest::Nudge(_)
-            | OperatorRequest::Stop(_) => None,
+            OperatorRequest::Stop(cause) => {
+                if let Some(vessel) = &mut self.vessel {
+                    vessel.stop(*cause);
+                }
+                None
+            }
+            _ => None,
         }
     }
 
     /// Another target is followed from now on.
     fn begin_target(&mut self) {
+        if let Some(vessel) = &mut self.vessel {
+            vessel.begin_target();
+        }
         self.law.reset_target();
         self.drawn_selection = None;
         self.last_bearing = None;
@@ -292,6 +317,9 @@ impl Pilot {
         let is_stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
         if self.is_video_fresh(age) {
             self.safety.on_video(now);
+            if let Some(vessel) = &mut self.vessel {
+                vessel.on_video(now);
+            }
         }
         if let Some(localisation) = self.track.localisation().filter(|_| !is_stale) {
             let point = localisation.centre.in_image(localisation.picture);
@@ -350,6 +378,7 @@ impl Pilot {
         let net_yaw = self.net_yaw.state(self.pan_at(now));
         let has_changed = core::mem::replace(&mut self.net_yaw_level, net_yaw.level) != net_yaw.level;
         let notice = notice.or(has_changed.then_some(Notice::NetYaw(net_yaw)));
+        let vessel = self.step_vessel(result, now);
         Outcome {
             at: now,
             mode: decision.mode,
@@ -363,9 +392,26 @@ impl Pilot {
             is_confirming: self.drawn_selection.is_some(),
             net_yaw,
             search_refusal: self.search_refusal(now),
+            vessel,
             notice,
         }
     }
+}
+
+/// Whether a request is about the vessel alone.
+const fn is_about_vessel(request: &OperatorRequest) -> bool {
+    matches!(
+        request,
+        OperatorRequest::Mark(_)
+            | OperatorRequest::Unmark(_)
+            | OperatorRequest::UnmarkAll
+            | OperatorRequest::NextMark
+            | OperatorRequest::Guide
+            | OperatorRequest::GoHome
+            | OperatorRequest::Steer(_)
+            | OperatorRequest::StopBoat(_)
+            | OperatorRequest::ReleaseBoat
+    )
 }
 
 /// The law of these settings; `None`: a law that an operator cannot choose.

@@ -19,7 +19,7 @@
 //! bow, and the boat heels in turns. Not modelled: slamming, broaching, capsizing, cavitation, yaw moments of the
 //! waves.
 
-use barrelman_vocab::Angle;
+use barrelman_vocab::{Angle, VesselCommand};
 
 use crate::pose::{BodyPose, WorldPoint};
 use crate::sea::Sea;
@@ -85,6 +85,13 @@ pub struct HelmCommand {
     pub throttle: f64,
     /// -1 (right) to 1 (left), as a share of the nozzle's largest angle.
     pub rudder: f64,
+}
+
+impl HelmCommand {
+    /// The helm of a command to a vessel, whose rudder is positive to the right.
+    pub fn of(command: VesselCommand) -> Self {
+        Self { throttle: command.throttle, rudder: -command.rudder }
+    }
 }
 
 /// What steers the boat.

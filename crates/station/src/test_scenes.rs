@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use barrelman_pilot::net_yaw::NetYawState;
-use barrelman_pilot::{Mode, Outcome};
+use barrelman_pilot::{Mode, Outcome, VesselOutcome};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{
     AngularRate, CameraCommand, Localisation, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame,
@@ -30,6 +30,7 @@ pub(crate) fn idle(at: Timestamp) -> Outcome {
         is_confirming: false,
         net_yaw: NetYawState::default(),
         search_refusal: None,
+        vessel: VesselOutcome::absent(),
         notice: None,
     }
 }

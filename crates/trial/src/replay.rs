@@ -1,7 +1,7 @@
 //! Replay of a recording through the pilot, and the comparison of its outcomes with the recorded ones.
 
 use barrelman_pilot::{Input, Pilot};
-use barrelman_vocab::{Timestamp, VehicleProfile};
+use barrelman_vocab::{Timestamp, VehicleProfile, VesselCommand};
 
 use crate::records::RecordedOutcome;
 
@@ -51,7 +51,9 @@ impl ReplayComparison {
     }
 }
 
-fn command_bits(outcome: &RecordedOutcome) -> [u64; 4] {
-    [outcome.command.pan, outcome.command.tilt, outcome.rates.yaw, outcome.rates.pitch]
-        .map(|rate| rate.radians_per_second().to_bits())
+fn command_bits(outcome: &RecordedOutcome) -> [u64; 6] {
+    let rates = [outcome.command.pan, outcome.command.tilt, outcome.rates.yaw, outcome.rates.pitch];
+    let [pan, tilt, yaw, pitch] = rates.map(|rate| rate.radians_per_second().to_bits());
+    let boat = outcome.vessel.as_ref().map_or(VesselCommand::NEUTRAL, |vessel| vessel.command);
+    [pan, tilt, yaw, pitch, boat.throttle.to_bits(), boat.rudder.to_bits()]
 }

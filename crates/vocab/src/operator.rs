@@ -1,8 +1,9 @@
 //! Requests to the pilot from the operator, or from a program on behalf of the operator.
 
 use crate::angle::Angle;
-use crate::image::PixelBox;
+use crate::image::{PixelBox, PixelPoint};
 use crate::time::Timestamp;
+use crate::vessel::VesselCommand;
 
 /// A request to the pilot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,8 +31,61 @@ pub enum OperatorRequest {
     Engage,
     /// Continue tracking with the camera at rest. This also ends a stop, without allowing motion.
     Disengage,
-    /// Rest the camera immediately. The camera stays at rest until the next `Engage`.
+    /// Rest the camera immediately, and stop the boat. The camera stays at rest until the next `Engage`.
     Stop(StopCause),
+    /// Mark a place or a person in a video frame.
+    Mark(DrawnMark),
+    /// Remove the mark of this number.
+    Unmark(u32),
+    /// Remove all marks.
+    UnmarkAll,
+    /// The next mark becomes the destination.
+    NextMark,
+    /// Let the boat go to the destination by itself.
+    Guide,
+    /// Let the boat go to the place that is marked as home.
+    GoHome,
+    /// Steer the boat by hand, for a short time unless this is renewed. Neutral lets go.
+    Steer(VesselCommand),
+    /// Stop the boat alone.
+    StopBoat(BoatStop),
+    /// Command the boat no more: whoever else steers it does.
+    ReleaseBoat,
+}
+
+/// A mark, and the video frame on which it was set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnMark {
+    /// What is there.
+    pub kind: MarkKind,
+    /// The point, pixels.
+    pub pixel: PixelPoint,
+    /// Time of capture of the video frame.
+    pub captured: Timestamp,
+}
+
+/// What is marked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MarkKind {
+    /// A place: the boat goes there and stays.
+    Place,
+    /// A person: the boat stops before the stand-off if the person is the destination, and keeps away otherwise.
+    Person,
+    /// A point to pass on the way to the destination.
+    WayPoint,
+    /// The centre of an area that the boat must not enter.
+    Forbidden,
+    /// The place that the boat comes back to.
+    Home,
+}
+
+/// Who stops the boat alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum BoatStop {
+    /// The operator.
+    Operator,
+    /// The console that was in control is gone.
+    ConsoleLost,
 }
 
 /// A selection, and the video frame on which it was drawn.

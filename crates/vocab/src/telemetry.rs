@@ -42,6 +42,8 @@ pub enum Report {
     GimbalAttitude(Quaternion),
     /// Elevation of the camera's axis; positive above the horizon.
     CameraTilt(Angle),
+    /// Height of the camera above the water, metres.
+    CameraHeight(f64),
     /// Horizontal field of view of the picture. A zoom changes it.
     FieldOfView(Angle),
     /// Position of the vehicle on Earth.

@@ -1,6 +1,6 @@
 //! Input and output of a guidance step over the water plane.
 
-use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterFix, WaterPoint};
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterFix, WaterPoint};
 
 /// Input of one step. All points are in one water frame, at the time of the newest video frame.
 #[derive(Debug, Clone, Copy)]
@@ -64,30 +64,6 @@ pub struct KeepOut {
     pub centre: WaterPoint,
     /// Radius, metres, with the uncertainty of the centre.
     pub radius_m: f64,
-}
-
-/// Limits of the commands to a vessel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VesselLimits {
-    /// Largest throttle ahead, 0 to 1.
-    pub ahead: f64,
-    /// Largest throttle astern, 0 (a vessel that cannot go astern) to 1.
-    pub astern: f64,
-    /// Largest rudder, 0 to 1.
-    pub rudder: f64,
-    /// Largest speed, m/s; `None`: that of the throttle.
-    pub speed_m_per_s: Option<f64>,
-}
-
-impl VesselLimits {
-    /// The laboratory's throttle, ahead and astern, and all of the rudder.
-    pub const DEFAULT: Self = Self { ahead: 0.6, astern: 0.6, rudder: 1.0, speed_m_per_s: None };
-}
-
-impl Default for VesselLimits {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
 }
 
 /// What the law is doing.

@@ -18,10 +18,10 @@
 //! What the law cannot do: keep away from a person who comes nearer faster than the boat goes astern, or hold its place in a
 //! current faster than the boat.
 
-use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterPoint};
 
 use super::clearance::{ClearCourse, Side, clear_course, free_distance, turn_clears};
-use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Progress, VesselLimits};
+use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Progress};
 use super::route::{LegGuidance, Route};
 use super::track::{BoatState, BoatTrack, wrapped};
 use super::tuning::{LineOfSightTuning, VesselModel};

@@ -29,7 +29,7 @@ pub const MIN_DEPRESSION: Angle = Angle::from_degrees(2.0);
 const MIN_DEPTH_SHARE: f64 = 1e-6;
 
 /// A camera above the water, with the sines and cosines of its attitude.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaterView {
     lens: Lens,
     below: WaterPoint,

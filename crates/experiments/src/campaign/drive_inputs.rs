@@ -12,12 +12,23 @@ pub struct DriveInputs {
     inputs: Vec<(u64, DriveInput)>,
     last_tick: u64,
     hands_on: bool,
+    /// Whether the vehicle reports its height and tilt.
+    reports_pose: bool,
+    /// Whether the pilot commands the boat.
+    pub(super) commands_boat: bool,
 }
 
 impl DriveInputs {
     /// The inputs of a stored drive.
     pub fn from_drive(stored: &StoredDrive) -> Self {
-        Self { inputs: stored.inputs.clone(), last_tick: stored.last_tick(), hands_on: stored.setup.hands_on }
+        let setup = &stored.setup;
+        Self {
+            inputs: stored.inputs.clone(),
+            last_tick: stored.last_tick(),
+            hands_on: setup.hands_on,
+            reports_pose: setup.vessel,
+            commands_boat: setup.commands_boat(),
+        }
     }
 
     /// Runs a trial from its start to the last tick of the drive.
@@ -29,6 +40,9 @@ impl DriveInputs {
     ) -> TrialLog {
         if self.hands_on {
             simulation = simulation.without_selection();
+        }
+        if self.reports_pose {
+            simulation = simulation.with_tilt_reports(true).with_height_reports();
         }
         let mut inputs = self.inputs.iter().peekable();
         loop {

@@ -257,7 +257,13 @@ impl CampaignPlan {
             None => Pilot::new(settings, tracker),
         };
         // A person who drove may have selected on an earlier picture.
-        let pilot = if self.drive_inputs.is_some() { pilot.keeping_frames() } else { pilot };
+        let pilot = match &self.drive_inputs {
+            Some(drive) if drive.commands_boat => {
+                pilot.keeping_frames().with_vessel(drive::simulated_vessel())
+            }
+            Some(_) => pilot.keeping_frames(),
+            None => pilot,
+        };
         // Trials run in parallel, each on one thread.
         let in_pixels = self.settings.tracker.is_some();
         let mut camera =

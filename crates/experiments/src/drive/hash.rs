@@ -33,7 +33,7 @@ impl StepObserver for DriveHasher {
                 self.0.update(frame.picture.samples());
             }
             Input::Localisation(_) => self.0.update(b"localisation"),
-            Input::Telemetry(_) => self.0.update(b"telemetry"),
+            Input::Telemetry(_) | Input::VesselTelemetry(_) => self.0.update(b"telemetry"),
             Input::Request(_) => self.0.update(b"request"),
             Input::Tick => self.0.update(b"tick"),
         }

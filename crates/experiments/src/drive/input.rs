@@ -2,21 +2,24 @@
 
 use barrelman_sim::boat::HelmCommand;
 use barrelman_trial::campaign::{Simulation, StepObserver};
-use barrelman_vocab::{Angle, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause, Timestamp};
+use barrelman_vocab::{
+    Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, Nudge, OperatorRequest, PixelBox,
+    PixelPoint, StopCause, Timestamp, VesselCommand,
+};
 use serde::{Deserialize, Serialize};
 
 /// An action of a person in a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "input", rename_all = "kebab-case")]
 pub enum DriveInput {
-    /// Steers the boat: percent of the throttle (negative: astern) and of the rudder (positive: to the left).
+    /// Steers the boat past the pilot, in drives of before there was a vessel: percent of the throttle (negative: astern) and of the rudder (positive: to the left).
     Helm {
         /// -100 to 100.
         thrust: i8,
         /// -100 to 100.
         rudder: i8,
     },
-    /// Returns control to the scenario's helmsman.
+    /// Returns control to the scenario's helmsman, in drives of before there was a vessel.
     Helmsman,
     /// Engages: the camera may move.
     Engage,
@@ -57,11 +60,71 @@ pub enum DriveInput {
         /// The law.
         law: DriveLaw,
     },
+    /// Steers the boat through the pilot, until it is renewed no more.
+    Steer {
+        /// -1 (astern) to 1 (ahead).
+        throttle: f64,
+        /// -1 (left) to 1 (right).
+        rudder: f64,
+    },
+    /// Marks a place or a person.
+    Mark {
+        /// What is there.
+        mark: DriveMark,
+        /// The point, pixels: u, v.
+        at: [f64; 2],
+        /// Time of capture of the picture on which the mark was set.
+        captured_ns: u64,
+    },
+    /// Removes a mark.
+    Unmark {
+        /// Its number.
+        id: u32,
+    },
+    /// Removes all marks.
+    UnmarkAll,
+    /// The next mark becomes the destination.
+    NextMark,
+    /// Lets the boat go to the destination.
+    Guide,
+    /// Lets the boat go home.
+    GoHome,
+    /// Stops the boat alone.
+    StopBoat,
+    /// Stops the boat, as the console in control is gone.
+    LeaveBoat,
+    /// Commands the boat no more: the scenario's helmsman steers.
+    ReleaseBoat,
     /// Pauses the time. The world and the pilot are not affected.
     Pause,
     /// Resumes the time.
     Resume,
 }
+
+/// What can be marked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DriveMark {
+    /// A place to go to.
+    Place,
+    /// A person to go to.
+    Person,
+    /// A point to pass.
+    WayPoint,
+    /// An area to keep out of.
+    Forbidden,
+    /// The place to come back to.
+    Home,
+}
+
+/// What can be marked, by both names.
+const MARKS: [(DriveMark, MarkKind); 5] = [
+    (DriveMark::Place, MarkKind::Place),
+    (DriveMark::Person, MarkKind::Person),
+    (DriveMark::WayPoint, MarkKind::WayPoint),
+    (DriveMark::Forbidden, MarkKind::Forbidden),
+    (DriveMark::Home, MarkKind::Home),
+];
 
 /// The camera laws that can be switched to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -109,6 +172,20 @@ impl From<OperatorRequest> for DriveInput {
             OperatorRequest::Engage => Self::Engage,
             OperatorRequest::Disengage => Self::Disengage,
             OperatorRequest::Stop(_) => Self::Stop,
+            OperatorRequest::Steer(VesselCommand { throttle, rudder }) => Self::Steer { throttle, rudder },
+            OperatorRequest::Mark(DrawnMark { kind, pixel, captured }) => {
+                let mark =
+                    MARKS.iter().find(|(_, own)| *own == kind).map_or(DriveMark::Place, |(mark, _)| *mark);
+                Self::Mark { mark, at: [pixel.u, pixel.v], captured_ns: captured.as_nanos() }
+            }
+            OperatorRequest::Unmark(id) => Self::Unmark { id },
+            OperatorRequest::UnmarkAll => Self::UnmarkAll,
+            OperatorRequest::NextMark => Self::NextMark,
+            OperatorRequest::Guide => Self::Guide,
+            OperatorRequest::GoHome => Self::GoHome,
+            OperatorRequest::StopBoat(BoatStop::Operator) => Self::StopBoat,
+            OperatorRequest::StopBoat(BoatStop::ConsoleLost) => Self::LeaveBoat,
+            OperatorRequest::ReleaseBoat => Self::ReleaseBoat,
         }
     }
 }
@@ -137,6 +214,20 @@ impl DriveInput {
                 let id = LAWS.iter().find(|(own, _)| *own == law).map_or(LawId::MotorSchema, |(_, id)| *id);
                 OperatorRequest::ChangeLaw(id)
             }
+            Self::Steer { throttle, rudder } => OperatorRequest::Steer(VesselCommand { throttle, rudder }),
+            Self::Mark { mark, at: [u, v], captured_ns } => OperatorRequest::Mark(DrawnMark {
+                kind: MARKS.iter().find(|(own, _)| *own == mark).map_or(MarkKind::Place, |(_, kind)| *kind),
+                pixel: PixelPoint { u, v },
+                captured: Timestamp::from_nanos(captured_ns),
+            }),
+            Self::Unmark { id } => OperatorRequest::Unmark(id),
+            Self::UnmarkAll => OperatorRequest::UnmarkAll,
+            Self::NextMark => OperatorRequest::NextMark,
+            Self::Guide => OperatorRequest::Guide,
+            Self::GoHome => OperatorRequest::GoHome,
+            Self::StopBoat => OperatorRequest::StopBoat(BoatStop::Operator),
+            Self::LeaveBoat => OperatorRequest::StopBoat(BoatStop::ConsoleLost),
+            Self::ReleaseBoat => OperatorRequest::ReleaseBoat,
             Self::Helm { .. } | Self::Helmsman | Self::Pause | Self::Resume => return None,
         })
     }

@@ -3,14 +3,15 @@
 use std::sync::mpsc::{Receiver, channel};
 
 use anyhow::{Result, anyhow};
-use barrelman_pilot::{Input, Outcome, Pilot, PilotSettings};
+use barrelman_pilot::vessel::GuidanceLaw;
+use barrelman_pilot::{CommandPath, Input, Outcome, Pilot, PilotSettings, VesselSettings};
 use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_video::encoder::EncoderSettings;
-use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates};
+use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates, VesselProfile};
 
 use super::encoded_camera::EncodedCamera;
 use super::input::DriveInput;
@@ -24,6 +25,15 @@ pub struct Drive<'a> {
     camera: Box<dyn FrameSource + 'a>,
     units: Receiver<EncodedUnit>,
     helm: Option<HelmCommand>,
+}
+
+/// The simulated boat as a vessel.
+pub(crate) fn simulated_vessel() -> VesselSettings {
+    VesselSettings {
+        profile: VesselProfile::SIMULATOR,
+        guidance: GuidanceLaw::LineOfSight,
+        path: CommandPath::Simulated,
+    }
 }
 
 impl<'a> Drive<'a> {
@@ -47,7 +57,10 @@ impl<'a> Drive<'a> {
         } else {
             Box::new(rendered)
         };
+        let pilot = if setup.commands_boat() { pilot.with_vessel(simulated_vessel()) } else { pilot };
         let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile);
+        let simulation =
+            if setup.vessel { simulation.with_tilt_reports(true).with_height_reports() } else { simulation };
         let simulation = if setup.hands_on { simulation.without_selection() } else { simulation };
         Ok(Self { simulation, camera, units, helm: None })
     }
@@ -67,9 +80,10 @@ impl<'a> Drive<'a> {
         self.simulation.outcome()
     }
 
-    /// The helm of the person who steers; `None` while the helmsman steers.
-    pub const fn helm(&self) -> Option<HelmCommand> {
-        self.helm
+    /// The helm of whoever steers through the program; `None` while the helmsman steers.
+    pub fn helm(&self) -> Option<HelmCommand> {
+        let vessel = self.outcome().map(|outcome| &outcome.vessel).filter(|vessel| vessel.is_commanded());
+        vessel.map_or(self.helm, |vessel| Some(HelmCommand::of(vessel.command)))
     }
 
     /// Whether the drive is over.

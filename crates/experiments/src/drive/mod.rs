@@ -18,6 +18,7 @@ mod stored;
 
 pub use hash::DriveHasher;
 pub use input::DriveInput;
+pub(crate) use lockstep::simulated_vessel;
 pub use lockstep::{Drive, DriveObserver};
 pub use setup::{DriveSetup, MAX_DRIVE_S};
 pub use stored::{DriveWriter, StoredDrive};

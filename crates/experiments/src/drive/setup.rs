@@ -1,6 +1,7 @@
 //! The setup of a drive: everything that determines a drive, except its inputs.
 
 use anyhow::Result;
+use barrelman_sim::scenario::TargetScript;
 use barrelman_vocab::VehicleProfile;
 
 use crate::law_choice::LawChoice;
@@ -26,11 +27,18 @@ pub struct DriveSetup {
     pub law: LawChoice,
     /// Whether pictures are encoded as H.264.
     pub encoded: bool,
+    /// Whether the pilot commands the boat, and the gimbal reports height and tilt. In drives of before, neither.
+    pub vessel: bool,
     /// Whether the person selects the boat and engages; otherwise the world selects the boat.
     pub hands_on: bool,
 }
 
 impl DriveSetup {
+    /// Whether the pilot commands the boat: not in drives of before, and not where the target is no boat.
+    pub const fn commands_boat(&self) -> bool {
+        self.vessel && matches!(self.loaded.scenario.target, TargetScript::Boat(_))
+    }
+
     /// Loads the scenario of a drive.
     ///
     /// # Errors
@@ -40,6 +48,6 @@ impl DriveSetup {
         let mut loaded = scenario::load(&url.scenario, &overrides)?;
         loaded.scenario.max_s = MAX_DRIVE_S;
         let profile = loaded.profile()?;
-        Ok(Self { url, loaded, profile, tracker, law, encoded, hands_on: false })
+        Ok(Self { url, loaded, profile, tracker, law, encoded, hands_on: false, vessel: true })
     }
 }

@@ -45,6 +45,8 @@ struct Header {
     encoded: bool,
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     hands_on: bool,
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    vessel: bool,
     program: String,
 }
 
@@ -95,6 +97,7 @@ impl DriveWriter {
             law_behaviour: setup.law.behaviour_version(),
             encoded: setup.encoded,
             hands_on: setup.hands_on,
+            vessel: setup.vessel,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         })?;
         Ok(writer)
@@ -168,7 +171,7 @@ impl StoredDrive {
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
         let law = header.law.with_stored_mode().validated("law.")?;
         let setup = DriveSetup::new(url, header.tracker, law, header.encoded)?;
-        let setup = DriveSetup { hands_on: header.hands_on, ..setup };
+        let setup = DriveSetup { hands_on: header.hands_on, vessel: header.vessel, ..setup };
         if format!("{:016x}", setup.loaded.hash) != header.scenario_hash {
             bail!("the scenario {} is another than it was then", setup.url.scenario);
         }

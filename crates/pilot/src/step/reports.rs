@@ -9,6 +9,9 @@ impl Pilot {
     /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
     pub(super) fn on_telemetry(&mut self, telemetry: &Telemetry) {
         self.safety.on_report(&telemetry.report);
+        if let Some(vessel) = &mut self.vessel {
+            vessel.on_camera_report(telemetry);
+        }
         match telemetry.report {
             Report::CameraTilt(tilt) => self.on_tilt(tilt, telemetry.at),
             Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
@@ -30,6 +33,9 @@ impl Pilot {
     /// The vehicle tells the elevation of the camera's axis.
     fn on_tilt(&mut self, tilt: Angle, at: Timestamp) {
         self.reported_tilt = Some((tilt, at));
+        if let Some(vessel) = &mut self.vessel {
+            vessel.on_tilt(at);
+        }
         self.law.on_tilt_report(tilt, at);
     }
 }

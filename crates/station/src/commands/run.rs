@@ -390,5 +390,9 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
 pub fn build_pilot(configuration: &Configuration, path: CommandPath) -> Result<Pilot> {
     let settings =
         PilotSettings { profile: configuration.profile.clone(), law: configuration.law.settings() };
-    Ok(Pilot::new(settings, configuration.tracker.build()?).keeping_frames().commanding(path))
+    let pilot = Pilot::new(settings, configuration.tracker.build()?).keeping_frames().commanding(path);
+    Ok(match &configuration.vessel {
+        Some(vessel) => pilot.with_vessel(vessel.settings()),
+        None => pilot,
+    })
 }

@@ -12,6 +12,7 @@ use super::summary_table;
 use super::trials_progress::{Campaign, TrialsProgress};
 use crate::cli::{PerceptionName, TrialsArgs};
 use crate::config::Configuration;
+use crate::config::vessel::VesselConfig;
 use barrelman_experiments::campaign::drive_inputs::DriveInputs;
 use barrelman_experiments::campaign::file::CampaignWriter;
 use barrelman_experiments::campaign::plan::CampaignRequest;
@@ -33,8 +34,10 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         plan = plan.with_drive(DriveInputs::from_drive(drive));
     }
     if let Some(folder) = &args.record {
-        let configuration =
-            Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?.to_toml()?;
+        let simulated = Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?;
+        let commands_boat = drive.as_ref().is_some_and(|drive| drive.setup.commands_boat());
+        let vessel = commands_boat.then(VesselConfig::simulated);
+        let configuration = Configuration { vessel, ..simulated }.to_toml()?;
         plan = plan.with_recordings(TrialRecording {
             folder: folder.clone(),
             force: args.force || args.resume,

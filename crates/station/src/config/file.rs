@@ -9,6 +9,7 @@ use super::camera::CameraSection;
 use super::console::{ConsoleSection, RecordingSection};
 use super::tracker::TrackerSection;
 use super::tracking_camera::TrackingCameraSection;
+use super::vessel::VesselSection;
 use barrelman_experiments::law_choice::{LawName, ModeName};
 
 /// A configuration file.
@@ -29,6 +30,8 @@ pub struct ConfigFile {
     pub tracker: TrackerSection,
     /// Barrelman as a tracking camera on a MAVLink link.
     pub tracking_camera: TrackingCameraSection,
+    /// The boat.
+    pub vessel: VesselSection,
     /// The operator's console.
     pub console: ConsoleSection,
     /// The recordings that `run` makes without being asked.

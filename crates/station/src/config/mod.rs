@@ -10,6 +10,7 @@ pub mod camera;
 pub mod console;
 pub mod tracker;
 pub mod tracking_camera;
+pub mod vessel;
 
 pub mod resolve;
 

@@ -16,6 +16,7 @@ use super::range::within;
 use super::tracker::TrackerSection;
 use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
+use super::vessel::{VesselConfig, VesselSection};
 use crate::secrets::{LinkAccess, LoginSource, TrustFiles};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
@@ -47,6 +48,8 @@ pub struct Configuration {
     pub tracker: TrackerSettings,
     /// The tracking camera on a MAVLink link.
     pub tracking_camera: TrackingCameraConfig,
+    /// The boat that is commanded; `None`: none.
+    pub vessel: Option<VesselConfig>,
     /// The operator's console.
     pub console: ConsoleConfig,
     /// The recordings that `run` makes without being asked.
@@ -147,6 +150,7 @@ impl Configuration {
             .validated("law.")?,
             tracker: file.tracker.settings().validated()?,
             tracking_camera: file.tracking_camera.resolve()?,
+            vessel: file.vessel.resolve()?,
             console: file.console.resolve(),
             recording: file.recording.resolve()?,
         })
@@ -222,6 +226,7 @@ impl Configuration {
             law: LawSection { name: Some(self.law.name), mode: self.law.mode, horizon: self.law.horizon_s },
             tracker: TrackerSection::from_settings(&self.tracker),
             tracking_camera: TrackingCameraSection::from_config(&self.tracking_camera),
+            vessel: VesselSection::from_config(self.vessel.as_ref()),
             console: ConsoleSection::from_config(&self.console),
             recording: RecordingSection::from_config(&self.recording),
         }

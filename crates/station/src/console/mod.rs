@@ -31,6 +31,7 @@ mod files;
 mod metrics;
 mod requests;
 mod status;
+mod vessel_status;
 
 mod picker;
 mod pictures;

@@ -4,12 +4,15 @@
 use std::time::Duration;
 
 use barrelman_experiments::drive::DriveInput;
-use barrelman_vocab::{Angle, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, Timestamp};
+use barrelman_vocab::{
+    Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, Nudge, OperatorRequest, PixelBox,
+    PixelPoint, Timestamp, VesselCommand,
+};
 
 use tokio::sync::oneshot;
 
 use super::access::Role;
-use super::api::{AnswerKind, ConsoleRequest, LawName};
+use super::api::{AnswerKind, ConsoleRequest, LawName, MarkName};
 use super::seats::{ClientId, Seats};
 use super::shared::Console;
 use crate::operator::{Answer, Request};
@@ -59,6 +62,9 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Console
     if let Some(result) = change_seats(console, from, &request) {
         return Pending::Answered(result.map_or_else(refused, |()| ACCEPTED));
     }
+    if commands_boat(&request) {
+        console.gateway.set_boat_left(false);
+    }
     match session_request(&request) {
         Ok(request) => Pending::Submitted(console.gateway.submit(request)),
         Err(reason) => Pending::Answered(refused(reason)),
@@ -98,12 +104,19 @@ fn refusal(seats: &Seats, from: Requester, request: &ConsoleRequest) -> Option<S
     );
     match from.client {
         None if is_about_seats => Some("only a page on a socket can control".to_owned()),
+        // A boat without a page at which somebody looks is stopped at once.
+        None if commands_boat(request) => Some("only a page on a socket can command the boat".to_owned()),
         None if seats.is_empty() => None,
         None => Some("a page is in control".to_owned()),
         Some(_) if is_about_seats => None,
         Some(id) if seats.controls(id) => None,
         Some(_) => Some("another page is in control: ask for the control, or take it".to_owned()),
     }
+}
+
+/// Whether a request lets the boat move.
+const fn commands_boat(request: &ConsoleRequest) -> bool {
+    matches!(request, ConsoleRequest::Guide | ConsoleRequest::GoHome | ConsoleRequest::Helm { .. })
 }
 
 /// Changes who controls. `None`: the request is about something else.
@@ -161,10 +174,33 @@ fn session_request(request: &ConsoleRequest) -> Result<Request, &'static str> {
             LawName::Intermittent => LawId::Intermittent,
         })),
         ConsoleRequest::Helm { thrust, rudder } => {
-            let (thrust, rudder) = (in_share(thrust)?, in_share(rudder)?);
-            Ok(Request::World(DriveInput::Helm { thrust, rudder }))
+            in_share(thrust)?;
+            in_share(rudder)?;
+            pilot(OperatorRequest::Steer(VesselCommand { throttle: thrust, rudder: -rudder }))
         }
-        ConsoleRequest::Helmsman => Ok(Request::World(DriveInput::Helmsman)),
+        ConsoleRequest::Helmsman => pilot(OperatorRequest::ReleaseBoat),
+        ConsoleRequest::Mark { mark, at: [u, v], captured_ns } => {
+            if !(u.is_finite() && v.is_finite()) {
+                return Err("the point must have two numbers");
+            }
+            pilot(OperatorRequest::Mark(DrawnMark {
+                kind: match mark {
+                    MarkName::Place => MarkKind::Place,
+                    MarkName::Person => MarkKind::Person,
+                    MarkName::WayPoint => MarkKind::WayPoint,
+                    MarkName::Forbidden => MarkKind::Forbidden,
+                    MarkName::Home => MarkKind::Home,
+                },
+                pixel: PixelPoint { u, v },
+                captured: Timestamp::from_nanos(captured_ns),
+            }))
+        }
+        ConsoleRequest::Unmark { id } => pilot(OperatorRequest::Unmark(id)),
+        ConsoleRequest::UnmarkAll => pilot(OperatorRequest::UnmarkAll),
+        ConsoleRequest::NextMark => pilot(OperatorRequest::NextMark),
+        ConsoleRequest::Guide => pilot(OperatorRequest::Guide),
+        ConsoleRequest::GoHome => pilot(OperatorRequest::GoHome),
+        ConsoleRequest::StopBoat => pilot(OperatorRequest::StopBoat(BoatStop::Operator)),
         ConsoleRequest::Pause => Ok(Request::World(DriveInput::Pause)),
         ConsoleRequest::Resume => Ok(Request::World(DriveInput::Resume)),
         ConsoleRequest::Stop
@@ -174,13 +210,8 @@ fn session_request(request: &ConsoleRequest) -> Result<Request, &'static str> {
     }
 }
 
-/// A share as percent.
-fn in_share(share: f64) -> Result<i8, &'static str> {
-    if (-1.0..=1.0).contains(&share) {
-        Ok((share * 100.0).round() as i8)
-    } else {
-        Err("the values must be numbers from -1 to 1")
-    }
+fn in_share(share: f64) -> Result<(), &'static str> {
+    if (-1.0..=1.0).contains(&share) { Ok(()) } else { Err("the values must be numbers from -1 to 1") }
 }
 
 #[cfg(test)]

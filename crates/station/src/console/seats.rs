@@ -17,6 +17,10 @@ pub(super) const GRACE: Duration = Duration::from_secs(2);
 /// How long the page in control may be silent. A page sends something each second.
 pub(super) const MAX_SILENCE: Duration = Duration::from_secs(3);
 
+/// How long the page in control may be gone or silent before the boat is stopped. A page that commands a boat sends something
+/// four times a second. With the interval of the check, the boat is neutral after a second.
+pub(super) const BOAT_SILENCE: Duration = Duration::from_millis(900);
+
 /// The largest number of pages at a time.
 pub(super) const MAX_CLIENTS: usize = 16;
 
@@ -112,6 +116,16 @@ impl Seats {
             asking.into_iter().for_each(|id| self.seat(id));
         }
         is_over
+    }
+
+    /// Whether nobody at a page watches over the boat: the page in control is gone, or was silent for [`BOAT_SILENCE`].
+    pub(super) fn is_boat_left(&self, now: Timestamp) -> bool {
+        let Some(holder) = &self.holder else { return true };
+        let heard = match holder.lost {
+            Some(lost) => Some(lost),
+            None => self.clients.iter().find(|client| client.id == holder.id).map(|client| client.heard),
+        };
+        heard.is_none_or(|heard| now.since(heard) > BOAT_SILENCE)
     }
 
     /// Whether a page is in control.

@@ -26,7 +26,7 @@ use crate::live::event::Event;
 use crate::live::threads;
 
 /// Interval at which seats of lost pages are looked at.
-const SEAT_INTERVAL: Duration = Duration::from_millis(250);
+const SEAT_INTERVAL: Duration = Duration::from_millis(100);
 /// Send buffer of a connection, bytes: bounds how far a slow viewer's video lies behind.
 const SEND_BUFFER_BYTES: usize = 256 << 10;
 

@@ -11,6 +11,7 @@ use super::api::{
     AxisPair, BoatStatus, CameraWork, LawName, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
     RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
+use super::vessel_status::vessel_of;
 use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
 
 /// The API's form of a snapshot. `h264`: whether the video can be sent as H.264.
@@ -34,6 +35,7 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
         law: snapshot.law.map(law_name),
         video: video_of(&snapshot.video, h264),
         boat: snapshot.boat.map(boat_of),
+        vessel: vessel_of(snapshot),
         link: link_of(&snapshot.vehicle),
         recording: recording_of(&snapshot.recording),
         work: work_of(&snapshot.work),
@@ -186,18 +188,23 @@ fn boat_of(boat: snapshot::BoatOnWater) -> BoatStatus {
     }
 }
 
+/// The API's name of the state of a link.
+pub(super) const fn link_name(link: snapshot::LinkStatus) -> &'static str {
+    match link {
+        snapshot::LinkStatus::DryRun => "dry-run",
+        snapshot::LinkStatus::Simulated => "simulated",
+        snapshot::LinkStatus::Link(LinkState::Opening) => "opening",
+        snapshot::LinkStatus::Link(LinkState::Starting) => "starting",
+        snapshot::LinkStatus::Link(LinkState::Up) => "up",
+        snapshot::LinkStatus::Link(LinkState::Silent) => "silent",
+        snapshot::LinkStatus::Link(LinkState::Closing) => "closing",
+        snapshot::LinkStatus::Link(LinkState::Closed) => "closed",
+    }
+}
+
 fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
     LinkStatus {
-        state: match vehicle.link {
-            snapshot::LinkStatus::DryRun => "dry-run",
-            snapshot::LinkStatus::Simulated => "simulated",
-            snapshot::LinkStatus::Link(LinkState::Opening) => "opening",
-            snapshot::LinkStatus::Link(LinkState::Starting) => "starting",
-            snapshot::LinkStatus::Link(LinkState::Up) => "up",
-            snapshot::LinkStatus::Link(LinkState::Silent) => "silent",
-            snapshot::LinkStatus::Link(LinkState::Closing) => "closing",
-            snapshot::LinkStatus::Link(LinkState::Closed) => "closed",
-        },
+        state: link_name(vehicle.link),
         in_control: vehicle.control.map(|control| control == ControlState::Ours),
         acceptance: vehicle.acceptance.map(Acceptance::key),
         battery_v: vehicle.battery_v,

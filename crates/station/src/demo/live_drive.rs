@@ -7,9 +7,9 @@ use std::time::Duration;
 use anyhow::Result;
 use barrelman_experiments::drive::{Drive, DriveInput, DriveSetup, DriveWriter};
 use barrelman_host::clock::Clock;
+use barrelman_pilot::VesselMode;
 use barrelman_vocab::{OperatorRequest, StopCause, Timestamp};
 
-use super::helm::RenewedHelm;
 use super::observers::DriveObservers;
 use super::pacing::Pacing;
 use crate::console::SessionTime;
@@ -45,7 +45,6 @@ pub(super) struct LiveDrive<'a> {
     pub(super) setup: &'a DriveSetup,
     pub(super) clock: Clock,
     pub(super) time: SessionTime,
-    pub(super) helm: RenewedHelm,
     pub(super) is_paused: bool,
     /// Whether the user knows that the world is slower than real time.
     pub(super) is_slow_told: bool,
@@ -83,9 +82,6 @@ impl LiveDrive<'_> {
                     return Ok(DriveEnd::Failed("all threads have ended".to_owned()));
                 }
             }
-            if let Some(neutral) = self.helm.expire(self.clock.now()) {
-                self.apply(neutral)?;
-            }
             if self.is_paused {
                 self.publish_state(pacing.pace(), false);
                 pacing.resume(tick, self.clock.now());
@@ -117,6 +113,7 @@ impl LiveDrive<'_> {
             | Event::Frame
             | Event::Video(_)
             | Event::Link(_)
+            | Event::Boat(_)
             | Event::RecordingFailed { .. } => {}
         }
         None
@@ -128,6 +125,10 @@ impl LiveDrive<'_> {
         if let Some(console) = &mut self.observers.console {
             console.publisher.set_console_lost(is_lost, now);
         }
+        let mode = self.drive.outcome().map_or(VesselMode::Absent, |outcome| outcome.vessel.mode);
+        if let Some(request) = self.gateway.stop_for_left_boat(mode) {
+            self.apply(DriveInput::from(request))?;
+        }
         loop {
             self.take_stop()?;
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(()) };
@@ -137,6 +138,7 @@ impl LiveDrive<'_> {
                     answer.give(Answer::ACCEPTED);
                 }
                 Request::Pilot(request) => {
+                    // A helm that is renewed is stored each time: the pilot makes a step for it.
                     self.apply(DriveInput::from(request))?;
                     if let (Some(console), Some(outcome)) =
                         (&mut self.observers.console, self.drive.outcome())
@@ -160,11 +162,9 @@ impl LiveDrive<'_> {
         Ok(())
     }
 
-    /// Handles an input of the world. A helm that is already in force is only renewed, not stored again.
+    /// Handles an input of the world.
     fn on_world_input(&mut self, input: DriveInput) -> Result<()> {
         match input {
-            DriveInput::Helm { .. } if !self.helm.set(input, self.clock.now()) => return Ok(()),
-            DriveInput::Helmsman => self.helm.release(),
             DriveInput::Pause => self.is_paused = true,
             DriveInput::Resume => self.is_paused = false,
             _ => {}

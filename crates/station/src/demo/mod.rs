@@ -11,7 +11,6 @@ pub mod session;
 pub mod live_drive;
 pub mod pacing;
 
-mod helm;
 mod observers;
 mod recording;
 

@@ -6,6 +6,7 @@ use barrelman_experiments::drive::DriveSetup;
 use barrelman_host::output::OutputFile;
 
 use crate::config::Configuration;
+use crate::config::vessel::VesselConfig;
 
 /// Begins the recording of a drive in `file`, if there is one.
 ///
@@ -13,7 +14,9 @@ use crate::config::Configuration;
 /// If the file cannot be written.
 pub(super) fn begin(file: Option<OutputFile>, setup: &DriveSetup) -> Result<Option<TrialRecorder>> {
     let begin = |file| {
-        let configuration = Configuration::simulated(setup.profile.clone(), setup.law, setup.tracker)?;
+        let simulated = Configuration::simulated(setup.profile.clone(), setup.law, setup.tracker)?;
+        let configuration =
+            Configuration { vessel: setup.commands_boat().then(VesselConfig::simulated), ..simulated };
         let behaviour = setup.law.behaviour_with(setup.tracker);
         let run = RecordedRun { video: setup.url.to_string(), behaviour, trial: None };
         TrialRecorder::without_film(file, configuration.to_toml()?, run)

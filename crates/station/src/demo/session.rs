@@ -11,7 +11,6 @@ use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 
-use super::helm::RenewedHelm;
 use super::live_drive::{DriveEnd, LiveDrive};
 use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
@@ -101,7 +100,6 @@ impl DriveSession {
                 setup: &setup,
                 clock,
                 time: time.clone(),
-                helm: RenewedHelm::default(),
                 is_paused: false,
                 is_slow_told: false,
             };

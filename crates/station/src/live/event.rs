@@ -19,6 +19,8 @@ pub enum Event {
     Video(VideoState),
     /// The link reports something.
     Link(LinkReport),
+    /// A report of the link to the boat.
+    Boat(LinkReport),
     /// The gateway holds requests or a stop, or the controlling page is gone or has come back.
     Operator,
     /// The program must end.

@@ -13,15 +13,17 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use barrelman_host::latest::Latest;
-use barrelman_pilot::{Input, Notice, Outcome, Pilot};
+use barrelman_pilot::{Input, Notice, Outcome, Pilot, VesselMode};
 use barrelman_video::VideoState;
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates, VideoFrame};
+use barrelman_vocab::{
+    OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates, VesselOrder, VideoFrame,
+};
 
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
 use super::threads::FaultInjector;
-use crate::link::{LinkReport, VehicleLink};
+use crate::link::{BoatLink, LinkReport, VehicleLink};
 use crate::operator::{Answer, Answers, Gateway, Request, Submitted};
 use crate::snapshot::{Publisher, RecordingState, VideoSourceState, link_state_text};
 
@@ -74,6 +76,8 @@ pub struct RunLoop<'a> {
     pub latest: Arc<Latest<VideoFrame>>,
     /// The link; `None`: a dry run.
     pub link: Option<&'a dyn VehicleLink>,
+    /// The link to the boat; `None`: no boat is commanded.
+    pub boat: Option<&'a dyn BoatLink>,
     /// The recording, if there is one.
     pub recorder: Option<Box<dyn LiveStepObserver + 'a>>,
     /// The status line.
@@ -93,6 +97,8 @@ pub struct RunLoop<'a> {
 struct LoopState {
     /// The pilot's deadline.
     wake_at: Option<Timestamp>,
+    /// The mode of the boat after the last step.
+    boat_mode: Option<VesselMode>,
     /// Why the selection of the last step was refused.
     refusal: Option<String>,
     answers: Answers,
@@ -168,6 +174,9 @@ impl RunLoop<'_> {
     /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the next request.
     fn take_requests(&mut self, state: &mut LoopState) {
         self.publisher.set_console_lost(self.gateway.is_console_lost(), self.events.now());
+        if let Some(request) = state.boat_mode.and_then(|mode| self.gateway.stop_for_left_boat(mode)) {
+            self.step(state, Input::Request(request));
+        }
         loop {
             self.take_stop(state);
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { break };
@@ -200,6 +209,7 @@ impl RunLoop<'_> {
             // The requests are taken before the next event.
             Event::Operator => {}
             Event::Link(report) => return self.on_link_report(state, report),
+            Event::Boat(report) => return self.on_boat_report(state, report),
             Event::Video(video) => return self.on_video_state(state, video),
             Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),
             Event::ThreadPanicked { thread } => return Some(failed(format!("the {thread} thread panicked"))),
@@ -245,6 +255,30 @@ impl RunLoop<'_> {
         None
     }
 
+    fn on_boat_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
+        match report {
+            LinkReport::Telemetry(telemetry) => {
+                if let Report::Link(link) = telemetry.report {
+                    tracing::info!("boat: {}", link_state_text(link));
+                }
+                self.step(state, Input::VesselTelemetry(telemetry));
+            }
+            LinkReport::Lost { reason, .. } => {
+                tracing::error!("the link to the boat was lost ({reason}); reopening it, neutral first");
+            }
+            LinkReport::GuardLost(reason) => {
+                tracing::error!(
+                    "the guard of the boat is gone ({reason}); starting another one, neutral first"
+                );
+            }
+            LinkReport::HeldUp => tracing::error!("the pilot is held up: the link makes the boat neutral"),
+            LinkReport::Suspended(gap) => self.on_suspension(state, gap),
+            LinkReport::Stopped(_) => {}
+            LinkReport::Panicked => return Some(failed("the thread of the boat's link panicked")),
+        }
+        None
+    }
+
     /// Tells the operator, on every way there is, that the camera may be turning.
     fn warn_of_turning(&mut self, text: &str) {
         tracing::error!("{text}");
@@ -267,6 +301,13 @@ impl RunLoop<'_> {
         if let Some(link) = self.link {
             link.send(rates, outcome.wake_at);
         }
+        if let Some(boat) = self.boat {
+            let order = match outcome.vessel.is_commanded() {
+                true => VesselOrder::Commanded(outcome.vessel.command),
+                false => VesselOrder::Released,
+            };
+            boat.send(order, outcome.vessel.renew_by);
+        }
         if matches!(input, Input::Frame(_)) {
             self.publisher.add_step_time(self.events.now().since(begun));
         }
@@ -287,7 +328,8 @@ impl RunLoop<'_> {
             Some(notice @ Notice::SelectionRefused(_)) => Some(notice.to_string()),
             _ => None,
         };
-        state.wake_at = outcome.wake_at;
+        state.wake_at = outcome.next_step_at();
+        state.boat_mode = Some(outcome.vessel.mode);
         self.publisher.on_step(&input, &outcome, rates, self.pilot.law_id());
         outcome
     }

@@ -265,6 +265,7 @@ impl Session<'_> {
             publisher,
             latest,
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
+            boat: None,
             recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
             status: StatusLine::new(style.interval()).naming_keys(watches_keys),
             status_output: Box::new(status_output),

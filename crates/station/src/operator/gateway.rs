@@ -7,7 +7,8 @@ use std::sync::mpsc::SyncSender;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use barrelman_experiments::drive::DriveInput;
-use barrelman_vocab::{OperatorRequest, StopCause};
+use barrelman_pilot::VesselMode;
+use barrelman_vocab::{BoatStop, OperatorRequest, StopCause};
 use tokio::sync::oneshot;
 
 use super::answer::{Answer, AnswerSlot};
@@ -41,6 +42,7 @@ pub struct Gateway {
     stop: StopLatch,
     queue: Mutex<VecDeque<Submitted>>,
     is_console_lost: AtomicBool,
+    is_boat_left: AtomicBool,
     events: SyncSender<Event>,
 }
 
@@ -51,6 +53,7 @@ impl Gateway {
             stop: StopLatch::default(),
             queue: Mutex::default(),
             is_console_lost: AtomicBool::new(false),
+            is_boat_left: AtomicBool::new(true),
             events,
         }
     }
@@ -77,6 +80,20 @@ impl Gateway {
     /// Whether the controlling page is gone.
     pub fn is_console_lost(&self) -> bool {
         self.is_console_lost.load(Ordering::Relaxed)
+    }
+
+    /// Nobody at a page watches over the boat any more, or somebody does again.
+    pub fn set_boat_left(&self, is_left: bool) {
+        if self.is_boat_left.swap(is_left, Ordering::Relaxed) != is_left {
+            self.wake();
+        }
+    }
+
+    /// The request to stop a boat that moves by this program's command, while nobody at a page watches over it.
+    pub fn stop_for_left_boat(&self, mode: VesselMode) -> Option<OperatorRequest> {
+        let moves = matches!(mode, VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_));
+        let is_left = moves && self.is_boat_left.load(Ordering::Relaxed);
+        is_left.then_some(OperatorRequest::StopBoat(BoatStop::ConsoleLost))
     }
 
     /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the operator goes

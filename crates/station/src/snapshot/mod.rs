@@ -52,6 +52,8 @@ pub struct Snapshot {
     pub video: VideoSnapshot,
     /// The vehicle and its link.
     pub vehicle: VehicleSnapshot,
+    /// The link to the boat that is commanded.
+    pub vessel: VehicleSnapshot,
     /// Where the followed boat is on the water, where that is known.
     pub boat: Option<BoatOnWater>,
     /// The recording.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_pilot::{Input, Notice, Outcome};
+use barrelman_pilot::{Input, Notice, Outcome, VesselMode};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
 use barrelman_vocab::{Angle, LawId, Timestamp, Track, VehicleProfile, VehicleRates};
@@ -92,6 +92,7 @@ impl Publisher {
                 self.log_link_change(before.link, outcome.at);
                 self.log_acceptance(before.acceptance, outcome.at);
             }
+            Input::VesselTelemetry(telemetry) => self.state.vessel.on_telemetry(telemetry),
             Input::Localisation(_) | Input::Request(_) | Input::Tick => {}
         }
         self.work.on_step(outcome);
@@ -102,6 +103,11 @@ impl Publisher {
         self.state.rates = rates;
         self.state.law = law;
         self.publish(outcome.at);
+    }
+
+    /// The link to the boat that is commanded. Published with the next step.
+    pub const fn set_vessel_link(&mut self, link: LinkStatus) {
+        self.state.vessel.link = link;
     }
 
     /// A drive begins: its times do not follow those of the drive before.
@@ -242,6 +248,14 @@ impl Publisher {
                 _ => Level::Info,
             };
             add(level, "mode", outcome.mode.to_string());
+        }
+        let mode = outcome.vessel.mode;
+        if before.map_or(VesselMode::Absent, |before| before.vessel.mode) != mode {
+            let level = match mode {
+                VesselMode::Holding(_) | VesselMode::Stopped(_) => Level::Warning,
+                _ => Level::Info,
+            };
+            add(level, "boat", mode.to_string());
         }
         let track = track_name(outcome.track);
         if track != before.map_or("unseeded", |before| track_name(before.track)) {

@@ -82,6 +82,7 @@ impl VehicleSnapshot {
                 self.altitude_m = Some(height_m);
                 self.position = Some(VehiclePosition { latitude, longitude, heading });
             }
+            Report::CameraHeight(height_m) => self.altitude_m = Some(height_m),
             Report::Tether { altitude_m, .. } => self.altitude_m = Some(altitude_m),
             Report::Flight { state, is_battery_low, .. } | Report::FlightState { state, is_battery_low } => {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);

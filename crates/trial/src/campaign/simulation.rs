@@ -9,7 +9,7 @@
 
 use std::collections::VecDeque;
 
-use barrelman_pilot::{Input, Outcome, Pilot};
+use barrelman_pilot::{Input, Outcome, Pilot, VesselMode};
 use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
 use barrelman_sim::video_link::{Delivery, VideoLink};
@@ -43,6 +43,7 @@ pub struct Simulation<'a> {
     outcome: Option<Outcome>,
     rates: VehicleRates,
     reports_tilt: bool,
+    reports_height: bool,
     log: TrialLog,
 }
 
@@ -113,6 +114,7 @@ impl<'a> Simulation<'a> {
             outcome: None,
             rates: VehicleRates::REST,
             reports_tilt: false,
+            reports_height: false,
             log,
         }
     }
@@ -121,6 +123,12 @@ impl<'a> Simulation<'a> {
     #[must_use]
     pub fn with_tilt_reports(self, reports_tilt: bool) -> Self {
         Self { reports_tilt, ..self }
+    }
+
+    /// The same trial, in which the vehicle reports the camera's height above the water, at 10 Hz.
+    #[must_use]
+    pub fn with_height_reports(self) -> Self {
+        Self { reports_height: true, ..self }
     }
 
     /// The same trial, in which the target is selected as a person would do it: once, when the target is well visible, by
@@ -212,11 +220,15 @@ impl<'a> Simulation<'a> {
             self.deliver(&output, &truth, frames, observer);
         }
         let now = self.world.now();
-        if self.reports_tilt && self.world.tick().is_multiple_of(u64::from(TICKS_PER_TILT_REPORT)) {
-            let report = Report::CameraTilt(self.world.camera_pose().tilt);
-            self.step_pilot(Input::Telemetry(Telemetry { at: now, report }), observer);
+        if self.world.tick().is_multiple_of(u64::from(TICKS_PER_TILT_REPORT)) {
+            let pose = self.world.camera_pose();
+            let tilt = self.reports_tilt.then_some(Report::CameraTilt(pose.tilt));
+            let height = self.reports_height.then_some(Report::CameraHeight(pose.position.z));
+            for report in [tilt, height].into_iter().flatten() {
+                self.step_pilot(Input::Telemetry(Telemetry { at: now, report }), observer);
+            }
         }
-        if self.outcome.as_ref().and_then(|outcome| outcome.wake_at).is_some_and(|at| at <= now) {
+        if self.outcome.as_ref().and_then(Outcome::next_step_at).is_some_and(|at| at <= now) {
             let rates_before = self.rates;
             self.step_pilot(Input::Tick, observer);
             if self.rates != rates_before
@@ -289,6 +301,10 @@ impl<'a> Simulation<'a> {
         let outcome = self.pilot.step(input, now);
         let rates = self.profile.to_vehicle(outcome.command);
         self.world.command(self.profile.from_vehicle(rates));
+        if outcome.vessel.mode != VesselMode::Absent {
+            let is_commanded = outcome.vessel.is_commanded();
+            self.world.override_helm(is_commanded.then(|| HelmCommand::of(outcome.vessel.command)));
+        }
         observer.on_step(now, &input, &outcome, rates);
         self.rates = rates;
         self.outcome = Some(outcome);

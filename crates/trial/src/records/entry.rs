@@ -3,9 +3,11 @@
 use core::time::Duration;
 
 use barrelman_control::Percept;
-use barrelman_pilot::{Advice, CommandPath, Mode, Outcome};
+use barrelman_pilot::{Advice, CommandPath, Mode, Outcome, VesselMode, VesselOutcome};
 use barrelman_sim::Truth;
-use barrelman_vocab::{Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates};
+use barrelman_vocab::{
+    Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates, VesselCommand, WaterPoint,
+};
 
 use super::recorded_input::RecordedInput;
 use crate::behaviour::BehaviourVersions;
@@ -142,8 +144,64 @@ pub struct RecordedOutcome {
     pub rates: VehicleRates,
     /// Time by which the pilot must be stepped again.
     pub wake_at: Option<Timestamp>,
+    /// The vessel's part; `None` without a vessel.
+    pub vessel: Option<RecordedVessel>,
     /// Notice to the operator; empty without one.
     pub notice: String,
+}
+
+/// The vessel's part of an outcome, as stored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedVessel {
+    /// The mode in words.
+    pub mode: String,
+    /// Command in force.
+    pub command: VesselCommand,
+    /// Time by which the pilot renews the command.
+    pub renew_by: Option<Timestamp>,
+    /// Where the boat is on its way; `None` without distances.
+    pub progress: Option<RecordedProgress>,
+    /// Number of the mark that is the destination, and where it is on the water.
+    pub destination: Option<(u32, Option<WaterPoint>)>,
+}
+
+/// Where a boat is on its way, as stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordedProgress {
+    /// The boat on the water.
+    pub boat: WaterPoint,
+    /// Speed over ground, m/s.
+    pub speed_m_per_s: f64,
+    /// Course, 0 ahead, positive to the right, radians; `None` while unknown.
+    pub course_rad: Option<f64>,
+    /// Distance to the destination, metres.
+    pub distance_m: f64,
+    /// Distance from the line, metres, positive to the right of it.
+    pub cross_track_m: f64,
+}
+
+impl RecordedVessel {
+    /// The stored form of the vessel's part of an outcome.
+    fn new(vessel: &VesselOutcome) -> Option<Self> {
+        if vessel.mode == VesselMode::Absent {
+            return None;
+        }
+        Some(Self {
+            mode: vessel.mode.to_string(),
+            command: vessel.command,
+            renew_by: vessel.renew_by,
+            progress: vessel.guidance.and_then(|guidance| guidance.progress).map(|progress| {
+                RecordedProgress {
+                    boat: progress.boat,
+                    speed_m_per_s: progress.speed_m_per_s,
+                    course_rad: progress.course.map(Angle::radians),
+                    distance_m: progress.distance_m,
+                    cross_track_m: progress.cross_track_m,
+                }
+            }),
+            destination: vessel.marks.destination().map(|mark| (mark.id, mark.point())),
+        })
+    }
 }
 
 impl RecordedOutcome {
@@ -160,6 +218,7 @@ impl RecordedOutcome {
             command: outcome.command,
             rates,
             wake_at: outcome.wake_at,
+            vessel: RecordedVessel::new(&outcome.vessel),
             notice: outcome.notice.as_ref().map(ToString::to_string).unwrap_or_default(),
         }
     }

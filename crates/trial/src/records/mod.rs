@@ -22,7 +22,9 @@ mod topics;
 
 mod record_lengths;
 
-pub use entry::{Entry, RecordedOutcome, RecordedTruth, RecordingStart, SimulatedTrial};
+pub use entry::{
+    Entry, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordingStart, SimulatedTrial,
+};
 pub use reader::{ReadError, RecordingReader};
 pub use recorded_input::{FrameFingerprint, RecordedInput};
 pub use writer::{RecordingWriter, WriteError};

@@ -11,8 +11,10 @@ pub enum RecordedInput {
     Frame(FrameFingerprint),
     /// A localisation measured elsewhere.
     Localisation(Track),
-    /// A report of the vehicle.
+    /// A report of the camera's vehicle.
     Telemetry(Telemetry),
+    /// A report of the vessel.
+    VesselTelemetry(Telemetry),
     /// A request of the operator.
     Request(OperatorRequest),
     /// The passing of time.
@@ -34,6 +36,7 @@ impl RecordedInput {
             Input::Frame(frame) => Err(frame),
             Input::Localisation(track) => Ok(Self::Localisation(track)),
             Input::Telemetry(telemetry) => Ok(Self::Telemetry(telemetry)),
+            Input::VesselTelemetry(telemetry) => Ok(Self::VesselTelemetry(telemetry)),
             Input::Request(request) => Ok(Self::Request(request)),
             Input::Tick => Ok(Self::Tick),
         }
@@ -51,6 +54,7 @@ impl RecordedInput {
             Self::Frame(fingerprint) => Input::Frame(frame_of(fingerprint)?),
             Self::Localisation(track) => Input::Localisation(*track),
             Self::Telemetry(telemetry) => Input::Telemetry(*telemetry),
+            Self::VesselTelemetry(telemetry) => Input::VesselTelemetry(*telemetry),
             Self::Request(request) => Input::Request(*request),
             Self::Tick => Input::Tick,
         })

@@ -119,6 +119,10 @@ impl<W: Write> RecordingWriter<W> {
                 let message = stored::TelemetryInput { step, now_ns, ..telemetry.into() };
                 self.write_message(Topic::InputTelemetry, now, &message)
             }
+            RecordedInput::VesselTelemetry(telemetry) => {
+                let message = stored::TelemetryInput { step, now_ns, of_vessel: true, ..telemetry.into() };
+                self.write_message(Topic::InputTelemetry, now, &message)
+            }
             RecordedInput::Request(request) => self.write_message(
                 Topic::InputRequest,
                 now,

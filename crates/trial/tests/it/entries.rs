@@ -7,8 +7,8 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, CommandPath, Mode};
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{
-    Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordedTruth, RecordingReader,
-    RecordingStart, RecordingWriter,
+    Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordedProgress, RecordedTruth,
+    RecordedVessel, RecordingReader, RecordingStart, RecordingWriter,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::acceptance::Acceptance;
@@ -17,8 +17,9 @@ use barrelman_vocab::track::Shape;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
-    Angle, AngularRate, CameraCommand, EncodedUnit, ImagePoint, Localisation, OperatorRequest, PictureSize,
-    PixelBox, PixelPoint, StopCause, Telemetry, Timestamp, Track,
+    Angle, AngularRate, BoatStop, CameraCommand, DrawnMark, EncodedUnit, ImagePoint, Localisation, MarkKind,
+    OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause, Telemetry, Timestamp, Track,
+    VesselCommand, WaterPoint,
 };
 use bytes::Bytes;
 
@@ -133,6 +134,19 @@ pub(crate) fn outcome(value: f64) -> RecordedOutcome {
         command,
         rates: rates(value, value),
         wake_at: Some(ns(250_001_000)),
+        vessel: Some(RecordedVessel {
+            mode: "boat guided".to_owned(),
+            command: VesselCommand { throttle: value, rudder: value },
+            renew_by: Some(ns(300_000_000)),
+            progress: Some(RecordedProgress {
+                boat: WaterPoint { x: value, y: value },
+                speed_m_per_s: value,
+                course_rad: Some(value),
+                distance_m: value,
+                cross_track_m: value,
+            }),
+            destination: Some((3, Some(WaterPoint { x: value, y: value }))),
+        }),
         notice: "following, \"it\"".to_owned(),
     }
 }
@@ -157,6 +171,17 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::VehicleAttitude(q)),
         telemetry(Report::GimbalAttitude(q)),
         telemetry(Report::CameraTilt(Angle::from_radians(value))),
+        telemetry(Report::CameraHeight(value)),
+        input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
+        input(RecordedInput::Request(OperatorRequest::Steer(VesselCommand {
+            throttle: value,
+            rudder: value,
+        }))),
+        input(RecordedInput::Request(OperatorRequest::Mark(DrawnMark {
+            kind: MarkKind::Person,
+            pixel: PixelPoint { u: value, v: value },
+            captured: ns(7),
+        }))),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
         telemetry(Report::Acceptance(Acceptance::ALL[9])),
@@ -224,6 +249,14 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         input(RecordedInput::Localisation(Track::Tracking(bare))),
         input(RecordedInput::Request(OperatorRequest::Engage)),
         input(RecordedInput::Request(OperatorRequest::Disengage)),
+        input(RecordedInput::Request(OperatorRequest::Unmark(7))),
+        input(RecordedInput::Request(OperatorRequest::UnmarkAll)),
+        input(RecordedInput::Request(OperatorRequest::NextMark)),
+        input(RecordedInput::Request(OperatorRequest::Guide)),
+        input(RecordedInput::Request(OperatorRequest::GoHome)),
+        input(RecordedInput::Request(OperatorRequest::StopBoat(BoatStop::Operator))),
+        input(RecordedInput::Request(OperatorRequest::StopBoat(BoatStop::ConsoleLost))),
+        input(RecordedInput::Request(OperatorRequest::ReleaseBoat)),
         input(RecordedInput::Tick),
     ]);
     let causes = [

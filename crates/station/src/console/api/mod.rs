@@ -14,16 +14,18 @@ mod message;
 mod request;
 
 mod snapshot;
+mod vessel;
 
 mod schema;
 mod video_message;
 
 pub use crate::snapshot::{DriveState, EventEntry, Level};
 pub use message::{Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerMessage, VideoPath};
-pub use request::{ConsoleRequest, LawName};
+pub use request::{ConsoleRequest, LawName, MarkName};
 pub use schema::api_document;
 pub use snapshot::{
     AxisPair, BoatStatus, CameraWork, ControlSeat, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
     RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
+pub use vessel::{MarkStatus, ProgressStatus, VesselStatus};
 pub use video_message::{HEAD_BYTES, VideoHead, VideoKind};

@@ -47,15 +47,40 @@ pub enum ConsoleRequest {
         /// The law.
         law: LawName,
     },
-    /// Steer the simulated boat for half a second (demo only).
+    /// Steer the boat by hand for half a second; both 0: let go. Only a page on a socket can.
     Helm {
         /// -1 (astern) to 1 (ahead).
         thrust: f64,
         /// -1 (right) to 1 (left).
         rudder: f64,
     },
-    /// Return the helm to the scenario's helmsman (demo only).
+    /// Command the boat no more: whoever else steers does, in the demo the scenario's helmsman.
     Helmsman,
+    /// Mark a point in the picture. The first place or person is the destination; a further one replaces a place.
+    Mark {
+        /// What is there.
+        mark: MarkName,
+        /// The point, pixels of the displayed picture, origin at the top left corner: u, v.
+        at: [f64; 2],
+        /// Time of capture of the video frame on which the mark was set, at most 1.5 s old.
+        captured_ns: u64,
+    },
+    /// Remove a mark.
+    Unmark {
+        /// Its number.
+        id: u32,
+    },
+    /// Remove all marks.
+    UnmarkAll,
+    /// The next place or person becomes the destination.
+    NextMark,
+    /// Let the boat go to the destination by itself. Only a page on a socket can; a second after the page is gone, the boat
+    /// is stopped.
+    Guide,
+    /// Let the boat go to the mark `home` by itself. As with `guide`, only a page on a socket can.
+    GoHome,
+    /// Stop the boat alone.
+    StopBoat,
     /// Pause the simulated world (demo only).
     Pause,
     /// Resume the simulated world (demo only).
@@ -69,6 +94,22 @@ pub enum ConsoleRequest {
         /// Number of the other page (`hello.client`).
         client: u64,
     },
+}
+
+/// What can be marked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MarkName {
+    /// A place: the boat goes there and stays.
+    Place,
+    /// A person: the boat stops before the stand-off, or keeps away from a person that is not the destination.
+    Person,
+    /// A point to pass on the way to the destination.
+    WayPoint,
+    /// The centre of an area of 5 m that the boat must not enter.
+    Forbidden,
+    /// The place to come back to.
+    Home,
 }
 
 /// The camera laws that can be switched to.

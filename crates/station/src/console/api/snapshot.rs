@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::request::LawName;
+use super::vessel::VesselStatus;
 use crate::snapshot::DriveState;
 
 /// A value of each camera axis, rad/s.
@@ -48,6 +49,8 @@ pub struct StatusSnapshot {
     pub video: VideoStatus,
     /// Where the followed boat is on the water; `null`: nothing is followed, or height or tilt of the camera are not known.
     pub boat: Option<BoatStatus>,
+    /// The boat that is commanded, with the marks; `null`: no boat is commanded by this program.
+    pub vessel: Option<VesselStatus>,
     /// The link to the vehicle.
     pub link: LinkStatus,
     /// The recording.

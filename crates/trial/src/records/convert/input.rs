@@ -40,7 +40,8 @@ impl TryFrom<stored::TelemetryInput> for Entry {
 
     fn try_from(message: stored::TelemetryInput) -> Result<Self, Malformed> {
         let (step, now_ns) = (message.step, message.now_ns);
-        Ok(input(step, now_ns, RecordedInput::Telemetry(Telemetry::try_from(message)?)))
+        let kind = if message.of_vessel { RecordedInput::VesselTelemetry } else { RecordedInput::Telemetry };
+        Ok(input(step, now_ns, kind(Telemetry::try_from(message)?)))
     }
 }
 

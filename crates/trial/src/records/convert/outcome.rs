@@ -4,10 +4,12 @@ use core::time::Duration;
 
 use barrelman_control::Percept;
 use barrelman_pilot::{Advice, Mode};
-use barrelman_vocab::{Angle, AngularRate, CameraCommand, ImagePoint, Timestamp, VehicleRates};
+use barrelman_vocab::{
+    Angle, AngularRate, CameraCommand, ImagePoint, Timestamp, VehicleRates, VesselCommand, WaterPoint,
+};
 
 use super::malformed::{Malformed, missing};
-use crate::records::entry::RecordedOutcome;
+use crate::records::entry::{RecordedOutcome, RecordedProgress, RecordedVessel};
 use crate::records::stored;
 
 fn nanos(span: Duration) -> u64 {
@@ -56,7 +58,54 @@ impl From<&RecordedOutcome> for stored::Outcome {
             yaw_rate: outcome.rates.yaw.radians_per_second(),
             pitch_rate: outcome.rates.pitch.radians_per_second(),
             wake_at_ns: outcome.wake_at.map(Timestamp::as_nanos),
+            vessel: outcome.vessel.as_ref().map(Into::into),
             notice: outcome.notice.clone(),
+        }
+    }
+}
+
+impl From<&RecordedVessel> for stored::VesselOutcome {
+    fn from(vessel: &RecordedVessel) -> Self {
+        let progress = vessel.progress;
+        let destination = vessel.destination.and_then(|(_, point)| point);
+        Self {
+            mode: vessel.mode.clone(),
+            throttle: vessel.command.throttle,
+            rudder: vessel.command.rudder,
+            renew_by_ns: vessel.renew_by.map(Timestamp::as_nanos),
+            boat_x_m: progress.map(|progress| progress.boat.x),
+            boat_y_m: progress.map(|progress| progress.boat.y),
+            speed_m_per_s: progress.map(|progress| progress.speed_m_per_s),
+            course_rad: progress.and_then(|progress| progress.course_rad),
+            distance_m: progress.map(|progress| progress.distance_m),
+            cross_track_m: progress.map(|progress| progress.cross_track_m),
+            destination: vessel.destination.map_or(0, |(id, _)| id),
+            destination_x_m: destination.map(|point| point.x),
+            destination_y_m: destination.map(|point| point.y),
+        }
+    }
+}
+
+impl From<stored::VesselOutcome> for RecordedVessel {
+    fn from(vessel: stored::VesselOutcome) -> Self {
+        let point = |x: Option<f64>, y: Option<f64>| x.zip(y).map(|(x, y)| WaterPoint { x, y });
+        let progress = || {
+            Some(RecordedProgress {
+                boat: point(vessel.boat_x_m, vessel.boat_y_m)?,
+                speed_m_per_s: vessel.speed_m_per_s?,
+                course_rad: vessel.course_rad,
+                distance_m: vessel.distance_m?,
+                cross_track_m: vessel.cross_track_m?,
+            })
+        };
+        let destination = (vessel.destination > 0)
+            .then(|| (vessel.destination, point(vessel.destination_x_m, vessel.destination_y_m)));
+        Self {
+            progress: progress(),
+            destination,
+            command: VesselCommand { throttle: vessel.throttle, rudder: vessel.rudder },
+            renew_by: vessel.renew_by_ns.map(Timestamp::from_nanos),
+            mode: vessel.mode,
         }
     }
 }
@@ -101,6 +150,7 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
             rates: VehicleRates { yaw: rate(outcome.yaw_rate), pitch: rate(outcome.pitch_rate) },
             wake_at: outcome.wake_at_ns.map(Timestamp::from_nanos),
             track: outcome.track.ok_or_else(|| missing("track"))?.try_into()?,
+            vessel: outcome.vessel.map(Into::into),
             notice: outcome.notice,
         })
     }

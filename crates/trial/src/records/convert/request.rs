@@ -1,6 +1,8 @@
 //! The operator's requests, to and from their stored form.
 
-use barrelman_vocab::{Angle, DrawnSelection, Nudge, OperatorRequest, Timestamp};
+use barrelman_vocab::{
+    Angle, DrawnMark, DrawnSelection, Nudge, OperatorRequest, PixelPoint, Timestamp, VesselCommand,
+};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;
@@ -40,6 +42,29 @@ impl From<&OperatorRequest> for stored::RequestInput {
                 message.stop_cause = stored::StopCause::from(*cause) as i32;
                 stored::RequestKind::Stop
             }
+            OperatorRequest::Mark(DrawnMark { kind, pixel, captured }) => {
+                message.mark_kind = stored::MarkKind::from(*kind) as i32;
+                (message.mark_u, message.mark_v) = (pixel.u, pixel.v);
+                message.drawn_on_ns = captured.as_nanos();
+                stored::RequestKind::Mark
+            }
+            OperatorRequest::Unmark(id) => {
+                message.mark_id = *id;
+                stored::RequestKind::Unmark
+            }
+            OperatorRequest::UnmarkAll => stored::RequestKind::UnmarkAll,
+            OperatorRequest::NextMark => stored::RequestKind::NextMark,
+            OperatorRequest::Guide => stored::RequestKind::Guide,
+            OperatorRequest::GoHome => stored::RequestKind::GoHome,
+            OperatorRequest::Steer(VesselCommand { throttle, rudder }) => {
+                (message.throttle, message.rudder) = (*throttle, *rudder);
+                stored::RequestKind::Steer
+            }
+            OperatorRequest::StopBoat(by) => {
+                message.boat_stop = stored::BoatStop::from(*by) as i32;
+                stored::RequestKind::StopBoat
+            }
+            OperatorRequest::ReleaseBoat => stored::RequestKind::ReleaseBoat,
         } as i32;
         message
     }
@@ -69,6 +94,21 @@ impl TryFrom<stored::RequestInput> for OperatorRequest {
             stored::RequestKind::Engage => Self::Engage,
             stored::RequestKind::Disengage => Self::Disengage,
             stored::RequestKind::Stop => Self::Stop(message.stop_cause().try_into()?),
+            stored::RequestKind::Mark => Self::Mark(DrawnMark {
+                kind: message.mark_kind().try_into()?,
+                pixel: PixelPoint { u: message.mark_u, v: message.mark_v },
+                captured: Timestamp::from_nanos(message.drawn_on_ns),
+            }),
+            stored::RequestKind::Unmark => Self::Unmark(message.mark_id),
+            stored::RequestKind::UnmarkAll => Self::UnmarkAll,
+            stored::RequestKind::NextMark => Self::NextMark,
+            stored::RequestKind::Guide => Self::Guide,
+            stored::RequestKind::GoHome => Self::GoHome,
+            stored::RequestKind::Steer => {
+                Self::Steer(VesselCommand { throttle: message.throttle, rudder: message.rudder })
+            }
+            stored::RequestKind::StopBoat => Self::StopBoat(message.boat_stop().try_into()?),
+            stored::RequestKind::ReleaseBoat => Self::ReleaseBoat,
             stored::RequestKind::Unknown => return Err(missing("kind")),
         })
     }

@@ -56,6 +56,7 @@ impl From<&Telemetry> for stored::TelemetryInput {
             Report::VehicleAttitude(q) => Stored::VehicleAttitude(stored_quaternion(q)),
             Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
             Report::CameraTilt(tilt) => Stored::CameraTiltRad(tilt.radians()),
+            Report::CameraHeight(height_m) => Stored::CameraHeightM(height_m),
             Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
             Report::FlightState { state, is_battery_low } => {
                 let (state, mode) = stored_flight_state(state);
@@ -88,7 +89,7 @@ impl From<&Telemetry> for stored::TelemetryInput {
                 })
             }
         };
-        Self { step: 0, now_ns: 0, at_ns: telemetry.at.as_nanos(), report: Some(report) }
+        Self { step: 0, now_ns: 0, at_ns: telemetry.at.as_nanos(), report: Some(report), of_vessel: false }
     }
 }
 
@@ -113,6 +114,7 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
             Stored::VehicleAttitude(q) => Report::VehicleAttitude(quaternion(q)),
             Stored::GimbalAttitude(q) => Report::GimbalAttitude(quaternion(q)),
             Stored::CameraTiltRad(tilt) => Report::CameraTilt(Angle::from_radians(tilt)),
+            Stored::CameraHeightM(height_m) => Report::CameraHeight(height_m),
             Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
             Stored::FlightState(flight) => Report::FlightState {
                 state: flight_state(flight.state, flight.mode)?,

@@ -1,0 +1,304 @@
+//! The pilot's second actuator: a boat that is steered by hand from the video, or goes to a mark by itself.
+//!
+//! ```text
+//!   localisation --> Eye --> Guide --> VesselGate --> command
+//!   marks ------------^                    ^
+//!   helm that is held ---------------------+
+//! ```
+//!
+//! What must not be here: anything that moves the camera, and a second place that decides whether the boat may be
+//! commanded: only [`gate`] decides it.
+
+use core::time::Duration;
+
+use barrelman_control::CameraModel;
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{
+    DrawnMark, Localisation, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VesselCommand,
+    VesselProfile,
+};
+
+use crate::history::KEPT;
+use crate::outcome::{HoldCause, Notice, Refusal};
+use crate::vehicle::CommandPath;
+
+pub mod gate;
+
+pub mod guiding;
+pub mod marks;
+
+pub mod eye;
+
+pub use eye::Eye;
+pub use gate::{VesselHold, VesselMode, VesselStop};
+pub use guiding::{Guidance, GuidanceBasis, GuidanceLaw};
+pub use marks::{Mark, Marks};
+
+use gate::{Sight, VesselGate};
+use guiding::Guide;
+use marks::MarkRefusal;
+
+/// A reported height holds for this time.
+const HEIGHT_LASTS: Duration = Duration::from_secs(10);
+/// Least height, metres: on the ground nothing is looked down on.
+const LEAST_HEIGHT_M: f64 = 1.0;
+
+/// Settings of the second actuator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VesselSettings {
+    /// The vessel.
+    pub profile: VesselProfile,
+    /// The law that guides it.
+    pub guidance: GuidanceLaw,
+    /// Where its commands go.
+    pub path: CommandPath,
+}
+
+/// The vessel's part of a step's outcome.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VesselOutcome {
+    /// The vessel.
+    pub profile: VesselProfile,
+    /// The mode.
+    pub mode: VesselMode,
+    /// The command in force from this step on.
+    pub command: VesselCommand,
+    /// Time by which the pilot renews the command.
+    pub renew_by: Option<Timestamp>,
+    /// What the guidance did last; `None`: nothing yet.
+    pub guidance: Option<Guidance>,
+    /// The operator's marks.
+    pub marks: Marks,
+    /// The camera of the newest video frame; `None` before the first.
+    pub eye: Option<Eye>,
+}
+
+impl VesselOutcome {
+    /// Without a vessel.
+    pub fn absent() -> Self {
+        Self {
+            profile: VesselProfile::SIMULATOR,
+            mode: VesselMode::Absent,
+            command: VesselCommand::NEUTRAL,
+            renew_by: None,
+            guidance: None,
+            marks: Marks::default(),
+            eye: None,
+        }
+    }
+
+    /// Whether this program commands the boat.
+    pub const fn is_commanded(&self) -> bool {
+        !matches!(self.mode, VesselMode::Absent | VesselMode::Released)
+    }
+}
+
+/// What a step tells the vessel's part.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VesselView<'a> {
+    pub(crate) camera: &'a CameraModel,
+    pub(crate) now: Timestamp,
+}
+
+/// What a step observed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Observed<'a> {
+    /// A fresh localisation of the boat.
+    Boat(&'a Localisation),
+    /// Video, without a fresh localisation.
+    NoBoat(HoldCause),
+    /// No observation.
+    Nothing,
+}
+
+/// The second actuator with its state.
+#[derive(Debug, Clone)]
+pub struct VesselPilot {
+    profile: VesselProfile,
+    gate: VesselGate,
+    guide: Guide,
+    marks: Marks,
+    height: Option<(f64, Timestamp)>,
+    tilt_reported_at: Option<Timestamp>,
+    eye: Option<Eye>,
+}
+
+impl VesselPilot {
+    /// A vessel that is not commanded yet.
+    pub fn new(settings: VesselSettings) -> Self {
+        let VesselSettings { profile, guidance, path } = settings;
+        Self {
+            gate: VesselGate::new(profile.clone(), path),
+            profile,
+            guide: Guide::new(guidance),
+            marks: Marks::default(),
+            height: None,
+            tilt_reported_at: None,
+            eye: None,
+        }
+    }
+
+    /// The vessel.
+    pub const fn profile(&self) -> &VesselProfile {
+        &self.profile
+    }
+
+    /// Another boat was selected: the boat of before is guided no more.
+    pub(crate) fn begin_target(&mut self) {
+        self.guide.reset_boat();
+        if self.gate.is_guiding() {
+            self.gate.stop(VesselStop::OtherBoat);
+        }
+    }
+
+    /// A video frame that is fresh has arrived.
+    pub(crate) const fn on_video(&mut self, now: Timestamp) {
+        self.gate.on_video(now);
+    }
+
+    /// What the camera's vehicle reports of its height and tilt.
+    pub(crate) fn on_camera_report(&mut self, telemetry: &Telemetry) {
+        let height_m = match telemetry.report {
+            Report::CameraHeight(height_m) => height_m,
+            Report::Tether { altitude_m, .. } => altitude_m,
+            Report::Position { height_m, .. } => height_m,
+            Report::CameraTilt(_) => {
+                self.tilt_reported_at = Some(telemetry.at);
+                return;
+            }
+            _ => return,
+        };
+        if height_m.is_finite() {
+            self.height = Some((height_m, telemetry.at));
+        }
+    }
+
+    /// A tilt was read from the gimbal's reported attitude.
+    pub(crate) const fn on_tilt(&mut self, at: Timestamp) {
+        self.tilt_reported_at = Some(at);
+    }
+
+    /// What the vessel or its link reports.
+    pub(crate) fn on_vessel_report(&mut self, report: &Report) {
+        self.gate.on_report(report);
+    }
+
+    /// Everything is stopped.
+    pub(crate) const fn stop(&mut self, cause: StopCause) {
+        self.gate.stop(VesselStop::Everything(cause));
+    }
+
+    /// Processes a request about the vessel.
+    ///
+    /// # Errors
+    /// The reason, if the request is not permitted now. It then has no effect.
+    pub(crate) fn on_request(
+        &mut self,
+        request: &OperatorRequest,
+        picture: Option<PictureSize>,
+        is_boat_seen: bool,
+        view: VesselView<'_>,
+    ) -> Result<Option<Notice>, Refusal> {
+        match request {
+            OperatorRequest::Mark(drawn) => {
+                return self.mark(drawn, picture, view).map(|id| Some(Notice::Marked(id, drawn.kind)));
+            }
+            OperatorRequest::Unmark(id) if !self.marks.remove(*id) => return Err(Refusal::NoSuchMark),
+            OperatorRequest::UnmarkAll => self.marks.clear(),
+            OperatorRequest::NextMark => {
+                self.marks.choose_next().ok_or(Refusal::NothingMarked)?;
+            }
+            OperatorRequest::Guide => self.engage(is_boat_seen, view.now)?,
+            OperatorRequest::GoHome => {
+                let before = self.marks;
+                self.marks.choose_home().ok_or(Refusal::NoHome)?;
+                self.engage(is_boat_seen, view.now).inspect_err(|_| self.marks = before)?;
+            }
+            OperatorRequest::Steer(command) => self.gate.steer(*command, view.now)?,
+            OperatorRequest::StopBoat(by) => self.gate.stop_boat(*by),
+            OperatorRequest::ReleaseBoat => self.gate.release(),
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    fn engage(&mut self, is_boat_seen: bool, now: Timestamp) -> Result<(), Refusal> {
+        if self.guide.law() == GuidanceLaw::ByHand {
+            return Err(Refusal::ByHandOnly);
+        }
+        if self.marks.destination().is_none() {
+            return Err(Refusal::NothingMarked);
+        }
+        if !is_boat_seen {
+            return Err(Refusal::BoatNotSeen);
+        }
+        let was_guiding = self.gate.is_guiding();
+        self.gate.guide(now)?;
+        if !was_guiding {
+            self.marks.begin_route();
+        }
+        Ok(())
+    }
+
+    fn mark(
+        &mut self,
+        drawn: &DrawnMark,
+        picture: Option<PictureSize>,
+        view: VesselView<'_>,
+    ) -> Result<u32, Refusal> {
+        let picture = picture.ok_or(Refusal::NoFreshVideo)?;
+        let age = view.now.since(drawn.captured);
+        if age > KEPT {
+            return Err(Refusal::SelectionTooOld { age, kept: KEPT });
+        }
+        let eye = self.eye_at(view.camera, drawn.captured, picture, view.now);
+        self.marks.add(drawn, &eye).map_err(|refusal| match refusal {
+            MarkRefusal::TooMany => Refusal::TooManyMarks,
+            MarkRefusal::NotOnWater => Refusal::MarkNotOnWater,
+        })
+    }
+
+    /// Height of the camera, where height and tilt are known now.
+    fn height_m(&self, now: Timestamp) -> Option<f64> {
+        let is_current = |at: Timestamp| now.since(at) <= HEIGHT_LASTS;
+        let (height_m, _) =
+            self.height.filter(|(height_m, at)| is_current(*at) && *height_m >= LEAST_HEIGHT_M)?;
+        self.tilt_reported_at.filter(|at| is_current(*at)).map(|_| height_m)
+    }
+
+    fn eye_at(&self, camera: &CameraModel, captured: Timestamp, picture: PictureSize, now: Timestamp) -> Eye {
+        Eye::new(camera, captured, picture, self.height_m(now))
+    }
+
+    /// Makes the vessel's part of a step.
+    pub(crate) fn step(
+        &mut self,
+        observed: Observed<'_>,
+        newest: Option<(Timestamp, PictureSize)>,
+        view: VesselView<'_>,
+    ) -> VesselOutcome {
+        let VesselView { camera, now } = view;
+        if let (Observed::Boat(_) | Observed::NoBoat(_), Some((captured, picture))) = (observed, newest) {
+            self.eye = Some(self.eye_at(camera, captured, picture, now));
+        }
+        let sight = match observed {
+            Observed::Boat(seen) => match self.eye {
+                Some(eye) => Sight::Fresh(self.guide.step(seen, &eye, &self.marks, &self.profile, now)),
+                None => Sight::NoObservation,
+            },
+            Observed::NoBoat(cause) => Sight::Unusable(cause),
+            Observed::Nothing => Sight::NoObservation,
+        };
+        let decision = self.gate.decide(sight, now);
+        self.guide.on_command_applied(decision.command, now);
+        VesselOutcome {
+            profile: self.profile,
+            mode: decision.mode,
+            command: decision.command,
+            renew_by: decision.renew_by,
+            guidance: self.guide.newest(),
+            marks: self.marks,
+            eye: self.eye,
+        }
+    }
+}

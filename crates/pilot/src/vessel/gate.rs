@@ -1,0 +1,330 @@
+//! The vessel's safety rule: the only place that decides whether the boat may be commanded.
+//!
+//! ```text
+//!               steer                           let go, or not renewed within 0.5 s
+//!   Released ----------> ByHand ----------------------------------------> Neutral
+//!       |  \                ^  \__ guide __                                 ^
+//!       |   \ guide         |  steer       \                                |
+//!       |    \-----------> Guided <---------+---------- guide --------------+
+//!       |                   |  ^
+//!       |   nothing fresh   v  |  fresh again within 5 s
+//!       |                  Holding ---- 5 s ----> Stopped
+//!       |
+//!       +-- stop boat, Stop, console lost: from every mode but Released -> Stopped -- guide, or let go and steer -->
+//! ```
+//!
+//! 1. A stop outranks everything. After a stop, a helm that is still held does nothing until it was let go; guidance takes
+//!    another request.
+//! 2. Guidance moves the boat only while fresh localisations of the boat arrive. The last command lasts at most
+//!    [`GUIDED_LASTS`] after the last one, then the boat is neutral. A hold of more than [`HOLD_LASTS`] ends the guidance.
+//! 3. A helm that is held lasts [`STEERED_LASTS`] after its last renewal, and needs fresh video: the operator steers by the
+//!    picture. It needs no track: a boat that is lost to the tracker must not be lost to the operator.
+//! 4. Nothing commands the boat while its link takes no commands.
+//! 5. The throttle grows by at most the profile's rate; less throttle takes effect at once.
+
+use core::time::Duration;
+
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{BoatStop, StopCause, Timestamp, VesselCommand, VesselProfile};
+
+use crate::outcome::{HoldCause, Refusal};
+use crate::vehicle::{CommandPath, VehicleState};
+
+/// How long a command of the guidance lasts after the last fresh localisation of the boat.
+pub const GUIDED_LASTS: Duration = Duration::from_millis(250);
+/// How long a helm lasts after its last renewal.
+pub const STEERED_LASTS: Duration = Duration::from_millis(500);
+/// How long the guidance may wait for the boat before it ends.
+pub const HOLD_LASTS: Duration = Duration::from_secs(5);
+/// A helm needs a video frame that arrived within this time.
+const NEEDS_VIDEO: Duration = Duration::from_millis(250);
+/// Longest time for which the throttle grows in one step.
+const LONGEST_RISE: Duration = Duration::from_millis(200);
+
+/// What the boat does, as far as this program commands it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VesselMode {
+    /// There is no vessel.
+    Absent,
+    /// The boat is not commanded: somebody else steers it, or nobody.
+    Released,
+    /// Neutral: commanded, and nobody steers.
+    Neutral,
+    /// The operator steers by hand.
+    ByHand,
+    /// The boat goes to its destination by itself.
+    Guided,
+    /// The boat shall go by itself, but is neutral for this reason.
+    Holding(VesselHold),
+    /// Stopped, until the next request.
+    Stopped(VesselStop),
+}
+
+/// Why a boat that shall go by itself is neutral.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum VesselHold {
+    /// There is no destination.
+    NoDestination,
+    /// For want of a boat in the picture, of video, or of a link.
+    Cause(HoldCause),
+}
+
+/// Why the boat is stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum VesselStop {
+    /// The operator stopped the boat.
+    Operator,
+    /// The console that was in control is gone.
+    ConsoleLost,
+    /// Everything was stopped.
+    Everything(StopCause),
+    /// What the vessel reported.
+    Vessel(StopCause),
+    /// Another boat was selected, or none.
+    OtherBoat,
+    /// The guidance waited for too long, for this reason.
+    HeldTooLong(VesselHold),
+}
+
+/// What one step saw of the boat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sight {
+    /// A fresh localisation, with what the guidance advises.
+    Fresh(Result<VesselCommand, VesselHold>),
+    /// An observation without a fresh localisation.
+    Unusable(HoldCause),
+    /// No observation.
+    NoObservation,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Holder {
+    Released,
+    Neutral,
+    ByHand { wanted: VesselCommand, renewed_at: Timestamp },
+    Guided { advised: VesselCommand, fresh_at: Option<Timestamp>, holding: Option<(VesselHold, Timestamp)> },
+    Stopped { cause: VesselStop, is_let_go: bool },
+}
+
+/// The rule with its state.
+#[derive(Debug, Clone)]
+pub struct VesselGate {
+    profile: VesselProfile,
+    holder: Holder,
+    vessel: VehicleState,
+    last_video_at: Option<Timestamp>,
+    command: VesselCommand,
+    last_step: Option<Timestamp>,
+}
+
+/// The decision of one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VesselDecision {
+    /// The mode from this step on.
+    pub mode: VesselMode,
+    /// The command in force from this step on.
+    pub command: VesselCommand,
+    /// Latest time of the next step; `None` if no deadline is pending.
+    pub renew_by: Option<Timestamp>,
+}
+
+impl VesselGate {
+    /// A gate for this vessel, which is not commanded yet; commands take this path.
+    pub const fn new(profile: VesselProfile, path: CommandPath) -> Self {
+        Self {
+            profile,
+            holder: Holder::Released,
+            vessel: VehicleState::new(path),
+            last_video_at: None,
+            command: VesselCommand::NEUTRAL,
+            last_step: None,
+        }
+    }
+
+    /// A video frame arrived.
+    pub const fn on_video(&mut self, now: Timestamp) {
+        self.last_video_at = Some(now);
+    }
+
+    /// Takes a report of the vessel or its link. Some stop the boat.
+    pub fn on_report(&mut self, report: &Report) {
+        if let Some(cause) = self.vessel.on_report(report) {
+            self.stop(VesselStop::Vessel(cause));
+        }
+    }
+
+    /// Whether the boat goes by itself, or waits to.
+    pub const fn is_guiding(&self) -> bool {
+        matches!(self.holder, Holder::Guided { .. })
+    }
+
+    /// Stops the boat. A boat that this program does not command is left alone. The first cause counts.
+    pub const fn stop(&mut self, cause: VesselStop) {
+        if !matches!(self.holder, Holder::Released | Holder::Stopped { .. }) {
+            let is_let_go = !matches!(self.holder, Holder::ByHand { .. });
+            self.holder = Holder::Stopped { cause, is_let_go };
+        }
+    }
+
+    /// The operator stops the boat, also one that this program did not command so far: from now on it does.
+    pub fn stop_boat(&mut self, by: BoatStop) {
+        match by {
+            BoatStop::ConsoleLost => self.stop(VesselStop::ConsoleLost),
+            BoatStop::Operator if self.holder == Holder::Released => {
+                self.holder = Holder::Stopped { cause: VesselStop::Operator, is_let_go: true };
+            }
+            BoatStop::Operator => self.stop(VesselStop::Operator),
+        }
+    }
+
+    /// Commands the boat no more.
+    pub const fn release(&mut self) {
+        self.holder = Holder::Released;
+    }
+
+    /// The operator engages the guidance.
+    ///
+    /// # Errors
+    /// The reason, if the boat cannot be commanded now.
+    pub fn guide(&mut self, now: Timestamp) -> Result<(), Refusal> {
+        self.refuse_without_way()?;
+        if !self.is_guiding() {
+            let waits = VesselHold::Cause(HoldCause::VideoSilent);
+            self.holder = Holder::Guided {
+                advised: VesselCommand::NEUTRAL,
+                fresh_at: None,
+                holding: Some((waits, now)),
+            };
+        }
+        Ok(())
+    }
+
+    /// The operator steers by hand; neutral lets go.
+    ///
+    /// # Errors
+    /// The reason, if the boat cannot be commanded now.
+    pub fn steer(&mut self, wanted: VesselCommand, now: Timestamp) -> Result<(), Refusal> {
+        let wanted = wanted.clamped();
+        if wanted.is_neutral() {
+            match &mut self.holder {
+                Holder::Stopped { is_let_go, .. } => *is_let_go = true,
+                Holder::ByHand { .. } => self.holder = Holder::Neutral,
+                Holder::Released | Holder::Neutral | Holder::Guided { .. } => {}
+            }
+            return Ok(());
+        }
+        if matches!(self.holder, Holder::Stopped { is_let_go: false, .. }) {
+            return Err(Refusal::HelmHeldAtStop);
+        }
+        self.refuse_without_way()?;
+        if !self.has_video(now) {
+            return Err(Refusal::NoFreshVideo);
+        }
+        self.holder = Holder::ByHand { wanted, renewed_at: now };
+        Ok(())
+    }
+
+    fn refuse_without_way(&self) -> Result<(), Refusal> {
+        self.vessel.obstacle().map_or(Ok(()), |cause| Err(Refusal::NoVesselMotion(cause)))
+    }
+
+    fn has_video(&self, now: Timestamp) -> bool {
+        self.last_video_at.is_some_and(|at| at <= now && now.since(at) < NEEDS_VIDEO)
+    }
+
+    /// Decides the mode and the command of one step.
+    pub fn decide(&mut self, sight: Sight, now: Timestamp) -> VesselDecision {
+        let obstacle = self.vessel.obstacle();
+        self.advance(sight, obstacle, now);
+        let (mode, wanted) = match self.holder {
+            Holder::Released => (VesselMode::Released, VesselCommand::NEUTRAL),
+            Holder::Neutral => (VesselMode::Neutral, VesselCommand::NEUTRAL),
+            Holder::ByHand { wanted, .. } => (VesselMode::ByHand, wanted),
+            Holder::Guided { holding: Some((hold, _)), .. } => {
+                (VesselMode::Holding(hold), VesselCommand::NEUTRAL)
+            }
+            Holder::Guided { advised, holding: None, .. } => (VesselMode::Guided, advised),
+            Holder::Stopped { cause, .. } => (VesselMode::Stopped(cause), VesselCommand::NEUTRAL),
+        };
+        let limits =
+            if mode == VesselMode::ByHand { self.profile.hand_limits() } else { self.profile.limits };
+        let command = self.risen(limits.applied_to(wanted), now);
+        self.command = command;
+        VesselDecision { mode, command, renew_by: self.ends_at() }
+    }
+
+    /// What time, sight and link make of the state.
+    fn advance(&mut self, sight: Sight, obstacle: Option<HoldCause>, now: Timestamp) {
+        let ends_at = self.ends_at();
+        let has_ended = ends_at.is_some_and(|at| at <= now) || self.is_before_renewal(now);
+        let has_video = self.has_video(now);
+        match &mut self.holder {
+            Holder::Released | Holder::Neutral | Holder::Stopped { .. } => {}
+            Holder::ByHand { .. } => {
+                if has_ended || obstacle.is_some() || !has_video {
+                    self.holder = Holder::Neutral;
+                }
+            }
+            Holder::Guided { advised, fresh_at, holding } => {
+                let hold = match (obstacle, sight) {
+                    (Some(obstacle), _) => Some(VesselHold::Cause(obstacle)),
+                    (None, Sight::Fresh(Ok(command))) => {
+                        (*advised, *fresh_at, *holding) = (command, Some(now), None);
+                        None
+                    }
+                    (None, Sight::Fresh(Err(hold))) => Some(hold),
+                    (None, Sight::Unusable(cause)) if has_ended || holding.is_some() => {
+                        Some(VesselHold::Cause(cause))
+                    }
+                    (None, _) if has_ended => Some(VesselHold::Cause(HoldCause::VideoSilent)),
+                    (None, _) => None,
+                };
+                if let Some(hold) = hold {
+                    let since = holding.map_or(now, |(_, since)| since);
+                    (*advised, *fresh_at, *holding) = (VesselCommand::NEUTRAL, None, Some((hold, since)));
+                }
+                // A destination is the operator's to give: that may take longer.
+                if let Some((hold @ VesselHold::Cause(_), since)) = *holding
+                    && now.since(since) >= HOLD_LASTS
+                {
+                    self.stop(VesselStop::HeldTooLong(hold));
+                }
+            }
+        }
+    }
+
+    /// A time before the last renewal: the age of the command is not known.
+    fn is_before_renewal(&self, now: Timestamp) -> bool {
+        match self.holder {
+            Holder::ByHand { renewed_at, .. } => now < renewed_at,
+            Holder::Guided { fresh_at: Some(fresh_at), .. } => now < fresh_at,
+            _ => false,
+        }
+    }
+
+    /// When the command in force, or the wait for the boat, ends without renewal.
+    fn ends_at(&self) -> Option<Timestamp> {
+        match self.holder {
+            Holder::ByHand { renewed_at, .. } => {
+                let steered_until = renewed_at.plus(STEERED_LASTS);
+                Some(self.last_video_at.map_or(steered_until, |at| steered_until.min(at.plus(NEEDS_VIDEO))))
+            }
+            Holder::Guided { holding: Some((VesselHold::NoDestination, _)), .. } => None,
+            Holder::Guided { holding: Some((_, since)), .. } => Some(since.plus(HOLD_LASTS)),
+            Holder::Guided { fresh_at, .. } => fresh_at.map(|at| at.plus(GUIDED_LASTS)),
+            Holder::Released | Holder::Neutral | Holder::Stopped { .. } => None,
+        }
+    }
+
+    /// The command with a throttle that grows slowly enough.
+    fn risen(&mut self, wanted: VesselCommand, now: Timestamp) -> VesselCommand {
+        let since = self.last_step.replace(now).map_or(Duration::ZERO, |last| now.since(last));
+        let rise = self.profile.throttle_rise_per_s * since.min(LONGEST_RISE).as_secs_f64();
+        let (before, throttle) = (self.command.throttle, wanted.throttle);
+        let from = if before * throttle > 0.0 { before.abs() } else { 0.0 };
+        VesselCommand { throttle: throttle.abs().min(from + rise).copysign(throttle), ..wanted }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,202 @@
+//! One test for each edge of the modes, and for what each command needs.
+
+use barrelman_vocab::telemetry::LinkState;
+
+use super::*;
+
+const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: 0.25 };
+const SEEN: Sight = Sight::Fresh(Ok(AHEAD));
+
+fn at(ms: u64) -> Timestamp {
+    Timestamp::from_nanos(ms * 1_000_000)
+}
+
+/// A gate with fresh video whose throttle may rise at once.
+fn gate() -> VesselGate {
+    let profile = VesselProfile { throttle_rise_per_s: 1e9, ..VesselProfile::SIMULATOR };
+    let mut gate = VesselGate::new(profile, CommandPath::Simulated);
+    gate.on_video(at(1_000));
+    gate.decide(SEEN, at(1_000));
+    gate
+}
+
+#[track_caller]
+fn check(gate: &mut VesselGate, sight: Sight, ms: u64, mode: VesselMode, command: VesselCommand) {
+    if !matches!(sight, Sight::NoObservation) {
+        gate.on_video(at(ms));
+    }
+    let decision = gate.decide(sight, at(ms));
+    assert_eq!((decision.mode, decision.command), (mode, command), "at {ms} ms");
+    assert!(decision.command.is_neutral() || decision.renew_by.is_some_and(|by| by > at(ms)), "a deadline");
+}
+
+const NEUTRAL: VesselCommand = VesselCommand::NEUTRAL;
+
+#[test]
+fn a_boat_that_nobody_engages_is_not_commanded() {
+    let mut gate = gate();
+    check(&mut gate, SEEN, 1_030, VesselMode::Released, NEUTRAL);
+    gate.stop(VesselStop::Everything(StopCause::Operator));
+    check(&mut gate, SEEN, 1_060, VesselMode::Released, NEUTRAL);
+}
+
+#[test]
+fn guidance_lasts_as_long_as_the_boat_is_seen() {
+    let mut gate = gate();
+    gate.guide(at(1_000)).unwrap();
+    check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
+    check(&mut gate, Sight::Unusable(HoldCause::Coasting), 1_200, VesselMode::Guided, AHEAD);
+    check(&mut gate, Sight::NoObservation, 1_279, VesselMode::Guided, AHEAD);
+    let silent = VesselMode::Holding(VesselHold::Cause(HoldCause::VideoSilent));
+    check(&mut gate, Sight::NoObservation, 1_280, silent, NEUTRAL);
+    let lost = VesselMode::Holding(VesselHold::Cause(HoldCause::TrackLost));
+    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 1_300, lost, NEUTRAL);
+    check(&mut gate, SEEN, 1_400, VesselMode::Guided, AHEAD);
+}
+
+#[test]
+fn a_hold_that_lasts_ends_the_guidance() {
+    let mut gate = gate();
+    gate.guide(at(1_000)).unwrap();
+    check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
+    let hold = VesselHold::Cause(HoldCause::TrackLost);
+    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 1_300, VesselMode::Holding(hold), NEUTRAL);
+    let stopped = VesselMode::Stopped(VesselStop::HeldTooLong(hold));
+    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 6_300, stopped, NEUTRAL);
+    check(&mut gate, SEEN, 6_330, stopped, NEUTRAL);
+    gate.guide(at(6_340)).unwrap();
+    check(&mut gate, SEEN, 6_360, VesselMode::Guided, AHEAD);
+}
+
+#[test]
+fn without_a_destination_the_boat_waits_for_one() {
+    let mut gate = gate();
+    gate.guide(at(1_000)).unwrap();
+    let none = VesselMode::Holding(VesselHold::NoDestination);
+    for ms in [1_030, 30_000] {
+        check(&mut gate, Sight::Fresh(Err(VesselHold::NoDestination)), ms, none, NEUTRAL);
+    }
+    check(&mut gate, SEEN, 30_030, VesselMode::Guided, AHEAD);
+}
+
+#[test]
+fn a_helm_lasts_half_a_second_after_its_last_renewal() {
+    let mut gate = gate();
+    gate.steer(AHEAD, at(1_000)).unwrap();
+    check(&mut gate, SEEN, 1_100, VesselMode::ByHand, AHEAD);
+    gate.on_video(at(1_400));
+    check(&mut gate, Sight::NoObservation, 1_499, VesselMode::ByHand, AHEAD);
+    check(&mut gate, Sight::NoObservation, 1_500, VesselMode::Neutral, NEUTRAL);
+    gate.steer(AHEAD, at(1_510)).unwrap();
+    check(&mut gate, SEEN, 1_520, VesselMode::ByHand, AHEAD);
+    gate.steer(NEUTRAL, at(1_530)).unwrap();
+    check(&mut gate, SEEN, 1_540, VesselMode::Neutral, NEUTRAL);
+}
+
+#[test]
+fn a_helm_needs_video_and_no_track() {
+    let mut gate = gate();
+    gate.steer(AHEAD, at(1_000)).unwrap();
+    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 1_100, VesselMode::ByHand, AHEAD);
+    gate.steer(AHEAD, at(1_300)).unwrap();
+    check(&mut gate, Sight::NoObservation, 1_349, VesselMode::ByHand, AHEAD);
+    check(&mut gate, Sight::NoObservation, 1_350, VesselMode::Neutral, NEUTRAL);
+    assert_eq!(gate.steer(AHEAD, at(1_400)), Err(Refusal::NoFreshVideo));
+}
+
+#[test]
+fn the_hand_takes_the_boat_from_the_guidance() {
+    let mut gate = gate();
+    gate.guide(at(1_000)).unwrap();
+    check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
+    gate.steer(NEUTRAL, at(1_040)).unwrap();
+    check(&mut gate, SEEN, 1_050, VesselMode::Guided, AHEAD);
+    let left = VesselCommand { throttle: 0.3, rudder: -1.0 };
+    gate.steer(left, at(1_060)).unwrap();
+    check(&mut gate, SEEN, 1_070, VesselMode::ByHand, left);
+    gate.steer(NEUTRAL, at(1_080)).unwrap();
+    check(&mut gate, SEEN, 1_090, VesselMode::Neutral, NEUTRAL);
+}
+
+#[test]
+fn a_stop_holds_against_a_helm_that_is_still_held() {
+    let mut gate = gate();
+    gate.steer(AHEAD, at(1_000)).unwrap();
+    check(&mut gate, SEEN, 1_030, VesselMode::ByHand, AHEAD);
+    gate.stop(VesselStop::Everything(StopCause::Operator));
+    let stopped = VesselMode::Stopped(VesselStop::Everything(StopCause::Operator));
+    check(&mut gate, SEEN, 1_040, stopped, NEUTRAL);
+    assert_eq!(gate.steer(AHEAD, at(1_050)), Err(Refusal::HelmHeldAtStop));
+    check(&mut gate, SEEN, 1_060, stopped, NEUTRAL);
+    gate.steer(NEUTRAL, at(1_070)).unwrap();
+    check(&mut gate, SEEN, 1_080, stopped, NEUTRAL);
+    gate.steer(AHEAD, at(1_090)).unwrap();
+    check(&mut gate, SEEN, 1_100, VesselMode::ByHand, AHEAD);
+}
+
+#[test]
+fn the_first_cause_of_a_stop_counts_until_the_boat_is_released() {
+    let mut gate = gate();
+    gate.guide(at(1_000)).unwrap();
+    gate.stop_boat(BoatStop::ConsoleLost);
+    gate.stop_boat(BoatStop::Operator);
+    check(&mut gate, SEEN, 1_030, VesselMode::Stopped(VesselStop::ConsoleLost), NEUTRAL);
+    gate.release();
+    check(&mut gate, SEEN, 1_060, VesselMode::Released, NEUTRAL);
+    gate.stop_boat(BoatStop::ConsoleLost);
+    check(&mut gate, SEEN, 1_090, VesselMode::Released, NEUTRAL);
+    gate.stop_boat(BoatStop::Operator);
+    check(&mut gate, SEEN, 1_120, VesselMode::Stopped(VesselStop::Operator), NEUTRAL);
+}
+
+#[test]
+fn nothing_commands_the_boat_while_its_link_is_down() {
+    let mut gate = VesselGate::new(VesselProfile::SIMULATOR, CommandPath::Link);
+    gate.on_video(at(1_000));
+    assert_eq!(gate.guide(at(1_000)), Err(Refusal::NoVesselMotion(HoldCause::LinkDown)));
+    assert_eq!(gate.steer(AHEAD, at(1_000)), Err(Refusal::NoVesselMotion(HoldCause::LinkDown)));
+    gate.on_report(&Report::Link(LinkState::Up));
+    gate.guide(at(1_000)).unwrap();
+    gate.decide(SEEN, at(1_010));
+    assert_eq!(gate.decide(SEEN, at(1_020)).mode, VesselMode::Guided);
+    gate.on_report(&Report::Link(LinkState::Opening));
+    let down = VesselMode::Holding(VesselHold::Cause(HoldCause::LinkDown));
+    check(&mut gate, SEEN, 1_040, down, NEUTRAL);
+}
+
+#[test]
+fn the_throttle_rises_slowly_and_falls_at_once() {
+    let mut gate = VesselGate::new(VesselProfile::SIMULATOR, CommandPath::Simulated);
+    gate.on_video(at(1_000));
+    gate.decide(SEEN, at(1_000));
+    gate.guide(at(1_000)).unwrap();
+    let throttle = |gate: &mut VesselGate, wanted: f64, ms: u64| {
+        let sight = Sight::Fresh(Ok(VesselCommand { throttle: wanted, rudder: 0.0 }));
+        gate.decide(sight, at(ms)).command.throttle
+    };
+    // 2 a second, and never beyond the limit of 0.6.
+    for (wanted, ms, expected) in
+        [(1.0, 1_100, 0.2), (1.0, 1_200, 0.4), (1.0, 1_900, 0.6), (0.1, 1_910, 0.1), (-1.0, 1_960, -0.1)]
+    {
+        let found = throttle(&mut gate, wanted, ms);
+        assert!((found - expected).abs() < 1e-9, "{found} at {ms} ms, not {expected}");
+    }
+    let by_hand = VesselCommand { throttle: 1.0, rudder: 0.0 };
+    for ms in [2_000, 2_200, 2_400, 2_600, 2_800] {
+        gate.on_video(at(ms));
+        gate.steer(by_hand, at(ms)).unwrap();
+        gate.decide(SEEN, at(ms));
+    }
+    assert_eq!(gate.decide(SEEN, at(2_810)).command, by_hand);
+}
+
+#[test]
+fn a_clock_that_goes_back_makes_the_boat_neutral() {
+    let mut gate = gate();
+    gate.steer(AHEAD, at(1_000)).unwrap();
+    assert_eq!(gate.decide(Sight::NoObservation, at(900)).command, NEUTRAL);
+    gate.on_video(at(1_000));
+    gate.guide(at(1_000)).unwrap();
+    gate.decide(SEEN, at(1_010));
+    assert_eq!(gate.decide(Sight::NoObservation, at(900)).command, NEUTRAL);
+}

@@ -1,0 +1,171 @@
+//! The guidance of the boat: which law steers, and what the law is told.
+//!
+//! The line-of-sight law steers over the water. Where height or tilt of the camera are not known, the laboratory's law
+//! steers in the picture instead ([`GuidanceBasis::Picture`]): it knows no distances, no current and no circles.
+
+use barrelman_control::guidance::input::Progress;
+use barrelman_control::guidance::{
+    GuidanceInput, GuidanceState, KeepOut, LabBranch, LabInput, LabLaw, LabSettings, LineOfSight,
+    LineOfSightTuning, VesselModel,
+};
+use barrelman_vocab::{Localisation, MarkKind, Timestamp, VesselCommand, VesselProfile, WaterPoint};
+
+use super::eye::Eye;
+use super::gate::VesselHold;
+use super::marks::{MAX_MARKS, Marks};
+
+/// In the picture, the boat stops this many of its own lengths before a person: a boat of 1.2 m and a stand-off of 2 m,
+/// with room to stop.
+const PERSON_LENGTHS: f64 = 3.5;
+
+/// The law that guides the boat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum GuidanceLaw {
+    /// Along a line over the water.
+    #[default]
+    LineOfSight,
+    /// The law of the paper's laboratory, in the picture.
+    Laboratory,
+    /// None: the boat is steered by hand alone.
+    ByHand,
+}
+
+/// In which coordinates the boat is guided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum GuidanceBasis {
+    /// Over the water, with distances.
+    Water,
+    /// In the picture, without distances.
+    Picture,
+}
+
+/// What the guidance did in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Guidance {
+    /// In which coordinates.
+    pub basis: GuidanceBasis,
+    /// What the law is doing.
+    pub state: GuidanceState,
+    /// Where the boat is on its way; `None` without distances.
+    pub progress: Option<Progress>,
+}
+
+/// The law with its state.
+#[derive(Debug, Clone)]
+pub struct Guide {
+    law: GuidanceLaw,
+    line_of_sight: LineOfSight,
+    laboratory: LabLaw,
+    newest: Option<Guidance>,
+}
+
+impl Guide {
+    /// A law without observations.
+    pub fn new(law: GuidanceLaw) -> Self {
+        Self {
+            law,
+            line_of_sight: LineOfSight::new(LineOfSightTuning::DEFAULT, VesselModel::JET),
+            laboratory: LabLaw::new(LabSettings::PAPER),
+            newest: None,
+        }
+    }
+
+    /// The law.
+    pub const fn law(&self) -> GuidanceLaw {
+        self.law
+    }
+
+    /// Another boat was selected.
+    pub const fn reset_boat(&mut self) {
+        self.line_of_sight.reset_boat();
+        self.laboratory.reset();
+        self.newest = None;
+    }
+
+    /// A command is in force from `now` on.
+    pub fn on_command_applied(&mut self, command: VesselCommand, now: Timestamp) {
+        self.line_of_sight.on_command_applied(command, now);
+    }
+
+    /// What the guidance did last; `None` before a destination.
+    pub const fn newest(&self) -> Option<Guidance> {
+        self.newest
+    }
+
+    /// The command for a fresh localisation of the boat.
+    pub fn step(
+        &mut self,
+        seen: &Localisation,
+        eye: &Eye,
+        marks: &Marks,
+        profile: &VesselProfile,
+        now: Timestamp,
+    ) -> Result<VesselCommand, VesselHold> {
+        let is_over_water = self.law == GuidanceLaw::LineOfSight && eye.sees_water;
+        let (command, guidance) = if is_over_water {
+            self.step_over_water(seen, eye, marks, profile, now)
+        } else {
+            self.step_in_picture(seen, eye, marks, now)
+        };
+        self.newest = Some(guidance);
+        match guidance.state {
+            GuidanceState::NoDestination => Err(VesselHold::NoDestination),
+            _ => Ok(command),
+        }
+    }
+
+    fn step_over_water(
+        &mut self,
+        seen: &Localisation,
+        eye: &Eye,
+        marks: &Marks,
+        profile: &VesselProfile,
+        now: Timestamp,
+    ) -> (VesselCommand, Guidance) {
+        let mut way_points = [WaterPoint::default(); MAX_MARKS];
+        let mut circles = [KeepOut { centre: WaterPoint::default(), radius_m: 0.0 }; MAX_MARKS];
+        let way_points_set = marks.way_points(&mut way_points);
+        let circles_set = marks.keep_outs(profile, now, &mut circles);
+        let step = self.line_of_sight.step(&GuidanceInput {
+            now,
+            fix: eye.boat(seen),
+            destination: marks.water_destination(profile, now),
+            route: marks.route(),
+            way_points: &way_points[..way_points_set],
+            keep_outs: &circles[..circles_set],
+            limits: profile.limits,
+        });
+        let guidance = Guidance { basis: GuidanceBasis::Water, state: step.state, progress: step.progress };
+        (step.command, guidance)
+    }
+
+    fn step_in_picture(
+        &mut self,
+        seen: &Localisation,
+        eye: &Eye,
+        marks: &Marks,
+        now: Timestamp,
+    ) -> (VesselCommand, Guidance) {
+        let mark = marks.destination();
+        let target = mark.and_then(|mark| mark.pixel(&eye.view));
+        let boat = seen.bounds.centre();
+        let (command, branch) = self.laboratory.step(&LabInput { now, boat: Some(boat), target });
+        let state = match branch {
+            LabBranch::Idle => GuidanceState::NoDestination,
+            LabBranch::UnknownHeading => GuidanceState::GettingWay,
+            LabBranch::Turning | LabBranch::Cruising => GuidanceState::UnderWay,
+            LabBranch::Reached => GuidanceState::Holding,
+        };
+        let guidance = Guidance { basis: GuidanceBasis::Picture, state, progress: None };
+        // The laboratory's law knows no people: the boat stops some of its lengths before one.
+        let length_px = seen.shape.map_or(seen.bounds.w.max(seen.bounds.h), |shape| shape.major_px);
+        let is_near_person = mark.is_some_and(|mark| mark.kind == MarkKind::Person)
+            && target.is_some_and(|target| {
+                libm::hypot(target.u - boat.u, target.v - boat.v) < PERSON_LENGTHS * length_px
+            });
+        if is_near_person {
+            return (VesselCommand::NEUTRAL, Guidance { state: GuidanceState::StandingOff, ..guidance });
+        }
+        (command, guidance)
+    }
+}

@@ -1,0 +1,226 @@
+//! The operator's marks: places and people that stay on the water while the camera moves.
+//!
+//! A mark is a line of sight from the camera at the time of its video frame; where height and tilt are known, it is the
+//! point at which that line meets the water. The camera's model turns it back into a pixel of every later frame.
+//!
+//! A mark is not seen again. The uncertainty of its point grows: people drift, and the kite sways.
+
+use barrelman_control::guidance::{Destination, KeepOut};
+use barrelman_control::water::WaterView;
+use barrelman_vocab::{DrawnMark, MarkKind, PixelPoint, Timestamp, VesselProfile, WaterFix, WaterPoint};
+
+use super::eye::Eye;
+
+/// Most marks at a time.
+pub const MAX_MARKS: usize = 16;
+/// Growth of the standard deviation of a person's place, m/s: a third of the drift in a knot of current.
+const PERSON_DRIFT_M_PER_S: f64 = 0.1;
+/// The same of a place: the camera's own motion.
+const PLACE_DRIFT_M_PER_S: f64 = 0.03;
+/// The standard deviation grows no further than this, metres.
+const MAX_STD_DEV_M: f64 = 5.0;
+/// Radius of a forbidden area, metres.
+pub const FORBIDDEN_M: f64 = 5.0;
+
+/// A mark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// Number of the mark, from 1; no number is used twice.
+    pub id: u32,
+    /// What is there.
+    pub kind: MarkKind,
+    /// Line of sight: a unit vector (right, ahead, up) in the frame of reference that does not turn with the camera.
+    pub direction: [f64; 3],
+    /// Where it is on the water; `None`: height or tilt were not known.
+    pub water: Option<WaterFix>,
+    /// Time of capture of its video frame.
+    pub marked: Timestamp,
+}
+
+impl Mark {
+    /// Standard deviation of the place at `now`, metres; `None` without a place on the water.
+    pub fn std_dev_m(&self, now: Timestamp) -> Option<f64> {
+        let drift = if self.kind == MarkKind::Person { PERSON_DRIFT_M_PER_S } else { PLACE_DRIFT_M_PER_S };
+        let grown = drift * now.since(self.marked).as_secs_f64();
+        let fixed = self.water?.covariance.max_std_dev_m();
+        Some(libm::sqrt(fixed * fixed + grown * grown).min(MAX_STD_DEV_M))
+    }
+
+    /// The point on the water.
+    pub fn point(&self) -> Option<WaterPoint> {
+        self.water.map(|fix| fix.point)
+    }
+
+    /// The pixel of the mark in a view; `None`: behind the camera.
+    pub fn pixel(&self, view: &WaterView) -> Option<PixelPoint> {
+        view.pixel_of(self.direction)
+    }
+
+    /// Radius of the circle around the mark that the boat keeps out of, metres: 0 for a mark without a circle. The
+    /// uncertainty is not in it.
+    pub const fn radius_m(&self, profile: &VesselProfile, is_destination: bool) -> f64 {
+        match self.kind {
+            MarkKind::Person if is_destination => profile.stand_off_m,
+            MarkKind::Person => profile.keep_out_m,
+            MarkKind::Forbidden => FORBIDDEN_M,
+            MarkKind::Place | MarkKind::WayPoint | MarkKind::Home => 0.0,
+        }
+    }
+}
+
+/// Why a mark cannot be set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MarkRefusal {
+    /// There are [`MAX_MARKS`] already.
+    TooMany,
+    /// The line of sight does not meet the water.
+    NotOnWater,
+}
+
+/// All marks, in the order in which they were set.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Marks {
+    marks: [Option<Mark>; MAX_MARKS],
+    count: usize,
+    newest_id: u32,
+    /// Number of the mark that is the destination.
+    destination: Option<u32>,
+    /// Changes whenever the way to the destination does.
+    route: u32,
+}
+
+impl Marks {
+    /// The marks, oldest first.
+    pub fn iter(&self) -> impl Iterator<Item = &Mark> {
+        self.marks.iter().flatten()
+    }
+
+    /// The mark that is the destination.
+    pub fn destination(&self) -> Option<&Mark> {
+        self.iter().find(|mark| Some(mark.id) == self.destination)
+    }
+
+    /// Number of the route: another one begins when destination or way-points change.
+    pub const fn route(&self) -> u32 {
+        self.route
+    }
+
+    /// Sets a mark in the view of its video frame. The first place or person is the destination, and so is each one that is
+    /// set while the one before is a place: a person that is being approached stays the destination.
+    pub fn add(&mut self, drawn: &DrawnMark, eye: &Eye) -> Result<u32, MarkRefusal> {
+        if self.count == MAX_MARKS {
+            return Err(MarkRefusal::TooMany);
+        }
+        let direction = eye.view.direction_of(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?;
+        let water = if eye.sees_water {
+            Some(eye.fix(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?)
+        } else if direction[2] < 0.0 {
+            None
+        } else {
+            return Err(MarkRefusal::NotOnWater);
+        };
+        if drawn.kind == MarkKind::Home {
+            self.remove_if(|mark| mark.kind == MarkKind::Home);
+        }
+        self.newest_id += 1;
+        let id = self.newest_id;
+        self.marks[self.count] =
+            Some(Mark { id, kind: drawn.kind, direction, water, marked: drawn.captured });
+        self.count += 1;
+        let is_goal = matches!(drawn.kind, MarkKind::Place | MarkKind::Person);
+        let replaces =
+            self.destination().is_none_or(|mark| mark.kind == MarkKind::Place || mark.kind == MarkKind::Home);
+        if is_goal && replaces {
+            self.destination = Some(id);
+        }
+        self.route += 1;
+        Ok(id)
+    }
+
+    /// The guidance begins here and now: its line starts where the boat is.
+    pub const fn begin_route(&mut self) {
+        self.route += 1;
+    }
+
+    /// Removes a mark. Returns whether there was one. Another destination is not chosen: the operator does.
+    pub fn remove(&mut self, id: u32) -> bool {
+        self.remove_if(|mark| mark.id == id)
+    }
+
+    /// Removes all marks.
+    pub fn clear(&mut self) {
+        self.remove_if(|_| true);
+    }
+
+    fn remove_if(&mut self, is_removed: impl Fn(&Mark) -> bool) -> bool {
+        let before = self.count;
+        let mut kept = [None; MAX_MARKS];
+        let left = self.marks.iter().flatten().filter(|mark| !is_removed(mark));
+        self.count = kept.iter_mut().zip(left).map(|(slot, mark)| *slot = Some(*mark)).count();
+        self.marks = kept;
+        if self.destination().is_none() {
+            self.destination = None;
+        }
+        if self.count != before {
+            self.route += 1;
+        }
+        self.count != before
+    }
+
+    /// The next place or person becomes the destination, after the last the first. Returns its number.
+    pub fn choose_next(&mut self) -> Option<u32> {
+        let is_goal = |mark: &&Mark| matches!(mark.kind, MarkKind::Place | MarkKind::Person);
+        let present = self.destination.unwrap_or(0);
+        let next = self.iter().filter(is_goal).find(|mark| mark.id > present);
+        let chosen = next.or_else(|| self.iter().find(is_goal)).map(|mark| mark.id)?;
+        self.choose(chosen);
+        Some(chosen)
+    }
+
+    /// The place that is marked as home becomes the destination. Returns its number.
+    pub fn choose_home(&mut self) -> Option<u32> {
+        let home = self.iter().find(|mark| mark.kind == MarkKind::Home)?.id;
+        self.choose(home);
+        Some(home)
+    }
+
+    fn choose(&mut self, id: u32) {
+        if self.destination.replace(id) != Some(id) {
+            self.route += 1;
+        }
+    }
+
+    /// The destination for the guidance over the water.
+    pub fn water_destination(&self, profile: &VesselProfile, now: Timestamp) -> Option<Destination> {
+        let mark = self.destination()?;
+        let (at, uncertainty_m) = (mark.point()?, mark.std_dev_m(now)?);
+        Some(match mark.kind {
+            MarkKind::Person => Destination::Person { at, stand_off_m: profile.stand_off_m, uncertainty_m },
+            _ => Destination::Place(at),
+        })
+    }
+
+    /// Fills `out` with the way-points before the destination. A way home has none. Returns how many there are.
+    pub fn way_points(&self, out: &mut [WaterPoint; MAX_MARKS]) -> usize {
+        if self.destination().is_none_or(|mark| mark.kind == MarkKind::Home) {
+            return 0;
+        }
+        let points = self.iter().filter(|mark| mark.kind == MarkKind::WayPoint).filter_map(Mark::point);
+        out.iter_mut().zip(points).map(|(slot, point)| *slot = point).count()
+    }
+
+    /// Fills `out` with the circles that the boat keeps out of. Returns how many there are.
+    pub fn keep_outs(
+        &self,
+        profile: &VesselProfile,
+        now: Timestamp,
+        out: &mut [KeepOut; MAX_MARKS],
+    ) -> usize {
+        let circles = self.iter().filter(|mark| Some(mark.id) != self.destination).filter_map(|mark| {
+            let radius_m = mark.radius_m(profile, false);
+            let centre = mark.point().filter(|_| radius_m > 0.0)?;
+            Some(KeepOut { centre, radius_m: radius_m + mark.std_dev_m(now)? })
+        });
+        out.iter_mut().zip(circles).map(|(slot, circle)| *slot = circle).count()
+    }
+}

@@ -1,0 +1,200 @@
+//! The vessel in the configuration: the boat that is steered from the video, or goes to a mark by itself.
+
+use anyhow::{Context, Result};
+use barrelman_pilot::vessel::GuidanceLaw;
+use barrelman_pilot::{CommandPath, VesselSettings};
+use barrelman_vocab::{VesselLimits, VesselProfile};
+use clap::ValueEnum;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::range::within;
+
+/// Address of the boat of a simulated world.
+pub const SIMULATED: &str = "sim:";
+
+/// The boat.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct VesselSection {
+    /// Address: `udp://host:port` (lab-udp, mavlink-rover), `tcp://host:port` or `serial:/dev/ttyACM0?baud=57600`
+    /// (mavlink-rover), or `sim:`, the boat of a simulated world; without an address no boat is commanded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub url: Option<String>,
+    /// Name of the profile: `mavlink-rover`, `lab-udp` or `simulator`; default: `simulator` at `sim:`, else `mavlink-rover`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<String>,
+    /// How the boat goes to a mark; default: `los`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guidance: Option<GuidanceName>,
+    /// Largest throttle of the guidance ahead, 0 to 1; default: 0.6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub throttle_ahead: Option<f64>,
+    /// Largest throttle of the guidance astern, 0 (the boat cannot go astern) to 1; default: 0.6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub throttle_astern: Option<f64>,
+    /// Largest throttle by hand, 0 to 1; default: 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub throttle_by_hand: Option<f64>,
+    /// Largest growth of the throttle, 1/s, 0.1 to 20; default: 2. Less throttle takes effect at once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub throttle_rise_per_s: Option<f64>,
+    /// Largest speed of the guidance, m/s, 0.2 to 20; default: that of the throttle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_m_per_s: Option<f64>,
+    /// Distance that the boat keeps from the person that it goes to, metres, 0.5 to 50; default: 2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stand_off_m: Option<f64>,
+    /// Distance that the boat keeps from every other marked person, metres, 0.5 to 50; default: 3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_out_m: Option<f64>,
+}
+
+/// How the boat goes to a mark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum GuidanceName {
+    /// Along a line over the water; in the picture, by the laboratory's law, where height or tilt are not known.
+    Los,
+    /// The law of the paper's laboratory, in the picture.
+    Lab,
+    /// Not at all: the boat is steered by hand.
+    Hand,
+}
+
+impl From<GuidanceName> for GuidanceLaw {
+    fn from(name: GuidanceName) -> Self {
+        match name {
+            GuidanceName::Los => Self::LineOfSight,
+            GuidanceName::Lab => Self::Laboratory,
+            GuidanceName::Hand => Self::ByHand,
+        }
+    }
+}
+
+/// The effective settings of the boat.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VesselConfig {
+    /// Address of the boat.
+    pub url: String,
+    /// The boat.
+    pub profile: VesselProfile,
+    /// How the boat goes to a mark.
+    pub guidance: GuidanceName,
+}
+
+impl VesselConfig {
+    /// The boat of a simulated world.
+    pub fn simulated() -> Self {
+        Self { url: SIMULATED.to_owned(), profile: VesselProfile::SIMULATOR, guidance: GuidanceName::Los }
+    }
+
+    /// What the pilot has to know.
+    pub fn settings(&self) -> VesselSettings {
+        VesselSettings {
+            profile: self.profile,
+            guidance: self.guidance.into(),
+            path: if self.url == SIMULATED { CommandPath::Simulated } else { CommandPath::Link },
+        }
+    }
+}
+
+impl VesselSection {
+    /// The effective settings; `None`: no boat is commanded.
+    ///
+    /// # Errors
+    /// If there is no such profile, or a value is out of range; the message names the key and the range.
+    pub(super) fn resolve(&self) -> Result<Option<VesselConfig>> {
+        let Some(url) = &self.url else { return Ok(None) };
+        let default = if url == SIMULATED { "simulator" } else { "mavlink-rover" };
+        let name = self.profile.as_deref().unwrap_or(default);
+        let base = VesselProfile::named(name).with_context(|| {
+            let names = VesselProfile::NAMES.join(", ");
+            format!("vessel.profile: there is no vessel profile {name:?}: use one of {names}")
+        })?;
+        let share = |key: &str, value: Option<f64>, base: f64| {
+            within(&format!("vessel.{key}"), value, base, 0.0, 1.0, "a share")
+        };
+        let metres = |key: &str, value: Option<f64>, base: f64| {
+            within(&format!("vessel.{key}"), value, base, 0.5, 50.0, "metres")
+        };
+        let speed = self.speed_m_per_s;
+        let speed_m_per_s =
+            speed.map(|_| within("vessel.speed_m_per_s", speed, 1.0, 0.2, 20.0, "m/s")).transpose()?;
+        let rise = self.throttle_rise_per_s;
+        let profile = VesselProfile {
+            limits: VesselLimits {
+                ahead: share("throttle_ahead", self.throttle_ahead, base.limits.ahead)?,
+                astern: share("throttle_astern", self.throttle_astern, base.limits.astern)?,
+                speed_m_per_s,
+                ..base.limits
+            },
+            hand_throttle: share("throttle_by_hand", self.throttle_by_hand, base.hand_throttle)?,
+            throttle_rise_per_s: within(
+                "vessel.throttle_rise_per_s",
+                rise,
+                base.throttle_rise_per_s,
+                0.1,
+                20.0,
+                "1/s",
+            )?,
+            stand_off_m: metres("stand_off_m", self.stand_off_m, base.stand_off_m)?,
+            keep_out_m: metres("keep_out_m", self.keep_out_m, base.keep_out_m)?,
+            ..base
+        };
+        Ok(Some(VesselConfig {
+            url: url.clone(),
+            profile,
+            guidance: self.guidance.unwrap_or(GuidanceName::Los),
+        }))
+    }
+
+    /// A complete section.
+    pub(super) fn from_config(config: Option<&VesselConfig>) -> Self {
+        let Some(VesselConfig { url, profile, guidance }) = config else { return Self::default() };
+        Self {
+            url: Some(url.clone()),
+            profile: Some(profile.name.to_owned()),
+            guidance: Some(*guidance),
+            throttle_ahead: Some(profile.limits.ahead),
+            throttle_astern: Some(profile.limits.astern),
+            throttle_by_hand: Some(profile.hand_throttle),
+            throttle_rise_per_s: Some(profile.throttle_rise_per_s),
+            speed_m_per_s: profile.limits.speed_m_per_s,
+            stand_off_m: Some(profile.stand_off_m),
+            keep_out_m: Some(profile.keep_out_m),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_complete_section_is_read_back_as_it_was() {
+        let section = VesselSection {
+            url: Some("udp://192.168.1.4:5007".to_owned()),
+            profile: Some("lab-udp".to_owned()),
+            guidance: Some(GuidanceName::Lab),
+            throttle_ahead: Some(0.5),
+            speed_m_per_s: Some(1.5),
+            ..VesselSection::default()
+        };
+        let config = section.resolve().unwrap().unwrap();
+        assert_eq!(config.settings().path, CommandPath::Link);
+        assert_eq!(VesselSection::from_config(Some(&config)).resolve().unwrap(), Some(config));
+        assert_eq!(VesselSection::default().resolve().unwrap(), None);
+    }
+
+    #[test]
+    fn values_out_of_range_and_unknown_profiles_are_named() {
+        let at = |section: VesselSection| {
+            VesselSection { url: Some(SIMULATED.to_owned()), ..section }.resolve().unwrap_err().to_string()
+        };
+        let none = VesselSection::default;
+        assert!(at(VesselSection { throttle_ahead: Some(1.1), ..none() }).contains("vessel.throttle_ahead"));
+        assert!(at(VesselSection { stand_off_m: Some(0.0), ..none() }).contains("vessel.stand_off_m"));
+        assert!(at(VesselSection { profile: Some("raft".to_owned()), ..none() }).contains("lab-udp"));
+    }
+}

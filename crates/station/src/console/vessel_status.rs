@@ -1,0 +1,125 @@
+//! The API's form of the boat that is commanded.
+
+use barrelman_control::guidance::GuidanceState;
+use barrelman_pilot::vessel::{Eye, Guidance, GuidanceBasis, Mark};
+use barrelman_pilot::{Outcome, VesselMode};
+use barrelman_vocab::{MarkKind, PictureSize, PixelPoint, Timestamp, VesselProfile, WaterPoint};
+
+use super::api::{MarkStatus, ProgressStatus, VesselStatus};
+use super::status::link_name;
+use crate::snapshot::Snapshot;
+
+/// Points of a circle.
+const RING_POINTS: usize = 24;
+
+/// The boat that is commanded; `None`: there is none.
+pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
+    let outcome = snapshot.outcome.as_ref()?;
+    let vessel = &outcome.vessel;
+    let mode = match vessel.mode {
+        VesselMode::Absent => return None,
+        VesselMode::Released => "released",
+        VesselMode::Neutral => "neutral",
+        VesselMode::ByHand => "by-hand",
+        VesselMode::Guided => "guided",
+        VesselMode::Holding(_) => "holding",
+        VesselMode::Stopped(_) => "stopped",
+    };
+    let profile = &vessel.profile;
+    let destination = vessel.marks.destination().map(|mark| mark.id);
+    let picture = snapshot.video.frame.map(|(_, size)| size);
+    Some(VesselStatus {
+        mode,
+        text: vessel.mode.to_string(),
+        throttle: vessel.command.throttle,
+        rudder: vessel.command.rudder,
+        link: link_name(snapshot.vessel.link),
+        basis: vessel.guidance.map(|guidance| match guidance.basis {
+            GuidanceBasis::Water => "water",
+            GuidanceBasis::Picture => "picture",
+        }),
+        guidance: vessel.guidance.map(|guidance| state_name(guidance.state)),
+        progress: vessel.guidance.and_then(progress_of),
+        marks: vessel
+            .marks
+            .iter()
+            .map(|mark| mark_of(mark, destination == Some(mark.id), profile, vessel.eye.as_ref(), outcome))
+            .collect(),
+        footprint: vessel.eye.as_ref().zip(picture).and_then(|(eye, picture)| footprint(eye, picture)),
+    })
+}
+
+const fn state_name(state: GuidanceState) -> &'static str {
+    match state {
+        GuidanceState::NoDestination => "no-destination",
+        GuidanceState::NoFix => "no-fix",
+        GuidanceState::GettingWay => "getting-way",
+        GuidanceState::UnderWay => "under-way",
+        GuidanceState::Avoiding => "avoiding",
+        GuidanceState::Blocked => "blocked",
+        GuidanceState::Holding => "holding",
+        GuidanceState::StandingOff => "standing-off",
+    }
+}
+
+fn progress_of(guidance: Guidance) -> Option<ProgressStatus> {
+    let progress = guidance.progress?;
+    Some(ProgressStatus {
+        boat_m: [progress.boat.x, progress.boat.y],
+        speed_m_per_s: progress.speed_m_per_s,
+        course_deg: progress.course.map(|course| course.degrees()),
+        distance_m: progress.distance_m,
+        cross_track_m: progress.cross_track_m,
+    })
+}
+
+fn mark_of(
+    mark: &Mark,
+    is_destination: bool,
+    profile: &VesselProfile,
+    eye: Option<&Eye>,
+    outcome: &Outcome,
+) -> MarkStatus {
+    let radius_m = mark.radius_m(profile, is_destination);
+    let pixel = |pixel: PixelPoint| [pixel.u, pixel.v];
+    MarkStatus {
+        id: mark.id,
+        kind: match mark.kind {
+            MarkKind::Place => "place",
+            MarkKind::Person => "person",
+            MarkKind::WayPoint => "way-point",
+            MarkKind::Forbidden => "forbidden",
+            MarkKind::Home => "home",
+        },
+        destination: is_destination,
+        at: eye.and_then(|eye| mark.pixel(&eye.view)).map(pixel),
+        ring: eye.map(|eye| ring(mark, radius_m, eye, outcome.at)).unwrap_or_default(),
+        water_m: mark.point().map(|point| [point.x, point.y]),
+        std_dev_m: mark.std_dev_m(outcome.at),
+        radius_m,
+    }
+}
+
+/// The circle around a mark, as pixels. A circle of which a part is behind the camera is left out.
+fn ring(mark: &Mark, radius_m: f64, eye: &Eye, now: Timestamp) -> Vec<[f64; 2]> {
+    let (Some(centre), Some(std_dev_m)) = (mark.point(), mark.std_dev_m(now)) else { return Vec::new() };
+    if radius_m <= 0.0 || !eye.sees_water {
+        return Vec::new();
+    }
+    let points = (0..RING_POINTS).map(|index| {
+        let (sin, cos) = (core::f64::consts::TAU * index as f64 / RING_POINTS as f64).sin_cos();
+        let reach_m = radius_m + std_dev_m;
+        let point = WaterPoint { x: centre.x + reach_m * cos, y: centre.y + reach_m * sin };
+        eye.view.pixel_of_water(point).map(|pixel| [pixel.u, pixel.v])
+    });
+    points.collect::<Option<_>>().unwrap_or_default()
+}
+
+/// What the camera sees of the water, where the whole picture is below the horizon.
+fn footprint(eye: &Eye, picture: PictureSize) -> Option<Vec<[f64; 2]>> {
+    let (width, height) = (f64::from(picture.width), f64::from(picture.height));
+    [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
+        .into_iter()
+        .map(|(u, v)| eye.fix(PixelPoint { u, v }).map(|fix| [fix.point.x, fix.point.y]))
+        .collect()
+}
