@@ -75,7 +75,7 @@ export function drawMap(pen, view, { vessel }, unit) {
   if (boat) points.push(boat.boat_m);
   if (!vessel?.marks.some((mark) => mark.water_m) || points.length < 2) return;
   const side = MAP_PX * unit;
-  const [left, top] = [view.canvas[0] - side - 8 * unit, 8 * unit];
+  const [left, top] = [view.canvas[0] - side - 8 * unit, 32 * unit];
   points.push([0, 0]);
   const range = (axis) => [Math.min(...points.map((point) => point[axis])), Math.max(...points.map((point) => point[axis]))];
   const [[minX, maxX], [minY, maxY]] = [range(0), range(1)];

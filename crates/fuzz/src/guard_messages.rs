@@ -2,26 +2,40 @@
 
 use std::fmt::Debug;
 
-use barrelman_link::guard::Gate;
-use barrelman_link::guard::message::{FromGuard, MessageError, ToGuard};
-use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+use barrelman_link::guard::message::{FromGuard, MessageCommand, MessageError, ToGuard};
+use barrelman_link::guard::{Gate, GuardedCommand};
+use barrelman_vocab::{AngularRate, Timestamp, VehicleRates, VesselCommand, VesselOrder};
 
-/// A message is read or refused. One that is read is written so that it is read again, and no rate passes the guard's gate that is
-/// above the limits.
+/// A message is read or refused. One that is read is written so that it is read again, and nothing passes the guard's gate
+/// that is above the limits.
 pub fn decode(bytes: &[u8]) {
-    if let Ok(message) = ToGuard::decode(bytes) {
-        check_again(&message, message.encode(), |again| ToGuard::decode(again).map(|again| again.encode()));
-        if let ToGuard::Request(requested) = message {
-            let limit = AngularRate::from_radians_per_second(0.3);
-            let gate = Gate::new(VehicleRates { yaw: limit, pitch: limit }, Timestamp::ZERO);
-            let passed = gate.pass(requested, Timestamp::from_secs_f64(1.0)).rates;
-            for rate in [passed.yaw, passed.pitch] {
-                assert!(rate.radians_per_second().abs() <= 0.300_002, "{rate:?}");
-            }
-        }
-    }
+    let limit = AngularRate::from_radians_per_second(0.3);
+    let rates = VehicleRates { yaw: limit, pitch: limit };
+    check_to_guard(bytes, rates, |passed: VehicleRates| {
+        [passed.yaw, passed.pitch].map(|rate| rate.radians_per_second().abs() / 0.3)
+    });
+    let largest = VesselCommand { throttle: 0.6, rudder: 1.0 };
+    check_to_guard(bytes, VesselOrder::Commanded(largest), |passed: VesselOrder| {
+        let command = passed.command();
+        [command.throttle.abs() / largest.throttle, command.rudder.abs() / largest.rudder]
+    });
     if let Ok(message) = FromGuard::decode(bytes) {
         check_again(&message, message.encode(), |again| FromGuard::decode(again).map(|again| again.encode()));
+    }
+}
+
+/// The same for one kind of commands; `shares` gives what passes in shares of the limits.
+fn check_to_guard<C: GuardedCommand + MessageCommand>(
+    bytes: &[u8],
+    limits: C,
+    shares: impl Fn(C) -> [f64; 2],
+) {
+    let Ok(message) = ToGuard::<C>::decode(bytes) else { return };
+    check_again(&message, message.encode(), |again| ToGuard::<C>::decode(again).map(|again| again.encode()));
+    if let ToGuard::Request(requested) = message {
+        let gate = Gate::new(limits, Timestamp::ZERO);
+        let passed = shares(gate.pass(requested, Timestamp::from_secs_f64(1.0)).command);
+        assert!(passed.iter().all(|share| *share <= 1.000_01), "{passed:?}");
     }
 }
 

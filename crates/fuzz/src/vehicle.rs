@@ -6,7 +6,7 @@ use barrelman_vocab::telemetry::{LinkState, Quaternion, Report};
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
-use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, NextAction};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, NextAction, OpenSession as _};
 
 /// The bytes that stand for a time, a request or an end are followed by their arguments; every other byte is received.
 const CONTROL: u8 = 0xf8;

@@ -13,12 +13,12 @@ use std::time::{Duration, Instant};
 use barrelman_host::clock::Clock;
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::{ByteProtocol, ReportReader};
+use barrelman_wire::{ByteProtocol, OpenSession, ReportReader};
 use rustix::event::{PollFd, PollFlags};
 
-use crate::dead_mans_switch::RequestedRates;
-use crate::guard::gate::HEARTBEAT;
-use crate::guard::message::{FromGuard, Settings, ToGuard};
+use crate::dead_mans_switch::RequestedCommand;
+use crate::guard::gate::{GuardedCommand, HEARTBEAT};
+use crate::guard::message::{FromGuard, GuardedVehicle, MessageCommand, Settings, ToGuard};
 use crate::guard::pipe::{Pipe, PipeRead};
 use crate::handle::LinkHandle;
 use crate::port_io::poll_for;
@@ -85,45 +85,50 @@ pub fn find_guard(named: Option<&Path>) -> Result<PathBuf, GuardError> {
 
 /// What a guarded link needs.
 #[derive(Debug, Clone)]
-pub struct GuardedLinkSettings {
+pub struct GuardedLinkSettings<P = ByteProtocol> {
     /// The guard's program.
     pub guard: PathBuf,
     /// The address of the vehicle.
     pub url: LinkUrl,
     /// What is spoken there.
-    pub protocol: ByteProtocol,
-    /// The largest rates that may pass, in the vehicle's own axes.
-    pub limits: VehicleRates,
+    pub protocol: P,
+    /// What the guard has to know of the vehicle.
+    pub vehicle: GuardedVehicle,
     /// The program's clock.
     pub clock: Clock,
 }
 
+/// The commands that a guarded link carries.
+pub trait Commands: GuardedCommand + MessageCommand {}
+
+impl<C: GuardedCommand + MessageCommand> Commands for C {}
+
 /// A link whose port is the guard's. Dropping it ends the link: zeros, stop, and the guard ends.
 #[derive(Debug)]
-pub struct GuardedLink {
-    client: Arc<Client>,
+pub struct GuardedLink<C: Commands = VehicleRates> {
+    client: Arc<Client<C>>,
     thread: Option<JoinHandle<bool>>,
 }
 
 /// What the run loop and the thread share.
 #[derive(Debug, Default)]
-struct Client(Mutex<ClientState>);
+struct Client<C>(Mutex<ClientState<C>>);
 
 #[derive(Debug, Default)]
-struct ClientState {
+struct ClientState<C> {
     pipe: Option<Arc<Pipe>>,
-    requested: RequestedRates,
+    requested: RequestedCommand<C>,
     is_closing: bool,
 }
 
-impl Client {
-    fn state(&self) -> MutexGuard<'_, ClientState> {
+impl<C: Commands> Client<C> {
+    fn state(&self) -> MutexGuard<'_, ClientState<C>> {
         // Plain data, whole at any time: a panic elsewhere must not silence the link.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends a message, if there is a guard with room for it. Rates are sent again by the next heartbeat.
-    fn send(&self, message: &ToGuard) {
+    /// Sends a message, if there is a guard with room for it. A command is sent again by the next heartbeat.
+    fn send(&self, message: &ToGuard<C>) {
         let pipe = self.state().pipe.clone();
         if let Some(pipe) = pipe {
             pipe.send(&message.encode());
@@ -131,7 +136,7 @@ impl Client {
     }
 }
 
-impl GuardedLink {
+impl<C: Commands> GuardedLink<C> {
     /// Starts the guard, waits until it has opened the port, and starts the thread that reads what it reports. `report`
     /// takes the reports; it must not block, and returns whether there was room.
     ///
@@ -139,7 +144,7 @@ impl GuardedLink {
     /// If the guard cannot be started, or cannot open the port now. A port that is lost later is reopened, and a guard that
     /// is gone is replaced.
     pub fn open(
-        settings: GuardedLinkSettings,
+        settings: GuardedLinkSettings<impl OpenSession<Command = C>>,
         report: impl Fn(LinkReport) -> bool + Send + 'static,
     ) -> Result<Self, GuardError> {
         let client = Arc::new(Client::default());
@@ -166,10 +171,10 @@ impl GuardedLink {
         wait_until_open(&first, &path).map(|()| link)
     }
 
-    /// Requests rates, in the vehicle's own signs, and replaces the rates requested before. Rates that move the camera
-    /// are in force until `renew_by`: without a renewal by then, the guard rests the camera. Does not block.
-    pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
-        let requested = RequestedRates { rates, renew_by };
+    /// Requests a command (rates in the vehicle's own signs), and replaces the one requested before. A command that moves
+    /// something is in force until `renew_by`: without a renewal by then, the guard rests the vehicle. Does not block.
+    pub fn send(&self, command: C, renew_by: Option<Timestamp>) {
+        let requested = RequestedCommand { command, renew_by };
         let previous = std::mem::replace(&mut self.client.state().requested, requested);
         if previous != requested {
             self.client.send(&ToGuard::Request(requested));
@@ -191,7 +196,7 @@ impl GuardedLink {
         {
             let mut state = self.client.state();
             state.is_closing = true;
-            state.requested = RequestedRates::REST;
+            state.requested = RequestedCommand::REST;
         }
         self.client.send(&ToGuard::Close);
         // The thread bounds the time of its own closing.
@@ -199,7 +204,7 @@ impl GuardedLink {
     }
 }
 
-impl Drop for GuardedLink {
+impl<C: Commands> Drop for GuardedLink<C> {
     fn drop(&mut self) {
         self.end();
     }
@@ -221,13 +226,11 @@ struct Guard {
 
 impl Guard {
     /// Starts a guard. `may_be_turning`: a guard before it may have left the camera turning.
-    fn start(settings: &GuardedLinkSettings, may_be_turning: bool) -> io::Result<Self> {
+    fn start<P>(settings: &GuardedLinkSettings<P>, may_be_turning: bool) -> io::Result<Self> {
         let (pipe, other): (Pipe, OwnedFd) = Pipe::pair()?;
-        let first = ToGuard::Settings(Settings {
+        let first: ToGuard = ToGuard::Settings(Settings {
             clock_start_ns: settings.clock.start_on_monotonic_ns(),
-            limits: settings.limits,
-            protocol: settings.protocol.protocol,
-            framing: settings.protocol.framing,
+            vehicle: settings.vehicle,
             may_be_turning,
             url: settings.url.with_faults(),
         });
@@ -256,9 +259,9 @@ enum GuardEnd {
 }
 
 /// The thread `link` of a guarded link.
-struct Supervisor<R> {
-    settings: GuardedLinkSettings,
-    client: Arc<Client>,
+struct Supervisor<P: OpenSession, R> {
+    settings: GuardedLinkSettings<P>,
+    client: Arc<Client<P::Command>>,
     report: R,
     reader: ReportReader,
     state: LinkState,
@@ -270,7 +273,10 @@ struct Supervisor<R> {
     opened: Option<SyncSender<Result<(), String>>>,
 }
 
-impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
+impl<P: OpenSession, R: Fn(LinkReport) -> bool> Supervisor<P, R>
+where
+    P::Command: Commands,
+{
     /// Serves one guard after the other until the link is closed. Returns whether zeros and stop were sent.
     fn run(mut self, first: Guard) -> bool {
         let mut guard = Some(first);
@@ -289,7 +295,7 @@ impl<R: Fn(LinkReport) -> bool> Supervisor<R> {
             self.client.state().pipe = Some(Arc::clone(&served.pipe));
             if self.client.state().is_closing {
                 attempts_to_close += 1;
-                served.pipe.send(&ToGuard::Close.encode());
+                served.pipe.send(&ToGuard::<P::Command>::Close.encode());
             }
             let end = self.serve(&served);
             let is_stop_sent = matches!(end, GuardEnd::Ended { is_stop_sent: true });

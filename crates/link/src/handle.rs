@@ -6,10 +6,10 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use barrelman_host::clock::Clock;
-use barrelman_vocab::{Timestamp, VehicleRates};
-use barrelman_wire::{ByteProtocol, ByteSession, Session};
+use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates};
+use barrelman_wire::{ByteSession, OpenSession, Session};
 
-use crate::dead_mans_switch::RequestedRates;
+use crate::dead_mans_switch::RequestedCommand;
 use crate::mailbox::Mailbox;
 use crate::port::{Port, PortError};
 use crate::port_io::{MachineIo, PortIo};
@@ -30,12 +30,12 @@ pub enum LinkError {
 
 /// A link to a port. Dropping the handle ends the link: zeros, stop, and the port is closed.
 #[derive(Debug)]
-pub struct LinkHandle {
-    mailbox: Arc<Mailbox>,
+pub struct LinkHandle<C: LinkCommand = VehicleRates> {
+    mailbox: Arc<Mailbox<C>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl LinkHandle {
+impl<C: LinkCommand> LinkHandle<C> {
     /// Opens the port and starts the link thread. `report` takes the reports of the thread; it must not block, and returns
     /// whether there was room for the report.
     ///
@@ -43,7 +43,7 @@ impl LinkHandle {
     /// If the port cannot be opened now. The thread reopens a port that is lost later.
     pub fn open(
         url: &LinkUrl,
-        protocol: ByteProtocol,
+        protocol: impl OpenSession<Command = C>,
         clock: Clock,
         report: impl Fn(LinkReport) -> bool + Send + 'static,
     ) -> Result<Self, LinkError> {
@@ -55,17 +55,21 @@ impl LinkHandle {
     ///
     /// # Errors
     /// If the port cannot be opened.
-    pub fn stop(url: &LinkUrl, protocol: ByteProtocol, clock: Clock) -> Result<bool, LinkError> {
+    pub fn stop(
+        url: &LinkUrl,
+        protocol: impl OpenSession<Command = C>,
+        clock: Clock,
+    ) -> Result<bool, LinkError> {
         let (worker, port) = Self::worker(url, protocol, clock, |_| true)?;
         Ok(Self::start(Worker { may_be_turning: true, ..worker }, port)?.close())
     }
 
     fn worker<R: Fn(LinkReport) -> bool>(
         url: &LinkUrl,
-        protocol: ByteProtocol,
+        protocol: impl OpenSession<Command = C>,
         clock: Clock,
         report: R,
-    ) -> Result<(Worker<ByteSession, MachineIo, R>, Port), LinkError> {
+    ) -> Result<(Worker<ByteSession<C>, MachineIo<C>, R>, Port), LinkError> {
         let mailbox = Arc::new(Mailbox::new()?);
         let io = MachineIo { endpoint: url.endpoint.clone(), clock, mailbox: Arc::clone(&mailbox) };
         let port = io.open()?;
@@ -87,7 +91,7 @@ impl LinkHandle {
     /// If the system has no more threads.
     pub fn start<S, I, R>(worker: Worker<S, I, R>, port: I::Port) -> io::Result<Self>
     where
-        S: Session + ?Sized + 'static,
+        S: Session<Command = C> + ?Sized + 'static,
         I: PortIo<Sent = S::Sent, Received = S::Received> + Send + 'static,
         I::Port: Send,
         R: Fn(LinkReport) -> bool + Send + 'static,
@@ -98,10 +102,10 @@ impl LinkHandle {
         Ok(Self { mailbox, thread: Some(thread) })
     }
 
-    /// Requests rates, in the vehicle's own signs, and replaces the rates requested before. Rates that move the camera
-    /// are in force until `renew_by`: without a renewal by then, the link rests the camera.
-    pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
-        self.mailbox.request(RequestedRates { rates, renew_by });
+    /// Requests a command (rates in the vehicle's own signs), and replaces the one requested before. A command that moves
+    /// something is in force until `renew_by`: without a renewal by then, the link rests the vehicle.
+    pub fn send(&self, command: C, renew_by: Option<Timestamp>) {
+        self.mailbox.request(RequestedCommand { command, renew_by });
     }
 
     /// The operator takes the control of the vehicle back, if another client has taken it.
@@ -122,7 +126,7 @@ impl LinkHandle {
     }
 }
 
-impl Drop for LinkHandle {
+impl<C: LinkCommand> Drop for LinkHandle<C> {
     fn drop(&mut self) {
         self.end();
     }

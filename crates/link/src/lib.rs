@@ -38,7 +38,7 @@ pub mod report;
 
 pub mod url;
 
-pub use dead_mans_switch::{DeadMansSwitch, RequestedRates};
+pub use dead_mans_switch::{DeadMansSwitch, RequestedCommand, RequestedRates};
 pub use guarded::{GuardError, GuardedLink};
 pub use handle::LinkHandle;
 pub use link_core::{LinkAction, LinkCore};

@@ -15,10 +15,10 @@ use std::time::Duration;
 
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_vocab::{LinkCommand, Telemetry, Timestamp};
 use barrelman_wire::{NextAction, Session};
 
-use crate::dead_mans_switch::{DeadMansSwitch, RequestedRates};
+use crate::dead_mans_switch::{DeadMansSwitch, RequestedCommand};
 use crate::report::LinkReport;
 
 /// Interval between attempts to reopen a lost port.
@@ -56,12 +56,12 @@ pub enum LinkAction {
 }
 
 /// A link's state.
-pub struct LinkCore<S: ?Sized> {
+pub struct LinkCore<S: Session + ?Sized> {
     open_session: SessionOpener<S>,
     faults: FaultPlan,
     /// How long a link that is closing goes on trying to reach its vehicle.
     persistence: Duration,
-    requested: RequestedRates,
+    requested: RequestedCommand<S::Command>,
     switch: DeadMansSwitch,
     session: Option<OpenSession<S>>,
     reopen_at: Timestamp,
@@ -93,7 +93,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
             open_session,
             faults,
             persistence,
-            requested: RequestedRates::REST,
+            requested: RequestedCommand::default(),
             switch: DeadMansSwitch::default(),
             session: None,
             reopen_at: Timestamp::ZERO,
@@ -109,8 +109,8 @@ impl<S: Session + ?Sized> LinkCore<S> {
         self.may_be_turning = true;
     }
 
-    /// Sets the rates that are requested from now on.
-    pub fn request(&mut self, requested: RequestedRates) {
+    /// Sets the command that is requested from now on.
+    pub fn request(&mut self, requested: RequestedCommand<S::Command>) {
         self.requested = requested;
     }
 
@@ -123,7 +123,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// Begins the end of the link: rest, zeros, stop.
     pub fn close(&mut self, now: Timestamp) {
-        self.requested = RequestedRates::REST;
+        self.requested = RequestedCommand::REST;
         if self.closing.is_some() {
             return;
         }
@@ -173,7 +173,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
         if self.faults.is_active(FaultKind::Panic, now) {
             panic!("the link thread panics on purpose");
         }
-        let rates = self.switch.rates_in_force(&self.requested, now, || {
+        let command = self.switch.command_in_force(&self.requested, now, || {
             report(LinkReport::HeldUp);
         });
         let is_disconnected = self.faults.is_active(FaultKind::Disconnect, now);
@@ -184,7 +184,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
             self.port_lost("disconnected on purpose".to_owned(), now, report);
             return LinkAction::ClosePort;
         }
-        open.session.request(rates, self.requested.renew_by.filter(|_| !rates.is_rest()));
+        open.session.request(command, self.requested.renew_by.filter(|_| !command.is_rest()));
         if let Some(closing) = self.closing {
             if !open.is_closing {
                 open.is_closing = true;
@@ -212,7 +212,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
                 LinkAction::ClosePort
             }
             NextAction::WaitUntil(at) => {
-                let until = if rates.is_rest() { at } else { at.min(self.requested.expires_at()) };
+                let until = if command.is_rest() { at } else { at.min(self.requested.expires_at()) };
                 LinkAction::Wait { until: until.min(now.plus(MAX_WAIT)) }
             }
         }
@@ -273,6 +273,7 @@ mod tests {
     impl Session for NoSession {
         type Sent = ();
         type Received = [u8];
+        type Command = VehicleRates;
 
         fn poll(&mut self, _: Timestamp, _: &mut Vec<()>) -> NextAction {
             NextAction::Closed

@@ -1,21 +1,23 @@
-//! The requests of the program to the link thread: the newest rates, and the request to close.
+//! The requests of the program to the link thread: the newest command, and the request to close.
 
 use std::io;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::dead_mans_switch::RequestedRates;
+use barrelman_vocab::{LinkCommand, VehicleRates};
+
+use crate::dead_mans_switch::RequestedCommand;
 use crate::waker::Waker;
 
-/// The mailbox of the link thread. New rates replace those that the thread has not read yet.
+/// The mailbox of the link thread. A new command replaces one that the thread has not read yet.
 #[derive(Debug)]
-pub struct Mailbox {
-    contents: Mutex<Contents>,
+pub struct Mailbox<C = VehicleRates> {
+    contents: Mutex<Contents<C>>,
     waker: Waker,
 }
 
 #[derive(Debug, Default)]
-struct Contents {
-    requested: RequestedRates,
+struct Contents<C> {
+    requested: RequestedCommand<C>,
     is_closing: bool,
     takes_control: bool,
     is_stop_sent: bool,
@@ -23,15 +25,15 @@ struct Contents {
 
 /// What the program requests of the link.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Requested {
-    /// The rates.
-    pub rates: RequestedRates,
+pub struct Requested<C> {
+    /// The command.
+    pub command: RequestedCommand<C>,
     /// Whether the link is to end.
     pub is_closing: bool,
 }
 
-impl Mailbox {
-    /// An empty mailbox: rest.
+impl<C: LinkCommand> Mailbox<C> {
+    /// An empty mailbox: rest, or a vessel that is not commanded.
     ///
     /// # Errors
     /// If the system has no more file descriptors.
@@ -39,10 +41,10 @@ impl Mailbox {
         Ok(Self { contents: Mutex::default(), waker: Waker::new()? })
     }
 
-    /// Requests rates, and wakes the thread if they have changed.
-    pub fn request(&self, requested: RequestedRates) {
+    /// Requests a command, and wakes the thread if it has changed.
+    pub fn request(&self, requested: RequestedCommand<C>) {
         let previous = std::mem::replace(&mut self.contents().requested, requested);
-        if previous.rates != requested.rates {
+        if previous.command != requested.command {
             self.waker.wake();
         }
     }
@@ -51,7 +53,7 @@ impl Mailbox {
     pub fn close(&self) {
         {
             let mut contents = self.contents();
-            contents.requested = RequestedRates::REST;
+            contents.requested = RequestedCommand::REST;
             contents.is_closing = true;
         }
         self.waker.wake();
@@ -64,9 +66,9 @@ impl Mailbox {
     }
 
     /// What is requested.
-    pub fn requested(&self) -> Requested {
+    pub fn requested(&self) -> Requested<C> {
         let contents = self.contents();
-        Requested { rates: contents.requested, is_closing: contents.is_closing }
+        Requested { command: contents.requested, is_closing: contents.is_closing }
     }
 
     /// Whether the control is to be taken back: once for each request.
@@ -89,7 +91,7 @@ impl Mailbox {
         &self.waker
     }
 
-    fn contents(&self) -> MutexGuard<'_, Contents> {
+    fn contents(&self) -> MutexGuard<'_, Contents<C>> {
         // Plain data, whole at any time: a panic elsewhere must not silence the link.
         self.contents.lock().unwrap_or_else(PoisonError::into_inner)
     }

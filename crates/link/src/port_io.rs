@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_host::clock::Clock;
-use barrelman_vocab::Timestamp;
+use barrelman_vocab::{LinkCommand, Timestamp};
 use rustix::event::{PollFd, PollFlags, poll};
 
 use crate::mailbox::Mailbox;
@@ -56,13 +56,13 @@ const MAX_READ_BYTES: usize = 2048;
 
 /// The program's clock and a port that carries bytes.
 #[derive(Debug)]
-pub(crate) struct MachineIo {
+pub(crate) struct MachineIo<C> {
     pub(crate) endpoint: Endpoint,
     pub(crate) clock: Clock,
-    pub(crate) mailbox: Arc<Mailbox>,
+    pub(crate) mailbox: Arc<Mailbox<C>>,
 }
 
-impl PortIo for MachineIo {
+impl<C: LinkCommand> PortIo for MachineIo<C> {
     type Port = Port;
     type Sent = Vec<u8>;
     type Received = [u8];
@@ -96,7 +96,7 @@ impl PortIo for MachineIo {
 }
 
 /// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether the port is readable.
-pub fn wait_for_port(mailbox: &Mailbox, port: Option<&impl AsFd>, wait: Duration) -> bool {
+pub fn wait_for_port<C: LinkCommand>(mailbox: &Mailbox<C>, port: Option<&impl AsFd>, wait: Duration) -> bool {
     let waker = PollFd::new(mailbox.waker(), PollFlags::IN);
     let is_readable = match port {
         Some(port) => {

@@ -22,13 +22,13 @@ mod tests;
 const REPORT_PAUSE: Duration = Duration::from_millis(20);
 
 /// The work of a link's thread, or of the guard.
-pub struct Worker<S: ?Sized, I, R> {
+pub struct Worker<S: Session + ?Sized, I, R> {
     /// Deliberate faults of the link.
     pub faults: FaultPlan,
     /// How long a link that is closing goes on trying to reach its vehicle.
     pub persistence: Duration,
     /// The program's requests.
-    pub mailbox: Arc<Mailbox>,
+    pub mailbox: Arc<Mailbox<S::Command>>,
     /// The time, the port, and waiting.
     pub io: I,
     /// Whether a link before this one may have left the camera turning.
@@ -84,7 +84,7 @@ where
         loop {
             let now = self.io.now();
             let requested = self.mailbox.requested();
-            core.request(requested.rates);
+            core.request(requested.command);
             if requested.is_closing {
                 core.close(now);
             }

@@ -27,7 +27,7 @@ pub mod vessel;
 pub mod rng;
 
 pub use angle::{Angle, AngularRate};
-pub use command::{CameraCommand, RENEWAL_GRACE};
+pub use command::{CameraCommand, LinkCommand, RENEWAL_GRACE};
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
 pub use lens::{BrownConrady, Distortion, Lens};
 pub use operator::{BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, Nudge, OperatorRequest, StopCause};

@@ -1,20 +1,33 @@
 //! The protocols of ports that carry bytes: the only place that chooses a session over bytes by the profile's [`Protocol`].
 
-use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::MavlinkPeers;
 use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates};
 
 use crate::fotokite_pro::telemetry_reader::Received;
 use crate::fotokite_pro::{FotokiteProSession, SessionSettings, TelemetryReader};
 use crate::framing::Framing;
 use crate::mavlink::gimbal_reader::Received as GimbalReceived;
+use crate::mavlink::rover::RoverReader;
 use crate::mavlink::signing::Signing;
 use crate::mavlink::{GimbalReader, GimbalSession};
 use crate::session::Session;
 
 /// A session over bytes: a serial port, a TCP connection, or datagrams.
-pub type ByteSession = dyn Session<Sent = Vec<u8>, Received = [u8]>;
+pub type ByteSession<C = VehicleRates> = dyn Session<Sent = Vec<u8>, Received = [u8], Command = C>;
+
+/// What a link over bytes has to know of a protocol: it opens sessions, and reads the vehicle's reports.
+pub trait OpenSession: Copy + Send + Sync + 'static {
+    /// What the vehicle is told.
+    type Command: LinkCommand;
+
+    /// A session on a newly opened port.
+    fn open(&self, now: Timestamp) -> Box<ByteSession<Self::Command>>;
+
+    /// A reader of the vehicle's reports, for received bytes that a session in another process has received, too.
+    fn reports(&self) -> ReportReader;
+}
 
 /// The protocols that are spoken over bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,9 +74,10 @@ pub struct ByteProtocol {
     pub baud: u32,
 }
 
-impl ByteProtocol {
-    /// A session on a newly opened port.
-    pub fn open(&self, now: Timestamp) -> Box<ByteSession> {
+impl OpenSession for ByteProtocol {
+    type Command = VehicleRates;
+
+    fn open(&self, now: Timestamp) -> Box<ByteSession> {
         match self.protocol {
             ByteProtocolName::FotokitePro => {
                 let settings = SessionSettings::for_baud(self.framing, self.baud);
@@ -75,8 +89,7 @@ impl ByteProtocol {
         }
     }
 
-    /// A reader of the vehicle's reports, for received bytes that a session in another process has received, too.
-    pub fn reports(&self) -> ReportReader {
+    fn reports(&self) -> ReportReader {
         match self.protocol {
             ByteProtocolName::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
             ByteProtocolName::MavlinkGimbal { peers, signing } => {
@@ -93,6 +106,10 @@ pub enum ReportReader {
     FotokitePro(TelemetryReader),
     /// Those of a MAVLink gimbal manager.
     MavlinkGimbal(GimbalReader),
+    /// Those of a MAVLink boat.
+    MavlinkRover(Box<RoverReader>),
+    /// None: the vehicle says nothing.
+    Silent,
 }
 
 impl ReportReader {
@@ -104,6 +121,10 @@ impl ReportReader {
                     each(report);
                 }
             }),
+            Self::Silent => {}
+            Self::MavlinkRover(reader) => {
+                reader.read(bytes, each);
+            }
             Self::MavlinkGimbal(reader) => reader.read(bytes, |received| {
                 if let GimbalReceived::Report(report) = received {
                     each(report);

@@ -4,7 +4,7 @@
 //! port and the clock, and decides nothing:
 //!
 //! ```text
-//!                   request(rates, renew_by), close
+//!                   request(command, renew_by), close
 //!   worker ------------------------------------------------> Session
 //!   worker -- received(packet, now) --> Session -- reports --> pilot
 //!   worker <-- packets, when to call again --- poll(now) --- Session
@@ -13,13 +13,13 @@
 //! A packet is what the vehicle's port carries at once: a few bytes of a stream, a datagram, or a request and its
 //! answer. The session names both types, so that a port of another kind does not fit it.
 //!
-//! All rates are in the vehicle's own signs. The dead-man's switch is not here: the worker requests rest when rates were
+//! All rates are in the vehicle's own signs. The dead-man's switch is not here: the worker requests rest when a command was
 //! not renewed in time. A protocol whose commands expire by themselves also uses `renew_by`.
 
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{AngularRate, Telemetry, Timestamp, VehicleRates};
+use barrelman_vocab::{AngularRate, LinkCommand, Telemetry, Timestamp};
 
 /// One conversation with a vehicle.
 pub trait Session {
@@ -27,6 +27,8 @@ pub trait Session {
     type Sent;
     /// What the session receives: a packet, or a part of a stream of bytes.
     type Received: ?Sized;
+    /// What the vehicle is told: the rates of a camera, or what is asked of a vessel.
+    type Command: LinkCommand;
 
     /// Appends the packets that are due now to `out`, and returns the worker's next action.
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Self::Sent>) -> NextAction;
@@ -34,9 +36,9 @@ pub trait Session {
     /// Processes a received packet, and passes each report of the vehicle to `report`.
     fn received(&mut self, packet: &Self::Received, now: Timestamp, report: &mut dyn FnMut(Telemetry));
 
-    /// Sets the target rates, which replace those before. They are sent once the session is up, and are renewed or
-    /// replaced until `renew_by`; `None`: rest, which needs no renewal.
-    fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>);
+    /// Sets the command, which replaces the one before. It is sent once the session is up, and is renewed or replaced until
+    /// `renew_by`; `None`: rest, which needs no renewal.
+    fn request(&mut self, command: Self::Command, renew_by: Option<Timestamp>);
 
     /// The operator takes the control back that the vehicle gave to another client. Without such a loss nothing happens: a
     /// session takes the control at its start, and never again by itself.

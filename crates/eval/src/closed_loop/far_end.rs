@@ -11,7 +11,7 @@ use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Sigma};
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings};
-use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, Session as _};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, OpenSession as _, Session as _};
 
 /// Bits per second of the serial line.
 const BAUD: u32 = 115_200;

@@ -92,6 +92,7 @@ impl SessionOverNetwork {
 impl Session for SessionOverNetwork {
     type Sent = Vec<u8>;
     type Received = [u8];
+    type Command = VehicleRates;
 
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         let mut requests = Vec::new();

@@ -194,6 +194,7 @@ struct WithoutFirstZeros {
 impl Session for WithoutFirstZeros {
     type Sent = Vec<u8>;
     type Received = [u8];
+    type Command = VehicleRates;
 
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         let mut packets = Vec::new();

@@ -199,7 +199,7 @@ impl Program {
         let outcome = self.pilot.step(input, now);
         self.wake_at = outcome.wake_at;
         let requested =
-            RequestedRates { rates: self.profile.to_vehicle(outcome.command), renew_by: outcome.wake_at };
+            RequestedRates { command: self.profile.to_vehicle(outcome.command), renew_by: outcome.wake_at };
         if std::mem::replace(&mut self.requested, requested) != requested {
             self.sent_at = now;
             self.outbox.push_back(ToGuard::Request(requested));

@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use barrelman_vocab::Timestamp;
-use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, OpenSession as _};
 
 use super::fault::{Fault, FaultKind};
 use super::fotokite_pro_station::FotokiteProStation;

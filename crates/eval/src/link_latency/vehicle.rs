@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, Sender};
 use anyhow::{Context as _, Result, bail, ensure};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
+use barrelman_link::guard::message::GuardedVehicle;
 use barrelman_link::guarded::GuardedLinkSettings;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl};
@@ -69,11 +70,13 @@ impl Vehicle {
         let protocol =
             ByteProtocolName::of(profile.protocol).context("the vehicle's port carries no bytes")?;
         let limits = profile.protocol.rate_limits();
+        let framing = Framing::CarriageReturns;
+        let limits = VehicleRates { yaw: limits.pan, pitch: limits.tilt };
         let settings = GuardedLinkSettings {
             guard: guard_program(guard)?,
-            protocol: ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: url.baud() },
+            protocol: ByteProtocol { protocol, framing, baud: url.baud() },
             url,
-            limits: VehicleRates { yaw: limits.pan, pitch: limits.tilt },
+            vehicle: GuardedVehicle::Camera { limits, protocol, framing },
             clock,
         };
         Ok(MeasuredLink::Guarded(GuardedLink::open(settings, tell)?))

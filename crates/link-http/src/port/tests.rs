@@ -94,7 +94,7 @@ fn request(id: u64, lane: Lane, call: Call) -> Request {
 
 /// The next packet that arrives.
 fn next_packet(port: &HttpPort) -> Received {
-    let mailbox = Mailbox::new().unwrap();
+    let mailbox: Mailbox = Mailbox::new().unwrap();
     loop {
         wait_for_port(&mailbox, Some(&*port.inbox), Duration::from_millis(200));
         if let Some(packet) = port.inbox.take().pop_front() {

@@ -5,13 +5,13 @@ use std::time::Duration;
 
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
-use barrelman_wire::{ByteProtocolName, Framing, RestEvidence, Signing, SigningKey};
+use barrelman_vocab::{AngularRate, LinkCommand, Timestamp, VehicleRates, VesselCommand, VesselOrder};
+use barrelman_wire::{ByteProtocolName, Framing, RestEvidence, Signing, SigningKey, VesselProtocol};
 
-use crate::dead_mans_switch::RequestedRates;
+use crate::dead_mans_switch::RequestedCommand;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -20,25 +20,81 @@ pub const MAX_MESSAGE_BYTES: usize = 4096;
 pub struct Settings {
     /// The start of the program's clock on `CLOCK_MONOTONIC`, nanoseconds.
     pub clock_start_ns: u64,
-    /// The largest rates that may pass, in the vehicle's own axes.
-    pub limits: VehicleRates,
-    /// The vehicle's protocol.
-    pub protocol: ByteProtocolName,
-    /// The framing of its lines.
-    pub framing: Framing,
-    /// Whether a guard before this one may have left the camera turning.
+    /// What is guarded.
+    pub vehicle: GuardedVehicle,
+    /// Whether a guard before this one may have left the vehicle moving.
     pub may_be_turning: bool,
     /// The address of the link with its deliberate faults.
     pub url: String,
 }
 
+/// What a guard has at the other end of its port.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GuardedVehicle {
+    /// A vehicle with a camera.
+    Camera {
+        /// The largest rates that may pass, in the vehicle's own axes.
+        limits: VehicleRates,
+        /// The vehicle's protocol.
+        protocol: ByteProtocolName,
+        /// The framing of its lines.
+        framing: Framing,
+    },
+    /// A boat.
+    Vessel {
+        /// The largest throttle and rudder that may pass.
+        limits: VesselCommand,
+        /// The boat's protocol.
+        protocol: VesselProtocol,
+    },
+}
+
+/// A command that has a form in messages.
+pub trait MessageCommand: LinkCommand {
+    /// Appends the form of the command.
+    fn put(self, out: &mut Vec<u8>);
+
+    /// Reads a command from the beginning of `bytes`. Returns it with the bytes behind it.
+    fn take(bytes: &[u8]) -> Option<(Self, &[u8])>;
+}
+
+impl MessageCommand for VehicleRates {
+    fn put(self, out: &mut Vec<u8>) {
+        put_rates(out, self);
+    }
+
+    fn take(bytes: &[u8]) -> Option<(Self, &[u8])> {
+        let mut fields = Fields(bytes);
+        Some((fields.rates().ok()?, fields.0))
+    }
+}
+
+impl MessageCommand for VesselOrder {
+    fn put(self, out: &mut Vec<u8>) {
+        out.push(u8::from(matches!(self, Self::Commanded(_))));
+        put_vessel_command(out, self.command());
+    }
+
+    fn take(bytes: &[u8]) -> Option<(Self, &[u8])> {
+        let mut fields = Fields(bytes);
+        let is_commanded = fields.flag().ok()?;
+        let command = fields.vessel_command().ok()?;
+        let order = match is_commanded {
+            true => Self::Commanded(command),
+            false if command == VesselCommand::NEUTRAL => Self::Released,
+            false => return None,
+        };
+        Some((order, fields.0))
+    }
+}
+
 /// A message to the guard.
 #[derive(Debug, Clone, PartialEq)]
-pub enum ToGuard {
+pub enum ToGuard<C = VehicleRates> {
     /// The first message.
     Settings(Settings),
-    /// Rates with their time to live; also the sign of life.
-    Request(RequestedRates),
+    /// A command with its time to live; also the sign of life.
+    Request(RequestedCommand<C>),
     /// The operator takes the control of the vehicle back.
     TakeControl,
     /// Zeros, stop, and the end.
@@ -131,18 +187,47 @@ impl<'a> Fields<'a> {
         Ok(VehicleRates { yaw: self.rate()?, pitch: self.rate()? })
     }
 
+    fn vessel_command(&mut self) -> Result<VesselCommand, MessageError> {
+        let [throttle, rudder] = [f64::from_le_bytes(self.take()?), f64::from_le_bytes(self.take()?)];
+        Ok(VesselCommand { throttle, rudder })
+    }
+
+    fn vehicle(&mut self) -> Result<GuardedVehicle, MessageError> {
+        Ok(match self.byte()? {
+            0 => GuardedVehicle::Camera {
+                limits: self.rates()?,
+                protocol: self.protocol()?,
+                framing: if self.flag()? { Framing::LineFeed } else { Framing::CarriageReturns },
+            },
+            1 => GuardedVehicle::Vessel {
+                limits: self.vessel_command()?,
+                protocol: match self.byte()? {
+                    0 => VesselProtocol::LabUdp,
+                    1 => VesselProtocol::MavlinkRover(self.peers()?),
+                    _ => return Err(MessageError::Malformed),
+                },
+            },
+            _ => return Err(MessageError::Malformed),
+        })
+    }
+
+    fn peers(&mut self) -> Result<MavlinkPeers, MessageError> {
+        let own = Address::new(self.byte()?, self.byte()?);
+        let vehicle = if self.flag()? { Some(SystemId(self.byte()?)) } else { None };
+        Ok(MavlinkPeers { own, vehicle })
+    }
+
     fn protocol(&mut self) -> Result<ByteProtocolName, MessageError> {
         Ok(match self.byte()? {
             0 => ByteProtocolName::FotokitePro,
             1 => {
-                let own = Address::new(self.byte()?, self.byte()?);
-                let vehicle = if self.flag()? { Some(SystemId(self.byte()?)) } else { None };
+                let peers = self.peers()?;
                 let signing = if self.flag()? {
                     Some(Signing { key: SigningKey::new(self.take()?), began: self.number()? })
                 } else {
                     None
                 };
-                ByteProtocolName::MavlinkGimbal { peers: MavlinkPeers { own, vehicle }, signing }
+                ByteProtocolName::MavlinkGimbal { peers, signing }
             }
             _ => return Err(MessageError::Malformed),
         })
@@ -167,12 +252,47 @@ fn put_rates(out: &mut Vec<u8>, rates: VehicleRates) {
     }
 }
 
+fn put_vessel_command(out: &mut Vec<u8>, command: VesselCommand) {
+    out.extend_from_slice(&command.throttle.to_le_bytes());
+    out.extend_from_slice(&command.rudder.to_le_bytes());
+}
+
+fn put_vehicle(out: &mut Vec<u8>, vehicle: GuardedVehicle) {
+    match vehicle {
+        GuardedVehicle::Camera { limits, protocol, framing } => {
+            out.push(0);
+            put_rates(out, limits);
+            put_protocol(out, protocol);
+            out.push(match framing {
+                Framing::CarriageReturns => 0,
+                Framing::LineFeed => 1,
+            });
+        }
+        GuardedVehicle::Vessel { limits, protocol } => {
+            out.push(1);
+            put_vessel_command(out, limits);
+            match protocol {
+                VesselProtocol::LabUdp => out.push(0),
+                VesselProtocol::MavlinkRover(peers) => {
+                    out.push(1);
+                    put_peers(out, peers);
+                }
+            }
+        }
+    }
+}
+
+fn put_peers(out: &mut Vec<u8>, MavlinkPeers { own, vehicle }: MavlinkPeers) {
+    out.extend_from_slice(&[own.system.0, own.component.0, u8::from(vehicle.is_some())]);
+    out.extend(vehicle.map(|system| system.0));
+}
+
 fn put_protocol(out: &mut Vec<u8>, protocol: ByteProtocolName) {
     match protocol {
         ByteProtocolName::FotokitePro => out.push(0),
-        ByteProtocolName::MavlinkGimbal { peers: MavlinkPeers { own, vehicle }, signing } => {
-            out.extend_from_slice(&[1, own.system.0, own.component.0, u8::from(vehicle.is_some())]);
-            out.extend(vehicle.map(|system| system.0));
+        ByteProtocolName::MavlinkGimbal { peers, signing } => {
+            out.push(1);
+            put_peers(out, peers);
             out.push(u8::from(signing.is_some()));
             if let Some(Signing { key, began }) = signing {
                 out.extend_from_slice(&key.bytes());
@@ -191,7 +311,7 @@ fn put_text(out: &mut Vec<u8>, text: &str) {
     out.extend_from_slice(&text.as_bytes()[..room]);
 }
 
-impl ToGuard {
+impl<C: MessageCommand> ToGuard<C> {
     /// The message as a packet.
     pub fn encode(&self) -> Vec<u8> {
         let mut out = Vec::new();
@@ -200,18 +320,13 @@ impl ToGuard {
                 out.push(1);
                 out.extend_from_slice(&VERSION.to_le_bytes());
                 out.extend_from_slice(&settings.clock_start_ns.to_le_bytes());
-                put_rates(&mut out, settings.limits);
-                put_protocol(&mut out, settings.protocol);
-                out.push(match settings.framing {
-                    Framing::CarriageReturns => 0,
-                    Framing::LineFeed => 1,
-                });
+                put_vehicle(&mut out, settings.vehicle);
                 out.push(u8::from(settings.may_be_turning));
                 put_text(&mut out, &settings.url);
             }
-            Self::Request(RequestedRates { rates, renew_by }) => {
+            Self::Request(RequestedCommand { command, renew_by }) => {
                 out.push(2);
-                put_rates(&mut out, *rates);
+                command.put(&mut out);
                 out.push(u8::from(renew_by.is_some()));
                 out.extend_from_slice(&renew_by.unwrap_or(Timestamp::ZERO).as_nanos().to_le_bytes());
             }
@@ -234,18 +349,17 @@ impl ToGuard {
                 }
                 Self::Settings(Settings {
                     clock_start_ns: fields.number()?,
-                    limits: fields.rates()?,
-                    protocol: fields.protocol()?,
-                    framing: if fields.flag()? { Framing::LineFeed } else { Framing::CarriageReturns },
+                    vehicle: fields.vehicle()?,
                     may_be_turning: fields.flag()?,
                     url: fields.text()?,
                 })
             }
             2 => {
-                let rates = fields.rates()?;
+                let (command, rest) = C::take(fields.rest()).ok_or(MessageError::Malformed)?;
+                fields = Fields(rest);
                 let has_time = fields.flag()?;
                 let time = fields.time()?;
-                Self::Request(RequestedRates { rates, renew_by: has_time.then_some(time) })
+                Self::Request(RequestedCommand { command, renew_by: has_time.then_some(time) })
             }
             3 => Self::TakeControl,
             4 => Self::Close,
@@ -347,85 +461,4 @@ impl FromGuard {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn rate(value: f64) -> AngularRate {
-        AngularRate::from_radians_per_second(value)
-    }
-
-    #[test]
-    fn every_message_is_read_as_it_was_written() {
-        let at = Timestamp::from_nanos(12_345_678_901);
-        let rates = VehicleRates { yaw: rate(-0.3), pitch: rate(0.1) };
-        let settings = Settings {
-            clock_start_ns: 77,
-            limits: rates,
-            protocol: ByteProtocolName::FotokitePro,
-            framing: Framing::LineFeed,
-            may_be_turning: true,
-            url: "tcp://[::1]:5000?fault=stall@3".to_owned(),
-        };
-        let named = MavlinkPeers { vehicle: Some(SystemId(3)), ..MavlinkPeers::DEFAULT };
-        let signing = Some(Signing { key: SigningKey::new([7; 32]), began: 1 << 40 });
-        let gimbals =
-            [(MavlinkPeers::DEFAULT, None), (named, None), (named, signing)].map(|(peers, signing)| {
-                let protocol = ByteProtocolName::MavlinkGimbal { peers, signing };
-                Settings { protocol, may_be_turning: false, ..settings.clone() }
-            });
-        for gimbal in gimbals {
-            let message = ToGuard::Settings(gimbal);
-            assert_eq!(ToGuard::decode(&message.encode()), Ok(message));
-        }
-        for message in [
-            ToGuard::Settings(settings),
-            ToGuard::Request(RequestedRates { rates, renew_by: Some(at) }),
-            ToGuard::Request(RequestedRates::REST),
-            ToGuard::TakeControl,
-            ToGuard::Close,
-        ] {
-            assert_eq!(ToGuard::decode(&message.encode()), Ok(message));
-        }
-        let states = STATES.map(|state| FromGuard::State(state, at));
-        let others = [
-            FromGuard::Opened,
-            FromGuard::NotOpened("no such port".to_owned()),
-            FromGuard::Received(at, b"!GSStatus 10".to_vec()),
-            FromGuard::Lost { may_be_turning: true, reason: "unplugged".to_owned() },
-            FromGuard::HeldUp,
-            FromGuard::Suspended(Duration::from_millis(1_500)),
-            FromGuard::Stopped(RestEvidence::AtRest),
-            FromGuard::Stopped(RestEvidence::Moving { rate: rate(0.2) }),
-            FromGuard::Stopped(RestEvidence::NoTelemetry),
-            FromGuard::Panicked,
-            FromGuard::Alive,
-            FromGuard::Ended { is_stop_sent: false },
-        ];
-        for message in states.into_iter().chain(others) {
-            assert_eq!(FromGuard::decode(&message.encode()), Ok(message));
-        }
-    }
-
-    #[test]
-    fn what_is_no_message_is_refused() {
-        let whole = ToGuard::Request(RequestedRates::REST).encode();
-        for length in 0..whole.len() {
-            assert!(ToGuard::decode(&whole[..length]).is_err(), "{length} bytes");
-        }
-        let too_long = [&whole[..], &[0]].concat();
-        assert_eq!(ToGuard::decode(&too_long), Err(MessageError::Malformed));
-        assert_eq!(ToGuard::decode(&[99]), Err(MessageError::Malformed));
-        assert_eq!(ToGuard::decode(&[1, 0xff, 0xff]), Err(MessageError::Version));
-        for first in 0..=255 {
-            let _ = FromGuard::decode(&[first, 7, 7]);
-        }
-        assert_eq!(FromGuard::decode(&[3, 6, 0, 0, 0, 0, 0, 0, 0, 0]), Err(MessageError::Malformed));
-    }
-
-    #[test]
-    fn a_text_that_is_too_long_is_cut_between_characters() {
-        let long = FromGuard::NotOpened("ü".repeat(MAX_MESSAGE_BYTES)).encode();
-        assert!(long.len() <= MAX_MESSAGE_BYTES);
-        assert!(matches!(FromGuard::decode(&long), Ok(FromGuard::NotOpened(_))));
-    }
-}
+mod tests;

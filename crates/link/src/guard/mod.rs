@@ -12,4 +12,4 @@ pub mod gate;
 pub mod message;
 pub mod pipe;
 
-pub use gate::Gate;
+pub use gate::{Gate, GuardedCommand};

@@ -10,18 +10,18 @@ use barrelman_host::suspend::SuspendWatch;
 use barrelman_vocab::Timestamp;
 use rustix::event::{PollFd, PollFlags};
 
-use super::gate::{Gate, HEARTBEAT};
-use super::message::{FromGuard, ToGuard};
+use super::gate::{Gate, GuardedCommand, HEARTBEAT};
+use super::message::{FromGuard, MessageCommand, ToGuard};
 use super::pipe::{Pipe, PipeRead};
-use crate::dead_mans_switch::RequestedRates;
+use crate::dead_mans_switch::RequestedCommand;
 use crate::port::{Port, PortError};
 use crate::port_io::{MachineIo, PortIo, poll_for};
 
 /// The guard's port, pipe and clock. What comes through the pipe goes to the mailbox, as far as the gate lets it pass.
-pub(super) struct PipeIo {
-    pub(super) machine: MachineIo,
+pub(super) struct PipeIo<C> {
+    pub(super) machine: MachineIo<C>,
     pub(super) pipe: Arc<Pipe>,
-    pub(super) gate: RefCell<Gate>,
+    pub(super) gate: RefCell<Gate<C>>,
     pub(super) suspend: RefCell<SuspendWatch>,
     /// Readable when the guard was asked to end by a signal.
     pub(super) signalled: OwnedFd,
@@ -30,11 +30,11 @@ pub(super) struct PipeIo {
     pub(super) is_connected: Cell<bool>,
 }
 
-impl PipeIo {
+impl<C: GuardedCommand + MessageCommand> PipeIo<C> {
     /// Takes what the program says. The end of the pipe, silence and what cannot be read close the link.
     fn serve_pipe(&self) {
         if let Some(gap) = self.suspend.borrow_mut().check() {
-            self.machine.mailbox.request(RequestedRates::REST);
+            self.machine.mailbox.request(RequestedCommand::REST);
             self.pipe.send(&FromGuard::Suspended(gap).encode());
         }
         while self.is_connected.get() {
@@ -44,7 +44,7 @@ impl PipeIo {
                 PipeRead::End => self.disconnect(),
                 PipeRead::Message(packet) => {
                     self.gate.borrow_mut().heard(now);
-                    match ToGuard::decode(&packet) {
+                    match ToGuard::<C>::decode(&packet) {
                         Ok(ToGuard::Request(requested)) => {
                             self.machine.mailbox.request(self.gate.borrow().pass(requested, now));
                         }
@@ -71,7 +71,7 @@ impl PipeIo {
     }
 }
 
-impl PortIo for PipeIo {
+impl<C: GuardedCommand + MessageCommand> PortIo for PipeIo<C> {
     type Port = Port;
     type Sent = Vec<u8>;
     type Received = [u8];

@@ -10,14 +10,14 @@ use std::time::Duration;
 
 use barrelman_host::clock::Clock;
 use barrelman_host::suspend::SuspendWatch;
-use barrelman_vocab::Telemetry;
 use barrelman_vocab::telemetry::Report;
-use barrelman_wire::{ByteProtocol, ByteSession};
+use barrelman_vocab::{Telemetry, VehicleRates, VesselOrder};
+use barrelman_wire::{ByteProtocol, ByteSession, OpenSession};
 use rustix::event::{PollFd, PollFlags};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 
-use super::gate::Gate;
-use super::message::{FromGuard, Settings, ToGuard};
+use super::gate::{Gate, GuardedCommand};
+use super::message::{FromGuard, GuardedVehicle, MessageCommand, Settings, ToGuard};
 use super::pipe::{Pipe, PipeRead};
 use super::pipe_io::PipeIo;
 use crate::mailbox::Mailbox;
@@ -66,41 +66,66 @@ fn guard() -> Result<bool, String> {
     let pipe = Arc::new(Pipe::from_fd(pipe));
     let settings = first_message(&pipe)?;
     let url = LinkUrl::parse(&settings.url).map_err(|error| error.to_string())?;
-    let protocol = ByteProtocol { protocol: settings.protocol, framing: settings.framing, baud: url.baud() };
-    let clock = Clock::started_at(settings.clock_start_ns);
-    let mailbox = Arc::new(Mailbox::new().map_err(|error| error.to_string())?);
-    let port = match Port::open(&url.endpoint) {
-        Ok(port) => {
-            pipe.send(&FromGuard::Opened.encode());
-            Some(port)
+    let parts = Parts { pipe, url, signalled, settings: &settings };
+    match settings.vehicle {
+        GuardedVehicle::Camera { limits, protocol, framing } => {
+            let baud = parts.url.baud();
+            parts.serve(ByteProtocol { protocol, framing, baud }, limits)
         }
-        Err(error) => {
-            pipe.send(&FromGuard::NotOpened(error.to_string()).encode());
-            None
-        }
-    };
-    let reports = Arc::clone(&pipe);
-    let worker: Worker<ByteSession, _, _> = Worker {
-        faults: url.faults.clone(),
-        persistence: PERSISTENCE,
-        mailbox: Arc::clone(&mailbox),
-        io: PipeIo {
-            machine: MachineIo { endpoint: url.endpoint, clock, mailbox: Arc::clone(&mailbox) },
-            pipe: Arc::clone(&pipe),
-            gate: RefCell::new(Gate::new(settings.limits, clock.now())),
-            suspend: RefCell::new(SuspendWatch::start()),
-            signalled,
-            last_alive: Cell::new(clock.now()),
-            is_connected: Cell::new(true),
-        },
-        may_be_turning: settings.may_be_turning,
-        open_session: Arc::new(move |now| protocol.open(now)),
-        report: move |report| message_of(report).is_none_or(|message| reports.send(&message.encode())),
-    };
-    worker.run(port);
-    let is_stop_sent = mailbox.is_stop_sent();
-    pipe.send(&FromGuard::Ended { is_stop_sent }.encode());
-    Ok(is_stop_sent)
+        GuardedVehicle::Vessel { limits, protocol } => parts.serve(protocol, VesselOrder::Commanded(limits)),
+    }
+}
+
+/// What a guard has when it knows its vehicle.
+struct Parts<'a> {
+    pipe: Arc<Pipe>,
+    url: LinkUrl,
+    signalled: OwnedFd,
+    settings: &'a Settings,
+}
+
+impl Parts<'_> {
+    /// Serves the port until the program is gone. Returns whether zeros and stop were sent.
+    fn serve<P: OpenSession>(self, protocol: P, limits: P::Command) -> Result<bool, String>
+    where
+        P::Command: GuardedCommand + MessageCommand,
+    {
+        let Self { pipe, url, signalled, settings } = self;
+        let clock = Clock::started_at(settings.clock_start_ns);
+        let mailbox = Arc::new(Mailbox::new().map_err(|error| error.to_string())?);
+        let port = match Port::open(&url.endpoint) {
+            Ok(port) => {
+                pipe.send(&FromGuard::Opened.encode());
+                Some(port)
+            }
+            Err(error) => {
+                pipe.send(&FromGuard::NotOpened(error.to_string()).encode());
+                None
+            }
+        };
+        let reports = Arc::clone(&pipe);
+        let worker: Worker<ByteSession<P::Command>, _, _> = Worker {
+            faults: url.faults.clone(),
+            persistence: PERSISTENCE,
+            mailbox: Arc::clone(&mailbox),
+            io: PipeIo {
+                machine: MachineIo { endpoint: url.endpoint, clock, mailbox: Arc::clone(&mailbox) },
+                pipe: Arc::clone(&pipe),
+                gate: RefCell::new(Gate::new(limits, clock.now())),
+                suspend: RefCell::new(SuspendWatch::start()),
+                signalled,
+                last_alive: Cell::new(clock.now()),
+                is_connected: Cell::new(true),
+            },
+            may_be_turning: settings.may_be_turning,
+            open_session: Arc::new(move |now| protocol.open(now)),
+            report: move |report| message_of(report).is_none_or(|message| reports.send(&message.encode())),
+        };
+        worker.run(port);
+        let is_stop_sent = mailbox.is_stop_sent();
+        pipe.send(&FromGuard::Ended { is_stop_sent }.encode());
+        Ok(is_stop_sent)
+    }
 }
 
 /// The message for a report. The program reads the vehicle's telemetry from the received bytes itself.
@@ -128,7 +153,7 @@ fn watch_signals() -> io::Result<OwnedFd> {
 fn first_message(pipe: &Pipe) -> Result<Settings, String> {
     poll_for(&mut [PollFd::new(pipe, PollFlags::IN)], FIRST_MESSAGE);
     match pipe.read() {
-        PipeRead::Message(packet) => match ToGuard::decode(&packet) {
+        PipeRead::Message(packet) => match ToGuard::<VehicleRates>::decode(&packet) {
             Ok(ToGuard::Settings(settings)) => Ok(settings),
             Ok(_) => Err(USAGE.to_owned()),
             Err(error) => Err(error.to_string()),

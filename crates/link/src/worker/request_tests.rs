@@ -50,6 +50,7 @@ struct RequestSession {
 impl Session for RequestSession {
     type Sent = Turn;
     type Received = Answer;
+    type Command = VehicleRates;
 
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Turn>) -> NextAction {
         if let Some(since) = self.waits_since {
@@ -152,7 +153,7 @@ impl PortIo for &Vehicle {
     fn sleep(&self, pause: Duration) {
         self.now.set(self.now().plus(pause));
         let rates = if self.now() < at(1_000) { VehicleRates::REST } else { TURNING };
-        self.mailbox.request(RequestedRates { rates, renew_by: Some(at(1_500)) });
+        self.mailbox.request(RequestedRates { command: rates, renew_by: Some(at(1_500)) });
         if self.now() >= at(2_000) {
             self.mailbox.close();
         }

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use barrelman_vocab::{AngularRate, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings};
 use barrelman_wire::fotokite_pro::session::STOP_DELAY;
-use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, OpenSession as _};
 
 use barrelman_wire::fotokite_pro::ground_station::SensorReadings;
 
@@ -72,7 +72,7 @@ impl Bench {
         while let Some((_, action)) = self.script.borrow_mut().pop_front_if(|(ms, _)| at(*ms) <= now) {
             match action {
                 Request(rates, renew_by) => {
-                    self.mailbox.request(RequestedRates { rates, renew_by: Some(at(renew_by)) });
+                    self.mailbox.request(RequestedRates { command: rates, renew_by: Some(at(renew_by)) });
                     is_woken = true;
                 }
                 Close => {

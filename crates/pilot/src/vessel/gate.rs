@@ -182,19 +182,16 @@ impl VesselGate {
         self.holder = Holder::Released;
     }
 
-    /// The operator engages the guidance.
+    /// The operator engages the guidance of a boat that is seen.
     ///
     /// # Errors
     /// The reason, if the boat cannot be commanded now.
     pub fn guide(&mut self, now: Timestamp) -> Result<(), Refusal> {
         self.refuse_without_way()?;
         if !self.is_guiding() {
-            let waits = VesselHold::Cause(HoldCause::VideoSilent);
-            self.holder = Holder::Guided {
-                advised: VesselCommand::NEUTRAL,
-                fresh_at: None,
-                holding: Some((waits, now)),
-            };
+            // Neutral until the next localisation, which has to come in time.
+            self.holder =
+                Holder::Guided { advised: VesselCommand::NEUTRAL, fresh_at: Some(now), holding: None };
         }
         Ok(())
     }

@@ -25,6 +25,52 @@ pub enum StationName {
     FotokiteSigma(EmulateFotokiteSigmaArgs),
     /// An autopilot with a MAVLink gimbal.
     Gimbal(EmulateGimbalArgs),
+    /// A boat: that of the paper's laboratory, or one with an ArduPilot autopilot.
+    Vessel(EmulateVesselArgs),
+}
+
+/// The boats that can be emulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BoatName {
+    /// A receiver of the laboratory's datagrams.
+    LabUdp,
+    /// An ArduPilot autopilot (MAVLink), in MANUAL and armed at the start.
+    MavlinkRover,
+}
+
+/// `emulate vessel`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example, with the boat of a simulated world:
+  barrelman emulate vessel --world sim:rescue
+and in another terminal
+  barrelman run --video rtsp://127.0.0.1:8554/world \\
+    --vessel udp://127.0.0.1:5007 --vessel-profile lab-udp --hands-on")]
+pub struct EmulateVesselArgs {
+    /// The boat.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "lab-udp")]
+    pub boat: BoatName,
+    /// Take datagrams at this address (UDP); default: 127.0.0.1:5007, and 127.0.0.1:14570 for a MAVLink boat.
+    #[arg(long, value_name = "ADDR")]
+    pub listen: Option<SocketAddr>,
+    /// MAVLink: the boat is not armed.
+    #[arg(long)]
+    pub disarmed: bool,
+    /// MAVLink: the remote control's switch chooses MANUAL after this time, seconds.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
+    pub sticks_after: Option<f64>,
+    /// Laboratory: keep the last command for ever, as the laboratory's receiver does; otherwise the boat is neutral half a second
+    /// after the last datagram.
+    #[arg(long)]
+    pub keep_last: bool,
+    /// The simulated world, if there is one.
+    #[command(flatten)]
+    pub world: WorldArgs,
+    /// Log every datagram and every change of the command to this file, one JSON object per line.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub log: Option<PathBuf>,
+    /// Overwrite an existing log.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `emulate fotokite-sigma`.

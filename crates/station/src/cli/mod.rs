@@ -42,8 +42,8 @@ pub use connection_options::ConnectionOptions;
 pub use console_options::ConsoleOptions;
 pub use demo::DemoArgs;
 pub use emulate::{
-    EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs, HabitsName,
-    StationName, WorldArgs,
+    BoatName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs,
+    EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
 pub use law_options::LawOptions;
 pub use log_options::{LogFormat, LogLevel};

@@ -6,6 +6,8 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_vocab::PixelBox;
 use clap::Args;
 
+use crate::config::vessel::GuidanceName;
+
 use super::connection_options::ConnectionOptions;
 use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
@@ -41,6 +43,16 @@ pub struct RunArgs {
     /// mavlink-gimbal.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
+    /// Command the boat there: udp://host:port (lab-udp), or sim:, the boat of the simulated world.
+    #[arg(long, value_name = "URL")]
+    pub vessel: Option<String>,
+    /// The boat's profile: mavlink-rover, lab-udp or simulator; default: the configuration's, or simulator at sim:, else
+    /// mavlink-rover.
+    #[arg(long, value_name = "NAME")]
+    pub vessel_profile: Option<String>,
+    /// How the boat goes to a mark; default: the configuration's, or los.
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub guidance: Option<GuidanceName>,
     /// Appear as a tracking camera to MAVLink ground stations (QGroundControl, MAVSDK) there: udp://host:port, tcp://host:port or
     /// serial:/dev/ttyACM0?baud=57600. They see the target and select; they never engage.
     #[arg(long, value_name = "URL")]

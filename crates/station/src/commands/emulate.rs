@@ -1,6 +1,7 @@
 //! `barrelman emulate`: an emulated vehicle.
 
 use std::io::{Write as _, stdout};
+use std::net::SocketAddr;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -10,9 +11,10 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 
 use crate::cli::{
-    EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs, HabitsName,
-    StationName, WorldArgs,
+    BoatName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs,
+    EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
+use crate::emulator::boat::{EmulatedBoat, Helm};
 use crate::emulator::emulated_port::EmulatedPort;
 use crate::emulator::emulated_vehicle::EmulatedVehicle;
 use crate::emulator::emulation_loop::{EMULATOR_FAULTS, Emulator};
@@ -22,6 +24,7 @@ use crate::emulator::log::StationLog;
 use crate::emulator::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
 use crate::emulator::rtsp_server::RtspServer;
 use crate::link::CameraLink;
+use crate::link::boat_link::SimulatedBoat;
 use crate::secrets;
 use crate::simulated_source::{LiveWorld, spawn_world};
 use crate::source_url::{SimulatedUrl, SourceUrl};
@@ -40,6 +43,7 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
         StationName::FotokitePro(args) => fotokite_pro(args, clock),
         StationName::FotokiteSigma(args) => fotokite_sigma(args, clock),
         StationName::Gimbal(args) => gimbal(args, clock),
+        StationName::Vessel(args) => vessel(args, clock),
     }
 }
 
@@ -93,6 +97,28 @@ fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
         loss_share: args.loss / 100.0,
     };
     emulate(MavlinkGimbal::new(settings, clock.now()), port, emulation, clock)
+}
+
+fn vessel(args: &EmulateVesselArgs, clock: Clock) -> Result<ExitCode> {
+    // The camera of the world stays at rest.
+    let world = ServedWorld::open(&args.world, &VehicleProfile::fotokite_pro())?;
+    let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
+    let ended = ended_by_a_signal()?;
+    let boat = world.as_ref().map(|world| world.boat.clone());
+    let (port, helm) = match args.boat {
+        BoatName::LabUdp => (5007, Helm::laboratory(args.keep_last)),
+        BoatName::MavlinkRover => {
+            let sticks_at = args.sticks_after.map(|after| clock.now().plus(Duration::from_secs_f64(after)));
+            (14570, Helm::rover(!args.disarmed, sticks_at, clock.now()))
+        }
+    };
+    let address = args.listen.unwrap_or(SocketAddr::from(([127, 0, 0, 1], port)));
+    let mut vessel = EmulatedBoat::open(address, helm, boat, log, clock)?;
+    if vessel.is_public() {
+        tracing::warn!("other machines can steer the emulated boat: the port asks for no password");
+    }
+    let answers = format!("an emulated boat takes datagrams at {}", vessel.url()?);
+    serve(&answers, world, &ended, clock, |is_over| vessel.run(is_over))
 }
 
 /// What surrounds an emulated vehicle at a port.
@@ -205,6 +231,7 @@ fn ended_by_a_signal() -> Result<Arc<AtomicBool>> {
 struct ServedWorld {
     server: RtspServer,
     link: CameraLink,
+    boat: SimulatedBoat,
     /// Horizontal field of view, degrees.
     field_of_view_deg: f64,
     url: SimulatedUrl,
@@ -227,12 +254,12 @@ impl ServedWorld {
         let camera = &world.scenario().camera;
         let half_width = f64::from(camera.frame.width) / 2.0;
         let field_of_view_deg = 2.0 * (half_width / camera.optics.focal_px).atan().to_degrees();
-        let link = world.link();
+        let (link, boat) = (world.link(), world.boat());
         if !args.video_listen.ip().is_loopback() {
             tracing::warn!("other machines can see the world's video at {}", args.video_listen);
         }
         let server = RtspServer::start(args.video_listen)?;
-        Ok(Some(Self { server, link, field_of_view_deg, url, waiting: Some(world), running: None }))
+        Ok(Some(Self { server, link, boat, field_of_view_deg, url, waiting: Some(world), running: None }))
     }
 
     /// Starts the world once there is a viewer. Returns whether the world has ended.

@@ -86,6 +86,7 @@ pub fn run_with_outputs(
     }
     let tracking_camera = tracking_camera(&configuration, &source, clock)?;
     let guard = needed_guard(&configuration, link.as_ref())?;
+    let boat_guard = needed_boat_guard(&configuration)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     let selection = match args.select {
@@ -100,6 +101,7 @@ pub fn run_with_outputs(
         source,
         link,
         guard,
+        boat_guard,
         http,
         outputs,
         selection,
@@ -155,6 +157,24 @@ fn needed_guard(configuration: &Configuration, link: Option<&LinkUrl>) -> Result
     if configuration.guard.is_omitted {
         tracing::warn!(
             "no guard: if this program is killed, crashes or hangs, the camera goes on turning at its last rate"
+        );
+        return Ok(None);
+    }
+    Ok(Some(find_guard(configuration.guard.program.as_deref())?))
+}
+
+/// The guard's program for the boat's port: whatever the boat does at the end of the program, the guard sends neutral.
+///
+/// # Errors
+/// If the guard is not there, and the operator has not said that the run does without it.
+fn needed_boat_guard(configuration: &Configuration) -> Result<Option<PathBuf>> {
+    match &configuration.vessel {
+        Some(vessel) if vessel.settings().path == CommandPath::Link => {}
+        _ => return Ok(None),
+    }
+    if configuration.guard.is_omitted {
+        tracing::warn!(
+            "no guard: if this program is killed, crashes or hangs, the boat goes on until its own time-out"
         );
         return Ok(None);
     }
@@ -300,6 +320,7 @@ pub fn calibrate(
         source,
         link: Some(link),
         guard,
+        boat_guard: None,
         http,
         outputs: Outputs { record, ..Outputs::default() },
         selection: None,
@@ -366,6 +387,9 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     override_key(&mut file.link.url, &connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
     override_key(&mut file.tracking_camera.url, &args.mavlink);
+    override_key(&mut file.vessel.url, &args.vessel);
+    override_key(&mut file.vessel.profile, &args.vessel_profile);
+    file.vessel.guidance = args.guidance.or(file.vessel.guidance);
     if args.guard.is_some() {
         file.link.guard.clone_from(&args.guard);
     }

@@ -105,7 +105,9 @@ fn refusal(seats: &Seats, from: Requester, request: &ConsoleRequest) -> Option<S
     match from.client {
         None if is_about_seats => Some("only a page on a socket can control".to_owned()),
         // A boat without a page at which somebody looks is stopped at once.
-        None if commands_boat(request) => Some("only a page on a socket can command the boat".to_owned()),
+        None if seats.is_empty() && commands_boat(request) => {
+            Some("only a page on a socket can command the boat".to_owned())
+        }
         None if seats.is_empty() => None,
         None => Some("a page is in control".to_owned()),
         Some(_) if is_about_seats => None,

@@ -6,6 +6,7 @@
 
 pub mod emulation_loop;
 
+pub mod boat;
 pub mod emulated_vehicle;
 pub mod fotokite_pro;
 pub mod fotokite_sigma;

@@ -34,7 +34,7 @@ pub struct Pointing {
 struct Shared {
     state: Mutex<State>,
     rates_read: Condvar,
-    tilt_listener: OnceLock<TiltListener>,
+    pose_listener: OnceLock<PoseListener>,
 }
 
 impl fmt::Debug for Shared {
@@ -43,8 +43,8 @@ impl fmt::Debug for Shared {
     }
 }
 
-/// Receives the tilt reports of the gimbal.
-type TiltListener = Box<dyn Fn(Angle) + Send + Sync>;
+/// Receives the reports of tilt and height.
+type PoseListener = Box<dyn Fn(Pointing) + Send + Sync>;
 
 #[derive(Debug, Default)]
 struct State {
@@ -71,7 +71,7 @@ impl CameraLink {
 
     /// Requests rates, in the vehicle's own signs, which will be renewed by `renew_by`.
     pub fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>) {
-        self.state().requested = RequestedRates { rates, renew_by };
+        self.state().requested = RequestedRates { command: rates, renew_by };
     }
 
     /// Requests latched rates: they last until the next request, as those of a vehicle that keeps its last rate.
@@ -84,9 +84,9 @@ impl CameraLink {
         self.state().pointing
     }
 
-    /// Reports the tilt at 10 Hz; the callback must not block. Only the first callback is used.
-    pub fn on_tilt_report(&self, listener: impl Fn(Angle) + Send + Sync + 'static) {
-        let _ = self.0.tilt_listener.set(Box::new(listener));
+    /// Reports where the camera is and points, at 10 Hz; the callback must not block. Only the first callback is used.
+    pub fn on_pose_report(&self, listener: impl Fn(Pointing) + Send + Sync + 'static) {
+        let _ = self.0.pose_listener.set(Box::new(listener));
     }
 
     /// For the world: reports where the camera points at this tick.
@@ -97,8 +97,8 @@ impl CameraLink {
             state.ticks_since_report = (state.ticks_since_report + 1) % TICKS_PER_TILT_REPORT;
             state.ticks_since_report == 0
         };
-        if let Some(listener) = self.0.tilt_listener.get().filter(|_| is_due) {
-            listener(pointing.tilt);
+        if let Some(listener) = self.0.pose_listener.get().filter(|_| is_due) {
+            listener(pointing);
         }
     }
 
@@ -123,7 +123,7 @@ impl CameraLink {
             return state.in_force;
         }
         let requested = state.requested;
-        state.in_force = state.switch.rates_in_force(&requested, now, || {
+        state.in_force = state.switch.command_in_force(&requested, now, || {
             tracing::error!("the pilot is held up: the link rests the camera");
         });
         self.0.rates_read.notify_all();
@@ -167,7 +167,7 @@ mod tests {
         let link = CameraLink::default();
         let reports = Arc::new(Mutex::new(Vec::new()));
         let listener = Arc::clone(&reports);
-        link.on_tilt_report(move |tilt| listener.lock().unwrap().push(tilt.degrees().round() as i32));
+        link.on_pose_report(move |pose| listener.lock().unwrap().push(pose.tilt.degrees().round() as i32));
         for tick in 1..=120 {
             let tilt = Angle::from_degrees(-f64::from(tick));
             link.set_pointing(Pointing { pan: Angle::ZERO, tilt, height_m: 10.0 });

@@ -5,6 +5,7 @@
 
 mod vehicle_link;
 
+pub mod boat_link;
 pub mod camera_link;
 
 mod command_path;
@@ -14,5 +15,5 @@ pub use barrelman_link::guarded::{GuardedLinkSettings, find_guard};
 pub use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl, LinkUrlError, port, url};
 pub use camera_link::CameraLink;
 pub use command_path::command_path;
-pub use vehicle_link::{BoatLink, Link, VehicleLink};
+pub use vehicle_link::{Link, VehicleLink};
 pub use vehicle_over_http::{vehicle_over_http, video_address};

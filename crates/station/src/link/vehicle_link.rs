@@ -1,6 +1,6 @@
 //! The link of a run: to a port or to a simulated camera.
 
-use barrelman_vocab::{Timestamp, VehicleRates, VesselOrder};
+use barrelman_vocab::{Timestamp, VehicleRates};
 
 use barrelman_link::{GuardedLink, LinkHandle};
 
@@ -15,13 +15,6 @@ pub trait VehicleLink {
 
     /// The operator takes the control of the vehicle back, if another client has taken it. Does not block.
     fn take_control(&self) {}
-}
-
-/// Sends commands to a boat.
-pub trait BoatLink {
-    /// Requests a command, and replaces the one requested before. A command that is not neutral is in force until
-    /// `renew_by`: without a renewal by then, the link makes the boat neutral (dead-man's switch). Does not block.
-    fn send(&self, order: VesselOrder, renew_by: Option<Timestamp>);
 }
 
 /// A link to a vehicle or to a simulated camera.

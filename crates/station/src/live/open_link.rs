@@ -5,6 +5,7 @@ use std::sync::mpsc::SyncSender;
 
 use anyhow::{Context, Result};
 use barrelman_host::clock::Clock;
+use barrelman_link::guard::message::GuardedVehicle;
 use barrelman_link_http::HttpSettings;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, VehicleProfile, VehicleRates};
@@ -57,7 +58,12 @@ pub(super) fn open_link(
             Ok(Some(match guard {
                 Some(guard) => {
                     let limits = VehicleRates { yaw: profile.limits.pan, pitch: profile.limits.tilt };
-                    let settings = GuardedLinkSettings { guard, url: url.clone(), protocol, limits, clock };
+                    let vehicle = GuardedVehicle::Camera {
+                        limits,
+                        protocol: protocol.protocol,
+                        framing: protocol.framing,
+                    };
+                    let settings = GuardedLinkSettings { guard, url: url.clone(), protocol, vehicle, clock };
                     Link::Guarded(GuardedLink::open(settings, report).context(context)?)
                 }
                 None => Link::Port(LinkHandle::open(url, protocol, clock, report).context(context)?),
@@ -99,10 +105,12 @@ fn open_camera_link(
     link.set_faults(url.faults.clone());
     let up = Telemetry { at: clock.now(), report: Report::Link(LinkState::Up) };
     events.send(Event::Link(LinkReport::Telemetry(up)))?;
-    link.on_tilt_report(move |tilt| {
-        let report = Telemetry { at: clock.now(), report: Report::CameraTilt(tilt) };
-        // The world does not wait for a loop that is held up: without room in the queue, the report is dropped.
-        let _ = events.try_send(Event::Link(LinkReport::Telemetry(report)));
+    link.on_pose_report(move |pose| {
+        for report in [Report::CameraTilt(pose.tilt), Report::CameraHeight(pose.height_m)] {
+            let report = Telemetry { at: clock.now(), report };
+            // The world does not wait for a loop that is held up: without room in the queue, the report is dropped.
+            let _ = events.try_send(Event::Link(LinkReport::Telemetry(report)));
+        }
     });
     Ok(Link::SimulatedCamera(link))
 }

@@ -13,7 +13,8 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use barrelman_host::latest::Latest;
-use barrelman_pilot::{Input, Notice, Outcome, Pilot, VesselMode};
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
 use barrelman_video::VideoState;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
@@ -23,7 +24,8 @@ use barrelman_vocab::{
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
 use super::threads::FaultInjector;
-use crate::link::{BoatLink, LinkReport, VehicleLink};
+use crate::link::boat_link::BoatLink;
+use crate::link::{LinkReport, VehicleLink};
 use crate::operator::{Answer, Answers, Gateway, Request, Submitted};
 use crate::snapshot::{Publisher, RecordingState, VideoSourceState, link_state_text};
 
@@ -196,6 +198,17 @@ impl RunLoop<'_> {
     /// With Engage, the operator takes the control back that another client has. An engagement that the start of the run asks for
     /// does not: who has the control is not known then, and the link takes the control by itself where it is free.
     fn take_control_back(&self, request: OperatorRequest, outcome: &Outcome) {
+        // A boat that somebody else steers refuses the request, and is asked for: the next one may succeed.
+        let asks_for_boat = matches!(
+            (request, &outcome.notice),
+            (
+                OperatorRequest::Guide | OperatorRequest::GoHome,
+                Some(Notice::RequestRefused(Refusal::NoVesselMotion(HoldCause::NoControl)))
+            )
+        );
+        if let (true, Some(boat)) = (asks_for_boat, self.boat) {
+            boat.take_control();
+        }
         let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
         if let (OperatorRequest::Engage, false, Some(link)) = (request, is_refused, self.link) {
             link.take_control();

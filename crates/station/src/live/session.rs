@@ -24,6 +24,7 @@ use barrelman_vocab::{OperatorRequest, PixelBox};
 
 use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue};
+use super::open_boat::open_boat;
 use super::open_link::{LinkedVehicle, open_link};
 use super::overlay_video::OverlayVideo;
 use super::recorder::Recorder;
@@ -41,6 +42,7 @@ use crate::config::Configuration;
 use crate::console::{
     ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
 };
+use crate::link::boat_link::{Boat, BoatLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::operator::Gateway;
 use crate::secrets;
@@ -75,6 +77,8 @@ pub struct Session<'a> {
     pub link: Option<LinkUrl>,
     /// The guard's program, which serves the port of the link; `None`: a thread of this process does.
     pub guard: Option<PathBuf>,
+    /// The guard's program, which serves the port of the boat; `None`: a thread of this process does.
+    pub boat_guard: Option<PathBuf>,
     /// How the vehicle is reached over HTTP; `None`: by bytes.
     pub http: Option<HttpSettings>,
     /// The output files.
@@ -100,6 +104,7 @@ pub struct Session<'a> {
 /// The open parts of a run that are closed explicitly.
 struct OpenParts {
     link: Option<Link>,
+    boat: Option<Boat>,
     recorder: Option<Recorder>,
     overlay: Option<OverlayVideo>,
     source: VideoHandle,
@@ -126,9 +131,16 @@ impl Session<'_> {
             http: self.http.clone(),
         };
         let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
+        let boat = match &self.configuration.vessel {
+            Some(vessel) => {
+                let guard = self.boat_guard.clone();
+                Some(open_boat(vessel, self.source.world(), guard, self.clock, &events)?)
+            }
+            None => None,
+        };
         let _awake = link.as_ref().filter(|link| link.reaches_vehicle()).and_then(|_| SleepInhibitor::hold());
         self.warn_without_selection();
-        let end = self.run_with(link, gateway, events, &queue, terminal.watches_keys())?;
+        let end = self.run_with((link, boat), gateway, events, &queue, terminal.watches_keys())?;
         drop(terminal);
         Ok(end)
     }
@@ -154,7 +166,7 @@ impl Session<'_> {
 
     fn run_with(
         self,
-        link: Option<Link>,
+        (link, boat): (Option<Link>, Option<Boat>),
         gateway: Arc<Gateway>,
         events: SyncSender<Event>,
         queue: &Receiver<Event>,
@@ -180,7 +192,8 @@ impl Session<'_> {
             (None, None) => RecordingState::Off,
         };
         let link_status = link.as_ref().map_or(LinkStatus::DryRun, |_| LinkStatus::Link(LinkState::Opening));
-        let publisher = Publisher::new(profile, link_status, recording);
+        let mut publisher = Publisher::new(profile, link_status, recording);
+        publisher.set_vessel_link(LinkStatus::Link(LinkState::Opening));
         let address = source.address();
         let is_recorded = outputs.record.is_some();
         let recorder = match outputs.record {
@@ -241,7 +254,7 @@ impl Session<'_> {
             TrackingCameraThread::start(setup, parts, events.clone())
         };
         let tracking_camera = tracking_camera.map(open_camera).transpose()?;
-        let parts = OpenParts { link, recorder, overlay, source, console, tracking_camera };
+        let parts = OpenParts { link, boat, recorder, overlay, source, console, tracking_camera };
         if watches_keys {
             writeln!(stdout(), "keys on this terminal: {KEYS}")?;
         }
@@ -265,7 +278,7 @@ impl Session<'_> {
             publisher,
             latest,
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
-            boat: None,
+            boat: parts.boat.as_ref().map(|boat| boat as &dyn BoatLink),
             recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
             status: StatusLine::new(style.interval()).naming_keys(watches_keys),
             status_output: Box::new(status_output),
@@ -293,7 +306,10 @@ fn first_requests(selection: Option<PixelBox>, engage: bool) -> Vec<OperatorRequ
 impl OpenParts {
     /// Closes the link, and then the other parts. A link that could not send its last zeros makes the run a failed one.
     fn close(self, end: RunEnd) -> RunEnd {
+        // Both at once: neither waits for the other's end.
+        let boat = self.boat.map(|boat| std::thread::spawn(move || boat.close()));
         let is_stop_sent = self.link.is_none_or(Link::close);
+        let is_boat_neutral = boat.is_none_or(|closing| closing.join().unwrap_or(false));
         if let Err(error) = self.source.stop() {
             tracing::warn!("{error}");
         }
@@ -304,6 +320,11 @@ impl OpenParts {
         }
         if let Some(Err(error)) = self.overlay.map(OverlayVideo::finish) {
             tracing::error!("{error:#}");
+        }
+        if !is_boat_neutral {
+            return RunEnd::Failed(
+                "the last neutral commands could not be sent to the boat, as its link was down: the boat may still be under way. Stop it by its own remote control".to_owned(),
+            );
         }
         if is_stop_sent {
             return end;

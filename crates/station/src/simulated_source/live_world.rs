@@ -8,6 +8,7 @@ use barrelman_sim::{Scenario, World};
 use barrelman_vocab::VehicleProfile;
 
 use crate::link::CameraLink;
+use crate::link::boat_link::SimulatedBoat;
 
 /// A simulated world that has not started.
 #[derive(Debug)]
@@ -16,6 +17,7 @@ pub struct LiveWorld {
     pub(super) world: World,
     pub(super) seed: u64,
     pub(super) link: CameraLink,
+    pub(super) boat: SimulatedBoat,
     pub(super) profile: VehicleProfile,
     /// Whether pictures travel as H.264.
     pub(super) encoded: bool,
@@ -38,6 +40,7 @@ impl LiveWorld {
             world,
             seed: url.seed,
             link: CameraLink::default(),
+            boat: SimulatedBoat::default(),
             profile: VehicleProfile::fotokite_pro(),
             encoded: false,
             threads: RenderThreads::new()?,
@@ -52,6 +55,11 @@ impl LiveWorld {
     /// The link to the camera of the world.
     pub fn link(&self) -> CameraLink {
         self.link.clone()
+    }
+
+    /// The boat of the world, where a boat is the target: orders steer it instead of the scenario's helmsman.
+    pub fn boat(&self) -> SimulatedBoat {
+        self.boat.clone()
     }
 
     /// Sets the vehicle profile. The rates on the link have its signs.

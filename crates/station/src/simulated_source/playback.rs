@@ -5,17 +5,19 @@ use std::thread;
 
 use barrelman_host::clock::Clock;
 use barrelman_sim::World;
+use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::scenario::CameraSetup;
 use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_video::feed::{Feed, StopSignal};
 use barrelman_video::{VideoError, VideoSink, VideoState};
-use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
+use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates, VesselOrder};
 
 use super::delivery::deliver;
 use super::live_world::LiveWorld;
 use super::moments::{Moment, Moments};
 use super::rendering::{Rendering, RenderingSettings};
 use crate::link::CameraLink;
+use crate::link::boat_link::SimulatedBoat;
 use crate::link::camera_link::Pointing;
 
 /// Largest number of pictures between rendering and arrival.
@@ -23,7 +25,7 @@ const MAX_IN_TRANSIT: usize = 128;
 
 /// Runs a world. Returns when the world is over or when the signal is raised.
 pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopSignal) {
-    let LiveWorld { scenario, world, seed, link, profile, encoded, threads } = live;
+    let LiveWorld { scenario, world, seed, link, boat, profile, encoded, threads } = live;
     feed.sink.on_state(VideoState::Up);
     let clock = feed.clock;
     let start = clock.now();
@@ -36,8 +38,16 @@ pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &Stop
         encoded,
         threads: &threads,
     };
-    let ticking =
-        Ticking { world, camera: &scenario.camera, seed, link: &link, profile: &profile, clock, start };
+    let ticking = Ticking {
+        world,
+        camera: &scenario.camera,
+        seed,
+        link: &link,
+        boat: &boat,
+        profile: &profile,
+        clock,
+        start,
+    };
     let (units, arriving) = sync_channel(MAX_IN_TRANSIT);
     // The feed lives outside the scope: a panic in a thread of the scope drops its sink, which reports the panic.
     thread::scope(|scope| {
@@ -77,6 +87,7 @@ struct Ticking<'a> {
     camera: &'a CameraSetup,
     seed: u64,
     link: &'a CameraLink,
+    boat: &'a SimulatedBoat,
     /// The vehicle, whose signs the rates on the link have.
     profile: &'a VehicleProfile,
     clock: Clock,
@@ -85,10 +96,11 @@ struct Ticking<'a> {
 
 impl Ticking<'_> {
     fn run(self, moments: &Moments, stop: &StopSignal) {
-        let Self { mut world, camera, seed, link, profile, clock, start } = self;
+        let Self { mut world, camera, seed, link, boat, profile, clock, start } = self;
         let _end = EndGuard { moments, link };
         let mut video = VideoLink::new(camera.video, seed);
         let mut commanded = VehicleRates::REST;
+        let mut ordered = VesselOrder::Released;
         loop {
             let due = start.plus(World::time_of(world.tick()).since(Timestamp::ZERO));
             if stop.wait_until(clock.instant(due)) || world.is_over() || moments.newest.is_closed() {
@@ -97,6 +109,14 @@ impl Ticking<'_> {
             let rates = link.read_rates(clock.now());
             if std::mem::replace(&mut commanded, rates) != rates {
                 world.command(profile.from_vehicle(rates));
+            }
+            let order = boat.order(clock.now());
+            if std::mem::replace(&mut ordered, order) != order {
+                let helm = match order {
+                    VesselOrder::Released => None,
+                    VesselOrder::Commanded(command) => Some(HelmCommand::of(command)),
+                };
+                world.override_helm(helm);
             }
             let pose = world.camera_pose();
             link.set_pointing(Pointing { pan: pose.pan, tilt: pose.tilt, height_m: pose.position.z });

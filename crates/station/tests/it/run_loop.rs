@@ -119,6 +119,7 @@ impl LiveStepObserver for &MemoryObserver {
             Input::Frame(frame) => format!("frame {}", frame.sequence),
             Input::Localisation(_) => "localisation".to_owned(),
             Input::Telemetry(_) => "telemetry".to_owned(),
+            Input::VesselTelemetry(_) => "vessel telemetry".to_owned(),
             Input::Request(request) => format!("{request:?}"),
             Input::Tick => "tick".to_owned(),
         };
@@ -202,6 +203,7 @@ fn run_pilot(
         publisher,
         latest,
         link: Some(&link),
+        boat: None,
         recorder: Some(Box::new(&recorder)),
         status: StatusLine::new(Duration::from_millis(100)),
         status_output: Box::new(&status),

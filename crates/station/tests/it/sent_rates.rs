@@ -4,7 +4,7 @@ use barrelman_station::config::{self, Configuration};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::session::PROMPT;
-use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, OpenSession as _};
 
 use crate::program::{argument, barrelman, empty_folder, succeeded};
 

@@ -38,6 +38,7 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
         is_confirming: false,
         net_yaw: barrelman_pilot::net_yaw::NetYawState::default(),
         search_refusal: None,
+        vessel: barrelman_pilot::VesselOutcome::absent(),
         notice: None,
     }
 }

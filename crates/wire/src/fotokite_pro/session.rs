@@ -305,6 +305,7 @@ impl FotokiteProSession {
 impl Session for FotokiteProSession {
     type Sent = Vec<u8>;
     type Received = [u8];
+    type Command = VehicleRates;
 
     /// Lines that are due together leave in one packet.
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {

@@ -270,6 +270,7 @@ impl FotokiteSigmaSession {
 impl Session for FotokiteSigmaSession {
     type Sent = Request;
     type Received = Received;
+    type Command = VehicleRates;
 
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Request>) -> NextAction {
         for id in self.lanes.overdue(now) {

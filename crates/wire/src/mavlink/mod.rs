@@ -1,4 +1,4 @@
-//! MAVLink, version 2: a gimbal manager as the vehicle, and this program as a tracking camera.
+//! MAVLink, version 2: a gimbal manager as the vehicle, a boat, and this program as a tracking camera.
 //!
 //! `docs/wire/mavlink-gimbal.md` and `docs/wire/mavlink-camera.md` describe both. [`GimbalSession`] is the client of a gimbal manager: discovery, control, rates, attitude, shut-down. [`GimbalManager`] is the
 //! other end, for the emulator and the tests. [`TrackingCamera`] is what ground stations find. All are plain structs without I/O:
@@ -19,11 +19,16 @@ mod session_times;
 
 pub mod gimbal_manager;
 
+pub mod rover;
+pub mod rover_boat;
+
 pub mod tracking_camera;
 
 pub use command::{Command, Gimbal, Wanted};
 pub use gimbal_manager::GimbalManager;
 pub use gimbal_reader::GimbalReader;
 pub use probe::Probe;
+pub use rover::RoverSession;
+pub use rover_boat::RoverBoat;
 pub use session::GimbalSession;
 pub use tracking_camera::TrackingCamera;

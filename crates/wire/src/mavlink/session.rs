@@ -193,6 +193,7 @@ fn everyone(peers: MavlinkPeers) -> Gimbal {
 impl Session for GimbalSession {
     type Sent = Vec<u8>;
     type Received = [u8];
+    type Command = VehicleRates;
 
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         self.writer.set_time(now);

@@ -52,12 +52,45 @@ fn each_request_reaches_the_session_in_its_own_words() {
     check(r#"{"kind":"law","law":"minimum-energy"}"#, law(LawId::MinimumEnergy));
     check(r#"{"kind":"law","law":"time-fuel"}"#, law(LawId::TimeFuel));
     check(r#"{"kind":"law","law":"eco"}"#, law(LawId::Eco));
-    let helm = |thrust, rudder| Request::World(DriveInput::Helm { thrust, rudder });
-    check(r#"{"kind":"helm","thrust":1,"rudder":-1}"#, helm(100, -100));
-    check(r#"{"kind":"helm","thrust":-0.125,"rudder":0.5}"#, helm(-13, 50));
-    check(r#"{"kind":"helmsman"}"#, Request::World(DriveInput::Helmsman));
+    check(r#"{"kind":"helmsman"}"#, pilot(OperatorRequest::ReleaseBoat));
+    let drawn =
+        |kind| DrawnMark { kind, pixel: PixelPoint { u: 4.5, v: -1.0 }, captured: Timestamp::from_nanos(17) };
+    for (name, kind) in [
+        ("place", MarkKind::Place),
+        ("person", MarkKind::Person),
+        ("way-point", MarkKind::WayPoint),
+        ("forbidden", MarkKind::Forbidden),
+        ("home", MarkKind::Home),
+    ] {
+        let json = format!(r#"{{"kind":"mark","mark":"{name}","at":[4.5,-1],"captured_ns":17}}"#);
+        check(&json, pilot(OperatorRequest::Mark(drawn(kind))));
+    }
+    check(r#"{"kind":"unmark","id":3}"#, pilot(OperatorRequest::Unmark(3)));
+    check(r#"{"kind":"unmark-all"}"#, pilot(OperatorRequest::UnmarkAll));
+    check(r#"{"kind":"next-mark"}"#, pilot(OperatorRequest::NextMark));
+    check(r#"{"kind":"stop-boat"}"#, pilot(OperatorRequest::StopBoat(BoatStop::Operator)));
     check(r#"{"kind":"pause"}"#, Request::World(DriveInput::Pause));
     check(r#"{"kind":"resume"}"#, Request::World(DriveInput::Resume));
+}
+
+#[test]
+fn the_boat_is_commanded_from_a_page_only() {
+    for (request, expected) in [
+        (
+            ConsoleRequest::Helm { thrust: 1.0, rudder: -0.5 },
+            OperatorRequest::Steer(VesselCommand { throttle: 1.0, rudder: 0.5 }),
+        ),
+        (ConsoleRequest::Guide, OperatorRequest::Guide),
+        (ConsoleRequest::GoHome, OperatorRequest::GoHome),
+    ] {
+        let mut session = InMemory::new(LIVE);
+        let (answer, reason) = session.request(CONTROL, None, request);
+        assert_eq!(answer, AnswerKind::Refused);
+        assert!(reason.unwrap_or_default().contains("only a page on a socket"), "{request:?}");
+        session.join("a", CONTROL);
+        assert_eq!(session.request(CONTROL, Some(0), request).0, AnswerKind::Accepted);
+        assert_eq!(session.taken, [Request::Pilot(expected)]);
+    }
 }
 
 #[test]
@@ -68,7 +101,12 @@ fn values_without_sense_are_refused_with_the_reason() {
     for (first, second) in [("1.01", "0"), ("0", "-1.01"), ("1e300", "0"), ("-100", "100")] {
         let range = "numbers from -1 to 1";
         check_refused(&format!(r#"{{"kind":"nudge","pan":{first},"tilt":{second}}}"#), range);
-        check_refused(&format!(r#"{{"kind":"helm","thrust":{first},"rudder":{second}}}"#), range);
+        let mut session = InMemory::new(LIVE);
+        session.join("a", CONTROL);
+        let helm = parsed(&format!(r#"{{"kind":"helm","thrust":{first},"rudder":{second}}}"#));
+        let (answer, reason) = session.request(CONTROL, Some(0), helm);
+        assert_eq!((answer, session.taken.len()), (AnswerKind::Refused, 0));
+        assert!(reason.unwrap_or_default().contains(range));
     }
 }
 

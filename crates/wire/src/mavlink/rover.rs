@@ -1,0 +1,337 @@
+//! The client of an ArduPilot boat: set-points in GUIDED, and nothing in any other mode.
+//!
+//! ```text
+//!              heartbeat of a boat or a rover          silent for 3 s
+//!   Searching ------------------------------> Up ------------------> Unresponsive (reopen the port)
+//!                                              |
+//!                                              +-- close() --> Closing (neutral five times) --> Closed
+//! ```
+//!
+//! Throttle and rudder are sent as SET_POSITION_TARGET_LOCAL_NED (84) in the boat's own frame: a speed ahead of throttle x
+//! [`FULL_SPEED_M_PER_S`], and a turn rate of rudder x [`FULL_TURN_RAD_PER_S`]; the autopilot closes the loop. A set-point
+//! is repeated every [`SET_POINT_INTERVAL`]. ArduPilot stops the boat 3 s after the last one.
+//!
+//! The mode and the arming are the boat's own. A mode other than GUIDED means that somebody else steers: the sticks of the
+//! remote control, or a ground station. Nothing is sent then. [`Session::take_control`] asks once for GUIDED; nothing ever
+//! arms.
+
+use core::time::Duration;
+
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::mavlink::{Address, MavlinkPeers};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Telemetry, Timestamp, VesselCommand, VesselOrder};
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavFrame, MavModeFlag, MavType,
+    PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+};
+
+use super::frame::{Frame, FrameReader, FrameWriter};
+use super::heartbeat::heartbeat;
+use crate::session::{NextAction, Session, WillStep};
+
+/// The speed of full throttle, m/s: that of a jet boat of 1.2 m.
+pub const FULL_SPEED_M_PER_S: f64 = 3.6;
+/// The turn rate of full rudder, rad/s.
+pub const FULL_TURN_RAD_PER_S: f64 = 1.0;
+/// Interval between two set-points.
+pub const SET_POINT_INTERVAL: Duration = Duration::from_millis(100);
+/// Shortest interval between two set-points that are not neutral.
+const LEAST_INTERVAL: Duration = Duration::from_millis(40);
+/// Interval between the neutral set-points of an end.
+const NEUTRAL_INTERVAL: Duration = Duration::from_millis(50);
+/// Neutral set-points of an end.
+pub const NEUTRALS: u32 = 5;
+/// A boat that was not heard for this time is silent.
+pub const SILENCE: Duration = Duration::from_secs(3);
+const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
+/// The search for a boat is told as failed after this time.
+const SEARCH_TIMEOUT: Duration = Duration::from_secs(6);
+/// ArduPilot Rover's number of the mode GUIDED.
+pub const GUIDED: u32 = 15;
+/// The component id of an autopilot.
+const AUTOPILOT: u8 = 1;
+/// Use the velocity along x and the yaw rate, and ignore everything else: 0x5C7.
+const SPEED_AND_TURN: PositionTargetTypemask = PositionTargetTypemask::from_bits_truncate(0x5C7);
+
+/// The boat's own frame of reference by its number 8, which ArduPilot reads; MAVLink's newer name has another number.
+#[allow(deprecated, reason = "ArduPilot reads this frame")]
+pub(super) const BODY_FRAME: MavFrame = MavFrame::MAV_FRAME_BODY_NED;
+
+const SILENT: NextAction = NextAction::Reopen { reason: "the boat does not answer any more" };
+
+/// What the boat's heartbeat says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct BoatMode {
+    is_guided: bool,
+    is_armed: bool,
+}
+
+impl BoatMode {
+    const fn acceptance(self) -> Acceptance {
+        match (self.is_guided, self.is_armed) {
+            (false, _) => Acceptance::OtherClient,
+            (true, false) => Acceptance::NotReady,
+            (true, true) => Acceptance::Accepted,
+        }
+    }
+}
+
+/// Reads what the boat reports from received bytes.
+#[derive(Debug, Clone)]
+pub struct RoverReader {
+    peers: MavlinkPeers,
+    frames: FrameReader,
+    boat: Option<Address>,
+    mode: Option<BoatMode>,
+}
+
+impl RoverReader {
+    /// A reader that has heard nothing.
+    pub fn new(peers: MavlinkPeers) -> Self {
+        Self { peers, frames: FrameReader::default(), boat: None, mode: None }
+    }
+
+    /// Passes each change of what the boat says to commands to `each`. Returns whether the boat was heard.
+    pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) -> bool {
+        let mut frames = core::mem::take(&mut self.frames);
+        let mut is_heard = false;
+        frames.read(bytes, |frame| {
+            if let Some(mode) = self.mode_of(frame) {
+                is_heard = true;
+                if self.mode.replace(mode) != Some(mode) {
+                    each(Report::Acceptance(mode.acceptance()));
+                }
+            }
+        });
+        self.frames = frames;
+        is_heard
+    }
+
+    /// The mode in a heartbeat of the boat; the first boat that is heard is the boat.
+    fn mode_of(&mut self, frame: &Frame<'_>) -> Option<BoatMode> {
+        let is_named = self.peers.vehicle.is_none_or(|system| system == frame.from.system);
+        let is_boat = self.boat.map_or(is_named, |boat| boat == frame.from);
+        if frame.from.component.0 != AUTOPILOT || !is_boat {
+            return None;
+        }
+        let heard = frame.read::<HEARTBEAT_DATA>()?;
+        let moves_on_the_ground =
+            matches!(heard.mavtype, MavType::MAV_TYPE_SURFACE_BOAT | MavType::MAV_TYPE_GROUND_ROVER);
+        if heard.autopilot == MavAutopilot::MAV_AUTOPILOT_INVALID || !moves_on_the_ground {
+            return None;
+        }
+        self.boat = Some(frame.from);
+        Some(BoatMode {
+            is_guided: heard.custom_mode == GUIDED,
+            is_armed: heard.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
+        })
+    }
+}
+
+/// One session with a boat.
+#[derive(Debug, Clone)]
+pub struct RoverSession {
+    writer: FrameWriter,
+    reader: RoverReader,
+    since: Timestamp,
+    last_heard: Option<Timestamp>,
+    order: VesselOrder,
+    last: Option<(Timestamp, VesselCommand)>,
+    /// Neutral set-points that are still to be sent of a boat that is released, or of the end.
+    neutrals_left: u32,
+    heartbeat_at: Timestamp,
+    asks_for_guided: bool,
+    is_closing: bool,
+}
+
+impl RoverSession {
+    /// A session on a newly opened port.
+    pub fn open(peers: MavlinkPeers, now: Timestamp) -> Self {
+        Self {
+            writer: FrameWriter::new(peers.own, None),
+            reader: RoverReader::new(peers),
+            since: now,
+            last_heard: None,
+            order: VesselOrder::Released,
+            last: None,
+            neutrals_left: 0,
+            heartbeat_at: now,
+            asks_for_guided: false,
+            is_closing: false,
+        }
+    }
+
+    fn is_ours(&self) -> bool {
+        self.reader.mode.is_some_and(|mode| mode.is_guided)
+    }
+
+    fn set_point(&mut self, boat: Address, command: VesselCommand, now: Timestamp) -> Vec<u8> {
+        self.last = Some((now, command));
+        self.writer.write(&set_point(boat, command))
+    }
+
+    /// Appends the set-point that is due, and returns when the next one is.
+    fn write_set_point(&mut self, boat: Address, now: Timestamp, out: &mut Vec<Vec<u8>>) -> Timestamp {
+        let command = self.order.command();
+        let since = self.last.map(|(at, _)| now.since(at));
+        let has_changed = self.last.is_none_or(|(_, sent)| sent != command);
+        let is_after = |interval: Duration| since.is_none_or(|since| since >= interval);
+        match self.order {
+            VesselOrder::Commanded(_) if !self.is_closing => {
+                let may_change = command.is_neutral() || is_after(LEAST_INTERVAL);
+                if is_after(SET_POINT_INTERVAL) || (has_changed && may_change) {
+                    out.push(self.set_point(boat, command, now));
+                }
+                self.neutrals_left = NEUTRALS;
+            }
+            _ if self.neutrals_left > 0 && (has_changed || is_after(NEUTRAL_INTERVAL)) => {
+                out.push(self.set_point(boat, VesselCommand::NEUTRAL, now));
+                self.neutrals_left -= 1;
+            }
+            _ => {}
+        }
+        let wait = if self.last.is_some_and(|(_, sent)| sent != command) {
+            LEAST_INTERVAL
+        } else if self.is_closing || self.order == VesselOrder::Released {
+            NEUTRAL_INTERVAL
+        } else {
+            SET_POINT_INTERVAL
+        };
+        self.last.map_or(now, |(at, _)| at).plus(wait)
+    }
+}
+
+/// The set-point of a command.
+pub fn set_point(to: Address, command: VesselCommand) -> SET_POSITION_TARGET_LOCAL_NED_DATA {
+    let VesselCommand { throttle, rudder } = command.clamped();
+    SET_POSITION_TARGET_LOCAL_NED_DATA {
+        time_boot_ms: 0,
+        x: 0.0,
+        y: 0.0,
+        z: 0.0,
+        // Positive zero for both zeros.
+        vx: (throttle * FULL_SPEED_M_PER_S) as f32 + 0.0,
+        vy: 0.0,
+        vz: 0.0,
+        afx: 0.0,
+        afy: 0.0,
+        afz: 0.0,
+        yaw: 0.0,
+        yaw_rate: (rudder * FULL_TURN_RAD_PER_S) as f32 + 0.0,
+        type_mask: SPEED_AND_TURN,
+        target_system: to.system.0,
+        target_component: to.component.0,
+        coordinate_frame: BODY_FRAME,
+    }
+}
+
+/// Asks for the mode GUIDED.
+fn guided(to: Address) -> COMMAND_LONG_DATA {
+    COMMAND_LONG_DATA {
+        // The mode is the autopilot's own number.
+        param1: f32::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits()),
+        param2: GUIDED as f32,
+        param3: 0.0,
+        param4: 0.0,
+        param5: 0.0,
+        param6: 0.0,
+        param7: 0.0,
+        command: MavCmd::MAV_CMD_DO_SET_MODE,
+        target_system: to.system.0,
+        target_component: to.component.0,
+        confirmation: 0,
+    }
+}
+
+impl Session for RoverSession {
+    type Sent = Vec<u8>;
+    type Received = [u8];
+    type Command = VesselOrder;
+
+    fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
+        if let Some(heard) = self.last_heard.filter(|heard| now.since(*heard) >= SILENCE) {
+            return if self.is_closing && now.since(heard) > SILENCE.saturating_mul(2) {
+                NextAction::Closed
+            } else if self.is_closing {
+                NextAction::WaitUntil(now.plus(NEUTRAL_INTERVAL))
+            } else {
+                SILENT
+            };
+        }
+        if self.reader.boat.is_none() && !self.is_closing && now.since(self.since) >= SEARCH_TIMEOUT {
+            return NextAction::Reopen { reason: "no boat was heard" };
+        }
+        let mut next = self.heartbeat_at;
+        if let Some(boat) = self.reader.boat {
+            if core::mem::take(&mut self.asks_for_guided) {
+                out.push(self.writer.write(&guided(boat)));
+            }
+            if self.is_ours() {
+                next = self.write_set_point(boat, now, out).min(next);
+            }
+        }
+        if self.is_closing && (!self.is_ours() || self.neutrals_left == 0) {
+            return NextAction::Closed;
+        }
+        if self.heartbeat_at <= now {
+            out.push(self.writer.write(&heartbeat(MavType::MAV_TYPE_ONBOARD_CONTROLLER)));
+            self.heartbeat_at = now.plus(HEARTBEAT_INTERVAL);
+        }
+        NextAction::WaitUntil(next.max(now.plus(Duration::from_millis(1))).min(self.heartbeat_at))
+    }
+
+    fn received(&mut self, packet: &[u8], now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
+        let is_heard = self.reader.read(packet, |content| report(Telemetry { at: now, report: content }));
+        if is_heard {
+            self.last_heard = Some(now);
+        }
+        if is_heard && !self.is_ours() {
+            // Whoever chose another mode steers: no neutral set-point is owed.
+            (self.last, self.neutrals_left) = (None, 0);
+        }
+    }
+
+    fn request(&mut self, order: VesselOrder, _: Option<Timestamp>) {
+        self.order = order;
+    }
+
+    /// Asks for the mode GUIDED, once.
+    fn take_control(&mut self, _: Timestamp) {
+        self.asks_for_guided = !self.is_ours();
+    }
+
+    fn close(&mut self, _: Timestamp) {
+        if !self.is_closing {
+            (self.is_closing, self.order) = (true, VesselOrder::NEUTRAL);
+            if self.last.is_some() {
+                self.neutrals_left = NEUTRALS;
+            }
+        }
+    }
+
+    fn link_state(&self) -> LinkState {
+        match (self.is_closing, self.reader.boat) {
+            (true, _) => LinkState::Closing,
+            (false, None) => LinkState::Starting,
+            (false, Some(_)) => LinkState::Up,
+        }
+    }
+
+    fn may_be_turning(&self) -> bool {
+        self.last.is_some_and(|(_, sent)| !sent.is_neutral()) || (1..NEUTRALS).contains(&self.neutrals_left)
+    }
+
+    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+        let Some(boat) = self.reader.boat.filter(|_| self.is_ours()) else { return Vec::new() };
+        let mut writer = self.writer.clone();
+        let mut neutral = || WillStep {
+            packet: writer.write(&set_point(boat, VesselCommand::NEUTRAL)),
+            pause: NEUTRAL_INTERVAL,
+        };
+        (0..NEUTRALS).map(|_| neutral()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,174 @@
+//! The session against the other end, in steps of ten milliseconds.
+
+use super::super::rover_boat::{MANUAL, RoverBoat, RoverBoatSettings};
+use super::*;
+
+const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: -0.5 };
+
+fn at(ms: u64) -> Timestamp {
+    Timestamp::from_nanos(ms * 1_000_000)
+}
+
+/// Session and boat, joined by a line without delay.
+struct Bench {
+    session: RoverSession,
+    boat: RoverBoat,
+    ms: u64,
+    reports: Vec<Report>,
+    heard: Vec<(u64, String)>,
+    is_cut: bool,
+    next: NextAction,
+}
+
+impl Bench {
+    fn new(settings: RoverBoatSettings) -> Self {
+        Self {
+            session: RoverSession::open(MavlinkPeers::DEFAULT, at(0)),
+            boat: RoverBoat::new(settings, at(0)),
+            ms: 0,
+            reports: Vec::new(),
+            heard: Vec::new(),
+            is_cut: false,
+            next: NextAction::WaitUntil(at(0)),
+        }
+    }
+
+    fn run_to(&mut self, end_ms: u64) -> &mut Self {
+        while self.ms < end_ms {
+            let now = at(self.ms);
+            let (mut down, mut up) = (Vec::new(), Vec::new());
+            self.next = self.session.poll(now, &mut down);
+            if !self.is_cut {
+                for packet in &down {
+                    let heard = &mut self.heard;
+                    self.boat.receive(packet, now, &mut up, |text| heard.push((self.ms, text)));
+                }
+                self.boat.advance(now, &mut up);
+                for packet in &up {
+                    let reports = &mut self.reports;
+                    self.session.received(packet, now, &mut |telemetry| reports.push(telemetry.report));
+                }
+            }
+            self.ms += 10;
+        }
+        self
+    }
+
+    fn set_points(&self, from_ms: u64) -> usize {
+        let is_set_point = |(ms, text): &&(u64, String)| *ms >= from_ms && text.starts_with("SET_POSITION");
+        self.heard.iter().filter(is_set_point).count()
+    }
+
+    fn go(&mut self) {
+        let end = self.ms + 60_000;
+        self.session.request(VesselOrder::Commanded(AHEAD), Some(at(end)));
+    }
+}
+
+fn guided_boat() -> RoverBoatSettings {
+    RoverBoatSettings { mode: GUIDED, ..RoverBoatSettings::default() }
+}
+
+#[test]
+fn a_boat_in_guided_carries_out_throttle_and_rudder() {
+    let mut bench = Bench::new(guided_boat());
+    bench.run_to(500);
+    assert_eq!(bench.session.link_state(), LinkState::Up);
+    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::Accepted)]);
+    assert_eq!(bench.set_points(0), 0, "a boat that is not commanded hears no set-point");
+    bench.go();
+    bench.run_to(1_500);
+    let carried_out = bench.boat.command(at(1_500));
+    assert!((carried_out.throttle - 0.5).abs() < 1e-6 && (carried_out.rudder + 0.5).abs() < 1e-6);
+    assert_eq!(bench.set_points(500), 10, "ten set-points a second");
+}
+
+#[test]
+fn neutral_goes_out_at_once_and_release_ends_the_set_points() {
+    let mut bench = Bench::new(guided_boat());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_000);
+    bench.session.request(VesselOrder::NEUTRAL, None);
+    bench.run_to(1_020);
+    assert!(bench.boat.command(at(1_020)).is_neutral());
+    bench.go();
+    bench.run_to(1_500);
+    bench.session.request(VesselOrder::Released, None);
+    bench.run_to(3_000);
+    assert_eq!(bench.set_points(1_500), NEUTRALS as usize);
+    assert!(bench.boat.command(at(3_000)).is_neutral() && !bench.session.may_be_turning());
+}
+
+#[test]
+fn another_mode_is_left_alone_until_the_operator_asks() {
+    let mut bench = Bench::new(RoverBoatSettings::default());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_500);
+    assert_eq!(bench.boat.mode(), MANUAL);
+    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::OtherClient)]);
+    assert_eq!(bench.set_points(0), 0);
+    bench.session.take_control(at(1_500));
+    bench.run_to(2_500);
+    assert_eq!(bench.boat.mode(), GUIDED);
+    assert!(!bench.boat.command(at(2_500)).is_neutral());
+    // The switch of the remote control.
+    bench.boat.switch_to(MANUAL);
+    let switched = bench.ms;
+    bench.run_to(4_000);
+    assert_eq!(bench.reports.last(), Some(&Report::Acceptance(Acceptance::OtherClient)));
+    assert!(bench.set_points(switched + 20) == 0 && !bench.session.may_be_turning());
+}
+
+#[test]
+fn a_boat_that_is_not_armed_takes_no_commands_and_is_never_armed() {
+    let mut bench = Bench::new(RoverBoatSettings { is_armed: false, ..guided_boat() });
+    bench.run_to(500);
+    bench.session.take_control(at(500));
+    bench.go();
+    bench.run_to(2_000);
+    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::NotReady)]);
+    assert!(bench.boat.command(at(2_000)).is_neutral());
+    assert!(bench.heard.iter().all(|(_, text)| !text.starts_with("COMMAND 400")), "no arming");
+}
+
+#[test]
+fn the_end_is_neutral_and_a_boat_that_hears_nothing_stops_by_itself() {
+    let mut bench = Bench::new(guided_boat());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_000);
+    bench.session.close(at(1_000));
+    bench.run_to(1_500);
+    assert_eq!(bench.next, NextAction::Closed);
+    assert!(bench.boat.command(at(1_500)).is_neutral());
+
+    let mut bench = Bench::new(guided_boat());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_000);
+    bench.is_cut = true;
+    assert!(!bench.boat.command(at(3_890)).is_neutral());
+    assert!(bench.boat.command(at(4_000)).is_neutral());
+    bench.run_to(5_000);
+    assert_eq!(bench.next, SILENT);
+    assert!(bench.session.may_be_turning());
+}
+
+#[test]
+fn what_is_no_boat_is_not_commanded() {
+    let mut session = RoverSession::open(MavlinkPeers::DEFAULT, at(0));
+    let mut copter = FrameWriter::new(Address::new(1, 1), None);
+    let packet = copter.write(&HEARTBEAT_DATA {
+        custom_mode: GUIDED,
+        mavtype: MavType::MAV_TYPE_QUADROTOR,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+        base_mode: MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
+        ..heartbeat(MavType::MAV_TYPE_QUADROTOR)
+    });
+    session.received(&packet, at(10), &mut |_| {});
+    assert_eq!(session.link_state(), LinkState::Starting);
+    assert!(session.last_will().is_empty());
+    assert_eq!(session.poll(at(6_000), &mut Vec::new()), NextAction::Reopen { reason: "no boat was heard" });
+}

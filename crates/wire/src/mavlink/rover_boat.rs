@@ -1,0 +1,160 @@
+//! The other end of [`super::rover`]: an ArduPilot boat, as far as set-points, modes and arming go.
+
+use core::time::Duration;
+
+use barrelman_vocab::mavlink::Address;
+use barrelman_vocab::{Timestamp, VesselCommand};
+use mavlink::dialects::common::{
+    COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag, MavResult,
+    MavState, MavType, SET_POSITION_TARGET_LOCAL_NED_DATA,
+};
+
+use super::frame::{Frame, FrameReader, FrameWriter};
+use super::rover::{BODY_FRAME, FULL_SPEED_M_PER_S, FULL_TURN_RAD_PER_S, GUIDED};
+
+/// ArduPilot Rover's number of the mode MANUAL: the sticks steer.
+pub const MANUAL: u32 = 0;
+/// The boat stops after this time without a set-point.
+pub const SET_POINT_TIMEOUT: Duration = Duration::from_secs(3);
+const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Settings of the boat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RoverBoatSettings {
+    /// Address of the autopilot.
+    pub address: Address,
+    /// Whether the boat is armed at the start.
+    pub is_armed: bool,
+    /// The mode at the start.
+    pub mode: u32,
+}
+
+impl Default for RoverBoatSettings {
+    fn default() -> Self {
+        Self { address: Address::new(1, 1), is_armed: true, mode: MANUAL }
+    }
+}
+
+/// A boat with its autopilot.
+#[derive(Debug, Clone)]
+pub struct RoverBoat {
+    mode: u32,
+    is_armed: bool,
+    address: Address,
+    reader: FrameReader,
+    writer: FrameWriter,
+    set_point: Option<(Timestamp, VesselCommand)>,
+    heartbeat_at: Timestamp,
+}
+
+impl RoverBoat {
+    /// A boat that has just been switched on.
+    pub fn new(settings: RoverBoatSettings, now: Timestamp) -> Self {
+        let RoverBoatSettings { address, is_armed, mode } = settings;
+        Self {
+            mode,
+            is_armed,
+            address,
+            reader: FrameReader::default(),
+            writer: FrameWriter::new(address, None),
+            set_point: None,
+            heartbeat_at: now,
+        }
+    }
+
+    /// The mode.
+    pub const fn mode(&self) -> u32 {
+        self.mode
+    }
+
+    /// Somebody else chooses the mode, by a switch of the remote control.
+    pub fn switch_to(&mut self, mode: u32) {
+        (self.mode, self.set_point, self.heartbeat_at) = (mode, None, Timestamp::ZERO);
+    }
+
+    /// The command that the autopilot carries out.
+    pub fn command(&self, now: Timestamp) -> VesselCommand {
+        let is_obeyed = self.is_armed && self.mode == GUIDED;
+        let fresh = self.set_point.filter(|(at, _)| *at <= now && now.since(*at) < SET_POINT_TIMEOUT);
+        fresh.filter(|_| is_obeyed).map_or(VesselCommand::NEUTRAL, |(_, command)| command)
+    }
+
+    /// Processes received bytes, appends answers to `out`, and passes a description of each message to `on_message`.
+    pub fn receive(
+        &mut self,
+        bytes: &[u8],
+        now: Timestamp,
+        out: &mut Vec<Vec<u8>>,
+        mut on_message: impl FnMut(String),
+    ) {
+        let mut reader = core::mem::take(&mut self.reader);
+        reader.read(bytes, |frame| on_message(self.on_frame(frame, now, out)));
+        self.reader = reader;
+    }
+
+    /// Appends the heartbeat, where one is due.
+    pub fn advance(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
+        if self.heartbeat_at > now {
+            return;
+        }
+        self.heartbeat_at = now.plus(HEARTBEAT_INTERVAL);
+        let armed =
+            if self.is_armed { MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED } else { MavModeFlag::empty() };
+        out.push(self.writer.write(&HEARTBEAT_DATA {
+            custom_mode: self.mode,
+            mavtype: MavType::MAV_TYPE_SURFACE_BOAT,
+            autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+            base_mode: MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | armed,
+            system_status: MavState::MAV_STATE_ACTIVE,
+            mavlink_version: 3,
+        }));
+    }
+
+    fn is_for_us(&self, system: u8, component: u8) -> bool {
+        (system == 0 || system == self.address.system.0)
+            && (component == 0 || component == self.address.component.0)
+    }
+
+    fn on_frame(&mut self, frame: &Frame<'_>, now: Timestamp, out: &mut Vec<Vec<u8>>) -> String {
+        let from = frame.from;
+        if let Some(set) = frame.read::<SET_POSITION_TARGET_LOCAL_NED_DATA>() {
+            let is_body = set.coordinate_frame == BODY_FRAME && set.type_mask.bits() == 0x5C7;
+            let is_number = set.vx.is_finite() && set.yaw_rate.is_finite();
+            if is_body && is_number && self.is_for_us(set.target_system, set.target_component) {
+                let command = VesselCommand {
+                    throttle: f64::from(set.vx) / FULL_SPEED_M_PER_S,
+                    rudder: f64::from(set.yaw_rate) / FULL_TURN_RAD_PER_S,
+                };
+                self.set_point = Some((now, command.clamped()));
+            }
+            return format!("SET_POSITION_TARGET from {from} vx {} yaw_rate {}", set.vx, set.yaw_rate);
+        }
+        let Some(command) = frame.read::<COMMAND_LONG_DATA>() else {
+            return format!("message {} from {from}", frame.message);
+        };
+        if !self.is_for_us(command.target_system, command.target_component) {
+            return format!("COMMAND {} from {from} to another", command.command as u32);
+        }
+        let result = match command.command {
+            MavCmd::MAV_CMD_DO_SET_MODE => {
+                (self.mode, self.set_point, self.heartbeat_at) =
+                    (command.param2.max(0.0) as u32, None, Timestamp::ZERO);
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => {
+                (self.is_armed, self.heartbeat_at) = (command.param1 == 1.0, Timestamp::ZERO);
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            _ => MavResult::MAV_RESULT_UNSUPPORTED,
+        };
+        out.push(self.writer.write(&COMMAND_ACK_DATA {
+            command: command.command,
+            result,
+            progress: 0,
+            result_param2: 0,
+            target_system: from.system.0,
+            target_component: from.component.0,
+        }));
+        format!("COMMAND {} from {from} parameter {}", command.command as u32, command.param2)
+    }
+}

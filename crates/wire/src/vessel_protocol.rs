@@ -1,0 +1,65 @@
+//! The protocols of vessels: the only place that chooses a session by the vessel's protocol.
+
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::mavlink::MavlinkPeers;
+use barrelman_vocab::{Timestamp, VesselOrder};
+
+use crate::byte_protocol::{ByteSession, OpenSession, ReportReader};
+use crate::lab_udp::LabUdpSession;
+use crate::mavlink::RoverSession;
+use crate::mavlink::rover::RoverReader;
+
+/// The protocols of vessels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VesselProtocol {
+    /// The datagrams of the paper's laboratory.
+    LabUdp,
+    /// An ArduPilot boat, between these peers.
+    MavlinkRover(MavlinkPeers),
+}
+
+impl VesselProtocol {
+    /// The protocol of a vessel's profile; `None`: there is none, or it is not spoken here.
+    pub fn of_profile(name: &str) -> Option<Self> {
+        match name {
+            "lab-udp" => Some(Self::LabUdp),
+            "mavlink-rover" => Some(Self::MavlinkRover(MavlinkPeers::DEFAULT)),
+            _ => None,
+        }
+    }
+
+    /// Whether the boat is also reached by a stream of bytes, and not by datagrams alone.
+    pub const fn takes_streams(self) -> bool {
+        matches!(self, Self::MavlinkRover(_))
+    }
+
+    /// What the boat says to commands, in words; `None`: it never says anything.
+    pub const fn acceptance_text(self, said: Acceptance) -> Option<&'static str> {
+        match self {
+            Self::LabUdp => None,
+            Self::MavlinkRover(_) => Some(match said {
+                Acceptance::Accepted => "the boat is armed and in GUIDED: it takes commands",
+                Acceptance::NotReady => "the boat is not armed: arm it at its own ground station",
+                _ => "the boat is not in GUIDED: somebody else steers it. Go asks for GUIDED",
+            }),
+        }
+    }
+}
+
+impl OpenSession for VesselProtocol {
+    type Command = VesselOrder;
+
+    fn open(&self, now: Timestamp) -> Box<ByteSession<VesselOrder>> {
+        match *self {
+            Self::LabUdp => Box::new(LabUdpSession::open()),
+            Self::MavlinkRover(peers) => Box::new(RoverSession::open(peers, now)),
+        }
+    }
+
+    fn reports(&self) -> ReportReader {
+        match *self {
+            Self::LabUdp => ReportReader::Silent,
+            Self::MavlinkRover(peers) => ReportReader::MavlinkRover(Box::new(RoverReader::new(peers))),
+        }
+    }
+}
