@@ -21,7 +21,7 @@ trap 'rm -rf "$clip"' EXIT
 "$program" demo --clip --draw-only --force --output "$clip"
 with_clip="--clip $clip"
 for script in law "rule $with_clip" "stops $with_clip" "guard --few $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" \
-  "live --restarts 2" "rtsps" "sigma" "mavlink_gimbal" "tracking_camera" "camshift $with_clip" "drive" "console" "api" "console_cost" "campaigns --trials 100" \
+  "live --restarts 2" "rtsps" "sigma" "mavlink_gimbal" "mavlink_boat" "tracking_camera" "camshift $with_clip" "drive" "vessel" "console" "api" "console_cost" "campaigns --trials 100" \
   "first_hour"; do
   # shellcheck disable=SC2086  # the words after a script's name are its options
   set -- $script

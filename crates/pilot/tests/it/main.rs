@@ -14,3 +14,4 @@ mod scenes;
 mod searching;
 mod telemetry;
 mod vehicle;
+mod vessel;

@@ -147,11 +147,14 @@ impl EmulatedBoat {
                     self.client = Some(from);
                     Some(length)
                 }
-                // A client that is gone makes the next read fail once.
+                // A client that is gone, or a signal, makes the next read fail once.
                 Err(error)
                     if matches!(
                         error.kind(),
-                        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::ConnectionRefused
+                        ErrorKind::WouldBlock
+                            | ErrorKind::TimedOut
+                            | ErrorKind::Interrupted
+                            | ErrorKind::ConnectionRefused
                     ) =>
                 {
                     None

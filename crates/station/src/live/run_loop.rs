@@ -16,7 +16,7 @@ use barrelman_host::latest::Latest;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
 use barrelman_video::VideoState;
-use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
     OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates, VesselOrder, VideoFrame,
 };
@@ -99,6 +99,8 @@ pub struct RunLoop<'a> {
 struct LoopState {
     /// The pilot's deadline.
     wake_at: Option<Timestamp>,
+    /// Whether the operator knows that the link to the boat is lost.
+    is_boat_loss_told: bool,
     /// The mode of the boat after the last step.
     boat_mode: Option<VesselMode>,
     /// Why the selection of the last step was refused.
@@ -271,13 +273,19 @@ impl RunLoop<'_> {
     fn on_boat_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
         match report {
             LinkReport::Telemetry(telemetry) => {
-                if let Report::Link(link) = telemetry.report {
+                if let Report::Link(link) = telemetry.report
+                    && (link == LinkState::Up || !state.is_boat_loss_told)
+                {
                     tracing::info!("boat: {}", link_state_text(link));
+                    state.is_boat_loss_told &= link != LinkState::Up;
                 }
                 self.step(state, Input::VesselTelemetry(telemetry));
             }
+            // A port that is refused again and again is told once.
             LinkReport::Lost { reason, .. } => {
-                tracing::error!("the link to the boat was lost ({reason}); reopening it, neutral first");
+                if !std::mem::replace(&mut state.is_boat_loss_told, true) {
+                    tracing::error!("the link to the boat was lost ({reason}); reopening it, neutral first");
+                }
             }
             LinkReport::GuardLost(reason) => {
                 tracing::error!(

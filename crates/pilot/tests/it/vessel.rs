@@ -1,0 +1,352 @@
+//! The boat as the second actuator: marks that stay on the water, guidance, and what stops the boat.
+
+use core::time::Duration;
+
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
+use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, VesselMode, VesselSettings};
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{
+    Angle, BoatStop, DrawnMark, ImagePoint, MarkKind, Nudge, OperatorRequest, PixelPoint, StopCause,
+    Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
+};
+use proptest::prelude::*;
+
+use crate::scenes::{INSIDE, LATENCY_MS, SceneInput, at, localisation_pilot, seen};
+
+/// A point of the water below the horizon, right of the boat.
+const TARGET: PixelPoint = PixelPoint { u: 480.0, v: 330.0 };
+const AHEAD: VesselCommand = VesselCommand { throttle: 1.0, rudder: 0.5 };
+
+fn settings(guidance: GuidanceLaw) -> VesselSettings {
+    VesselSettings { profile: VesselProfile::SIMULATOR, guidance, path: CommandPath::Simulated }
+}
+
+/// A pilot with a boat, and its time.
+struct Bench {
+    pilot: Pilot,
+    ms: u64,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self::with(GuidanceLaw::LineOfSight)
+    }
+
+    fn with(guidance: GuidanceLaw) -> Self {
+        Self { pilot: localisation_pilot().with_vessel(settings(guidance)), ms: 1_000 }
+    }
+
+    fn step(&mut self, input: Input<'_>) -> Outcome {
+        self.pilot.step(input, at(self.ms))
+    }
+
+    fn ask(&mut self, request: OperatorRequest) -> Outcome {
+        self.step(Input::Request(request))
+    }
+
+    fn tell(&mut self, report: Report) -> Outcome {
+        let telemetry = Telemetry { at: at(self.ms), report };
+        self.step(Input::Telemetry(telemetry))
+    }
+
+    /// Height and tilt are known.
+    fn see_water(&mut self) -> &mut Self {
+        self.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
+        self.tell(Report::CameraHeight(15.0));
+        self
+    }
+
+    /// The boat is seen there, a video frame later.
+    fn see(&mut self, point: ImagePoint) -> Outcome {
+        self.ms += 33;
+        let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
+        self.step(Input::Localisation(Track::Tracking(seen(point, captured))))
+    }
+
+    fn mark(&mut self, kind: MarkKind, pixel: PixelPoint) -> Outcome {
+        let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
+        self.ask(OperatorRequest::Mark(DrawnMark { kind, pixel, captured }))
+    }
+
+    /// The boat is seen and goes to a mark over the water.
+    fn going(kind: MarkKind) -> Self {
+        let mut bench = Self::new();
+        bench.see_water().see(INSIDE);
+        bench.mark(kind, TARGET);
+        let outcome = bench.ask(OperatorRequest::Guide);
+        assert_eq!(outcome.notice, None);
+        for _ in 0..10 {
+            bench.see(INSIDE);
+        }
+        let outcome = bench.see(INSIDE);
+        assert_eq!(outcome.vessel.mode, VesselMode::Guided);
+        assert!(outcome.vessel.command.throttle > 0.1, "{:?}", outcome.vessel.command);
+        bench
+    }
+}
+
+#[track_caller]
+fn refused(outcome: &Outcome, refusal: Refusal) {
+    assert_eq!(outcome.notice, Some(Notice::RequestRefused(refusal)));
+}
+
+#[test]
+fn a_pilot_without_a_boat_refuses_what_is_about_one() {
+    let mut pilot = localisation_pilot();
+    for request in [
+        OperatorRequest::Guide,
+        OperatorRequest::Steer(AHEAD),
+        OperatorRequest::StopBoat(BoatStop::Operator),
+        OperatorRequest::UnmarkAll,
+    ] {
+        let outcome = pilot.step(Input::Request(request), at(0));
+        refused(&outcome, Refusal::NoVessel);
+        assert_eq!(outcome.vessel.mode, VesselMode::Absent);
+    }
+}
+
+#[test]
+fn guidance_needs_a_mark_and_a_boat_that_is_seen() {
+    let mut bench = Bench::new();
+    refused(&bench.ask(OperatorRequest::Guide), Refusal::NothingMarked);
+    refused(&bench.mark(MarkKind::Place, TARGET), Refusal::NoFreshVideo);
+    bench.see_water().see(INSIDE);
+    assert_eq!(bench.mark(MarkKind::Place, TARGET).notice, Some(Notice::Marked(1, MarkKind::Place)));
+    bench.step(SceneInput::Lost.input(at(bench.ms)));
+    refused(&bench.ask(OperatorRequest::Guide), Refusal::BoatNotSeen);
+    refused(&bench.ask(OperatorRequest::GoHome), Refusal::NoHome);
+    let mut by_hand = Bench::with(GuidanceLaw::ByHand);
+    by_hand.see_water().see(INSIDE);
+    by_hand.mark(MarkKind::Place, TARGET);
+    refused(&by_hand.ask(OperatorRequest::Guide), Refusal::ByHandOnly);
+}
+
+#[test]
+fn a_mark_stays_on_the_water_while_the_camera_turns() {
+    let mut bench = Bench::new();
+    bench.see_water().see(INSIDE);
+    bench.mark(MarkKind::Place, TARGET);
+    let pixel = |outcome: &Outcome| {
+        let eye = outcome.vessel.eye.unwrap();
+        outcome.vessel.marks.destination().unwrap().pixel(&eye.view).unwrap()
+    };
+    let before = bench.see(INSIDE);
+    let first = pixel(&before);
+    assert!((first.u - TARGET.u).abs() < 1e-6 && (first.v - TARGET.v).abs() < 1e-6);
+    let water = before.vessel.marks.destination().unwrap().point().unwrap();
+    for _ in 0..60 {
+        bench.ask(OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+        bench.see(INSIDE);
+    }
+    let after = bench.see(INSIDE);
+    assert!(pixel(&after).u < TARGET.u - 20.0, "the view turned to the right: {:?}", pixel(&after));
+    assert_eq!(after.vessel.marks.destination().unwrap().point(), Some(water));
+    let seen = after.vessel.eye.unwrap().view.sighting(pixel(&after)).point().unwrap();
+    assert!(seen.distance_to(water) < 1e-6, "{seen:?} {water:?}");
+}
+
+#[test]
+fn marks_at_the_horizon_too_many_and_too_old_ones_are_refused() {
+    let mut bench = Bench::new();
+    bench.see_water().see(INSIDE);
+    refused(&bench.mark(MarkKind::Person, PixelPoint { u: 320.0, v: -400.0 }), Refusal::MarkNotOnWater);
+    for id in 1..=16 {
+        let kind = MarkKind::Forbidden;
+        assert_eq!(bench.mark(kind, TARGET).notice, Some(Notice::Marked(id, kind)));
+    }
+    refused(&bench.mark(MarkKind::Place, TARGET), Refusal::TooManyMarks);
+    refused(&bench.ask(OperatorRequest::Unmark(99)), Refusal::NoSuchMark);
+    assert_eq!(bench.ask(OperatorRequest::Unmark(3)).notice, None);
+    bench.ms += 1_600;
+    let old = DrawnMark { kind: MarkKind::Place, pixel: TARGET, captured: at(bench.ms - 1_501) };
+    let outcome = bench.ask(OperatorRequest::Mark(old));
+    assert!(matches!(outcome.notice, Some(Notice::RequestRefused(Refusal::SelectionTooOld { .. }))));
+}
+
+#[test]
+fn a_person_stays_the_destination_and_a_place_gives_way() {
+    let mut bench = Bench::new();
+    bench.see_water().see(INSIDE);
+    let destination = |outcome: &Outcome| outcome.vessel.marks.destination().map(|mark| mark.id);
+    assert_eq!(destination(&bench.mark(MarkKind::Place, TARGET)), Some(1));
+    assert_eq!(destination(&bench.mark(MarkKind::Place, TARGET)), Some(2));
+    assert_eq!(destination(&bench.mark(MarkKind::Person, TARGET)), Some(3));
+    assert_eq!(destination(&bench.mark(MarkKind::Person, TARGET)), Some(3));
+    assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(4));
+    assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(1));
+    assert_eq!(destination(&bench.ask(OperatorRequest::Unmark(1))), None);
+    assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(2));
+}
+
+#[test]
+fn the_large_stop_stops_both_and_stop_boat_the_boat_alone() {
+    let mut bench = Bench::going(MarkKind::Place);
+    bench.ask(OperatorRequest::Engage);
+    let outcome = bench.ask(OperatorRequest::StopBoat(BoatStop::Operator));
+    assert_eq!(outcome.vessel.mode, VesselMode::Stopped(VesselStop::Operator));
+    assert!(outcome.vessel.command.is_neutral() && outcome.mode.to_string() != "stopped by the operator");
+
+    let mut bench = Bench::going(MarkKind::Place);
+    let outcome = bench.ask(OperatorRequest::Stop(StopCause::Operator));
+    assert_eq!(outcome.vessel.mode, VesselMode::Stopped(VesselStop::Everything(StopCause::Operator)));
+    assert_eq!(outcome.mode, barrelman_pilot::Mode::Stopped(StopCause::Operator));
+    bench.ask(OperatorRequest::Engage);
+    assert!(bench.see(INSIDE).vessel.command.is_neutral(), "Engage is about the camera alone");
+}
+
+#[test]
+fn another_selection_ends_the_guidance() {
+    for request in [OperatorRequest::Deselect, SceneInput::Select.request()] {
+        let mut bench = Bench::going(MarkKind::Person);
+        let outcome = bench.ask(request);
+        assert_eq!(outcome.vessel.mode, VesselMode::Stopped(VesselStop::OtherBoat), "{request:?}");
+        assert!(outcome.vessel.command.is_neutral());
+    }
+}
+
+#[test]
+fn a_boat_that_is_lost_is_neutral_within_a_quarter_of_a_second() {
+    let mut bench = Bench::going(MarkKind::Place);
+    let last_seen = bench.ms;
+    loop {
+        bench.ms += 33;
+        let now = at(bench.ms);
+        let outcome = bench.step(SceneInput::Lost.input(now));
+        if outcome.vessel.command.is_neutral() {
+            let hold = VesselHold::Cause(HoldCause::TrackLost);
+            assert_eq!(outcome.vessel.mode, VesselMode::Holding(hold));
+            break;
+        }
+        assert!(bench.ms - last_seen < 250);
+    }
+    assert!(bench.ms - last_seen <= 283);
+}
+
+#[test]
+fn without_height_or_tilt_the_boat_is_guided_by_the_picture() {
+    let mut bench = Bench::new();
+    bench.see(INSIDE);
+    bench.mark(MarkKind::Place, TARGET);
+    bench.ask(OperatorRequest::Guide);
+    for _ in 0..10 {
+        bench.see(INSIDE);
+    }
+    let outcome = bench.see(INSIDE);
+    let guidance = outcome.vessel.guidance.unwrap();
+    assert_eq!((guidance.basis, guidance.progress), (GuidanceBasis::Picture, None));
+    assert!(outcome.vessel.command.throttle > 0.0);
+    // Near a person the boat stops, some of its lengths away.
+    let mut bench = Bench::new();
+    bench.see(INSIDE);
+    let near = INSIDE.in_pixels(crate::scenes::PICTURE);
+    bench.mark(MarkKind::Person, PixelPoint { u: near.u + 50.0, v: near.v });
+    bench.ask(OperatorRequest::Guide);
+    assert!(bench.see(INSIDE).vessel.command.is_neutral());
+}
+
+#[test]
+fn a_step_with_a_boat_allocates_nothing() {
+    let mut bench = Bench::going(MarkKind::Person);
+    bench.mark(MarkKind::Forbidden, PixelPoint { u: 200.0, v: 300.0 });
+    let allocations = allocation_counter::measure(|| {
+        for _ in 0..50 {
+            bench.see(INSIDE);
+            bench.ask(OperatorRequest::Steer(AHEAD));
+            bench.ask(OperatorRequest::Guide);
+        }
+    });
+    assert_eq!(allocations.count_total, 0);
+}
+
+#[derive(Debug, Clone, Copy)]
+enum What {
+    Seen,
+    Lost,
+    Tick,
+    Ask(OperatorRequest),
+}
+
+fn any_what() -> impl Strategy<Value = What> {
+    let asked = prop_oneof![
+        4 => Just(OperatorRequest::Guide),
+        4 => (-1.2..1.2, -1.2..1.2)
+            .prop_map(|(throttle, rudder)| OperatorRequest::Steer(VesselCommand { throttle, rudder })),
+        1 => Just(OperatorRequest::Steer(VesselCommand::NEUTRAL)),
+        1 => Just(OperatorRequest::StopBoat(BoatStop::Operator)),
+        1 => Just(OperatorRequest::StopBoat(BoatStop::ConsoleLost)),
+        1 => Just(OperatorRequest::Stop(StopCause::Operator)),
+        1 => Just(OperatorRequest::ReleaseBoat),
+        1 => Just(OperatorRequest::Deselect),
+        1 => Just(OperatorRequest::NextMark),
+    ];
+    prop_oneof![
+        8 => Just(What::Seen),
+        2 => Just(What::Lost),
+        3 => Just(What::Tick),
+        6 => asked.prop_map(What::Ask),
+    ]
+}
+
+proptest! {
+    /// Whatever happens: the boat is under way only with a fresh look or a hand at the helm, each younger than its time to
+    /// live, never beyond the limits, and never after a stop.
+    #[test]
+    fn the_boat_moves_only_with_a_reason(
+        steps in prop::collection::vec((any_what(), prop_oneof![8 => 0_i64..60, 2 => 200_i64..600, 1 => -200_i64..0]), 1..150),
+    ) {
+        let mut bench = Bench::new();
+        bench.see_water().see(INSIDE);
+        bench.mark(MarkKind::Place, TARGET);
+        let (mut seen_at, mut video_at, mut steered_at) = (None, None, None);
+        for (what, after_ms) in steps {
+            bench.ms = bench.ms.saturating_add_signed(after_ms).max(1);
+            let now = at(bench.ms);
+            let captured = now.minus(Duration::from_millis(LATENCY_MS));
+            let input = match what {
+                What::Seen => Input::Localisation(Track::Tracking(seen(INSIDE, captured))),
+                What::Lost => SceneInput::Lost.input(now),
+                What::Tick => Input::Tick,
+                What::Ask(request) => Input::Request(request),
+            };
+            let outcome = bench.step(input);
+            match what {
+                What::Seen => (seen_at, video_at) = (Some(now), Some(now)),
+                What::Lost => video_at = Some(now),
+                What::Ask(OperatorRequest::Steer(_)) => steered_at = Some(now),
+                _ => {}
+            }
+            let VesselCommand { throttle, rudder } = outcome.vessel.command;
+            prop_assert!(throttle.abs() <= 1.0 && rudder.abs() <= 1.0);
+            if outcome.vessel.command.is_neutral() {
+                continue;
+            }
+            let is_young = |time: Option<Timestamp>, ms: u64| {
+                time.is_some_and(|time| time <= now && now.since(time) < Duration::from_millis(ms))
+            };
+            match outcome.vessel.mode {
+                VesselMode::Guided => {
+                    prop_assert!(is_young(seen_at, 250), "{what:?}");
+                    prop_assert!(throttle.abs() <= 0.6);
+                }
+                VesselMode::ByHand => prop_assert!(is_young(steered_at, 500) && is_young(video_at, 250)),
+                mode => prop_assert!(false, "under way in {mode:?}"),
+            }
+            prop_assert!(outcome.next_step_at().is_some());
+        }
+    }
+}
+
+/// The request of a scene's input.
+trait AsRequest {
+    fn request(self) -> OperatorRequest;
+}
+
+impl AsRequest for SceneInput {
+    fn request(self) -> OperatorRequest {
+        match self.input(at(0)) {
+            Input::Request(request) => request,
+            input => panic!("{input:?} is no request"),
+        }
+    }
+}
