@@ -107,7 +107,7 @@ class Boat:
 
 def start(args, folder, boat, name):
     """A run with a marked place, and its page."""
-    program = Program(args, "run", "--video", "sim:arena1?size=640x360", "--link", "sim:", "--no-record", "--vessel", boat.url)
+    program = Program(args, "run", "--video", "sim:arena1?size=640x360", "--link", "sim:", "--engage", "--no-record", "--vessel", boat.url)
     page = Page(program.url, folder, name)
     page.ready()
     page.wait(lambda data: data["track"] == "tracking", 15, "the track")
