@@ -70,6 +70,7 @@ impl Condition {
             overrides: changes,
             law: LawChoice::MOTOR_SCHEMA,
             rate: None,
+            guidance: None,
             perception: Perception::Truth,
             plant,
             simd: SimdLevel::Avx512,

@@ -74,6 +74,7 @@ fn plan(arena: &str, law: LawChoice, speed: f64) -> Result<CampaignPlan> {
         overrides: ScenarioOverrides { boat_speed_m_per_s: Some(speed), ..ScenarioOverrides::default() },
         law,
         rate: None,
+        guidance: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
         simd: SimdLevel::Avx512,

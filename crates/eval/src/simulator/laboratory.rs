@@ -73,6 +73,7 @@ pub(super) fn plan(
         overrides: ScenarioOverrides::default(),
         law,
         rate,
+        guidance: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
         simd: SimdLevel::Avx512,

@@ -28,6 +28,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
             overrides: ScenarioOverrides::default(),
             law: LawChoice::MOTOR_SCHEMA,
             rate: None,
+            guidance: None,
             perception: Perception::Truth,
             plant: PlantName::Nominal,
             simd: SimdLevel::Avx512,

@@ -2,8 +2,11 @@
 
 use anyhow::{Context, Result, bail};
 use barrelman_control::{CameraLaw, Law};
+use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{Pilot, PilotSettings};
 use barrelman_sim::render::Serial;
+use barrelman_sim::scenario::TargetScript;
+use barrelman_sim::snapshot::ObjectKind;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{
@@ -30,6 +33,15 @@ pub enum Perception {
     Truth,
     /// A tracker on rendered pictures.
     Pixels(TrackerName),
+}
+
+/// The name of a guidance law on the command line and in a campaign's file.
+const fn guidance_name(guidance: GuidanceLaw) -> &'static str {
+    match guidance {
+        GuidanceLaw::LineOfSight => "los",
+        GuidanceLaw::Laboratory => "lab",
+        GuidanceLaw::ByHand => "hand",
+    }
 }
 
 /// The plant (camera axes and optics) of simulated trials.
@@ -64,6 +76,8 @@ pub struct CampaignRequest {
     pub law: LawChoice,
     /// Rate of the motor schema, rad/s; `None` for the vehicle's.
     pub rate: Option<f64>,
+    /// The law that guides the boat to a person; `None`: the scenario's helmsman steers.
+    pub guidance: Option<GuidanceLaw>,
     /// The source of the pilot's localisations.
     pub perception: Perception,
     /// The plant of the trials.
@@ -79,6 +93,7 @@ pub struct CampaignPlan {
     settings: CampaignSettings,
     profile: VehicleProfile,
     law: LawChoice,
+    guidance: Option<GuidanceLaw>,
     tracker: TrackerName,
     plant: PlantName,
     simd: Simd,
@@ -117,6 +132,12 @@ impl CampaignPlan {
             Perception::Truth => ("truth", None),
             Perception::Pixels(tracker) => ("pixels", Some(tracker)),
         };
+        if request.guidance.is_some() && !has_person(&loaded.scenario) {
+            bail!(
+                "there is nobody to go to in {}: --guidance is for scenarios with a boat and a swimmer (rescue, rescue-current, rescue-surf, two-boats)",
+                loaded.scenario.name
+            );
+        }
         let settings = CampaignSettings {
             scenario: loaded.scenario.name.clone(),
             scenario_hash: format!("{:016x}", loaded.hash),
@@ -135,6 +156,8 @@ impl CampaignPlan {
             tracker: tracker.map(|tracker| tracker.as_str().to_owned()),
             tracker_behaviour: tracker.map(TrackerName::behaviour_version),
             figures: tracker.map(|_| FIGURES_IN_PIXELS),
+            guidance: request.guidance.map(|guidance| guidance_name(guidance).to_owned()),
+            current_m_per_s: request.overrides.current_m_per_s,
             drive: None,
             program: env!("CARGO_PKG_VERSION").to_owned(),
         };
@@ -143,6 +166,7 @@ impl CampaignPlan {
             settings,
             profile,
             law: request.law,
+            guidance: request.guidance,
             tracker: tracker.unwrap_or(TrackerName::Camshift),
             plant: request.plant,
             simd: Simd::at_most(request.simd),
@@ -259,10 +283,13 @@ impl CampaignPlan {
         // A person who drove may have selected on an earlier picture.
         let pilot = match &self.drive_inputs {
             Some(drive) if drive.commands_boat => {
-                pilot.keeping_frames().with_vessel(drive::simulated_vessel())
+                pilot.keeping_frames().with_vessel(drive::simulated_vessel(GuidanceLaw::LineOfSight))
             }
             Some(_) => pilot.keeping_frames(),
-            None => pilot,
+            None => match self.guidance {
+                Some(guidance) => pilot.keeping_frames().with_vessel(drive::simulated_vessel(guidance)),
+                None => pilot,
+            },
         };
         // Trials run in parallel, each on one thread.
         let in_pixels = self.settings.tracker.is_some();
@@ -270,7 +297,11 @@ impl CampaignPlan {
             in_pixels.then(|| RenderedCamera::new(&world, scenario.camera.clone(), seed, self.simd, &Serial));
         let camera = camera.as_mut().map(|camera| camera as &mut dyn FrameSource);
         let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
-            .with_tilt_reports(self.reports_tilt);
+            .with_tilt_reports(self.reports_tilt || self.guidance.is_some());
+        let simulation = match self.guidance {
+            Some(_) => simulation.with_height_reports().with_rescue(scenario.camera.optics, seed),
+            None => simulation,
+        };
         Ok(match &self.drive_inputs {
             // In a drive, a person selected, or the demo by the exact box.
             Some(drive_inputs) => drive_inputs.run(simulation, camera, observer),
@@ -329,6 +360,12 @@ impl CampaignPlan {
         let name = format!("{}/{seed}", self.settings.scenario);
         TrialEntry { name, arena: arena_of(&self.settings.scenario), metrics }
     }
+}
+
+/// Whether the scenario has a boat, and a person that it can go to.
+fn has_person(scenario: &Scenario) -> bool {
+    matches!(scenario.target, TargetScript::Boat(_))
+        && scenario.objects.iter().any(|object| object.kind == ObjectKind::Swimmer)
 }
 
 /// The arena of the paper that a built-in scenario models; `None` for other scenarios.

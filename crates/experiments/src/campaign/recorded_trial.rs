@@ -56,10 +56,13 @@ fn request_of(settings: &CampaignSettings) -> Result<CampaignRequest> {
             boat_speed_m_per_s: settings.boat_speed_m_per_s,
             sea_state: settings.sea_state,
             wind_m_per_s: settings.wind_m_per_s,
+            current_m_per_s: settings.current_m_per_s,
             size,
         },
         law: LawChoice::MOTOR_SCHEMA,
         rate: settings.rate_rad_per_s,
+        // The recording has the commands to the boat.
+        guidance: None,
         perception: Perception::Truth,
         plant,
         simd: SimdLevel::Avx512,

@@ -28,12 +28,8 @@ pub struct Drive<'a> {
 }
 
 /// The simulated boat as a vessel.
-pub(crate) fn simulated_vessel() -> VesselSettings {
-    VesselSettings {
-        profile: VesselProfile::SIMULATOR,
-        guidance: GuidanceLaw::LineOfSight,
-        path: CommandPath::Simulated,
-    }
+pub(crate) const fn simulated_vessel(guidance: GuidanceLaw) -> VesselSettings {
+    VesselSettings { profile: VesselProfile::SIMULATOR, guidance, path: CommandPath::Simulated }
 }
 
 impl<'a> Drive<'a> {
@@ -57,7 +53,11 @@ impl<'a> Drive<'a> {
         } else {
             Box::new(rendered)
         };
-        let pilot = if setup.commands_boat() { pilot.with_vessel(simulated_vessel()) } else { pilot };
+        let pilot = if setup.commands_boat() {
+            pilot.with_vessel(simulated_vessel(GuidanceLaw::LineOfSight))
+        } else {
+            pilot
+        };
         let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile);
         let simulation =
             if setup.vessel { simulation.with_tilt_reports(true).with_height_reports() } else { simulation };

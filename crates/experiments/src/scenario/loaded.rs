@@ -19,6 +19,8 @@ pub struct ScenarioOverrides {
     pub sea_state: Option<u8>,
     /// Mean wind, m/s.
     pub wind_m_per_s: Option<f64>,
+    /// Water current, m/s, across the first view: positive to the right.
+    pub current_m_per_s: Option<f64>,
     /// Size of the picture.
     pub size: Option<PictureSize>,
 }

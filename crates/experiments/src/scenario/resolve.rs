@@ -104,10 +104,13 @@ fn water(
     overrides: &ScenarioOverrides,
 ) -> Result<Option<Water>, ScenarioError> {
     let Some(section) = section else {
-        if overrides.sea_state.is_some() || overrides.wind_m_per_s.is_some() {
+        if overrides.sea_state.is_some()
+            || overrides.wind_m_per_s.is_some()
+            || overrides.current_m_per_s.is_some()
+        {
             return Err(ScenarioError::invalid(
                 "water",
-                "there is no water in this scenario: it has no sea and no wind",
+                "there is no water in this scenario: it has no sea, no wind and no current",
             ));
         }
         return Ok(None);
@@ -127,7 +130,10 @@ fn water(
             speed_mps: within("water.wind_m_per_s", wind, 0.0, 30.0, "m/s")?,
             towards: angle_within("water.wind_towards_deg", section.wind_towards_deg, -360.0, 360.0)?,
         },
-        current_m_per_s: (current(section.current_m_per_s[0])?, current(section.current_m_per_s[1])?),
+        current_m_per_s: match overrides.current_m_per_s {
+            Some(across) => (current(across)?, 0.0),
+            None => (current(section.current_m_per_s[0])?, current(section.current_m_per_s[1])?),
+        },
     }))
 }
 

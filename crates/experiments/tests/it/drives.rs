@@ -112,6 +112,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
         overrides: ScenarioOverrides { size: Some(SMALL), ..ScenarioOverrides::default() },
         law: LawChoice::MOTOR_SCHEMA,
         rate: None,
+        guidance: None,
         perception: Perception::Pixels(TrackerName::Camshift),
         plant: PlantName::Nominal,
         simd: SimdLevel::Avx512,

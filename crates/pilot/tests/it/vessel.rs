@@ -298,7 +298,8 @@ proptest! {
         let mut bench = Bench::new();
         bench.see_water().see(INSIDE);
         bench.mark(MarkKind::Place, TARGET);
-        let (mut seen_at, mut video_at, mut steered_at) = (None, None, None);
+        let first = Some(at(bench.ms));
+        let (mut seen_at, mut video_at, mut steered_at) = (first, first, None);
         for (what, after_ms) in steps {
             bench.ms = bench.ms.saturating_add_signed(after_ms).max(1);
             let now = at(bench.ms);

@@ -26,3 +26,14 @@ pub(super) const COLUMNS_IN_PIXELS: &str =
   first      from the first picture to the first time tracked, s
   again      mean time to track a boat again that was out of sight, s
   sel.       selections";
+
+/// What the columns of trials with guidance are.
+pub(super) const COLUMNS_OF_GUIDANCE: &str =
+    "Columns of the table of trials with guidance (from the moment the boat goes by itself):
+  arrived    whether the boat came within 4 m of the person
+  time       until then, s
+  off line   mean distance from the line from start to person, after 4 s, m
+  rudder     sum of the rudder's changes until then; from stop to stop is 2
+  closest    least distance to any person, m
+  path       length of the path over that of the straight way
+  in view    share of the time with boat and person in the picture, %";

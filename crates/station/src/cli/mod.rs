@@ -53,7 +53,7 @@ pub use region_options::RegionArgs;
 pub use run::RunArgs;
 pub use scenarios::{RenderArgs, ScenariosArgs};
 pub use track::{SnapshotArgs, TrackArgs};
-pub use trials::{CompareArgs, MergeArgs, PerceptionName, TrialsArgs};
+pub use trials::{CompareArgs, GuidedBy, MergeArgs, PerceptionName, TrialsArgs};
 pub use usage_error::UsageError;
 pub use values::Shard;
 

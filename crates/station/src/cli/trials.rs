@@ -8,7 +8,7 @@ use barrelman_simd::SimdLevel;
 use barrelman_vocab::PictureSize;
 use clap::{Args, ValueEnum};
 
-use super::columns::{COLUMNS, COLUMNS_IN_PIXELS};
+use super::columns::{COLUMNS, COLUMNS_IN_PIXELS, COLUMNS_OF_GUIDANCE};
 use super::law_options::LawOptions;
 use super::values::{
     Shard, parse_count, parse_not_negative, parse_positive, parse_rate, parse_sea_state, parse_shard,
@@ -22,6 +22,7 @@ const TRIALS_EXAMPLES: &str = "Examples:
   barrelman trials lab2 --trials 1 --size 320x180 --record pictures
   barrelman trials lab1 --perception truth --trials 100 --shard 3/10 \\
     --output shard-3.jsonl
+  barrelman trials rescue --perception truth --guidance los --current 0.35
   barrelman trials --drive drive.jsonl --law optimal --record driven
 
 Nothing is written without --output or --record.
@@ -32,7 +33,7 @@ default) pictures are rendered and tracked, at about real time.";
 #[derive(Debug, Args)]
 #[command(
     after_help = TRIALS_EXAMPLES,
-    after_long_help = format!("{TRIALS_EXAMPLES}\n\n{COLUMNS}\n\n{COLUMNS_IN_PIXELS}"),
+    after_long_help = format!("{TRIALS_EXAMPLES}\n\n{COLUMNS}\n\n{COLUMNS_IN_PIXELS}\n\n{COLUMNS_OF_GUIDANCE}"),
     mut_arg("law", |arg| arg.help("The camera law; default: schema, or with --drive the drive's"))
 )]
 pub struct TrialsArgs {
@@ -77,6 +78,12 @@ pub struct TrialsArgs {
     /// Mean wind; default: the scenario's.
     #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true, value_parser = parse_not_negative)]
     pub wind: Option<f64>,
+    /// Water current across the first view, positive to the right; default: the scenario's.
+    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
+    pub current: Option<f64>,
+    /// Let the boat go to the scenario's first person by this law, instead of along its path by the helmsman.
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["drive", "boat_speed"])]
+    pub guidance: Option<GuidedBy>,
     /// Size of the picture; the field of view stays the same. Default: the scenario's.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<PictureSize>,
@@ -106,6 +113,15 @@ pub struct TrialsArgs {
     /// Overwrite an existing output file.
     #[arg(long, conflicts_with = "resume")]
     pub force: bool,
+}
+
+/// The laws that guide the boat in trials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GuidedBy {
+    /// Along a line over the water.
+    Los,
+    /// The law of the paper's laboratory, in the picture.
+    Lab,
 }
 
 /// The source of localisations of simulated trials.

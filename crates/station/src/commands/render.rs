@@ -42,6 +42,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         overrides: ScenarioOverrides { size: args.size, ..ScenarioOverrides::default() },
         law: LawChoice::MOTOR_SCHEMA,
         rate: None,
+        guidance: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
         simd: args.simd,

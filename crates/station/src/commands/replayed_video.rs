@@ -3,8 +3,10 @@
 use anyhow::{Context, Result, bail};
 use barrelman_experiments::campaign::recorded_trial;
 use barrelman_trial::campaign::WorldReplay;
-use barrelman_trial::records::{FrameFingerprint, RecordedOutcome, RecordingStart, SimulatedTrial};
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates, VideoFrame};
+use barrelman_trial::records::{
+    FrameFingerprint, RecordedOutcome, RecordedVessel, RecordingStart, SimulatedTrial,
+};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates, VesselOrder, VideoFrame};
 
 use super::stored_video::StoredVideo;
 
@@ -19,7 +21,7 @@ pub struct ReplayedVideo {
     is_simulated: bool,
     world: Option<Box<WorldReplay<'static>>>,
     /// The recorded commands before the first frame.
-    early_commands: Vec<(Timestamp, VehicleRates)>,
+    early_commands: Vec<(Timestamp, VehicleRates, VesselOrder)>,
 }
 
 impl ReplayedVideo {
@@ -51,11 +53,12 @@ impl ReplayedVideo {
 
     /// Adds a recorded outcome, whose command moves the camera of a world that is rendered again.
     pub fn command(&mut self, outcome: &RecordedOutcome) {
+        let order = outcome.vessel.as_ref().map_or(VesselOrder::Released, RecordedVessel::order);
         match &mut self.world {
-            Some(world) => world.command(outcome.at, outcome.rates),
+            Some(world) => world.command(outcome.at, outcome.rates, order),
             // A simulated operator selects within seconds: frames come early.
             None if self.trial.is_some() && !self.has_units => {
-                self.early_commands.push((outcome.at, outcome.rates));
+                self.early_commands.push((outcome.at, outcome.rates, order));
             }
             None => {}
         }
@@ -83,8 +86,8 @@ impl ReplayedVideo {
         if self.world.is_none() {
             let mut world =
                 recorded_trial::world_of(trial).context("its pictures cannot be rendered again")?;
-            for (at, rates) in self.early_commands.drain(..) {
-                world.command(at, rates);
+            for (at, rates, order) in self.early_commands.drain(..) {
+                world.command(at, rates, order);
             }
             self.world = Some(Box::new(world));
         }

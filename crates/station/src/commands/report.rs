@@ -160,6 +160,8 @@ fn campaign_name(settings: &CampaignSettings) -> String {
     words.extend((settings.plant != "nominal").then(|| format!("plant {}", settings.plant)));
     words.extend(settings.sea_state.map(|state| format!("sea state {state}")));
     words.extend(settings.wind_m_per_s.map(|wind| format!("wind {wind} m/s")));
+    words.extend(settings.guidance.as_ref().map(|law| format!("guidance {law}")));
+    words.extend(settings.current_m_per_s.map(|current| format!("current {current} m/s")));
     words.extend(settings.boat_speed_m_per_s.map(|speed| format!("boat {speed} m/s")));
     words.extend(settings.size.clone());
     words.extend(settings.tracker.clone());

@@ -24,6 +24,7 @@ fn format(summary: &Summary) -> Result<String, std::fmt::Error> {
     let width = summary.trials.iter().map(|trial| trial.name.len()).max().unwrap_or(0).max("trial".len());
     write_trials(&mut text, summary, width)?;
     write_perception(&mut text, summary, width)?;
+    write_guidance(&mut text, summary, width)?;
     for number_of_arena in summary.arenas.keys() {
         let Some(arena) = number_of_arena.parse().ok().and_then(Arena::from_number) else { continue };
         let trials: Vec<&TrialEntry> =
@@ -153,6 +154,39 @@ fn count_of(trials: usize) -> String {
 
 fn number(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+}
+
+/// A table for trials with guidance: how the boat went to the person.
+fn write_guidance(text: &mut String, summary: &Summary, width: usize) -> std::fmt::Result {
+    let mut trials =
+        summary.trials.iter().filter(|trial| trial.metrics.guidance.arrived.is_some()).peekable();
+    if trials.peek().is_none() {
+        return Ok(());
+    }
+    let mut row = |cells: [&str; 8]| {
+        let [name, arrived, time, off, rudder, closest, path, view] = cells;
+        let line = format!(
+            "{name:width$} {arrived:>8} {time:>7} {off:>8} {rudder:>7} {closest:>8} {path:>6} {view:>8}"
+        );
+        writeln!(text, "{}", line.trim_end())
+    };
+    row([""; 8])?;
+    row(["trial", "arrived", "time", "off line", "rudder", "closest", "path", "in view"])?;
+    row(["", "", "s", "m", "", "m", "", "%"])?;
+    for trial in trials {
+        let guidance = &trial.metrics.guidance;
+        row([
+            &trial.name,
+            if guidance.arrived == Some(true) { "yes" } else { "no" },
+            &number(guidance.time_to_circle_s, 1),
+            &number(guidance.cross_track_m, 2),
+            &number(guidance.rudder_travel, 1),
+            &number(guidance.closest_person_m, 1),
+            &number(guidance.path_ratio, 2),
+            &number(guidance.both_in_view.map(|share| 100.0 * share), 1),
+        ])?;
+    }
+    Ok(())
 }
 
 /// A second table for trials in pixels: what the tracker said, beside the truth.

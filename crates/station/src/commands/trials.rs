@@ -5,14 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, Result, bail};
+use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_trial::campaign::CampaignEntry;
 use barrelman_trial::metrics::summarise;
 
 use super::summary_table;
 use super::trials_progress::{Campaign, TrialsProgress};
-use crate::cli::{PerceptionName, TrialsArgs};
+use crate::cli::{GuidedBy, PerceptionName, TrialsArgs};
 use crate::config::Configuration;
-use crate::config::vessel::VesselConfig;
+use crate::config::vessel::{GuidanceName, VesselConfig};
 use barrelman_experiments::campaign::drive_inputs::DriveInputs;
 use barrelman_experiments::campaign::file::CampaignWriter;
 use barrelman_experiments::campaign::plan::CampaignRequest;
@@ -36,7 +37,12 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     if let Some(folder) = &args.record {
         let simulated = Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?;
         let commands_boat = drive.as_ref().is_some_and(|drive| drive.setup.commands_boat());
-        let vessel = commands_boat.then(VesselConfig::simulated);
+        let guidance = match args.guidance {
+            Some(GuidedBy::Lab) => GuidanceName::Lab,
+            Some(GuidedBy::Los) | None => GuidanceName::Los,
+        };
+        let vessel = (commands_boat || args.guidance.is_some())
+            .then(|| VesselConfig { guidance, ..VesselConfig::simulated() });
         let configuration = Configuration { vessel, ..simulated }.to_toml()?;
         plan = plan.with_recordings(TrialRecording {
             folder: folder.clone(),
@@ -112,10 +118,12 @@ fn request(args: &TrialsArgs, drive: Option<&StoredDrive>) -> Result<CampaignReq
             boat_speed_m_per_s: args.boat_speed,
             sea_state: args.sea_state,
             wind_m_per_s: args.wind,
+            current_m_per_s: args.current,
             size: args.size.or(drive.and_then(|drive| drive.setup.url.size)),
         },
         law: args.law.resolve(drive.map_or(LawChoice::MOTOR_SCHEMA, |drive| drive.setup.law))?,
         rate: args.rate,
+        guidance: args.guidance.map(GuidanceLaw::from),
         perception: match args.perception {
             PerceptionName::Truth => Perception::Truth,
             PerceptionName::Pixels => {
@@ -143,4 +151,13 @@ fn seeds(args: &TrialsArgs) -> Result<Vec<u64>> {
 /// Default number of trials at the same time.
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+impl From<GuidedBy> for GuidanceLaw {
+    fn from(name: GuidedBy) -> Self {
+        match name {
+            GuidedBy::Los => Self::LineOfSight,
+            GuidedBy::Lab => Self::Laboratory,
+        }
+    }
 }

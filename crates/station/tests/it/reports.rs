@@ -154,6 +154,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
         overrides: ScenarioOverrides { size: Some(size), ..ScenarioOverrides::default() },
         law: LawChoice::MOTOR_SCHEMA,
         rate: None,
+        guidance: None,
         perception: Perception::Truth,
         plant: PlantName::Nominal,
         simd: SimdLevel::Baseline,

@@ -59,6 +59,12 @@ pub struct CampaignSettings {
     /// Version of the figures of a trial in pixels ([`FIGURES_IN_PIXELS`]).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub figures: Option<u32>,
+    /// The law that guides the boat to a person: `los` or `lab`; `None`: the scenario's helmsman steers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guidance: Option<String>,
+    /// Water current, m/s; `None`: the scenario's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub current_m_per_s: Option<f64>,
     /// XXH3-64 of the inputs of the stored drive that steered the boat, in hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<String>,

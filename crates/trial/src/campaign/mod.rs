@@ -9,6 +9,7 @@
 
 pub mod simulation;
 
+mod rescue;
 mod simulated_operator;
 
 pub mod world_replay;

@@ -19,7 +19,7 @@ pub struct SettingDifference {
 type Setting = (&'static str, fn(&CampaignSettings) -> String);
 
 /// Settings of the world and of the figures. Trials of the same seed are a pair only where these are equal.
-const WORLD: [Setting; 11] = [
+const WORLD: [Setting; 12] = [
     ("scenario", |settings| settings.scenario.clone()),
     ("scenario file (hash)", |settings| settings.scenario_hash.clone()),
     ("perception", |settings| settings.perception.clone()),
@@ -30,6 +30,9 @@ const WORLD: [Setting; 11] = [
     ("boat speed", |settings| {
         or_the_scenarios(settings.boat_speed_m_per_s.map(|speed| format!("{speed} m/s")))
     }),
+    ("current", |settings| {
+        or_the_scenarios(settings.current_m_per_s.map(|current| format!("{current} m/s")))
+    }),
     ("size", |settings| or_the_scenarios(settings.size.clone())),
     ("drive", |settings| settings.drive.clone().unwrap_or_else(|| "none".to_owned())),
     ("version of the figures in pixels", |settings| {
@@ -38,12 +41,13 @@ const WORLD: [Setting; 11] = [
 ];
 
 /// Settings that a comparison may be about.
-const CHOICES: [Setting; 7] = [
+const CHOICES: [Setting; 8] = [
     ("law", |settings| settings.law.clone()),
     ("mode", |settings| settings.mode.clone().unwrap_or_else(|| "none".to_owned())),
     ("horizon", |settings| {
         settings.horizon_s.map_or_else(|| "default".to_owned(), |horizon| format!("{horizon} s"))
     }),
+    ("guidance", |settings| settings.guidance.clone().unwrap_or_else(|| "none".to_owned())),
     ("rate", |settings| {
         settings.rate_rad_per_s.map_or_else(|| "the vehicle's".to_owned(), |rate| format!("{rate} rad/s"))
     }),

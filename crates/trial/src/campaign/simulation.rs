@@ -14,13 +14,14 @@ use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
 use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_sim::world::{Truth, World};
-use barrelman_sim::{LocalisationSensor, Scenario};
+use barrelman_sim::{LocalisationSensor, Optics, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
     LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
 };
 
 use super::frame_source::{CapturedFrame, FrameSource};
+use super::rescue::Rescue;
 use super::simulated_operator::SimulatedOperator;
 use super::step_observer::StepObserver;
 use crate::logs::{LogRow, RowTruth, TrialLog};
@@ -44,6 +45,7 @@ pub struct Simulation<'a> {
     rates: VehicleRates,
     reports_tilt: bool,
     reports_height: bool,
+    rescue: Option<Rescue>,
     log: TrialLog,
 }
 
@@ -99,6 +101,7 @@ impl<'a> Simulation<'a> {
             records_track_loss: true,
             truth: Some(Vec::new()),
             selections: None,
+            guidance: None,
         };
         Self {
             sensor: LocalisationSensor::new(scenario.sensing, camera.clone(), seed),
@@ -115,6 +118,7 @@ impl<'a> Simulation<'a> {
             rates: VehicleRates::REST,
             reports_tilt: false,
             reports_height: false,
+            rescue: None,
             log,
         }
     }
@@ -129,6 +133,13 @@ impl<'a> Simulation<'a> {
     #[must_use]
     pub fn with_height_reports(self) -> Self {
         Self { reports_height: true, ..self }
+    }
+
+    /// The same trial, in which an operator marks the people that the scenario has, and lets the boat go to the first one.
+    /// Needs a pilot with a vessel.
+    #[must_use]
+    pub fn with_rescue(self, optics: Optics, seed: u64) -> Self {
+        Self { rescue: Some(Rescue::new(optics, seed)), ..self }
     }
 
     /// The same trial, in which the target is selected as a person would do it: once, when the target is well visible, by
@@ -154,11 +165,12 @@ impl<'a> Simulation<'a> {
         while !self.is_over() {
             self.tick(&mut frames, observer);
         }
-        self.log
+        self.into_log()
     }
 
     /// The log of the trial so far.
-    pub fn into_log(self) -> TrialLog {
+    pub fn into_log(mut self) -> TrialLog {
+        self.log.guidance = self.rescue.as_ref().map(Rescue::metrics);
         self.log
     }
 
@@ -189,7 +201,7 @@ impl<'a> Simulation<'a> {
 
     /// Whether the trial is over.
     pub fn is_over(&self) -> bool {
-        self.world.is_over()
+        self.world.is_over() || self.rescue.as_ref().is_some_and(Rescue::is_over)
     }
 
     /// Simulates one tick: captures a picture where one is due, delivers those that arrive, steps the pilot where it is
@@ -238,6 +250,9 @@ impl<'a> Simulation<'a> {
             }
         }
         self.world.advance();
+        if let (Some(rescue), Some(outcome)) = (&mut self.rescue, &self.outcome) {
+            rescue.on_tick(&self.world, outcome.vessel.mode, outcome.vessel.command);
+        }
     }
 
     fn deliver(
@@ -264,6 +279,11 @@ impl<'a> Simulation<'a> {
                 let frame =
                     frames.as_mut().map_or_else(|| captured.frame.clone(), |frames| frames.deliver(captured));
                 self.step_pilot(Input::Frame(&frame), observer);
+            }
+        }
+        if let (Some(rescue), Some(outcome)) = (&mut self.rescue, &self.outcome) {
+            for request in rescue.requests(truth, &self.world, outcome, self.world.now()) {
+                self.step_pilot(Input::Request(request), observer);
             }
         }
         let (target, camera) = (truth.target.position, truth.camera.position);

@@ -6,9 +6,10 @@
 
 use std::collections::VecDeque;
 
+use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::video_link::{Delivery, VideoLink};
 use barrelman_sim::{Scenario, World};
-use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates, VideoFrame};
+use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates, VesselOrder, VideoFrame};
 
 use super::frame_source::FrameSource as _;
 use super::rendered_camera::RenderedCamera;
@@ -20,7 +21,7 @@ pub struct WorldReplay<'a> {
     video: VideoLink,
     profile: VehicleProfile,
     /// Recorded rates that are not in force yet.
-    commands: VecDeque<(Timestamp, VehicleRates)>,
+    commands: VecDeque<(Timestamp, VehicleRates, VesselOrder)>,
     /// The last frame that was not frozen: a frozen one repeats its picture.
     last_live: Option<VideoFrame>,
     /// Frames on their way to the pilot.
@@ -47,9 +48,9 @@ impl<'a> WorldReplay<'a> {
         }
     }
 
-    /// Adds the recorded rates of the next step.
-    pub fn command(&mut self, at: Timestamp, rates: VehicleRates) {
-        self.commands.push_back((at, rates));
+    /// Adds the recorded rates of the next step, and what was asked of the boat.
+    pub fn command(&mut self, at: Timestamp, rates: VehicleRates, order: VesselOrder) {
+        self.commands.push_back((at, rates, order));
     }
 
     /// The frame with this sequence number, captured at `at`; `None` where the world has no such frame. All rates up to
@@ -81,8 +82,12 @@ impl<'a> WorldReplay<'a> {
                 (Delivery::Frozen { .. } | Delivery::Lost, _) => {}
             }
         }
-        while let Some((_, rates)) = self.commands.pop_front_if(|(at, _)| *at <= self.world.now()) {
+        while let Some((_, rates, order)) = self.commands.pop_front_if(|(at, ..)| *at <= self.world.now()) {
             self.world.command(self.profile.from_vehicle(rates));
+            self.world.override_helm(match order {
+                VesselOrder::Released => None,
+                VesselOrder::Commanded(command) => Some(HelmCommand::of(command)),
+            });
         }
         self.world.advance();
     }

@@ -69,6 +69,7 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
         records_track_loss: false,
         truth: None,
         selections: None,
+        guidance: None,
     };
     Ok(ParsedLog { log, truncated_at_line })
 }

@@ -138,6 +138,7 @@ impl LogBuilder {
         let is_in_pixels = truth.as_ref().is_some_and(|rows| rows.iter().any(|row| row.track.is_some()));
         Some(TrialLog {
             selections: is_in_pixels.then_some(self.selections),
+            guidance: None,
             rows: self.rows,
             last_row_duration_s,
             frame: size,

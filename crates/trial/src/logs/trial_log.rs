@@ -1,5 +1,6 @@
 //! The log of one trial.
 
+use crate::metrics::GuidanceMetrics;
 use barrelman_control::Region;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{CameraCommand, ImagePoint, PictureSize};
@@ -36,6 +37,8 @@ pub struct TrialLog {
     /// Number of selections, in a simulated trial in pixels. The positions of its rows are the truth; what the tracker
     /// said is in [`RowTruth::track`].
     pub selections: Option<usize>,
+    /// How the boat went to a person, in a simulated trial with guidance.
+    pub guidance: Option<GuidanceMetrics>,
 }
 
 /// The ground truth at a row of a simulated trial. World coordinates: x to the right and y ahead of the first view.

@@ -12,11 +12,13 @@ pub mod excursion;
 
 pub mod trial;
 
+pub mod guidance;
 pub mod perception;
 
 pub mod summary;
 
 pub use excursion::{Excursion, find_excursions};
+pub use guidance::GuidanceMetrics;
 pub use perception::PerceptionMetrics;
 pub use summary::{Arena, PUBLISHED_NORMALISED_SENSITIVITY, Summary, TrialEntry, summarise};
 pub use trial::{TrialMetrics, measure};

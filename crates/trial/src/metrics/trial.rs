@@ -5,6 +5,7 @@ use barrelman_vocab::{CameraCommand, ImagePoint, PictureSize};
 use serde::{Deserialize, Serialize};
 
 use super::excursion::{Excursion, find_excursions};
+use super::guidance::GuidanceMetrics;
 use super::mean::mean;
 use super::perception::PerceptionMetrics;
 use crate::logs::{RowTruth, TrialLog};
@@ -64,6 +65,9 @@ pub struct TrialMetrics {
     /// The tracker beside the truth, in a trial in pixels.
     #[serde(flatten)]
     pub perception: PerceptionMetrics,
+    /// How the boat went to a person, in a trial with guidance.
+    #[serde(flatten)]
+    pub guidance: GuidanceMetrics,
 }
 
 /// Longest time with a visible target that is not tracked, in a successful trial in pixels, s.
@@ -134,6 +138,7 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
         lost: lost.map(|lost| lost.longest_s > MAX_LOST_S || lost.at_end),
         sensitivity: mean(complete.iter().filter_map(|excursion| excursion.sensitivity())),
         perception: PerceptionMetrics::from_log(log),
+        guidance: log.guidance.unwrap_or_default(),
     }
 }
 

@@ -6,7 +6,8 @@ use barrelman_control::Percept;
 use barrelman_pilot::{Advice, CommandPath, Mode, Outcome, VesselMode, VesselOutcome};
 use barrelman_sim::Truth;
 use barrelman_vocab::{
-    Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates, VesselCommand, WaterPoint,
+    Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates, VesselCommand,
+    VesselOrder, WaterPoint,
 };
 
 use super::recorded_input::RecordedInput;
@@ -181,6 +182,15 @@ pub struct RecordedProgress {
 }
 
 impl RecordedVessel {
+    /// What was asked of the boat.
+    pub fn order(&self) -> VesselOrder {
+        if self.mode == VesselMode::Released.to_string() {
+            VesselOrder::Released
+        } else {
+            VesselOrder::Commanded(self.command)
+        }
+    }
+
     /// The stored form of the vessel's part of an outcome.
     fn new(vessel: &VesselOutcome) -> Option<Self> {
         if vessel.mode == VesselMode::Absent {

@@ -31,6 +31,7 @@ pub(crate) fn log_from_rows(
         records_track_loss: true,
         truth: None,
         selections: None,
+        guidance: None,
     }
 }
 
