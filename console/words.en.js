@@ -118,7 +118,8 @@ export default {
   vesselText: ({ progress, throttle, rudder, marks }, drive) => {
     const speed = progress ?? drive;
     const goal = progress && marks.some(({ destination }) => destination) ? `, ${progress.distance_m.toFixed(1)} m to go` : "";
-    const helm = throttle || rudder ? `, throttle ${Math.round(100 * throttle)} %, rudder ${Math.round(100 * Math.abs(rudder))} % ${rudder < 0 ? "left" : "right"}` : "";
+    const side = Math.round(100 * Math.abs(rudder)) ? ` ${rudder < 0 ? "\u2190" : "\u2192"} ${Math.round(100 * Math.abs(rudder))}` : "";
+    const helm = throttle || rudder ? `, ${throttle < 0 ? "\u2193" : "\u2191"} ${Math.round(100 * Math.abs(throttle))}${side} %` : "";
     return `${speed ? `${speed.speed_m_per_s.toFixed(1)} m/s` : "speed not known"}${goal}${helm}`;
   },
   netYawText: (degrees) => (degrees === 0 ? "0°" : `${Math.abs(degrees)}° to the ${degrees > 0 ? "right" : "left"}`),

@@ -29,7 +29,7 @@ pub(super) const COLUMNS_IN_PIXELS: &str =
 
 /// What the columns of trials with guidance are.
 pub(super) const COLUMNS_OF_GUIDANCE: &str =
-    "Columns of the table of trials with guidance (from the moment the boat goes by itself):
+    "Columns of the table of trials with guidance (since the boat goes by itself):
   arrived    whether the boat came within 4 m of the person
   time       until then, s
   off line   mean distance from the line from start to person, after 4 s, m

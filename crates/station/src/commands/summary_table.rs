@@ -158,8 +158,8 @@ fn number(value: Option<f64>, decimals: usize) -> String {
 
 /// A table for trials with guidance: how the boat went to the person.
 fn write_guidance(text: &mut String, summary: &Summary, width: usize) -> std::fmt::Result {
-    let mut trials =
-        summary.trials.iter().filter(|trial| trial.metrics.guidance.arrived.is_some()).peekable();
+    let guided = |trial: &TrialEntry| trial.metrics.guidance.map(|guidance| (trial.name.clone(), guidance));
+    let mut trials = summary.trials.iter().filter_map(guided).peekable();
     if trials.peek().is_none() {
         return Ok(());
     }
@@ -173,11 +173,10 @@ fn write_guidance(text: &mut String, summary: &Summary, width: usize) -> std::fm
     row([""; 8])?;
     row(["trial", "arrived", "time", "off line", "rudder", "closest", "path", "in view"])?;
     row(["", "", "s", "m", "", "m", "", "%"])?;
-    for trial in trials {
-        let guidance = &trial.metrics.guidance;
+    for (name, guidance) in trials {
         row([
-            &trial.name,
-            if guidance.arrived == Some(true) { "yes" } else { "no" },
+            &name,
+            if guidance.arrived { "yes" } else { "no" },
             &number(guidance.time_to_circle_s, 1),
             &number(guidance.cross_track_m, 2),
             &number(guidance.rudder_travel, 1),

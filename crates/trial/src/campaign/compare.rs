@@ -39,13 +39,13 @@ pub const METRICS: [Metric; 28] = [
     ("sure and wrong", "", |m| m.perception.sure_wrong),
     ("first tracked after", "s", |m| m.perception.first_track_s),
     ("tracked again after", "s", |m| m.perception.reacquire_s),
-    ("arrived", "", |m| m.guidance.arrived.map(|arrived| f64::from(u8::from(arrived)))),
-    ("time to the circle", "s", |m| m.guidance.time_to_circle_s),
-    ("cross-track error", "m", |m| m.guidance.cross_track_m),
-    ("rudder travel", "", |m| m.guidance.rudder_travel),
-    ("closest approach to a person", "m", |m| m.guidance.closest_person_m),
-    ("path over straight way", "", |m| m.guidance.path_ratio),
-    ("boat and person in view", "", |m| m.guidance.both_in_view),
+    ("arrived", "", |m| m.guidance.map(|guidance| f64::from(u8::from(guidance.arrived)))),
+    ("time to the circle", "s", |m| m.guidance?.time_to_circle_s),
+    ("cross-track error", "m", |m| m.guidance?.cross_track_m),
+    ("rudder travel", "", |m| m.guidance?.rudder_travel),
+    ("closest approach to a person", "m", |m| m.guidance?.closest_person_m),
+    ("path over straight way", "", |m| m.guidance?.path_ratio),
+    ("boat and person in view", "", |m| m.guidance?.both_in_view),
 ];
 
 /// One metric of both campaigns.

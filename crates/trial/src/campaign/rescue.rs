@@ -180,12 +180,12 @@ impl Rescue {
     /// The figures so far.
     pub(super) fn metrics(&self) -> GuidanceMetrics {
         let Some(way) = &self.engaged else {
-            return GuidanceMetrics { arrived: Some(false), ..GuidanceMetrics::default() };
+            return GuidanceMetrics::default();
         };
         let arrived = way.arrived_s.is_some();
         let (off, counted) = way.cross_track;
         GuidanceMetrics {
-            arrived: Some(arrived),
+            arrived,
             time_to_circle_s: way.arrived_s,
             cross_track_m: (counted > 0).then(|| off / counted as f64),
             rudder_travel: Some(way.rudder),

@@ -2,13 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Figures of the guidance. Fields are `null` where they are not defined, all of them in a trial without guidance. All are
-/// from the truth, from the moment at which the guidance was engaged.
+/// Figures of the guidance. Fields are `null` where they are not defined. All are from the truth, from the moment at which
+/// the guidance was engaged.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default)]
 pub struct GuidanceMetrics {
     /// Whether the boat came within 4 m of the person.
-    pub arrived: Option<bool>,
+    pub arrived: bool,
     /// Time to those 4 m, s.
     pub time_to_circle_s: Option<f64>,
     /// Mean distance from the line between start and person, from 4 s on until the arrival, m.

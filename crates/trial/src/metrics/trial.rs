@@ -65,9 +65,9 @@ pub struct TrialMetrics {
     /// The tracker beside the truth, in a trial in pixels.
     #[serde(flatten)]
     pub perception: PerceptionMetrics,
-    /// How the boat went to a person, in a trial with guidance.
+    /// How the boat went to a person, in a trial with guidance; no fields otherwise.
     #[serde(flatten)]
-    pub guidance: GuidanceMetrics,
+    pub guidance: Option<GuidanceMetrics>,
 }
 
 /// Longest time with a visible target that is not tracked, in a successful trial in pixels, s.
@@ -138,7 +138,7 @@ pub fn measure(log: &TrialLog, region: Region, picture: PictureSize) -> TrialMet
         lost: lost.map(|lost| lost.longest_s > MAX_LOST_S || lost.at_end),
         sensitivity: mean(complete.iter().filter_map(|excursion| excursion.sensitivity())),
         perception: PerceptionMetrics::from_log(log),
-        guidance: log.guidance.unwrap_or_default(),
+        guidance: log.guidance,
     }
 }
 
