@@ -28,6 +28,9 @@ pub enum LinkError {
     System(#[from] io::Error),
 }
 
+/// A worker at a port that carries bytes.
+type ByteWorker<C, R> = Worker<ByteSession<C>, MachineIo<C>, R>;
+
 /// A link to a port. Dropping the handle ends the link: zeros, stop, and the port is closed.
 #[derive(Debug)]
 pub struct LinkHandle<C: LinkCommand = VehicleRates> {
@@ -69,7 +72,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         protocol: impl OpenSession<Command = C>,
         clock: Clock,
         report: R,
-    ) -> Result<(Worker<ByteSession<C>, MachineIo<C>, R>, Port), LinkError> {
+    ) -> Result<(ByteWorker<C, R>, Port), LinkError> {
         let mailbox = Arc::new(Mailbox::new()?);
         let io = MachineIo { endpoint: url.endpoint.clone(), clock, mailbox: Arc::clone(&mailbox) };
         let port = io.open()?;

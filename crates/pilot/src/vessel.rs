@@ -128,7 +128,7 @@ impl VesselPilot {
     pub fn new(settings: VesselSettings) -> Self {
         let VesselSettings { profile, guidance, path } = settings;
         Self {
-            gate: VesselGate::new(profile.clone(), path),
+            gate: VesselGate::new(profile, path),
             profile,
             guide: Guide::new(guidance),
             marks: Marks::default(),

@@ -94,13 +94,10 @@ impl Session for LabUdpSession {
                 }
                 self.neutrals_left = NEUTRALS;
             }
-            _ if self.neutrals_left > 0 => {
-                if is_due || has_changed {
-                    self.send(VesselCommand::NEUTRAL, now, out);
-                    self.neutrals_left -= 1;
-                }
+            _ if self.neutrals_left > 0 && (is_due || has_changed) => {
+                self.send(VesselCommand::NEUTRAL, now, out);
+                self.neutrals_left -= 1;
             }
-            _ if self.is_closing => return NextAction::Closed,
             _ => {}
         }
         if self.is_closing && self.neutrals_left == 0 {

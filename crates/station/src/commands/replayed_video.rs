@@ -53,7 +53,7 @@ impl ReplayedVideo {
 
     /// Adds a recorded outcome, whose command moves the camera of a world that is rendered again.
     pub fn command(&mut self, outcome: &RecordedOutcome) {
-        let order = outcome.vessel.as_ref().map_or(VesselOrder::Released, RecordedVessel::order);
+        let order = outcome.vessel.as_deref().map_or(VesselOrder::Released, RecordedVessel::order);
         match &mut self.world {
             Some(world) => world.command(outcome.at, outcome.rates, order),
             // A simulated operator selects within seconds: frames come early.

@@ -146,7 +146,7 @@ pub struct RecordedOutcome {
     /// Time by which the pilot must be stepped again.
     pub wake_at: Option<Timestamp>,
     /// The vessel's part; `None` without a vessel.
-    pub vessel: Option<RecordedVessel>,
+    pub vessel: Option<Box<RecordedVessel>>,
     /// Notice to the operator; empty without one.
     pub notice: String,
 }
@@ -228,7 +228,7 @@ impl RecordedOutcome {
             command: outcome.command,
             rates,
             wake_at: outcome.wake_at,
-            vessel: RecordedVessel::new(&outcome.vessel),
+            vessel: RecordedVessel::new(&outcome.vessel).map(Box::new),
             notice: outcome.notice.as_ref().map(ToString::to_string).unwrap_or_default(),
         }
     }

@@ -134,7 +134,7 @@ pub(crate) fn outcome(value: f64) -> RecordedOutcome {
         command,
         rates: rates(value, value),
         wake_at: Some(ns(250_001_000)),
-        vessel: Some(RecordedVessel {
+        vessel: Some(Box::new(RecordedVessel {
             mode: "boat guided".to_owned(),
             command: VesselCommand { throttle: value, rudder: value },
             renew_by: Some(ns(300_000_000)),
@@ -146,7 +146,7 @@ pub(crate) fn outcome(value: f64) -> RecordedOutcome {
                 cross_track_m: value,
             }),
             destination: Some((3, Some(WaterPoint { x: value, y: value }))),
-        }),
+        })),
         notice: "following, \"it\"".to_owned(),
     }
 }

@@ -58,7 +58,7 @@ impl From<&RecordedOutcome> for stored::Outcome {
             yaw_rate: outcome.rates.yaw.radians_per_second(),
             pitch_rate: outcome.rates.pitch.radians_per_second(),
             wake_at_ns: outcome.wake_at.map(Timestamp::as_nanos),
-            vessel: outcome.vessel.as_ref().map(Into::into),
+            vessel: outcome.vessel.as_deref().map(Into::into),
             notice: outcome.notice.clone(),
         }
     }
@@ -150,7 +150,7 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
             rates: VehicleRates { yaw: rate(outcome.yaw_rate), pitch: rate(outcome.pitch_rate) },
             wake_at: outcome.wake_at_ns.map(Timestamp::from_nanos),
             track: outcome.track.ok_or_else(|| missing("track"))?.try_into()?,
-            vessel: outcome.vessel.map(Into::into),
+            vessel: outcome.vessel.map(|vessel| Box::new(vessel.into())),
             notice: outcome.notice,
         })
     }
