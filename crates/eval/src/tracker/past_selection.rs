@@ -1,10 +1,11 @@
 //! Selections drawn on an earlier video frame, through the pilot: how often the track that is confirmed is the target's.
 //!
 //! The pilot is stepped with the frames up to the moment of the request; the box is the truth of a frame that is 0.2,
-//! 0.5 or 1.0 s old then. *Right*: confirmed, and the box overlaps the truth by IoU 0.5 on confirmation and 1 s later.
-//! *Refused*: the pilot says that it follows nothing. *Lost*: confirmed, but the pilot says that the target is lost when
-//! it is judged. *Wrong*: confirmed, and the box does not overlap the truth. Ten start frames of each clip, evenly spread
-//! over those from which the target stays visible until 1 s after the confirmation can come. In a clip with sparse labels
+//! 0.5 or 1.0 s old then, or a box that is drawn about the truth by a hand. *Right*: confirmed, and the box overlaps the
+//! truth by IoU 0.5 on confirmation and 1 s later. *Refused*: the pilot says that it follows nothing. *Lost*: confirmed,
+//! but the pilot says that the target is lost when it is judged. *Wrong*: confirmed, and the box does not overlap the
+//! truth. Ten start frames of each clip, evenly spread over those from which the target stays visible until 1 s after the
+//! confirmation can come. In a clip with sparse labels
 //! the start frames are labelled ones, and the track is judged on the next labelled frame. A target of which more than
 //! half is hidden is not visible, whether or not it is labelled: no track can be judged by what cannot be seen.
 
@@ -21,14 +22,14 @@ use serde_json::json;
 
 use super::clip_sets::hidden_frames;
 use super::clips::{Clip, list_clips};
+use super::hand_drawn_box::drawn_by_hand;
 use super::scoring::Label;
 use crate::output::print_line;
+use crate::rng::Rng;
 use crate::workspace::path_or_default;
 
 /// Ages of the frame on which the box is drawn, seconds.
 const AGES_S: [f64; 3] = [0.2, 0.5, 1.0];
-/// Start frames of each clip.
-const STARTS: usize = 10;
 /// Longest time from the request to the confirmation that start frames allow for, seconds.
 const CONFIRMED_WITHIN_S: f64 = 0.6;
 /// How long after the confirmation the track is judged again, seconds.
@@ -48,6 +49,13 @@ pub(crate) struct SelectionOptions {
     /// Only this clip (repeatable).
     #[arg(long, value_name = "NAME")]
     clip: Vec<String>,
+    /// Start frames of each clip, for each age of the frame.
+    #[arg(long, value_name = "COUNT", default_value_t = 10)]
+    starts: usize,
+    /// Draw the boxes as a hand does, not exactly: off by up to 0.15 of the target's sides, 0.85 to 1.5 times as wide and
+    /// high, at least 8 x 6 pixels. The seed of the boxes.
+    #[arg(long, value_name = "SEED")]
+    by_hand: Option<u64>,
     /// Print each selection that was not right.
     #[arg(long)]
     each: bool,
@@ -62,10 +70,27 @@ struct Selected {
     verdict: Verdict,
     /// IoU on confirmation and when it was judged again.
     ious: [Option<f64>; 2],
+    /// What the track said then, and the truth.
+    judged: [Option<Judged>; 2],
     /// Confidences of the newest frames, from the first that the track reached to the confirmation.
     confidences: Vec<f64>,
     /// Longest step, milliseconds.
     step_ms: f64,
+}
+
+/// The box of a track and the truth, pixels, and the track's confidence.
+#[derive(Debug, Clone, Copy)]
+struct Judged {
+    tracked: PixelBox,
+    truth: PixelBox,
+    confidence: f64,
+}
+
+impl Judged {
+    fn json(self) -> serde_json::Value {
+        let sides = |PixelBox { u, v, w, h }: PixelBox| [u, v, w, h];
+        json!({"tracked": sides(self.tracked), "truth": sides(self.truth), "confidence": self.confidence})
+    }
 }
 
 /// What became of one selection.
@@ -140,18 +165,27 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
         let truth = visible(&clip);
         let mut tallies = [Tally::default(); AGES_S.len()];
         for (tally, age_s) in tallies.iter_mut().zip(AGES_S) {
-            for start in starts(&clip, &truth, age_s) {
-                let selected = select(&clip, &truth, start, age_s)?;
+            for start in starts(&clip, &truth, age_s, options.starts) {
+                let exact = truth[start].unwrap_or_default();
+                let drawn = match options.by_hand {
+                    None => exact,
+                    Some(seed) => {
+                        let number =
+                            seed.wrapping_mul(1 << 32) + ((start as u64) << 8) + (10.0 * age_s) as u64;
+                        drawn_by_hand(exact, clip.size(), &mut Rng::from_name(&clip.name, number))
+                    }
+                };
+                let selected = select(&clip, &truth, (start, drawn), age_s)?;
                 slowest_ms = slowest_ms.max(selected.step_ms);
                 tally.add(selected.verdict);
-                let Selected { verdict, ious, confidences, .. } = selected;
+                let Selected { verdict, ious, judged, confidences, .. } = selected;
                 if options.each && verdict != Verdict::Right {
                     print_line(&format!(
                         "  {} from frame {start}, {age_s} s: {verdict:?}, IoU {ious:.2?}, confidences {confidences:.2?}",
                         clip.name
                     ));
                 }
-                selections.push(json!({"clip": clip.name, "start": start, "age_s": age_s, "verdict": format!("{verdict:?}").to_lowercase(), "ious": ious, "confidences": confidences}));
+                selections.push(json!({"clip": clip.name, "start": start, "age_s": age_s, "verdict": format!("{verdict:?}").to_lowercase(), "ious": ious, "judged": judged.map(|judged| judged.map(Judged::json)), "confidences": confidences}));
             }
         }
         let sum = tallies.into_iter().fold(Tally::default(), Tally::plus);
@@ -190,7 +224,7 @@ fn visible(clip: &Clip) -> Vec<Option<PixelBox>> {
 }
 
 /// Evenly spread start frames: labelled, followed by enough labels, and with the target visible in all of them.
-fn starts(clip: &Clip, truth: &[Option<PixelBox>], age_s: f64) -> Vec<usize> {
+fn starts(clip: &Clip, truth: &[Option<PixelBox>], age_s: f64, count: usize) -> Vec<usize> {
     let at = |index: usize| clip.frames[index].capture.at;
     let needed = Duration::from_secs_f64(age_s + CONFIRMED_WITHIN_S + JUDGED_AFTER_S);
     let is_possible = |start: usize| {
@@ -201,23 +235,32 @@ fn starts(clip: &Clip, truth: &[Option<PixelBox>], age_s: f64) -> Vec<usize> {
         truth[start].is_some() && end.is_some_and(|end| (start..=end).all(is_visible))
     };
     let possible: Vec<usize> = (0..clip.frames.len()).filter(|start| is_possible(*start)).collect();
-    let count = possible.len().min(STARTS);
+    let count = possible.len().min(count);
     (0..count).map(|index| possible[index * possible.len() / count]).collect()
 }
 
 /// Makes one selection.
-fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> Result<Selected> {
+fn select(
+    clip: &Clip,
+    truth: &[Option<PixelBox>],
+    (start, bounds): (usize, PixelBox),
+    age_s: f64,
+) -> Result<Selected> {
     let settings =
         PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawChoice::OPTIMAL.settings() };
     let tracker = FusedTracker::new(FusedConfig::default())?;
     let mut pilot = Pilot::new(settings, Box::new(tracker)).keeping_frames();
     let drawn_at = clip.frames[start].capture.at;
     let requested_at = drawn_at.plus(Duration::from_secs_f64(age_s));
-    let bounds = truth[start].unwrap_or_default();
     let (mut confirmed_at, mut is_requested): (Option<Timestamp>, bool) = (None, false);
     // A selection that is not confirmed counts as refused.
-    let mut selected =
-        Selected { verdict: Verdict::Refused, ious: [None; 2], confidences: Vec::new(), step_ms: 0.0 };
+    let mut selected = Selected {
+        verdict: Verdict::Refused,
+        ious: [None; 2],
+        judged: [None; 2],
+        confidences: Vec::new(),
+        step_ms: 0.0,
+    };
     for (index, frame) in clip.frames.iter().enumerate().skip(start) {
         let now = frame.capture.at;
         let begin = Instant::now();
@@ -239,10 +282,13 @@ fn select(clip: &Clip, truth: &[Option<PixelBox>], start: usize, age_s: f64) -> 
             _ => {}
         }
         if let (Some(confirmed), Some(truth)) = (confirmed_at, truth[index]) {
-            let iou = outcome.track.localisation().map(|seen| seen.bounds.iou(truth));
+            let seen = outcome.track.localisation();
+            let iou = seen.map(|seen| seen.bounds.iou(truth));
             let is_second = now.since(confirmed).as_secs_f64() >= JUDGED_AFTER_S;
             if selected.ious[0].is_none() || is_second {
                 selected.ious[usize::from(is_second)] = iou;
+                selected.judged[usize::from(is_second)] =
+                    seen.map(|seen| Judged { tracked: seen.bounds, truth, confidence: seen.confidence });
                 selected.verdict = match iou {
                     Some(iou) if iou >= MIN_IOU => Verdict::Right,
                     Some(_) => Verdict::Wrong,
