@@ -30,6 +30,7 @@ pub mod vessel;
 
 pub mod input;
 pub mod outcome;
+mod refusal;
 
 pub use barrelman_control::LawSettings;
 pub use input::Input;

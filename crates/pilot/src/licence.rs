@@ -25,8 +25,8 @@ use core::time::Duration;
 use barrelman_vocab::profile::MAX_COAST_MOTION;
 use barrelman_vocab::{StopCause, Timestamp};
 
-use crate::outcome::Refusal;
 use crate::purpose::Purpose;
+use crate::refusal::Refusal;
 
 /// How long a nudge lasts without a renewal: a page that is lost during a nudge ends in rest.
 pub const NUDGE_LASTS: Duration = Duration::from_millis(250);

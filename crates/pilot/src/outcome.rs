@@ -8,14 +8,10 @@ use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::{CameraCommand, LawId, Localisation, MarkKind, StopCause, Timestamp, Track};
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
-use crate::purpose::Purpose;
-use crate::vessel::marks::MAX_MARKS;
 use crate::vessel::{VesselHold, VesselMode, VesselOutcome, VesselStop};
 
+pub use crate::refusal::{HoldCause, LOST_BEFORE_SEARCH, Refusal};
 pub use barrelman_vocab::RENEWAL_GRACE;
-
-/// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
-pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
 
 /// The outcome of one step.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,33 +94,6 @@ pub enum Mode {
     Stopped(StopCause),
 }
 
-/// The reason why an engaged pilot rests the camera: for want of something to follow, or of a camera that may move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum HoldCause {
-    /// Nothing was selected yet.
-    NoSelection,
-    /// The track is lost.
-    TrackLost,
-    /// The track has been coasting for too long.
-    Coasting,
-    /// The video frames are too old.
-    VideoStale,
-    /// No video frames arrive.
-    VideoSilent,
-    /// A selection waits for its confirmation.
-    Confirming,
-    /// There is no link: a dry run shows advice only.
-    DryRun,
-    /// The link is not up: commands do not reach the vehicle.
-    LinkDown,
-    /// The vehicle does not accept commands from this program.
-    NoControl,
-    /// The vehicle reports an emergency.
-    Emergency,
-    /// The vehicle lands.
-    Landing,
-}
-
 /// A message for the operator about a step.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Notice {
@@ -156,56 +125,6 @@ pub enum Notice {
     NetYaw(NetYawState),
     /// The mark of this number was set.
     Marked(u32, MarkKind),
-}
-
-/// The reason why a request has no effect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refusal {
-    /// The video frame of the selection is no longer kept.
-    SelectionTooOld {
-        /// Age of the video frame.
-        age: Duration,
-        /// How long video frames are kept.
-        kept: Duration,
-    },
-    /// A nudge or a change of the law while the pilot is engaged.
-    Engaged,
-    /// A nudge while the pilot is stopped.
-    Stopped,
-    /// A nudge without fresh video: the operator cannot see what the camera looks at.
-    NoFreshVideo,
-    /// No object is followed that could be rejected.
-    NothingToReject,
-    /// The camera moves for another purpose.
-    Busy(Purpose),
-    /// A nudge while no command may move the camera, for this reason.
-    NoMotion(HoldCause),
-    /// A search while no target is lost.
-    NothingLost,
-    /// A search for a target that was lost just now.
-    LostTooBriefly,
-    /// A net yaw that is no number, or larger than any tether bears.
-    NetYawOutOfRange,
-    /// A request about a boat that is not connected.
-    NoVessel,
-    /// The boat cannot be commanded, for this reason.
-    NoVesselMotion(HoldCause),
-    /// The helm was held when the boat was stopped, and was not let go since.
-    HelmHeldAtStop,
-    /// There is no mark of that number.
-    NoSuchMark,
-    /// There is no mark that could be a destination.
-    NothingMarked,
-    /// No place is marked as home.
-    NoHome,
-    /// There is no guidance: the boat is steered by hand alone.
-    ByHandOnly,
-    /// The boat is not followed in fresh video.
-    BoatNotSeen,
-    /// There are as many marks as there can be.
-    TooManyMarks,
-    /// A mark at the horizon, or above it.
-    MarkNotOnWater,
 }
 
 /// The reason why a selection was not confirmed.
@@ -263,54 +182,6 @@ impl fmt::Display for Notice {
     }
 }
 
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::SelectionTooOld { age, kept } => write!(
-                f,
-                "the picture of the selection is {:.1} s old; select within {:.1} s",
-                age.as_secs_f64(),
-                kept.as_secs_f64()
-            ),
-            Self::Engaged => f.write_str("the camera is engaged: disengage first"),
-            Self::Stopped => f.write_str("the camera is stopped: disengage first"),
-            Self::NoFreshVideo => f.write_str("there is no fresh video: the camera is not turned blindly"),
-            Self::NothingToReject => f.write_str("no object is followed"),
-            Self::Busy(purpose) => {
-                let now = match purpose {
-                    Purpose::Follow => "following",
-                    Purpose::Nudge => "turned by hand",
-                    Purpose::Search => "searching",
-                    Purpose::Calibrate => "being calibrated",
-                };
-                write!(f, "the camera is {now}: stop or disengage first")
-            }
-            Self::NoMotion(cause) => write!(f, "the camera cannot be turned now: {}", hold_text(*cause)),
-            Self::NothingLost => {
-                f.write_str("no boat is lost: a search is for a boat that was selected and is lost")
-            }
-            Self::LostTooBriefly => write!(
-                f,
-                "the boat was lost just now: a search can begin {} s after the loss",
-                LOST_BEFORE_SEARCH.as_secs()
-            ),
-            Self::NetYawOutOfRange => f.write_str("the net yaw must be a number of radians from -100 to 100"),
-            Self::NoVessel => f.write_str("there is no boat to command: start with --vessel"),
-            Self::NoVesselMotion(cause) => {
-                write!(f, "the boat cannot be commanded now: {}", hold_text(*cause))
-            }
-            Self::HelmHeldAtStop => f.write_str("the boat was stopped: let go of the helm first"),
-            Self::NoSuchMark => f.write_str("there is no such mark"),
-            Self::NothingMarked => f.write_str("nothing is marked: mark a place or a person first"),
-            Self::NoHome => f.write_str("no home is marked: mark it first"),
-            Self::ByHandOnly => f.write_str("the boat is steered by hand alone: start with --guidance los"),
-            Self::BoatNotSeen => f.write_str("the boat is not seen: select it first"),
-            Self::TooManyMarks => write!(f, "there are {MAX_MARKS} marks already: remove one first"),
-            Self::MarkNotOnWater => f.write_str("there is no water at that point: mark below the horizon"),
-        }
-    }
-}
-
 /// The net yaw in words, with the way back where there is need.
 fn net_yaw_text(net: NetYawState, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let degrees = net.angle.degrees();
@@ -353,23 +224,6 @@ const fn law_text(law: LawId) -> &'static str {
     }
 }
 
-/// The reason for holding in words.
-const fn hold_text(cause: HoldCause) -> &'static str {
-    match cause {
-        HoldCause::NoSelection => "nothing selected",
-        HoldCause::TrackLost => "track lost",
-        HoldCause::Coasting => "coasting",
-        HoldCause::VideoStale => "video stale",
-        HoldCause::VideoSilent => "no video",
-        HoldCause::Confirming => "confirming the selection",
-        HoldCause::DryRun => "dry run, nothing is sent",
-        HoldCause::LinkDown => "the link is not up",
-        HoldCause::NoControl => "the vehicle takes no commands",
-        HoldCause::Emergency => "the vehicle has an emergency",
-        HoldCause::Landing => "the vehicle lands",
-    }
-}
-
 /// The reason for a stop in words.
 const fn stop_text(cause: StopCause) -> &'static str {
     match cause {
@@ -397,7 +251,7 @@ impl fmt::Display for VesselMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let held = |hold: &VesselHold| match hold {
             VesselHold::NoDestination => "no destination",
-            VesselHold::Cause(cause) => hold_text(*cause),
+            VesselHold::Cause(cause) => cause.text(),
         };
         match self {
             Self::Absent => f.write_str("no boat"),
@@ -427,7 +281,7 @@ impl fmt::Display for Mode {
             Self::Searching => f.write_str("searching"),
             Self::Calibrating => f.write_str("calibrating"),
             Self::Servoing => f.write_str("servoing"),
-            Self::Holding(cause) => write!(f, "holding: {}", hold_text(*cause)),
+            Self::Holding(cause) => write!(f, "holding: {}", cause.text()),
             Self::Stopped(cause) => f.write_str(stop_text(*cause)),
         }
     }

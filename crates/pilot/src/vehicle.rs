@@ -15,7 +15,7 @@ use barrelman_vocab::StopCause;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 
-use crate::outcome::HoldCause;
+use crate::refusal::HoldCause;
 
 /// Where the commands of a pilot go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

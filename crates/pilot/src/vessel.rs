@@ -1,7 +1,7 @@
 //! The pilot's second actuator: a boat that is steered by hand from the video, or goes to a mark by itself.
 //!
 //! ```text
-//!   localisation --> Eye --> Guide --> VesselGate --> command
+//!   localisation --> FrameView --> Guide --> VesselGate --> command
 //!   marks ------------^                    ^
 //!   helm that is held ---------------------+
 //! ```
@@ -14,12 +14,12 @@ use core::time::Duration;
 use barrelman_control::CameraModel;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    DrawnMark, Localisation, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VesselCommand,
-    VesselProfile,
+    DrawnMark, Localisation, MarkKind, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
+    VesselCommand, VesselProfile,
 };
 
 use crate::history::KEPT;
-use crate::outcome::{HoldCause, Notice, Refusal};
+use crate::refusal::{HoldCause, Refusal};
 use crate::vehicle::CommandPath;
 
 pub mod gate;
@@ -27,14 +27,14 @@ pub mod gate;
 pub mod guiding;
 pub mod marks;
 
-pub mod eye;
+pub mod frame_view;
 
-pub use eye::Eye;
+pub use frame_view::FrameView;
 pub use gate::{VesselHold, VesselMode, VesselStop};
 pub use guiding::{Guidance, GuidanceBasis, GuidanceLaw};
 pub use marks::{Mark, Marks};
 
-use gate::{Sight, VesselGate};
+use gate::{GateInput, VesselGate};
 use guiding::Guide;
 use marks::MarkRefusal;
 
@@ -70,7 +70,7 @@ pub struct VesselOutcome {
     /// The operator's marks.
     pub marks: Marks,
     /// The camera of the newest video frame; `None` before the first.
-    pub eye: Option<Eye>,
+    pub frame_view: Option<FrameView>,
 }
 
 impl VesselOutcome {
@@ -83,7 +83,7 @@ impl VesselOutcome {
             renew_by: None,
             guidance: None,
             marks: Marks::default(),
-            eye: None,
+            frame_view: None,
         }
     }
 
@@ -120,7 +120,7 @@ pub struct VesselPilot {
     marks: Marks,
     height: Option<(f64, Timestamp)>,
     tilt_reported_at: Option<Timestamp>,
-    eye: Option<Eye>,
+    frame_view: Option<FrameView>,
 }
 
 impl VesselPilot {
@@ -134,7 +134,7 @@ impl VesselPilot {
             marks: Marks::default(),
             height: None,
             tilt_reported_at: None,
-            eye: None,
+            frame_view: None,
         }
     }
 
@@ -188,7 +188,7 @@ impl VesselPilot {
         self.gate.stop(VesselStop::Everything(cause));
     }
 
-    /// Processes a request about the vessel.
+    /// Processes a request about the vessel. Returns the number and the kind of a mark that was set.
     ///
     /// # Errors
     /// The reason, if the request is not permitted now. It then has no effect.
@@ -198,10 +198,10 @@ impl VesselPilot {
         picture: Option<PictureSize>,
         is_boat_seen: bool,
         view: VesselView<'_>,
-    ) -> Result<Option<Notice>, Refusal> {
+    ) -> Result<Option<(u32, MarkKind)>, Refusal> {
         match request {
             OperatorRequest::Mark(drawn) => {
-                return self.mark(drawn, picture, view).map(|id| Some(Notice::Marked(id, drawn.kind)));
+                return self.mark(drawn, picture, view).map(|id| Some((id, drawn.kind)));
             }
             OperatorRequest::Unmark(id) if !self.marks.remove(*id) => return Err(Refusal::NoSuchMark),
             OperatorRequest::UnmarkAll => self.marks.clear(),
@@ -251,8 +251,8 @@ impl VesselPilot {
         if age > KEPT {
             return Err(Refusal::SelectionTooOld { age, kept: KEPT });
         }
-        let eye = self.eye_at(view.camera, drawn.captured, picture, view.now);
-        self.marks.add(drawn, &eye).map_err(|refusal| match refusal {
+        let frame_view = self.frame_view_at(view.camera, drawn.captured, picture, view.now);
+        self.marks.add(drawn, &frame_view).map_err(|refusal| match refusal {
             MarkRefusal::TooMany => Refusal::TooManyMarks,
             MarkRefusal::NotOnWater => Refusal::MarkNotOnWater,
         })
@@ -266,8 +266,14 @@ impl VesselPilot {
         self.tilt_reported_at.filter(|at| is_current(*at)).map(|_| height_m)
     }
 
-    fn eye_at(&self, camera: &CameraModel, captured: Timestamp, picture: PictureSize, now: Timestamp) -> Eye {
-        Eye::new(camera, captured, picture, self.height_m(now))
+    fn frame_view_at(
+        &self,
+        camera: &CameraModel,
+        captured: Timestamp,
+        picture: PictureSize,
+        now: Timestamp,
+    ) -> FrameView {
+        FrameView::new(camera, captured, picture, self.height_m(now))
     }
 
     /// Makes the vessel's part of a step.
@@ -279,15 +285,17 @@ impl VesselPilot {
     ) -> VesselOutcome {
         let VesselView { camera, now } = view;
         if let (Observed::Boat(_) | Observed::NoBoat(_), Some((captured, picture))) = (observed, newest) {
-            self.eye = Some(self.eye_at(camera, captured, picture, now));
+            self.frame_view = Some(self.frame_view_at(camera, captured, picture, now));
         }
         let sight = match observed {
-            Observed::Boat(seen) => match self.eye {
-                Some(eye) => Sight::Fresh(self.guide.step(seen, &eye, &self.marks, &self.profile, now)),
-                None => Sight::NoObservation,
+            Observed::Boat(seen) => match self.frame_view {
+                Some(frame_view) => {
+                    GateInput::Fresh(self.guide.step(seen, &frame_view, &self.marks, &self.profile, now))
+                }
+                None => GateInput::NoObservation,
             },
-            Observed::NoBoat(cause) => Sight::Unusable(cause),
-            Observed::Nothing => Sight::NoObservation,
+            Observed::NoBoat(cause) => GateInput::Unusable(cause),
+            Observed::Nothing => GateInput::NoObservation,
         };
         let decision = self.gate.decide(sight, now);
         self.guide.on_command_applied(decision.command, now);
@@ -298,7 +306,7 @@ impl VesselPilot {
             renew_by: decision.renew_by,
             guidance: self.guide.newest(),
             marks: self.marks,
-            eye: self.eye,
+            frame_view: self.frame_view,
         }
     }
 }

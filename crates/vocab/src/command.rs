@@ -1,11 +1,8 @@
-//! Camera commands, and what every command to a vehicle has in common.
+//! Camera commands.
 
-use core::fmt::Debug;
 use core::time::Duration;
 
 use crate::angle::AngularRate;
-use crate::profile::VehicleRates;
-use crate::vessel::VesselOrder;
 
 /// A command that moves the camera and is not renewed in time ends this much later at the link: the link's dead-man's
 /// switch leaves a pilot that is late some room.
@@ -28,30 +25,5 @@ impl CameraCommand {
     /// Whether both rates are zero.
     pub fn is_rest(self) -> bool {
         self.pan.is_zero() && self.tilt.is_zero()
-    }
-}
-
-/// A command that a link carries: the rates of a camera, or what is asked of a vessel.
-pub trait LinkCommand: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
-    /// The command that a vehicle may keep: nothing moves.
-    const REST: Self;
-
-    /// Whether nothing moves by this command: it needs no renewal.
-    fn is_rest(self) -> bool;
-}
-
-impl LinkCommand for VehicleRates {
-    const REST: Self = Self::REST;
-
-    fn is_rest(self) -> bool {
-        Self::is_rest(self)
-    }
-}
-
-impl LinkCommand for VesselOrder {
-    const REST: Self = Self::NEUTRAL;
-
-    fn is_rest(self) -> bool {
-        self.command().is_neutral()
     }
 }

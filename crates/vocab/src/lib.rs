@@ -24,12 +24,15 @@ pub mod profile;
 pub mod telemetry;
 pub mod vessel;
 
+pub mod link_command;
+
 pub mod rng;
 
 pub use angle::{Angle, AngularRate};
-pub use command::{CameraCommand, LinkCommand, RENEWAL_GRACE};
+pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
 pub use lens::{BrownConrady, Distortion, Lens};
+pub use link_command::LinkCommand;
 pub use operator::{BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, Nudge, OperatorRequest, StopCause};
 pub use profile::{VehicleProfile, VehicleRates};
 pub use telemetry::Telemetry;

@@ -15,9 +15,10 @@ impl Pilot {
             return Some(Notice::RequestRefused(Refusal::NoVessel));
         };
         let view = VesselView { camera: self.law.camera(), now };
-        vessel
-            .on_request(request, self.picture, is_boat_seen, view)
-            .unwrap_or_else(|refusal| Some(Notice::RequestRefused(refusal)))
+        match vessel.on_request(request, self.picture, is_boat_seen, view) {
+            Ok(marked) => marked.map(|(id, kind)| Notice::Marked(id, kind)),
+            Err(refusal) => Some(Notice::RequestRefused(refusal)),
+        }
     }
 
     /// Makes the vessel's part of a step.

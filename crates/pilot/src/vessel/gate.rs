@@ -27,7 +27,7 @@ use core::time::Duration;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{BoatStop, StopCause, Timestamp, VesselCommand, VesselProfile};
 
-use crate::outcome::{HoldCause, Refusal};
+use crate::refusal::{HoldCause, Refusal};
 use crate::vehicle::{CommandPath, VehicleState};
 
 /// How long a command of the guidance lasts after the last fresh localisation of the boat.
@@ -88,7 +88,7 @@ pub enum VesselStop {
 
 /// What one step saw of the boat.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Sight {
+pub enum GateInput {
     /// A fresh localisation, with what the guidance advises.
     Fresh(Result<VesselCommand, VesselHold>),
     /// An observation without a fresh localisation.
@@ -230,7 +230,7 @@ impl VesselGate {
     }
 
     /// Decides the mode and the command of one step.
-    pub fn decide(&mut self, sight: Sight, now: Timestamp) -> VesselDecision {
+    pub fn decide(&mut self, sight: GateInput, now: Timestamp) -> VesselDecision {
         let obstacle = self.vessel.obstacle();
         self.advance(sight, obstacle, now);
         let (mode, wanted) = match self.holder {
@@ -251,7 +251,7 @@ impl VesselGate {
     }
 
     /// What time, sight and link make of the state.
-    fn advance(&mut self, sight: Sight, obstacle: Option<HoldCause>, now: Timestamp) {
+    fn advance(&mut self, sight: GateInput, obstacle: Option<HoldCause>, now: Timestamp) {
         let ends_at = self.ends_at();
         let has_ended = ends_at.is_some_and(|at| at <= now) || self.is_before_renewal(now);
         let has_video = self.has_video(now);
@@ -265,12 +265,12 @@ impl VesselGate {
             Holder::Guided { advised, fresh_at, holding } => {
                 let hold = match (obstacle, sight) {
                     (Some(obstacle), _) => Some(VesselHold::Cause(obstacle)),
-                    (None, Sight::Fresh(Ok(command))) => {
+                    (None, GateInput::Fresh(Ok(command))) => {
                         (*advised, *fresh_at, *holding) = (command, Some(now), None);
                         None
                     }
-                    (None, Sight::Fresh(Err(hold))) => Some(hold),
-                    (None, Sight::Unusable(cause)) if has_ended || holding.is_some() => {
+                    (None, GateInput::Fresh(Err(hold))) => Some(hold),
+                    (None, GateInput::Unusable(cause)) if has_ended || holding.is_some() => {
                         Some(VesselHold::Cause(cause))
                     }
                     (None, _) if has_ended => Some(VesselHold::Cause(HoldCause::VideoSilent)),

@@ -10,7 +10,7 @@ use barrelman_control::guidance::{
 };
 use barrelman_vocab::{Localisation, MarkKind, Timestamp, VesselCommand, VesselProfile, WaterPoint};
 
-use super::eye::Eye;
+use super::frame_view::FrameView;
 use super::gate::VesselHold;
 use super::marks::{MAX_MARKS, Marks};
 
@@ -96,16 +96,16 @@ impl Guide {
     pub fn step(
         &mut self,
         seen: &Localisation,
-        eye: &Eye,
+        frame_view: &FrameView,
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
     ) -> Result<VesselCommand, VesselHold> {
-        let is_over_water = self.law == GuidanceLaw::LineOfSight && eye.sees_water;
+        let is_over_water = self.law == GuidanceLaw::LineOfSight && frame_view.sees_water;
         let (command, guidance) = if is_over_water {
-            self.step_over_water(seen, eye, marks, profile, now)
+            self.step_over_water(seen, frame_view, marks, profile, now)
         } else {
-            self.step_in_picture(seen, eye, marks, now)
+            self.step_in_picture(seen, frame_view, marks, now)
         };
         self.newest = Some(guidance);
         match guidance.state {
@@ -117,7 +117,7 @@ impl Guide {
     fn step_over_water(
         &mut self,
         seen: &Localisation,
-        eye: &Eye,
+        frame_view: &FrameView,
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
@@ -128,7 +128,7 @@ impl Guide {
         let circles_set = marks.keep_outs(profile, now, &mut circles);
         let step = self.line_of_sight.step(&GuidanceInput {
             now,
-            fix: eye.boat(seen),
+            fix: frame_view.boat(seen),
             destination: marks.water_destination(profile, now),
             route: marks.route(),
             way_points: &way_points[..way_points_set],
@@ -142,12 +142,12 @@ impl Guide {
     fn step_in_picture(
         &mut self,
         seen: &Localisation,
-        eye: &Eye,
+        frame_view: &FrameView,
         marks: &Marks,
         now: Timestamp,
     ) -> (VesselCommand, Guidance) {
         let mark = marks.destination();
-        let target = mark.and_then(|mark| mark.pixel(&eye.view));
+        let target = mark.and_then(|mark| mark.pixel(&frame_view.view));
         let boat = seen.bounds.centre();
         let (command, branch) = self.laboratory.step(&LabInput { now, boat: Some(boat), target });
         let state = match branch {

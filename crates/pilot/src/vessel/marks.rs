@@ -9,7 +9,7 @@ use barrelman_control::guidance::{Destination, KeepOut};
 use barrelman_control::water::WaterView;
 use barrelman_vocab::{DrawnMark, MarkKind, PixelPoint, Timestamp, VesselProfile, WaterFix, WaterPoint};
 
-use super::eye::Eye;
+use super::frame_view::FrameView;
 
 /// Most marks at a time.
 pub const MAX_MARKS: usize = 16;
@@ -107,13 +107,13 @@ impl Marks {
 
     /// Sets a mark in the view of its video frame. The first place or person is the destination, and so is each one that is
     /// set while the one before is a place: a person that is being approached stays the destination.
-    pub fn add(&mut self, drawn: &DrawnMark, eye: &Eye) -> Result<u32, MarkRefusal> {
+    pub fn add(&mut self, drawn: &DrawnMark, frame_view: &FrameView) -> Result<u32, MarkRefusal> {
         if self.count == MAX_MARKS {
             return Err(MarkRefusal::TooMany);
         }
-        let direction = eye.view.direction_of(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?;
-        let water = if eye.sees_water {
-            Some(eye.fix(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?)
+        let direction = frame_view.view.direction_of(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?;
+        let water = if frame_view.sees_water {
+            Some(frame_view.fix(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?)
         } else if direction[2] < 0.0 {
             None
         } else {

@@ -128,8 +128,8 @@ fn a_mark_stays_on_the_water_while_the_camera_turns() {
     bench.see_water().see(INSIDE);
     bench.mark(MarkKind::Place, TARGET);
     let pixel = |outcome: &Outcome| {
-        let eye = outcome.vessel.eye.unwrap();
-        outcome.vessel.marks.destination().unwrap().pixel(&eye.view).unwrap()
+        let frame_view = outcome.vessel.frame_view.unwrap();
+        outcome.vessel.marks.destination().unwrap().pixel(&frame_view.view).unwrap()
     };
     let before = bench.see(INSIDE);
     let first = pixel(&before);
@@ -142,7 +142,7 @@ fn a_mark_stays_on_the_water_while_the_camera_turns() {
     let after = bench.see(INSIDE);
     assert!(pixel(&after).u < TARGET.u - 20.0, "the view turned to the right: {:?}", pixel(&after));
     assert_eq!(after.vessel.marks.destination().unwrap().point(), Some(water));
-    let seen = after.vessel.eye.unwrap().view.sighting(pixel(&after)).point().unwrap();
+    let seen = after.vessel.frame_view.unwrap().view.sighting(pixel(&after)).point().unwrap();
     assert!(seen.distance_to(water) < 1e-6, "{seen:?} {water:?}");
 }
 

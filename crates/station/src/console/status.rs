@@ -4,7 +4,7 @@ use barrelman_control::Sector;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
+use barrelman_vocab::telemetry::{ControlState, FlightState};
 use barrelman_vocab::{Angle, CameraCommand, LawId, PixelBox, StopCause, Track};
 
 use super::api::{
@@ -188,23 +188,9 @@ fn boat_of(boat: snapshot::BoatOnWater) -> BoatStatus {
     }
 }
 
-/// The API's name of the state of a link.
-pub(super) const fn link_name(link: snapshot::LinkStatus) -> &'static str {
-    match link {
-        snapshot::LinkStatus::DryRun => "dry-run",
-        snapshot::LinkStatus::Simulated => "simulated",
-        snapshot::LinkStatus::Link(LinkState::Opening) => "opening",
-        snapshot::LinkStatus::Link(LinkState::Starting) => "starting",
-        snapshot::LinkStatus::Link(LinkState::Up) => "up",
-        snapshot::LinkStatus::Link(LinkState::Silent) => "silent",
-        snapshot::LinkStatus::Link(LinkState::Closing) => "closing",
-        snapshot::LinkStatus::Link(LinkState::Closed) => "closed",
-    }
-}
-
 fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
     LinkStatus {
-        state: link_name(vehicle.link),
+        state: vehicle.link.key(),
         in_control: vehicle.control.map(|control| control == ControlState::Ours),
         acceptance: vehicle.acceptance.map(Acceptance::key),
         battery_v: vehicle.battery_v,

@@ -1,12 +1,11 @@
 //! The API's form of the boat that is commanded.
 
 use barrelman_control::guidance::GuidanceState;
-use barrelman_pilot::vessel::{Eye, Guidance, GuidanceBasis, Mark};
+use barrelman_pilot::vessel::{FrameView, Guidance, GuidanceBasis, Mark};
 use barrelman_pilot::{Outcome, VesselMode};
 use barrelman_vocab::{MarkKind, PictureSize, PixelPoint, Timestamp, VesselProfile, WaterPoint};
 
 use super::api::{MarkStatus, ProgressStatus, VesselStatus};
-use super::status::link_name;
 use crate::snapshot::Snapshot;
 
 /// Points of a circle.
@@ -33,7 +32,7 @@ pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
         text: vessel.mode.to_string(),
         throttle: vessel.command.throttle,
         rudder: vessel.command.rudder,
-        link: link_name(snapshot.vessel.link),
+        link: snapshot.vessel.link.key(),
         basis: vessel.guidance.map(|guidance| match guidance.basis {
             GuidanceBasis::Water => "water",
             GuidanceBasis::Picture => "picture",
@@ -43,9 +42,15 @@ pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
         marks: vessel
             .marks
             .iter()
-            .map(|mark| mark_of(mark, destination == Some(mark.id), profile, vessel.eye.as_ref(), outcome))
+            .map(|mark| {
+                mark_of(mark, destination == Some(mark.id), profile, vessel.frame_view.as_ref(), outcome)
+            })
             .collect(),
-        footprint: vessel.eye.as_ref().zip(picture).and_then(|(eye, picture)| footprint(eye, picture)),
+        footprint: vessel
+            .frame_view
+            .as_ref()
+            .zip(picture)
+            .and_then(|(frame_view, picture)| footprint(frame_view, picture)),
     })
 }
 
@@ -77,7 +82,7 @@ fn mark_of(
     mark: &Mark,
     is_destination: bool,
     profile: &VesselProfile,
-    eye: Option<&Eye>,
+    frame_view: Option<&FrameView>,
     outcome: &Outcome,
 ) -> MarkStatus {
     let radius_m = mark.radius_m(profile, is_destination);
@@ -92,8 +97,8 @@ fn mark_of(
             MarkKind::Home => "home",
         },
         destination: is_destination,
-        at: eye.and_then(|eye| mark.pixel(&eye.view)).map(pixel),
-        ring: eye.map(|eye| ring(mark, radius_m, eye, outcome.at)).unwrap_or_default(),
+        at: frame_view.and_then(|frame_view| mark.pixel(&frame_view.view)).map(pixel),
+        ring: frame_view.map(|frame_view| ring(mark, radius_m, frame_view, outcome.at)).unwrap_or_default(),
         water_m: mark.point().map(|point| [point.x, point.y]),
         std_dev_m: mark.std_dev_m(outcome.at),
         radius_m,
@@ -101,25 +106,25 @@ fn mark_of(
 }
 
 /// The circle around a mark, as pixels. A circle of which a part is behind the camera is left out.
-fn ring(mark: &Mark, radius_m: f64, eye: &Eye, now: Timestamp) -> Vec<[f64; 2]> {
+fn ring(mark: &Mark, radius_m: f64, frame_view: &FrameView, now: Timestamp) -> Vec<[f64; 2]> {
     let (Some(centre), Some(std_dev_m)) = (mark.point(), mark.std_dev_m(now)) else { return Vec::new() };
-    if radius_m <= 0.0 || !eye.sees_water {
+    if radius_m <= 0.0 || !frame_view.sees_water {
         return Vec::new();
     }
     let points = (0..RING_POINTS).map(|index| {
         let (sin, cos) = (core::f64::consts::TAU * index as f64 / RING_POINTS as f64).sin_cos();
         let reach_m = radius_m + std_dev_m;
         let point = WaterPoint { x: centre.x + reach_m * cos, y: centre.y + reach_m * sin };
-        eye.view.pixel_of_water(point).map(|pixel| [pixel.u, pixel.v])
+        frame_view.view.pixel_of_water(point).map(|pixel| [pixel.u, pixel.v])
     });
     points.collect::<Option<_>>().unwrap_or_default()
 }
 
 /// What the camera sees of the water, where the whole picture is below the horizon.
-fn footprint(eye: &Eye, picture: PictureSize) -> Option<Vec<[f64; 2]>> {
+fn footprint(frame_view: &FrameView, picture: PictureSize) -> Option<Vec<[f64; 2]>> {
     let (width, height) = (f64::from(picture.width), f64::from(picture.height));
     [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
         .into_iter()
-        .map(|(u, v)| eye.fix(PixelPoint { u, v }).map(|fix| [fix.point.x, fix.point.y]))
+        .map(|(u, v)| frame_view.fix(PixelPoint { u, v }).map(|fix| [fix.point.x, fix.point.y]))
         .collect()
 }

@@ -16,6 +16,22 @@ pub enum LinkStatus {
     Link(LinkState),
 }
 
+impl LinkStatus {
+    /// The name in the console's API.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::DryRun => "dry-run",
+            Self::Simulated => "simulated",
+            Self::Link(LinkState::Opening) => "opening",
+            Self::Link(LinkState::Starting) => "starting",
+            Self::Link(LinkState::Up) => "up",
+            Self::Link(LinkState::Silent) => "silent",
+            Self::Link(LinkState::Closing) => "closing",
+            Self::Link(LinkState::Closed) => "closed",
+        }
+    }
+}
+
 /// Position of the vehicle on Earth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VehiclePosition {

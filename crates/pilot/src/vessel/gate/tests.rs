@@ -5,7 +5,7 @@ use barrelman_vocab::telemetry::LinkState;
 use super::*;
 
 const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: 0.25 };
-const SEEN: Sight = Sight::Fresh(Ok(AHEAD));
+const SEEN: GateInput = GateInput::Fresh(Ok(AHEAD));
 
 fn at(ms: u64) -> Timestamp {
     Timestamp::from_nanos(ms * 1_000_000)
@@ -21,8 +21,8 @@ fn gate() -> VesselGate {
 }
 
 #[track_caller]
-fn check(gate: &mut VesselGate, sight: Sight, ms: u64, mode: VesselMode, command: VesselCommand) {
-    if !matches!(sight, Sight::NoObservation) {
+fn check(gate: &mut VesselGate, sight: GateInput, ms: u64, mode: VesselMode, command: VesselCommand) {
+    if !matches!(sight, GateInput::NoObservation) {
         gate.on_video(at(ms));
     }
     let decision = gate.decide(sight, at(ms));
@@ -45,12 +45,12 @@ fn guidance_lasts_as_long_as_the_boat_is_seen() {
     let mut gate = gate();
     gate.guide(at(1_000)).unwrap();
     check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
-    check(&mut gate, Sight::Unusable(HoldCause::Coasting), 1_200, VesselMode::Guided, AHEAD);
-    check(&mut gate, Sight::NoObservation, 1_279, VesselMode::Guided, AHEAD);
+    check(&mut gate, GateInput::Unusable(HoldCause::Coasting), 1_200, VesselMode::Guided, AHEAD);
+    check(&mut gate, GateInput::NoObservation, 1_279, VesselMode::Guided, AHEAD);
     let silent = VesselMode::Holding(VesselHold::Cause(HoldCause::VideoSilent));
-    check(&mut gate, Sight::NoObservation, 1_280, silent, NEUTRAL);
+    check(&mut gate, GateInput::NoObservation, 1_280, silent, NEUTRAL);
     let lost = VesselMode::Holding(VesselHold::Cause(HoldCause::TrackLost));
-    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 1_300, lost, NEUTRAL);
+    check(&mut gate, GateInput::Unusable(HoldCause::TrackLost), 1_300, lost, NEUTRAL);
     check(&mut gate, SEEN, 1_400, VesselMode::Guided, AHEAD);
 }
 
@@ -60,9 +60,9 @@ fn a_hold_that_lasts_ends_the_guidance() {
     gate.guide(at(1_000)).unwrap();
     check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
     let hold = VesselHold::Cause(HoldCause::TrackLost);
-    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 1_300, VesselMode::Holding(hold), NEUTRAL);
+    check(&mut gate, GateInput::Unusable(HoldCause::TrackLost), 1_300, VesselMode::Holding(hold), NEUTRAL);
     let stopped = VesselMode::Stopped(VesselStop::HeldTooLong(hold));
-    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 6_300, stopped, NEUTRAL);
+    check(&mut gate, GateInput::Unusable(HoldCause::TrackLost), 6_300, stopped, NEUTRAL);
     check(&mut gate, SEEN, 6_330, stopped, NEUTRAL);
     gate.guide(at(6_340)).unwrap();
     check(&mut gate, SEEN, 6_360, VesselMode::Guided, AHEAD);
@@ -74,7 +74,7 @@ fn without_a_destination_the_boat_waits_for_one() {
     gate.guide(at(1_000)).unwrap();
     let none = VesselMode::Holding(VesselHold::NoDestination);
     for ms in [1_030, 30_000] {
-        check(&mut gate, Sight::Fresh(Err(VesselHold::NoDestination)), ms, none, NEUTRAL);
+        check(&mut gate, GateInput::Fresh(Err(VesselHold::NoDestination)), ms, none, NEUTRAL);
     }
     check(&mut gate, SEEN, 30_030, VesselMode::Guided, AHEAD);
 }
@@ -85,8 +85,8 @@ fn a_helm_lasts_half_a_second_after_its_last_renewal() {
     gate.steer(AHEAD, at(1_000)).unwrap();
     check(&mut gate, SEEN, 1_100, VesselMode::ByHand, AHEAD);
     gate.on_video(at(1_400));
-    check(&mut gate, Sight::NoObservation, 1_499, VesselMode::ByHand, AHEAD);
-    check(&mut gate, Sight::NoObservation, 1_500, VesselMode::Neutral, NEUTRAL);
+    check(&mut gate, GateInput::NoObservation, 1_499, VesselMode::ByHand, AHEAD);
+    check(&mut gate, GateInput::NoObservation, 1_500, VesselMode::Neutral, NEUTRAL);
     gate.steer(AHEAD, at(1_510)).unwrap();
     check(&mut gate, SEEN, 1_520, VesselMode::ByHand, AHEAD);
     gate.steer(NEUTRAL, at(1_530)).unwrap();
@@ -97,10 +97,10 @@ fn a_helm_lasts_half_a_second_after_its_last_renewal() {
 fn a_helm_needs_video_and_no_track() {
     let mut gate = gate();
     gate.steer(AHEAD, at(1_000)).unwrap();
-    check(&mut gate, Sight::Unusable(HoldCause::TrackLost), 1_100, VesselMode::ByHand, AHEAD);
+    check(&mut gate, GateInput::Unusable(HoldCause::TrackLost), 1_100, VesselMode::ByHand, AHEAD);
     gate.steer(AHEAD, at(1_300)).unwrap();
-    check(&mut gate, Sight::NoObservation, 1_349, VesselMode::ByHand, AHEAD);
-    check(&mut gate, Sight::NoObservation, 1_350, VesselMode::Neutral, NEUTRAL);
+    check(&mut gate, GateInput::NoObservation, 1_349, VesselMode::ByHand, AHEAD);
+    check(&mut gate, GateInput::NoObservation, 1_350, VesselMode::Neutral, NEUTRAL);
     assert_eq!(gate.steer(AHEAD, at(1_400)), Err(Refusal::NoFreshVideo));
 }
 
@@ -171,7 +171,7 @@ fn the_throttle_rises_slowly_and_falls_at_once() {
     gate.decide(SEEN, at(1_000));
     gate.guide(at(1_000)).unwrap();
     let throttle = |gate: &mut VesselGate, wanted: f64, ms: u64| {
-        let sight = Sight::Fresh(Ok(VesselCommand { throttle: wanted, rudder: 0.0 }));
+        let sight = GateInput::Fresh(Ok(VesselCommand { throttle: wanted, rudder: 0.0 }));
         gate.decide(sight, at(ms)).command.throttle
     };
     // 2 a second, and never beyond the limit of 0.6.
@@ -194,9 +194,9 @@ fn the_throttle_rises_slowly_and_falls_at_once() {
 fn a_clock_that_goes_back_makes_the_boat_neutral() {
     let mut gate = gate();
     gate.steer(AHEAD, at(1_000)).unwrap();
-    assert_eq!(gate.decide(Sight::NoObservation, at(900)).command, NEUTRAL);
+    assert_eq!(gate.decide(GateInput::NoObservation, at(900)).command, NEUTRAL);
     gate.on_video(at(1_000));
     gate.guide(at(1_000)).unwrap();
     gate.decide(SEEN, at(1_010));
-    assert_eq!(gate.decide(Sight::NoObservation, at(900)).command, NEUTRAL);
+    assert_eq!(gate.decide(GateInput::NoObservation, at(900)).command, NEUTRAL);
 }

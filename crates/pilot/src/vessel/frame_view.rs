@@ -25,14 +25,14 @@ const BOW_PX: f64 = 8.0;
 
 /// The camera of one video frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Eye {
+pub struct FrameView {
     /// Lines of sight; points on the water only where `sees_water`.
     pub view: WaterView,
     /// Whether height and tilt are known.
     pub sees_water: bool,
 }
 
-impl Eye {
+impl FrameView {
     /// The camera at the time of capture of a video frame; `None` for the height: height or tilt are not known, and only
     /// lines of sight mean anything.
     pub fn new(

@@ -1,0 +1,153 @@
+//! Why the camera rests though it is engaged, and why a request has no effect.
+
+use core::fmt;
+use core::time::Duration;
+
+use crate::purpose::Purpose;
+
+/// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
+pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
+
+/// The reason why a request has no effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// The video frame of the selection is no longer kept.
+    SelectionTooOld {
+        /// Age of the video frame.
+        age: Duration,
+        /// How long video frames are kept.
+        kept: Duration,
+    },
+    /// A nudge or a change of the law while the pilot is engaged.
+    Engaged,
+    /// A nudge while the pilot is stopped.
+    Stopped,
+    /// A nudge without fresh video: the operator cannot see what the camera looks at.
+    NoFreshVideo,
+    /// No object is followed that could be rejected.
+    NothingToReject,
+    /// The camera moves for another purpose.
+    Busy(Purpose),
+    /// A nudge while no command may move the camera, for this reason.
+    NoMotion(HoldCause),
+    /// A search while no target is lost.
+    NothingLost,
+    /// A search for a target that was lost just now.
+    LostTooBriefly,
+    /// A net yaw that is no number, or larger than any tether bears.
+    NetYawOutOfRange,
+    /// A request about a boat that is not connected.
+    NoVessel,
+    /// The boat cannot be commanded, for this reason.
+    NoVesselMotion(HoldCause),
+    /// The helm was held when the boat was stopped, and was not let go since.
+    HelmHeldAtStop,
+    /// There is no mark of that number.
+    NoSuchMark,
+    /// There is no mark that could be a destination.
+    NothingMarked,
+    /// No place is marked as home.
+    NoHome,
+    /// There is no guidance: the boat is steered by hand alone.
+    ByHandOnly,
+    /// The boat is not followed in fresh video.
+    BoatNotSeen,
+    /// There are as many marks as there can be.
+    TooManyMarks,
+    /// A mark at the horizon, or above it.
+    MarkNotOnWater,
+}
+
+/// The reason why an engaged pilot rests the camera: for want of something to follow, or of a camera that may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum HoldCause {
+    /// Nothing was selected yet.
+    NoSelection,
+    /// The track is lost.
+    TrackLost,
+    /// The track has been coasting for too long.
+    Coasting,
+    /// The video frames are too old.
+    VideoStale,
+    /// No video frames arrive.
+    VideoSilent,
+    /// A selection waits for its confirmation.
+    Confirming,
+    /// There is no link: a dry run shows advice only.
+    DryRun,
+    /// The link is not up: commands do not reach the vehicle.
+    LinkDown,
+    /// The vehicle does not accept commands from this program.
+    NoControl,
+    /// The vehicle reports an emergency.
+    Emergency,
+    /// The vehicle lands.
+    Landing,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SelectionTooOld { age, kept } => write!(
+                f,
+                "the picture of the selection is {:.1} s old; select within {:.1} s",
+                age.as_secs_f64(),
+                kept.as_secs_f64()
+            ),
+            Self::Engaged => f.write_str("the camera is engaged: disengage first"),
+            Self::Stopped => f.write_str("the camera is stopped: disengage first"),
+            Self::NoFreshVideo => f.write_str("there is no fresh video: the camera is not turned blindly"),
+            Self::NothingToReject => f.write_str("no object is followed"),
+            Self::Busy(purpose) => {
+                let now = match purpose {
+                    Purpose::Follow => "following",
+                    Purpose::Nudge => "turned by hand",
+                    Purpose::Search => "searching",
+                    Purpose::Calibrate => "being calibrated",
+                };
+                write!(f, "the camera is {now}: stop or disengage first")
+            }
+            Self::NoMotion(cause) => write!(f, "the camera cannot be turned now: {}", cause.text()),
+            Self::NothingLost => {
+                f.write_str("no boat is lost: a search is for a boat that was selected and is lost")
+            }
+            Self::LostTooBriefly => write!(
+                f,
+                "the boat was lost just now: a search can begin {} s after the loss",
+                LOST_BEFORE_SEARCH.as_secs()
+            ),
+            Self::NetYawOutOfRange => f.write_str("the net yaw must be a number of radians from -100 to 100"),
+            Self::NoVessel => f.write_str("there is no boat to command: start with --vessel"),
+            Self::NoVesselMotion(cause) => {
+                write!(f, "the boat cannot be commanded now: {}", cause.text())
+            }
+            Self::HelmHeldAtStop => f.write_str("the boat was stopped: let go of the helm first"),
+            Self::NoSuchMark => f.write_str("there is no such mark"),
+            Self::NothingMarked => f.write_str("nothing is marked: mark a place or a person first"),
+            Self::NoHome => f.write_str("no home is marked: mark it first"),
+            Self::ByHandOnly => f.write_str("the boat is steered by hand alone: start with --guidance los"),
+            Self::BoatNotSeen => f.write_str("the boat is not seen: select it first"),
+            Self::TooManyMarks => f.write_str("there are too many marks: remove one first"),
+            Self::MarkNotOnWater => f.write_str("there is no water at that point: mark below the horizon"),
+        }
+    }
+}
+
+impl HoldCause {
+    /// The reason in words.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::NoSelection => "nothing selected",
+            Self::TrackLost => "track lost",
+            Self::Coasting => "coasting",
+            Self::VideoStale => "video stale",
+            Self::VideoSilent => "no video",
+            Self::Confirming => "confirming the selection",
+            Self::DryRun => "dry run, nothing is sent",
+            Self::LinkDown => "the link is not up",
+            Self::NoControl => "the vehicle takes no commands",
+            Self::Emergency => "the vehicle has an emergency",
+            Self::Landing => "the vehicle lands",
+        }
+    }
+}
