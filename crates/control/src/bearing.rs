@@ -110,6 +110,11 @@ impl Bearing {
         of_bearing[0] + 2.0 * of_bearing[2] + of_sway[2]
     }
 
+    /// The direction of the target without sway.
+    pub(crate) const fn direction(&self) -> Direction {
+        self.direction
+    }
+
     /// The predicted apparent direction: `rate_gain_s` is the change of the bearing per unit of rate, in seconds, and
     /// `sway_decay` the decay of the sway. The result is slightly longer than a unit vector.
     pub(crate) fn apparent_direction_after(&self, rate_gain_s: f64, sway_decay: f64) -> Direction {
@@ -231,6 +236,11 @@ impl BearingFilter {
     /// The time of the last measurement, and the estimate at that time.
     pub const fn estimate(&self) -> Option<&(Timestamp, Bearing)> {
         self.estimate.as_ref()
+    }
+
+    /// Estimated standard deviation of the sway, per direction across the line of sight, rad.
+    pub(crate) fn sway_std_dev(&self) -> f64 {
+        libm::sqrt(self.sway_variance)
     }
 
     /// The estimate after a duration without measurements.

@@ -9,8 +9,12 @@
 /// Behaviour version of [`MotorSchema`](crate::MotorSchema).
 pub const MOTOR_SCHEMA: u32 = 1;
 
-/// Behaviour version of [`OptimalLaw`](crate::OptimalLaw), in all its modes.
+/// Behaviour version of [`OptimalLaw`](crate::OptimalLaw), in all its modes but the intermittent one.
 pub const OPTIMAL: u32 = 1;
+
+/// Behaviour version of [`OptimalLaw`](crate::OptimalLaw) in its intermittent mode. 2: the prediction expects the target
+/// to return to its mean direction.
+pub const INTERMITTENT: u32 = 2;
 
 /// Behaviour version of the PID on the picture's centre. 2: rates below the least rate of an axis are not commanded.
 pub const CENTRE: u32 = 2;

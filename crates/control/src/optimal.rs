@@ -7,6 +7,7 @@
 //! What must not be here: the decision whether the camera may move at all (`barrelman-pilot`'s safety), and the
 //! vehicle's signs. Work per step: O(1), no allocation.
 
+mod mean_bearing;
 mod prediction;
 
 mod intermittent;

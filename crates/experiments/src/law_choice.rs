@@ -72,10 +72,11 @@ impl LawChoice {
 
     /// The law's behaviour version in this program.
     pub const fn behaviour_version(&self) -> u32 {
-        match self.name {
-            LawName::MotorSchema => behaviour::MOTOR_SCHEMA,
-            LawName::Optimal => behaviour::OPTIMAL,
-            LawName::Centring => behaviour::CENTRE,
+        match (self.name, self.mode) {
+            (LawName::MotorSchema, _) => behaviour::MOTOR_SCHEMA,
+            (LawName::Optimal, Some(ModeName::Intermittent)) => behaviour::INTERMITTENT,
+            (LawName::Optimal, _) => behaviour::OPTIMAL,
+            (LawName::Centring, _) => behaviour::CENTRE,
         }
     }
 

@@ -11,8 +11,9 @@ use barrelman_vocab::profile::{AxisRates, VehicleProfile};
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
 
 use super::intermittent_tuning::IntermittentTuning;
+use super::mean_bearing::{ExpectedReturn, MeanBearing};
 use super::movement::Ramps;
-use super::prediction::{PredictedView, Prediction};
+use super::prediction::{Prediction, TransferGoal};
 use crate::bearing::{BearingFilter, Propagation};
 use crate::camera_model::CameraModel;
 use crate::law_input::LawInput;
@@ -29,6 +30,7 @@ pub struct IntermittentLaw {
     min_rates: Pair,
     ramps: [Ramps; 2],
     bearings: BearingFilter,
+    mean_bearing: MeanBearing,
     start_look_ahead: Propagation,
     stop_look_ahead: Propagation,
     command_in_force: CameraCommand,
@@ -54,6 +56,7 @@ impl IntermittentLaw {
                 Ramps::new(axes[i].lag.as_secs_f64(), tuning.cruise_rate, responses_s, min_rates[i])
             }),
             bearings: BearingFilter::new(tuning.noise),
+            mean_bearing: MeanBearing::new(tuning.memory_s),
             start_look_ahead: look_ahead(tuning.start_look_ahead_s),
             stop_look_ahead: look_ahead(tuning.stop_look_ahead_s),
             tuning,
@@ -67,6 +70,7 @@ impl IntermittentLaw {
     /// Discards the observations of the target.
     pub fn reset_target(&mut self) {
         self.bearings.reset_target();
+        self.mean_bearing = MeanBearing::new(self.tuning.memory_s);
     }
 
     /// Notes that `command` is in force from `now` on.
@@ -88,13 +92,14 @@ impl IntermittentLaw {
         let Some(prediction) = Prediction::observed(&mut self.bearings, noise, input, camera) else {
             return CameraCommand::REST;
         };
+        let mean = self.mean_bearing.observe(prediction.bearing.direction(), input.now);
+        let return_time_s = self.tuning.return_time_s;
+        let prediction = prediction.with_return(ExpectedReturn { mean, return_time_s });
         if self.command_in_force.is_rest() && !self.leaves_start(&prediction, input.now) {
             return CameraCommand::REST;
         }
-        self.plateaus = match self.view_outside_stop(&prediction) {
-            Some(resting) => self.next_plateaus(&prediction, &resting),
-            None => [0.0; 2],
-        };
+        self.plateaus =
+            if self.would_rest_inside_stop(&prediction) { [0.0; 2] } else { self.next_plateaus(&prediction) };
         let in_force = self.command_in_force;
         let before = [in_force.pan, in_force.tilt].map(AngularRate::radians_per_second);
         let interval_s = interval_s.min(MAX_INTERVAL_S);
@@ -109,22 +114,30 @@ impl IntermittentLaw {
         let has_rested =
             self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.min_rest_s);
         let resting = prediction.view_at_rest(&self.start_look_ahead);
-        let start = self.tuning.start + self.tuning.start_sigma * prediction.position_std_dev(&resting);
+        // The narrower the ellipse, the earlier the start: sway is not foreseen.
+        let sway = prediction.in_semi_axes(self.bearings.sway_std_dev());
+        let start = self.tuning.start - self.tuning.start_sway * sway;
         has_rested && prediction.region.p(resting.point) > start * start
     }
 
-    /// The predicted view of a camera that is told to rest now, if the target is outside of the stop ellipse.
-    fn view_outside_stop(&self, prediction: &Prediction<'_>) -> Option<PredictedView> {
+    /// Whether a camera that is told to rest now would have the target inside the stop ellipse.
+    fn would_rest_inside_stop(&self, prediction: &Prediction<'_>) -> bool {
         let resting = prediction.view_at_rest(&self.stop_look_ahead);
-        (prediction.region.p(resting.point) > self.tuning.stop * self.tuning.stop).then_some(resting)
+        let is_outside = prediction.region.p(resting.point) > self.tuning.stop * self.tuning.stop;
+        // A place that is not a number rests the camera.
+        !is_outside
     }
 
     /// The plateaus of the movement from now on: new ones where it would miss the correction ellipse, and otherwise the
     /// present ones, lowered as far as less is enough.
-    fn next_plateaus(&self, prediction: &Prediction<'_>, resting: &PredictedView) -> Pair {
+    fn next_plateaus(&self, prediction: &Prediction<'_>) -> Pair {
         let tuning = &self.tuning;
-        let steepness = 1.0 + tuning.steep_view_gain * (prediction.turning_effort(resting) - 1.0);
-        let transfer = prediction.transfer(steepness * tuning.horizon_s, tuning.aim, self.limits);
+        let goal = TransferGoal {
+            horizon_s: tuning.horizon_s,
+            look_ahead_s: tuning.aim_look_ahead_s,
+            aim: tuning.aim,
+        };
+        let transfer = prediction.transfer(&goal, self.limits);
         let needed = transfer.solve().rates;
         let fastest = needed[0].abs().max(needed[1].abs());
         if fastest == 0.0 {

@@ -9,8 +9,8 @@ use crate::bearing::BearingNoise;
 pub struct IntermittentTuning {
     /// Start ellipse: a resting camera starts when the predicted target leaves it.
     pub start: f64,
-    /// Widening of the start ellipse in standard deviations of the predicted position.
-    pub start_sigma: f64,
+    /// Narrowing of the start ellipse in standard deviations of the kite's sway.
+    pub start_sway: f64,
     /// Look-ahead of the start, seconds after the effect time.
     pub start_look_ahead_s: f64,
     /// Stop ellipse: the camera stops when a camera told to rest now would keep the target inside.
@@ -19,10 +19,10 @@ pub struct IntermittentTuning {
     pub stop_look_ahead_s: f64,
     /// Aim ellipse of the transfer, which gives the direction of a movement and its smallest rates.
     pub aim: f64,
+    /// How long after the horizon the target is to be inside the aim ellipse, seconds.
+    pub aim_look_ahead_s: f64,
     /// Horizon of the transfer, seconds.
     pub horizon_s: f64,
-    /// Increase of the horizon per unit of additional turning effort relative to a level camera.
-    pub steep_view_gain: f64,
     /// Smallest rate of the faster axis, rad/s.
     pub cruise_rate: f64,
     /// Largest rate of each axis, rad/s.
@@ -39,6 +39,10 @@ pub struct IntermittentTuning {
     pub correction: f64,
     /// Shortest rest between two movements, seconds.
     pub min_rest_s: f64,
+    /// Time within which the target returns towards its mean direction, seconds, above 0.
+    pub return_time_s: f64,
+    /// Time constant of the mean direction, seconds.
+    pub memory_s: f64,
     /// Noise parameters of the bearing filter.
     pub noise: BearingNoise,
 }
@@ -46,28 +50,30 @@ pub struct IntermittentTuning {
 impl IntermittentTuning {
     /// The tuning of [`OptimalMode::Intermittent`](super::OptimalMode::Intermittent).
     pub const DEFAULT: Self = Self {
-        start: 0.995,
-        start_sigma: 0.055,
-        start_look_ahead_s: 0.02,
-        stop: 0.78,
-        stop_look_ahead_s: 1.4,
-        aim: 0.55,
+        start: 0.985,
+        start_sway: 0.25,
+        start_look_ahead_s: 0.05,
+        stop: 0.69,
+        stop_look_ahead_s: 1.6,
+        aim: 0.52,
+        aim_look_ahead_s: 1.0,
         horizon_s: 1.6,
-        steep_view_gain: 0.95,
-        cruise_rate: 0.292,
-        max_rate: 0.335,
-        join_share: 0.85,
-        leave_share: 0.54,
-        start_response_s: 0.28,
-        stop_response_s: 0.1,
-        correction: 0.95,
-        min_rest_s: 0.39,
+        cruise_rate: 0.28,
+        max_rate: 0.32,
+        join_share: 0.89,
+        leave_share: 0.44,
+        start_response_s: 0.32,
+        stop_response_s: 0.0,
+        correction: 0.75,
+        min_rest_s: 0.34,
+        return_time_s: 2.8,
+        memory_s: 90.0,
         noise: BearingNoise {
-            rate_std_dev: 0.0846,
+            rate_std_dev: 0.076,
             rate_time_constant_s: 2.1,
-            measurement_std_dev: 0.002,
-            max_sway_std_dev: 0.0132,
-            sway_time_constant_s: 2.0,
+            measurement_std_dev: 0.0034,
+            max_sway_std_dev: 0.0314,
+            sway_time_constant_s: 2.4,
         },
     };
 

@@ -2,6 +2,7 @@
 
 use barrelman_vocab::ImagePoint;
 
+use super::mean_bearing::ExpectedReturn;
 use crate::bearing::{Bearing, BearingFilter, BearingNoise, Propagation};
 use crate::camera_model::CameraModel;
 use crate::law_input::LawInput;
@@ -36,6 +37,20 @@ pub(super) struct Prediction<'a> {
     pub(super) until_effect: Propagation,
     /// The longer of both axes' start dead times, seconds.
     pub(super) start_s: f64,
+    /// What the target is expected to return to, if anything.
+    pub(super) expected_return: Option<ExpectedReturn>,
+}
+
+/// What a movement is to reach: the camera turns within the horizon so that the target is in the aim ellipse
+/// `look_ahead_s` after it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TransferGoal {
+    /// Seconds.
+    pub(super) horizon_s: f64,
+    /// Seconds.
+    pub(super) look_ahead_s: f64,
+    /// Semi-axes of the region.
+    pub(super) aim: f64,
 }
 
 impl<'a> Prediction<'a> {
@@ -59,7 +74,13 @@ impl<'a> Prediction<'a> {
             noise,
             until_effect: Propagation::new(age_s, &noise),
             start_s,
+            expected_return: None,
         })
+    }
+
+    /// The same prediction for a target that returns to its mean direction.
+    pub(super) fn with_return(self, expected: ExpectedReturn) -> Self {
+        Self { expected_return: Some(expected), ..self }
     }
 
     /// The view at a time after the effect time if the camera is told to rest now.
@@ -85,15 +106,25 @@ impl<'a> Prediction<'a> {
     /// Standard deviation of the predicted position due to the target's motion, in semi-axes of the region (the smaller
     /// one).
     pub(super) fn position_std_dev(&self, predicted: &PredictedView) -> f64 {
-        let std_dev = self.bearing.predicted_std_dev(predicted.rate_gain_s, predicted.sway_decay);
-        self.focal_px * std_dev / self.region.a_px.min(self.region.b_px)
+        self.in_semi_axes(self.bearing.predicted_std_dev(predicted.rate_gain_s, predicted.sway_decay))
+    }
+
+    /// A small angle in semi-axes of the region (the smaller one), near the picture's centre.
+    pub(super) fn in_semi_axes(&self, angle: f64) -> f64 {
+        self.focal_px * angle / self.region.a_px.min(self.region.b_px)
     }
 
     fn predicted_view(&self, after: &Propagation, [pan, tilt]: Pair) -> PredictedView {
-        let Propagation { rate_decay, sway_decay, .. } = self.until_effect.then(after);
+        let Propagation { duration_s, rate_decay, sway_decay } = self.until_effect.then(after);
         let rate_gain_s = self.noise.rate_time_constant_s * (1.0 - rate_decay);
         let view = self.view.with_pointing(self.focal_px, pan, tilt);
-        let point = view.project(self.bearing.apparent_direction_after(rate_gain_s, sway_decay));
+        let onwards = self.bearing.apparent_direction_after(rate_gain_s, sway_decay);
+        let direction = self.expected_return.map_or(onwards, |expected| {
+            let share = expected.share_after(duration_s);
+            let target = self.bearing.direction();
+            [0, 1, 2].map(|i| onwards[i] + share * (expected.mean[i] - target[i]))
+        });
+        let point = view.project(direction);
         PredictedView { view, point, rate_gain_s, sway_decay }
     }
 
@@ -110,8 +141,9 @@ impl<'a> Prediction<'a> {
         })
     }
 
-    /// The problem of moving the target into the aim ellipse within the horizon.
-    pub(super) fn transfer(&self, horizon_s: f64, aim: f64, limits: Pair) -> Transfer {
+    /// The problem of reaching a goal.
+    pub(super) fn transfer(&self, goal: &TransferGoal, limits: Pair) -> Transfer {
+        let TransferGoal { horizon_s, look_ahead_s, aim } = *goal;
         let (mut gain_s, mut angles) = ([0.0; 2], [0.0; 2]);
         let (mut min_rates, mut max_rates) = (limits.map(|limit| -limit), limits);
         for (index, axis) in self.camera.axes().into_iter().enumerate() {
@@ -124,7 +156,7 @@ impl<'a> Prediction<'a> {
                 max_rates[index] = max_rates[index].min(above / gain_s[index]);
             }
         }
-        let coasting = self.predicted_view(&Propagation::new(horizon_s, &self.noise), angles);
+        let coasting = self.predicted_view(&Propagation::new(horizon_s + look_ahead_s, &self.noise), angles);
         let jacobian = coasting.view.jacobian(coasting.point);
         let (a, b) = (self.region.a_px, self.region.b_px);
         Transfer {

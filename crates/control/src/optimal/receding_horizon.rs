@@ -12,7 +12,7 @@
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
 
-use super::prediction::{MIN_RATE_TO_STOP, PredictedView, Prediction};
+use super::prediction::{MIN_RATE_TO_STOP, PredictedView, Prediction, TransferGoal};
 use super::tuning::Tuning;
 use crate::bearing::{BearingFilter, Propagation};
 use crate::camera_model::CameraModel;
@@ -119,11 +119,8 @@ impl RecedingHorizonLaw {
         let slowness = 1.0 - self.relative_speed(prediction);
         let steepness = 1.0 + self.tuning.steep_view_gain * (prediction.turning_effort(resting) - 1.0);
         let horizon_s = (1.0 + self.tuning.slow_target_gain * slowness) * steepness * self.tuning.horizon_s;
-        let transfer = prediction.transfer(
-            horizon_s,
-            self.tuning.aim + self.tuning.slow_target_widening * slowness,
-            self.limits,
-        );
+        let aim = self.tuning.aim + self.tuning.slow_target_widening * slowness;
+        let transfer = prediction.transfer(&TransferGoal { horizon_s, look_ahead_s: 0.0, aim }, self.limits);
         let mut wanted = transfer.solve().rates;
         let mut fastest = wanted[0].abs().max(wanted[1].abs());
         if fastest == 0.0 {

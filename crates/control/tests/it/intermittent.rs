@@ -1,6 +1,7 @@
 //! The intermittent mode: the course of a movement, its ramps and its corrections.
 
 use barrelman_control::OptimalMode::Intermittent;
+use barrelman_control::{CameraLaw, IntermittentTuning, OptimalLaw};
 use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile};
 
 use crate::optimal::{STEP_S, follow, law, rates, step};
@@ -73,31 +74,56 @@ fn a_movement_that_would_miss_gets_new_rates() {
     assert!(largest > 1.1 * first, "{first} rad/s, later {largest}");
 }
 
+/// How far the camera of the profile has panned after a target was at these azimuths, one for each picture: dead times,
+/// then the lag. The camera is level.
+fn final_pan(law: &mut CameraLaw, profile: &VehicleProfile, azimuths: impl Iterator<Item = f64>) -> f64 {
+    let focal_px = profile.camera.focal_share * 640.0;
+    let (mut pan, mut rate, mut sent) = (0.0, 0.0, Vec::new());
+    let lag_s = profile.camera.pan.lag.as_secs_f64();
+    let mut seen = vec![0.0; 4];
+    for (k, azimuth) in azimuths.enumerate() {
+        let place = ImagePoint { x: focal_px * libm::tan(azimuth - seen[k]), y: 0.0 };
+        let now = Timestamp::from_secs_f64(1.0 + k as f64 * STEP_S);
+        sent.push(rates(step(law, profile, place, now))[0]);
+        let asked = if k >= 12 && sent[k - 6] == 0.0 { sent[k - 12] } else { sent[k.saturating_sub(6)] };
+        let effective = if k < 6 { 0.0 } else { asked };
+        rate += (effective - rate) * (1.0 - libm::exp(-STEP_S / lag_s));
+        pan += rate * STEP_S;
+        seen.push(pan);
+    }
+    pan
+}
+
+/// The profile with a level camera.
+fn level_profile() -> VehicleProfile {
+    let mut profile = VehicleProfile::fotokite_pro();
+    profile.camera.initial_tilt = barrelman_vocab::Angle::ZERO;
+    profile
+}
+
 #[test]
 fn a_movement_does_not_end_beyond_the_middle() {
     // A target that stands outside is brought in, and not to the other side.
+    let profile = level_profile();
+    let focal_px = profile.camera.focal_share * 640.0;
     for x in [210.0, -250.0] {
-        let mut profile = VehicleProfile::fotokite_pro();
-        profile.camera.initial_tilt = barrelman_vocab::Angle::ZERO;
-        let mut law = law(Intermittent, &profile);
-        let focal_px = profile.camera.focal_share * 640.0;
         let azimuth = libm::atan(x / focal_px);
-        // The camera of the profile, in steps of the pictures: dead times, then the lag.
-        let (mut pan, mut rate, mut sent) = (0.0, 0.0, Vec::new());
-        let lag_s = profile.camera.pan.lag.as_secs_f64();
-        let mut seen = vec![0.0; 4];
-        for k in 0..240_usize {
-            let place = ImagePoint { x: focal_px * libm::tan(azimuth - seen[k]), y: 0.0 };
-            sent.push(
-                rates(step(&mut law, &profile, place, Timestamp::from_secs_f64(1.0 + k as f64 * STEP_S)))[0],
-            );
-            let asked = if k >= 12 && sent[k - 6] == 0.0 { sent[k - 12] } else { sent[k.saturating_sub(6)] };
-            let effective = if k < 6 { 0.0 } else { asked };
-            rate += (effective - rate) * (1.0 - libm::exp(-STEP_S / lag_s));
-            pan += rate * STEP_S;
-            seen.push(pan);
-        }
+        let pan = final_pan(&mut law(Intermittent, &profile), &profile, (0..240).map(|_| azimuth));
         let end = focal_px * libm::tan(azimuth - pan);
         assert!(end * x > 0.0 && end.abs() < 0.9 * 192.0, "from {x} px to {end} px");
     }
+}
+
+#[test]
+fn the_camera_turns_less_after_a_target_that_is_expected_back() {
+    // Twenty seconds in the middle, then away at 0.1 rad/s until the target is outside, and no farther.
+    let profile = level_profile();
+    let azimuths = (0..900_u32).map(|k| (0.1 * STEP_S * f64::from(k.saturating_sub(600))).min(0.6));
+    let pan_with = |return_time_s: f64| {
+        let tuning = IntermittentTuning { return_time_s, ..IntermittentTuning::DEFAULT };
+        let law = Box::new(OptimalLaw::with_tuning(tuning, &profile));
+        final_pan(&mut CameraLaw::from_law(law, &profile), &profile, azimuths.clone())
+    };
+    let (expected_back, never_back) = (pan_with(IntermittentTuning::DEFAULT.return_time_s), pan_with(1e9));
+    assert!(0.0 < expected_back && expected_back < 0.9 * never_back, "{expected_back} rad, {never_back} rad");
 }

@@ -5,6 +5,7 @@ use barrelman_experiments::law_choice::ModeName;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
 
+use super::clairvoyant;
 use super::conditions::Condition;
 use super::law_under_test::LawUnderTest;
 use super::options::Options;
@@ -38,6 +39,9 @@ const ACHIEVED_METRICS: [(&str, &str); 5] = [
 /// Most trials of each condition for a law that solves an optimisation problem for each picture.
 const MAX_SEEDS_OF_SLOW_LAW: u64 = 48;
 
+/// Most trials of each condition in which the path is taken as known.
+const MAX_SEEDS_OF_CLAIRVOYANT: u64 = 48;
+
 /// Prints the table. Returns whether every requirement holds.
 pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool> {
     let Options { first_seed, seeds, .. } = *options;
@@ -63,6 +67,11 @@ pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool
         print_line(&format!(
             "\n{}: {seeds} trials, seeds from {first_seed} on; ratios to the schema's means, 95 %",
             condition.name()
+        ));
+        let enough =
+            clairvoyant::mean_travel(&plan, first_seed..first_seed + seeds.min(MAX_SEEDS_OF_CLAIRVOYANT))?;
+        print_line(&format!(
+            "  with the target's path known, {enough:.2} rad of travel are enough to keep it inside"
         ));
         for (name, law) in laws.iter().filter(|(name, _)| options.includes_law(name)) {
             let count = if law.is_slow() { seeds.min(MAX_SEEDS_OF_SLOW_LAW) } else { seeds };

@@ -32,7 +32,8 @@ impl LawUnderTest {
         matches!(self, Self::Mpc)
     }
 
-    fn build(&self, profile: &VehicleProfile) -> Box<dyn Law> {
+    /// The law for a vehicle.
+    pub(super) fn build(&self, profile: &VehicleProfile) -> Box<dyn Law> {
         match self {
             Self::MotorSchema => Box::new(MotorSchema::new(profile.motor_schema_rates)),
             Self::Centring => Box::new(barrelman_control::centring::Centring::new(

@@ -5,6 +5,7 @@
 //! [`requirements`]. In the tables of [`profile_errors`] and [`other_vehicles`] the optimal law must have less time
 //! outside and less energy in every row. An LQG and an MPC law are references only and not part of the product.
 
+mod clairvoyant;
 mod comparison_table;
 
 mod other_vehicles;

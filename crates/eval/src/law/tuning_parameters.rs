@@ -34,15 +34,15 @@ const RECEDING_HORIZON: [Parameter<Tuning>; 22] = [
 ];
 
 /// The parameters of the intermittent mode.
-const INTERMITTENT: [Parameter<IntermittentTuning>; 21] = [
+const INTERMITTENT: [Parameter<IntermittentTuning>; 23] = [
     ("start", (0.8, 1.1), |t| &mut t.start),
-    ("start_sigma", (0.0, 1.0), |t| &mut t.start_sigma),
+    ("start_sway", (-1.0, 3.0), |t| &mut t.start_sway),
     ("start_look_ahead_s", (-0.2, 0.5), |t| &mut t.start_look_ahead_s),
     ("stop", (0.3, 1.0), |t| &mut t.stop),
-    ("stop_look_ahead_s", (0.0, 2.0), |t| &mut t.stop_look_ahead_s),
+    ("stop_look_ahead_s", (0.0, 2.5), |t| &mut t.stop_look_ahead_s),
     ("aim", (0.1, 0.9), |t| &mut t.aim),
+    ("aim_look_ahead_s", (0.0, 4.0), |t| &mut t.aim_look_ahead_s),
     ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),
-    ("steep_view_gain", (0.0, 3.0), |t| &mut t.steep_view_gain),
     ("cruise_rate", (0.15, 0.34), |t| &mut t.cruise_rate),
     ("max_rate", (0.25, 0.4), |t| &mut t.max_rate),
     ("join_share", (0.2, 1.01), |t| &mut t.join_share),
@@ -51,6 +51,8 @@ const INTERMITTENT: [Parameter<IntermittentTuning>; 21] = [
     ("stop_response_s", (0.0, 0.6), |t| &mut t.stop_response_s),
     ("correction", (0.3, 1.3), |t| &mut t.correction),
     ("min_rest_s", (0.0, 0.8), |t| &mut t.min_rest_s),
+    ("return_time_s", (1.5, 20.0), |t| &mut t.return_time_s),
+    ("memory_s", (5.0, 120.0), |t| &mut t.memory_s),
     ("rate_std_dev", (0.05, 0.3), |t| &mut t.noise.rate_std_dev),
     ("rate_time_constant_s", (0.5, 6.0), |t| &mut t.noise.rate_time_constant_s),
     ("measurement_std_dev", (0.0005, 0.03), |t| &mut t.noise.measurement_std_dev),
