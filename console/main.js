@@ -58,6 +58,10 @@ stage.addEventListener("mark", ({ detail }) => {
   if (!seat.isControlling) return toast(words.reasons.watcher);
   request({ kind: "mark", mark: at("mark-kind").value, ...detail });
 });
+stage.addEventListener("move-mark", ({ detail }) => {
+  if (!seat.isControlling) return toast(words.reasons.watcher);
+  request({ kind: "move-mark", ...detail });
+});
 stage.addEventListener("select", ({ detail }) => {
   if (!seat.isControlling) return toast(words.reasons.watcher);
   stage.trail.clear();

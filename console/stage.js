@@ -114,6 +114,17 @@ export class Stage extends EventTarget {
     this.dispatchEvent(new CustomEvent("select", { detail: { box, captured_ns: captured } }));
   }
 
+  /** The mark whose sign is at this place of the canvas. */
+  #markAt([x, y]) {
+    const reach = 22 * (window.devicePixelRatio || 1);
+    const marks = this.#shown?.snapshot?.vessel?.marks ?? [];
+    return marks.find(({ at }) => {
+      if (!at) return false;
+      const [u, v] = this.view.toCanvas(at);
+      return Math.hypot(u - x, v - y) <= reach;
+    });
+  }
+
   /** Where an event is on the canvas, device pixels. */
   #at(event) {
     const area = this.#canvas.getBoundingClientRect();
@@ -131,9 +142,11 @@ export class Stage extends EventTarget {
       else if (event.button === 1) this.#drag = { pan: this.#at(event) };
       else if (!this.#shown) this.#say("noPicture");
       else {
-        this.freeze();
+        // While the picture is frozen, a box can be drawn where a mark is.
+        const mark = this.isMarking || this.isFrozen ? null : this.#markAt(this.#at(event));
+        if (!mark) this.freeze();
         const from = this.view.toPicture(this.#at(event));
-        this.#drag = { from, to: from, captured: this.#shown.captured };
+        this.#drag = mark ? { mark, to: from } : { from, to: from, captured: this.#shown.captured };
       }
       event.preventDefault();
     });
@@ -153,6 +166,10 @@ export class Stage extends EventTarget {
       const drag = this.#drag;
       if (this.#pinch) {
         if (this.#pointers.size === 0) this.#pinch = null;
+      } else if (drag?.mark) {
+        // A mark that is tapped and not dragged stays.
+        const isMoved = Math.hypot(...drag.to.map((value, axis) => value - drag.mark.at[axis])) * this.view.scale > 12;
+        if (isDone && isMoved) this.dispatchEvent(new CustomEvent("move-mark", { detail: { id: drag.mark.id, at: drag.to, captured_ns: this.#shown.captured } }));
       } else if (drag?.from) {
         // After the end of the freeze, the box was finished on the newest picture.
         const captured = this.isFrozen ? drag.captured : this.#shown.captured;
@@ -256,6 +273,13 @@ export class Stage extends EventTarget {
     pen.drawImage(this.#picture, x, y, picture[0] * this.view.scale, picture[1] * this.view.scale);
     const { snapshot } = this.#shown;
     if (snapshot) drawOverlay(pen, this.view, snapshot, this.trail, this.layers, this.label(snapshot), unit);
+    if (this.#drag?.mark) {
+      const [x, y] = this.view.toCanvas(this.#drag.to);
+      pen.beginPath();
+      pen.arc(x, y, 15 * unit, 0, 2 * Math.PI);
+      [pen.strokeStyle, pen.lineWidth] = ["#fff", 3 * unit];
+      pen.stroke();
+    }
     const isDrawing = this.#drag?.from && !this.isMarking;
     const box = this.#keyBox ?? (isDrawing ? boxBetween(this.#drag.from, this.#drag.to, picture) : this.kept);
     if (box) {

@@ -96,6 +96,11 @@ def to_the_person(table, args, folder):
 
     person = mark(page, program, "person", person_at(program), size)
     table.require("a person is marked in the picture: the destination, with distances", person["destination"] and person["water_m"] and len(person["ring"]) > 10, f"{person['kind']} {person['id']} at {person['water_m'][0]:.1f}, {person['water_m'][1]:.1f} m")
+    at = boat(program)["marks"][0]["at"]
+    page.drag([*at, 60, 0], size)
+    status = program.wait(lambda status: status["vessel"]["marks"][0]["water_m"] != person["water_m"], 5, "the moved mark")
+    dragged = status["vessel"]["marks"]
+    table.require("the mark is dragged, and is the same mark", len(dragged) == 1 and dragged[0]["id"] == person["id"] and dragged[0]["destination"], f"{person['kind']} {dragged[0]['id']} at {dragged[0]['water_m'][0]:.1f}, {dragged[0]['water_m'][1]:.1f} m")
     page.wait_until_enabled("guide")
     page.click("guide")
     going = program.wait(lambda status: status["vessel"]["mode"] == "guided" and status["vessel"]["throttle"] > 0, 5, "the boat to go")

@@ -403,6 +403,7 @@ const fn is_about_vessel(request: &OperatorRequest) -> bool {
     matches!(
         request,
         OperatorRequest::Mark(_)
+            | OperatorRequest::MoveMark(_)
             | OperatorRequest::Unmark(_)
             | OperatorRequest::UnmarkAll
             | OperatorRequest::NextMark

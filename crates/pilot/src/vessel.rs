@@ -203,6 +203,10 @@ impl VesselPilot {
             OperatorRequest::Mark(drawn) => {
                 return self.mark(drawn, picture, view).map(|id| Some((id, drawn.kind)));
             }
+            OperatorRequest::MoveMark(moved) => {
+                let frame_view = self.view_of(moved.captured, picture, view)?;
+                self.marks.move_to(moved, &frame_view).map_err(refusal_of)?;
+            }
             OperatorRequest::Unmark(id) if !self.marks.remove(*id) => return Err(Refusal::NoSuchMark),
             OperatorRequest::UnmarkAll => self.marks.clear(),
             OperatorRequest::NextMark => {
@@ -246,16 +250,23 @@ impl VesselPilot {
         picture: Option<PictureSize>,
         view: VesselView<'_>,
     ) -> Result<u32, Refusal> {
+        let frame_view = self.view_of(drawn.captured, picture, view)?;
+        self.marks.add(drawn, &frame_view).map_err(refusal_of)
+    }
+
+    /// The camera of the video frame on which a mark was set or moved.
+    fn view_of(
+        &self,
+        captured: Timestamp,
+        picture: Option<PictureSize>,
+        view: VesselView<'_>,
+    ) -> Result<FrameView, Refusal> {
         let picture = picture.ok_or(Refusal::NoFreshVideo)?;
-        let age = view.now.since(drawn.captured);
+        let age = view.now.since(captured);
         if age > KEPT {
             return Err(Refusal::SelectionTooOld { age, kept: KEPT });
         }
-        let frame_view = self.frame_view_at(view.camera, drawn.captured, picture, view.now);
-        self.marks.add(drawn, &frame_view).map_err(|refusal| match refusal {
-            MarkRefusal::TooMany => Refusal::TooManyMarks,
-            MarkRefusal::NotOnWater => Refusal::MarkNotOnWater,
-        })
+        Ok(self.frame_view_at(view.camera, captured, picture, view.now))
     }
 
     /// Height of the camera, where height and tilt are known now.
@@ -308,5 +319,13 @@ impl VesselPilot {
             marks: self.marks,
             frame_view: self.frame_view,
         }
+    }
+}
+
+const fn refusal_of(refusal: MarkRefusal) -> Refusal {
+    match refusal {
+        MarkRefusal::TooMany => Refusal::TooManyMarks,
+        MarkRefusal::NotOnWater => Refusal::MarkNotOnWater,
+        MarkRefusal::NoSuchMark => Refusal::NoSuchMark,
     }
 }

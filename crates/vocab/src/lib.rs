@@ -33,7 +33,9 @@ pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
 pub use lens::{BrownConrady, Distortion, Lens};
 pub use link_command::LinkCommand;
-pub use operator::{BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, Nudge, OperatorRequest, StopCause};
+pub use operator::{
+    BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, StopCause,
+};
 pub use profile::{VehicleProfile, VehicleRates};
 pub use telemetry::Telemetry;
 pub use time::Timestamp;

@@ -35,6 +35,8 @@ pub enum OperatorRequest {
     Stop(StopCause),
     /// Mark a place or a person in a video frame.
     Mark(DrawnMark),
+    /// Move a mark to where what it marks is now.
+    MoveMark(MovedMark),
     /// Remove the mark of this number.
     Unmark(u32),
     /// Remove all marks.
@@ -58,6 +60,17 @@ pub enum OperatorRequest {
 pub struct DrawnMark {
     /// What is there.
     pub kind: MarkKind,
+    /// The point, pixels.
+    pub pixel: PixelPoint,
+    /// Time of capture of the video frame.
+    pub captured: Timestamp,
+}
+
+/// A mark that is moved, and the video frame on which it was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovedMark {
+    /// Number of the mark.
+    pub id: u32,
     /// The point, pixels.
     pub pixel: PixelPoint,
     /// Time of capture of the video frame.

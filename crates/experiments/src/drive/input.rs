@@ -3,7 +3,7 @@
 use barrelman_sim::boat::HelmCommand;
 use barrelman_trial::campaign::{Simulation, StepObserver};
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, Nudge, OperatorRequest, PixelBox,
+    Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, PixelBox,
     PixelPoint, StopCause, Timestamp, VesselCommand,
 };
 use serde::{Deserialize, Serialize};
@@ -74,6 +74,15 @@ pub enum DriveInput {
         /// The point, pixels: u, v.
         at: [f64; 2],
         /// Time of capture of the picture on which the mark was set.
+        captured_ns: u64,
+    },
+    /// Moves a mark.
+    MoveMark {
+        /// Its number.
+        id: u32,
+        /// The point, pixels: u, v.
+        at: [f64; 2],
+        /// Time of capture of the picture on which the mark was moved.
         captured_ns: u64,
     },
     /// Removes a mark.
@@ -178,6 +187,9 @@ impl From<OperatorRequest> for DriveInput {
                     MARKS.iter().find(|(_, own)| *own == kind).map_or(DriveMark::Place, |(mark, _)| *mark);
                 Self::Mark { mark, at: [pixel.u, pixel.v], captured_ns: captured.as_nanos() }
             }
+            OperatorRequest::MoveMark(MovedMark { id, pixel, captured }) => {
+                Self::MoveMark { id, at: [pixel.u, pixel.v], captured_ns: captured.as_nanos() }
+            }
             OperatorRequest::Unmark(id) => Self::Unmark { id },
             OperatorRequest::UnmarkAll => Self::UnmarkAll,
             OperatorRequest::NextMark => Self::NextMark,
@@ -217,6 +229,11 @@ impl DriveInput {
             Self::Steer { throttle, rudder } => OperatorRequest::Steer(VesselCommand { throttle, rudder }),
             Self::Mark { mark, at: [u, v], captured_ns } => OperatorRequest::Mark(DrawnMark {
                 kind: MARKS.iter().find(|(own, _)| *own == mark).map_or(MarkKind::Place, |(_, kind)| *kind),
+                pixel: PixelPoint { u, v },
+                captured: Timestamp::from_nanos(captured_ns),
+            }),
+            Self::MoveMark { id, at: [u, v], captured_ns } => OperatorRequest::MoveMark(MovedMark {
+                id,
                 pixel: PixelPoint { u, v },
                 captured: Timestamp::from_nanos(captured_ns),
             }),

@@ -124,7 +124,7 @@ impl Guide {
     ) -> (VesselCommand, Guidance) {
         let mut way_points = [WaterPoint::default(); MAX_MARKS];
         let mut circles = [KeepOut { centre: WaterPoint::default(), radius_m: 0.0 }; MAX_MARKS];
-        let way_points_set = marks.way_points(&mut way_points);
+        let way_points_set = marks.way_points(now, &mut way_points);
         let circles_set = marks.keep_outs(profile, now, &mut circles);
         let step = self.line_of_sight.step(&GuidanceInput {
             now,
@@ -147,7 +147,7 @@ impl Guide {
         now: Timestamp,
     ) -> (VesselCommand, Guidance) {
         let mark = marks.destination();
-        let target = mark.and_then(|mark| mark.pixel(&frame_view.view));
+        let target = mark.and_then(|mark| mark.pixel(frame_view, now));
         let boat = seen.bounds.centre();
         let (command, branch) = self.laboratory.step(&LabInput { now, boat: Some(boat), target });
         let state = match branch {

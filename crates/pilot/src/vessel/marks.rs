@@ -3,11 +3,15 @@
 //! A mark is a line of sight from the camera at the time of its video frame; where height and tilt are known, it is the
 //! point at which that line meets the water. The camera's model turns it back into a pixel of every later frame.
 //!
-//! A mark is not seen again. The uncertainty of its point grows: people drift, and the kite sways.
+//! A mark is not seen again. The uncertainty of its point grows: people drift, and the kite sways. The operator moves the mark of a
+//! person to where the person is; that tells how the person drifts, and the mark drifts on at that velocity ([`Drift`]).
+
+use core::time::Duration;
 
 use barrelman_control::guidance::{Destination, KeepOut};
-use barrelman_control::water::WaterView;
-use barrelman_vocab::{DrawnMark, MarkKind, PixelPoint, Timestamp, VesselProfile, WaterFix, WaterPoint};
+use barrelman_vocab::{
+    DrawnMark, MarkKind, MovedMark, PixelPoint, Timestamp, VesselProfile, WaterFix, WaterPoint,
+};
 
 use super::frame_view::FrameView;
 
@@ -15,6 +19,16 @@ use super::frame_view::FrameView;
 pub const MAX_MARKS: usize = 16;
 /// Growth of the standard deviation of a person's place, m/s: a third of the drift in a knot of current.
 const PERSON_DRIFT_M_PER_S: f64 = 0.1;
+/// Standard deviation of each component of a person's drift before it is known, m/s.
+const DRIFT_STD_DEV_M_PER_S: f64 = 0.3;
+/// Growth of the variance of a known drift, (m/s)² per second: wind and current change.
+const DRIFT_NOISE: f64 = 0.0004;
+/// Standard deviation of each coordinate of a mark, beside what the camera's geometry tells, metres: the kite's sway, the hand.
+const MARK_STD_DEV_M: f64 = 1.2;
+/// Least time between two places of a mark that tell a drift.
+const DRIFT_AFTER: Duration = Duration::from_secs(2);
+/// Largest drift that is believed, m/s: a fast tidal current.
+const MAX_DRIFT_M_PER_S: f64 = 1.5;
 /// The same of a place: the camera's own motion.
 const PLACE_DRIFT_M_PER_S: f64 = 0.03;
 /// The standard deviation grows no further than this, metres.
@@ -35,6 +49,39 @@ pub struct Mark {
     pub water: Option<WaterFix>,
     /// Time of capture of its video frame.
     pub marked: Timestamp,
+    /// How the marked person drifts; at rest until the mark has been moved.
+    pub drift: Drift,
+}
+
+/// An estimate of a drift over the water frame: the mean of what is expected (none) and of what moved marks tell, each by the
+/// inverse of its variance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Along x and y, m/s.
+    pub velocity_m_per_s: (f64, f64),
+    /// Variance of each component, (m/s)².
+    variance: f64,
+}
+
+impl Default for Drift {
+    fn default() -> Self {
+        let variance = DRIFT_STD_DEV_M_PER_S * DRIFT_STD_DEV_M_PER_S;
+        Self { velocity_m_per_s: (0.0, 0.0), variance }
+    }
+}
+
+impl Drift {
+    /// Takes in that something moved by a vector (metres) in a time; `std_dev_m`: of both ends.
+    fn observe(&mut self, (x, y): (f64, f64), duration_s: f64, std_dev_m: f64) {
+        let told_variance = 2.0 * std_dev_m * std_dev_m / (duration_s * duration_s);
+        let known_variance = self.variance + DRIFT_NOISE * duration_s;
+        let share = known_variance / (known_variance + told_variance);
+        let (vx, vy) = self.velocity_m_per_s;
+        let mixed = (vx + share * (x / duration_s - vx), vy + share * (y / duration_s - vy));
+        let scale = (MAX_DRIFT_M_PER_S / libm::hypot(mixed.0, mixed.1).max(1e-9)).min(1.0);
+        self.velocity_m_per_s = (scale * mixed.0, scale * mixed.1);
+        self.variance = (1.0 - share) * known_variance;
+    }
 }
 
 impl Mark {
@@ -46,14 +93,20 @@ impl Mark {
         Some(libm::sqrt(fixed * fixed + grown * grown).min(MAX_STD_DEV_M))
     }
 
-    /// The point on the water.
-    pub fn point(&self) -> Option<WaterPoint> {
-        self.water.map(|fix| fix.point)
+    /// The point on the water at `now`.
+    pub fn point(&self, now: Timestamp) -> Option<WaterPoint> {
+        let WaterPoint { x, y } = self.water?.point;
+        let (vx, vy) = self.drift.velocity_m_per_s;
+        let since_s = now.since(self.marked).as_secs_f64();
+        Some(WaterPoint { x: x + vx * since_s, y: y + vy * since_s })
     }
 
-    /// The pixel of the mark in a view; `None`: behind the camera.
-    pub fn pixel(&self, view: &WaterView) -> Option<PixelPoint> {
-        view.pixel_of(self.direction)
+    /// The pixel of the mark at `now`; `None`: behind the camera.
+    pub fn pixel(&self, frame_view: &FrameView, now: Timestamp) -> Option<PixelPoint> {
+        match self.point(now).filter(|_| frame_view.sees_water) {
+            Some(point) => frame_view.view.pixel_of_water(point),
+            None => frame_view.view.pixel_of(self.direction),
+        }
     }
 
     /// Radius of the circle around the mark that the boat keeps out of, metres: 0 for a mark without a circle. The
@@ -75,6 +128,21 @@ pub enum MarkRefusal {
     TooMany,
     /// The line of sight does not meet the water.
     NotOnWater,
+    /// There is no mark of that number.
+    NoSuchMark,
+}
+
+/// The line of sight of a pixel, and the point on the water, where it can be known.
+fn place(pixel: PixelPoint, frame_view: &FrameView) -> Result<([f64; 3], Option<WaterFix>), MarkRefusal> {
+    let direction = frame_view.view.direction_of(pixel).ok_or(MarkRefusal::NotOnWater)?;
+    if frame_view.sees_water {
+        let fix = frame_view.fix(pixel).ok_or(MarkRefusal::NotOnWater)?;
+        Ok((direction, Some(fix)))
+    } else if direction[2] < 0.0 {
+        Ok((direction, None))
+    } else {
+        Err(MarkRefusal::NotOnWater)
+    }
 }
 
 /// All marks, in the order in which they were set.
@@ -111,21 +179,20 @@ impl Marks {
         if self.count == MAX_MARKS {
             return Err(MarkRefusal::TooMany);
         }
-        let direction = frame_view.view.direction_of(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?;
-        let water = if frame_view.sees_water {
-            Some(frame_view.fix(drawn.pixel).ok_or(MarkRefusal::NotOnWater)?)
-        } else if direction[2] < 0.0 {
-            None
-        } else {
-            return Err(MarkRefusal::NotOnWater);
-        };
+        let (direction, water) = place(drawn.pixel, frame_view)?;
         if drawn.kind == MarkKind::Home {
             self.remove_if(|mark| mark.kind == MarkKind::Home);
         }
         self.newest_id += 1;
         let id = self.newest_id;
-        self.marks[self.count] =
-            Some(Mark { id, kind: drawn.kind, direction, water, marked: drawn.captured });
+        self.marks[self.count] = Some(Mark {
+            id,
+            kind: drawn.kind,
+            direction,
+            water,
+            marked: drawn.captured,
+            drift: Drift::default(),
+        });
         self.count += 1;
         let is_goal = matches!(drawn.kind, MarkKind::Place | MarkKind::Person);
         let replaces =
@@ -140,6 +207,27 @@ impl Marks {
     /// The guidance begins here and now: its line starts where the boat is.
     pub const fn begin_route(&mut self) {
         self.route += 1;
+    }
+
+    /// Moves a mark to a pixel in the view of its video frame. The mark of a person drifts on as it was moved.
+    pub fn move_to(&mut self, moved: &MovedMark, frame_view: &FrameView) -> Result<(), MarkRefusal> {
+        let (direction, water) = place(moved.pixel, frame_view)?;
+        let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);
+        let mark = mark.ok_or(MarkRefusal::NoSuchMark)?;
+        let is_way_point = mark.kind == MarkKind::WayPoint;
+        let since = moved.captured.since(mark.marked);
+        if let (MarkKind::Person, Some(before), Some(now)) = (mark.kind, mark.water, water)
+            && since >= DRIFT_AFTER
+        {
+            let std_dev_m = libm::hypot(MARK_STD_DEV_M, now.covariance.max_std_dev_m());
+            mark.drift.observe(before.point.vector_to(now.point), since.as_secs_f64(), std_dev_m);
+        }
+        (mark.direction, mark.water, mark.marked) = (direction, water.or(mark.water), moved.captured);
+        // A boat that rests at its destination goes on to where the destination is now.
+        if self.destination == Some(moved.id) || is_way_point {
+            self.route += 1;
+        }
+        Ok(())
     }
 
     /// Removes a mark. Returns whether there was one. Another destination is not chosen: the operator does.
@@ -193,7 +281,7 @@ impl Marks {
     /// The destination for the guidance over the water.
     pub fn water_destination(&self, profile: &VesselProfile, now: Timestamp) -> Option<Destination> {
         let mark = self.destination()?;
-        let (at, uncertainty_m) = (mark.point()?, mark.std_dev_m(now)?);
+        let (at, uncertainty_m) = (mark.point(now)?, mark.std_dev_m(now)?);
         Some(match mark.kind {
             MarkKind::Person => Destination::Person { at, stand_off_m: profile.stand_off_m, uncertainty_m },
             _ => Destination::Place(at),
@@ -201,11 +289,12 @@ impl Marks {
     }
 
     /// Fills `out` with the way-points before the destination. A way home has none. Returns how many there are.
-    pub fn way_points(&self, out: &mut [WaterPoint; MAX_MARKS]) -> usize {
+    pub fn way_points(&self, now: Timestamp, out: &mut [WaterPoint; MAX_MARKS]) -> usize {
         if self.destination().is_none_or(|mark| mark.kind == MarkKind::Home) {
             return 0;
         }
-        let points = self.iter().filter(|mark| mark.kind == MarkKind::WayPoint).filter_map(Mark::point);
+        let points =
+            self.iter().filter(|mark| mark.kind == MarkKind::WayPoint).filter_map(|mark| mark.point(now));
         out.iter_mut().zip(points).map(|(slot, point)| *slot = point).count()
     }
 
@@ -218,7 +307,7 @@ impl Marks {
     ) -> usize {
         let circles = self.iter().filter(|mark| Some(mark.id) != self.destination).filter_map(|mark| {
             let radius_m = mark.radius_m(profile, false);
-            let centre = mark.point().filter(|_| radius_m > 0.0)?;
+            let centre = mark.point(now).filter(|_| radius_m > 0.0)?;
             Some(KeepOut { centre, radius_m: radius_m + mark.std_dev_m(now)? })
         });
         out.iter_mut().zip(circles).map(|(slot, circle)| *slot = circle).count()

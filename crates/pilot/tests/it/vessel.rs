@@ -7,8 +7,8 @@ use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop
 use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, VesselMode, VesselSettings};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, ImagePoint, MarkKind, Nudge, OperatorRequest, PixelPoint, StopCause,
-    Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
+    Angle, BoatStop, DrawnMark, ImagePoint, MarkKind, MovedMark, Nudge, OperatorRequest, PixelPoint,
+    StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
 };
 use proptest::prelude::*;
 
@@ -129,19 +129,19 @@ fn a_mark_stays_on_the_water_while_the_camera_turns() {
     bench.mark(MarkKind::Place, TARGET);
     let pixel = |outcome: &Outcome| {
         let frame_view = outcome.vessel.frame_view.unwrap();
-        outcome.vessel.marks.destination().unwrap().pixel(&frame_view.view).unwrap()
+        outcome.vessel.marks.destination().unwrap().pixel(&frame_view, outcome.at).unwrap()
     };
     let before = bench.see(INSIDE);
     let first = pixel(&before);
     assert!((first.u - TARGET.u).abs() < 1e-6 && (first.v - TARGET.v).abs() < 1e-6);
-    let water = before.vessel.marks.destination().unwrap().point().unwrap();
+    let water = before.vessel.marks.destination().unwrap().point(before.at).unwrap();
     for _ in 0..60 {
         bench.ask(OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
         bench.see(INSIDE);
     }
     let after = bench.see(INSIDE);
     assert!(pixel(&after).u < TARGET.u - 20.0, "the view turned to the right: {:?}", pixel(&after));
-    assert_eq!(after.vessel.marks.destination().unwrap().point(), Some(water));
+    assert_eq!(after.vessel.marks.destination().unwrap().point(after.at), Some(water));
     let seen = after.vessel.frame_view.unwrap().view.sighting(pixel(&after)).point().unwrap();
     assert!(seen.distance_to(water) < 1e-6, "{seen:?} {water:?}");
 }
@@ -177,6 +177,44 @@ fn a_person_stays_the_destination_and_a_place_gives_way() {
     assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(1));
     assert_eq!(destination(&bench.ask(OperatorRequest::Unmark(1))), None);
     assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(2));
+}
+
+#[test]
+fn the_mark_of_a_person_that_is_moved_drifts_on() {
+    let mut bench = Bench::new();
+    bench.see_water().see(INSIDE);
+    bench.mark(MarkKind::Person, TARGET);
+    let person = |outcome: &Outcome| *outcome.vessel.marks.destination().unwrap();
+    let first = person(&bench.see(INSIDE));
+    let move_by = |bench: &mut Bench, id: u32, px: f64| {
+        let captured = at(bench.ms).minus(Duration::from_millis(LATENCY_MS));
+        let pixel = PixelPoint { u: TARGET.u + px, ..TARGET };
+        bench.ask(OperatorRequest::MoveMark(MovedMark { id, pixel, captured }))
+    };
+    refused(&move_by(&mut bench, 7, 1.0), Refusal::NoSuchMark);
+    for index in 1..=3 {
+        for _ in 0..151 {
+            bench.see(INSIDE);
+        }
+        assert_eq!(move_by(&mut bench, 1, 30.0 * f64::from(index)).notice, None);
+    }
+    let outcome = bench.see(INSIDE);
+    assert_eq!(outcome.vessel.marks.iter().count(), 1);
+    let (vx, vy) = person(&outcome).drift.velocity_m_per_s;
+    // The estimate lies between none and what the marks tell.
+    let last = person(&outcome);
+    let duration_s = last.marked.since(first.marked).as_secs_f64();
+    let shown = last.water.unwrap().point.x - first.water.unwrap().point.x;
+    let share = vx * duration_s / shown;
+    assert!((0.5..1.0).contains(&share) && vy.abs() < 0.02, "{vx}, {vy}, {share}");
+    let before = person(&outcome).point(outcome.at).unwrap();
+    for _ in 0..30 {
+        bench.see(INSIDE);
+    }
+    let later = bench.see(INSIDE);
+    let after = person(&later).point(later.at).unwrap();
+    let expected = vx * later.at.since(outcome.at).as_secs_f64();
+    assert!((after.x - before.x - expected).abs() < 1e-9, "{after:?} {before:?}");
 }
 
 #[test]

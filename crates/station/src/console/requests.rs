@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use barrelman_experiments::drive::DriveInput;
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, Nudge, OperatorRequest, PixelBox,
+    Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, PixelBox,
     PixelPoint, Timestamp, VesselCommand,
 };
 
@@ -196,6 +196,13 @@ fn session_request(request: &ConsoleRequest) -> Result<Request, &'static str> {
                 pixel: PixelPoint { u, v },
                 captured: Timestamp::from_nanos(captured_ns),
             }))
+        }
+        ConsoleRequest::MoveMark { id, at: [u, v], captured_ns } => {
+            if !(u.is_finite() && v.is_finite()) {
+                return Err("the point must have two numbers");
+            }
+            let captured = Timestamp::from_nanos(captured_ns);
+            pilot(OperatorRequest::MoveMark(MovedMark { id, pixel: PixelPoint { u, v }, captured }))
         }
         ConsoleRequest::Unmark { id } => pilot(OperatorRequest::Unmark(id)),
         ConsoleRequest::UnmarkAll => pilot(OperatorRequest::UnmarkAll),

@@ -97,9 +97,9 @@ fn mark_of(
             MarkKind::Home => "home",
         },
         destination: is_destination,
-        at: frame_view.and_then(|frame_view| mark.pixel(&frame_view.view)).map(pixel),
+        at: frame_view.and_then(|frame_view| mark.pixel(frame_view, outcome.at)).map(pixel),
         ring: frame_view.map(|frame_view| ring(mark, radius_m, frame_view, outcome.at)).unwrap_or_default(),
-        water_m: mark.point().map(|point| [point.x, point.y]),
+        water_m: mark.point(outcome.at).map(|point| [point.x, point.y]),
         std_dev_m: mark.std_dev_m(outcome.at),
         radius_m,
     }
@@ -107,7 +107,7 @@ fn mark_of(
 
 /// The circle around a mark, as pixels. A circle of which a part is behind the camera is left out.
 fn ring(mark: &Mark, radius_m: f64, frame_view: &FrameView, now: Timestamp) -> Vec<[f64; 2]> {
-    let (Some(centre), Some(std_dev_m)) = (mark.point(), mark.std_dev_m(now)) else { return Vec::new() };
+    let (Some(centre), Some(std_dev_m)) = (mark.point(now), mark.std_dev_m(now)) else { return Vec::new() };
     if radius_m <= 0.0 || !frame_view.sees_water {
         return Vec::new();
     }

@@ -1,7 +1,7 @@
 //! A trial in which the boat goes to a person by guidance: what the simulated operator marks, and how the boat goes.
 //!
 //! The first person of the scenario is the one to go to. As soon as the boat is tracked, the operator marks all people in
-//! the picture and lets the boat go, and marks them anew every [`MARKED_ANEW`], as they drift. A mark is off by up to
+//! the picture and lets the boat go, and moves the marks every [`MARKED_ANEW`], as the people drift. A mark is off by up to
 //! [`MARK_ERROR_PX`].
 
 use core::time::Duration;
@@ -13,7 +13,7 @@ use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{Optics, WorldPoint};
 use barrelman_vocab::{
-    DrawnMark, MarkKind, OperatorRequest, PixelPoint, Timestamp, Track, VesselCommand, WaterPoint,
+    DrawnMark, MarkKind, MovedMark, OperatorRequest, PixelPoint, Timestamp, Track, VesselCommand, WaterPoint,
 };
 
 use crate::metrics::GuidanceMetrics;
@@ -26,7 +26,7 @@ const COUNTED_FROM_S: f64 = 4.0;
 const WATCHED_S: f64 = 15.0;
 /// Longest time from the engagement to the end, seconds.
 const LONGEST_S: f64 = 90.0;
-/// Interval between two times at which the operator marks all people.
+/// Interval between two times at which the operator moves all marks.
 const MARKED_ANEW: Duration = Duration::from_secs(5);
 /// Largest error of a mark in each direction, pixels.
 const MARK_ERROR_PX: f64 = 4.0;
@@ -40,6 +40,8 @@ pub(super) struct Rescue {
     draws: u64,
     people: Vec<SceneObject>,
     marked: Option<Timestamp>,
+    /// The people that are marked, each with the number of the mark.
+    mark_ids: Vec<(usize, u32)>,
     engaged: Option<Way>,
     last_rudder: f64,
 }
@@ -67,6 +69,7 @@ impl Rescue {
             draws: FIRST_DRAW,
             people: Vec::new(),
             marked: None,
+            mark_ids: Vec::new(),
             engaged: None,
             last_rudder: 0.0,
         }
@@ -94,14 +97,24 @@ impl Rescue {
         }
         world.write_objects(&mut self.people);
         self.people.retain(|object| object.kind == ObjectKind::Swimmer);
-        let mut requests = vec![OperatorRequest::UnmarkAll];
+        let mut requests = Vec::new();
         for index in 0..self.people.len() {
-            if let Some(pixel) = self.pixel_of(truth, self.people[index].pose.position) {
-                let drawn = DrawnMark { kind: MarkKind::Person, pixel, captured: truth.at };
-                requests.push(OperatorRequest::Mark(drawn));
+            let Some(pixel) = self.pixel_of(truth, self.people[index].pose.position) else { continue };
+            let captured = truth.at;
+            // The number that the pilot gives to the next mark.
+            let next_id = self.mark_ids.len() as u32 + 1;
+            if let Some((_, id)) = self.mark_ids.iter().find(|(person, _)| *person == index) {
+                requests.push(OperatorRequest::MoveMark(MovedMark { id: *id, pixel, captured }));
+                continue;
+            }
+            self.mark_ids.push((index, next_id));
+            requests.push(OperatorRequest::Mark(DrawnMark { kind: MarkKind::Person, pixel, captured }));
+            // The person to go to came into the picture after others: the boat goes there from now on.
+            if let Some(destination) = outcome.vessel.marks.destination().filter(|_| index == 0) {
+                requests.extend((destination.id..next_id).map(|_| OperatorRequest::NextMark));
             }
         }
-        if requests.len() > 1 {
+        if !requests.is_empty() {
             self.marked = Some(now);
             // A boat that waits or goes already goes on.
             let goes = matches!(outcome.vessel.mode, VesselMode::Guided | VesselMode::Holding(_));

@@ -192,7 +192,7 @@ impl RecordedVessel {
     }
 
     /// The stored form of the vessel's part of an outcome.
-    fn new(vessel: &VesselOutcome) -> Option<Self> {
+    fn new(vessel: &VesselOutcome, now: Timestamp) -> Option<Self> {
         if vessel.mode == VesselMode::Absent {
             return None;
         }
@@ -209,7 +209,7 @@ impl RecordedVessel {
                     cross_track_m: progress.cross_track_m,
                 }
             }),
-            destination: vessel.marks.destination().map(|mark| (mark.id, mark.point())),
+            destination: vessel.marks.destination().map(|mark| (mark.id, mark.point(now))),
         })
     }
 }
@@ -228,7 +228,7 @@ impl RecordedOutcome {
             command: outcome.command,
             rates,
             wake_at: outcome.wake_at,
-            vessel: RecordedVessel::new(&outcome.vessel).map(Box::new),
+            vessel: RecordedVessel::new(&outcome.vessel, outcome.at).map(Box::new),
             notice: outcome.notice.as_ref().map(ToString::to_string).unwrap_or_default(),
         }
     }

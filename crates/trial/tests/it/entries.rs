@@ -18,7 +18,7 @@ use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
     Angle, AngularRate, BoatStop, CameraCommand, DrawnMark, EncodedUnit, ImagePoint, Localisation, MarkKind,
-    OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause, Telemetry, Timestamp, Track,
+    MovedMark, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause, Telemetry, Timestamp, Track,
     VesselCommand, WaterPoint,
 };
 use bytes::Bytes;
@@ -176,6 +176,11 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         input(RecordedInput::Request(OperatorRequest::Steer(VesselCommand {
             throttle: value,
             rudder: value,
+        }))),
+        input(RecordedInput::Request(OperatorRequest::MoveMark(MovedMark {
+            id: 3,
+            pixel: PixelPoint { u: value, v: value },
+            captured: ns(8),
         }))),
         input(RecordedInput::Request(OperatorRequest::Mark(DrawnMark {
             kind: MarkKind::Person,

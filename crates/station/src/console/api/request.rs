@@ -65,6 +65,15 @@ pub enum ConsoleRequest {
         /// Time of capture of the video frame on which the mark was set, at most 1.5 s old.
         captured_ns: u64,
     },
+    /// Move a mark to where what it marks is now. The mark of a person then drifts on as it was moved.
+    MoveMark {
+        /// Its number.
+        id: u32,
+        /// The point, pixels of the displayed picture: u, v.
+        at: [f64; 2],
+        /// Time of capture of the video frame on which the mark was moved, at most 1.5 s old.
+        captured_ns: u64,
+    },
     /// Remove a mark.
     Unmark {
         /// Its number.

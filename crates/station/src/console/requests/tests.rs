@@ -65,6 +65,11 @@ fn each_request_reaches_the_session_in_its_own_words() {
         let json = format!(r#"{{"kind":"mark","mark":"{name}","at":[4.5,-1],"captured_ns":17}}"#);
         check(&json, pilot(OperatorRequest::Mark(drawn(kind))));
     }
+    let moved = MovedMark { id: 2, pixel: PixelPoint { u: 1.0, v: 2.0 }, captured: Timestamp::from_nanos(9) };
+    check(
+        r#"{"kind":"move-mark","id":2,"at":[1,2],"captured_ns":9}"#,
+        pilot(OperatorRequest::MoveMark(moved)),
+    );
     check(r#"{"kind":"unmark","id":3}"#, pilot(OperatorRequest::Unmark(3)));
     check(r#"{"kind":"unmark-all"}"#, pilot(OperatorRequest::UnmarkAll));
     check(r#"{"kind":"next-mark"}"#, pilot(OperatorRequest::NextMark));

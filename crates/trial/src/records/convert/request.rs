@@ -1,7 +1,7 @@
 //! The operator's requests, to and from their stored form.
 
 use barrelman_vocab::{
-    Angle, DrawnMark, DrawnSelection, Nudge, OperatorRequest, PixelPoint, Timestamp, VesselCommand,
+    Angle, DrawnMark, DrawnSelection, MovedMark, Nudge, OperatorRequest, PixelPoint, Timestamp, VesselCommand,
 };
 
 use super::malformed::{Malformed, missing};
@@ -47,6 +47,12 @@ impl From<&OperatorRequest> for stored::RequestInput {
                 (message.mark_u, message.mark_v) = (pixel.u, pixel.v);
                 message.drawn_on_ns = captured.as_nanos();
                 stored::RequestKind::Mark
+            }
+            OperatorRequest::MoveMark(MovedMark { id, pixel, captured }) => {
+                message.mark_id = *id;
+                (message.mark_u, message.mark_v) = (pixel.u, pixel.v);
+                message.drawn_on_ns = captured.as_nanos();
+                stored::RequestKind::MoveMark
             }
             OperatorRequest::Unmark(id) => {
                 message.mark_id = *id;
@@ -96,6 +102,11 @@ impl TryFrom<stored::RequestInput> for OperatorRequest {
             stored::RequestKind::Stop => Self::Stop(message.stop_cause().try_into()?),
             stored::RequestKind::Mark => Self::Mark(DrawnMark {
                 kind: message.mark_kind().try_into()?,
+                pixel: PixelPoint { u: message.mark_u, v: message.mark_v },
+                captured: Timestamp::from_nanos(message.drawn_on_ns),
+            }),
+            stored::RequestKind::MoveMark => Self::MoveMark(MovedMark {
+                id: message.mark_id,
                 pixel: PixelPoint { u: message.mark_u, v: message.mark_v },
                 captured: Timestamp::from_nanos(message.drawn_on_ns),
             }),
