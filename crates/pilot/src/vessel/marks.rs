@@ -209,7 +209,8 @@ impl Marks {
         self.route += 1;
     }
 
-    /// Moves a mark to a pixel in the view of its video frame. The mark of a person drifts on as it was moved.
+    /// Moves a mark to a pixel in the view of its video frame. The mark of a person drifts on as it was moved. Where height or
+    /// tilt are not known, the moved mark has no place on the water.
     pub fn move_to(&mut self, moved: &MovedMark, frame_view: &FrameView) -> Result<(), MarkRefusal> {
         let (direction, water) = place(moved.pixel, frame_view)?;
         let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);
@@ -222,7 +223,7 @@ impl Marks {
             let std_dev_m = libm::hypot(MARK_STD_DEV_M, now.covariance.max_std_dev_m());
             mark.drift.observe(before.point.vector_to(now.point), since.as_secs_f64(), std_dev_m);
         }
-        (mark.direction, mark.water, mark.marked) = (direction, water.or(mark.water), moved.captured);
+        (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured);
         // A boat that rests at its destination goes on to where the destination is now.
         if self.destination == Some(moved.id) || is_way_point {
             self.route += 1;

@@ -194,7 +194,7 @@ fn the_mark_of_a_person_that_is_moved_drifts_on() {
     refused(&move_by(&mut bench, 7, 1.0), Refusal::NoSuchMark);
     for index in 1..=3 {
         for _ in 0..151 {
-            bench.see(INSIDE);
+            bench.see_water().see(INSIDE);
         }
         assert_eq!(move_by(&mut bench, 1, 30.0 * f64::from(index)).notice, None);
     }
@@ -204,14 +204,16 @@ fn the_mark_of_a_person_that_is_moved_drifts_on() {
     // The estimate lies between none and what the marks tell.
     let last = person(&outcome);
     let duration_s = last.marked.since(first.marked).as_secs_f64();
-    let shown = last.water.unwrap().point.x - first.water.unwrap().point.x;
-    let share = vx * duration_s / shown;
-    assert!((0.5..1.0).contains(&share) && vy.abs() < 0.02, "{vx}, {vy}, {share}");
+    let (x, y) = first.water.unwrap().point.vector_to(last.water.unwrap().point);
+    for (velocity, moved_m) in [(vx, x), (vy, y)] {
+        let share = velocity * duration_s / moved_m;
+        assert!((0.5..1.0).contains(&share), "{velocity} {moved_m} {share}");
+    }
     let before = person(&outcome).point(outcome.at).unwrap();
     for _ in 0..30 {
-        bench.see(INSIDE);
+        bench.see_water().see(INSIDE);
     }
-    let later = bench.see(INSIDE);
+    let later = bench.see_water().see(INSIDE);
     let after = person(&later).point(later.at).unwrap();
     let expected = vx * later.at.since(outcome.at).as_secs_f64();
     assert!((after.x - before.x - expected).abs() < 1e-9, "{after:?} {before:?}");
