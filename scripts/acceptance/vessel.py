@@ -49,6 +49,24 @@ def mark(page, program, kind, at, size):
     return status["vessel"]["marks"][-1]
 
 
+def drag_mark(table, page, program, marked, size):
+    """Drags a mark with the mouse, and requires that it is the same mark elsewhere."""
+    # Each picture is drawn with the marks that there were when it was processed: one that has the mark must be shown first.
+    captured_ns = program.status()["track"]["captured_ns"]
+    page.wait(lambda data: int(data["captured"]) > captured_ns, 10, "a picture with the mark")
+
+    def of(status):
+        return next(mark_ for mark_ in status["vessel"]["marks"] if mark_["id"] == marked["id"])
+
+    before = program.status()
+    u, v = of(before)["at"]
+    # Towards the middle of the picture.
+    page.drag([u, v, 40 if u < size[0] / 2 else -40, 0], size)
+    status = program.wait(lambda status: of(status)["water_m"] != marked["water_m"], 5, "the moved mark")
+    (x, y), count = of(status)["water_m"], len(before["vessel"]["marks"])
+    table.require("a mark is dragged, and is the same mark", len(status["vessel"]["marks"]) == count, f"{marked['kind']} {marked['id']} to {x:.1f}, {y:.1f} m")
+
+
 def person_at(program):
     """A point of the water to which the boat has a way to go: to the side of the boat, in the picture."""
     status = program.status()
@@ -96,11 +114,6 @@ def to_the_person(table, args, folder):
 
     person = mark(page, program, "person", person_at(program), size)
     table.require("a person is marked in the picture: the destination, with distances", person["destination"] and person["water_m"] and len(person["ring"]) > 10, f"{person['kind']} {person['id']} at {person['water_m'][0]:.1f}, {person['water_m'][1]:.1f} m")
-    at = boat(program)["marks"][0]["at"]
-    page.drag([*at, 60, 0], size)
-    status = program.wait(lambda status: status["vessel"]["marks"][0]["water_m"] != person["water_m"], 5, "the moved mark")
-    dragged = status["vessel"]["marks"]
-    table.require("the mark is dragged, and is the same mark", len(dragged) == 1 and dragged[0]["id"] == person["id"] and dragged[0]["destination"], f"{person['kind']} {dragged[0]['id']} at {dragged[0]['water_m'][0]:.1f}, {dragged[0]['water_m'][1]:.1f} m")
     page.wait_until_enabled("guide")
     page.click("guide")
     going = program.wait(lambda status: status["vessel"]["mode"] == "guided" and status["vessel"]["throttle"] > 0, 5, "the boat to go")
@@ -144,6 +157,7 @@ def to_the_person(table, args, folder):
     page.wait_until_enabled("engage")
     page.click("engage")
     place = mark(page, program, "place", person_at(program), size)
+    drag_mark(table, page, program, place, size)
     page.wait_until_enabled("next-mark")
     page.click("next-mark")
     program.wait(lambda status: any(m["id"] == place["id"] and m["destination"] for m in status["vessel"]["marks"]), 5, "the place as the destination")
