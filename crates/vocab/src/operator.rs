@@ -51,7 +51,7 @@ pub enum OperatorRequest {
     Steer(VesselCommand),
     /// Stop the boat alone.
     StopBoat(BoatStop),
-    /// Command the boat no more: whoever else steers it does.
+    /// Command the boat no more: another program or a person may steer it.
     ReleaseBoat,
 }
 

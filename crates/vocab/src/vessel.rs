@@ -39,7 +39,7 @@ impl VesselCommand {
 /// What is asked of the link to a vessel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum VesselOrder {
-    /// The vessel is not commanded: whoever else steers it does.
+    /// The vessel is not commanded: another program or a person may steer it.
     #[default]
     Released,
     /// The vessel is commanded.
@@ -93,7 +93,7 @@ impl Default for VesselLimits {
     }
 }
 
-/// A vessel: what differs between two of them for whoever commands them. Whatever ends a command leaves the vessel
+/// A vessel: what differs between two of them for a program that commands them. Whatever ends a command leaves the vessel
 /// neutral.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VesselProfile {

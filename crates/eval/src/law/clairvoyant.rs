@@ -25,7 +25,7 @@ use crate::statistics::mean;
 const TURNS: usize = 4;
 /// Only every third picture counts: ten for each second.
 const EVERY: usize = 3;
-/// Intervals are searched for this far from the target, radians, in so many steps.
+/// Intervals are searched for up to this distance from the target, radians, and in this number of steps.
 const REACH: f64 = 1.5;
 const STEPS: u32 = 150;
 

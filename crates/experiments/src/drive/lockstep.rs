@@ -80,7 +80,7 @@ impl<'a> Drive<'a> {
         self.simulation.outcome()
     }
 
-    /// The helm of whoever steers through the program; `None` while the helmsman steers.
+    /// The helm of the operator or of the guidance; `None` while the helmsman steers.
     pub fn helm(&self) -> Option<HelmCommand> {
         let vessel = self.outcome().map(|outcome| &outcome.vessel).filter(|vessel| vessel.is_commanded());
         vessel.map_or(self.helm, |vessel| Some(HelmCommand::of(vessel.command)))

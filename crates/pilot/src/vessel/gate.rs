@@ -46,9 +46,9 @@ const LONGEST_RISE: Duration = Duration::from_millis(200);
 pub enum VesselMode {
     /// There is no vessel.
     Absent,
-    /// The boat is not commanded: somebody else steers it, or nobody.
+    /// The boat is not commanded: another program or a person may steer it.
     Released,
-    /// Neutral: commanded, and nobody steers.
+    /// Neutral: commanded, and steered neither by guidance nor by hand.
     Neutral,
     /// The operator steers by hand.
     ByHand,

@@ -104,7 +104,7 @@ fn refusal(seats: &Seats, from: Requester, request: &ConsoleRequest) -> Option<S
     );
     match from.client {
         None if is_about_seats => Some("only a page on a socket can control".to_owned()),
-        // A boat without a page at which somebody looks is stopped at once.
+        // A boat that no page watches over is stopped at once.
         None if seats.is_empty() && commands_boat(request) => {
             Some("only a page on a socket can command the boat".to_owned())
         }

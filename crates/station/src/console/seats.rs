@@ -118,7 +118,7 @@ impl Seats {
         is_over
     }
 
-    /// Whether nobody at a page watches over the boat: the page in control is gone, or was silent for [`BOAT_SILENCE`].
+    /// Whether no page watches over the boat: the page in control is gone, or was silent for [`BOAT_SILENCE`].
     pub(super) fn is_boat_left(&self, now: Timestamp) -> bool {
         let Some(holder) = &self.holder else { return true };
         let heard = match holder.lost {

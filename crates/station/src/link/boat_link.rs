@@ -11,7 +11,7 @@ pub trait BoatLink {
     /// `renew_by`: without a renewal by then, the link makes the boat neutral (dead-man's switch). Does not block.
     fn send(&self, order: VesselOrder, renew_by: Option<Timestamp>);
 
-    /// The operator wants the boat that somebody else steers. Does not block.
+    /// The operator wants the boat, which another program or a person steers. Does not block.
     fn take_control(&self) {}
 }
 

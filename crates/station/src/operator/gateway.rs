@@ -82,14 +82,14 @@ impl Gateway {
         self.is_console_lost.load(Ordering::Relaxed)
     }
 
-    /// Nobody at a page watches over the boat any more, or somebody does again.
+    /// The boat is no longer watched from a page, or is watched again.
     pub fn set_boat_left(&self, is_left: bool) {
         if self.is_boat_left.swap(is_left, Ordering::Relaxed) != is_left {
             self.wake();
         }
     }
 
-    /// The request to stop a boat that moves by this program's command, while nobody at a page watches over it.
+    /// The request to stop a boat that moves by this program's command, while no page watches over it.
     pub fn stop_for_left_boat(&self, mode: VesselMode) -> Option<OperatorRequest> {
         let moves = matches!(mode, VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_));
         let is_left = moves && self.is_boat_left.load(Ordering::Relaxed);

@@ -11,7 +11,7 @@
 //! [`FULL_SPEED_M_PER_S`], and a turn rate of rudder x [`FULL_TURN_RAD_PER_S`]; the autopilot closes the loop. A set-point
 //! is repeated every [`SET_POINT_INTERVAL`]. ArduPilot stops the boat 3 s after the last one.
 //!
-//! The mode and the arming are the boat's own. A mode other than GUIDED means that somebody else steers: the sticks of the
+//! The mode and the arming are the boat's own. A mode other than GUIDED means that another program or a person steers: the sticks of the
 //! remote control, or a ground station. Nothing is sent then. [`Session::take_control`] asks once for GUIDED; nothing ever
 //! arms.
 

@@ -54,7 +54,7 @@ pub enum ConsoleRequest {
         /// -1 (right) to 1 (left).
         rudder: f64,
     },
-    /// Command the boat no more: whoever else steers does, in the demo the scenario's helmsman.
+    /// Command the boat no more. In the demo, the scenario's helmsman then steers.
     Helmsman,
     /// Mark a point in the picture. The first place or person is the destination; a further one replaces a place.
     Mark {
