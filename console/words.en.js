@@ -107,7 +107,7 @@ export default {
   videos: { connecting: "connecting", up: "up", lost: "lost, reconnecting", ended: "ended" },
   recordings: { off: "off", recording: "on", failed: "FAILED" },
   seconds: (s) => `${s} s`, ago: (s) => `for ${s} s`,
-  workText: (work) => `${work.moves} moves, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
+  workText: (work) => `${work.moves} ${work.moves === 1 ? "move" : "moves"}, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
   boatMode: (vessel) => {
     const text = vessel.text.charAt(0).toUpperCase() + vessel.text.slice(1);
