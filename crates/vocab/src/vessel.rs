@@ -26,11 +26,11 @@ impl VesselCommand {
         self.throttle == 0.0 && self.rudder == 0.0
     }
 
-    /// Both clamped to -1..=1. NaN becomes 0: an invalid command must not move a vessel.
+    /// Both clamped to -1..=1. NaN becomes 0: an invalid command must not move a vessel. So does -0: a stored 0 has no sign.
     #[must_use]
     pub const fn clamped(self) -> Self {
         const fn share(value: f64) -> f64 {
-            if value.is_nan() { 0.0 } else { value.clamp(-1.0, 1.0) }
+            if value.is_nan() { 0.0 } else { value.clamp(-1.0, 1.0) + 0.0 }
         }
         Self { throttle: share(self.throttle), rudder: share(self.rudder) }
     }
@@ -81,8 +81,8 @@ impl VesselLimits {
     pub const fn applied_to(&self, command: VesselCommand) -> VesselCommand {
         let VesselCommand { throttle, rudder } = command.clamped();
         VesselCommand {
-            throttle: throttle.max(-self.astern).min(self.ahead),
-            rudder: rudder.max(-self.rudder).min(self.rudder),
+            throttle: throttle.max(-self.astern).min(self.ahead) + 0.0,
+            rudder: rudder.max(-self.rudder).min(self.rudder) + 0.0,
         }
     }
 }
@@ -152,11 +152,16 @@ mod tests {
         for (throttle, rudder, expected) in [
             (1.0, -1.0, (0.6, -0.5)),
             (-1.0, 0.2, (0.0, 0.2)),
+            (-0.0, -0.0, (0.0, 0.0)),
             (f64::NAN, f64::INFINITY, (0.0, 0.5)),
             (0.3, f64::NAN, (0.3, 0.0)),
         ] {
             let held = limits.applied_to(VesselCommand { throttle, rudder });
             assert_eq!((held.throttle, held.rudder), expected, "{throttle}, {rudder}");
+            assert!(
+                held.throttle.is_sign_positive() || held.throttle < 0.0,
+                "{throttle}: -0 cannot be stored"
+            );
         }
     }
 }

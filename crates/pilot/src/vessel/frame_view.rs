@@ -5,8 +5,8 @@ use barrelman_control::CameraModel;
 use barrelman_control::guidance::input::BoatFix;
 use barrelman_control::water::WaterView;
 use barrelman_vocab::{
-    Angle, CameraAboveWater, Lens, Localisation, PictureSize, PixelPoint, SightingNoise, Timestamp, WaterFix,
-    WaterPoint,
+    Angle, CameraAboveWater, Lens, Localisation, PictureSize, PixelPoint, Sighting, SightingNoise, Timestamp,
+    WaterFix, WaterPoint,
 };
 
 /// Standard deviations of what a point on the water is computed from, common errors apart: those of height and attitude
@@ -22,6 +22,8 @@ const NOISE: SightingNoise = SightingNoise {
 const HEADING_STD_DEV: Angle = Angle::from_degrees(15.0);
 /// The bow's direction on the water is taken over this many pixels.
 const BOW_PX: f64 = 8.0;
+/// Bisections by which the horizon is found on a border of the picture.
+const HORIZON_STEPS: usize = 16;
 
 /// The camera of one video frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +32,8 @@ pub struct FrameView {
     pub view: WaterView,
     /// Whether height and tilt are known.
     pub sees_water: bool,
+    /// Size of the picture.
+    picture: PictureSize,
 }
 
 impl FrameView {
@@ -50,12 +54,43 @@ impl FrameView {
             tilt: Angle::from_radians(tilt),
             roll: Angle::ZERO,
         };
-        Self { view: WaterView::new(lens, &camera), sees_water: height_m.is_some() }
+        Self { view: WaterView::new(lens, &camera), sees_water: height_m.is_some(), picture }
     }
 
     /// The point on the water at a pixel; `None`: at the horizon, above it, or the water is not known.
     pub fn fix(&self, pixel: PixelPoint) -> Option<WaterFix> {
         self.view.fix(pixel, &NOISE).filter(|_| self.sees_water)
+    }
+
+    /// The corners of what the picture shows of the water: near left, far left, far right, near right. Where the horizon is
+    /// in the picture, the far corners are the farthest points that are known on the left and right border. `None`: height
+    /// or tilt are not known, or the lower border is not on the water.
+    pub fn water_corners(&self) -> Option<[WaterPoint; 4]> {
+        let (right, bottom) = (f64::from(self.picture.width), f64::from(self.picture.height));
+        let point = |u: f64, v: f64| match self.view.sighting(PixelPoint { u, v }) {
+            Sighting::OnWater(point) => Some(point),
+            Sighting::AtHorizon { .. } | Sighting::OutsideLens => None,
+        };
+        let side = |u: f64| {
+            let near = point(u, bottom)?;
+            if let Some(far) = point(u, 0.0) {
+                return Some((near, far));
+            }
+            let (mut far, mut low, mut high) = (near, bottom, 0.0);
+            for _ in 0..HORIZON_STEPS {
+                let middle = 0.5 * (low + high);
+                match point(u, middle) {
+                    Some(found) => (far, low) = (found, middle),
+                    None => high = middle,
+                }
+            }
+            Some((near, far))
+        };
+        if !self.sees_water {
+            return None;
+        }
+        let ((near_left, far_left), (near_right, far_right)) = (side(0.0)?, side(right)?);
+        Some([near_left, far_left, far_right, near_right])
     }
 
     /// The boat on the water.
@@ -68,5 +103,48 @@ impl FrameView {
             Some((water.point.bearing_to(self.fix(bow)?.point), HEADING_STD_DEV))
         });
         Some(BoatFix { captured: seen.captured, water, heading })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PICTURE: PictureSize = PictureSize::new(1280, 720);
+
+    fn view(tilt_deg: f64, height_m: Option<f64>) -> FrameView {
+        let lens = Lens::pinhole(PICTURE, 1000.0);
+        let camera = CameraAboveWater {
+            below: WaterPoint::default(),
+            height_m: height_m.unwrap_or(1.0),
+            pan: Angle::ZERO,
+            tilt: Angle::from_degrees(tilt_deg),
+            roll: Angle::ZERO,
+        };
+        FrameView { view: WaterView::new(lens, &camera), sees_water: height_m.is_some(), picture: PICTURE }
+    }
+
+    #[test]
+    fn the_corners_on_the_water_are_those_of_the_picture() {
+        let corners = view(-45.0, Some(15.0)).water_corners().unwrap();
+        let [near_left, far_left, far_right, near_right] = corners;
+        assert!(near_left.x < 0.0 && (near_left.x + near_right.x).abs() < 1e-9, "{corners:?}");
+        // 45 degrees less and more half the field of view, atan(0.36).
+        let expected = |angle: f64| 15.0 / libm::tan(angle);
+        let half = libm::atan(0.36);
+        let near = expected(core::f64::consts::FRAC_PI_4 + half);
+        let far = expected(core::f64::consts::FRAC_PI_4 - half);
+        assert!((near_left.y - near).abs() < 1e-9 && (far_right.y - far).abs() < 1e-9, "{corners:?}");
+        assert!(far_left.x < near_left.x, "{corners:?}");
+    }
+
+    #[test]
+    fn the_horizon_ends_the_water() {
+        let [near, far, ..] = view(-10.0, Some(15.0)).water_corners().unwrap();
+        // Points more than 2 degrees below the horizon are known.
+        let distance = libm::hypot(far.x, far.y);
+        assert!(near.y < far.y && (300.0..430.0).contains(&distance), "{near:?} {far:?}");
+        assert_eq!(view(60.0, Some(15.0)).water_corners(), None, "the sky alone");
+        assert_eq!(view(-45.0, None).water_corners(), None, "the height is not known");
     }
 }

@@ -102,6 +102,7 @@ impl<'a> Simulation<'a> {
             truth: Some(Vec::new()),
             selections: None,
             guidance: None,
+            water: None,
         };
         Self {
             sensor: LocalisationSensor::new(scenario.sensing, camera.clone(), seed),

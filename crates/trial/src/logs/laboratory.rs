@@ -70,6 +70,7 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
         truth: None,
         selections: None,
         guidance: None,
+        water: None,
     };
     Ok(ParsedLog { log, truncated_at_line })
 }

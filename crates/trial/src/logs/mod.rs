@@ -5,6 +5,8 @@
 
 mod trial_log;
 
+mod water_log;
+
 mod text;
 
 pub mod exported;
@@ -18,3 +20,4 @@ pub use csv::ParsedLog;
 pub use log_error::LogError;
 pub use text::read_text;
 pub use trial_log::{LogRow, RowTruth, TrialLog};
+pub use water_log::{MarkOnWater, WaterLog};

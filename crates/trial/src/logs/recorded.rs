@@ -6,6 +6,7 @@ use barrelman_vocab::{OperatorRequest, PictureSize, Timestamp, VehicleRates};
 
 use super::laboratory;
 use super::trial_log::{LogRow, RowTruth, TrialLog};
+use super::water_log::WaterLog;
 use crate::records::{RecordedInput, RecordedOutcome, RecordedTruth};
 use crate::target_in_picture::JudgedTrack;
 
@@ -48,6 +49,7 @@ pub struct LogBuilder {
     /// Longest time from the capture of a picture to the pilot.
     max_age_ns: u64,
     last_at: Timestamp,
+    water: WaterLog,
 }
 
 /// Upper bound of the pictures in flight.
@@ -66,6 +68,9 @@ impl LogBuilder {
             self.settle_until(Timestamp::from_nanos(outcome.at.as_nanos().saturating_sub(age_ns)));
         }
         self.last_at = outcome.at;
+        if let Some(vessel) = &outcome.vessel {
+            self.water.add(vessel);
+        }
         let judged = self
             .newest
             .and_then(|truth| Some(JudgedTrack::new(outcome.track, &truth.target?, truth.target_position)));
@@ -139,6 +144,7 @@ impl LogBuilder {
         Some(TrialLog {
             selections: is_in_pixels.then_some(self.selections),
             guidance: None,
+            water: (!self.water.is_empty()).then_some(self.water),
             rows: self.rows,
             last_row_duration_s,
             frame: size,

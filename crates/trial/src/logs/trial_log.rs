@@ -5,6 +5,7 @@ use barrelman_control::Region;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{CameraCommand, ImagePoint, PictureSize};
 
+use super::water_log::WaterLog;
 use crate::target_in_picture::JudgedTrack;
 
 /// One row: the state at one time of a trial.
@@ -39,6 +40,8 @@ pub struct TrialLog {
     pub selections: Option<usize>,
     /// How the boat went to a person, in a simulated trial with guidance.
     pub guidance: Option<GuidanceMetrics>,
+    /// The way of a boat that was commanded, in a recording.
+    pub water: Option<WaterLog>,
 }
 
 /// The ground truth at a row of a simulated trial. World coordinates: x to the right and y ahead of the first view.

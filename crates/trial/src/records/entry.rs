@@ -3,10 +3,11 @@
 use core::time::Duration;
 
 use barrelman_control::Percept;
+use barrelman_pilot::vessel::Mark;
 use barrelman_pilot::{Advice, CommandPath, Mode, Outcome, VesselMode, VesselOutcome};
 use barrelman_sim::Truth;
 use barrelman_vocab::{
-    Angle, CameraCommand, EncodedUnit, ImagePoint, Timestamp, Track, VehicleRates, VesselCommand,
+    Angle, CameraCommand, EncodedUnit, ImagePoint, MarkKind, Timestamp, Track, VehicleRates, VesselCommand,
     VesselOrder, WaterPoint,
 };
 
@@ -164,6 +165,26 @@ pub struct RecordedVessel {
     pub progress: Option<RecordedProgress>,
     /// Number of the mark that is the destination, and where it is on the water.
     pub destination: Option<(u32, Option<WaterPoint>)>,
+    /// The marks that are on the water.
+    pub marks: Vec<RecordedMark>,
+    /// Corners of what the picture shows of the water, from the near left one clockwise as seen from above; `None` where
+    /// height or tilt are not known.
+    pub view: Option<[WaterPoint; 4]>,
+}
+
+/// A mark on the water, as stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordedMark {
+    /// Number of the mark.
+    pub id: u32,
+    /// What is there.
+    pub kind: MarkKind,
+    /// Where it is at the time of the step.
+    pub at: WaterPoint,
+    /// Radius of the circle that the boat keeps out of, metres, without the uncertainty; 0: none.
+    pub radius_m: f64,
+    /// Standard deviation of each coordinate, metres.
+    pub std_dev_m: f64,
 }
 
 /// Where a boat is on its way, as stored.
@@ -210,6 +231,22 @@ impl RecordedVessel {
                 }
             }),
             destination: vessel.marks.destination().map(|mark| (mark.id, mark.point(now))),
+            marks: vessel.marks.iter().filter_map(|mark| RecordedMark::new(mark, vessel, now)).collect(),
+            view: vessel.frame_view.and_then(|view| view.water_corners()),
+        })
+    }
+}
+
+impl RecordedMark {
+    /// The stored form of a mark at `now`; `None` where it is not on the water.
+    fn new(mark: &Mark, vessel: &VesselOutcome, now: Timestamp) -> Option<Self> {
+        let is_destination = vessel.marks.destination().is_some_and(|destination| destination.id == mark.id);
+        Some(Self {
+            id: mark.id,
+            kind: mark.kind,
+            at: mark.point(now)?,
+            radius_m: mark.radius_m(&vessel.profile, is_destination),
+            std_dev_m: mark.std_dev_m(now)?,
         })
     }
 }

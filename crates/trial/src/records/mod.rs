@@ -23,7 +23,8 @@ mod topics;
 mod record_lengths;
 
 pub use entry::{
-    Entry, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordingStart, SimulatedTrial,
+    Entry, RecordedMark, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordingStart,
+    SimulatedTrial,
 };
 pub use reader::{ReadError, RecordingReader};
 pub use recorded_input::{FrameFingerprint, RecordedInput};

@@ -6,8 +6,8 @@
 //!
 //! Figures of one trial: P over time with the boundary at 1 and the h and b of every excursion ([`p_over_time`]); the
 //! commands, pan and tilt ([`commands`]); the path in the picture with the region and the sectors
-//! ([`picture_path`]); for a simulated trial, the path in the world from above ([`world_path`]). Figures of several
-//! trials: the sensitivities, and a sparkline of P for each trial in the list.
+//! ([`picture_path`]); for a simulated trial, the path in the world from above ([`world_path`]); where a boat was commanded,
+//! the map of the water ([`water_map`]). Figures of several trials: the sensitivities, and a sparkline of P for each trial in the list.
 //!
 //! Not supported: zooming, and more than one region in a report.
 
@@ -25,6 +25,7 @@ pub mod p_over_time;
 pub mod picture_path;
 mod sensitivity;
 mod sparkline;
+pub mod water_map;
 pub mod world_path;
 
 mod claims;
@@ -33,6 +34,7 @@ mod tables;
 
 mod canvas;
 mod path_data;
+mod plan_view;
 mod scale;
 mod style;
 mod text;

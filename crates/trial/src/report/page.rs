@@ -10,7 +10,7 @@ use super::text::{Text, count_of, format_number, number_or_dash, to_file_name};
 use super::trial_group::{TrialGroup, by_arena};
 use super::{
     claims, columns, commands, natural_order, p_over_time, picture_path, sensitivity, style, tables,
-    world_path,
+    water_map, world_path,
 };
 use crate::metrics::Arena;
 
@@ -137,7 +137,9 @@ impl Report {
                          back; its height above 1 is h, its length b. Below it the commands, at the same times; then the \
                          path in the picture with the region and the sectors at \u{00b1}45\u{00b0}, excursions in colour \
                          and numbered in time (\u{25cb} start, \u{25cf} end), and for simulated trials the path in the \
-                         world from above."
+                         world from above. Where a boat was commanded, a map of the water as the program knew it: the \
+                         boat\u{2019}s way, the marks with their circles, what the picture showed at the beginning \
+                         (dashed) and at the end."
                     }
                     @for (index, trial) in self.trials.iter().enumerate() {
                         @if let Some(trace) = &trial.trace {
@@ -254,6 +256,7 @@ fn trial_figures(index: usize, trial: &str, trace: &TrialTrace) -> Vec<Figure> {
         commands::figure(&name("commands"), trial, trace),
         Some(picture_path::figure(&name("picture"), trial, trace)),
         world_path::figure(&name("world"), trial, trace),
+        water_map::figure(&name("water"), trial, trace),
     ]
     .into_iter()
     .flatten()

@@ -20,7 +20,7 @@ const PALETTE: [Colour; 9] = [
 ];
 
 /// Style rules: selector and declarations. `%name` stands for a colour of the palette.
-const RULES: [(&str, &str); 37] = [
+const RULES: [(&str, &str); 39] = [
     (".fig .sheet", "fill:%paper;stroke:none"),
     (
         ".fig text",
@@ -60,6 +60,8 @@ const RULES: [(&str, &str); 37] = [
     (".fig .dot.bad", "fill:%paper;fill-opacity:1;stroke:%out;stroke-width:1.6"),
     (".fig .start", "fill:%paper;stroke:%ink;stroke-width:1.4"),
     (".fig .end", "fill:%ink;stroke:%paper;stroke-width:1"),
+    (".fig path.view", "fill:%track;fill-opacity:.05;stroke:%muted;stroke-width:1"),
+    (".fig .ring", "fill:%out;fill-opacity:.08;stroke:%out;stroke-width:1.2"),
     (".fig .mean", "stroke:%ink;stroke-width:2.4"),
 ];
 

@@ -33,6 +33,21 @@ const MEANS_IN_PIXELS: [Mean; 4] = [
     ("Tracked again after", "s", 2, |m| m.perception.reacquire_s),
 ];
 
+/// Means that trials with guidance alone have.
+const MEANS_WITH_GUIDANCE: [Mean; 7] = [
+    ("Came to the person", "% of the trials", 0, |m| {
+        m.guidance.map(|to| if to.arrived { 100.0 } else { 0.0 })
+    }),
+    ("Time to 4 m", "s, where it came there", 1, |m| m.guidance.and_then(|to| to.time_to_circle_s)),
+    ("Off the line", "m, mean", 2, |m| m.guidance.and_then(|to| to.cross_track_m)),
+    ("Path over way", "", 2, |m| m.guidance.and_then(|to| to.path_ratio)),
+    ("Rudder travel", "a trial", 1, |m| m.guidance.and_then(|to| to.rudder_travel)),
+    ("Closest to any person", "m, mean", 2, |m| m.guidance.and_then(|to| to.closest_person_m)),
+    ("Boat and person in view", "% of the time", 1, |m| {
+        m.guidance.and_then(|to| to.both_in_view).map(|share| 100.0 * share)
+    }),
+];
+
 /// The metrics of one arena, sets side by side.
 pub(super) fn arena_table(arena: Option<Arena>, groups: &[TrialGroup<'_>]) -> Markup {
     html! {
@@ -84,7 +99,11 @@ impl<'a> ArenaRows<'a> {
         let is_in_pixels =
             |group: &TrialGroup<'_>| group.trials.iter().any(|trial| trial.entry.metrics.is_in_pixels());
         let in_pixels = if groups.iter().any(is_in_pixels) { &MEANS_IN_PIXELS[..] } else { &[] };
-        for (name, unit, decimals, value_of) in MEANS.iter().chain(in_pixels).copied() {
+        let is_guided =
+            |group: &TrialGroup<'_>| group.trials.iter().any(|trial| trial.entry.metrics.guidance.is_some());
+        let with_guidance = if groups.iter().any(is_guided) { &MEANS_WITH_GUIDANCE[..] } else { &[] };
+        let means = MEANS.iter().chain(in_pixels).chain(with_guidance).copied();
+        for (name, unit, decimals, value_of) in means {
             rows.add(name, unit, None, |group| {
                 let values = group.values(value_of);
                 let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);

@@ -7,8 +7,8 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, CommandPath, Mode};
 use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{
-    Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordedProgress, RecordedTruth,
-    RecordedVessel, RecordingReader, RecordingStart, RecordingWriter,
+    Entry, FrameFingerprint, ReadError, RecordedInput, RecordedMark, RecordedOutcome, RecordedProgress,
+    RecordedTruth, RecordedVessel, RecordingReader, RecordingStart, RecordingWriter,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::acceptance::Acceptance;
@@ -146,6 +146,14 @@ pub(crate) fn outcome(value: f64) -> RecordedOutcome {
                 cross_track_m: value,
             }),
             destination: Some((3, Some(WaterPoint { x: value, y: value }))),
+            marks: vec![RecordedMark {
+                id: 3,
+                kind: MarkKind::Person,
+                at: WaterPoint { x: value, y: value },
+                radius_m: value,
+                std_dev_m: value,
+            }],
+            view: Some([WaterPoint { x: value, y: value }; 4]),
         })),
         notice: "following, \"it\"".to_owned(),
     }

@@ -1,13 +1,13 @@
 //! Content of the report's figures and page.
 
 use barrelman_control::Region;
-use barrelman_trial::logs::{RowTruth, TrialLog, read_text};
+use barrelman_trial::logs::{MarkOnWater, RowTruth, TrialLog, WaterLog, read_text};
 use barrelman_trial::metrics::{Arena, TrialEntry, find_excursions, measure};
 use barrelman_trial::report::{
     Figure, Report, ReportedTrial, SetKind, TrialSet, TrialTrace, commands, p_over_time, picture_path,
-    world_path,
+    water_map, world_path,
 };
-use barrelman_vocab::{ImagePoint, VehicleProfile};
+use barrelman_vocab::{ImagePoint, MarkKind, VehicleProfile, WaterPoint};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::laboratory::logs;
@@ -279,6 +279,44 @@ fn labels_of_the_sensitivities_keep_clear_of_the_published_line() {
             }
         }
     });
+}
+
+#[test]
+fn the_map_of_the_water_shows_boat_marks_and_view() {
+    let at = |x: f64, y: f64| WaterPoint { x, y };
+    let mark = |id: u32, path: Vec<WaterPoint>, radius_m: f64, was_destination: bool| MarkOnWater {
+        id,
+        kind: if radius_m > 0.0 { MarkKind::Person } else { MarkKind::Place },
+        path,
+        radius_m,
+        std_dev_m: 0.8,
+        was_destination,
+    };
+    let water = WaterLog {
+        boat: vec![Some(at(0.0, 8.0)), Some(at(4.0, 12.0)), None, Some(at(9.0, 18.0))],
+        marks: vec![
+            mark(1, vec![at(10.0, 20.0)], 2.0, true),
+            mark(2, vec![at(3.0, 15.0), at(5.0, 15.0)], 3.0, false),
+            mark(3, vec![at(-4.0, 9.0)], 0.0, false),
+        ],
+        views: Some([[at(-5.0, 6.0), at(-300.0, 400.0), at(300.0, 400.0), at(5.0, 6.0)]; 2]),
+    };
+    let trace =
+        TrialTrace { log: TrialLog { water: Some(water), ..log_from("...") }, region: REGION, shadow: None };
+    let figure = water_map::figure("water", "trial", &trace).unwrap();
+    with_elements(&figure, |document| {
+        let rings = of_class(document, "circle", "ring");
+        // The stand-off of 2 m and the keep-out of 3 m on one scale; a place has no circle.
+        let radii: Vec<f64> = rings.iter().map(|ring| place(ring, "r")).collect();
+        assert!(radii.len() == 2 && (radii[1] / radii[0] - 1.5).abs() < 0.01, "{radii:?}");
+        assert_eq!(of_class(document, "path", "view").len(), 2);
+        let way = of_class(document, "path", "track");
+        // The way is interrupted where the boat was not known.
+        assert_eq!(way[0].attribute("d").unwrap().matches('M').count(), 2);
+        let words = |text: &str| document.descendants().any(|node| node.text() == Some(text));
+        assert!(words("person 1: destination") && words("person 2") && words("place 3"));
+    });
+    assert_eq!(water_map::figure("water", "trial", &self::trace("...")), None, "no boat was commanded");
 }
 
 #[test]

@@ -32,6 +32,7 @@ pub(crate) fn log_from_rows(
         truth: None,
         selections: None,
         guidance: None,
+        water: None,
     }
 }
 

@@ -9,7 +9,7 @@ use barrelman_vocab::{
 };
 
 use super::malformed::{Malformed, missing};
-use crate::records::entry::{RecordedOutcome, RecordedProgress, RecordedVessel};
+use crate::records::entry::{RecordedMark, RecordedOutcome, RecordedProgress, RecordedVessel};
 use crate::records::stored;
 
 fn nanos(span: Duration) -> u64 {
@@ -82,12 +82,54 @@ impl From<&RecordedVessel> for stored::VesselOutcome {
             destination: vessel.destination.map_or(0, |(id, _)| id),
             destination_x_m: destination.map(|point| point.x),
             destination_y_m: destination.map(|point| point.y),
+            marks: vessel.marks.iter().copied().map(Into::into).collect(),
+            view: vessel.view.into_iter().flatten().map(Into::into).collect(),
         }
     }
 }
 
-impl From<stored::VesselOutcome> for RecordedVessel {
-    fn from(vessel: stored::VesselOutcome) -> Self {
+impl From<WaterPoint> for stored::WaterPoint {
+    fn from(WaterPoint { x, y }: WaterPoint) -> Self {
+        Self { x_m: x, y_m: y }
+    }
+}
+
+impl From<stored::WaterPoint> for WaterPoint {
+    fn from(point: stored::WaterPoint) -> Self {
+        Self { x: point.x_m, y: point.y_m }
+    }
+}
+
+impl From<RecordedMark> for stored::VesselMark {
+    fn from(mark: RecordedMark) -> Self {
+        Self {
+            id: mark.id,
+            kind: stored::MarkKind::from(mark.kind) as i32,
+            at: Some(mark.at.into()),
+            radius_m: mark.radius_m,
+            std_dev_m: mark.std_dev_m,
+        }
+    }
+}
+
+impl TryFrom<stored::VesselMark> for RecordedMark {
+    type Error = Malformed;
+
+    fn try_from(mark: stored::VesselMark) -> Result<Self, Malformed> {
+        Ok(Self {
+            id: mark.id,
+            kind: mark.kind().try_into()?,
+            at: mark.at.ok_or_else(|| missing("at"))?.into(),
+            radius_m: mark.radius_m,
+            std_dev_m: mark.std_dev_m,
+        })
+    }
+}
+
+impl TryFrom<stored::VesselOutcome> for RecordedVessel {
+    type Error = Malformed;
+
+    fn try_from(vessel: stored::VesselOutcome) -> Result<Self, Malformed> {
         let point = |x: Option<f64>, y: Option<f64>| x.zip(y).map(|(x, y)| WaterPoint { x, y });
         let progress = || {
             Some(RecordedProgress {
@@ -100,13 +142,17 @@ impl From<stored::VesselOutcome> for RecordedVessel {
         };
         let destination = (vessel.destination > 0)
             .then(|| (vessel.destination, point(vessel.destination_x_m, vessel.destination_y_m)));
-        Self {
+        let marks: Result<_, _> = vessel.marks.iter().copied().map(RecordedMark::try_from).collect();
+        let corners: Vec<WaterPoint> = vessel.view.iter().copied().map(Into::into).collect();
+        Ok(Self {
             progress: progress(),
             destination,
+            marks: marks?,
+            view: corners.try_into().ok(),
             command: VesselCommand { throttle: vessel.throttle, rudder: vessel.rudder },
             renew_by: vessel.renew_by_ns.map(Timestamp::from_nanos),
             mode: vessel.mode,
-        }
+        })
     }
 }
 
@@ -150,7 +196,7 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
             rates: VehicleRates { yaw: rate(outcome.yaw_rate), pitch: rate(outcome.pitch_rate) },
             wake_at: outcome.wake_at_ns.map(Timestamp::from_nanos),
             track: outcome.track.ok_or_else(|| missing("track"))?.try_into()?,
-            vessel: outcome.vessel.map(|vessel| Box::new(vessel.into())),
+            vessel: outcome.vessel.map(RecordedVessel::try_from).transpose()?.map(Box::new),
             notice: outcome.notice,
         })
     }
