@@ -362,6 +362,27 @@ mod tests {
     }
 
     #[test]
+    fn the_contrasts_of_a_row_are_those_of_its_places() {
+        let mut model = ColourModel::default();
+        let boats = picture(&[[30, 60, 40, 32], [280, 0, 40, 40]]);
+        let ellipse = TargetEllipse::inscribed_in((40.0, 32.0));
+        count_colours(&boats, (50.0, 76.0), &ellipse, &mut model.target, &mut model.surroundings);
+        model.update_table();
+        let mut redetector = Redetector::default();
+        for (step, half) in [(1, 1), (1, 20), (2, 9), (3, 30), (3, 200)] {
+            redetector.build_integral_image(&boats, &model, step);
+            for row in 0..redetector.height {
+                redetector.fill_contrasts(row, half, 2 * half);
+                for (column, &seen) in redetector.contrasts.iter().enumerate() {
+                    let inner = redetector.square_sum(column, row, half);
+                    let expected = contrast(inner, redetector.square_sum(column, row, 2 * half));
+                    assert_eq!(seen.to_bits(), expected.to_bits(), "{step} {half}: {column},{row}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn pictures_of_any_size_can_be_searched() {
         let mut redetection = Redetector::default();
         for (width, height) in [(0, 0), (0, 9), (1, 1), (2, 2), (3, 1), (1, 70), (33, 31)] {
