@@ -123,6 +123,11 @@ impl TargetProbabilities {
     pub(crate) fn probability(&self, y: u8, u: u8, v: u8) -> u8 {
         self.0[bin(y, u, v)]
     }
+
+    /// Target probability of the colours of a bin, 0 to 255.
+    pub(crate) fn of_bin(&self, bin: u16) -> u8 {
+        self.0[usize::from(bin)]
+    }
 }
 
 impl ColourModel {

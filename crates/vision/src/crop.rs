@@ -156,13 +156,16 @@ impl Crop {
     pub(crate) fn sample_chroma(&self, grid: &SamplingGrid, out: &mut [Vec<f32>; 2]) {
         let grid = self.to_map_grid(grid, 0.5 / self.decimation as f32);
         let (width, height) = (self.probability.width, self.probability.height);
-        for (out, plane) in out.iter_mut().zip(&self.chroma) {
-            out.clear();
-            for index in 0..grid.width * grid.height {
-                // A cast turns negative numbers into 0.
-                let (x, y) = grid.sample_centre(index % grid.width, index / grid.width);
-                let (x, y) = ((x as usize).min(width - 1), (y as usize).min(height - 1));
-                out.push(f32::from(plane[y * width + x]));
+        let ([u_out, v_out], [u, v]) = (out, &self.chroma);
+        u_out.clear();
+        v_out.clear();
+        for row in 0..grid.height {
+            // A cast turns negative numbers into 0.
+            let first = (grid.sample_centre(0, row).1 as usize).min(height - 1) * width;
+            for column in 0..grid.width {
+                let index = first + (grid.sample_centre(column, row).0 as usize).min(width - 1);
+                u_out.push(f32::from(u[index]));
+                v_out.push(f32::from(v[index]));
             }
         }
     }

@@ -8,6 +8,7 @@ use crate::crop::Crop;
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
 use crate::gradients::{CELL, DIRECTIONS, GradientHistograms, MARGIN, unit_directions};
 use crate::sampling::SamplingGrid;
+use crate::simd::simd_kernel;
 
 /// Number of channels, an even number; the last one is empty.
 pub(crate) const CHANNELS: usize = DIRECTIONS + 3;
@@ -107,23 +108,10 @@ impl FeatureExtractor {
         self.raw.clear();
         self.raw.extend_from_slice(self.gradients.cells());
         self.raw.resize(CHANNELS * area, 0.0);
-        for row in 0..height {
-            for column in 0..width {
-                let corner = (row * CELL + MARGIN) * stride + column * CELL + MARGIN;
-                let mut sum = 0.0;
-                for r in 0..CELL {
-                    let line = &self.luma[corner + r * stride..][..CELL];
-                    sum += line[0] + line[1] + line[2] + line[3];
-                }
-                let k = 2 * row * half.width + 2 * column;
-                let probability = self.probability[k]
-                    + self.probability[k + 1]
-                    + self.probability[k + half.width]
-                    + self.probability[k + half.width + 1];
-                self.raw[LUMA * area + row * width + column] = sum * (1.0 / 16.0);
-                self.raw[PROBABILITY * area + row * width + column] = probability * (0.25 / 255.0);
-            }
-        }
+        let (brightness, rest) = self.raw[LUMA * area..].split_at_mut(area);
+        let size = (width, height);
+        cell_means(&self.luma[MARGIN * stride + MARGIN..], stride, size, brightness);
+        cell_probabilities(&self.probability, size, &mut rest[..area]);
     }
 
     /// Computes the spectra of the whole patch at a pose. `bounds` is the picture's width and height, pixels.
@@ -211,6 +199,37 @@ impl FeatureExtractor {
         }
         sums.iter().sum()
     }
+}
+
+simd_kernel! {
+/// Mean of each of `size` (width, height) cells of [`CELL`] x [`CELL`] samples.
+fn cell_means(samples: &[f32], stride: usize, size: (usize, usize), out: &mut [f32]) {
+    for (row, out) in out.chunks_exact_mut(size.0).enumerate() {
+        let mut lines = samples[row * CELL * stride..].chunks(stride);
+        out.fill(0.0);
+        for line in lines.by_ref().take(CELL) {
+            for (sum, cell) in out.iter_mut().zip(line.as_chunks::<CELL>().0) {
+                *sum += cell[0] + cell[1] + cell[2] + cell[3];
+            }
+        }
+        for sum in out {
+            *sum *= 1.0 / 16.0;
+        }
+    }
+}
+}
+
+simd_kernel! {
+/// Mean of each of `size` (width, height) cells of 2 x 2 target probabilities, from 0 to 255, as a share.
+fn cell_probabilities(samples: &[f32], size: (usize, usize), out: &mut [f32]) {
+    let width = 2 * size.0;
+    for (lines, out) in samples.chunks_exact(2 * width).zip(out.chunks_exact_mut(size.0)) {
+        let (upper, lower) = lines.split_at(width);
+        for ((out, upper), lower) in out.iter_mut().zip(upper.as_chunks::<2>().0).zip(lower.as_chunks::<2>().0) {
+            *out = (upper[0] + upper[1] + lower[0] + lower[1]) * (0.25 / 255.0);
+        }
+    }
+}
 }
 
 fn normalisation(normalisation: &[(f32, f32); 2], channel: usize) -> (f32, f32) {

@@ -49,8 +49,6 @@ impl Default for Spectrum {
 pub(crate) struct Fourier {
     /// cos and sin of -2 pi k / SIDE, for k below SIDE / 2.
     twiddle: [Complex; SIDE / 2],
-    /// Position of the value of the negative frequency, for each position.
-    negative: Box<[u16; AREA]>,
     work: Spectrum,
 }
 
@@ -61,16 +59,7 @@ impl Fourier {
             let angle = -core::f64::consts::TAU * k as f64 / SIDE as f64;
             *factor = (libm::cos(angle) as f32, libm::sin(angle) as f32);
         }
-        let bits = SIDE.trailing_zeros();
-        let reversed = |k: usize| (k.reverse_bits() >> (usize::BITS - bits)) % SIDE;
-        let mirrored = |position: usize| reversed((SIDE - reversed(position)) % SIDE);
-        let mut negative = Box::new([0; AREA]);
-        for row in 0..SIDE {
-            for column in 0..SIDE {
-                negative[row * SIDE + column] = (mirrored(row) * SIDE + mirrored(column)) as u16;
-            }
-        }
-        Self { twiddle, negative, work: Spectrum::default() }
+        Self { twiddle, work: Spectrum::default() }
     }
 
     /// Computes the spectra of two real maps.
@@ -99,16 +88,43 @@ fn forward_pair(fourier: &mut Fourier, maps: (&Map, &Map), spectra: (&mut Spectr
     decimate_in_frequency(&fourier.twiddle, &mut fourier.work);
     let (first, second) = spectra;
     let Spectrum { re, im } = &fourier.work;
-    for (position, &mirror) in fourier.negative.iter().enumerate() {
-        let mirror = usize::from(mirror) % AREA;
-        let (z_re, z_im) = (re[position], im[position]);
-        let (n_re, n_im) = (re[mirror], im[mirror]);
-        first.re[position] = 0.5 * (z_re + n_re);
-        first.im[position] = 0.5 * (z_im - n_im);
-        second.re[position] = 0.5 * (z_im + n_im);
-        second.im[position] = 0.5 * (n_re - z_re);
+    for row in 0..SIDE {
+        let (here, mirror) = (row * SIDE, negative(row) * SIDE);
+        let (z_re, z_im) = (&re[here..][..SIDE], &im[here..][..SIDE]);
+        let (n_re, n_im) = (negated(&re[mirror..][..SIDE]), negated(&im[mirror..][..SIDE]));
+        let (first_re, first_im) = (&mut first.re[here..][..SIDE], &mut first.im[here..][..SIDE]);
+        let (second_re, second_im) = (&mut second.re[here..][..SIDE], &mut second.im[here..][..SIDE]);
+        for column in 0..SIDE {
+            first_re[column] = 0.5 * (z_re[column] + n_re[column]);
+            first_im[column] = 0.5 * (z_im[column] - n_im[column]);
+            second_re[column] = 0.5 * (z_im[column] + n_im[column]);
+            second_im[column] = 0.5 * (n_re[column] - z_re[column]);
+        }
     }
 }
+}
+
+/// Position of the negative frequency, in bit-reversed order: from each power of two to the next, the order is reversed.
+#[inline(always)]
+fn negative(position: usize) -> usize {
+    match position.checked_ilog2() {
+        None => 0,
+        Some(power) => (3 << power) - 1 - position,
+    }
+}
+
+/// A row of a spectrum with each value at the position of its negative frequency.
+#[inline(always)]
+fn negated(row: &[f32]) -> [f32; SIDE] {
+    let mut out = [row[0]; SIDE];
+    let mut from = 1;
+    while from < SIDE {
+        for k in from..2 * from {
+            out[k] = row[3 * from - 1 - k];
+        }
+        from *= 2;
+    }
+    out
 }
 
 simd_kernel! {

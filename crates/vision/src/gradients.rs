@@ -25,6 +25,8 @@ pub(crate) struct GradientHistograms {
     /// `width * height` cells of each direction in turn.
     cells: Vec<f32>,
     energy: Vec<f32>,
+    /// Factor of each cell.
+    scales: Vec<f32>,
     lines: Vec<f32>,
 }
 
@@ -61,79 +63,94 @@ pub(crate) fn unit_directions() -> ([(f32, f32); DIRECTIONS], f32) {
 
 simd_kernel! {
 fn compute_cells(g: &mut GradientHistograms, patch: &[f32], width: usize, height: usize, directions: &[(f32, f32); DIRECTIONS], cos_step: f32) {
-        let samples = width * CELL;
-        let stride = samples + 2 * MARGIN;
-        g.cells.resize(DIRECTIONS * width * height, 0.0);
-        g.lines.resize((DIRECTIONS + 3) * samples, 0.0);
-        let (sums, gradient) = g.lines.split_at_mut(DIRECTIONS * samples);
-        let (dx, rest) = gradient.split_at_mut(samples);
-        let (dy, magnitude) = rest.split_at_mut(samples);
-    let (dx, dy, magnitude) = (&mut dx[..samples], &mut dy[..samples], &mut magnitude[..samples]);
-        for cell_row in 0..height {
-            sums.fill(0.0);
-            for within in 0..CELL {
-                let row = cell_row * CELL + within + MARGIN;
-                let above = &patch[(row - 1) * stride + MARGIN..][..samples];
-                let below = &patch[(row + 1) * stride + MARGIN..][..samples];
-                let left = &patch[row * stride..][..samples];
-                let right = &patch[row * stride + 2 * MARGIN..][..samples];
-                for i in 0..samples {
-                    let (x, y) = (right[i] - left[i], below[i] - above[i]);
-                    dx[i] = x;
-                    dy[i] = y;
-                    magnitude[i] = (x * x + y * y).sqrt() * cos_step;
-                }
-                for (sum, &(cos, sin)) in sums.chunks_exact_mut(samples).zip(directions) {
-                    let sum = &mut sum[..samples];
-                    for i in 0..samples {
-                        let along = (dx[i] * cos + dy[i] * sin).abs() - magnitude[i];
-                        sum[i] += if along > 0.0 { along } else { 0.0 };
-                    }
-                }
-            }
-            for (direction, sum) in sums.chunks_exact(samples).enumerate() {
-                let out = &mut g.cells[(direction * height + cell_row) * width..][..width];
-                for (out, cell) in out.iter_mut().zip(sum.chunks_exact(CELL)) {
-                    *out = cell[0] + cell[1] + cell[2] + cell[3];
-                }
+    let samples = width * CELL;
+    let stride = samples + 2 * MARGIN;
+    g.cells.resize(DIRECTIONS * width * height, 0.0);
+    g.lines.resize((DIRECTIONS + 3 * CELL) * samples, 0.0);
+    let (sums, gradient) = g.lines.split_at_mut(DIRECTIONS * samples);
+    let (dx, rest) = gradient.split_at_mut(CELL * samples);
+    let (dy, magnitude) = rest.split_at_mut(CELL * samples);
+    for cell_row in 0..height {
+        for within in 0..CELL {
+            let row = cell_row * CELL + within + MARGIN;
+            let above = &patch[(row - 1) * stride + MARGIN..][..samples];
+            let below = &patch[(row + 1) * stride + MARGIN..][..samples];
+            let left = &patch[row * stride..][..samples];
+            let right = &patch[row * stride + 2 * MARGIN..][..samples];
+            let line = within * samples..(within + 1) * samples;
+            let (dx, dy, magnitude) = (&mut dx[line.clone()], &mut dy[line.clone()], &mut magnitude[line]);
+            for i in 0..samples {
+                let (x, y) = (right[i] - left[i], below[i] - above[i]);
+                dx[i] = x;
+                dy[i] = y;
+                magnitude[i] = (x * x + y * y).sqrt() * cos_step;
             }
         }
-
+        let ([dx0, dx1, dx2, dx3], [dy0, dy1, dy2, dy3]) = (rows(dx, samples), rows(dy, samples));
+        let [magnitude0, magnitude1, magnitude2, magnitude3] = rows(magnitude, samples);
+        for (sum, &(cos, sin)) in sums.chunks_exact_mut(samples).zip(directions) {
+            let vote = |x: f32, y: f32, magnitude: f32| {
+                let along = (x * cos + y * sin).abs() - magnitude;
+                if along > 0.0 { along } else { 0.0 }
+            };
+            for i in 0..samples {
+                sum[i] = vote(dx0[i], dy0[i], magnitude0[i])
+                    + vote(dx1[i], dy1[i], magnitude1[i])
+                    + vote(dx2[i], dy2[i], magnitude2[i])
+                    + vote(dx3[i], dy3[i], magnitude3[i]);
+            }
+        }
+        for (direction, sum) in sums.chunks_exact(samples).enumerate() {
+            let out = &mut g.cells[(direction * height + cell_row) * width..][..width];
+            for (out, cell) in out.iter_mut().zip(sum.chunks_exact(CELL)) {
+                *out = cell[0] + cell[1] + cell[2] + cell[3];
+            }
+        }
     }
+}
+}
+
+/// The rows of a line of cells.
+#[inline(always)]
+fn rows(lines: &[f32], samples: usize) -> [&[f32]; CELL] {
+    core::array::from_fn(|within| &lines[within * samples..][..samples])
 }
 
 simd_kernel! {
 fn normalise(g: &mut GradientHistograms, width: usize, height: usize) {
-        let area = width * height;
-        g.energy.clear();
-        g.energy.resize(2 * area, 0.0);
-        let (energy, around) = g.energy.split_at_mut(area);
-        for channel in g.cells.chunks_exact(area) {
-            for (sum, &value) in energy.iter_mut().zip(channel) {
+    let area = width * height;
+    // The energies have a border of zeros, which add nothing to the sums at the edges.
+    let stride = width + 2;
+    g.energy.clear();
+    g.energy.resize(stride * (height + 2), 0.0);
+    for channel in g.cells.chunks_exact(area) {
+        for (row, cells) in channel.chunks_exact(width).enumerate() {
+            let energy = &mut g.energy[(row + 1) * stride + 1..][..width];
+            for (sum, &value) in energy.iter_mut().zip(cells) {
                 *sum += value * value;
             }
         }
-        for row in 0..height {
-            for column in 0..width {
-                let (top, bottom) = (row.saturating_sub(1), (row + 2).min(height));
-                let (left, right) = (column.saturating_sub(1), (column + 2).min(width));
-                let mut sum = 0.0;
-                for r in top..bottom {
-                    for &e in &energy[r * width + left..r * width + right] {
-                        sum += e;
-                    }
-                }
-                let count = ((bottom - top) * (right - left)) as f32;
-                around[row * width + column] = 1.0 / (sum / count + NOISE_ENERGY).sqrt();
+    }
+    g.scales.resize(area, 0.0);
+    for (row, scales) in g.scales.chunks_exact_mut(width).enumerate() {
+        let [above, here, below] = core::array::from_fn(|k| &g.energy[(row + k) * stride..][..stride]);
+        let rows = 1 + usize::from(row > 0) + usize::from(row + 1 < height);
+        for (column, scale) in scales.iter_mut().enumerate() {
+            let mut sum = 0.0;
+            for line in [above, here, below] {
+                sum = sum + line[column] + line[column + 1] + line[column + 2];
             }
-        }
-        for channel in g.cells.chunks_exact_mut(area) {
-            for (value, &scale) in channel.iter_mut().zip(around.iter()) {
-                let scaled = *value * scale;
-                *value = if scaled > MAX_NORMALISED { MAX_NORMALISED } else { scaled };
-            }
+            let columns = 1 + usize::from(column > 0) + usize::from(column + 1 < width);
+            *scale = 1.0 / (sum / (rows * columns) as f32 + NOISE_ENERGY).sqrt();
         }
     }
+    for channel in g.cells.chunks_exact_mut(area) {
+        for (value, &scale) in channel.iter_mut().zip(&g.scales) {
+            let scaled = *value * scale;
+            *value = if scaled > MAX_NORMALISED { MAX_NORMALISED } else { scaled };
+        }
+    }
+}
 }
 
 #[cfg(test)]

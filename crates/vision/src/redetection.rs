@@ -8,7 +8,8 @@
 
 use barrelman_vocab::Picture;
 
-use crate::colour_model::ColourModel;
+use crate::colour_model::{ColourModel, bin};
+use crate::simd::simd_kernel;
 
 /// A place that may show the target.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,6 +31,12 @@ pub(crate) struct Redetector {
     sums: Vec<u32>,
     width: usize,
     height: usize,
+    /// Bins of the colours of one row.
+    bins: Vec<u16>,
+    /// Sums between two rows of the integral image, and contrasts, for each column of one row of places.
+    inner: Vec<u32>,
+    outer: Vec<u32>,
+    contrasts: Vec<f32>,
     candidates: Vec<Candidate>,
 }
 
@@ -69,15 +76,16 @@ impl Redetector {
             return;
         }
         let table = model.table();
+        self.bins.resize(self.width, 0);
         for row in 0..self.height {
             let (us, vs) = (u.row(row * step + step / 2), v.row(row * step + step / 2));
             let ys = y.row((2 * (row * step + step / 2)).min(y.height - 1));
+            bins_of_row([ys, us, vs], step, &mut self.bins);
             let (above, here) = self.sums.split_at_mut((row + 1) * stride);
             let above = &above[row * stride + 1..];
             let mut sum = 0;
-            for (column, (out, above)) in here[1..stride].iter_mut().zip(above).enumerate() {
-                let x = column * step + step / 2;
-                sum += u32::from(table.probability(ys[(2 * x).min(y.width - 1)], us[x], vs[x]));
+            for ((out, above), &bin) in here[1..stride].iter_mut().zip(above).zip(&self.bins) {
+                sum += u32::from(table.of_bin(bin));
                 *out = sum + above;
             }
         }
@@ -90,18 +98,40 @@ impl Redetector {
         let outer = 2 * half;
         let stride = (half / 2).max(1);
         for row in (0..self.height).step_by(stride) {
+            self.fill_contrasts(row, half, outer);
+            if !self.contrasts.iter().any(|&contrast| contrast > MIN_CONTRAST) {
+                continue;
+            }
             for column in (0..self.width).step_by(stride) {
-                let inner = self.square_sum(column, row, half);
-                let around = self.square_sum(column, row, outer);
-                let mean = inner.0 as f32 / (255 * inner.1) as f32;
-                let ring = (around.1 - inner.1).max(1);
-                let ring_mean = (around.0 - inner.0) as f32 / (255 * ring) as f32;
-                let contrast = mean - ring_mean;
+                let contrast = self.contrasts[column];
                 if contrast > MIN_CONTRAST {
                     let centre = ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit);
                     self.insert(Candidate { centre, contrast, layout_similarity: 0.0, scale: 1.0 }, size);
                 }
             }
+        }
+    }
+
+    /// Fills `contrasts`: for each column the mean target probability in a square of `half` samples to every side of the
+    /// place, less that in the ring around it, up to `outer` samples from the place.
+    fn fill_contrasts(&mut self, row: usize, half: usize, outer: usize) {
+        self.contrasts.resize(self.width, 0.0);
+        // Between these columns no square is cut off at the left or right edge.
+        let (first, behind) =
+            (outer.min(self.width), self.width.saturating_sub(outer).max(outer.min(self.width)));
+        let counted = |half: usize| (row + half + 1).min(self.height) - row.saturating_sub(half);
+        let stride = self.width + 1;
+        for (sums, half) in [(&mut self.inner, half), (&mut self.outer, outer)] {
+            let top = row.saturating_sub(half);
+            let line = |row: usize| &self.sums[row * stride..][..stride];
+            subtract_rows(line(top + counted(half)), line(top), sums);
+        }
+        let places = &mut self.contrasts[first..behind];
+        let squares = [(half, counted(half)), (outer, counted(outer))];
+        row_contrasts(&self.inner[first - half.min(first)..], &self.outer, squares, places);
+        for column in (0..first).chain(behind..self.width) {
+            let (inner, around) = (self.square_sum(column, row, half), self.square_sum(column, row, outer));
+            self.contrasts[column] = contrast(inner, around);
         }
     }
 
@@ -141,8 +171,7 @@ impl Redetector {
         let half = (half(sides.0), half(sides.1));
         let ring = half.0.max(half.1).max(1);
         let (inner, outer) = (self.box_sum(at, half), self.box_sum(at, (half.0 + ring, half.1 + ring)));
-        inner.0 as f32 / (255 * inner.1) as f32
-            - (outer.0 - inner.0) as f32 / (255 * (outer.1 - inner.1).max(1)) as f32
+        contrast(inner, outer)
     }
 
     /// Sum and number of the samples in a square with `half` samples to every side of the centre.
@@ -164,19 +193,75 @@ impl Redetector {
             (c.centre.0 - new.centre.0).abs() < size && (c.centre.1 - new.centre.1).abs() < size
         };
         if let Some(old) = self.candidates.iter_mut().find(|c| near(c)) {
-            if new.contrast > old.contrast {
-                *old = new;
+            if new.contrast <= old.contrast {
+                return;
             }
+            *old = new;
         } else if self.candidates.len() < MAX_CANDIDATES {
             self.candidates.push(new);
         } else if let Some(worst) =
             self.candidates.iter_mut().min_by(|a, b| a.contrast.total_cmp(&b.contrast))
-            && worst.contrast < new.contrast
         {
+            if worst.contrast >= new.contrast {
+                return;
+            }
             *worst = new;
         }
         self.candidates.sort_by(|a, b| b.contrast.total_cmp(&a.contrast));
     }
+}
+
+/// Mean target probability inside less that in the ring around it, from the sum and the number of the samples inside, and
+/// those of both together.
+#[inline(always)]
+fn contrast(inner: (u32, u32), outer: (u32, u32)) -> f32 {
+    let mean = |sum: u32, count: u32| sum as f32 / (255 * count) as f32;
+    mean(inner.0, inner.1) - mean(outer.0 - inner.0, (outer.1 - inner.1).max(1))
+}
+
+simd_kernel! {
+/// The bins of the colours of every `step`-th chroma sample of a row of Y, U and V.
+fn bins_of_row(planes: [&[u8]; 3], step: usize, out: &mut [u16]) {
+    let [ys, us, vs] = planes;
+    if step == 1 && ys.len() >= 2 * out.len() {
+        for (((out, y), &u), &v) in out.iter_mut().zip(ys.as_chunks::<2>().0).zip(us).zip(vs) {
+            *out = bin(y[0], u, v) as u16;
+        }
+        return;
+    }
+    for (column, out) in out.iter_mut().enumerate() {
+        let x = column * step + step / 2;
+        *out = bin(ys[(2 * x).min(ys.len() - 1)], us[x], vs[x]) as u16;
+    }
+}
+}
+
+simd_kernel! {
+/// The difference of two rows of an integral image.
+fn subtract_rows(lower: &[u32], upper: &[u32], out: &mut Vec<u32>) {
+    out.clear();
+    out.extend(lower.iter().zip(upper).map(|(lower, upper)| lower - upper));
+}
+}
+
+simd_kernel! {
+/// The contrasts of consecutive places from the sums of the columns. `squares` gives the half side and the rows of the
+/// inner and the outer square, which begin with the first column of `inner` and `outer`.
+fn row_contrasts(inner: &[u32], outer: &[u32], squares: [(usize, usize); 2], out: &mut [f32]) {
+    let [inner_side, outer_side] = squares.map(|(half, _)| 2 * half + 1);
+    let count = |side: usize, (_, rows): (usize, usize)| (side * rows) as u32;
+    let (inner_count, outer_count) = (count(inner_side, squares[0]), count(outer_side, squares[1]));
+    let places = out.len();
+    if places == 0 {
+        return;
+    }
+    let (inner_left, inner_right) = (&inner[..places], &inner[inner_side..][..places]);
+    let (outer_left, outer_right) = (&outer[..places], &outer[outer_side..][..places]);
+    for i in 0..places {
+        let (inner, outer) = (inner_right[i] - inner_left[i], outer_right[i] - outer_left[i]);
+        out[i] = contrast((inner, inner_count), (outer, outer_count));
+    }
+}
 }
 
 /// Minimum contrast of a candidate.
@@ -274,6 +359,27 @@ mod tests {
     fn where_nothing_or_everything_has_its_colour_there_is_no_candidate() {
         assert_eq!(found(&[], 40.0), []);
         assert_eq!(found(&[[0, 0, 320, 240]], 40.0), []);
+    }
+
+    #[test]
+    fn the_contrasts_of_a_row_are_those_of_its_places() {
+        let mut model = ColourModel::default();
+        let boats = picture(&[[30, 60, 40, 32], [280, 0, 40, 40]]);
+        let ellipse = TargetEllipse::inscribed_in((40.0, 32.0));
+        count_colours(&boats, (50.0, 76.0), &ellipse, &mut model.target, &mut model.surroundings);
+        model.update_table();
+        let mut redetector = Redetector::default();
+        for (step, half) in [(1, 1), (1, 20), (2, 9), (3, 30), (3, 200)] {
+            redetector.build_integral_image(&boats, &model, step);
+            for row in 0..redetector.height {
+                redetector.fill_contrasts(row, half, 2 * half);
+                for (column, &seen) in redetector.contrasts.iter().enumerate() {
+                    let inner = redetector.square_sum(column, row, half);
+                    let expected = contrast(inner, redetector.square_sum(column, row, 2 * half));
+                    assert_eq!(seen.to_bits(), expected.to_bits(), "{step} {half}: {column},{row}");
+                }
+            }
+        }
     }
 
     #[test]

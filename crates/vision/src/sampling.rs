@@ -112,23 +112,28 @@ pub(crate) fn sample_bilinear(map: &SampleMap, grid: SamplingGrid, line: &mut Sa
         let end = (x.saturating_add(step.0.saturating_mul(last)), y.saturating_add(step.1.saturating_mul(last)));
         let inside = |from: i32, to: i32, limit: i32| from.min(to) >= 0 && from.max(to) <= limit;
         let SampleRow { quads, fraction } = line;
+        let width = map.width as u32;
         if inside(x, end.0, limit.0) && inside(y, end.1, limit.1) {
-            let (mut x, mut y) = (x as u32, y as u32);
-            for (quad, fraction) in quads.iter_mut().zip(fraction.iter_mut()) {
-                *quad = map.quads[(y >> 16) as usize * map.width + (x >> 16) as usize];
+            let (from, step) = ((x as u32, y as u32), (step.0 as u32, step.1 as u32));
+            for ((quad, fraction), k) in quads.iter_mut().zip(fraction.iter_mut()).zip(0_u32..) {
+                let (x, y) = (from.0.wrapping_add(k.wrapping_mul(step.0)), from.1.wrapping_add(k.wrapping_mul(step.1)));
+                *quad = (y >> 16) * width + (x >> 16);
                 *fraction = ((x >> 8) & 0xff) | ((y & 0xff00) << 8);
-                x = x.wrapping_add(step.0 as u32);
-                y = y.wrapping_add(step.1 as u32);
             }
         } else {
             let (mut x, mut y) = (x, y);
             for (quad, fraction) in quads.iter_mut().zip(fraction.iter_mut()) {
-                let (cx, cy) = (x.clamp(0, limit.0), y.clamp(0, limit.1));
-                *quad = map.quads[(cy >> 16) as usize * map.width + (cx >> 16) as usize];
-                *fraction = (((cx >> 8) & 0xff) | ((cy & 0xff00) << 8)) as u32;
+                let (cx, cy) = (x.clamp(0, limit.0) as u32, y.clamp(0, limit.1) as u32);
+                *quad = (cy >> 16) * width + (cx >> 16);
+                *fraction = ((cx >> 8) & 0xff) | ((cy & 0xff00) << 8);
                 x = x.saturating_add(step.0);
                 y = y.saturating_add(step.1);
             }
+        }
+        // From each sample's index to its neighbours: the loops before and after this one have no such lookup, so that
+        // they can be vectorised.
+        for quad in quads.iter_mut() {
+            *quad = map.quads[*quad as usize];
         }
         for ((out, &quad), &fraction) in out.iter_mut().zip(quads.iter()).zip(fraction.iter()) {
             // Bytes and half words: the casts are lossless. Signed conversions are the fast ones.

@@ -9,6 +9,7 @@
 //! it looks at. Its weights were fitted to labelled recordings and simulated scenes
 //! (`scripts/training/train_refinement.py`).
 
+mod convolution;
 mod memory;
 mod motion;
 mod network;

@@ -20,6 +20,7 @@ use std::sync::{Arc, LazyLock};
 use barrelman_vocab::PixelBox;
 use thiserror::Error;
 
+use super::convolution::convolve_row;
 use super::window::{MEASUREMENTS, RefinementWindow, WINDOW_CHANNELS, WINDOW_SIDE_CELLS};
 use crate::simd::simd_kernel;
 
@@ -40,8 +41,6 @@ const JUDGE: usize = 16;
 const JUDGED: usize = 3 * SECOND + 2 * EDGE + MEASUREMENTS;
 /// Cells in the middle of the maps, along each axis.
 const MIDDLE: core::ops::Range<usize> = 5..11;
-/// Channels that are summed at the same time.
-const BLOCK: usize = 4;
 /// Scale of the shifts of the edges, in sides of the window.
 const SHIFT_SCALE: f32 = 0.4;
 /// Offset and range of the logarithms of the errors.
@@ -160,6 +159,11 @@ impl Layer {
             (0..self.weights.len()).map(|k| self.weights[(k % outputs) * inputs + k / outputs]).collect();
         Self { weights, ..self }
     }
+
+    /// One row of a convolution.
+    fn convolve_row(&self, map: &[f32], starts: &[usize], out: &mut [[f32; SIDE]]) {
+        convolve_row(&self.weights, &self.bias, map, starts, out);
+    }
 }
 
 /// The answer of the network.
@@ -260,45 +264,18 @@ fn split_phases(network: &mut RefinementNetwork, window: &RefinementWindow) {
     }
 }
 
-/// One row of a convolution: `start` gives the place in `map` from which the inputs of a tap are read.
-#[inline(always)]
-fn convolve_row<const OUTPUTS: usize>(
-    layer: &Layer,
-    map: &[f32],
-    taps: usize,
-    start: impl Fn(usize) -> usize,
-    out: &mut [[f32; SIDE]; OUTPUTS],
-) {
-    for (block, out) in out.chunks_exact_mut(BLOCK).enumerate() {
-        let mut sums = [[0.0_f32; SIDE]; BLOCK];
-        for (sums, bias) in sums.iter_mut().zip(&layer.bias[block * BLOCK..]) {
-            sums.fill(*bias);
-        }
-        for tap in 0..taps {
-            let line = &map[start(tap)..][..SIDE];
-            let weights = &layer.weights[tap * OUTPUTS + block * BLOCK..][..BLOCK];
-            for k in 0..BLOCK {
-                for x in 0..SIDE {
-                    sums[k][x] += weights[k] * line[x];
-                }
-            }
-        }
-        out.copy_from_slice(&sums);
-    }
-}
-
 simd_kernel! {
 fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASUREMENTS], answer: &mut Answer) {
     let weights = Arc::clone(&network.weights);
     // Phase and shift of the three taps along an axis.
     const TAPS: [(usize, usize); 3] = [(0, 0), (1, 0), (0, 1)];
+    let starts: [usize; 9 * WINDOW_CHANNELS] = core::array::from_fn(|tap| {
+        let ((vertical, down), (horizontal, right)) = (TAPS[tap % 9 / 3], TAPS[tap % 3]);
+        (tap / 9 * 4 + vertical * 2 + horizontal) * PHASE + down * (SIDE + 1) + right
+    });
     for row in 0..SIDE {
         let mut sums = [[0.0_f32; SIDE]; FIRST];
-        let start = |tap: usize| {
-            let ((vertical, down), (horizontal, right)) = (TAPS[tap % 9 / 3], TAPS[tap % 3]);
-            (tap / 9 * 4 + vertical * 2 + horizontal) * PHASE + (row + down) * (SIDE + 1) + right
-        };
-        convolve_row(&weights.first, &network.input, 9 * WINDOW_CHANNELS, start, &mut sums);
+        weights.first.convolve_row(&network.input[row * (SIDE + 1)..], &starts, &mut sums);
         for (channel, sum) in sums.iter().enumerate() {
             let out = &mut network.first[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
             for x in 0..SIDE {
@@ -306,10 +283,11 @@ fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASURE
             }
         }
     }
+    let starts: [usize; 9 * FIRST] =
+        core::array::from_fn(|tap| (tap / 9 * PADDED + tap % 9 / 3 + 1) * PADDED + tap % 3 + 1);
     for row in 0..SIDE {
         let mut sums = [[0.0_f32; SIDE]; SECOND];
-        let start = |tap: usize| (tap / 9 * PADDED + row + tap % 9 / 3 + 1) * PADDED + tap % 3 + 1;
-        convolve_row(&weights.second, &network.first, 9 * FIRST, start, &mut sums);
+        weights.second.convolve_row(&network.first[row * PADDED..], &starts, &mut sums);
         for (channel, sum) in sums.iter().enumerate() {
             let out = &mut network.second[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
             for x in 0..SIDE {
@@ -317,10 +295,11 @@ fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASURE
             }
         }
     }
+    let starts: [usize; 9 * SECOND] =
+        core::array::from_fn(|tap| (tap / 9 * PADDED + 2 * (tap % 9 / 3)) * PADDED + 2 * (tap % 3));
     for row in 0..SIDE {
         let mut sums = [[0.0_f32; SIDE]; SECOND];
-        let start = |tap: usize| (tap / 9 * PADDED + row + 2 * (tap % 9 / 3)) * PADDED + 2 * (tap % 3);
-        convolve_row(&weights.third, &network.second, 9 * SECOND, start, &mut sums);
+        weights.third.convolve_row(&network.second[row * PADDED..], &starts, &mut sums);
         for (channel, sum) in sums.iter().enumerate() {
             let before = &network.second[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
             let out = &mut network.third[(channel * SIDE + row) * SIDE..][..SIDE];
@@ -356,10 +335,10 @@ fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASURE
         judged[SECOND + channel] = most;
         judged[2 * SECOND + channel] = middle / (MIDDLE.len() * MIDDLE.len()) as f32;
     }
+    let starts: [usize; 3 * 2 * SECOND] = core::array::from_fn(|tap| tap / 3 * (SIDE + 2) + tap % 3);
     for (axis, profile) in profiles.iter().enumerate() {
         let mut sums = [[0.0_f32; SIDE]; PROFILE];
-        let start = |tap: usize| tap / 3 * (SIDE + 2) + tap % 3;
-        convolve_row(&weights.profile, profile.as_flattened(), 3 * 2 * SECOND, start, &mut sums);
+        weights.profile.convolve_row(profile.as_flattened(), &starts, &mut sums);
         let values = sums.as_flattened_mut();
         for value in values.iter_mut() {
             *value = value.max(0.0);

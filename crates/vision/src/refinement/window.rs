@@ -308,10 +308,13 @@ impl RefinementWindow {
             let from = (index as f32 - (WINDOW_SIDE_CELLS / 2) as f32) * cell;
             ((from + cell).min(0.5 * side) - from.max(-0.5 * side)).max(0.0) / cell
         };
+        let across: [f32; WINDOW_SIDE_CELLS] = core::array::from_fn(|column| share(column, grid.step, width));
         let cells = self.channel_mut(Channel::Box);
-        for (index, value) in cells.iter_mut().enumerate() {
-            *value = share(index % WINDOW_SIDE_CELLS, grid.step, width)
-                * share(index / WINDOW_SIDE_CELLS, grid.step * grid.stretch, height);
+        for (row, cells) in cells.chunks_exact_mut(WINDOW_SIDE_CELLS).enumerate() {
+            let down = share(row, grid.step * grid.stretch, height);
+            for (value, across) in cells.iter_mut().zip(across) {
+                *value = across * down;
+            }
         }
     }
 }

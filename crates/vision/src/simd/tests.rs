@@ -13,6 +13,8 @@ use crate::crop::Crop;
 use crate::decimation::decimate;
 use crate::fourier::{AREA, Fourier, Map, Spectrum};
 use crate::gradients::{CELL, GradientHistograms, MARGIN, unit_directions};
+use crate::redetection::Redetector;
+use crate::refinement::{RefinementNetwork, RefinementWeights, RefinementWindow};
 use crate::sampling::SamplingGrid;
 use crate::{FusedConfig, FusedTracker, Tracker};
 
@@ -171,6 +173,39 @@ fn patches_have_the_same_bits_at_every_vector_level() {
             crop.sample_luma(&grid, &mut luma);
             crop.sample_probability(&grid, &mut probability);
             [luma, probability].concat()
+        });
+    }
+}
+
+#[test]
+fn the_refinement_network_has_the_same_bits_at_every_vector_level() {
+    check(|| {
+        let mut sample = noise(17);
+        let mut window = RefinementWindow::default();
+        window.cells.iter_mut().for_each(|cell| *cell = f32::from(sample()) / 128.0 - 1.0);
+        let refined = RefinementNetwork::new(RefinementWeights::built_in()).evaluate(&window);
+        [refined.edges.to_vec(), refined.errors.to_vec(), vec![refined.probability]].concat()
+    });
+}
+
+#[test]
+fn candidates_by_colour_are_the_same_at_every_vector_level() {
+    let picture = picture((190, 130), 13);
+    let mut model = ColourModel::default();
+    count_colours(
+        &picture,
+        (95.0, 65.0),
+        &TargetEllipse::inscribed_in((24.0, 16.0)),
+        &mut model.target,
+        &mut model.surroundings,
+    );
+    model.update_table();
+    for sides in [(12.0, 8.0), (24.0, 16.0), (70.0, 60.0)] {
+        check(|| {
+            let mut redetector = Redetector::default();
+            let found = redetector.find_candidates(&picture, &model, sides).iter();
+            // A search without a candidate gives no values: add two.
+            found.flat_map(|c| [c.centre.0, c.centre.1, c.contrast, c.scale]).chain([0.0, 1.0]).collect()
         });
     }
 }
