@@ -72,6 +72,11 @@ impl RoverBoat {
         (self.mode, self.set_point, self.heartbeat_at) = (mode, None, Timestamp::ZERO);
     }
 
+    /// Somebody else arms or disarms the boat.
+    pub fn arm(&mut self, is_armed: bool) {
+        (self.is_armed, self.set_point, self.heartbeat_at) = (is_armed, None, Timestamp::ZERO);
+    }
+
     /// The command that the autopilot carries out.
     pub fn command(&self, now: Timestamp) -> VesselCommand {
         let is_obeyed = self.is_armed && self.mode == GUIDED;
