@@ -30,6 +30,7 @@ impl ValueEnum for Subject {
             Self::Camera(Vehicle::FotokiteSigma),
             Self::Boat(Vessel::LabUdp),
             Self::Boat(Vessel::MavlinkRover),
+            Self::Boat(Vessel::MavlinkRoverManual),
         ]
     }
 

@@ -46,7 +46,7 @@ impl VesselLicence {
 
 /// What a video frame that arrived showed.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sight {
+pub(super) struct VideoArrival {
     /// Whether the video frame was new.
     pub(super) is_fresh: bool,
     /// Whether the boat was found in it.
@@ -143,14 +143,14 @@ impl VesselOracle {
     }
 
     /// A video frame arrived.
-    pub(super) fn saw(&mut self, sight: Sight, at_ms: u64) {
-        if !sight.is_fresh {
+    pub(super) fn saw(&mut self, arrival: VideoArrival, at_ms: u64) {
+        if !arrival.is_fresh {
             return;
         }
         self.video_ms = Some(at_ms);
         match self.consent {
             Some(VesselLicence::Guided) if at_ms > self.boat_seen_ms + CONSENT_LASTS_MS => self.withdraw(),
-            Some(VesselLicence::Guided) if sight.is_boat_found => {
+            Some(VesselLicence::Guided) if arrival.is_boat_found => {
                 self.boat_seen_ms = at_ms;
                 if self.has_destination {
                     self.permitted_ms = Some(at_ms);

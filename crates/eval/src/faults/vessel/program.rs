@@ -23,7 +23,7 @@ use super::super::link_end::LinkEnd;
 use super::super::mutant::Mutant;
 use super::super::picture::{PICTURE, SeenPicture};
 use super::console::Console;
-use super::oracle::{Sight, VesselOracle};
+use super::oracle::{VesselOracle, VideoArrival};
 use super::truth_tracker::{Truth, TruthTracker};
 
 /// A point of the water, to the right of the boat.
@@ -142,7 +142,7 @@ impl VesselProgram {
     }
 
     /// A picture has arrived, `age` after it was captured.
-    pub(super) fn see(&mut self, picture: SeenPicture, age: Duration, now: Timestamp) -> Sight {
+    pub(super) fn see(&mut self, picture: SeenPicture, age: Duration, now: Timestamp) -> VideoArrival {
         *self.truth.lock().unwrap_or_else(PoisonError::into_inner) = Some(picture);
         let frame = VideoFrame {
             sequence: self.frames,
@@ -152,7 +152,7 @@ impl VesselProgram {
         self.frames += 1;
         self.step(Input::Frame(&frame), now);
         let track = picture.track(picture.captured);
-        Sight {
+        VideoArrival {
             is_fresh: age <= self.profile.video_latency + self.profile.stale_after,
             is_boat_found: matches!(track, Track::Tracking(_)),
         }

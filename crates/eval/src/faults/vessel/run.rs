@@ -181,8 +181,8 @@ impl World {
         }
         if let Some(Underway { captured_ms, picture, .. }) = newest {
             let age = Duration::from_millis(at_ms - captured_ms);
-            let sight = self.program.see(picture, age, now);
-            self.oracle.saw(sight, at_ms);
+            let arrival = self.program.see(picture, age, now);
+            self.oracle.saw(arrival, at_ms);
         }
     }
 

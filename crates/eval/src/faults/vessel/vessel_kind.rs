@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
 use barrelman_vocab::{VesselCommand, VesselOrder, VesselProfile};
+use barrelman_wire::mavlink::rover::RoverDrive;
 use barrelman_wire::{OpenSession as _, VesselProtocol};
 
 use super::super::fault::{Fault, FaultKind};
@@ -19,8 +20,10 @@ use super::rover::Rover;
 pub(crate) enum Vessel {
     /// The laboratory's datagrams, to a receiver with a time-out.
     LabUdp,
-    /// An ArduPilot boat.
+    /// An ArduPilot boat in GUIDED.
     MavlinkRover,
+    /// An ArduPilot boat in MANUAL, by manual control.
+    MavlinkRoverManual,
 }
 
 impl Vessel {
@@ -29,6 +32,7 @@ impl Vessel {
         match self {
             Self::LabUdp => "lab-udp",
             Self::MavlinkRover => "mavlink-rover",
+            Self::MavlinkRoverManual => "mavlink-rover-manual",
         }
     }
 
@@ -37,6 +41,7 @@ impl Vessel {
         match self {
             Self::LabUdp => "The laboratory's datagrams to a boat, behind a guard",
             Self::MavlinkRover => "An ArduPilot boat in GUIDED, behind a guard",
+            Self::MavlinkRoverManual => "An ArduPilot boat by manual control, behind a guard",
         }
     }
 
@@ -69,7 +74,7 @@ impl Vessel {
         let is_delayed = faults.iter().any(|fault| fault.kind == FaultKind::LineDelays);
         let own_ms = match self {
             Self::LabUdp => 1_000,
-            Self::MavlinkRover => 3_300,
+            Self::MavlinkRover | Self::MavlinkRoverManual => 3_300,
         };
         if is_delayed { own_ms + DELAY_MS } else { own_ms }
     }
@@ -79,7 +84,7 @@ impl Vessel {
     pub(super) const fn settles_ms(self) -> u64 {
         match self {
             Self::LabUdp => 150,
-            Self::MavlinkRover => 1_150,
+            Self::MavlinkRover | Self::MavlinkRoverManual => 1_150,
         }
     }
 
@@ -130,7 +135,8 @@ impl Vessel {
     pub(super) fn boat(self, faults: &[Fault], is_ready: bool, mutant: Mutant) -> Box<dyn Boat> {
         match self {
             Self::LabUdp => Box::new(LabBoat::new(faults, mutant)),
-            Self::MavlinkRover => Box::new(Rover::new(faults, is_ready, mutant)),
+            Self::MavlinkRover => Box::new(Rover::new(RoverDrive::Guided, faults, is_ready, mutant)),
+            Self::MavlinkRoverManual => Box::new(Rover::new(RoverDrive::Manual, faults, is_ready, mutant)),
         }
     }
 }
