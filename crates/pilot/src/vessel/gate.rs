@@ -360,7 +360,11 @@ impl VesselGate {
         let rise = self.profile.throttle_rise_per_s * since.min(LONGEST_RISE).as_secs_f64();
         let (before, throttle) = (self.command.throttle, wanted.throttle);
         let from = if before * throttle > 0.0 { before.abs() } else { 0.0 };
-        VesselCommand { throttle: throttle.abs().min(from + rise).copysign(throttle), ..wanted }
+        // Positive zero for both zeros: a recording does not keep the sign of one.
+        VesselCommand {
+            throttle: throttle.abs().min(from + rise).copysign(throttle) + 0.0,
+            rudder: wanted.rudder + 0.0,
+        }
     }
 }
 

@@ -281,3 +281,11 @@ fn a_boat_that_was_disarmed_or_taken_waits_for_another_request() {
     gate.on_report(&Report::Acceptance(Acceptance::Accepted));
     assert_eq!(gate.steer(AHEAD, at(1_060)), Err(Refusal::HelmHeldAtStop));
 }
+
+#[test]
+fn a_throttle_that_has_no_time_to_grow_is_positive_zero() {
+    let mut gate = gate();
+    gate.steer(VesselCommand { throttle: -0.5, rudder: -0.0 }, at(1_000)).unwrap();
+    let command = gate.decide(GateInput::NoObservation, at(1_000)).command;
+    assert_eq!((command.throttle.to_bits(), command.rudder.to_bits()), (0, 0));
+}
