@@ -1,7 +1,7 @@
 """Tests the MAVLink boat against a boat that is written with pymavlink, an independent reading of the protocol.
 
-The boat behaves as ArduPilot was measured to: set-points count in GUIDED and armed only, and for three seconds. It judges the
-sender, the kind of each message, the frame, the mask and the sizes of each set-point, and that nothing arms it. The script
+The boat behaves as ArduPilot was measured to: set-points count in GUIDED and armed only, manual control in MANUAL, both for three
+seconds. It judges the sender, the kind of each message, the frame, the mask and the sizes of each command, and that nothing arms it. The script
 drives it from the console in headless Chromium.
 """
 import os
@@ -19,22 +19,33 @@ from console_page import Page, Program
 from pymavlink.dialects.v20 import common as mavlink
 from vessel import SLACK_S, mark, person_at
 
-GUIDED, MANUAL = 15, 0
-OWN = (245, 191)
+GUIDED, MANUAL, HOLD = 15, 0, 4
 MASK = 0x5C7
 FULL_SPEED, FULL_TURN = 3.6, 1.0
+
+
+class Drive:
+    """A way to drive the boat: the profile, who speaks, its mode, and the mode that the remote control's switch chooses to take it."""
+
+    def __init__(self, profile, own, mode, others):
+        self.profile, self.own, self.mode, self.others = profile, own, mode, others
+        self.name = "GUIDED" if mode == GUIDED else "MANUAL"
+
+
+DRIVES = [Drive("mavlink-rover", (245, 191), GUIDED, MANUAL), Drive("mavlink-rover-manual", (255, 191), MANUAL, HOLD)]
 
 
 class Boat:
     """An ArduPilot boat at a UDP port of loopback."""
 
-    def __init__(self, mode=MANUAL, armed=True):
+    def __init__(self, drive, is_ready=True, armed=True):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
         self.socket.settimeout(0.01)
         self.out = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
         self.parser = mavlink.MAVLink(None)
-        self.mode, self.armed = mode, armed
+        self.drive, self.armed = drive, armed
+        self.mode = drive.mode if is_ready else drive.others
         self.client = None
         self.is_silent = False
         self.set_points = []
@@ -78,10 +89,16 @@ class Boat:
     def _take(self, message):
         name = message.get_type()
         sender = (message.get_srcSystem(), message.get_srcComponent())
-        self._require(sender == OWN, f"{name} from {sender}")
+        self._require(sender == self.drive.own, f"{name} from {sender}")
         if name == "HEARTBEAT":
             return
-        if name == "SET_POSITION_TARGET_LOCAL_NED":
+        if name == "MANUAL_CONTROL" and self.drive.mode == MANUAL:
+            self._require(message.target == 1 and message.x == message.r == message.buttons == 0, f"manual control {message.to_dict()}")
+            self._require(abs(message.y) <= 1000 and abs(message.z) <= 1000, f"manual control {message.y}, {message.z}")
+            self._require(self.mode == MANUAL or time.monotonic() < self.heartbeat_at - 0.5, f"manual control in mode {self.mode}")
+            self.set_points.append((time.monotonic(), message.z / 1000, message.y / 1000))
+            return
+        if name == "SET_POSITION_TARGET_LOCAL_NED" and self.drive.mode == GUIDED:
             self._require((message.target_system, message.target_component) == (1, 1), f"set-point to {message.target_system}/{message.target_component}")
             self._require(message.coordinate_frame == mavlink.MAV_FRAME_BODY_NED and message.type_mask == MASK, f"frame {message.coordinate_frame}, mask {message.type_mask:#x}")
             self._require(abs(message.vx) <= FULL_SPEED + 1e-6 and abs(message.yaw_rate) <= FULL_TURN + 1e-6 and message.vy == message.vz == 0, f"set-point {message.vx}, {message.yaw_rate}")
@@ -107,7 +124,7 @@ class Boat:
 
 def start(args, folder, boat, name):
     """A run with a marked place, and its page."""
-    program = Program(args, "run", "--video", "sim:arena1?size=640x360", "--link", "sim:", "--engage", "--no-record", "--vessel", boat.url)
+    program = Program(args, "run", "--video", "sim:arena1?size=640x360", "--link", "sim:", "--engage", "--no-record", "--vessel", boat.url, "--vessel-profile", boat.drive.profile)
     page = Page(program.url, folder, name)
     page.ready()
     page.wait(lambda data: data["track"] == "tracking", 15, "the track")
@@ -121,48 +138,48 @@ def goes(program):
     return program.wait(lambda status: status["vessel"]["mode"] == "guided" and status["vessel"]["throttle"] > 0, 10, "the boat to go")
 
 
-def modes(table, args, folder):
-    boat = Boat()
-    program, page = start(args, folder, boat, "modes")
+def modes(table, args, folder, drive):
+    boat = Boat(drive, is_ready=False)
+    program, page = start(args, folder, boat, f"modes-{drive.name}")
     time.sleep(1.0)
-    table.require("a boat in MANUAL hears no set-point", not boat.set_points and not boat.asked, f"{len(boat.set_points)} set-points")
+    table.require(f"{drive.name}: a boat in another mode hears no command", not boat.set_points and not boat.asked, f"{len(boat.set_points)} set-points")
     page.click("guide")
-    common.wait_until(lambda: boat.asked, 5, "the question for GUIDED")
-    table.require("Go asks a boat in MANUAL for GUIDED, once, and does not go", boat.asked == [GUIDED] and not boat.set_points, f"asked for mode {boat.asked}")
+    common.wait_until(lambda: boat.asked, 5, f"the question for {drive.name}")
+    table.require(f"Go asks a boat in another mode for {drive.name}, once, and does not go", boat.asked == [drive.mode] and not boat.set_points, f"asked for mode {boat.asked}")
     time.sleep(0.5)
     page.click("guide")
     goes(program)
     begin = time.monotonic()
     time.sleep(1.0)
     rows = boat.since(begin)
-    table.require("Go again: set-points at a steady rate", 8 <= len(rows) <= 26 and rows[-1][1] > 0, f"{len(rows)} in a second, {rows[-1][1]:.2f} m/s, {rows[-1][2]:+.2f} rad/s")
-    boat.switch(MANUAL)
+    table.require(f"{drive.name}: Go again: commands at a steady rate", 8 <= len(rows) <= 26 and rows[-1][1] > 0, f"{len(rows)} in a second, {rows[-1][1]:.2f}, {rows[-1][2]:+.2f}")
+    boat.switch(drive.others)
     time.sleep(0.5)
     late = boat.since(time.monotonic())
     program.wait(lambda status: status["vessel"]["mode"] == "stopped", 5, "the boat's stop")
     time.sleep(1.0)
-    table.require("the sticks take the boat: nothing more is sent", not boat.since(time.monotonic() - 1.0) and not late, program.status()["vessel"]["text"])
-    boat.switch(GUIDED)
+    table.require(f"{drive.name}: the sticks take the boat: nothing more is sent", not boat.since(time.monotonic() - 1.0) and not late, program.status()["vessel"]["text"])
+    boat.switch(drive.mode)
     time.sleep(1.5)
     moving = [row for row in boat.since(time.monotonic() - 1.0) if row[1] or row[2]]
-    table.require("GUIDED by the sticks again: the boat waits for Go", not moving, f"{len(moving)} set-points that move")
+    table.require(f"{drive.name} by the sticks again: the boat waits for Go", not moving, f"{len(moving)} set-points that move")
     page.click("guide")
     goes(program)
     boat.is_silent = True
     begin = time.monotonic()
     program.wait(lambda status: status["vessel"]["link"] != "up", 8, "the loss of the silent boat")
     moved = time.monotonic() - begin
-    table.require("a boat that falls silent is told", 2 <= moved <= 6, f"after {moved:.1f} s: {program.status()['vessel']['text']}")
+    table.require(f"{drive.name}: a boat that falls silent is told", 2 <= moved <= 6, f"after {moved:.1f} s: {program.status()['vessel']['text']}")
     boat.is_silent = False
     page.end()
     code = program.end()
-    table.require("Ctrl-C ends it with exit 0", code == 0, f"exit {code}")
-    table.require("every message was as it has to be", not boat.faults, "; ".join(boat.faults[:3]))
+    table.require(f"{drive.name}: Ctrl-C ends it with exit 0", code == 0, f"exit {code}")
+    table.require(f"{drive.name}: every message was as it has to be", not boat.faults, "; ".join(boat.faults[:3]))
 
 
-def killed(table, args, folder):
-    boat = Boat(mode=GUIDED)
-    program, page = start(args, folder, boat, "killed")
+def killed(table, args, folder, drive):
+    boat = Boat(drive)
+    program, page = start(args, folder, boat, f"killed-{drive.name}")
     page.click("guide")
     goes(program)
     time.sleep(0.5)
@@ -170,32 +187,33 @@ def killed(table, args, folder):
     os.kill(program.child.pid, signal.SIGKILL)
     time.sleep(1.5)
     moved, is_neutral = boat.last_motion_after(begin)
-    table.require("SIGKILL of the program: the guard makes the boat neutral", is_neutral and moved <= 0.3 + SLACK_S, f"{1e3 * moved:.0f} ms", f"at most 300 ms, and {1e3 * SLACK_S:.0f} of the machine")
+    table.require(f"{drive.name}: SIGKILL of the program: the guard makes the boat neutral", is_neutral and moved <= 0.3 + SLACK_S, f"{1e3 * moved:.0f} ms", f"at most 300 ms, and {1e3 * SLACK_S:.0f} of the machine")
     page.end()
     program.child.wait(timeout=10)
-    table.require("every message was as it has to be", not boat.faults, "; ".join(boat.faults[:3]))
+    table.require(f"{drive.name}: every message was as it has to be", not boat.faults, "; ".join(boat.faults[:3]))
 
 
-def disarmed(table, args, folder):
-    boat = Boat(mode=GUIDED, armed=False)
-    program, page = start(args, folder, boat, "disarmed")
+def disarmed(table, args, folder, drive):
+    boat = Boat(drive, armed=False)
+    program, page = start(args, folder, boat, f"disarmed-{drive.name}")
     page.click("guide")
     time.sleep(1.0)
     moving = [row for row in boat.set_points if row[1] or row[2]]
-    table.require("a boat that is not armed is not commanded, and never armed", not moving and not boat.asked, program.status()["vessel"]["text"])
+    table.require(f"{drive.name}: a boat that is not armed is not commanded, and never armed", not moving and not boat.asked, program.status()["vessel"]["text"])
     page.end()
     code = program.end()
-    table.require("Ctrl-C ends it with exit 0", code == 0, f"exit {code}")
-    table.require("every message was as it has to be", not boat.faults, "; ".join(boat.faults[:3]))
+    table.require(f"{drive.name}: Ctrl-C ends it with exit 0", code == 0, f"exit {code}")
+    table.require(f"{drive.name}: every message was as it has to be", not boat.faults, "; ".join(boat.faults[:3]))
 
 
 def main():
     args = common.arguments(__doc__)
     folder = common.temporary_folder()
     table = Table("A MAVLink boat, judged by pymavlink")
-    modes(table, args, folder)
-    killed(table, args, folder)
-    disarmed(table, args, folder)
+    for drive in DRIVES:
+        modes(table, args, folder, drive)
+        killed(table, args, folder, drive)
+        disarmed(table, args, folder, drive)
     return table.finish(args)
 
 

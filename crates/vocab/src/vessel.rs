@@ -113,7 +113,7 @@ pub struct VesselProfile {
 
 impl VesselProfile {
     /// Names of the built-in profiles.
-    pub const NAMES: [&'static str; 3] = ["mavlink-rover", "lab-udp", "simulator"];
+    pub const NAMES: [&'static str; 4] = ["mavlink-rover", "mavlink-rover-manual", "lab-udp", "simulator"];
 
     /// Limits of what an operator commands by hand.
     pub const fn hand_limits(&self) -> VesselLimits {

@@ -1,21 +1,20 @@
 //! The protocols of vessels: the only place that chooses a session by the vessel's protocol.
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::mavlink::MavlinkPeers;
 use barrelman_vocab::{Timestamp, VesselOrder};
 
 use crate::byte_protocol::{ByteSession, OpenSession, ReportReader};
 use crate::lab_udp::LabUdpSession;
 use crate::mavlink::RoverSession;
-use crate::mavlink::rover::RoverReader;
+use crate::mavlink::rover::{RoverDrive, RoverLink, RoverReader};
 
 /// The protocols of vessels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VesselProtocol {
     /// The datagrams of the paper's laboratory.
     LabUdp,
-    /// An ArduPilot boat, between these peers.
-    MavlinkRover(MavlinkPeers),
+    /// An ArduPilot boat, driven in GUIDED or in MANUAL.
+    MavlinkRover(RoverLink),
 }
 
 impl VesselProtocol {
@@ -23,7 +22,8 @@ impl VesselProtocol {
     pub fn of_profile(name: &str) -> Option<Self> {
         match name {
             "lab-udp" => Some(Self::LabUdp),
-            "mavlink-rover" => Some(Self::MavlinkRover(MavlinkPeers::DEFAULT)),
+            "mavlink-rover" => Some(Self::MavlinkRover(RoverLink::GUIDED)),
+            "mavlink-rover-manual" => Some(Self::MavlinkRover(RoverLink::MANUAL)),
             _ => None,
         }
     }
@@ -37,10 +37,20 @@ impl VesselProtocol {
     pub const fn acceptance_text(self, said: Acceptance) -> Option<&'static str> {
         match self {
             Self::LabUdp => None,
-            Self::MavlinkRover(_) => Some(match said {
-                Acceptance::Accepted => "the boat is armed and in GUIDED: it takes commands",
-                Acceptance::NotReady => "the boat is not armed: arm it at its own ground station",
-                _ => "the boat is not in GUIDED: somebody else steers it. Go asks for GUIDED",
+            Self::MavlinkRover(link) => Some(match (said, link.drive) {
+                (Acceptance::Accepted, RoverDrive::Guided) => {
+                    "the boat is armed and in GUIDED: it takes commands"
+                }
+                (Acceptance::Accepted, RoverDrive::Manual) => {
+                    "the boat is armed and in MANUAL: it takes commands"
+                }
+                (Acceptance::NotReady, _) => "the boat is not armed: arm it at its own ground station",
+                (_, RoverDrive::Guided) => {
+                    "the boat is not in GUIDED: somebody else steers it. Go asks for GUIDED"
+                }
+                (_, RoverDrive::Manual) => {
+                    "the boat is not in MANUAL: somebody else steers it. Go asks for MANUAL"
+                }
             }),
         }
     }
@@ -52,14 +62,14 @@ impl OpenSession for VesselProtocol {
     fn open(&self, now: Timestamp) -> Box<ByteSession<VesselOrder>> {
         match *self {
             Self::LabUdp => Box::new(LabUdpSession::open()),
-            Self::MavlinkRover(peers) => Box::new(RoverSession::open(peers, now)),
+            Self::MavlinkRover(link) => Box::new(RoverSession::open(link, now)),
         }
     }
 
     fn reports(&self) -> ReportReader {
         match *self {
             Self::LabUdp => ReportReader::Silent,
-            Self::MavlinkRover(peers) => ReportReader::MavlinkRover(Box::new(RoverReader::new(peers))),
+            Self::MavlinkRover(link) => ReportReader::MavlinkRover(Box::new(RoverReader::new(link))),
         }
     }
 }

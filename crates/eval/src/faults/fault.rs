@@ -34,11 +34,19 @@ pub(super) enum FaultKind {
     ServerNotReady,
     ServerHangs,
     WebSocketMissing,
+    MarkRemoved,
+    TargetDeselected,
+    OperatorStopsBoat,
+    BoatReleased,
+    ConsoleClosed,
+    ConsoleSilent,
+    VideoClockJumps,
+    BoatDisarmed,
 }
 
 impl FaultKind {
     /// Every kind.
-    pub(super) const ALL: [Self; 29] = [
+    pub(super) const ALL: [Self; 37] = [
         Self::VideoStalls,
         Self::VideoLate,
         Self::TrackLost,
@@ -68,6 +76,14 @@ impl FaultKind {
         Self::ServerNotReady,
         Self::ServerHangs,
         Self::WebSocketMissing,
+        Self::MarkRemoved,
+        Self::TargetDeselected,
+        Self::OperatorStopsBoat,
+        Self::BoatReleased,
+        Self::ConsoleClosed,
+        Self::ConsoleSilent,
+        Self::VideoClockJumps,
+        Self::BoatDisarmed,
     ];
 
     /// The fault in words.
@@ -102,6 +118,14 @@ impl FaultKind {
             Self::ServerNotReady => "server not ready (503)",
             Self::ServerHangs => "server hangs",
             Self::WebSocketMissing => "no WebSocket",
+            Self::MarkRemoved => "mark removed",
+            Self::TargetDeselected => "boat deselected",
+            Self::OperatorStopsBoat => "operator stops boat",
+            Self::BoatReleased => "boat released",
+            Self::ConsoleClosed => "console closed",
+            Self::ConsoleSilent => "console silent",
+            Self::VideoClockJumps => "video clock jumps",
+            Self::BoatDisarmed => "boat disarmed",
         }
     }
 
@@ -110,6 +134,21 @@ impl FaultKind {
         matches!(
             self,
             Self::InformationWithheld | Self::StatusWithheld | Self::ClaimsDenied | Self::ClaimsLost
+        )
+    }
+
+    /// Whether only a boat can have the fault.
+    pub(super) const fn is_of_boats(self) -> bool {
+        matches!(
+            self,
+            Self::MarkRemoved
+                | Self::TargetDeselected
+                | Self::OperatorStopsBoat
+                | Self::BoatReleased
+                | Self::ConsoleClosed
+                | Self::ConsoleSilent
+                | Self::VideoClockJumps
+                | Self::BoatDisarmed
         )
     }
 
@@ -138,6 +177,14 @@ pub(super) struct Fault {
 }
 
 impl Fault {
+    pub(super) fn begins(&self, kind: FaultKind, at_ms: u64) -> bool {
+        self.kind == kind && self.from_ms == at_ms
+    }
+
+    pub(super) fn ends(&self, kind: FaultKind, at_ms: u64) -> bool {
+        self.kind == kind && self.until_ms == at_ms
+    }
+
     pub(super) const fn is_active(&self, at_ms: u64) -> bool {
         self.from_ms <= at_ms && at_ms < self.until_ms
     }

@@ -2,30 +2,30 @@
 //! vehicle's commands expire by themselves.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::Result;
 use barrelman_host::fault::FaultPlan;
 use barrelman_link::guard::Gate;
+use barrelman_link::guard::gate::GuardedCommand;
 use barrelman_link::guard::message::ToGuard;
-use barrelman_link::{LinkAction, LinkCore, LinkReport, RequestedRates};
-use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::{ByteSession, NextAction, RestEvidence, Session, WillStep};
+use barrelman_link::{LinkAction, LinkCore, LinkReport, RequestedCommand};
+use barrelman_vocab::{Timestamp, VehicleRates};
+use barrelman_wire::ByteSession;
 
 use super::fault::FaultKind;
 use super::line::Line;
+use super::link_plan::LinkPlan;
 use super::mutant::Mutant;
-use crate::vehicle::Vehicle;
 
 /// Of the real guard. A thread of the program gives up at once.
 const PERSISTENCE: Duration = Duration::from_secs(60);
 
 /// The owner of the link.
-pub(super) struct LinkHost {
-    core: LinkCore<ByteSession>,
+pub(super) struct LinkHost<C: GuardedCommand = VehicleRates> {
+    core: LinkCore<ByteSession<C>>,
     /// Of a guard.
-    gate: Option<Gate>,
+    gate: Option<Gate<C>>,
     /// Whether a line that is cut is an error of the port. Requests over a network get no answer instead.
     sees_cuts: bool,
     mutant: Mutant,
@@ -35,46 +35,37 @@ pub(super) struct LinkHost {
     ended: Option<bool>,
     poll_at: Timestamp,
     /// Messages on their way to the link.
-    pub(super) inbox: VecDeque<ToGuard>,
+    pub(super) inbox: VecDeque<ToGuard<C>>,
     /// Reports on their way to the program.
     pub(super) reports: VecDeque<LinkReport>,
+    /// What was sent in the newest millisecond.
+    pub(super) sent: Vec<Vec<u8>>,
 }
 
-impl LinkHost {
-    /// Starts a link. `may_be_turning`: a link before it may have left the camera turning.
-    pub(super) fn start(
-        vehicle: Vehicle,
-        mutant: Mutant,
-        may_be_turning: bool,
-        now: Timestamp,
-    ) -> Result<Self> {
-        let limits = vehicle.profile().protocol.rate_limits();
-        let open_session = vehicle.session_opener()?;
-        let open = move |now| -> Box<ByteSession> {
-            let session = open_session(now);
-            match mutant {
-                Mutant::NoZerosFirst => Box::new(WithoutFirstZeros { vehicle, session, has_begun: false }),
-                _ => session,
-            }
-        };
-        let has_guard = vehicle.has_guard();
+impl<C: GuardedCommand> LinkHost<C> {
+    /// Starts a link. `may_be_turning`: a link before it may have left the vehicle moving.
+    pub(super) fn start(plan: &LinkPlan<C>, may_be_turning: bool, now: Timestamp) -> Self {
+        let open_session = Arc::clone(&plan.open_session);
+        let has_guard = plan.guard_limits.is_some();
         let persistence = if has_guard { PERSISTENCE } else { Duration::ZERO };
-        let mut core = LinkCore::new(Box::new(open), FaultPlan::default(), persistence);
+        let open = Box::new(move |now| open_session(now));
+        let mut core = LinkCore::new(open, FaultPlan::default(), persistence);
         if may_be_turning {
             core.expect_motion();
         }
-        Ok(Self {
+        Self {
             core,
-            gate: has_guard.then(|| Gate::new(VehicleRates { yaw: limits.pan, pitch: limits.tilt }, now)),
+            gate: plan.guard_limits.map(|limits| Gate::new(limits, now)),
             sees_cuts: has_guard,
-            mutant,
+            mutant: plan.mutant,
             is_port_open: false,
             is_connected: true,
             ended: None,
             poll_at: Timestamp::ZERO,
             inbox: VecDeque::new(),
             reports: VecDeque::new(),
-        })
+            sent: Vec::new(),
+        }
     }
 
     /// Whether zeros and stop were sent, of a link that has ended.
@@ -84,13 +75,14 @@ impl LinkHost {
 
     /// The machine was suspended.
     pub(super) fn on_suspension(&mut self) {
-        self.core.request(RequestedRates::REST);
+        self.core.request(RequestedCommand::REST);
         self.reports.push_back(LinkReport::Suspended(Duration::from_secs(1)));
         self.poll_at = Timestamp::ZERO;
     }
 
     /// Runs for a millisecond. `is_program_there`: whether the other end of the pipe is open.
     pub(super) fn advance(&mut self, line: &mut Line, is_program_there: bool, now: Timestamp, at_ms: u64) {
+        self.sent.clear();
         if self.ended.is_some() {
             return;
         }
@@ -128,7 +120,7 @@ impl LinkHost {
                     let passed = match self.mutant {
                         Mutant::NoTimeToLive => {
                             let for_ever = now.plus(Duration::from_secs(3_600));
-                            RequestedRates { renew_by: Some(for_ever), ..requested }
+                            RequestedCommand { renew_by: Some(for_ever), ..requested }
                         }
                         _ => self.gate.as_mut().map_or(requested, |gate| gate.pass(requested, now)),
                     };
@@ -169,6 +161,7 @@ impl LinkHost {
             true
         });
         for packet in out {
+            self.sent.push(packet.clone());
             line.send_up(packet, at_ms);
         }
         match action {
@@ -181,73 +174,5 @@ impl LinkHost {
             LinkAction::ClosePort => self.is_port_open = false,
             LinkAction::Ended { is_stop_sent } => self.ended = Some(is_stop_sent),
         }
-    }
-}
-
-/// The mutant of a session that does not begin with zeros.
-struct WithoutFirstZeros {
-    vehicle: Vehicle,
-    session: Box<ByteSession>,
-    has_begun: bool,
-}
-
-impl Session for WithoutFirstZeros {
-    type Sent = Vec<u8>;
-    type Received = [u8];
-    type Command = VehicleRates;
-
-    fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
-        let mut packets = Vec::new();
-        let next = self.session.poll(now, &mut packets);
-        if self.vehicle == Vehicle::MavlinkGimbal {
-            out.append(&mut packets);
-            return next;
-        }
-        for packet in packets {
-            let stop = packet.windows(4).position(|window| window == b"stop");
-            if !self.has_begun {
-                let Some(stop) = stop else { continue };
-                self.has_begun = true;
-                out.push([b"\r", &packet[stop..]].concat());
-            } else {
-                out.push(packet);
-            }
-        }
-        next
-    }
-
-    fn received(&mut self, bytes: &[u8], now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
-        self.session.received(bytes, now, report);
-    }
-
-    fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>) {
-        self.session.request(rates, renew_by);
-    }
-
-    fn close(&mut self, now: Timestamp) {
-        self.session.close(now);
-    }
-
-    fn link_state(&self) -> LinkState {
-        self.session.link_state()
-    }
-
-    /// A MAVLink gimbal gets zeros first where a session before may have left it turning.
-    fn must_be_answered(&mut self) {
-        if self.vehicle != Vehicle::MavlinkGimbal {
-            self.session.must_be_answered();
-        }
-    }
-
-    fn rest_evidence(&self, now: Timestamp) -> RestEvidence {
-        self.session.rest_evidence(now)
-    }
-
-    fn may_be_turning(&self) -> bool {
-        self.session.may_be_turning()
-    }
-
-    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
-        self.session.last_will()
     }
 }

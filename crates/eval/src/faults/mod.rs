@@ -3,6 +3,7 @@
 //! ```text
 //!   program: Pilot on the truth --rates, time to live--> guard: Gate, LinkCore, Session --line--> ground station
 //! ```
+//! With a boat (`vessel`) the pilot's second actuator is at the other end, with a rule of its own.
 //! Without a guard (Fotokite Sigma) the link is a thread of the program, and the line carries requests and answers.
 //!
 //! One process: the pilot, the guard's gate, the link and the session are those of a live run; pipe, line, clocks and the
@@ -10,12 +11,23 @@
 //! force (Fotokite Pro), a gimbal manager that obeys everybody and keeps a rate for ever (MAVLink gimbal). An oracle that
 //! does not ask the pilot judges each millisecond ([`oracle`]).
 
+mod subject;
+
 mod oracle;
 
 mod run;
 
+mod run_result;
+
+mod vessel;
+
 mod program;
 
+mod picture;
+
+mod machine;
+
+mod link_end;
 mod link_host;
 
 mod vehicle;
@@ -25,8 +37,10 @@ mod fotokite_sigma_network;
 mod fotokite_sigma_station;
 mod gimbal_station;
 mod station;
+mod without_first_zeros;
 
 mod line;
+mod link_plan;
 
 mod fault;
 mod mutant;
@@ -39,13 +53,12 @@ use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum as _};
 
 use self::mutant::Mutant;
-use self::oracle::Licence;
-use self::run::RunResult;
+use self::run_result::RunResult;
+use self::subject::Subject;
 use crate::output::print_line;
 use crate::parallel;
-use crate::vehicle::Vehicle;
 
-/// Least share of the runs in which each licence must move the camera.
+/// Least share of the runs in which each licence must move the vehicle.
 const LEAST_MOVED: f64 = 0.05;
 /// Number of violations that are printed.
 const PRINTED: usize = 10;
@@ -53,9 +66,9 @@ const PRINTED: usize = 10;
 /// `faults`.
 #[derive(Debug, Args)]
 pub(crate) struct Options {
-    /// The vehicle.
+    /// The vehicle whose camera is moved, or the boat.
     #[arg(long, value_enum, default_value = "fotokite-pro")]
-    vehicle: Vehicle,
+    vehicle: Subject,
     /// Number of runs: each fault, then each pair, over and over.
     #[arg(long, default_value_t = 10_000)]
     runs: u64,
@@ -65,26 +78,30 @@ pub(crate) struct Options {
     /// Take something out; the campaign must then find violations.
     #[arg(long, value_enum, default_value = "none")]
     mutant: Mutant,
-    /// Run this run alone, and print what the ground station received.
+    /// Run this run alone, and print what the vehicle received.
     #[arg(long, value_name = "NUMBER")]
     trace: Option<u64>,
 }
 
 /// The results of a campaign.
 struct Campaign {
+    subject: Subject,
     results: Vec<(u64, Option<RunResult>)>,
 }
 
+/// Of one kind of fault: the runs with it, and for each figure the worst time to rest, alone and in pairs, ms.
+type Row = (usize, Vec<[u64; 2]>);
+
 impl Campaign {
-    fn run(vehicle: Vehicle, runs: u64, seed: u64, mutant: Mutant) -> Result<Self> {
+    fn run(subject: Subject, runs: u64, seed: u64, mutant: Mutant) -> Result<Self> {
         let numbers: Vec<u64> = (0..runs).collect();
         let results = parallel::map(&numbers, |number| {
             // A panic of the program under test is a result.
-            let run = || run::run(vehicle, *number, seed, mutant, &mut |_| {});
+            let run = || subject.run(*number, seed, mutant, &mut |_| {});
             catch_unwind(AssertUnwindSafe(run)).ok().transpose()
         });
         let results: Vec<Option<RunResult>> = results.into_iter().collect::<Result<_>>()?;
-        Ok(Self { results: numbers.into_iter().zip(results).collect() })
+        Ok(Self { subject, results: numbers.into_iter().zip(results).collect() })
     }
 
     fn panics(&self) -> usize {
@@ -106,7 +123,7 @@ impl Campaign {
         self.results.iter().filter_map(text).collect()
     }
 
-    fn moved(&self, licence: Licence) -> usize {
+    fn moved(&self, licence: &str) -> usize {
         let has_moved = |result: &&RunResult| result.moved.contains(&licence);
         self.results.iter().filter_map(|(_, result)| result.as_ref()).filter(has_moved).count()
     }
@@ -116,18 +133,35 @@ impl Campaign {
         self.results.iter().filter_map(|(_, result)| result.as_ref()).filter(is_excluded).count()
     }
 
-    /// For each fault: the runs with it, and the worst time to rest, alone and in pairs, ms.
-    fn table(&self) -> BTreeMap<fault::FaultKind, (usize, u64, u64)> {
+    fn table(&self) -> BTreeMap<fault::FaultKind, Row> {
         let mut table = BTreeMap::new();
         for result in self.results.iter().filter_map(|(_, result)| result.as_ref()) {
+            let is_pair = usize::from(result.faults.len() > 1);
             for fault in &result.faults {
-                let row: &mut (usize, u64, u64) = table.entry(fault.kind).or_default();
-                row.0 += 1;
-                let worst = if result.faults.len() == 1 { &mut row.1 } else { &mut row.2 };
-                *worst = result.worst_ms.max(*worst);
+                let empty = || (0, vec![[0; 2]; self.subject.figures().len()]);
+                let (runs, worst): &mut Row = table.entry(fault.kind).or_insert_with(empty);
+                *runs += 1;
+                for (worst, of_run) in worst.iter_mut().zip(&result.worst_ms) {
+                    worst[is_pair] = worst[is_pair].max(*of_run);
+                }
             }
         }
         table
+    }
+
+    fn print_table(&self) {
+        let names: String = self
+            .subject
+            .figures()
+            .iter()
+            .map(|name| format!(" {:>14} {:>14}", format!("{name} alone"), format!("{name} in pairs")))
+            .collect();
+        print_line(&format!("{:<22} {:>6}{names}, ms", "fault", "runs"));
+        for (kind, (runs, worst)) in self.table() {
+            let worst: String =
+                worst.iter().map(|[alone, paired]| format!(" {alone:>14} {paired:>14}")).collect();
+            print_line(&format!("{:<22} {runs:>6}{worst}", kind.name()));
+        }
     }
 }
 
@@ -147,28 +181,22 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     );
     if let Some(number) = options.trace {
         let trace = &mut |line: &str| print_line(line);
-        let result = run::run(options.vehicle, number, options.seed, options.mutant, trace)?;
+        let result = options.vehicle.run(number, options.seed, options.mutant, trace)?;
         print_line(&format!("{result:?}"));
         return Ok(result.violation.is_none());
     }
     let campaign = Campaign::run(options.vehicle, options.runs, options.seed, options.mutant)?;
-    print_line(&format!("{:<22} {:>6} {:>12} {:>12}", "fault", "runs", "alone, ms", "in pairs, ms"));
-    for (kind, (runs, alone, paired)) in campaign.table() {
-        print_line(&format!("{:<22} {runs:>6} {alone:>12} {paired:>12}", kind.name()));
-    }
+    campaign.print_table();
     let (violations, panics) = (campaign.violations(), campaign.panics());
     for text in violations.iter().take(PRINTED) {
         print_line(text);
     }
     let least = (options.runs as f64 * LEAST_MOVED) as usize;
     let mut holds = violations.is_empty() && panics == 0;
-    for licence in Licence::ALL {
+    for licence in options.vehicle.licences() {
         let moved = campaign.moved(licence);
         holds &= moved >= least;
-        print_line(&format!(
-            "moved the camera with the licence {}: {moved} runs (at least {least})",
-            licence.name()
-        ));
+        print_line(&format!("moved with the licence {licence}: {moved} runs (at least {least})"));
     }
     print_line(&format!(
         "{} runs in {:.0} s: {} later than {} ms or without a licence, {panics} panics; {} with guard and \
@@ -187,30 +215,30 @@ mod tests {
     use super::*;
 
     /// Each fault once, and each pair.
-    fn round(vehicle: Vehicle) -> u64 {
-        let count = vehicle.faults().len() as u64;
+    fn round(subject: Subject) -> u64 {
+        let count = subject.faults().len() as u64;
         count + count * (count + 1) / 2
     }
 
     #[test]
     fn every_fault_and_pair_of_faults_ends_in_rest() {
-        for vehicle in Vehicle::value_variants().iter().copied() {
-            let campaign = Campaign::run(vehicle, 2 * round(vehicle), 7, Mutant::None).unwrap();
-            assert_eq!(campaign.violations(), Vec::<String>::new(), "{vehicle:?}");
+        for subject in Subject::value_variants().iter().copied() {
+            let campaign = Campaign::run(subject, 2 * round(subject), 7, Mutant::None).unwrap();
+            assert_eq!(campaign.violations(), Vec::<String>::new(), "{subject:?}");
             assert_eq!(campaign.panics(), 0);
-            assert!(campaign.table().len() == vehicle.faults().len());
-            for licence in Licence::ALL {
-                assert!(campaign.moved(licence) >= 25, "{vehicle:?}: {}", licence.name());
+            assert!(campaign.table().len() == subject.faults().len());
+            for licence in subject.licences() {
+                assert!(campaign.moved(licence) >= 25, "{subject:?}: {licence}");
             }
         }
     }
 
     #[test]
     fn what_is_taken_out_is_found() {
-        for vehicle in Vehicle::value_variants().iter().copied() {
-            for mutant in vehicle.mutants() {
-                let campaign = Campaign::run(vehicle, round(vehicle), 7, *mutant).unwrap();
-                assert!(!campaign.violations().is_empty(), "{vehicle:?}: {mutant:?}");
+        for subject in Subject::value_variants().iter().copied() {
+            for mutant in subject.mutants() {
+                let campaign = Campaign::run(subject, round(subject), 7, *mutant).unwrap();
+                assert!(!campaign.violations().is_empty(), "{subject:?}: {mutant:?}");
             }
         }
     }

@@ -17,4 +17,6 @@ pub(super) enum Mutant {
     NoZerosFirst,
     /// The vehicle's commands last ten seconds.
     CommandsLast,
+    /// A boat whose console is gone is not stopped.
+    NoConsoleTimeOut,
 }

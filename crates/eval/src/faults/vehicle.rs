@@ -1,16 +1,20 @@
 //! A vehicle in the campaign: what is spoken to it, what is at the other end, and which faults it has.
 
+use std::sync::Arc;
+
 use anyhow::{Context as _, Result};
-use barrelman_vocab::Timestamp;
-use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, OpenSession as _};
+use barrelman_vocab::VehicleRates;
+use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, OpenSession as _};
 
 use super::fault::{Fault, FaultKind};
 use super::fotokite_pro_station::FotokiteProStation;
 use super::fotokite_sigma_network::SessionOverNetwork;
 use super::fotokite_sigma_station::FotokiteSigmaStation;
 use super::gimbal_station::GimbalStation;
+use super::link_plan::{LinkPlan, Opener};
 use super::mutant::Mutant;
 use super::station::Station;
+use super::without_first_zeros::WithoutFirstZeros;
 use crate::vehicle::Vehicle;
 
 impl Vehicle {
@@ -27,18 +31,34 @@ impl Vehicle {
         }
     }
 
-    /// Opens sessions with the vehicle.
+    /// How its link is made.
     ///
     /// # Errors
     /// If the profile names a protocol that has no session here.
-    pub(super) fn session_opener(self) -> Result<Box<dyn Fn(Timestamp) -> Box<ByteSession> + Send>> {
+    pub(super) fn link_plan(self, mutant: Mutant) -> Result<LinkPlan> {
+        let limits = self.profile().protocol.rate_limits();
+        let open_session = self.session_opener()?;
+        let without_zeros = Arc::clone(&open_session);
+        Ok(LinkPlan {
+            open_session: match mutant {
+                Mutant::NoZerosFirst => {
+                    Arc::new(move |now| Box::new(WithoutFirstZeros::new(self, without_zeros(now))))
+                }
+                _ => open_session,
+            },
+            guard_limits: self.has_guard().then_some(VehicleRates { yaw: limits.pan, pitch: limits.tilt }),
+            mutant,
+        })
+    }
+
+    fn session_opener(self) -> Result<Opener<VehicleRates>> {
         if self == Self::FotokiteSigma {
-            return Ok(Box::new(|now| Box::new(SessionOverNetwork::open(now))));
+            return Ok(Arc::new(|now| Box::new(SessionOverNetwork::open(now))));
         }
         let protocol = ByteProtocolName::of(self.profile().protocol);
         let protocol = protocol.context("the vehicle's port carries no bytes")?;
         let protocol = ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: 115_200 };
-        Ok(Box::new(move |now| protocol.open(now)))
+        Ok(Arc::new(move |now| protocol.open(now)))
     }
 
     /// Whether the vehicle can have this fault. TCP damages and repeats nothing; only a Fotokite Pro reports its flight state and
@@ -57,7 +77,7 @@ impl Vehicle {
             | FaultKind::ServerNotReady
             | FaultKind::ServerHangs
             | FaultKind::WebSocketMissing => self == Self::FotokiteSigma,
-            _ => true,
+            _ => !fault.is_of_boats(),
         }
     }
 

@@ -6,12 +6,13 @@ use std::time::Duration;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, LinkCommand, Timestamp, VehicleRates, VesselCommand, VesselOrder};
+use barrelman_wire::mavlink::rover::{RoverDrive, RoverLink};
 use barrelman_wire::{ByteProtocolName, Framing, RestEvidence, Signing, SigningKey, VesselProtocol};
 
 use crate::dead_mans_switch::RequestedCommand;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -203,7 +204,10 @@ impl<'a> Fields<'a> {
                 limits: self.vessel_command()?,
                 protocol: match self.byte()? {
                     0 => VesselProtocol::LabUdp,
-                    1 => VesselProtocol::MavlinkRover(self.peers()?),
+                    1 => VesselProtocol::MavlinkRover(RoverLink {
+                        peers: self.peers()?,
+                        drive: if self.flag()? { RoverDrive::Manual } else { RoverDrive::Guided },
+                    }),
                     _ => return Err(MessageError::Malformed),
                 },
             },
@@ -273,9 +277,10 @@ fn put_vehicle(out: &mut Vec<u8>, vehicle: GuardedVehicle) {
             put_vessel_command(out, limits);
             match protocol {
                 VesselProtocol::LabUdp => out.push(0),
-                VesselProtocol::MavlinkRover(peers) => {
+                VesselProtocol::MavlinkRover(RoverLink { peers, drive }) => {
                     out.push(1);
                     put_peers(out, peers);
+                    out.push(u8::from(drive == RoverDrive::Manual));
                 }
             }
         }

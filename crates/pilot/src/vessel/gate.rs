@@ -13,8 +13,8 @@
 //!       +-- stop boat, Stop, console lost: from every mode but Released -> Stopped -- guide, or let go and steer -->
 //! ```
 //!
-//! 1. A stop outranks everything. After a stop, a helm that is still held does nothing until it was let go; guidance takes
-//!    another request.
+//! 1. A stop outranks everything. After a stop, a helm that is still held does nothing until it was let go, also one that was
+//!    without effect at the stop (for want of video or of a link); guidance takes another request.
 //! 2. Guidance moves the boat only while fresh localisations of the boat arrive. The last command lasts at most
 //!    [`GUIDED_LASTS`] after the last one, then the boat is neutral. A hold of more than [`HOLD_LASTS`] ends the guidance.
 //! 3. A helm that is held lasts [`STEERED_LASTS`] after its last renewal, and needs fresh video: the operator steers by the
@@ -24,6 +24,7 @@
 
 use core::time::Duration;
 
+use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{BoatStop, StopCause, Timestamp, VesselCommand, VesselProfile};
 
@@ -103,7 +104,18 @@ enum Holder {
     Neutral,
     ByHand { wanted: VesselCommand, renewed_at: Timestamp },
     Guided { advised: VesselCommand, fresh_at: Option<Timestamp>, holding: Option<(VesselHold, Timestamp)> },
-    Stopped { cause: VesselStop, is_let_go: bool },
+    Stopped { cause: VesselStop },
+}
+
+/// The helm at the page, whether or not the boat obeys it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Helm {
+    /// Let go.
+    Free,
+    /// Held: a command that is not neutral was the last one.
+    Held,
+    /// Held through a stop: without effect until it is let go.
+    HeldAtStop,
 }
 
 /// The rule with its state.
@@ -111,6 +123,7 @@ enum Holder {
 pub struct VesselGate {
     profile: VesselProfile,
     holder: Holder,
+    helm: Helm,
     vessel: VehicleState,
     last_video_at: Option<Timestamp>,
     command: VesselCommand,
@@ -134,6 +147,7 @@ impl VesselGate {
         Self {
             profile,
             holder: Holder::Released,
+            helm: Helm::Free,
             vessel: VehicleState::new(path),
             last_video_at: None,
             command: VesselCommand::NEUTRAL,
@@ -146,10 +160,17 @@ impl VesselGate {
         self.last_video_at = Some(now);
     }
 
-    /// Takes a report of the vessel or its link. Some stop the boat.
+    /// Takes a report of the vessel or its link. Some stop the boat: a boat that somebody else steers, and one that goes by itself and
+    /// takes no commands any more, wait for another request, whether or not the link was up meanwhile.
     pub fn on_report(&mut self, report: &Report) {
         if let Some(cause) = self.vessel.on_report(report) {
             self.stop(VesselStop::Vessel(cause));
+        }
+        if self.vessel.path() == CommandPath::Link
+            && let Report::Acceptance(said) = report
+            && (said.is_elsewhere() || (self.is_guiding() && *said != Acceptance::Accepted))
+        {
+            self.stop(VesselStop::Vessel(StopCause::ControlLost));
         }
     }
 
@@ -158,11 +179,18 @@ impl VesselGate {
         matches!(self.holder, Holder::Guided { .. })
     }
 
-    /// Stops the boat. A boat that this program does not command is left alone. The first cause counts.
+    /// Stops the boat. A boat that this program does not command is left alone. The first cause counts. A helm that is held now,
+    /// also one that the boat does not obey, does nothing until it was let go.
     pub const fn stop(&mut self, cause: VesselStop) {
+        self.bar_helm();
         if !matches!(self.holder, Holder::Released | Holder::Stopped { .. }) {
-            let is_let_go = !matches!(self.holder, Holder::ByHand { .. });
-            self.holder = Holder::Stopped { cause, is_let_go };
+            self.holder = Holder::Stopped { cause };
+        }
+    }
+
+    const fn bar_helm(&mut self) {
+        if matches!(self.helm, Helm::Held) {
+            self.helm = Helm::HeldAtStop;
         }
     }
 
@@ -171,7 +199,8 @@ impl VesselGate {
         match by {
             BoatStop::ConsoleLost => self.stop(VesselStop::ConsoleLost),
             BoatStop::Operator if self.holder == Holder::Released => {
-                self.holder = Holder::Stopped { cause: VesselStop::Operator, is_let_go: true };
+                self.bar_helm();
+                self.holder = Holder::Stopped { cause: VesselStop::Operator };
             }
             BoatStop::Operator => self.stop(VesselStop::Operator),
         }
@@ -203,16 +232,16 @@ impl VesselGate {
     pub fn steer(&mut self, wanted: VesselCommand, now: Timestamp) -> Result<(), Refusal> {
         let wanted = wanted.clamped();
         if wanted.is_neutral() {
-            match &mut self.holder {
-                Holder::Stopped { is_let_go, .. } => *is_let_go = true,
-                Holder::ByHand { .. } => self.holder = Holder::Neutral,
-                Holder::Released | Holder::Neutral | Holder::Guided { .. } => {}
+            self.helm = Helm::Free;
+            if matches!(self.holder, Holder::ByHand { .. }) {
+                self.holder = Holder::Neutral;
             }
             return Ok(());
         }
-        if matches!(self.holder, Holder::Stopped { is_let_go: false, .. }) {
+        if self.helm == Helm::HeldAtStop {
             return Err(Refusal::HelmHeldAtStop);
         }
+        self.helm = Helm::Held;
         self.refuse_without_way()?;
         if !self.has_video(now) {
             return Err(Refusal::NoFreshVideo);
@@ -241,7 +270,7 @@ impl VesselGate {
                 (VesselMode::Holding(hold), VesselCommand::NEUTRAL)
             }
             Holder::Guided { advised, holding: None, .. } => (VesselMode::Guided, advised),
-            Holder::Stopped { cause, .. } => (VesselMode::Stopped(cause), VesselCommand::NEUTRAL),
+            Holder::Stopped { cause } => (VesselMode::Stopped(cause), VesselCommand::NEUTRAL),
         };
         let limits =
             if mode == VesselMode::ByHand { self.profile.hand_limits() } else { self.profile.limits };
@@ -255,6 +284,9 @@ impl VesselGate {
         let ends_at = self.ends_at();
         let has_ended = ends_at.is_some_and(|at| at <= now) || self.is_before_renewal(now);
         let has_video = self.has_video(now);
+        if let Some(hold) = self.held_too_long(now) {
+            self.stop(VesselStop::HeldTooLong(hold));
+        }
         match &mut self.holder {
             Holder::Released | Holder::Neutral | Holder::Stopped { .. } => {}
             Holder::ByHand { .. } => {
@@ -277,17 +309,26 @@ impl VesselGate {
                     (None, _) => None,
                 };
                 if let Some(hold) = hold {
-                    let since = holding.map_or(now, |(_, since)| since);
+                    // A pilot that was held up has waited since the command ended.
+                    let ended_at = ends_at.filter(|at| *at <= now).unwrap_or(now);
+                    let since = holding.map_or(ended_at, |(_, since)| since);
                     (*advised, *fresh_at, *holding) = (VesselCommand::NEUTRAL, None, Some((hold, since)));
-                }
-                // A destination is the operator's to give: that may take longer.
-                if let Some((hold @ VesselHold::Cause(_), since)) = *holding
-                    && now.since(since) >= HOLD_LASTS
-                {
-                    self.stop(VesselStop::HeldTooLong(hold));
                 }
             }
         }
+    }
+
+    /// Why the guidance has waited for too long; `None`: it has not. A pilot that was held up counts as one that waited. A
+    /// destination is the operator's to give: that may take longer.
+    fn held_too_long(&self, now: Timestamp) -> Option<VesselHold> {
+        let (hold, since) = match self.holder {
+            Holder::Guided { holding: Some(holding), .. } => holding,
+            Holder::Guided { fresh_at: Some(fresh_at), .. } => {
+                (VesselHold::Cause(HoldCause::VideoSilent), fresh_at.plus(GUIDED_LASTS))
+            }
+            _ => return None,
+        };
+        (hold != VesselHold::NoDestination && since <= now && now.since(since) >= HOLD_LASTS).then_some(hold)
     }
 
     /// A time before the last renewal: the age of the command is not known.

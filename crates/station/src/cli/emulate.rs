@@ -55,7 +55,7 @@ pub struct EmulateVesselArgs {
     /// MAVLink: the boat is not armed.
     #[arg(long)]
     pub disarmed: bool,
-    /// MAVLink: the remote control's switch chooses MANUAL after this time, seconds.
+    /// MAVLink: the remote control's switch chooses MANUAL after this time, seconds; HOLD where the boat is in MANUAL.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
     pub sticks_after: Option<f64>,
     /// Laboratory: keep the last command for ever, as the laboratory's receiver does; otherwise the boat is neutral half a second

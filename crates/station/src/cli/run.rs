@@ -46,8 +46,8 @@ pub struct RunArgs {
     /// Command the boat there: udp://host:port (lab-udp), or sim:, the boat of the simulated world.
     #[arg(long, value_name = "URL")]
     pub vessel: Option<String>,
-    /// The boat's profile: mavlink-rover, lab-udp or simulator; default: the configuration's, or simulator at sim:, else
-    /// mavlink-rover.
+    /// The boat's profile: mavlink-rover, mavlink-rover-manual, lab-udp or simulator; default: the configuration's, or simulator at
+    /// sim:, else mavlink-rover.
     #[arg(long, value_name = "NAME")]
     pub vessel_profile: Option<String>,
     /// How the boat goes to a mark; default: the configuration's, or los.

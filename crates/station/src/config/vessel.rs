@@ -17,11 +17,12 @@ pub const SIMULATED: &str = "sim:";
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VesselSection {
-    /// Address: `udp://host:port` (lab-udp, mavlink-rover), `tcp://host:port` or `serial:/dev/ttyACM0?baud=57600`
-    /// (mavlink-rover), or `sim:`, the boat of a simulated world; without an address no boat is commanded.
+    /// Address: `udp://host:port` (every profile), `tcp://host:port` or `serial:/dev/ttyACM0?baud=57600`
+    /// (both of MAVLink), or `sim:`, the boat of a simulated world; without an address no boat is commanded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// Name of the profile: `mavlink-rover`, `lab-udp` or `simulator`; default: `simulator` at `sim:`, else `mavlink-rover`.
+    /// Name of the profile: `mavlink-rover` (in GUIDED), `mavlink-rover-manual` (MANUAL_CONTROL), `lab-udp` or `simulator`; default:
+    /// `simulator` at `sim:`, else `mavlink-rover`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
     /// How the boat goes to a mark; default: `los`.

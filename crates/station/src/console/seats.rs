@@ -44,7 +44,15 @@ struct Holder {
     name: String,
     id: ClientId,
     /// When the page was lost; `None` while it is connected.
-    lost: Option<Timestamp>,
+    lost: Option<Lost>,
+}
+
+/// The loss of the page in control.
+#[derive(Debug, Clone, Copy)]
+struct Lost {
+    at: Timestamp,
+    /// When the page had last sent anything: a page that hangs may be lost much later.
+    heard: Timestamp,
 }
 
 /// The connected pages, and the one in control.
@@ -86,9 +94,10 @@ impl Seats {
 
     /// A page is gone.
     pub(super) fn leave(&mut self, id: ClientId, now: Timestamp) {
+        let heard = self.client(id).map_or(now, |client| client.heard);
         self.clients.retain(|client| client.id != id);
         if let Some(holder) = self.holder.as_mut().filter(|holder| holder.id == id) {
-            holder.lost = Some(now);
+            holder.lost = Some(Lost { at: now, heard });
         }
     }
 
@@ -104,7 +113,7 @@ impl Seats {
     pub(super) fn expire(&mut self, now: Timestamp) -> bool {
         let Some(holder) = &self.holder else { return false };
         let is_over = match holder.lost {
-            Some(lost) => now.since(lost) > GRACE,
+            Some(lost) => now.since(lost.at) > GRACE,
             None => {
                 let client = self.clients.iter().find(|client| client.id == holder.id);
                 client.is_none_or(|client| now.since(client.heard) > MAX_SILENCE)
@@ -122,7 +131,7 @@ impl Seats {
     pub(super) fn is_boat_left(&self, now: Timestamp) -> bool {
         let Some(holder) = &self.holder else { return true };
         let heard = match holder.lost {
-            Some(lost) => Some(lost),
+            Some(lost) => Some(lost.heard),
             None => self.clients.iter().find(|client| client.id == holder.id).map(|client| client.heard),
         };
         heard.is_none_or(|heard| now.since(heard) > BOAT_SILENCE)

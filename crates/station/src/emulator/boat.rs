@@ -10,7 +10,8 @@ use barrelman_host::output::OutputFile;
 use barrelman_vocab::{Timestamp, VesselCommand, VesselOrder};
 use barrelman_wire::lab_udp::{LabReceiver, decode, pwm_us};
 use barrelman_wire::mavlink::RoverBoat;
-use barrelman_wire::mavlink::rover_boat::{MANUAL, RoverBoatSettings};
+use barrelman_wire::mavlink::rover::MANUAL;
+use barrelman_wire::mavlink::rover_boat::{HOLD, RoverBoatSettings};
 use serde::Serialize;
 
 use crate::link::boat_link::SimulatedBoat;
@@ -25,7 +26,7 @@ pub enum Helm {
     Laboratory(LabReceiver),
     /// The laboratory's receiver as it was: it keeps the last command.
     WithoutTimeout(VesselCommand),
-    /// An ArduPilot boat, whose remote control's switch may choose MANUAL at a time.
+    /// An ArduPilot boat, whose remote control's switch may choose MANUAL at a time, or HOLD in MANUAL.
     Rover(Box<RoverBoat>, Option<Timestamp>),
 }
 
@@ -39,7 +40,7 @@ impl Helm {
         }
     }
 
-    /// An ArduPilot boat in MANUAL, whose remote control's switch chooses MANUAL again at a time.
+    /// An ArduPilot boat in MANUAL, whose remote control's switch chooses MANUAL again at a time, or HOLD where the boat is in MANUAL.
     pub fn rover(is_armed: bool, sticks_at: Option<Timestamp>, now: Timestamp) -> Self {
         let settings = RoverBoatSettings { is_armed, ..RoverBoatSettings::default() };
         Self::Rover(Box::new(RoverBoat::new(settings, now)), sticks_at)
@@ -64,7 +65,7 @@ impl Helm {
         if let Self::Rover(boat, sticks_at) = self {
             if sticks_at.is_some_and(|at| at <= now) {
                 *sticks_at = None;
-                boat.switch_to(MANUAL);
+                boat.switch_to(if boat.mode() == MANUAL { HOLD } else { MANUAL });
             }
             boat.advance(now, out);
         }

@@ -77,7 +77,10 @@ pub(super) fn open_boat(
 /// If this program does not speak it.
 fn protocol_of(profile: &VesselProfile) -> Result<VesselProtocol> {
     VesselProtocol::of_profile(profile.name).with_context(|| {
-        format!("the vessel {} has no port: give --vessel-profile lab-udp or mavlink-rover", profile.name)
+        format!(
+            "the vessel {} has no port: give --vessel-profile mavlink-rover, mavlink-rover-manual or lab-udp",
+            profile.name
+        )
     })
 }
 

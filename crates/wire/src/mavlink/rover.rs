@@ -1,4 +1,4 @@
-//! The client of an ArduPilot boat: set-points in GUIDED, and nothing in any other mode.
+//! The client of an ArduPilot boat: set-points in GUIDED, or manual control in MANUAL, and nothing in any other mode.
 //!
 //! ```text
 //!              heartbeat of a boat or a rover          silent for 3 s
@@ -14,6 +14,10 @@
 //! The mode and the arming are the boat's own. A mode other than GUIDED means that another program or a person steers: the sticks of the
 //! remote control, or a ground station. Nothing is sent then. [`Session::take_control`] asks once for GUIDED; nothing ever
 //! arms.
+//!
+//! A boat without a position has no GUIDED. [`RoverDrive::Manual`] sends MANUAL_CONTROL (69) instead, in MANUAL alone: steering (y) and
+//! throttle (z, 0 is stop) in thousandths. ArduPilot obeys the system id of its ground station alone, holds the last values for 3 s,
+//! and gives the boat back to the sticks then.
 
 use core::time::Duration;
 
@@ -22,8 +26,8 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VesselCommand, VesselOrder};
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavFrame, MavModeFlag, MavType,
-    PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavFrame, MavModeFlag,
+    MavType, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 
 use super::frame::{Frame, FrameReader, FrameWriter};
@@ -60,16 +64,70 @@ pub(super) const BODY_FRAME: MavFrame = MavFrame::MAV_FRAME_BODY_NED;
 
 const SILENT: NextAction = NextAction::Reopen { reason: "the boat does not answer any more" };
 
+/// ArduPilot Rover's number of the mode MANUAL: the sticks steer, or what overrides them.
+pub const MANUAL: u32 = 0;
+/// A full deflection of MANUAL_CONTROL.
+pub(super) const FULL_DEFLECTION: f64 = 1000.0;
+/// The system id of a ground station that an ArduPilot boat obeys by default (`MAV_GCS_SYSID`).
+pub(super) const GROUND_STATION: u8 = 255;
+
+/// How the boat is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RoverDrive {
+    /// Speed and turn rate, which the autopilot controls.
+    Guided,
+    /// Throttle and steering, in place of the sticks.
+    Manual,
+}
+
+impl RoverDrive {
+    /// ArduPilot Rover's number of the mode in which the boat is driven.
+    pub const fn mode(self) -> u32 {
+        match self {
+            Self::Guided => GUIDED,
+            Self::Manual => MANUAL,
+        }
+    }
+
+    /// The packet of a command.
+    fn packet(self, writer: &mut FrameWriter, boat: Address, command: VesselCommand) -> Vec<u8> {
+        match self {
+            Self::Guided => writer.write(&set_point(boat, command)),
+            Self::Manual => writer.write(&manual_control(boat, command)),
+        }
+    }
+}
+
+/// Who speaks to which boat, and how it is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RoverLink {
+    /// The addresses.
+    pub peers: MavlinkPeers,
+    /// How the boat is driven.
+    pub drive: RoverDrive,
+}
+
+impl RoverLink {
+    /// In GUIDED, from an onboard computer.
+    pub const GUIDED: Self = Self { peers: MavlinkPeers::DEFAULT, drive: RoverDrive::Guided };
+    /// In MANUAL, with the system id of the ground station.
+    pub const MANUAL: Self = Self {
+        peers: MavlinkPeers { own: Address::new(GROUND_STATION, 191), vehicle: None },
+        drive: RoverDrive::Manual,
+    };
+}
+
 /// What the boat's heartbeat says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct BoatMode {
-    is_guided: bool,
+    /// Whether the boat is in the mode in which it is driven.
+    is_ours: bool,
     is_armed: bool,
 }
 
 impl BoatMode {
     const fn acceptance(self) -> Acceptance {
-        match (self.is_guided, self.is_armed) {
+        match (self.is_ours, self.is_armed) {
             (false, _) => Acceptance::OtherClient,
             (true, false) => Acceptance::NotReady,
             (true, true) => Acceptance::Accepted,
@@ -80,7 +138,7 @@ impl BoatMode {
 /// Reads what the boat reports from received bytes.
 #[derive(Debug, Clone)]
 pub struct RoverReader {
-    peers: MavlinkPeers,
+    link: RoverLink,
     frames: FrameReader,
     boat: Option<Address>,
     mode: Option<BoatMode>,
@@ -88,8 +146,8 @@ pub struct RoverReader {
 
 impl RoverReader {
     /// A reader that has heard nothing.
-    pub fn new(peers: MavlinkPeers) -> Self {
-        Self { peers, frames: FrameReader::default(), boat: None, mode: None }
+    pub fn new(link: RoverLink) -> Self {
+        Self { link, frames: FrameReader::default(), boat: None, mode: None }
     }
 
     /// Passes each change of what the boat says to commands to `each`. Returns whether the boat was heard.
@@ -110,7 +168,7 @@ impl RoverReader {
 
     /// The mode in a heartbeat of the boat; the first boat that is heard is the boat.
     fn mode_of(&mut self, frame: &Frame<'_>) -> Option<BoatMode> {
-        let is_named = self.peers.vehicle.is_none_or(|system| system == frame.from.system);
+        let is_named = self.link.peers.vehicle.is_none_or(|system| system == frame.from.system);
         let is_boat = self.boat.map_or(is_named, |boat| boat == frame.from);
         if frame.from.component.0 != AUTOPILOT || !is_boat {
             return None;
@@ -123,7 +181,7 @@ impl RoverReader {
         }
         self.boat = Some(frame.from);
         Some(BoatMode {
-            is_guided: heard.custom_mode == GUIDED,
+            is_ours: heard.custom_mode == self.link.drive.mode(),
             is_armed: heard.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
         })
     }
@@ -141,34 +199,34 @@ pub struct RoverSession {
     /// Neutral set-points that are still to be sent of a boat that is released, or of the end.
     neutrals_left: u32,
     heartbeat_at: Timestamp,
-    asks_for_guided: bool,
+    asks_for_mode: bool,
     is_closing: bool,
 }
 
 impl RoverSession {
     /// A session on a newly opened port.
-    pub fn open(peers: MavlinkPeers, now: Timestamp) -> Self {
+    pub fn open(link: RoverLink, now: Timestamp) -> Self {
         Self {
-            writer: FrameWriter::new(peers.own, None),
-            reader: RoverReader::new(peers),
+            writer: FrameWriter::new(link.peers.own, None),
+            reader: RoverReader::new(link),
             since: now,
             last_heard: None,
             order: VesselOrder::Released,
             last: None,
             neutrals_left: 0,
             heartbeat_at: now,
-            asks_for_guided: false,
+            asks_for_mode: false,
             is_closing: false,
         }
     }
 
     fn is_ours(&self) -> bool {
-        self.reader.mode.is_some_and(|mode| mode.is_guided)
+        self.reader.mode.is_some_and(|mode| mode.is_ours)
     }
 
     fn set_point(&mut self, boat: Address, command: VesselCommand, now: Timestamp) -> Vec<u8> {
         self.last = Some((now, command));
-        self.writer.write(&set_point(boat, command))
+        self.reader.link.drive.packet(&mut self.writer, boat, command)
     }
 
     /// Appends the set-point that is due, and returns when the next one is.
@@ -226,12 +284,24 @@ pub fn set_point(to: Address, command: VesselCommand) -> SET_POSITION_TARGET_LOC
     }
 }
 
-/// Asks for the mode GUIDED.
-fn guided(to: Address) -> COMMAND_LONG_DATA {
+/// The manual control of a command.
+pub fn manual_control(to: Address, command: VesselCommand) -> MANUAL_CONTROL_DATA {
+    let VesselCommand { throttle, rudder } = command.clamped();
+    let deflection = |share: f64| libm::round(share * FULL_DEFLECTION) as i16;
+    MANUAL_CONTROL_DATA {
+        y: deflection(rudder),
+        z: deflection(throttle),
+        target: to.system.0,
+        ..MANUAL_CONTROL_DATA::DEFAULT
+    }
+}
+
+/// Asks for a mode.
+fn mode_request(to: Address, mode: u32) -> COMMAND_LONG_DATA {
     COMMAND_LONG_DATA {
         // The mode is the autopilot's own number.
         param1: f32::from(MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits()),
-        param2: GUIDED as f32,
+        param2: mode as f32,
         param3: 0.0,
         param4: 0.0,
         param5: 0.0,
@@ -264,8 +334,8 @@ impl Session for RoverSession {
         }
         let mut next = self.heartbeat_at;
         if let Some(boat) = self.reader.boat {
-            if core::mem::take(&mut self.asks_for_guided) {
-                out.push(self.writer.write(&guided(boat)));
+            if core::mem::take(&mut self.asks_for_mode) {
+                out.push(self.writer.write(&mode_request(boat, self.reader.link.drive.mode())));
             }
             if self.is_ours() {
                 next = self.write_set_point(boat, now, out).min(next);
@@ -296,9 +366,9 @@ impl Session for RoverSession {
         self.order = order;
     }
 
-    /// Asks for the mode GUIDED, once.
+    /// Asks for the mode in which the boat is driven, once.
     fn take_control(&mut self, _: Timestamp) {
-        self.asks_for_guided = !self.is_ours();
+        self.asks_for_mode = !self.is_ours();
     }
 
     fn close(&mut self, _: Timestamp) {
@@ -326,7 +396,7 @@ impl Session for RoverSession {
         let Some(boat) = self.reader.boat.filter(|_| self.is_ours()) else { return Vec::new() };
         let mut writer = self.writer.clone();
         let mut neutral = || WillStep {
-            packet: writer.write(&set_point(boat, VesselCommand::NEUTRAL)),
+            packet: self.reader.link.drive.packet(&mut writer, boat, VesselCommand::NEUTRAL),
             pause: NEUTRAL_INTERVAL,
         };
         (0..NEUTRALS).map(|_| neutral()).collect()

@@ -1,20 +1,22 @@
-//! The other end of [`super::rover`]: an ArduPilot boat, as far as set-points, modes and arming go.
+//! The other end of [`super::rover`]: an ArduPilot boat, as far as set-points, manual control, modes and arming go.
 
 use core::time::Duration;
 
 use barrelman_vocab::mavlink::Address;
 use barrelman_vocab::{Timestamp, VesselCommand};
 use mavlink::dialects::common::{
-    COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag, MavResult,
-    MavState, MavType, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd,
+    MavModeFlag, MavResult, MavState, MavType, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 
 use super::frame::{Frame, FrameReader, FrameWriter};
-use super::rover::{BODY_FRAME, FULL_SPEED_M_PER_S, FULL_TURN_RAD_PER_S, GUIDED};
+use super::rover::{
+    BODY_FRAME, FULL_DEFLECTION, FULL_SPEED_M_PER_S, FULL_TURN_RAD_PER_S, GROUND_STATION, GUIDED, MANUAL,
+};
 
-/// ArduPilot Rover's number of the mode MANUAL: the sticks steer.
-pub const MANUAL: u32 = 0;
-/// The boat stops after this time without a set-point.
+/// ArduPilot Rover's number of the mode HOLD: the boat is stopped.
+pub const HOLD: u32 = 4;
+/// The boat stops after this time without a set-point, and follows its sticks after this time without manual control.
 pub const SET_POINT_TIMEOUT: Duration = Duration::from_secs(3);
 const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 
@@ -44,6 +46,8 @@ pub struct RoverBoat {
     reader: FrameReader,
     writer: FrameWriter,
     set_point: Option<(Timestamp, VesselCommand)>,
+    /// What overrides the sticks.
+    manual: Option<(Timestamp, VesselCommand)>,
     heartbeat_at: Timestamp,
 }
 
@@ -58,6 +62,7 @@ impl RoverBoat {
             reader: FrameReader::default(),
             writer: FrameWriter::new(address, None),
             set_point: None,
+            manual: None,
             heartbeat_at: now,
         }
     }
@@ -69,14 +74,30 @@ impl RoverBoat {
 
     /// Somebody else chooses the mode, by a switch of the remote control.
     pub fn switch_to(&mut self, mode: u32) {
-        (self.mode, self.set_point, self.heartbeat_at) = (mode, None, Timestamp::ZERO);
+        self.mode = mode;
+        self.forget_commands();
+    }
+
+    /// Somebody else arms or disarms the boat.
+    pub fn arm(&mut self, is_armed: bool) {
+        self.is_armed = is_armed;
+        self.forget_commands();
+    }
+
+    fn forget_commands(&mut self) {
+        (self.set_point, self.manual, self.heartbeat_at) = (None, None, Timestamp::ZERO);
     }
 
     /// The command that the autopilot carries out.
     pub fn command(&self, now: Timestamp) -> VesselCommand {
-        let is_obeyed = self.is_armed && self.mode == GUIDED;
-        let fresh = self.set_point.filter(|(at, _)| *at <= now && now.since(*at) < SET_POINT_TIMEOUT);
-        fresh.filter(|_| is_obeyed).map_or(VesselCommand::NEUTRAL, |(_, command)| command)
+        let heard = match self.mode {
+            GUIDED => self.set_point,
+            // The sticks are at rest.
+            MANUAL => self.manual,
+            _ => None,
+        };
+        let fresh = heard.filter(|(at, _)| *at <= now && now.since(*at) < SET_POINT_TIMEOUT);
+        fresh.filter(|_| self.is_armed).map_or(VesselCommand::NEUTRAL, |(_, command)| command)
     }
 
     /// Processes received bytes, appends answers to `out`, and passes a description of each message to `on_message`.
@@ -129,6 +150,14 @@ impl RoverBoat {
             }
             return format!("SET_POSITION_TARGET from {from} vx {} yaw_rate {}", set.vx, set.yaw_rate);
         }
+        if let Some(manual) = frame.read::<MANUAL_CONTROL_DATA>() {
+            if from.system.0 == GROUND_STATION && manual.target == self.address.system.0 {
+                let share = |deflection: i16| f64::from(deflection) / FULL_DEFLECTION;
+                let command = VesselCommand { throttle: share(manual.z), rudder: share(manual.y) };
+                self.manual = Some((now, command.clamped()));
+            }
+            return format!("MANUAL_CONTROL from {from} y {} z {}", manual.y, manual.z);
+        }
         let Some(command) = frame.read::<COMMAND_LONG_DATA>() else {
             return format!("message {} from {from}", frame.message);
         };
@@ -137,8 +166,7 @@ impl RoverBoat {
         }
         let result = match command.command {
             MavCmd::MAV_CMD_DO_SET_MODE => {
-                (self.mode, self.set_point, self.heartbeat_at) =
-                    (command.param2.max(0.0) as u32, None, Timestamp::ZERO);
+                self.switch_to(command.param2.max(0.0) as u32);
                 MavResult::MAV_RESULT_ACCEPTED
             }
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => {

@@ -34,12 +34,14 @@ fn every_message_is_read_as_it_was_written() {
         protocol: VesselProtocol::LabUdp,
     };
     let boat = Settings { vehicle, ..settings.clone() };
-    let vehicle = GuardedVehicle::Vessel {
-        limits: VesselCommand { throttle: 1.0, rudder: 1.0 },
-        protocol: VesselProtocol::MavlinkRover(named),
-    };
-    let rover = Settings { vehicle, ..settings.clone() };
-    for other in gimbals.into_iter().chain([boat, rover]) {
+    let rovers = [RoverLink { peers: named, ..RoverLink::GUIDED }, RoverLink::MANUAL].map(|link| {
+        let vehicle = GuardedVehicle::Vessel {
+            limits: VesselCommand { throttle: 1.0, rudder: 1.0 },
+            protocol: VesselProtocol::MavlinkRover(link),
+        };
+        Settings { vehicle, ..settings.clone() }
+    });
+    for other in gimbals.into_iter().chain([boat]).chain(rovers) {
         let message: ToGuard = ToGuard::Settings(other);
         assert_eq!(ToGuard::decode(&message.encode()), Ok(message));
     }

@@ -203,3 +203,92 @@ fn a_clock_that_goes_back_makes_the_boat_neutral() {
     gate.decide(SEEN, at(1_010));
     assert_eq!(gate.decide(GateInput::NoObservation, at(900)).command, NEUTRAL);
 }
+
+#[test]
+fn a_helm_that_is_held_at_a_stop_does_nothing_until_it_was_let_go_whatever_it_did_then() {
+    let everything = VesselStop::Everything(StopCause::Operator);
+    // For want of video the helm is without effect when Stop is pressed.
+    let mut gate = gate();
+    gate.steer(AHEAD, at(1_000)).unwrap();
+    check(&mut gate, GateInput::NoObservation, 1_300, VesselMode::Neutral, NEUTRAL);
+    gate.stop(everything);
+    gate.on_video(at(1_400));
+    assert_eq!(gate.steer(AHEAD, at(1_400)), Err(Refusal::HelmHeldAtStop));
+    // A release is no letting go.
+    gate.release();
+    assert_eq!(gate.steer(AHEAD, at(1_410)), Err(Refusal::HelmHeldAtStop));
+    check(&mut gate, SEEN, 1_420, VesselMode::Released, NEUTRAL);
+    gate.steer(NEUTRAL, at(1_430)).unwrap();
+    gate.steer(AHEAD, at(1_440)).unwrap();
+    check(&mut gate, SEEN, 1_440, VesselMode::ByHand, AHEAD);
+    // A second stop counts, too.
+    gate.stop(everything);
+    gate.steer(NEUTRAL, at(1_450)).unwrap();
+    assert_eq!(gate.steer(AHEAD, at(3_000)), Err(Refusal::NoFreshVideo));
+    gate.stop_boat(BoatStop::Operator);
+    gate.on_video(at(3_010));
+    assert_eq!(gate.steer(AHEAD, at(3_010)), Err(Refusal::HelmHeldAtStop));
+}
+
+#[test]
+fn a_pilot_that_was_held_up_for_too_long_does_not_go_on_by_itself() {
+    for sees_loss in [false, true] {
+        let mut gate = gate();
+        gate.guide(at(1_000)).unwrap();
+        check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
+        let mut hold = VesselHold::Cause(HoldCause::VideoSilent);
+        if sees_loss {
+            hold = VesselHold::Cause(HoldCause::TrackLost);
+            let lost = GateInput::Unusable(HoldCause::TrackLost);
+            check(&mut gate, lost, 3_000, VesselMode::Holding(hold), NEUTRAL);
+        }
+        let stopped = VesselMode::Stopped(VesselStop::HeldTooLong(hold));
+        check(&mut gate, SEEN, 6_280, stopped, NEUTRAL);
+        check(&mut gate, SEEN, 6_310, stopped, NEUTRAL);
+    }
+}
+
+/// A gate of a boat behind a link that is up and takes commands.
+fn linked_gate() -> VesselGate {
+    let mut gate = VesselGate { vessel: VehicleState::new(CommandPath::Link), ..gate() };
+    gate.on_report(&Report::Link(LinkState::Up));
+    gate.on_report(&Report::Acceptance(Acceptance::Accepted));
+    gate
+}
+
+#[test]
+fn a_boat_that_was_disarmed_or_taken_waits_for_another_request() {
+    let stopped = VesselMode::Stopped(VesselStop::Vessel(StopCause::ControlLost));
+    for (said, loses_link) in
+        [(Acceptance::NotReady, false), (Acceptance::OtherClient, false), (Acceptance::OtherClient, true)]
+    {
+        let mut gate = linked_gate();
+        gate.guide(at(1_000)).unwrap();
+        check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
+        if loses_link {
+            gate.on_report(&Report::Link(LinkState::Opening));
+            gate.on_report(&Report::Link(LinkState::Up));
+        }
+        gate.on_report(&Report::Acceptance(said));
+        check(&mut gate, SEEN, 1_060, stopped, NEUTRAL);
+        gate.on_report(&Report::Acceptance(Acceptance::Accepted));
+        check(&mut gate, SEEN, 1_090, stopped, NEUTRAL);
+    }
+    // The sticks took a boat whose link was lost; the helm is held all the while.
+    let mut gate = linked_gate();
+    gate.steer(AHEAD, at(1_000)).unwrap();
+    gate.on_report(&Report::Link(LinkState::Opening));
+    check(&mut gate, SEEN, 1_030, VesselMode::Neutral, NEUTRAL);
+    gate.on_report(&Report::Link(LinkState::Up));
+    gate.on_report(&Report::Acceptance(Acceptance::OtherClient));
+    gate.on_report(&Report::Acceptance(Acceptance::Accepted));
+    assert_eq!(gate.steer(AHEAD, at(1_060)), Err(Refusal::HelmHeldAtStop));
+}
+
+#[test]
+fn a_throttle_that_has_no_time_to_grow_is_positive_zero() {
+    let mut gate = gate();
+    gate.steer(VesselCommand { throttle: -0.5, rudder: -0.0 }, at(1_000)).unwrap();
+    let command = gate.decide(GateInput::NoObservation, at(1_000)).command;
+    assert_eq!((command.throttle.to_bits(), command.rudder.to_bits()), (0, 0));
+}

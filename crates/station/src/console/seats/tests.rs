@@ -264,3 +264,15 @@ fn a_silent_page_loses_the_seat_and_a_page_that_asks_gets_it() {
     assert_eq!(seats.ask(b), Ok(()));
     assert!(seats.expire(at(7101)) && seats.controls(b) && seats.state().asking.is_empty());
 }
+
+#[test]
+fn a_page_that_hangs_before_it_is_lost_leaves_the_boat_when_it_was_silent_for_too_long() {
+    let mut seats = Seats::default();
+    let id = seats.join("page", Role::Control, at(0)).id;
+    seats.hear(id, at(1_000));
+    assert!(!seats.is_boat_left(at(1_900)));
+    seats.leave(id, at(1_900));
+    assert!(seats.is_boat_left(at(1_901)), "not another 0.9 s from the loss");
+    seats.join("page", Role::Control, at(2_000));
+    assert!(!seats.is_boat_left(at(2_900)));
+}

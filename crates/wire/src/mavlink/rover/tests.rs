@@ -1,6 +1,6 @@
 //! The session against the other end, in steps of ten milliseconds.
 
-use super::super::rover_boat::{MANUAL, RoverBoat, RoverBoatSettings};
+use super::super::rover_boat::{HOLD, RoverBoat, RoverBoatSettings};
 use super::*;
 
 const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: -0.5 };
@@ -22,8 +22,12 @@ struct Bench {
 
 impl Bench {
     fn new(settings: RoverBoatSettings) -> Self {
+        Self::linked(RoverLink::GUIDED, settings)
+    }
+
+    fn linked(link: RoverLink, settings: RoverBoatSettings) -> Self {
         Self {
-            session: RoverSession::open(MavlinkPeers::DEFAULT, at(0)),
+            session: RoverSession::open(link, at(0)),
             boat: RoverBoat::new(settings, at(0)),
             ms: 0,
             reports: Vec::new(),
@@ -57,6 +61,11 @@ impl Bench {
     fn set_points(&self, from_ms: u64) -> usize {
         let is_set_point = |(ms, text): &&(u64, String)| *ms >= from_ms && text.starts_with("SET_POSITION");
         self.heard.iter().filter(is_set_point).count()
+    }
+
+    fn manual_controls(&self, from_ms: u64) -> usize {
+        let is_one = |(ms, text): &&(u64, String)| *ms >= from_ms && text.starts_with("MANUAL_CONTROL");
+        self.heard.iter().filter(is_one).count()
     }
 
     fn go(&mut self) {
@@ -158,7 +167,7 @@ fn the_end_is_neutral_and_a_boat_that_hears_nothing_stops_by_itself() {
 
 #[test]
 fn what_is_no_boat_is_not_commanded() {
-    let mut session = RoverSession::open(MavlinkPeers::DEFAULT, at(0));
+    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
     let mut copter = FrameWriter::new(Address::new(1, 1), None);
     let packet = copter.write(&HEARTBEAT_DATA {
         custom_mode: GUIDED,
@@ -171,4 +180,64 @@ fn what_is_no_boat_is_not_commanded() {
     assert_eq!(session.link_state(), LinkState::Starting);
     assert!(session.last_will().is_empty());
     assert_eq!(session.poll(at(6_000), &mut Vec::new()), NextAction::Reopen { reason: "no boat was heard" });
+}
+
+#[test]
+fn manual_control_is_that_of_the_protocol_byte_for_byte() {
+    // pymavlink, MAVLink 2, sequence 0: manual_control_send(1, 0, -250, 500, 0, 0) of 255/191.
+    const PINNED: [u8; 23] = [
+        0xfd, 0x0b, 0x00, 0x00, 0x00, 0xff, 0xbf, 0x45, 0x00, 0x00, 0x00, 0x00, 0x06, 0xff, 0xf4, 0x01, 0x00,
+        0x00, 0x00, 0x00, 0x01, 0x56, 0x69,
+    ];
+    let mut writer = FrameWriter::new(RoverLink::MANUAL.peers.own, None);
+    let command = VesselCommand { throttle: 0.5, rudder: -0.25 };
+    let packet = RoverDrive::Manual.packet(&mut writer, Address::new(1, 1), command);
+    assert_eq!(packet, PINNED);
+    let beyond = VesselCommand { throttle: 7.0, rudder: f64::NAN };
+    let held = manual_control(Address::new(1, 1), beyond);
+    assert_eq!((held.y, held.z), (0, 1000));
+}
+
+#[test]
+fn a_boat_in_manual_obeys_manual_control_for_three_seconds() {
+    let mut bench = Bench::linked(RoverLink::MANUAL, RoverBoatSettings::default());
+    bench.run_to(500);
+    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::Accepted)]);
+    assert_eq!(bench.manual_controls(0), 0, "a boat that is not commanded is its sticks'");
+    bench.go();
+    bench.run_to(1_500);
+    assert_eq!(bench.boat.command(at(1_500)), AHEAD);
+    assert_eq!(bench.manual_controls(500), 10, "ten a second");
+    bench.is_cut = true;
+    bench.run_to(2_000);
+    assert_eq!(bench.boat.command(at(4_300)), AHEAD);
+    assert!(bench.boat.command(at(4_500)).is_neutral(), "the sticks again");
+    bench.is_cut = false;
+    bench.run_to(3_000);
+    bench.session.request(VesselOrder::Released, None);
+    bench.run_to(5_000);
+    assert_eq!(bench.manual_controls(3_000), NEUTRALS as usize);
+    assert!(bench.boat.command(at(5_000)).is_neutral());
+}
+
+#[test]
+fn manual_control_yields_to_every_other_mode_and_to_nobody_elses_system() {
+    let mut bench = Bench::linked(RoverLink::MANUAL, RoverBoatSettings::default());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_000);
+    bench.boat.switch_to(HOLD);
+    bench.run_to(3_000);
+    assert_eq!(bench.reports.last(), Some(&Report::Acceptance(Acceptance::OtherClient)));
+    assert!(bench.manual_controls(1_030) == 0, "the switch of the remote control took the boat");
+    bench.session.take_control(at(3_000));
+    bench.run_to(3_500);
+    assert_eq!(bench.boat.mode(), MANUAL, "asked for");
+    // A boat obeys the system id of its ground station alone.
+    let onboard = RoverLink { peers: MavlinkPeers::DEFAULT, ..RoverLink::MANUAL };
+    let mut bench = Bench::linked(onboard, RoverBoatSettings::default());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_000);
+    assert!(bench.manual_controls(0) > 0 && bench.boat.command(at(1_000)).is_neutral());
 }

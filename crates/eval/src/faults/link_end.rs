@@ -1,0 +1,41 @@
+//! The program's end of a link: what it sends to the link, and what the link has reported.
+
+use std::collections::VecDeque;
+
+use barrelman_link::guard::gate::HEARTBEAT;
+use barrelman_link::guard::message::ToGuard;
+use barrelman_link::{LinkReport, RequestedCommand};
+use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates};
+
+/// The program's end of a link.
+pub(super) struct LinkEnd<C = VehicleRates> {
+    requested: RequestedCommand<C>,
+    sent_at: Timestamp,
+    /// Messages for the link.
+    pub(super) outbox: VecDeque<ToGuard<C>>,
+    /// Reports that the run loop has not read yet.
+    pub(super) reports: VecDeque<LinkReport>,
+}
+
+impl<C: LinkCommand> LinkEnd<C> {
+    /// An end that asks for `requested` at first.
+    pub(super) const fn new(requested: RequestedCommand<C>) -> Self {
+        Self { requested, sent_at: Timestamp::ZERO, outbox: VecDeque::new(), reports: VecDeque::new() }
+    }
+
+    /// The thread of the link: the sign of life.
+    pub(super) fn beat(&mut self, now: Timestamp) {
+        if now.since(self.sent_at) >= HEARTBEAT {
+            self.sent_at = now;
+            self.outbox.push_back(ToGuard::Request(self.requested));
+        }
+    }
+
+    /// Asks for a command from now on.
+    pub(super) fn request(&mut self, requested: RequestedCommand<C>, now: Timestamp) {
+        if std::mem::replace(&mut self.requested, requested) != requested {
+            self.sent_at = now;
+            self.outbox.push_back(ToGuard::Request(requested));
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! The simulated program of a boat: the real pilot on the truth, with its second actuator, and the console's watch.
+
+use core::time::Duration;
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use barrelman_link::guard::message::ToGuard;
+use barrelman_link::{LinkReport, RequestedCommand};
+use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::vessel::GuidanceLaw;
+use barrelman_pilot::{
+    CommandPath, Input, LawSettings, Notice, Pilot, PilotSettings, Refusal, VesselMode, VesselSettings,
+};
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, Picture};
+use barrelman_vocab::{
+    Angle, BoatStop, DrawnMark, MarkKind, OperatorRequest, PixelPoint, StopCause, Telemetry, Timestamp,
+    Track, VehicleProfile, VesselOrder, VesselProfile, VideoFrame,
+};
+
+use super::super::link_end::LinkEnd;
+use super::super::mutant::Mutant;
+use super::super::picture::{PICTURE, SeenPicture};
+use super::console::Console;
+use super::oracle::{VesselOracle, VideoArrival};
+use super::truth_tracker::{Truth, TruthTracker};
+
+/// A point of the water, to the right of the boat.
+const MARK: PixelPoint = PixelPoint { u: 480.0, v: 330.0 };
+/// From the capture of the newest video frame to a mark on it.
+const MARK_AGE: Duration = Duration::from_millis(150);
+/// The camera's height and tilt.
+const HEIGHT_M: f64 = 15.0;
+const TILT: Angle = Angle::from_degrees(-40.0);
+
+/// The program.
+pub(super) struct VesselProgram {
+    pilot: Pilot,
+    profile: VehicleProfile,
+    mutant: Mutant,
+    wake_at: Option<Timestamp>,
+    mode: VesselMode,
+    pan_rad_per_s: f64,
+    is_elsewhere: bool,
+    truth: Truth,
+    /// The pixels of every video frame, which nobody looks at.
+    pixels: Arc<Picture>,
+    frames: u64,
+    pub(super) console: Console,
+    /// The program's end of the link to the boat.
+    pub(super) end: LinkEnd<VesselOrder>,
+}
+
+impl VesselProgram {
+    pub(super) fn new(vessel: VesselProfile, guidance: GuidanceLaw, mutant: Mutant) -> Self {
+        let truth = Truth::new(Mutex::new(None));
+        let tracker = Box::new(TruthTracker::new(Arc::clone(&truth)));
+        let profile = VehicleProfile::fotokite_pro();
+        let settings = PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema };
+        let vessel = VesselSettings { profile: vessel, guidance, path: CommandPath::Link };
+        Self {
+            pilot: Pilot::new(settings, tracker).with_vessel(vessel),
+            profile,
+            mutant,
+            wake_at: None,
+            mode: VesselMode::Released,
+            pan_rad_per_s: 0.0,
+            is_elsewhere: false,
+            truth,
+            pixels: Arc::new(Picture::black(PICTURE, ColourEncoding::JPEG)),
+            frames: 0,
+            console: Console::new(),
+            end: LinkEnd::new(RequestedCommand { command: VesselOrder::Released, renew_by: None }),
+        }
+    }
+
+    /// Whether the boat says that another commander steers it.
+    pub(super) const fn is_control_elsewhere(&self) -> bool {
+        self.is_elsewhere
+    }
+
+    /// The camera's rate, to the right.
+    pub(super) const fn pan_rad_per_s(&self) -> f64 {
+        self.pan_rad_per_s
+    }
+
+    /// The run loop: the console's watch, what the link reports, and the pilot's deadline.
+    pub(super) fn advance(&mut self, oracle: &mut VesselOracle, now: Timestamp) {
+        let moves = matches!(self.mode, VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_));
+        let is_left = self.console.is_left(now) && self.mutant != Mutant::NoConsoleTimeOut;
+        if moves && is_left {
+            self.request(OperatorRequest::StopBoat(BoatStop::ConsoleLost), now);
+        }
+        while let Some(report) = self.end.reports.pop_front() {
+            match report {
+                LinkReport::Telemetry(telemetry) => self.on_telemetry(telemetry, oracle, now),
+                LinkReport::Suspended(_) => self.on_suspension(oracle, now),
+                LinkReport::GuardLost(_) => {
+                    let opening = Telemetry { at: now, report: Report::Link(LinkState::Opening) };
+                    self.on_telemetry(opening, oracle, now);
+                }
+                LinkReport::Lost { .. }
+                | LinkReport::HeldUp
+                | LinkReport::Stopped(_)
+                | LinkReport::Panicked => {}
+            }
+        }
+        if self.wake_at.is_some_and(|at| at <= now) {
+            self.step(Input::Tick, now);
+        }
+    }
+
+    pub(super) fn on_suspension(&mut self, oracle: &mut VesselOracle, now: Timestamp) {
+        oracle.withdraw();
+        self.request(OperatorRequest::Stop(StopCause::Suspended), now);
+    }
+
+    /// What takes another Go, judged apart from the pilot: a boat that fell silent, and one that does not take commands any more.
+    fn on_telemetry(&mut self, telemetry: Telemetry, oracle: &mut VesselOracle, now: Timestamp) {
+        match telemetry.report {
+            Report::Link(LinkState::Silent) => oracle.withdraw(),
+            Report::Link(_) => self.is_elsewhere = false,
+            Report::Acceptance(said) => {
+                self.is_elsewhere = said.is_elsewhere();
+                match said {
+                    Acceptance::Accepted => {}
+                    Acceptance::OtherClient => oracle.withdraw(),
+                    _ => oracle.withdraw_guidance(),
+                }
+            }
+            _ => {}
+        }
+        self.step(Input::VesselTelemetry(telemetry), now);
+    }
+
+    /// What the camera's vehicle reports of height and tilt.
+    pub(super) fn report_height(&mut self, now: Timestamp) {
+        for report in [Report::CameraTilt(TILT), Report::CameraHeight(HEIGHT_M)] {
+            self.step(Input::Telemetry(Telemetry { at: now, report }), now);
+        }
+    }
+
+    /// A picture has arrived, `age` after it was captured.
+    pub(super) fn see(&mut self, picture: SeenPicture, age: Duration, now: Timestamp) -> VideoArrival {
+        *self.truth.lock().unwrap_or_else(PoisonError::into_inner) = Some(picture);
+        let frame = VideoFrame {
+            sequence: self.frames,
+            capture: Capture { at: picture.captured, quality: CaptureQuality::Sensor },
+            picture: Arc::clone(&self.pixels),
+        };
+        self.frames += 1;
+        self.step(Input::Frame(&frame), now);
+        let track = picture.track(picture.captured);
+        VideoArrival {
+            is_fresh: age <= self.profile.video_latency + self.profile.stale_after,
+            is_boat_found: matches!(track, Track::Tracking(_)),
+        }
+    }
+
+    /// Marks a place on a video frame. Returns whether it is marked.
+    pub(super) fn mark(&mut self, now: Timestamp) -> bool {
+        let drawn = DrawnMark { kind: MarkKind::Place, pixel: MARK, captured: now.minus(MARK_AGE) };
+        matches!(self.request(OperatorRequest::Mark(drawn), now), Some(Notice::Marked(..)))
+    }
+
+    /// The operator presses Go. A boat that somebody else steers is asked for.
+    pub(super) fn go(&mut self, now: Timestamp) {
+        self.console.commands_boat(now);
+        let refused = Notice::RequestRefused(Refusal::NoVesselMotion(HoldCause::NoControl));
+        if self.request(OperatorRequest::Guide, now) == Some(refused) {
+            self.end.outbox.push_back(ToGuard::TakeControl);
+        }
+    }
+
+    /// A request of the operator.
+    pub(super) fn request(&mut self, request: OperatorRequest, now: Timestamp) -> Option<Notice> {
+        if matches!(request, OperatorRequest::Steer(_)) {
+            self.console.commands_boat(now);
+        }
+        self.step(Input::Request(request), now)
+    }
+
+    fn step(&mut self, input: Input<'_>, now: Timestamp) -> Option<Notice> {
+        let outcome = self.pilot.step(input, now);
+        self.wake_at = outcome.next_step_at();
+        self.pan_rad_per_s = outcome.command.pan.radians_per_second();
+        self.mode = outcome.vessel.mode;
+        let command = match outcome.vessel.is_commanded() {
+            true => VesselOrder::Commanded(outcome.vessel.command),
+            false => VesselOrder::Released,
+        };
+        self.end.request(RequestedCommand { command, renew_by: outcome.vessel.renew_by }, now);
+        outcome.notice
+    }
+
+    /// Ends the link in order.
+    pub(super) fn close(&mut self, now: Timestamp) {
+        self.request(OperatorRequest::Stop(StopCause::Ending), now);
+        self.end.outbox.push_back(ToGuard::Close);
+    }
+}

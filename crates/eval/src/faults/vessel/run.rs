@@ -1,0 +1,210 @@
+//! One run with a boat: thirteen seconds of the world, millisecond by millisecond.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use anyhow::Result;
+use barrelman_pilot::vessel::GuidanceLaw;
+use barrelman_vocab::VesselOrder;
+
+use super::super::fault::{self, FaultKind};
+use super::super::machine::{Machine, Moment};
+use super::super::mutant::Mutant;
+use super::super::picture::SeenPicture;
+use super::super::run_result::RunResult;
+use super::super::station::TICK_S;
+use super::boat::Boat;
+use super::oracle::{VesselLicence, VesselOracle};
+use super::program::VesselProgram;
+use super::script::{Desk, Script};
+use super::vessel_kind::Vessel;
+use crate::rng::Rng;
+
+const LASTS_MS: u64 = 13_000;
+const FRAME_MS: u64 = 33;
+/// From the capture of a picture to its arrival, ms.
+const VIDEO_LATENCY_MS: u64 = 120;
+/// Added to it while the video is late, ms.
+const VIDEO_LATE_MS: u64 = 700;
+/// By how much the clock of the video jumps back; in half of the faults it jumps ahead.
+const CLOCK_JUMP: Duration = Duration::from_secs(3);
+/// Interval between two reports of height and tilt, ms.
+const HEIGHT_INTERVAL_MS: u64 = 200;
+/// A boat that another commander steers is left alone after this time on a line without faults, ms.
+const YIELDS_WITHIN_MS: u64 = 1_500;
+
+/// A picture on its way to the program.
+struct Underway {
+    captured_ms: u64,
+    due_ms: u64,
+    picture: SeenPicture,
+}
+
+struct World {
+    vessel: Vessel,
+    machine: Machine<VesselOrder>,
+    boat: Box<dyn Boat>,
+    program: VesselProgram,
+    script: Script,
+    oracle: VesselOracle,
+    phase: f64,
+    pan_rad: f64,
+    pictures: VecDeque<Underway>,
+    /// Until when line and guard are not whole, ms.
+    disturbed_until_ms: u64,
+    /// Since when another commander has steered the boat, on a line without faults, ms.
+    elsewhere_since_ms: Option<u64>,
+}
+
+/// Runs the run with this number. `trace` takes what the boat receives.
+///
+/// # Errors
+/// If the boat has no profile.
+pub(crate) fn run(
+    vessel: Vessel,
+    number: u64,
+    seed: u64,
+    mutant: Mutant,
+    trace: &mut dyn FnMut(&str),
+) -> Result<RunResult> {
+    let mut rng = Rng::from_name("faults of boats", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let faults = fault::draw(number, &vessel.faults(), &mut rng);
+    let licence = match rng.uniform(0.0, 1.0) {
+        ..0.5 => Some(VesselLicence::Guided),
+        ..0.85 => Some(VesselLicence::ByHand),
+        _ => None,
+    };
+    let guidance =
+        if rng.uniform(0.0, 1.0) < 0.5 { GuidanceLaw::LineOfSight } else { GuidanceLaw::Laboratory };
+    // Go asks a boat for its mode; a helm does not.
+    let is_ready = licence == Some(VesselLicence::ByHand) || rng.uniform(0.0, 1.0) < 0.5;
+    let mut world = World {
+        vessel,
+        boat: vessel.boat(&faults, is_ready, mutant),
+        program: VesselProgram::new(vessel.profile()?, guidance, mutant),
+        script: Script { licence, engages_again: rng.uniform(0.0, 1.0) < 0.5, mutant, is_helm_held: false },
+        oracle: VesselOracle::new(vessel.own_limit_ms(&faults)),
+        phase: rng.uniform(0.0, core::f64::consts::TAU),
+        machine: Machine::start(vessel.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
+        pan_rad: 0.0,
+        pictures: VecDeque::new(),
+        disturbed_until_ms: 0,
+        elsewhere_since_ms: None,
+    };
+    for at_ms in 0..LASTS_MS {
+        world.advance(at_ms, trace);
+    }
+    Ok(RunResult {
+        worst_ms: world.oracle.worst_ms().to_vec(),
+        moved: world.oracle.moved().iter().map(|licence| licence.name()).collect(),
+        violation: world.oracle.violation().cloned(),
+        is_excluded: false,
+        faults: world.machine.faults,
+    })
+}
+
+impl World {
+    fn advance(&mut self, at_ms: u64, trace: &mut dyn FnMut(&str)) {
+        self.machine.line.advance(at_ms);
+        self.boat.advance(&mut self.machine.line, at_ms, trace);
+        self.pan_rad += self.program.pan_rad_per_s() * TICK_S;
+        self.capture(at_ms);
+        if let Some(moment) = self.machine.begin(at_ms) {
+            if moment.was_suspended {
+                self.oracle.resume(at_ms);
+            }
+            self.machine.advance_link(&mut self.program.end, moment);
+            self.advance_program(moment);
+        }
+        self.judge(at_ms);
+    }
+
+    /// The pictures of the camera: the boat swings to and fro before it.
+    fn capture(&mut self, at_ms: u64) {
+        if !at_ms.is_multiple_of(FRAME_MS) || self.machine.is_active(FaultKind::VideoStalls, at_ms) {
+            return;
+        }
+        let boat_rad = 0.9 * (0.55 * at_ms as f64 / 1000.0 + self.phase).sin() - 0.9 * self.phase.sin();
+        let is_found = !self.machine.is_active(FaultKind::TrackLost, at_ms);
+        let now = self.machine.now(at_ms);
+        let jump = self
+            .machine
+            .faults
+            .iter()
+            .find(|fault| fault.kind == FaultKind::VideoClockJumps && fault.is_active(at_ms));
+        let late_ms = if self.machine.is_active(FaultKind::VideoLate, at_ms) { VIDEO_LATE_MS } else { 0 };
+        let latency_ms = VIDEO_LATENCY_MS + late_ms;
+        let due_ms = at_ms + latency_ms;
+        // A time of capture after the arrival counts as the arrival, as it does in the program's own clock of the video: nothing
+        // else is known then.
+        let (captured, captured_ms) = match jump {
+            Some(fault) if fault.from_ms.is_multiple_of(2) => {
+                (now.plus(Duration::from_millis(latency_ms)), due_ms)
+            }
+            Some(_) => (now.minus(CLOCK_JUMP), at_ms),
+            None => (now, at_ms),
+        };
+        let picture = SeenPicture {
+            captured,
+            bearing_rad: is_found.then_some(boat_rad - self.pan_rad),
+            is_coasting: self.machine.is_active(FaultKind::TrackCoasts, at_ms),
+        };
+        self.pictures.push_back(Underway { captured_ms, due_ms, picture });
+    }
+
+    fn advance_program(&mut self, moment: Moment) {
+        let Moment { now, at_ms, was_suspended } = moment;
+        let is_elsewhere = self.program.is_control_elsewhere();
+        if !self.machine.advance_program(&mut self.program.end, is_elsewhere, moment) {
+            return;
+        }
+        if was_suspended {
+            self.pictures.clear();
+            self.program.on_suspension(&mut self.oracle, now);
+        }
+        if self.machine.begins(FaultKind::ProgramEnds, at_ms) && !self.machine.is_closing {
+            self.machine.is_closing = true;
+            self.oracle.withdraw();
+            self.program.close(now);
+        }
+        if !self.machine.is_closing {
+            let Self { program, oracle, machine, .. } = self;
+            self.script.act(&mut Desk { program, oracle, faults: &machine.faults, now, at_ms });
+        }
+        if at_ms.is_multiple_of(HEIGHT_INTERVAL_MS) {
+            self.program.report_height(now);
+        }
+        self.program.advance(&mut self.oracle, now);
+        let mut newest = None;
+        while let Some(underway) = self.pictures.pop_front_if(|underway| underway.due_ms <= at_ms) {
+            newest = Some(underway);
+        }
+        if let Some(Underway { captured_ms, picture, .. }) = newest {
+            let age = Duration::from_millis(at_ms - captured_ms);
+            let arrival = self.program.see(picture, age, now);
+            self.oracle.saw(arrival, at_ms);
+        }
+    }
+
+    fn judge(&mut self, at_ms: u64) {
+        let is_line_disturbed = self.machine.line.is_disturbed(at_ms);
+        if is_line_disturbed || !self.machine.has_link() || self.machine.is_suspended() {
+            self.disturbed_until_ms = at_ms + self.vessel.settles_ms();
+        }
+        if at_ms <= self.disturbed_until_ms {
+            self.oracle.disturb(at_ms);
+        }
+        if !self.boat.is_anothers() || is_line_disturbed || self.machine.is_suspended() {
+            self.elsewhere_since_ms = None;
+        } else {
+            let since_ms = at_ms - *self.elsewhere_since_ms.get_or_insert(at_ms);
+            if self.boat.is_meddled_with() && since_ms > YIELDS_WITHIN_MS {
+                self.oracle.meddles(at_ms, since_ms);
+            }
+        }
+        if self.machine.sent().iter().any(|packet| self.boat.tells_to_move(packet)) {
+            self.oracle.sent_motion(at_ms);
+        }
+        self.oracle.judge(at_ms, !self.boat.command(at_ms).is_neutral());
+    }
+}

@@ -1,0 +1,142 @@
+//! The boats of the campaign: what is spoken to them, what is at the other end, and which faults they have.
+
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use barrelman_vocab::{VesselCommand, VesselOrder, VesselProfile};
+use barrelman_wire::mavlink::rover::RoverDrive;
+use barrelman_wire::{OpenSession as _, VesselProtocol};
+
+use super::super::fault::{Fault, FaultKind};
+use super::super::line::DELAY_MS;
+use super::super::link_plan::LinkPlan;
+use super::super::mutant::Mutant;
+use super::boat::Boat;
+use super::lab_receiver::LabBoat;
+use super::rover::Rover;
+
+/// A boat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Vessel {
+    /// The laboratory's datagrams, to a receiver with a time-out.
+    LabUdp,
+    /// An ArduPilot boat in GUIDED.
+    MavlinkRover,
+    /// An ArduPilot boat in MANUAL, by manual control.
+    MavlinkRoverManual,
+}
+
+impl Vessel {
+    /// Name of the profile, and on the command line.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::LabUdp => "lab-udp",
+            Self::MavlinkRover => "mavlink-rover",
+            Self::MavlinkRoverManual => "mavlink-rover-manual",
+        }
+    }
+
+    /// What it is, for the command line.
+    pub(crate) const fn help(self) -> &'static str {
+        match self {
+            Self::LabUdp => "The laboratory's datagrams to a boat, behind a guard",
+            Self::MavlinkRover => "An ArduPilot boat in GUIDED, behind a guard",
+            Self::MavlinkRoverManual => "An ArduPilot boat by manual control, behind a guard",
+        }
+    }
+
+    /// The profile.
+    ///
+    /// # Errors
+    /// If there is none of this name.
+    pub(super) fn profile(self) -> Result<VesselProfile> {
+        VesselProfile::named(self.name()).context("the vessel has no profile")
+    }
+
+    /// How its link is made, behind a guard.
+    ///
+    /// # Errors
+    /// If the profile has no protocol.
+    pub(super) fn link_plan(self, mutant: Mutant) -> Result<LinkPlan<VesselOrder>> {
+        let protocol = VesselProtocol::of_profile(self.name()).context("the vessel has no protocol")?;
+        let profile = self.profile()?;
+        let throttle = profile.limits.ahead.max(profile.limits.astern).max(profile.hand_throttle);
+        Ok(LinkPlan {
+            open_session: Arc::new(move |now| protocol.open(now)),
+            guard_limits: Some(VesselOrder::Commanded(VesselCommand { throttle, rudder: 1.0 })),
+            mutant,
+        })
+    }
+
+    /// The longest time of motion at a boat that hears nothing any more, from the last permitted moment, ms: its own time-out
+    /// after the last packet. A network that delays adds its delay.
+    pub(super) fn own_limit_ms(self, faults: &[Fault]) -> u64 {
+        let is_delayed = faults.iter().any(|fault| fault.kind == FaultKind::LineDelays);
+        let own_ms = match self {
+            Self::LabUdp => 1_000,
+            Self::MavlinkRover | Self::MavlinkRoverManual => 3_300,
+        };
+        if is_delayed { own_ms + DELAY_MS } else { own_ms }
+    }
+
+    /// From the return of line or guard until neutral can be sent, ms: a port is opened within 0.1 s, and an ArduPilot boat has
+    /// to be heard first, once a second.
+    pub(super) const fn settles_ms(self) -> u64 {
+        match self {
+            Self::LabUdp => 150,
+            Self::MavlinkRover | Self::MavlinkRoverManual => 1_150,
+        }
+    }
+
+    /// Whether the boat can have this fault. Datagrams have a checksum; the laboratory's receiver answers nothing.
+    fn can_have(self, fault: FaultKind) -> bool {
+        match fault {
+            FaultKind::LineDamagesBytes | FaultKind::ControlTaken | FaultKind::BoatDisarmed => {
+                self != Self::LabUdp
+            }
+            FaultKind::VideoStalls
+            | FaultKind::VideoLate
+            | FaultKind::TrackLost
+            | FaultKind::TrackCoasts
+            | FaultKind::PilotHangs
+            | FaultKind::ProgramKilled
+            | FaultKind::ProgramStopped
+            | FaultKind::ProgramEnds
+            | FaultKind::GuardKilled
+            | FaultKind::Suspension
+            | FaultKind::LineCut
+            | FaultKind::LineSilent
+            | FaultKind::LineLosesPackets
+            | FaultKind::LineDelays
+            | FaultKind::LineRepeats
+            | FaultKind::StationReboots
+            | FaultKind::OperatorStops => true,
+            _ => fault.is_of_boats(),
+        }
+    }
+
+    /// The kinds of faults that the boat can have.
+    pub(crate) fn faults(self) -> Vec<FaultKind> {
+        FaultKind::ALL.into_iter().filter(|kind| self.can_have(*kind)).collect()
+    }
+
+    /// What can be taken out for this boat.
+    pub(crate) const fn mutants() -> &'static [Mutant] {
+        &[
+            Mutant::NoTimeToLive,
+            Mutant::NoLatch,
+            Mutant::NoGuard,
+            Mutant::NoConsoleTimeOut,
+            Mutant::CommandsLast,
+        ]
+    }
+
+    /// The far end of the line with these faults; `is_ready`: a boat that takes commands from the start.
+    pub(super) fn boat(self, faults: &[Fault], is_ready: bool, mutant: Mutant) -> Box<dyn Boat> {
+        match self {
+            Self::LabUdp => Box::new(LabBoat::new(faults, mutant)),
+            Self::MavlinkRover => Box::new(Rover::new(RoverDrive::Guided, faults, is_ready, mutant)),
+            Self::MavlinkRoverManual => Box::new(Rover::new(RoverDrive::Manual, faults, is_ready, mutant)),
+        }
+    }
+}
