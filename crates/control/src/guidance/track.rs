@@ -10,7 +10,10 @@
 //!
 //! The turn is that of the time of capture, looked up in a history, so that the video latency does not enter; a
 //! prediction to the present continues with the commands given since (`smith1957`). The current is part of the velocity.
-//! The heading is the integrated turn, corrected by the tracker's heading, or by the course while the boat moves.
+//! The heading is the integrated turn, corrected by the tracker's heading, or by the course while the boat moves. The tracker
+//! takes the end of the boat that goes first for the bow: of a boat that goes astern, or is set by waves and wind, it reports the
+//! stern. So the tracker's heading counts as an axis. Its end is the one near the course of a boat that goes ahead by the model, or
+//! else the one near the heading so far.
 //!
 //! An innovation of more than [`INNOVATION_GATE`] standard deviations is shortened to that. Work: O(1) per step, with one
 //! search in the history of [`HISTORY_LEN`] entries; no allocation after construction.
@@ -266,6 +269,16 @@ impl BoatTrack {
             let velocity_variance = estimate.covariance[2][2] + estimate.covariance[3][3];
             (libm::atan2(vx, vy), CRAB_RAD * CRAB_RAD + velocity_variance / squared_speed)
         });
+        let bow_near = of_course.filter(|_| motion.thrust > 0.0).or_else(|| {
+            self.heading
+                .filter(|last| last.variance < MAX_HEADING_VARIANCE)
+                .map(|last| (last.angle, last.variance))
+        });
+        let of_tracker = match bow_near {
+            Some((near, _)) => of_tracker.map(|(angle, variance)| (end_near(angle, near), variance)),
+            // Nothing tells the ends of a boat apart that may go astern.
+            None => of_tracker.filter(|_| motion.surge >= 0.0),
+        };
         for (angle, variance) in of_tracker.into_iter().chain(of_course) {
             let gained = self.heading.map_or(1.0, |last| last.variance / (last.variance + variance));
             let before = self.heading.map_or(angle, |last| last.angle);
@@ -376,6 +389,15 @@ impl Estimate {
         let covariance = [0, 1, 2, 3]
             .map(|i| [0, 1, 2, 3].map(|j| p[i][j] - gains[i][0] * p[0][j] - gains[i][1] * p[1][j]));
         Self { at_s: self.at_s, state, covariance }
+    }
+}
+
+/// The end of an axis that points nearer to a direction: the angle itself, or the opposite one, radians.
+fn end_near(angle: f64, direction: f64) -> f64 {
+    if wrapped(angle - direction).abs() > core::f64::consts::FRAC_PI_2 {
+        angle + core::f64::consts::PI
+    } else {
+        angle
     }
 }
 

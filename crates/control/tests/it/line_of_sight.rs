@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use barrelman_control::guidance::track::BoatTrack;
 use barrelman_control::guidance::{
     BoatFix, Destination, GuidanceInput, GuidanceState, GuidanceStep, KeepOut, LineOfSight,
     LineOfSightTuning, VesselLimits, VesselModel,
@@ -337,4 +338,56 @@ fn the_same_inputs_give_the_same_bits_and_no_step_allocates() {
         }
     });
     assert_eq!(allocations.count_total, 0);
+}
+
+/// A boat on the line x = 0 whose track is fed with its place and with a bow that the tracker reports.
+struct Straight {
+    track: BoatTrack,
+    now_s: f64,
+    y_m: f64,
+}
+
+impl Straight {
+    fn new() -> Self {
+        let track = BoatTrack::new(VesselModel::JET, &LineOfSightTuning::DEFAULT);
+        Self { track, now_s: 0.0, y_m: 0.0 }
+    }
+
+    /// Goes on for some seconds at `speed` (m/s, ahead positive) with the bow reported `reported_deg` from ahead. The heading of
+    /// the track at the end, degrees.
+    fn heading_after(&mut self, seconds: f64, speed: f64, reported_deg: f64) -> f64 {
+        let throttle = (speed / VesselModel::JET.speed_per_throttle).clamp(-0.6, 0.6);
+        let mut now = Timestamp::from_secs_f64(self.now_s);
+        for _ in 0..(seconds / FRAME_S) as u64 {
+            now = Timestamp::from_secs_f64(self.now_s);
+            self.track.apply_command(VesselCommand { throttle, rudder: 0.0 }, now);
+            let point = WaterPoint { x: 0.0, y: self.y_m };
+            let water = WaterFix { point, covariance: WaterCovariance::isotropic(0.05) };
+            let heading = Some((Angle::from_degrees(reported_deg), Angle::from_degrees(15.0)));
+            self.track.observe(&BoatFix { captured: now, water, heading }, now);
+            self.y_m += speed * FRAME_S;
+            self.now_s += FRAME_S;
+        }
+        self.track.predicted(now).unwrap().1.heading.unwrap().degrees()
+    }
+}
+
+#[test]
+fn a_boat_that_goes_astern_keeps_its_bow_whatever_end_the_tracker_sees() {
+    let mut boat = Straight::new();
+    let ahead = boat.heading_after(3.0, 1.8, 5.0);
+    assert!((0.0..6.0).contains(&ahead), "{ahead}");
+    // The boat slows down, and then the tracker takes the stern, which goes first, for the bow.
+    boat.heading_after(3.0, 0.0, 5.0);
+    let astern = boat.heading_after(4.0, -0.8, 185.0);
+    assert!((astern - 5.0).abs() < 3.0, "{astern}");
+}
+
+#[test]
+fn a_bow_that_was_taken_for_the_stern_is_corrected_by_the_way_ahead() {
+    let mut boat = Straight::new();
+    let at_rest = boat.heading_after(1.0, 0.0, 180.0);
+    assert!(at_rest.abs() > 170.0, "{at_rest}");
+    let under_way = boat.heading_after(3.0, 1.8, 180.0);
+    assert!(under_way.abs() < 10.0, "{under_way}");
 }
