@@ -171,7 +171,8 @@ impl Script {
             self.is_helm_held = true;
             desk.oracle.consent(VesselLicence::ByHand, at_ms);
         }
-        if self.is_helm_held && at_ms.is_multiple_of(HELM_INTERVAL_MS) {
+        // A page sends the press of a key at once.
+        if self.is_helm_held && (presses || at_ms.is_multiple_of(HELM_INTERVAL_MS)) {
             desk.oracle.steered(at_ms);
             let rudder = if at_ms % 4_000 < 2_000 { 0.5 } else { -0.5 };
             desk.ask(OperatorRequest::Steer(VesselCommand { throttle: 0.7, rudder }));
