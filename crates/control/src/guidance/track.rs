@@ -269,13 +269,10 @@ impl BoatTrack {
             let velocity_variance = estimate.covariance[2][2] + estimate.covariance[3][3];
             (libm::atan2(vx, vy), CRAB_RAD * CRAB_RAD + velocity_variance / squared_speed)
         });
-        let bow_near = of_course.filter(|_| motion.thrust > 0.0).or_else(|| {
-            self.heading
-                .filter(|last| last.variance < MAX_HEADING_VARIANCE)
-                .map(|last| (last.angle, last.variance))
-        });
-        let of_tracker = match bow_near {
-            Some((near, _)) => of_tracker.map(|(angle, variance)| (end_near(angle, near), variance)),
+        let of_way_ahead = of_course.filter(|_| motion.thrust > 0.0).map(|(course, _)| course);
+        let of_past = self.heading.filter(|last| last.variance < MAX_HEADING_VARIANCE).map(|last| last.angle);
+        let of_tracker = match of_way_ahead.or(of_past) {
+            Some(bow) => of_tracker.map(|(angle, variance)| (end_near(angle, bow), variance)),
             // Nothing tells the ends of a boat apart that may go astern.
             None => of_tracker.filter(|_| motion.surge >= 0.0),
         };

@@ -190,6 +190,16 @@ impl Fault {
     }
 }
 
+/// The first fault of a kind that is active.
+pub(super) fn active(faults: &[Fault], kind: FaultKind, at_ms: u64) -> Option<&Fault> {
+    faults.iter().find(|fault| fault.kind == kind && fault.is_active(at_ms))
+}
+
+/// When the last fault ends, ms; 0 without faults.
+pub(super) fn last_end_ms(faults: &[Fault]) -> u64 {
+    faults.iter().map(|fault| fault.until_ms).max().unwrap_or(0)
+}
+
 /// The faults of the run with this number, of these kinds: each kind alone first, then every pair, over and over, with times from the seed.
 pub(super) fn draw(number: u64, kinds: &[FaultKind], rng: &mut Rng) -> Vec<Fault> {
     let count = kinds.len();

@@ -4,7 +4,7 @@ use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
 
-use super::fault::{Fault, FaultKind};
+use super::fault::{self, Fault, FaultKind};
 use super::line::Line;
 use super::station::{Station, TICK_S};
 
@@ -35,8 +35,7 @@ impl FotokiteProStation {
     }
 
     fn readings(&self, at_ms: u64) -> SensorReadings {
-        let is_active =
-            |kind| self.faults.iter().any(|fault: &Fault| fault.kind == kind && fault.is_active(at_ms));
+        let is_active = |kind| fault::active(&self.faults, kind, at_ms).is_some();
         SensorReadings {
             flight_mode: if is_active(FaultKind::Emergency) { EMERGENCY_MODE } else { 2 },
             flags: if is_active(FaultKind::BatteryLow) { BATTERY_LOW } else { 0 },

@@ -4,7 +4,7 @@ use barrelman_vocab::{Timestamp, VehicleRates};
 use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Received, Sigma};
 
-use super::fault::{Fault, FaultKind};
+use super::fault::{self, Fault, FaultKind};
 use super::fotokite_sigma_network::{ReceivedRequest, write_received};
 use super::line::Line;
 use super::mutant::Mutant;
@@ -49,7 +49,7 @@ impl FotokiteSigmaStation {
     }
 
     fn is_active(&self, kind: FaultKind, at_ms: u64) -> bool {
-        self.faults.iter().any(|fault| fault.kind == kind && fault.is_active(at_ms))
+        fault::active(&self.faults, kind, at_ms).is_some()
     }
 
     fn apply_faults(&mut self, line: &mut Line, now: Timestamp, at_ms: u64) {

@@ -7,7 +7,7 @@ use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings, Habits, OTHER_COMMANDER};
 
-use super::fault::{Fault, FaultKind};
+use super::fault::{self, Fault, FaultKind};
 use super::line::Line;
 use super::station::{Station, TICK_S};
 
@@ -41,8 +41,7 @@ impl GimbalStation {
 
     /// The settings with the faults of this moment.
     fn settings_at(&self, at_ms: u64) -> GimbalManagerSettings {
-        let is_active =
-            |kind| self.faults.iter().any(|fault: &Fault| fault.kind == kind && fault.is_active(at_ms));
+        let is_active = |kind| fault::active(&self.faults, kind, at_ms).is_some();
         GimbalManagerSettings {
             withholds_information: is_active(FaultKind::InformationWithheld),
             withholds_status: is_active(FaultKind::StatusWithheld),

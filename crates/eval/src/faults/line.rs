@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::fault::{Fault, FaultKind};
+use super::fault::{self, Fault, FaultKind};
 use crate::rng::Rng;
 
 /// Time of a packet on the line, ms.
@@ -35,7 +35,7 @@ impl Line {
     }
 
     pub(super) fn is_active(&self, kind: FaultKind, at_ms: u64) -> bool {
-        self.faults.iter().any(|fault| fault.kind == kind && fault.is_active(at_ms))
+        fault::active(&self.faults, kind, at_ms).is_some()
     }
 
     /// Whether a fault of the line is active, or what it delayed is still on its way.

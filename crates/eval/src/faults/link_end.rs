@@ -5,7 +5,17 @@ use std::collections::VecDeque;
 use barrelman_link::guard::gate::HEARTBEAT;
 use barrelman_link::guard::message::ToGuard;
 use barrelman_link::{LinkReport, RequestedCommand};
-use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{LinkCommand, Telemetry, Timestamp, VehicleRates};
+
+/// A report of the link that the run loop acts on.
+#[derive(Debug)]
+pub(super) enum LinkEvent {
+    /// What the vehicle or the link says; a guard that is lost is a link that opens again.
+    Telemetry(Telemetry),
+    /// The machine was suspended.
+    Suspended,
+}
 
 /// The program's end of a link.
 pub(super) struct LinkEnd<C = VehicleRates> {
@@ -29,6 +39,25 @@ impl<C: LinkCommand> LinkEnd<C> {
             self.sent_at = now;
             self.outbox.push_back(ToGuard::Request(self.requested));
         }
+    }
+
+    /// The next report that the run loop acts on.
+    pub(super) fn next_event(&mut self, now: Timestamp) -> Option<LinkEvent> {
+        while let Some(report) = self.reports.pop_front() {
+            match report {
+                LinkReport::Telemetry(telemetry) => return Some(LinkEvent::Telemetry(telemetry)),
+                LinkReport::Suspended(_) => return Some(LinkEvent::Suspended),
+                LinkReport::GuardLost(_) => {
+                    let report = Report::Link(LinkState::Opening);
+                    return Some(LinkEvent::Telemetry(Telemetry { at: now, report }));
+                }
+                LinkReport::Lost { .. }
+                | LinkReport::HeldUp
+                | LinkReport::Stopped(_)
+                | LinkReport::Panicked => {}
+            }
+        }
+        None
     }
 
     /// Asks for a command from now on.

@@ -5,7 +5,7 @@ use barrelman_link::LinkReport;
 use barrelman_link::guard::gate::GuardedCommand;
 use barrelman_vocab::{Timestamp, VehicleRates};
 
-use super::fault::{Fault, FaultKind};
+use super::fault::{self, Fault, FaultKind};
 use super::line::Line;
 use super::link_end::LinkEnd;
 use super::link_host::LinkHost;
@@ -67,16 +67,11 @@ impl<C: GuardedCommand> Machine<C> {
     }
 
     pub(super) fn is_active(&self, kind: FaultKind, at_ms: u64) -> bool {
-        self.faults.iter().any(|fault| fault.kind == kind && fault.is_active(at_ms))
+        fault::active(&self.faults, kind, at_ms).is_some()
     }
 
     pub(super) fn begins(&self, kind: FaultKind, at_ms: u64) -> bool {
-        self.faults.iter().any(|fault| fault.kind == kind && fault.from_ms == at_ms)
-    }
-
-    /// When the last fault ends, ms.
-    pub(super) fn faults_end_ms(&self) -> u64 {
-        self.faults.iter().map(|fault| fault.until_ms).max().unwrap_or(0)
+        self.faults.iter().any(|fault| fault.begins(kind, at_ms))
     }
 
     /// Whether the machine is suspended.

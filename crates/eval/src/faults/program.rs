@@ -3,14 +3,14 @@
 
 use anyhow::Result;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
+use barrelman_link::RequestedRates;
 use barrelman_link::guard::message::ToGuard;
-use barrelman_link::{LinkReport, RequestedRates};
 use barrelman_pilot::{CommandPath, Input, LawSettings, Pilot, PilotSettings};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::{OperatorRequest, StopCause, Telemetry, Timestamp, Track, VehicleProfile};
 
-use super::link_end::LinkEnd;
+use super::link_end::{LinkEnd, LinkEvent};
 use super::oracle::Oracle;
 use super::picture::SeenPicture;
 
@@ -52,18 +52,10 @@ impl Program {
 
     /// The run loop: what the link reports, and the pilot's deadline.
     pub(super) fn advance(&mut self, oracle: &mut Oracle, now: Timestamp) {
-        while let Some(report) = self.end.reports.pop_front() {
-            match report {
-                LinkReport::Telemetry(telemetry) => self.on_telemetry(telemetry, oracle, now),
-                LinkReport::Suspended(_) => self.on_suspension(oracle, now),
-                LinkReport::GuardLost(_) => {
-                    let opening = Telemetry { at: now, report: Report::Link(LinkState::Opening) };
-                    self.on_telemetry(opening, oracle, now);
-                }
-                LinkReport::Lost { .. }
-                | LinkReport::HeldUp
-                | LinkReport::Stopped(_)
-                | LinkReport::Panicked => {}
+        while let Some(event) = self.end.next_event(now) {
+            match event {
+                LinkEvent::Telemetry(telemetry) => self.on_telemetry(telemetry, oracle, now),
+                LinkEvent::Suspended => self.on_suspension(oracle, now),
             }
         }
         if self.wake_at.is_some_and(|at| at <= now) {

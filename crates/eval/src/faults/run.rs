@@ -11,19 +11,15 @@ use super::fault::{self, FaultKind};
 use super::machine::{Machine, Moment};
 use super::mutant::Mutant;
 use super::oracle::{Licence, Oracle};
-use super::picture::SeenPicture;
+use super::picture::{FRAME_MS, SeenPicture, Underway, boat_bearing_rad, latency_ms, take_newest};
 use super::program::Program;
 use super::run_result::RunResult;
 use super::station::Station;
 use crate::rng::Rng;
 use crate::vehicle::Vehicle;
 
-const LASTS_MS: u64 = 13_000;
-const FRAME_MS: u64 = 33;
-/// From the capture of a picture to its arrival, ms.
-const VIDEO_LATENCY_MS: u64 = 120;
-/// Added to it while the video is late, ms.
-const VIDEO_LATE_MS: u64 = 700;
+/// How long a run lasts, ms.
+pub(super) const LASTS_MS: u64 = 13_000;
 const ENGAGES_AT_MS: u64 = 1_500;
 /// The boat is out of sight from here on in the runs with a search, ms.
 const LOST_FROM_MS: u64 = 600;
@@ -46,7 +42,7 @@ struct World {
     /// Since when another commander has commanded the camera, on a line without faults.
     elsewhere_since_ms: Option<u64>,
     program: Program,
-    pictures: VecDeque<(u64, SeenPicture)>,
+    pictures: VecDeque<Underway>,
     oracle: Oracle,
 }
 
@@ -119,7 +115,7 @@ impl World {
         if !at_ms.is_multiple_of(FRAME_MS) || self.machine.is_active(FaultKind::VideoStalls, at_ms) {
             return;
         }
-        let boat_rad = 0.9 * (0.55 * at_ms as f64 / 1000.0 + self.phase).sin() - 0.9 * self.phase.sin();
+        let boat_rad = boat_bearing_rad(self.phase, at_ms);
         let is_out_of_sight = self.licence == Licence::Search && at_ms >= LOST_FROM_MS;
         let is_found = !is_out_of_sight && !self.machine.is_active(FaultKind::TrackLost, at_ms);
         let picture = SeenPicture {
@@ -127,8 +123,8 @@ impl World {
             bearing_rad: is_found.then_some(boat_rad - self.station.pan_rad()),
             is_coasting: self.machine.is_active(FaultKind::TrackCoasts, at_ms),
         };
-        let late_ms = if self.machine.is_active(FaultKind::VideoLate, at_ms) { VIDEO_LATE_MS } else { 0 };
-        self.pictures.push_back((at_ms + VIDEO_LATENCY_MS + late_ms, picture));
+        let due_ms = at_ms + latency_ms(&self.machine.faults, at_ms);
+        self.pictures.push_back(Underway { captured_ms: at_ms, due_ms, picture });
     }
 
     fn advance_program(&mut self, moment: Moment) {
@@ -143,11 +139,7 @@ impl World {
         }
         self.ask(now, at_ms);
         self.program.advance(&mut self.oracle, now);
-        let mut newest = None;
-        while let Some((_, picture)) = self.pictures.pop_front_if(|(due, _)| *due <= at_ms) {
-            newest = Some(picture);
-        }
-        if let Some(picture) = newest {
+        if let Some(Underway { picture, .. }) = take_newest(&mut self.pictures, at_ms) {
             self.program.see(picture, &mut self.oracle, now, at_ms);
         }
     }
@@ -170,7 +162,7 @@ impl World {
                 self.program.request(OperatorRequest::Engage, now);
             }
         }
-        let ends_ms = self.machine.faults_end_ms();
+        let ends_ms = fault::last_end_ms(&self.machine.faults);
         match self.licence {
             Licence::Follow => {
                 let again = self.engages_again && at_ms == ends_ms + ENGAGES_AGAIN_MS;

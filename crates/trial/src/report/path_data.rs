@@ -34,6 +34,15 @@ fn add_segment(data: &mut String, segment: &[Point]) {
     }
 }
 
+/// Path data of the polygon between corners.
+pub(super) fn polygon(corners: &[Point]) -> String {
+    let mut data = through(corners.iter().copied().map(Some));
+    if !data.is_empty() {
+        data.push('Z');
+    }
+    data
+}
+
 /// Path data of the area between a line and a level.
 pub(super) fn area(points: &[Point], level: f64) -> String {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return String::new() };
@@ -79,7 +88,7 @@ fn distance_to_segment(point: Point, from: Point, to: Point) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{area, through};
+    use super::{area, polygon, through};
 
     #[test]
     fn points_on_a_line_are_left_out_and_corners_kept() {
@@ -90,6 +99,12 @@ mod tests {
         assert_eq!(line(&[(3.0, 4.0)]), "M3 4h0.6");
         assert_eq!(line(&[]), "");
         assert_eq!(through([Some((0.0, 0.0)), Some((1.0, 1.0)), None, Some((5.0, 5.0))]), "M0 0L1 1M5 5h0.6");
+    }
+
+    #[test]
+    fn a_polygon_is_closed() {
+        assert_eq!(polygon(&[(0.0, 5.0), (2.0, 1.0), (4.0, 5.0)]), "M0 5L2 1L4 5Z");
+        assert_eq!(polygon(&[]), "");
     }
 
     #[test]

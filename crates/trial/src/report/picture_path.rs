@@ -5,16 +5,12 @@ use super::canvas::{Anchor, Canvas, Point, distance};
 use super::figure::Figure;
 use super::p_over_time::peak_row;
 use super::path_data;
+use super::plan_view::{BELOW, LEFT, MARGIN, TOP, WIDTH};
 use super::reported_trial::TrialTrace;
 use super::scale::{Scale, Ticks};
 use super::time_axis::describe;
 use crate::metrics::{Excursion, find_excursions};
 
-const WIDTH: f64 = 372.0;
-const LEFT: f64 = 40.0;
-const TOP: f64 = 22.0;
-const MARGIN: f64 = 10.0;
-const BELOW: f64 = 24.0;
 /// Smallest distance between two excursion numbers.
 const MIN_NUMBER_DISTANCE: f64 = 11.0;
 /// Upper bound of the numbered excursions.

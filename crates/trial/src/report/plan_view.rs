@@ -1,13 +1,16 @@
 //! The paper of a figure seen from above: equal scales along both axes in metres, with a grid.
 
 use super::canvas::{Anchor, Canvas, Point};
+use super::path_data;
 use super::scale::Scale;
 
+/// Width of a figure, and what it leaves free around the drawing, units of paper. The path in the picture has the same: the
+/// page shows them beside each other.
 pub(super) const WIDTH: f64 = 372.0;
-const LEFT: f64 = 40.0;
-const TOP: f64 = 22.0;
-const MARGIN: f64 = 10.0;
-const BELOW: f64 = 24.0;
+pub(super) const LEFT: f64 = 40.0;
+pub(super) const TOP: f64 = 22.0;
+pub(super) const MARGIN: f64 = 10.0;
+pub(super) const BELOW: f64 = 24.0;
 /// Largest height of the drawing; the smallest is a third of it.
 const MAX_HEIGHT: f64 = 340.0;
 
@@ -79,7 +82,7 @@ impl PlanView {
     pub(super) fn draw_camera(&self, canvas: &mut Canvas, camera: (f64, f64)) {
         let (x, y) = self.at(camera);
         let corners = [(x - 5.0, y + 4.0), (x, y - 5.0), (x + 5.0, y + 4.0), (x - 5.0, y + 4.0)];
-        canvas.path("mean", &super::path_data::through(corners.map(Some)));
+        canvas.path("mean", &path_data::through(corners.map(Some)));
         let (anchor, off) = if x > WIDTH - 90.0 { (Anchor::End, -9.0) } else { (Anchor::Start, 9.0) };
         canvas.text_on_lines("small", anchor, (x + off, y + 4.0), "camera");
     }

@@ -5,10 +5,10 @@
 
 use barrelman_vocab::{MarkKind, WaterPoint};
 
-use super::canvas::{Anchor, Canvas, Point, coordinate};
+use super::canvas::{Anchor, Canvas, Point};
 use super::figure::Figure;
 use super::path_data;
-use super::plan_view::PlanView;
+use super::plan_view::{PlanView, WIDTH};
 use super::reported_trial::TrialTrace;
 use crate::logs::{MarkOnWater, WaterLog};
 
@@ -19,7 +19,7 @@ pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Option<Figure> {
     let mut canvas = Canvas::default();
     view.draw_grid(&mut canvas);
     for (class, corners) in ["view open", "view"].iter().zip(water.views.iter().flatten()) {
-        canvas.path(class, &closed(&view.clipped(&corners.map(pair))));
+        canvas.path(class, &path_data::polygon(&view.clipped(&corners.map(pair))));
     }
     view.draw_camera(&mut canvas, (0.0, 0.0));
     for mark in &water.marks {
@@ -80,7 +80,7 @@ fn draw_mark(canvas: &mut Canvas, view: &PlanView, mark: &MarkOnWater) {
     } else {
         format!("{} {}", word(mark.kind), mark.id)
     };
-    let is_near_right = at.0 > super::plan_view::WIDTH - 90.0;
+    let is_near_right = at.0 > WIDTH - 90.0;
     let (anchor, off) = if is_near_right { (Anchor::End, -6.0) } else { (Anchor::Start, 6.0) };
     canvas.text_on_lines("small", anchor, (at.0 + off, at.1 + 3.0), &name);
 }
@@ -97,17 +97,4 @@ const fn word(kind: MarkKind) -> &'static str {
 
 const fn pair(point: WaterPoint) -> (f64, f64) {
     (point.x, point.y)
-}
-
-/// Path data of a polygon; empty without corners.
-fn closed(corners: &[Point]) -> String {
-    let mut data = String::new();
-    for (index, (x, y)) in corners.iter().enumerate() {
-        data.push(if index == 0 { 'M' } else { 'L' });
-        data.push_str(&format!("{} {}", coordinate(*x), coordinate(*y)));
-    }
-    if !data.is_empty() {
-        data.push('Z');
-    }
-    data
 }

@@ -34,7 +34,7 @@ impl Console {
         (self.heard, self.is_left) = (now, false);
     }
 
-    /// Whether nobody watches over the boat.
+    /// Whether no page watches over the boat.
     pub(super) fn is_left(&mut self, now: Timestamp) -> bool {
         if now.since(self.checked) >= CHECK_INTERVAL {
             (self.checked, self.is_left) = (now, now.since(self.heard) > BOAT_SILENCE);

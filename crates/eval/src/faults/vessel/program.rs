@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use barrelman_link::RequestedCommand;
 use barrelman_link::guard::message::ToGuard;
-use barrelman_link::{LinkReport, RequestedCommand};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{
@@ -19,7 +19,7 @@ use barrelman_vocab::{
     Track, VehicleProfile, VesselOrder, VesselProfile, VideoFrame,
 };
 
-use super::super::link_end::LinkEnd;
+use super::super::link_end::{LinkEnd, LinkEvent};
 use super::super::mutant::Mutant;
 use super::super::picture::{PICTURE, SeenPicture};
 use super::console::Console;
@@ -44,7 +44,7 @@ pub(super) struct VesselProgram {
     pan_rad_per_s: f64,
     is_elsewhere: bool,
     truth: Truth,
-    /// The pixels of every video frame, which nobody looks at.
+    /// The pixels of every video frame: the tracker does not read them.
     pixels: Arc<Picture>,
     frames: u64,
     pub(super) console: Console,
@@ -92,18 +92,10 @@ impl VesselProgram {
         if moves && is_left {
             self.request(OperatorRequest::StopBoat(BoatStop::ConsoleLost), now);
         }
-        while let Some(report) = self.end.reports.pop_front() {
-            match report {
-                LinkReport::Telemetry(telemetry) => self.on_telemetry(telemetry, oracle, now),
-                LinkReport::Suspended(_) => self.on_suspension(oracle, now),
-                LinkReport::GuardLost(_) => {
-                    let opening = Telemetry { at: now, report: Report::Link(LinkState::Opening) };
-                    self.on_telemetry(opening, oracle, now);
-                }
-                LinkReport::Lost { .. }
-                | LinkReport::HeldUp
-                | LinkReport::Stopped(_)
-                | LinkReport::Panicked => {}
+        while let Some(event) = self.end.next_event(now) {
+            match event {
+                LinkEvent::Telemetry(telemetry) => self.on_telemetry(telemetry, oracle, now),
+                LinkEvent::Suspended => self.on_suspension(oracle, now),
             }
         }
         if self.wake_at.is_some_and(|at| at <= now) {
@@ -164,7 +156,7 @@ impl VesselProgram {
         matches!(self.request(OperatorRequest::Mark(drawn), now), Some(Notice::Marked(..)))
     }
 
-    /// The operator presses Go. A boat that somebody else steers is asked for.
+    /// The operator presses Go. A boat that another commander steers is asked for.
     pub(super) fn go(&mut self, now: Timestamp) {
         self.console.commands_boat(now);
         let refused = Notice::RequestRefused(Refusal::NoVesselMotion(HoldCause::NoControl));

@@ -10,7 +10,8 @@ use barrelman_vocab::VesselOrder;
 use super::super::fault::{self, FaultKind};
 use super::super::machine::{Machine, Moment};
 use super::super::mutant::Mutant;
-use super::super::picture::SeenPicture;
+use super::super::picture::{FRAME_MS, SeenPicture, Underway, boat_bearing_rad, latency_ms, take_newest};
+use super::super::run::LASTS_MS;
 use super::super::run_result::RunResult;
 use super::super::station::TICK_S;
 use super::boat::Boat;
@@ -20,25 +21,12 @@ use super::script::{Desk, Script};
 use super::vessel_kind::Vessel;
 use crate::rng::Rng;
 
-const LASTS_MS: u64 = 13_000;
-const FRAME_MS: u64 = 33;
-/// From the capture of a picture to its arrival, ms.
-const VIDEO_LATENCY_MS: u64 = 120;
-/// Added to it while the video is late, ms.
-const VIDEO_LATE_MS: u64 = 700;
 /// By how much the clock of the video jumps back; in half of the faults it jumps ahead.
 const CLOCK_JUMP: Duration = Duration::from_secs(3);
 /// Interval between two reports of height and tilt, ms.
 const HEIGHT_INTERVAL_MS: u64 = 200;
 /// A boat that another commander steers is left alone after this time on a line without faults, ms.
 const YIELDS_WITHIN_MS: u64 = 1_500;
-
-/// A picture on its way to the program.
-struct Underway {
-    captured_ms: u64,
-    due_ms: u64,
-    picture: SeenPicture,
-}
 
 struct World {
     vessel: Vessel,
@@ -124,16 +112,11 @@ impl World {
         if !at_ms.is_multiple_of(FRAME_MS) || self.machine.is_active(FaultKind::VideoStalls, at_ms) {
             return;
         }
-        let boat_rad = 0.9 * (0.55 * at_ms as f64 / 1000.0 + self.phase).sin() - 0.9 * self.phase.sin();
+        let boat_rad = boat_bearing_rad(self.phase, at_ms);
         let is_found = !self.machine.is_active(FaultKind::TrackLost, at_ms);
         let now = self.machine.now(at_ms);
-        let jump = self
-            .machine
-            .faults
-            .iter()
-            .find(|fault| fault.kind == FaultKind::VideoClockJumps && fault.is_active(at_ms));
-        let late_ms = if self.machine.is_active(FaultKind::VideoLate, at_ms) { VIDEO_LATE_MS } else { 0 };
-        let latency_ms = VIDEO_LATENCY_MS + late_ms;
+        let jump = fault::active(&self.machine.faults, FaultKind::VideoClockJumps, at_ms);
+        let latency_ms = latency_ms(&self.machine.faults, at_ms);
         let due_ms = at_ms + latency_ms;
         // A time of capture after the arrival counts as the arrival, as it does in the program's own clock of the video: nothing
         // else is known then.
@@ -175,11 +158,7 @@ impl World {
             self.program.report_height(now);
         }
         self.program.advance(&mut self.oracle, now);
-        let mut newest = None;
-        while let Some(underway) = self.pictures.pop_front_if(|underway| underway.due_ms <= at_ms) {
-            newest = Some(underway);
-        }
-        if let Some(Underway { captured_ms, picture, .. }) = newest {
+        if let Some(Underway { captured_ms, picture, .. }) = take_newest(&mut self.pictures, at_ms) {
             let age = Duration::from_millis(at_ms - captured_ms);
             let arrival = self.program.see(picture, age, now);
             self.oracle.saw(arrival, at_ms);

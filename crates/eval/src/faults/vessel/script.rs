@@ -3,7 +3,7 @@
 
 use barrelman_vocab::{BoatStop, OperatorRequest, StopCause, Timestamp, VesselCommand};
 
-use super::super::fault::{Fault, FaultKind};
+use super::super::fault::{self, Fault, FaultKind};
 use super::super::mutant::Mutant;
 use super::console::SIGN_INTERVAL_MS;
 use super::oracle::{VesselLicence, VesselOracle};
@@ -83,12 +83,12 @@ impl Script {
             desk.mark();
         }
         if desk.begins(FaultKind::ConsoleClosed) {
-            // Nobody holds the helm of a page that is closed, and nothing says so.
+            // A page that is closed holds no helm, and cannot say so.
             self.is_helm_held = false;
         }
         self.act_by_faults(desk);
         if gone_since_ms.is_none() {
-            let ends_ms = desk.faults.iter().map(|fault| fault.until_ms).max().unwrap_or(0);
+            let ends_ms = fault::last_end_ms(desk.faults);
             let again_ms = ends_ms + ENGAGES_AGAIN_MS;
             match self.licence {
                 Some(VesselLicence::Guided) => self.guide(desk, again_ms),
