@@ -125,6 +125,21 @@ def corners(status):
     return [status.rec_top_x, status.rec_top_y, status.rec_bottom_x, status.rec_bottom_y]
 
 
+def select_until_followed(run, box, select):
+    """Selects around a box, wider each time, until the track follows: the boat moves on while a busy machine answers.
+
+    `box`: where the boat was last. The world's camera rests. Returns what the last selection returned.
+    """
+    said = []
+    for margin in (0.15, 0.4, 0.7, 1.0):
+        answer = select(*shares(box, margin=margin))
+        said.append(answer)
+        with contextlib.suppress(TimeoutError):
+            common.wait_until(lambda: follows(run), 3, "the track")
+            return answer
+    raise TimeoutError(f"no selection around {box} was followed; the answers were {said}; the track is {run.ask('status')['track']}")
+
+
 def overlap(station, run):
     """IoU of the next rectangle and the box that the console shows a moment later. The boat moves between the two."""
     at = time.monotonic()
@@ -207,8 +222,7 @@ def engaged(table, station, run, box):
     `box`: where the boat was a second ago. The world's camera rests meanwhile.
     """
     run.request("engage")
-    _, result = station.ask(2005, *shares(box, margin=0.4), seconds=TRACK_ANSWER_WITHIN)
-    common.wait_until(lambda: follows(run), 5, "the track")
+    _, result = select_until_followed(run, box, lambda *corners: station.ask(2005, *corners, seconds=TRACK_ANSWER_WITHIN))
     mode = run.ask("status")["mode"]
     table.require("an engaged camera goes on with a target of the ground station's", result == 0 and mode["engaged"], mode["name"])
     box = boat(run)
@@ -252,7 +266,7 @@ def with_mavsdk(table, args, folder):
         common.wait_until(lambda: camera.camera_list().cameras, 15, "the list of cameras")
         found = camera.camera_list().cameras[0]
         table.require("MAVSDK finds the camera", (found.vendor_name, found.horizontal_resolution_px, found.vertical_resolution_px) == ("Barrelman", 640, 360), f"{found.vendor_name} {found.model_name}, {time.monotonic() - began:.1f} s")
-        left, top, right, bottom = shares(boat(run), margin=0.15)
+        box = boat(run)
         run.request("deselect")
 
         def tried(act):
@@ -263,8 +277,7 @@ def with_mavsdk(table, args, folder):
             except CameraError as error:
                 return str(error), time.monotonic() - began
 
-        result, seconds = tried(lambda: camera.track_rectangle(found.component_id, left, top, right, bottom))
-        common.wait_until(lambda: follows(run), 5, "the track")
+        result, seconds = select_until_followed(run, box, lambda *corners: tried(lambda: camera.track_rectangle(found.component_id, *corners)))
         table.require("MAVSDK starts tracking a rectangle", result == "accepted", f"{result} in {seconds * 1e3:.0f} ms")
         result, _ = tried(lambda: camera.track_rectangle(found.component_id, 0.5, 0.5, 0.2, 0.2))
         table.require("and hears that an inverted one is refused", "DENIED" in result.upper(), result)
