@@ -10,6 +10,7 @@
 mod mean_bearing;
 mod prediction;
 
+mod circumstances;
 mod intermittent;
 mod intermittent_tuning;
 mod movement;
@@ -20,6 +21,7 @@ mod tuning;
 use barrelman_vocab::profile::VehicleProfile;
 use barrelman_vocab::{CameraCommand, Timestamp};
 
+pub use self::circumstances::Adapted;
 pub use self::intermittent::IntermittentLaw;
 pub use self::intermittent_tuning::IntermittentTuning;
 pub use self::receding_horizon::RecedingHorizonLaw;
@@ -48,6 +50,7 @@ use crate::law_input::LawInput;
 pub struct OptimalLaw(Controller);
 
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a pilot has one of them, and hardly ever moves it")]
 enum Controller {
     RecedingHorizon(RecedingHorizonLaw),
     Intermittent(IntermittentLaw),

@@ -24,6 +24,7 @@ pub mod camera_mount;
 pub mod kite;
 pub mod path;
 pub mod pursuit;
+pub mod recorded_motion;
 pub mod sway;
 
 pub mod boat;

@@ -4,6 +4,8 @@
 //! [`World::write_snapshot`] describe the state at the present tick. Rendering, latency and control are not part of
 //! the world.
 
+use std::sync::Arc;
+
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Timestamp};
 
 use crate::boat::{HelmCommand, JetBoat};
@@ -15,6 +17,7 @@ use crate::kite::{Kite, SETTLING_TICKS};
 use crate::path::InvalidPath;
 use crate::pose::{BodyPose, CameraPose, WorldPoint};
 use crate::pursuit::{Pursuit, wrap_angle};
+use crate::recorded_motion::{MotionAtTick, RecordedMotion};
 use crate::scenario::{CameraSetup, Platform, Scenario, TargetScript};
 use crate::scenery::Scenery;
 use crate::sea::Sea;
@@ -60,6 +63,8 @@ pub struct World {
     electronics: Electronics,
     /// Steers the boat instead of the helmsman.
     helm_override: Option<HelmCommand>,
+    /// The motion of platform and target, where it is not computed anew.
+    recorded: Option<Arc<RecordedMotion>>,
     tick: u64,
     last_tick: u64,
 }
@@ -122,6 +127,7 @@ impl World {
             light: scenario.light,
             camera,
             helm_override: None,
+            recorded: None,
             tick: 0,
             last_tick: (scenario.max_s * f64::from(TICKS_PER_SECOND)) as u64,
         })
@@ -160,8 +166,38 @@ impl World {
         }
     }
 
+    /// The motion of platform and target from now to the end of the trial. `None` where the camera or an operator changes
+    /// it: a kite, a boat that can be steered.
+    pub fn record_motion(mut self) -> Option<RecordedMotion> {
+        let is_independent = matches!(self.platform, MovingPlatform::Swaying(_)) && !self.is_steerable();
+        is_independent.then(|| {
+            let mut ticks = vec![self.motion()];
+            while !self.is_over() {
+                self.advance();
+                ticks.push(self.motion());
+            }
+            RecordedMotion::new(ticks)
+        })
+    }
+
+    /// The same world, whose platform and target move as recorded: by [`Self::record_motion`] of the same scenario and
+    /// seed.
+    #[must_use]
+    pub fn with_motion(self, motion: Arc<RecordedMotion>) -> Self {
+        Self { recorded: Some(motion), ..self }
+    }
+
     /// Advances by one tick.
     pub fn advance(&mut self) {
+        if self.recorded.is_none() {
+            self.advance_motion();
+            self.electronics.advance(self.tick);
+        }
+        self.mount.advance();
+        self.tick += 1;
+    }
+
+    fn advance_motion(&mut self) {
         match &mut self.platform {
             MovingPlatform::Swaying(swaying) => swaying.advance(self.tick),
             MovingPlatform::Kite(kite) => kite.advance(self.tick, self.mount.pan.is_commanded()),
@@ -179,9 +215,6 @@ impl World {
                 }
             }
         }
-        self.electronics.advance(self.tick);
-        self.mount.advance();
-        self.tick += 1;
     }
 
     /// Rates of the camera's axes, rad/s: pan, tilt.
@@ -212,6 +245,9 @@ impl World {
 
     /// Whether the trial is over. A boat whose helm is overridden does not arrive.
     pub fn is_over(&self) -> bool {
+        if let Some(recorded) = &self.recorded {
+            return recorded.is_over_at(self.tick);
+        }
         let arrived = match &self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.is_over(),
             MovingTarget::Boat { helmsman, .. } => self.helm_override.is_none() && helmsman.has_arrived(),
@@ -226,14 +262,7 @@ impl World {
 
     /// The camera's present pose.
     pub fn camera_pose(&self) -> CameraPose {
-        let (yaw, pitch, roll) = match &self.platform {
-            MovingPlatform::Swaying(swaying) => swaying.attitude_offset(),
-            MovingPlatform::Kite(kite) => kite.attitude_offset(self.mount.pan.angle()),
-        };
-        let off = match &self.platform {
-            MovingPlatform::Swaying(swaying) => swaying.displacement(),
-            MovingPlatform::Kite(kite) => kite.displacement(),
-        };
+        let MotionAtTick { attitude: (yaw, pitch, roll), displacement: off, .. } = self.motion();
         let turned =
             |axis: &CameraAxis, by: Angle| Angle::from_radians(axis.angle().radians() + by.radians());
         CameraPose {
@@ -246,7 +275,20 @@ impl World {
 
     /// The target's present pose.
     pub fn target_pose(&self) -> BodyPose {
-        self.target.pose()
+        self.motion().target
+    }
+
+    /// Platform and target now.
+    fn motion(&self) -> MotionAtTick {
+        if let Some(at) = self.recorded.as_ref().and_then(|recorded| recorded.at(self.tick)) {
+            return *at;
+        }
+        let (attitude, displacement) = match &self.platform {
+            MovingPlatform::Swaying(swaying) => (swaying.attitude_offset(), swaying.displacement()),
+            MovingPlatform::Kite(kite) => (kite.attitude_offset(self.mount.pan.angle()), kite.displacement()),
+        };
+        let sensor = self.electronics.state();
+        MotionAtTick { attitude, displacement, target: self.target.pose(), sensor }
     }
 
     /// Writes the present objects beside the target into `out`, reusing its memory: people, buoys, other craft.
@@ -287,8 +329,8 @@ impl World {
             CameraPose { pan: turned(first_row.pan, pan), tilt: turned(first_row.tilt, tilt), ..first_row };
         snapshot.light = self.light;
         snapshot.ground = if self.sea.is_some() { Ground::Water } else { Ground::Floor };
-        snapshot.target = self.target.to_snapshot();
-        snapshot.sensor = self.electronics.state();
+        snapshot.target = self.target.to_snapshot(self.target_pose());
+        snapshot.sensor = self.motion().sensor;
         self.write_objects(&mut snapshot.objects);
     }
 
@@ -300,9 +342,9 @@ impl World {
             last_row: self.camera_pose(),
             light: self.light,
             ground: Ground::Floor,
-            target: self.target.to_snapshot(),
+            target: self.target.to_snapshot(self.target_pose()),
             objects: Vec::new(),
-            sensor: self.electronics.state(),
+            sensor: self.motion().sensor,
         };
         self.write_snapshot(&mut snapshot);
         snapshot
@@ -348,8 +390,7 @@ impl MovingTarget {
         }
     }
 
-    fn to_snapshot(&self) -> Target {
-        let pose = self.pose();
+    fn to_snapshot(&self, pose: BodyPose) -> Target {
         match self {
             Self::Pursuit { on_water: false, .. } => Target::FloorTarget(pose),
             Self::Pursuit { pursuit, on_water: true } => {

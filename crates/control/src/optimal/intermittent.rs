@@ -10,6 +10,7 @@
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
 
+use super::circumstances::{Circumstances, UsualRate};
 use super::intermittent_tuning::IntermittentTuning;
 use super::mean_bearing::{ExpectedReturn, MeanBearing};
 use super::movement::Ramps;
@@ -22,6 +23,11 @@ use crate::transfer::Pair;
 /// The longest interval between two steps that a ramp counts, seconds.
 const MAX_INTERVAL_S: f64 = 0.1;
 
+/// Whatever the circumstances, start and stop ellipse are not smaller than this, semi-axes, ...
+const MIN_ELLIPSE: f64 = 0.05;
+/// ... and the camera does not cruise more slowly, rad/s.
+const MIN_CRUISE_RATE: f64 = 0.05;
+
 /// The optimal law in its intermittent mode, with its state.
 #[derive(Debug, Clone)]
 pub struct IntermittentLaw {
@@ -31,11 +37,14 @@ pub struct IntermittentLaw {
     ramps: [Ramps; 2],
     bearings: BearingFilter,
     mean_bearing: MeanBearing,
+    usual_rate: UsualRate,
     start_look_ahead: Propagation,
     stop_look_ahead: Propagation,
     command_in_force: CameraCommand,
     rested_since: Option<Timestamp>,
     last_step: Option<Timestamp>,
+    /// The cruising rate of the present movement, rad/s.
+    cruise_rate: f64,
     /// The rates that the axes are to hold, rad/s; 0: the axis does not take part.
     plateaus: Pair,
 }
@@ -53,16 +62,18 @@ impl IntermittentLaw {
             limits: [0, 1].map(|axis| limits[axis].min(tuning.max_rate.max(min_rates[axis]))),
             min_rates,
             ramps: [0, 1].map(|i| {
-                Ramps::new(axes[i].lag.as_secs_f64(), tuning.cruise_rate, responses_s, min_rates[i])
+                Ramps::new(axes[i].lag.as_secs_f64(), tuning.cruise_rate.base, responses_s, min_rates[i])
             }),
             bearings: BearingFilter::new(tuning.noise),
             mean_bearing: MeanBearing::new(tuning.memory_s),
+            usual_rate: UsualRate::default(),
             start_look_ahead: look_ahead(tuning.start_look_ahead_s),
             stop_look_ahead: look_ahead(tuning.stop_look_ahead_s),
             tuning,
             command_in_force: CameraCommand::REST,
             rested_since: None,
             last_step: None,
+            cruise_rate: MIN_CRUISE_RATE,
             plateaus: [0.0; 2],
         }
     }
@@ -71,6 +82,7 @@ impl IntermittentLaw {
     pub fn reset_target(&mut self) {
         self.bearings.reset_target();
         self.mean_bearing = MeanBearing::new(self.tuning.memory_s);
+        self.usual_rate = UsualRate::default();
     }
 
     /// Notes that `command` is in force from `now` on.
@@ -95,11 +107,18 @@ impl IntermittentLaw {
         let mean = self.mean_bearing.observe(prediction.bearing.direction(), input.now);
         let return_time_s = self.tuning.return_time_s;
         let prediction = prediction.with_return(ExpectedReturn { mean, return_time_s });
-        if self.command_in_force.is_rest() && !self.leaves_start(&prediction, input.now) {
-            return CameraCommand::REST;
+        let circumstances = self.circumstances(&prediction, input.now);
+        if self.command_in_force.is_rest() {
+            if !self.leaves_start(&prediction, &circumstances, input.now) {
+                return CameraCommand::REST;
+            }
+            self.cruise_rate = self.tuning.cruise_rate.value(&circumstances).max(MIN_CRUISE_RATE);
         }
-        self.plateaus =
-            if self.would_rest_inside_stop(&prediction) { [0.0; 2] } else { self.next_plateaus(&prediction) };
+        self.plateaus = if self.would_rest_inside_stop(&prediction, &circumstances) {
+            [0.0; 2]
+        } else {
+            self.next_plateaus(&prediction)
+        };
         let in_force = self.command_in_force;
         let before = [in_force.pan, in_force.tilt].map(AngularRate::radians_per_second);
         let interval_s = interval_s.min(MAX_INTERVAL_S);
@@ -109,21 +128,35 @@ impl IntermittentLaw {
         CameraCommand { pan, tilt }
     }
 
+    fn circumstances(&mut self, prediction: &Prediction<'_>, now: Timestamp) -> Circumstances {
+        let resting = prediction.view_at_rest(&self.start_look_ahead);
+        Circumstances {
+            sway: prediction.in_semi_axes(self.bearings.sway_std_dev()),
+            steepness: prediction.turning_effort(&resting) - 1.0,
+            usual_rate: self.usual_rate.observe(prediction.bearing.angular_speed(), now),
+        }
+    }
+
     /// Whether the target of a resting camera is predicted to be outside of the start ellipse.
-    fn leaves_start(&self, prediction: &Prediction<'_>, now: Timestamp) -> bool {
+    fn leaves_start(
+        &self,
+        prediction: &Prediction<'_>,
+        circumstances: &Circumstances,
+        now: Timestamp,
+    ) -> bool {
         let has_rested =
             self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.min_rest_s);
         let resting = prediction.view_at_rest(&self.start_look_ahead);
         // The narrower the ellipse, the earlier the start: sway is not foreseen.
-        let sway = prediction.in_semi_axes(self.bearings.sway_std_dev());
-        let start = self.tuning.start - self.tuning.start_sway * sway;
+        let start = self.tuning.start.value(circumstances).max(MIN_ELLIPSE);
         has_rested && prediction.region.p(resting.point) > start * start
     }
 
     /// Whether a camera that is told to rest now would have the target inside the stop ellipse.
-    fn would_rest_inside_stop(&self, prediction: &Prediction<'_>) -> bool {
+    fn would_rest_inside_stop(&self, prediction: &Prediction<'_>, circumstances: &Circumstances) -> bool {
         let resting = prediction.view_at_rest(&self.stop_look_ahead);
-        let is_outside = prediction.region.p(resting.point) > self.tuning.stop * self.tuning.stop;
+        let stop = self.tuning.stop.value(circumstances).max(MIN_ELLIPSE);
+        let is_outside = prediction.region.p(resting.point) > stop * stop;
         // A place that is not a number rests the camera.
         !is_outside
     }
@@ -144,7 +177,7 @@ impl IntermittentLaw {
             return prediction.stoppable_rates(self.plateaus);
         }
         let faster = usize::from(needed[1].abs() > needed[0].abs());
-        let cruise_rate = tuning.cruise_rate.max(self.min_rates[faster]);
+        let cruise_rate = self.cruise_rate.max(self.min_rates[faster]);
         let scale = (cruise_rate / fastest).max(1.0);
         let limits = self.limits;
         let wanted = [0, 1].map(|axis| (scale * needed[axis]).clamp(-limits[axis], limits[axis]));

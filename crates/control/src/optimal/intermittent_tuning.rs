@@ -1,5 +1,6 @@
 //! The parameters of the intermittent mode.
 
+use super::circumstances::Adapted;
 use crate::bearing::BearingNoise;
 
 /// All parameters of the optimal law's intermittent mode.
@@ -8,13 +9,11 @@ use crate::bearing::BearingNoise;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntermittentTuning {
     /// Start ellipse: a resting camera starts when the predicted target leaves it.
-    pub start: f64,
-    /// Narrowing of the start ellipse in standard deviations of the kite's sway.
-    pub start_sway: f64,
+    pub start: Adapted,
     /// Look-ahead of the start, seconds after the effect time.
     pub start_look_ahead_s: f64,
     /// Stop ellipse: the camera stops when a camera told to rest now would keep the target inside.
-    pub stop: f64,
+    pub stop: Adapted,
     /// Look-ahead of the stop, seconds after the effect time.
     pub stop_look_ahead_s: f64,
     /// Aim ellipse of the transfer, which gives the direction of a movement and its smallest rates.
@@ -24,7 +23,7 @@ pub struct IntermittentTuning {
     /// Horizon of the transfer, seconds.
     pub horizon_s: f64,
     /// Smallest rate of the faster axis, rad/s.
-    pub cruise_rate: f64,
+    pub cruise_rate: Adapted,
     /// Largest rate of each axis, rad/s.
     pub max_rate: f64,
     /// An axis joins a movement from this share of the faster axis' rate on.
@@ -50,30 +49,29 @@ pub struct IntermittentTuning {
 impl IntermittentTuning {
     /// The tuning of [`OptimalMode::Intermittent`](super::OptimalMode::Intermittent).
     pub const DEFAULT: Self = Self {
-        start: 0.985,
-        start_sway: 0.25,
-        start_look_ahead_s: 0.05,
-        stop: 0.69,
-        stop_look_ahead_s: 1.6,
-        aim: 0.52,
-        aim_look_ahead_s: 1.0,
-        horizon_s: 1.6,
-        cruise_rate: 0.28,
-        max_rate: 0.32,
-        join_share: 0.89,
-        leave_share: 0.44,
-        start_response_s: 0.32,
+        start: Adapted { base: 0.99, sway: -0.18, steepness: 0.033, usual_rate: 0.092 },
+        start_look_ahead_s: 0.181,
+        stop: Adapted { base: 0.71, sway: 0.0, steepness: 0.036, usual_rate: -0.67 },
+        stop_look_ahead_s: 1.71,
+        aim: 0.494,
+        aim_look_ahead_s: 1.04,
+        horizon_s: 1.73,
+        cruise_rate: Adapted { base: 0.283, sway: 0.3, steepness: -0.029, usual_rate: -0.4 },
+        max_rate: 0.325,
+        join_share: 0.833,
+        leave_share: 0.531,
+        start_response_s: 0.342,
         stop_response_s: 0.0,
-        correction: 0.75,
-        min_rest_s: 0.34,
-        return_time_s: 2.8,
-        memory_s: 90.0,
+        correction: 0.589,
+        min_rest_s: 0.284,
+        return_time_s: 2.76,
+        memory_s: 78.5,
         noise: BearingNoise {
-            rate_std_dev: 0.076,
-            rate_time_constant_s: 2.1,
-            measurement_std_dev: 0.0034,
-            max_sway_std_dev: 0.0314,
-            sway_time_constant_s: 2.4,
+            rate_std_dev: 0.0646,
+            rate_time_constant_s: 2.43,
+            measurement_std_dev: 0.00228,
+            max_sway_std_dev: 0.0455,
+            sway_time_constant_s: 2.89,
         },
     };
 

@@ -45,20 +45,7 @@ const MAX_SEEDS_OF_CLAIRVOYANT: u64 = 48;
 /// Prints the table. Returns whether every requirement holds.
 pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool> {
     let Options { first_seed, seeds, .. } = *options;
-    let optimal = |mode| {
-        let (name, tuning) = options.tuning_of(mode)?;
-        anyhow::Ok((name, LawUnderTest::Optimal(tuning)))
-    };
-    let laws = [
-        optimal(ModeName::MinimumEnergy)?,
-        optimal(ModeName::TimeFuel)?,
-        optimal(ModeName::Eco)?,
-        optimal(ModeName::Intermittent)?,
-        ("centre", LawUnderTest::Centring),
-        ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
-        ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
-        ("MPC", LawUnderTest::Mpc),
-    ];
+    let laws = laws(options)?;
     let mut is_met = true;
     for condition in conditions {
         let plan = condition.plan()?;
@@ -86,6 +73,27 @@ pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool
         }
     }
     Ok(is_met)
+}
+
+/// All laws that are compared with the schema, with their names.
+///
+/// # Errors
+/// If a changed value does not exist.
+pub(super) fn laws(options: &Options) -> Result<Vec<(&'static str, LawUnderTest)>> {
+    let optimal = |mode| {
+        let (name, tuning) = options.tuning_of(mode)?;
+        anyhow::Ok((name, LawUnderTest::Optimal(tuning)))
+    };
+    Ok(vec![
+        optimal(ModeName::MinimumEnergy)?,
+        optimal(ModeName::TimeFuel)?,
+        optimal(ModeName::Eco)?,
+        optimal(ModeName::Intermittent)?,
+        ("centre", LawUnderTest::Centring),
+        ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
+        ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
+        ("MPC", LawUnderTest::Mpc),
+    ])
 }
 
 /// Prints rows of a law. Returns whether its requirements hold.

@@ -2,11 +2,14 @@
 //!
 //! Trials are simulated with truth as perception, in the conditions of [`conditions`]. Judged are the ratios of the
 //! optimal law's mean metrics to the motor schema's: the upper end of the 95 % interval must meet the limit in
-//! [`requirements`]. In the tables of [`profile_errors`] and [`other_vehicles`] the optimal law must have less time
+//! [`requirements`]. [`horizon_curve`] draws time outside against movement, and [`one_axis`] shows how near the laws come to
+//! the optimum of one axis. In the tables of [`profile_errors`] and [`other_vehicles`] the optimal law must have less time
 //! outside and less energy in every row. An LQG and an MPC law are references only and not part of the product.
 
 mod clairvoyant;
 mod comparison_table;
+mod horizon_curve;
+mod one_axis;
 
 mod other_vehicles;
 mod profile_errors;
@@ -39,6 +42,9 @@ use conditions::{CONDITIONS, Condition};
 pub(crate) fn run(options: &Options) -> Result<bool> {
     let chosen: Vec<&Condition> =
         CONDITIONS.iter().filter(|condition| options.includes_condition(&condition.name())).collect();
+    if options.curve {
+        return horizon_curve::print(&chosen, options, &comparison_table::laws(options)?);
+    }
     let tuning = options.tuning()?;
     let mut is_met = comparison_table::print(&chosen, options)?;
     if options.includes_table("robustness") {
@@ -46,6 +52,9 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     }
     if options.includes_table("vehicles") {
         is_met &= other_vehicles::print(options.first_seed, options.seeds, tuning)?;
+    }
+    if options.includes_table("one-axis") {
+        one_axis::print(options.first_seed, &comparison_table::laws(options)?);
     }
     Ok(is_met)
 }

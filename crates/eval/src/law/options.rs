@@ -28,6 +28,9 @@ pub(crate) struct Options {
     /// Change a value of the mode (repeatable); the names are those that `tune` prints.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
+    /// Draw time outside against movement for several horizons of the intermittent mode, with the other laws as points.
+    #[arg(long)]
+    pub(crate) curve: bool,
 }
 
 /// Options of `tune`.
@@ -48,6 +51,9 @@ pub(crate) struct TuneOptions {
     /// Seed of the search.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) search: u64,
+    /// Only conditions whose name begins so (repeatable): how far one condition could go by itself.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) only: Vec<String>,
     /// Change a value that the search begins with (repeatable); the names are those that it prints.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,

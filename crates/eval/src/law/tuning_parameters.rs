@@ -34,16 +34,24 @@ const RECEDING_HORIZON: [Parameter<Tuning>; 22] = [
 ];
 
 /// The parameters of the intermittent mode.
-const INTERMITTENT: [Parameter<IntermittentTuning>; 23] = [
-    ("start", (0.8, 1.1), |t| &mut t.start),
-    ("start_sway", (-1.0, 3.0), |t| &mut t.start_sway),
-    ("start_look_ahead_s", (-0.2, 0.5), |t| &mut t.start_look_ahead_s),
-    ("stop", (0.3, 1.0), |t| &mut t.stop),
-    ("stop_look_ahead_s", (0.0, 2.5), |t| &mut t.stop_look_ahead_s),
+const INTERMITTENT: [Parameter<IntermittentTuning>; 31] = [
+    ("start", (0.8, 1.5), |t| &mut t.start.base),
+    ("start.sway", (-3.0, 1.0), |t| &mut t.start.sway),
+    ("start.steepness", (-0.2, 0.2), |t| &mut t.start.steepness),
+    ("start.usual_rate", (-1.0, 1.0), |t| &mut t.start.usual_rate),
+    ("start_look_ahead_s", (-0.2, 1.4), |t| &mut t.start_look_ahead_s),
+    ("stop", (0.3, 1.0), |t| &mut t.stop.base),
+    ("stop.sway", (-3.0, 3.0), |t| &mut t.stop.sway),
+    ("stop.steepness", (-0.3, 0.3), |t| &mut t.stop.steepness),
+    ("stop.usual_rate", (-2.0, 2.0), |t| &mut t.stop.usual_rate),
+    ("stop_look_ahead_s", (0.0, 3.0), |t| &mut t.stop_look_ahead_s),
     ("aim", (0.1, 0.9), |t| &mut t.aim),
     ("aim_look_ahead_s", (0.0, 4.0), |t| &mut t.aim_look_ahead_s),
     ("horizon_s", (0.6, 3.0), |t| &mut t.horizon_s),
-    ("cruise_rate", (0.15, 0.34), |t| &mut t.cruise_rate),
+    ("cruise_rate", (0.15, 0.34), |t| &mut t.cruise_rate.base),
+    ("cruise_rate.sway", (-1.0, 1.0), |t| &mut t.cruise_rate.sway),
+    ("cruise_rate.steepness", (-0.1, 0.1), |t| &mut t.cruise_rate.steepness),
+    ("cruise_rate.usual_rate", (-0.5, 0.5), |t| &mut t.cruise_rate.usual_rate),
     ("max_rate", (0.25, 0.4), |t| &mut t.max_rate),
     ("join_share", (0.2, 1.01), |t| &mut t.join_share),
     ("leave_share", (0.0, 0.8), |t| &mut t.leave_share),
@@ -137,7 +145,7 @@ pub(super) fn to_options(tuning: ModeTuning) -> String {
 
 fn options<T>(mut tuning: T, parameters: &[Parameter<T>]) -> String {
     let options: Vec<String> =
-        parameters.iter().map(|(name, _, field)| format!("--set {name}={:.4}", field(&mut tuning))).collect();
+        parameters.iter().map(|(name, _, field)| format!("--set {name}={:.5}", field(&mut tuning))).collect();
     options.join(" ")
 }
 
