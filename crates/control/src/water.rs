@@ -7,6 +7,7 @@
 //! less than a centimetre), refraction, the rolling shutter.
 
 pub mod lens;
+pub mod lens_fault;
 
 mod view;
 
