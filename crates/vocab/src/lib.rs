@@ -13,6 +13,7 @@ pub mod lens;
 pub mod unit;
 pub mod video;
 
+pub mod earth;
 pub mod track;
 pub mod water;
 

@@ -2,10 +2,12 @@
 
 use core::time::Duration;
 
+use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
 use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, VesselMode, VesselSettings};
-use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::earth::GeoPoint;
+use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
     Angle, BoatStop, DrawnMark, ImagePoint, MarkKind, MovedMark, Nudge, OperatorRequest, PixelPoint,
     StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
@@ -84,6 +86,42 @@ impl Bench {
         assert!(outcome.vessel.command.throttle > 0.1, "{:?}", outcome.vessel.command);
         bench
     }
+}
+
+#[test]
+fn the_water_lies_on_earth_while_position_and_direction_are_reported() {
+    let degrees = Angle::from_degrees;
+    let position = |latitude| Report::Position {
+        latitude: degrees(latitude),
+        longitude: degrees(-10.0),
+        altitude_m: 60.0,
+        height_m: 15.0,
+        heading: Some(degrees(12.0)),
+    };
+    let mut bench = Bench::new();
+    assert_eq!(bench.see(INSIDE).earth, Err(NotOnEarth::NoPosition));
+    let outcome = bench.tell(position(54.0));
+    assert_eq!(outcome.earth, Err(NotOnEarth::NoHeading), "the vehicle's nose is not the camera's axis");
+    let earth = bench.tell(Report::CameraHeading(degrees(100.0))).earth.unwrap();
+    assert_eq!(earth.origin, GeoPoint { latitude: degrees(54.0), longitude: degrees(-10.0) });
+    assert!((earth.ahead.degrees() - 100.0).abs() < 1e-9, "{earth:?}");
+    assert_eq!(bench.tell(position(f64::NAN)).earth, Ok(earth), "no number is no report");
+    // The camera turns right: what is ahead at pan 0 stays where it is.
+    for _ in 0..20 {
+        bench.see(INSIDE);
+        bench.ask(OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+    }
+    let turned = bench.tell(Report::CameraHeading(degrees(110.0)));
+    let pan = turned.net_yaw.angle.degrees();
+    assert!(pan > 0.5, "{pan}");
+    assert!((turned.earth.unwrap().ahead.degrees() - (110.0 - pan)).abs() < 1e-9, "{turned:?}");
+    bench.ms += 3_100;
+    assert!(bench.step(Input::Tick).earth.is_err(), "too long ago");
+    let outcome = bench.tell(position(54.0));
+    assert_eq!(outcome.earth, Err(NotOnEarth::NoHeading));
+    assert!(bench.tell(Report::CameraHeading(degrees(120.0))).earth.is_ok());
+    let outcome = bench.tell(Report::Link(LinkState::Opening));
+    assert_eq!(outcome.earth, Err(NotOnEarth::NoPosition), "maybe another vehicle");
 }
 
 #[track_caller]

@@ -97,7 +97,7 @@ impl Publisher {
         }
         self.work.on_step(outcome);
         self.log_outcome(outcome);
-        self.state.boat = self.boat.find(outcome.track, &self.state.vehicle);
+        self.state.boat = self.boat.find(outcome.track, &self.state.vehicle, outcome.earth);
         self.state.steps += 1;
         self.state.outcome = Some(outcome.clone());
         self.state.rates = rates;
