@@ -264,6 +264,7 @@ impl fmt::Display for VesselMode {
             Self::ByHand => f.write_str("boat steered by hand"),
             Self::Guided => f.write_str("boat guided"),
             Self::Holding(hold) => write!(f, "boat holding: {}", held(hold)),
+            Self::KeepingWay(hold) => write!(f, "boat keeps way: {}", held(hold)),
             Self::Stopped(VesselStop::Operator) => f.write_str("boat stopped by the operator"),
             Self::Stopped(VesselStop::ConsoleLost) => f.write_str("boat stopped: the console is gone"),
             Self::Stopped(VesselStop::OtherBoat) => f.write_str("boat stopped: another one was selected"),

@@ -9,8 +9,8 @@ use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, Vesse
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, ImagePoint, MarkKind, MovedMark, Nudge, OperatorRequest, PixelPoint,
-    StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
+    Angle, BoatStop, DrawnMark, FailSafe, ImagePoint, KeepWay, MarkKind, MovedMark, Nudge, OperatorRequest,
+    PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
 };
 use proptest::prelude::*;
 
@@ -33,6 +33,14 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         Self::with(GuidanceLaw::LineOfSight)
+    }
+
+    /// A boat that keeps way.
+    fn keeping_way() -> Self {
+        let fail_safe = FailSafe::KeepWay(KeepWay { throttle: 0.2, lasts: Duration::from_secs(2) });
+        let profile = VesselProfile { fail_safe, ..VesselProfile::SIMULATOR };
+        let settings = VesselSettings { profile, ..settings(GuidanceLaw::LineOfSight) };
+        Self { pilot: localisation_pilot().with_vessel(settings), ms: 1_000 }
     }
 
     fn with(guidance: GuidanceLaw) -> Self {
@@ -85,6 +93,59 @@ impl Bench {
         assert_eq!(outcome.vessel.mode, VesselMode::Guided);
         assert!(outcome.vessel.command.throttle > 0.1, "{:?}", outcome.vessel.command);
         bench
+    }
+}
+
+/// What a boat that keeps way does half a second after its track was lost, on its way to a place far away; with more marks, and
+/// what the operator asks for meanwhile.
+fn after_loss(more: &[(MarkKind, PixelPoint)], meanwhile: Option<OperatorRequest>) -> Outcome {
+    let mut bench = Bench::keeping_way();
+    bench.see_water().see(INSIDE);
+    bench.mark(MarkKind::Place, PixelPoint { u: 330.0, v: 90.0 });
+    for (kind, pixel) in more {
+        assert!(matches!(bench.mark(*kind, *pixel).notice, Some(Notice::Marked(..))));
+    }
+    bench.ask(OperatorRequest::Guide);
+    for step in 0..60 {
+        // The boat goes away from the camera.
+        let outcome = bench.see(ImagePoint { x: 0.0, y: -20.0 + f64::from(step) });
+        assert_eq!(outcome.vessel.mode, VesselMode::Guided);
+    }
+    bench.ms += 300;
+    let lost = bench.step(Input::Tick);
+    if let Some(request) = meanwhile {
+        assert!(matches!(lost.vessel.mode, VesselMode::KeepingWay(_)), "{:?}", lost.vessel.mode);
+        bench.ask(request);
+    }
+    bench.ms += 200;
+    bench.step(Input::Tick)
+}
+
+#[test]
+fn a_boat_that_shall_keeps_way_far_from_all_marks() {
+    let way = VesselCommand { throttle: 0.2, rudder: 0.0 };
+    let outcome = after_loss(&[], None);
+    assert!(matches!(outcome.vessel.mode, VesselMode::KeepingWay(_)), "{:?}", outcome.vessel.guidance);
+    assert_eq!(outcome.vessel.command, way);
+    // A person, or an area, near the boat: no way is kept. A way-point is nothing to keep away from.
+    let beside = PixelPoint { u: 480.0, v: 240.0 };
+    for kind in [MarkKind::Person, MarkKind::Forbidden] {
+        assert_eq!(after_loss(&[(kind, beside)], None).vessel.command, VesselCommand::NEUTRAL, "{kind:?}");
+    }
+    assert_eq!(
+        after_loss(&[(MarkKind::WayPoint, PixelPoint { u: 325.0, v: 120.0 })], None).vessel.command,
+        way
+    );
+    for request in [
+        OperatorRequest::Stop(StopCause::Operator),
+        OperatorRequest::StopBoat(BoatStop::Operator),
+        OperatorRequest::StopBoat(BoatStop::ConsoleLost),
+        OperatorRequest::Deselect,
+        OperatorRequest::UnmarkAll,
+        OperatorRequest::NextMark,
+        OperatorRequest::ReleaseBoat,
+    ] {
+        assert_eq!(after_loss(&[], Some(request)).vessel.command, VesselCommand::NEUTRAL, "{request:?}");
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
         VesselMode::Neutral => "neutral",
         VesselMode::ByHand => "by-hand",
         VesselMode::Guided => "guided",
-        VesselMode::Holding(_) => "holding",
+        VesselMode::Holding(_) | VesselMode::KeepingWay(_) => "holding",
         VesselMode::Stopped(_) => "stopped",
     };
     let profile = &vessel.profile;

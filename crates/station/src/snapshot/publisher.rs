@@ -252,7 +252,7 @@ impl Publisher {
         let mode = outcome.vessel.mode;
         if before.map_or(VesselMode::Absent, |before| before.vessel.mode) != mode {
             let level = match mode {
-                VesselMode::Holding(_) | VesselMode::Stopped(_) => Level::Warning,
+                VesselMode::Holding(_) | VesselMode::KeepingWay(_) | VesselMode::Stopped(_) => Level::Warning,
                 _ => Level::Info,
             };
             add(level, "boat", mode.to_string());

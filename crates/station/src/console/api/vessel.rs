@@ -10,7 +10,7 @@ use super::place::PlaceStatus;
 pub struct VesselStatus {
     /// `released` (not commanded), `neutral`, `by-hand`, `guided`, `holding` or `stopped`.
     pub mode: &'static str,
-    /// The mode in words, with the reason of holding and stopping.
+    /// The mode in words, with the reason of holding and stopping, and whether the boat keeps way while it holds.
     pub text: String,
     /// The throttle in force, -1 (astern) to 1 (ahead).
     pub throttle: f64,
