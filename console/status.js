@@ -47,11 +47,21 @@ function factsOf(snapshot) {
     [words.facts.netYaw, words.netYawText(Math.round(snapshot.net_yaw_deg))],
   ];
   if (link.position) facts.push([words.facts.position, words.positionText(link.position, link.altitude_m)]);
+  facts.push(...placesOf(snapshot));
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);
   if (snapshot.vessel) facts.push([words.facts.boat, words.vesselText(snapshot.vessel, drive)]);
   else if (drive) facts.push([words.facts.boat, words.boatText(drive)]);
   if (drive && !drive.paused && drive.pace < SLOW) facts.push([words.facts.world, words.slowText(drive.pace)]);
   return facts;
+}
+
+/** Latitude and longitude of the boat and of the target; of a kite with a position alone, why they are not known. */
+function placesOf({ boat, vessel, earth }) {
+  if (earth === "no-heading") return [[words.facts.boatPlace, words.noHeading]];
+  const boatPlace = vessel?.progress?.on_earth ?? boat?.on_earth;
+  const target = vessel?.marks.find(({ destination }) => destination)?.on_earth;
+  return [[words.facts.boatPlace, boatPlace], [words.facts.targetPlace, target]]
+    .filter(([, place]) => place).map(([name, place]) => [name, words.placeText(place)]);
 }
 
 /** Shows a list of names and values; rows are reused. */

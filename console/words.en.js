@@ -1,4 +1,7 @@
 // All words of the page, in English. Another language is another file of the same keys (words.xx.js, chosen by ?lang=xx).
+const placeText = ({ latitude_deg, longitude_deg }) =>
+  `${Math.abs(latitude_deg).toFixed(5)}° ${latitude_deg < 0 ? "S" : "N"}, ${Math.abs(longitude_deg).toFixed(5)}° ${longitude_deg < 0 ? "W" : "E"}`;
+
 export default {
   // Buttons and labels
   keys: "Keys ?", theme: "Night", themeDay: "Day", sound: "Sound off", soundOn: "Sound on",
@@ -98,7 +101,7 @@ export default {
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
     track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
-    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw", position: "Kite",
+    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw", position: "Kite", boatPlace: "Boat at", targetPlace: "Target at",
   },
   links: {
     "dry-run": "dry run: nothing is sent", simulated: "simulated camera", opening: "opening", starting: "starting", up: "up",
@@ -127,9 +130,10 @@ export default {
     const side = Math.round(direction_deg) === 0 ? "ahead" : `${Math.abs(direction_deg).toFixed(0)}° ${direction_deg > 0 ? "right" : "left"}`;
     return `${distance_m.toFixed(0)} m ± ${Math.max(1, 2 * std_dev_m).toFixed(0)} m, ${side}`;
   },
-  positionText: ({ latitude_deg, longitude_deg, heading_deg }, height) =>
-    `${Math.abs(latitude_deg).toFixed(5)}° ${latitude_deg < 0 ? "S" : "N"}, ${Math.abs(longitude_deg).toFixed(5)}° ${longitude_deg < 0 ? "W" : "E"}`
-    + (height === null ? "" : `, ${height.toFixed(0)} m up`) + (heading_deg === null ? "" : `, heading ${heading_deg.toFixed(0)}°`),
+  placeText,
+  noHeading: "latitude and longitude not known: the kite does not report where north is for the camera",
+  positionText: (position, height) => placeText(position)
+    + (height === null ? "" : `, ${height.toFixed(0)} m up`) + (position.heading_deg === null ? "" : `, heading ${position.heading_deg.toFixed(0)}°`),
   slowText: (pace) => `${Math.round(100 * pace)} % of real time; try --size 640x360`,
   turns: { pan: "pan", tilt: "tilt", left: "left", right: "right", up: "up", down: "down", rest: "at rest" },
   videoText: (state, fps, dropped) => `${state}, ${fps.toFixed(0)} frames/s, ${dropped} dropped`,

@@ -10,14 +10,15 @@
 //!
 //! The inputs are commands. If the vehicle reports the gimbal's attitude, [`CameraModel::correct_tilt`] corrects the
 //! tilt; if it reports a zoom, [`CameraModel::set_field_of_view`] sets the focal length. The model does not contain the
-//! sway of the kite. Work: O(1) per command and query, no allocation after construction.
+//! sway of the kite. The laws take the camera for a pinhole; points on the water are computed with its lens
+//! ([`CameraModel::lens_at`]). Work: O(1) per command and query, no allocation after construction.
 
 mod axis;
 mod axis_history;
 mod focal_history;
 
 use barrelman_vocab::profile::{AxisRates, CameraDynamics};
-use barrelman_vocab::{Angle, CameraCommand, ImagePoint, MotionPrior, PictureSize, Timestamp};
+use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Lens, MotionPrior, PictureSize, Timestamp};
 
 use self::axis::AxisModel;
 use self::focal_history::FocalHistory;
@@ -34,6 +35,9 @@ const REPORT_SHARE: f64 = 0.2;
 const FOCAL_SHARES: core::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Smallest relative change of the focal length that counts as a zoom: reports are rounded.
 const MIN_FOCAL_CHANGE: f64 = 0.002;
+/// A reported focal length that differs by no more than this share from the calibrated one is that of the calibrated lens: a
+/// vehicle states a nominal field of view. More is a zoom, with which the calibration does not hold.
+const MAX_CALIBRATED_CHANGE: f64 = 0.05;
 
 /// The focal length of a horizontal field of view, as a share of the picture's width; `None`: no camera has it.
 pub fn focal_share_of(field_of_view: Angle) -> Option<f64> {
@@ -41,6 +45,15 @@ pub fn focal_share_of(field_of_view: Angle) -> Option<f64> {
     let share = 0.5 / libm::tan(0.5 * angle);
     let is_valid = angle > 0.0 && angle < core::f64::consts::PI && FOCAL_SHARES.contains(&share);
     is_valid.then_some(share)
+}
+
+/// The lens of a camera whose present focal length is this share of the picture's width: the calibrated one, or a pinhole where
+/// there is none, where the camera has zoomed since, or where the picture has another aspect ratio than the calibration.
+pub fn lens_in_force(dynamics: &CameraDynamics, focal_share: f64, picture: PictureSize) -> Lens {
+    let has_zoomed =
+        (focal_share - dynamics.focal_share).abs() > MAX_CALIBRATED_CHANGE * dynamics.focal_share;
+    let calibrated = dynamics.lens.filter(|_| !has_zoomed).and_then(|lens| lens.scaled_to(picture));
+    calibrated.unwrap_or_else(|| Lens::pinhole(picture, focal_share * f64::from(picture.width)))
 }
 
 /// The camera with both axes.
@@ -107,6 +120,11 @@ impl CameraModel {
     /// Focal length at a time for a picture of this size, pixels.
     pub fn focal_px(&self, at: Timestamp, picture: PictureSize) -> f64 {
         self.focal_lengths.at(at) * f64::from(picture.width)
+    }
+
+    /// The lens at a time for a picture of this size ([`lens_in_force`]).
+    pub fn lens_at(&self, at: Timestamp, picture: PictureSize) -> Lens {
+        lens_in_force(&self.dynamics, self.focal_lengths.at(at), picture)
     }
 
     /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at least 1.5

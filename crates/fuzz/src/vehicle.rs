@@ -81,7 +81,9 @@ pub(crate) fn check_report(report: &Report) {
     let numbers: Vec<f64> = match report {
         Report::Ground { uptime_s, battery_v, tether_m, .. } => vec![*uptime_s, *battery_v, *tether_m],
         Report::VehicleAttitude(q) | Report::GimbalAttitude(q) => vec![q.w, q.x, q.y, q.z],
-        Report::CameraTilt(angle) | Report::FieldOfView(angle) => vec![angle.radians()],
+        Report::CameraTilt(angle) | Report::CameraHeading(angle) | Report::FieldOfView(angle) => {
+            vec![angle.radians()]
+        }
         Report::Position { latitude, longitude, altitude_m, height_m, heading } => {
             let heading = heading.map_or(0.0, |heading| heading.radians());
             vec![latitude.radians(), longitude.radians(), *altitude_m, *height_m, heading]

@@ -21,6 +21,7 @@ pub mod behaviour;
 pub mod calibration;
 mod history;
 pub mod net_yaw;
+pub mod on_earth;
 mod opposed_motion;
 pub mod search;
 mod selecting;

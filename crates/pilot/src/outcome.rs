@@ -5,9 +5,11 @@ use core::time::Duration;
 
 use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
+use barrelman_vocab::earth::WaterOnEarth;
 use barrelman_vocab::{CameraCommand, LawId, Localisation, MarkKind, StopCause, Timestamp, Track};
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
+use crate::on_earth::NotOnEarth;
 use crate::vessel::{VesselHold, VesselMode, VesselOutcome, VesselStop};
 
 pub use crate::refusal::{HoldCause, LOST_BEFORE_SEARCH, Refusal};
@@ -43,6 +45,8 @@ pub struct Outcome {
     pub search_refusal: Option<Refusal>,
     /// The vessel's part.
     pub vessel: VesselOutcome,
+    /// Where the water frame lies on Earth, or why that is not known.
+    pub earth: Result<WaterOnEarth, NotOnEarth>,
     /// A message for the operator.
     pub notice: Option<Notice>,
 }
@@ -260,6 +264,7 @@ impl fmt::Display for VesselMode {
             Self::ByHand => f.write_str("boat steered by hand"),
             Self::Guided => f.write_str("boat guided"),
             Self::Holding(hold) => write!(f, "boat holding: {}", held(hold)),
+            Self::KeepingWay(hold) => write!(f, "boat keeps way: {}", held(hold)),
             Self::Stopped(VesselStop::Operator) => f.write_str("boat stopped by the operator"),
             Self::Stopped(VesselStop::ConsoleLost) => f.write_str("boat stopped: the console is gone"),
             Self::Stopped(VesselStop::OtherBoat) => f.write_str("boat stopped: another one was selected"),

@@ -14,6 +14,7 @@ use crate::calibration::Calibration;
 use crate::history::FrameHistory;
 use crate::input::Input;
 use crate::net_yaw::{NetYaw, NetYawLevel};
+use crate::on_earth::EarthReports;
 use crate::opposed_motion::OpposedMotion;
 use crate::outcome::{Advice, HoldCause, Mode, Notice, Outcome, RENEWAL_GRACE, Refusal};
 use crate::safety::{ObservationResult, Safety};
@@ -70,6 +71,7 @@ pub struct Pilot {
     search: Option<Search>,
     calibration: Option<Calibration>,
     vessel: Option<Box<VesselPilot>>,
+    earth: EarthReports,
 }
 
 /// One observation of the scene: a tracked video frame, or a localisation measured elsewhere.
@@ -116,6 +118,7 @@ impl Pilot {
             search: None,
             calibration: None,
             vessel: None,
+            earth: EarthReports::default(),
         }
     }
 
@@ -393,6 +396,7 @@ impl Pilot {
             net_yaw,
             search_refusal: self.search_refusal(now),
             vessel,
+            earth: self.earth.at(now),
             notice,
         }
     }

@@ -199,6 +199,8 @@ impl VesselPilot {
         is_boat_seen: bool,
         view: VesselView<'_>,
     ) -> Result<Option<(u32, MarkKind)>, Refusal> {
+        // What the operator wants now is not what the boat went on with.
+        self.gate.set_clear(false);
         match request {
             OperatorRequest::Mark(drawn) => {
                 return self.mark(drawn, picture, view).map(|id| Some((id, drawn.kind)));
@@ -301,7 +303,9 @@ impl VesselPilot {
         let sight = match observed {
             Observed::Boat(seen) => match self.frame_view {
                 Some(frame_view) => {
-                    GateInput::Fresh(self.guide.step(seen, &frame_view, &self.marks, &self.profile, now))
+                    let advice = self.guide.step(seen, &frame_view, &self.marks, &self.profile, now);
+                    self.gate.set_clear(self.guide.has_room());
+                    GateInput::Fresh(advice)
                 }
                 None => GateInput::NoObservation,
             },

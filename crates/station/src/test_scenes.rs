@@ -31,6 +31,7 @@ pub(crate) fn idle(at: Timestamp) -> Outcome {
         net_yaw: NetYawState::default(),
         search_refusal: None,
         vessel: VesselOutcome::absent(),
+        earth: Err(barrelman_pilot::on_earth::NotOnEarth::NoPosition),
         notice: None,
     }
 }

@@ -69,7 +69,27 @@ impl Lens {
         }
     }
 
-    /// The same with the simulator's distortion.
+    /// The lens for pictures of another size that show the same as those of the lens. `None`: the aspect ratios differ, by more
+    /// than one row of the other picture.
+    pub fn scaled_to(&self, picture: PictureSize) -> Option<Self> {
+        let (width, height) = (u64::from(self.picture.width), u64::from(self.picture.height));
+        let (across, down) = (u64::from(picture.width) * height, u64::from(picture.height) * width);
+        if across.abs_diff(down) > width || across == 0 || down == 0 {
+            return None;
+        }
+        let share = (
+            f64::from(picture.width) / f64::from(self.picture.width),
+            f64::from(picture.height) / f64::from(self.picture.height),
+        );
+        Some(Self {
+            picture,
+            focal_px: (share.0 * self.focal_px.0, share.1 * self.focal_px.1),
+            principal: PixelPoint { u: share.0 * self.principal.u, v: share.1 * self.principal.v },
+            distortion: self.distortion,
+        })
+    }
+
+    /// A lens with square pixels, the principal point at the centre of the picture, and the simulator's distortion.
     pub fn barrel(picture: PictureSize, focal_px: f64, k: f64) -> Self {
         Self { distortion: Distortion::Barrel { k }, ..Self::pinhole(picture, focal_px) }
     }

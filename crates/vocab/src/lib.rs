@@ -13,6 +13,7 @@ pub mod lens;
 pub mod unit;
 pub mod video;
 
+pub mod earth;
 pub mod track;
 pub mod water;
 
@@ -41,6 +42,6 @@ pub use telemetry::Telemetry;
 pub use time::Timestamp;
 pub use track::{Localisation, MotionPrior, Track};
 pub use unit::EncodedUnit;
-pub use vessel::{VesselCommand, VesselLimits, VesselOrder, VesselProfile};
+pub use vessel::{FailSafe, KeepWay, VesselCommand, VesselLimits, VesselOrder, VesselProfile};
 pub use video::{Picture, VideoFrame};
 pub use water::{CameraAboveWater, Sighting, SightingNoise, WaterCovariance, WaterFix, WaterPoint};

@@ -8,6 +8,7 @@ use core::time::Duration;
 
 use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
+use crate::lens::Lens;
 use crate::mavlink::MavlinkPeers;
 use crate::telemetry::{EulerAxis, Quaternion};
 
@@ -174,6 +175,8 @@ pub struct AxisRates {
 pub struct CameraDynamics {
     /// Focal length divided by the picture's width, both in pixels.
     pub focal_share: f64,
+    /// The calibrated lens, with which points on the water are computed; `None`: a pinhole of `focal_share`.
+    pub lens: Option<Lens>,
     /// Elevation of the camera's axis at the start if no telemetry reports it; negative below the horizon.
     pub initial_tilt: Angle,
     /// Lower and upper end stop of the elevation.
@@ -266,6 +269,7 @@ impl CameraDynamics {
         };
         Self {
             focal_share: 330.0 / 640.0,
+            lens: None,
             initial_tilt: Angle::from_degrees(-24.0),
             tilt_stops: (Angle::from_degrees(-90.0), Angle::from_degrees(10.0)),
             pan: axis(200, 400, 420),

@@ -42,6 +42,8 @@ pub enum Report {
     GimbalAttitude(Quaternion),
     /// Elevation of the camera's axis; positive above the horizon.
     CameraTilt(Angle),
+    /// Direction of the camera's axis over the water from true north, 0 to 2 pi, positive to the east.
+    CameraHeading(Angle),
     /// Height of the camera above the water, metres.
     CameraHeight(f64),
     /// Horizontal field of view of the picture. A zoom changes it.

@@ -1,5 +1,7 @@
 //! Commands to a vessel, and what a vessel may be commanded.
 
+use core::time::Duration;
+
 /// The commanded throttle and rudder of a vessel. The signs are independent of the vehicle's own; the vehicle boundary
 /// applies those.
 ///
@@ -93,8 +95,34 @@ impl Default for VesselLimits {
     }
 }
 
-/// A vessel: what differs between two of them for a program that commands them. Whatever ends a command leaves the vessel
-/// neutral.
+/// What a vessel that goes by itself does when the guidance does not see it any more. Whatever else ends a command leaves the
+/// vessel neutral.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum FailSafe {
+    /// Neutral: the vessel drifts.
+    #[default]
+    Neutral,
+    /// Way on for a while, then neutral: surf turns a boat without way broadside, and rolls it over.
+    KeepWay(KeepWay),
+}
+
+/// Ahead with the rudder amidships, for a limited time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeepWay {
+    /// Throttle ahead, above 0, at most [`KeepWay::MAX_THROTTLE`]. The throttle is never raised to it.
+    pub throttle: f64,
+    /// For how long, at most [`KeepWay::MAX_LASTS`].
+    pub lasts: Duration,
+}
+
+impl KeepWay {
+    /// Largest throttle: half of the guidance's.
+    pub const MAX_THROTTLE: f64 = 0.3;
+    /// Longest time: a boat of 1.2 m goes three metres in it.
+    pub const MAX_LASTS: Duration = Duration::from_secs(3);
+}
+
+/// A vessel: what differs between two of them for a program that commands them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VesselProfile {
     /// Name on the command line.
@@ -109,6 +137,8 @@ pub struct VesselProfile {
     pub stand_off_m: f64,
     /// Distance that the vessel keeps from every other person, metres.
     pub keep_out_m: f64,
+    /// What the vessel does when the guidance does not see it any more.
+    pub fail_safe: FailSafe,
 }
 
 impl VesselProfile {
@@ -139,6 +169,7 @@ impl VesselProfile {
         throttle_rise_per_s: 2.0,
         stand_off_m: 2.0,
         keep_out_m: 3.0,
+        fail_safe: FailSafe::Neutral,
     };
 }
 

@@ -3,6 +3,7 @@
 
 mod bearing;
 mod camera_model;
+mod earth;
 mod intermittent;
 mod lab_guidance;
 mod line_of_sight;

@@ -4,7 +4,10 @@
 
 use std::path::PathBuf;
 
+use barrelman_control::camera_model::lens_in_force;
+use barrelman_control::water::lens_fault::{LensFault, fault_of};
 use barrelman_control::water::{MIN_DEPRESSION, WaterView, lens};
+use barrelman_vocab::profile::CameraDynamics;
 use barrelman_vocab::{
     Angle, BrownConrady, CameraAboveWater, Distortion, Lens, PictureSize, PixelPoint, Sighting,
     SightingNoise, WaterPoint,
@@ -222,6 +225,65 @@ fn values_that_are_not_finite_have_no_point() {
         assert_eq!(view.pixel_of_water(WaterPoint { x: 0.0, y: bad }), None);
     }
     assert_eq!(view.pixel_of_water(WaterPoint { x: 0.0, y: -100.0 }), None, "behind the camera");
+}
+
+#[test]
+fn a_lens_is_scaled_with_the_picture() {
+    let lens = Lens {
+        focal_px: (700.0, 690.0),
+        principal: PixelPoint { u: 655.5, v: 350.0 },
+        distortion: Distortion::BrownConrady(BrownConrady { k1: -0.1, p1: 1e-3, ..BrownConrady::default() }),
+        ..Lens::pinhole(PICTURE, 700.0)
+    };
+    for (width, height) in [(1280, 720), (640, 360), (1920, 1080), (1920, 1079), (854, 480), (320, 180)] {
+        let scaled = lens.scaled_to(PictureSize::new(width, height)).unwrap();
+        let share = (f64::from(width) / 1280.0, f64::from(height) / 720.0);
+        let pixel = PixelPoint { u: 200.0, v: 650.0 };
+        let same = PixelPoint { u: share.0 * pixel.u, v: share.1 * pixel.v };
+        let (seen, expected) =
+            (lens::tangents_of(&scaled, same).unwrap(), lens::tangents_of(&lens, pixel).unwrap());
+        let off = (seen[0] - expected[0]).abs().max((seen[1] - expected[1]).abs());
+        assert!(off < 1e-11, "{width}x{height}: {off}");
+        assert_eq!(scaled.picture, PictureSize::new(width, height));
+    }
+    for (width, height) in [(640, 480), (1280, 718), (0, 0), (1280, 0), (720, 1280)] {
+        assert_eq!(lens.scaled_to(PictureSize::new(width, height)), None, "{width}x{height}");
+    }
+}
+
+#[test]
+fn the_calibrated_lens_is_in_force_until_the_camera_zooms_or_the_picture_changes() {
+    let lens = Lens {
+        distortion: Distortion::BrownConrady(BrownConrady { k1: -0.1, ..BrownConrady::default() }),
+        ..Lens::pinhole(PICTURE, 768.0)
+    };
+    let camera = CameraDynamics { focal_share: 0.6, lens: Some(lens), ..CameraDynamics::laboratory() };
+    let half = PictureSize::new(640, 360);
+    assert_eq!(lens_in_force(&camera, 0.6, PICTURE), lens);
+    assert_eq!(lens_in_force(&camera, 0.62, half), lens.scaled_to(half).unwrap(), "a nominal field of view");
+    assert_eq!(lens_in_force(&camera, 0.7, PICTURE), Lens::pinhole(PICTURE, 0.7 * 1280.0), "a zoom");
+    let other = PictureSize::new(640, 480);
+    assert_eq!(lens_in_force(&camera, 0.6, other), Lens::pinhole(other, 0.6 * 640.0), "another aspect ratio");
+    let pinhole = CameraDynamics { lens: None, ..camera };
+    assert_eq!(lens_in_force(&pinhole, 0.6, PICTURE), Lens::pinhole(PICTURE, 0.6 * 1280.0));
+}
+
+#[test]
+fn a_lens_that_cannot_be_used_is_known_by_its_fault() {
+    let good = Lens { distortion: Distortion::BrownConrady(WEBCAM), ..Lens::pinhole(PICTURE, 1120.0) };
+    assert_eq!(fault_of(&good), None);
+    let with = |model: BrownConrady| Lens { distortion: Distortion::BrownConrady(model), ..good };
+    assert_eq!(fault_of(&with(BrownConrady { k3: f64::NAN, ..WEBCAM })), Some(LensFault::NotFinite));
+    assert_eq!(fault_of(&Lens { focal_px: (1120.0, f64::INFINITY), ..good }), Some(LensFault::NotFinite));
+    assert_eq!(fault_of(&Lens { focal_px: (1120.0, 0.0), ..good }), Some(LensFault::FocalLength));
+    assert_eq!(fault_of(&Lens { focal_px: (-1.0, 1120.0), ..good }), Some(LensFault::FocalLength));
+    let principal = PixelPoint { u: 1281.0, v: 360.0 };
+    assert_eq!(fault_of(&Lens { principal, ..good }), Some(LensFault::PrincipalPoint));
+    // r (1 - 0.3 r²) grows up to 0.70: the corners are 734 px from the centre.
+    let folding = BrownConrady { k1: -0.3, ..BrownConrady::default() };
+    let at = |focal_px: f64| Lens { focal_px: (focal_px, focal_px), ..with(folding) };
+    assert_eq!(fault_of(&at(1060.0)), None);
+    assert_eq!(fault_of(&at(1040.0)), Some(LensFault::Fold(PixelPoint { u: 0.0, v: 0.0 })));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::mutant::Mutant;
 use super::oracle::Licence;
 use super::run::run as run_camera;
 use super::run_result::RunResult;
-use super::vessel::oracle::{VesselLicence, WIRE_LIMIT_MS};
+use super::vessel::oracle::{KEEPS_WAY, VesselLicence, WIRE_LIMIT_MS};
 use super::vessel::run::run as run_boat;
 use super::vessel::vessel_kind::Vessel;
 use crate::vehicle::Vehicle;
@@ -29,6 +29,7 @@ impl ValueEnum for Subject {
             Self::Camera(Vehicle::MavlinkGimbal),
             Self::Camera(Vehicle::FotokiteSigma),
             Self::Boat(Vessel::LabUdp),
+            Self::Boat(Vessel::LabUdpKeepingWay),
             Self::Boat(Vessel::MavlinkRover),
             Self::Boat(Vessel::MavlinkRoverManual),
         ]
@@ -78,7 +79,10 @@ impl Subject {
     pub(super) fn licences(self) -> Vec<&'static str> {
         match self {
             Self::Camera(_) => Licence::ALL.iter().map(|licence| licence.name()).collect(),
-            Self::Boat(_) => VesselLicence::ALL.iter().map(|licence| licence.name()).collect(),
+            Self::Boat(vessel) => {
+                let licences = VesselLicence::ALL.iter().map(|licence| licence.name());
+                licences.chain((vessel == Vessel::LabUdpKeepingWay).then_some(KEEPS_WAY)).collect()
+            }
         }
     }
 

@@ -61,6 +61,7 @@ impl LoadedScenario {
             video_latency: camera.latency(),
             camera: CameraDynamics {
                 focal_share: camera.optics.focal_px / f64::from(camera.frame.width),
+                lens: None,
                 initial_tilt,
                 tilt_stops: mount.tilt.end_stops.unwrap_or(base.camera.tilt_stops),
                 pan: axis(&mount.pan),

@@ -1,5 +1,6 @@
 //! What the vehicle reports: to the law, the net yaw and the safety rule.
 
+use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Angle, Telemetry, Timestamp};
 
@@ -14,6 +15,13 @@ impl Pilot {
         }
         match telemetry.report {
             Report::CameraTilt(tilt) => self.on_tilt(tilt, telemetry.at),
+            Report::CameraHeading(heading) => {
+                let pan = self.pan_at(telemetry.at);
+                self.earth.on_heading(heading, pan, telemetry.at);
+            }
+            Report::Position { latitude, longitude, .. } => {
+                self.earth.on_position(GeoPoint { latitude, longitude }, telemetry.at);
+            }
             Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
             Report::GimbalAttitude(attitude) => {
                 let tilt = self.settings.profile.gimbal_tilt.and_then(|convention| convention.tilt(attitude));
@@ -25,7 +33,10 @@ impl Pilot {
                 let pan = self.pan_at(telemetry.at);
                 self.net_yaw.on_attitude(attitude, pan);
             }
-            Report::Link(LinkState::Opening) => self.net_yaw.forget_reports(),
+            Report::Link(LinkState::Opening) => {
+                self.net_yaw.forget_reports();
+                self.earth.forget();
+            }
             _ => {}
         }
     }

@@ -5,7 +5,7 @@ use barrelman_control::CameraModel;
 use barrelman_control::guidance::input::BoatFix;
 use barrelman_control::water::WaterView;
 use barrelman_vocab::{
-    Angle, CameraAboveWater, Lens, Localisation, PictureSize, PixelPoint, Sighting, SightingNoise, Timestamp,
+    Angle, CameraAboveWater, Localisation, PictureSize, PixelPoint, Sighting, SightingNoise, Timestamp,
     WaterFix, WaterPoint,
 };
 
@@ -46,7 +46,7 @@ impl FrameView {
         height_m: Option<f64>,
     ) -> Self {
         let (pan, tilt) = camera.angles_at(captured);
-        let lens = Lens::pinhole(picture, camera.focal_px(captured, picture));
+        let lens = camera.lens_at(captured, picture);
         let camera = CameraAboveWater {
             below: WaterPoint::default(),
             height_m: height_m.unwrap_or(1.0),
@@ -108,6 +108,9 @@ impl FrameView {
 
 #[cfg(test)]
 mod tests {
+    use barrelman_vocab::profile::CameraDynamics;
+    use barrelman_vocab::{BrownConrady, Distortion, Lens};
+
     use super::*;
 
     const PICTURE: PictureSize = PictureSize::new(1280, 720);
@@ -136,6 +139,23 @@ mod tests {
         let far = expected(core::f64::consts::FRAC_PI_4 - half);
         assert!((near_left.y - near).abs() < 1e-9 && (far_right.y - far).abs() < 1e-9, "{corners:?}");
         assert!(far_left.x < near_left.x, "{corners:?}");
+    }
+
+    #[test]
+    fn a_calibrated_lens_is_the_one_that_sees() {
+        let profile = barrelman_vocab::VehicleProfile::fotokite_pro();
+        let model = BrownConrady { k1: -0.1, ..BrownConrady::default() };
+        let focal_px = profile.camera.focal_share * f64::from(PICTURE.width);
+        let lens = Lens { distortion: Distortion::BrownConrady(model), ..Lens::pinhole(PICTURE, focal_px) };
+        let seen = |lens: Option<Lens>| {
+            let camera = CameraModel::new(CameraDynamics { lens, ..profile.camera }, profile.limits);
+            let half = PictureSize::new(640, 360);
+            let view = FrameView::new(&camera, Timestamp::from_nanos(1_000_000_000), half, Some(15.0));
+            view.fix(PixelPoint { u: 600.0, v: 300.0 }).unwrap().point
+        };
+        // The pixel is 305 px from the centre, at r = 0.92, where r (1 - 0.1 r²) undone is 1.03.
+        let (pinhole, calibrated) = (seen(None), seen(Some(lens)));
+        assert!(calibrated.x / calibrated.y > 1.1 * pinhole.x / pinhole.y, "{pinhole:?} {calibrated:?}");
     }
 
     #[test]

@@ -8,7 +8,7 @@
 //!       |    \-----------> Guided <---------+---------- guide --------------+
 //!       |                   |  ^
 //!       |   nothing fresh   v  |  fresh again within 5 s
-//!       |                  Holding ---- 5 s ----> Stopped
+//!       |        Holding or KeepingWay -- 5 s -> Stopped
 //!       |
 //!       +-- stop boat, Stop, console lost: from every mode but Released -> Stopped -- guide, or let go and steer -->
 //! ```
@@ -20,13 +20,17 @@
 //! 3. A helm that is held lasts [`STEERED_LASTS`] after its last renewal, and needs fresh video: the operator steers by the
 //!    picture. It needs no track: a boat that is lost to the tracker must not be lost to the operator.
 //! 4. Nothing commands the boat while its link takes no commands.
+//!    A vessel whose profile says so keeps way for a while instead ([`VesselMode::KeepingWay`]): ahead with the rudder amidships, at
+//!    no more than the throttle that was in force. That holds for a guidance that does not see the boat any more (track lost or
+//!    coasting, video late or silent), and only where the boat went ahead far enough from all marks
+//!    ([`VesselGate::set_clear`]). Each request of the operator, each stop and each obstacle ends it; it does not begin again.
 //! 5. The throttle grows by at most the profile's rate; less throttle takes effect at once.
 
 use core::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{BoatStop, StopCause, Timestamp, VesselCommand, VesselProfile};
+use barrelman_vocab::{BoatStop, FailSafe, KeepWay, StopCause, Timestamp, VesselCommand, VesselProfile};
 
 use crate::refusal::{HoldCause, Refusal};
 use crate::vehicle::{CommandPath, VehicleState};
@@ -57,6 +61,8 @@ pub enum VesselMode {
     Guided,
     /// The boat shall go by itself, but is neutral for this reason.
     Holding(VesselHold),
+    /// The same, but the boat keeps way for a while.
+    KeepingWay(VesselHold),
     /// Stopped, until the next request.
     Stopped(VesselStop),
 }
@@ -103,8 +109,24 @@ enum Holder {
     Released,
     Neutral,
     ByHand { wanted: VesselCommand, renewed_at: Timestamp },
-    Guided { advised: VesselCommand, fresh_at: Option<Timestamp>, holding: Option<(VesselHold, Timestamp)> },
+    Guided { advised: VesselCommand, fresh_at: Option<Timestamp>, holding: Option<Hold> },
     Stopped { cause: VesselStop },
+}
+
+/// A wait for the boat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Hold {
+    cause: VesselHold,
+    since: Timestamp,
+    /// The way that is kept meanwhile.
+    way: Option<Way>,
+}
+
+/// Way that is kept since the hold began.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Way {
+    throttle: f64,
+    until: Timestamp,
 }
 
 /// The helm at the page, whether or not the boat obeys it.
@@ -126,6 +148,8 @@ pub struct VesselGate {
     helm: Helm,
     vessel: VehicleState,
     last_video_at: Option<Timestamp>,
+    /// Whether the boat went ahead at the last fresh localisation with room to keep way.
+    is_clear: bool,
     command: VesselCommand,
     last_step: Option<Timestamp>,
 }
@@ -150,6 +174,7 @@ impl VesselGate {
             helm: Helm::Free,
             vessel: VehicleState::new(path),
             last_video_at: None,
+            is_clear: false,
             command: VesselCommand::NEUTRAL,
             last_step: None,
         }
@@ -158,6 +183,14 @@ impl VesselGate {
     /// A video frame arrived.
     pub const fn on_video(&mut self, now: Timestamp) {
         self.last_video_at = Some(now);
+    }
+
+    /// Whether the boat has room to keep way, as of the newest fresh localisation. Without room, no way is kept from now on.
+    pub const fn set_clear(&mut self, is_clear: bool) {
+        self.is_clear = is_clear;
+        if let (false, Holder::Guided { holding: Some(hold), .. }) = (is_clear, &mut self.holder) {
+            hold.way = None;
+        }
     }
 
     /// Takes a report of the vessel or its link. Some stop the boat: a boat that somebody else steers, and one that goes by itself and
@@ -266,8 +299,12 @@ impl VesselGate {
             Holder::Released => (VesselMode::Released, VesselCommand::NEUTRAL),
             Holder::Neutral => (VesselMode::Neutral, VesselCommand::NEUTRAL),
             Holder::ByHand { wanted, .. } => (VesselMode::ByHand, wanted),
-            Holder::Guided { holding: Some((hold, _)), .. } => {
-                (VesselMode::Holding(hold), VesselCommand::NEUTRAL)
+            Holder::Guided { holding: Some(Hold { cause, way: Some(way), .. }), .. } => {
+                let ahead = VesselCommand { throttle: way.throttle, rudder: 0.0 };
+                (VesselMode::KeepingWay(cause), ahead)
+            }
+            Holder::Guided { holding: Some(Hold { cause, way: None, .. }), .. } => {
+                (VesselMode::Holding(cause), VesselCommand::NEUTRAL)
             }
             Holder::Guided { advised, holding: None, .. } => (VesselMode::Guided, advised),
             Holder::Stopped { cause } => (VesselMode::Stopped(cause), VesselCommand::NEUTRAL),
@@ -276,7 +313,7 @@ impl VesselGate {
             if mode == VesselMode::ByHand { self.profile.hand_limits() } else { self.profile.limits };
         let command = self.risen(limits.applied_to(wanted), now);
         self.command = command;
-        VesselDecision { mode, command, renew_by: self.ends_at() }
+        VesselDecision { mode, command, renew_by: self.renew_by(now) }
     }
 
     /// What time, sight and link make of the state.
@@ -284,9 +321,11 @@ impl VesselGate {
         let ends_at = self.ends_at();
         let has_ended = ends_at.is_some_and(|at| at <= now) || self.is_before_renewal(now);
         let has_video = self.has_video(now);
+        let is_clock_right = !self.is_before_renewal(now);
         if let Some(hold) = self.held_too_long(now) {
             self.stop(VesselStop::HeldTooLong(hold));
         }
+        let (command, fail_safe, is_clear) = (self.command, self.profile.fail_safe, self.is_clear);
         match &mut self.holder {
             Holder::Released | Holder::Neutral | Holder::Stopped { .. } => {}
             Holder::ByHand { .. } => {
@@ -308,11 +347,19 @@ impl VesselGate {
                     (None, _) if has_ended => Some(VesselHold::Cause(HoldCause::VideoSilent)),
                     (None, _) => None,
                 };
-                if let Some(hold) = hold {
+                if let Some(cause) = hold {
                     // A pilot that was held up has waited since the command ended.
                     let ended_at = ends_at.filter(|at| *at <= now).unwrap_or(now);
-                    let since = holding.map_or(ended_at, |(_, since)| since);
-                    (*advised, *fresh_at, *holding) = (VesselCommand::NEUTRAL, None, Some((hold, since)));
+                    let (since, way) = match *holding {
+                        Some(Hold { since, way, .. }) => (since, way),
+                        None => (ended_at, way_of(fail_safe, command, ended_at).filter(|_| is_clear)),
+                    };
+                    let way = way.filter(|_| is_clock_right && keeps_way(cause));
+                    (*advised, *fresh_at, *holding) =
+                        (VesselCommand::NEUTRAL, None, Some(Hold { cause, since, way }));
+                }
+                if let Some(hold) = holding {
+                    hold.way = hold.way.filter(|way| hold.since <= now && now < way.until);
                 }
             }
         }
@@ -322,7 +369,7 @@ impl VesselGate {
     /// destination is the operator's to give: that may take longer.
     fn held_too_long(&self, now: Timestamp) -> Option<VesselHold> {
         let (hold, since) = match self.holder {
-            Holder::Guided { holding: Some(holding), .. } => holding,
+            Holder::Guided { holding: Some(Hold { cause, since, .. }), .. } => (cause, since),
             Holder::Guided { fresh_at: Some(fresh_at), .. } => {
                 (VesselHold::Cause(HoldCause::VideoSilent), fresh_at.plus(GUIDED_LASTS))
             }
@@ -347,10 +394,21 @@ impl VesselGate {
                 let steered_until = renewed_at.plus(STEERED_LASTS);
                 Some(self.last_video_at.map_or(steered_until, |at| steered_until.min(at.plus(NEEDS_VIDEO))))
             }
-            Holder::Guided { holding: Some((VesselHold::NoDestination, _)), .. } => None,
-            Holder::Guided { holding: Some((_, since)), .. } => Some(since.plus(HOLD_LASTS)),
+            Holder::Guided { holding: Some(Hold { cause: VesselHold::NoDestination, .. }), .. } => None,
+            Holder::Guided { holding: Some(Hold { since, .. }), .. } => Some(since.plus(HOLD_LASTS)),
             Holder::Guided { fresh_at, .. } => fresh_at.map(|at| at.plus(GUIDED_LASTS)),
             Holder::Released | Holder::Neutral | Holder::Stopped { .. } => None,
+        }
+    }
+
+    /// Latest time of the next step. Way that is kept is renewed as often as a command of the guidance: a pilot that hangs keeps
+    /// none.
+    fn renew_by(&self, now: Timestamp) -> Option<Timestamp> {
+        match self.holder {
+            Holder::Guided { holding: Some(Hold { way: Some(way), .. }), .. } => {
+                Some(way.until.min(now.plus(GUIDED_LASTS)))
+            }
+            _ => self.ends_at(),
         }
     }
 
@@ -362,6 +420,23 @@ impl VesselGate {
         let from = if before * throttle > 0.0 { before.abs() } else { 0.0 };
         VesselCommand { throttle: throttle.abs().min(from + rise).copysign(throttle), ..wanted }.clamped()
     }
+}
+
+/// The way that a vessel with this fail-safe keeps from `since` on: none where it did not go ahead.
+fn way_of(fail_safe: FailSafe, command: VesselCommand, since: Timestamp) -> Option<Way> {
+    let FailSafe::KeepWay(keep) = fail_safe else { return None };
+    let throttle = keep.throttle.min(KeepWay::MAX_THROTTLE).min(command.throttle);
+    (throttle > 0.0).then(|| Way { throttle, until: since.plus(keep.lasts.min(KeepWay::MAX_LASTS)) })
+}
+
+/// Whether way may be kept for want of this.
+const fn keeps_way(cause: VesselHold) -> bool {
+    matches!(
+        cause,
+        VesselHold::Cause(
+            HoldCause::TrackLost | HoldCause::Coasting | HoldCause::VideoStale | HoldCause::VideoSilent
+        )
+    )
 }
 
 #[cfg(test)]

@@ -8,15 +8,20 @@ use barrelman_control::guidance::{
     GuidanceInput, GuidanceState, KeepOut, LabBranch, LabInput, LabLaw, LabSettings, LineOfSight,
     LineOfSightTuning, VesselModel,
 };
-use barrelman_vocab::{Localisation, MarkKind, Timestamp, VesselCommand, VesselProfile, WaterPoint};
+use barrelman_vocab::{
+    FailSafe, Localisation, MarkKind, Timestamp, VesselCommand, VesselProfile, WaterPoint,
+};
 
 use super::frame_view::FrameView;
-use super::gate::VesselHold;
+use super::gate::{GUIDED_LASTS, VesselHold};
 use super::marks::{MAX_MARKS, Marks};
 
 /// In the picture, the boat stops this many of its own lengths before a person: a boat of 1.2 m and a stand-off of 2 m,
 /// with room to stop.
 const PERSON_LENGTHS: f64 = 3.5;
+
+/// From neutral to rest a boat goes about as far as in this time at its speed: the lags of thrust and speed, and some more.
+const RUN_OUT_S: f64 = 2.5;
 
 /// The law that guides the boat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -57,6 +62,7 @@ pub struct Guide {
     line_of_sight: LineOfSight,
     laboratory: LabLaw,
     newest: Option<Guidance>,
+    has_room: bool,
 }
 
 impl Guide {
@@ -67,6 +73,7 @@ impl Guide {
             line_of_sight: LineOfSight::new(LineOfSightTuning::DEFAULT, VesselModel::JET),
             laboratory: LabLaw::new(LabSettings::PAPER),
             newest: None,
+            has_room: false,
         }
     }
 
@@ -80,6 +87,7 @@ impl Guide {
         self.line_of_sight.reset_boat();
         self.laboratory.reset();
         self.newest = None;
+        self.has_room = false;
     }
 
     /// A command is in force from `now` on.
@@ -90,6 +98,25 @@ impl Guide {
     /// What the guidance did last; `None` before a destination.
     pub const fn newest(&self) -> Option<Guidance> {
         self.newest
+    }
+
+    /// Whether the boat had room to keep way at the last fresh localisation: it was under way over the water, and so far from all
+    /// marks that it cannot reach a circle or the destination with the way that its profile lets it keep.
+    pub const fn has_room(&self) -> bool {
+        self.has_room
+    }
+
+    fn finds_room(&self, marks: &Marks, profile: &VesselProfile, now: Timestamp) -> bool {
+        let (
+            FailSafe::KeepWay(keep),
+            Some(Guidance { state: GuidanceState::UnderWay, progress: Some(progress), .. }),
+        ) = (profile.fail_safe, self.newest)
+        else {
+            return false;
+        };
+        let speed = progress.speed_m_per_s.max(VesselModel::JET.speed_per_throttle * keep.throttle);
+        let time_s = (GUIDED_LASTS + keep.lasts).as_secs_f64() + RUN_OUT_S;
+        marks.are_beyond(progress.boat, speed * time_s, profile, now)
     }
 
     /// The command for a fresh localisation of the boat.
@@ -108,6 +135,7 @@ impl Guide {
             self.step_in_picture(seen, frame_view, marks, now)
         };
         self.newest = Some(guidance);
+        self.has_room = self.finds_room(marks, profile, now);
         match guidance.state {
             GuidanceState::NoDestination => Err(VesselHold::NoDestination),
             _ => Ok(command),

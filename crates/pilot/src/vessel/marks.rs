@@ -299,6 +299,26 @@ impl Marks {
         out.iter_mut().zip(points).map(|(slot, point)| *slot = point).count()
     }
 
+    /// Whether a boat that goes no further than `reach_m` (metres) in any direction stays out of all circles, their uncertainty
+    /// included, and short of the destination.
+    pub fn are_beyond(
+        &self,
+        boat: WaterPoint,
+        reach_m: f64,
+        profile: &VesselProfile,
+        now: Timestamp,
+    ) -> bool {
+        self.iter().all(|mark| {
+            let is_destination = Some(mark.id) == self.destination;
+            let radius_m = mark.radius_m(profile, is_destination);
+            if radius_m <= 0.0 && !is_destination {
+                return true;
+            }
+            let (Some(at), Some(std_dev_m)) = (mark.point(now), mark.std_dev_m(now)) else { return false };
+            boat.distance_to(at) - radius_m - std_dev_m >= reach_m
+        })
+    }
+
     /// Fills `out` with the circles that the boat keeps out of. Returns how many there are.
     pub fn keep_outs(
         &self,

@@ -2,13 +2,15 @@
 
 use core::time::Duration;
 
+use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
 use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, VesselMode, VesselSettings};
-use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::earth::GeoPoint;
+use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, ImagePoint, MarkKind, MovedMark, Nudge, OperatorRequest, PixelPoint,
-    StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
+    Angle, BoatStop, DrawnMark, FailSafe, ImagePoint, KeepWay, MarkKind, MovedMark, Nudge, OperatorRequest,
+    PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
 };
 use proptest::prelude::*;
 
@@ -31,6 +33,14 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         Self::with(GuidanceLaw::LineOfSight)
+    }
+
+    /// A boat that keeps way.
+    fn keeping_way() -> Self {
+        let fail_safe = FailSafe::KeepWay(KeepWay { throttle: 0.2, lasts: Duration::from_secs(2) });
+        let profile = VesselProfile { fail_safe, ..VesselProfile::SIMULATOR };
+        let settings = VesselSettings { profile, ..settings(GuidanceLaw::LineOfSight) };
+        Self { pilot: localisation_pilot().with_vessel(settings), ms: 1_000 }
     }
 
     fn with(guidance: GuidanceLaw) -> Self {
@@ -84,6 +94,95 @@ impl Bench {
         assert!(outcome.vessel.command.throttle > 0.1, "{:?}", outcome.vessel.command);
         bench
     }
+}
+
+/// What a boat that keeps way does half a second after its track was lost, on its way to a place far away; with more marks, and
+/// what the operator asks for meanwhile.
+fn after_loss(more: &[(MarkKind, PixelPoint)], meanwhile: Option<OperatorRequest>) -> Outcome {
+    let mut bench = Bench::keeping_way();
+    bench.see_water().see(INSIDE);
+    bench.mark(MarkKind::Place, PixelPoint { u: 330.0, v: 90.0 });
+    for (kind, pixel) in more {
+        assert!(matches!(bench.mark(*kind, *pixel).notice, Some(Notice::Marked(..))));
+    }
+    bench.ask(OperatorRequest::Guide);
+    for step in 0..60 {
+        // The boat goes away from the camera.
+        let outcome = bench.see(ImagePoint { x: 0.0, y: -20.0 + f64::from(step) });
+        assert_eq!(outcome.vessel.mode, VesselMode::Guided);
+    }
+    bench.ms += 300;
+    let lost = bench.step(Input::Tick);
+    if let Some(request) = meanwhile {
+        assert!(matches!(lost.vessel.mode, VesselMode::KeepingWay(_)), "{:?}", lost.vessel.mode);
+        bench.ask(request);
+    }
+    bench.ms += 200;
+    bench.step(Input::Tick)
+}
+
+#[test]
+fn a_boat_that_shall_keeps_way_far_from_all_marks() {
+    let way = VesselCommand { throttle: 0.2, rudder: 0.0 };
+    let outcome = after_loss(&[], None);
+    assert!(matches!(outcome.vessel.mode, VesselMode::KeepingWay(_)), "{:?}", outcome.vessel.guidance);
+    assert_eq!(outcome.vessel.command, way);
+    // A person, or an area, near the boat: no way is kept. A way-point is nothing to keep away from.
+    let beside = PixelPoint { u: 480.0, v: 240.0 };
+    for kind in [MarkKind::Person, MarkKind::Forbidden] {
+        assert_eq!(after_loss(&[(kind, beside)], None).vessel.command, VesselCommand::NEUTRAL, "{kind:?}");
+    }
+    assert_eq!(
+        after_loss(&[(MarkKind::WayPoint, PixelPoint { u: 325.0, v: 120.0 })], None).vessel.command,
+        way
+    );
+    for request in [
+        OperatorRequest::Stop(StopCause::Operator),
+        OperatorRequest::StopBoat(BoatStop::Operator),
+        OperatorRequest::StopBoat(BoatStop::ConsoleLost),
+        OperatorRequest::Deselect,
+        OperatorRequest::UnmarkAll,
+        OperatorRequest::NextMark,
+        OperatorRequest::ReleaseBoat,
+    ] {
+        assert_eq!(after_loss(&[], Some(request)).vessel.command, VesselCommand::NEUTRAL, "{request:?}");
+    }
+}
+
+#[test]
+fn the_water_lies_on_earth_while_position_and_direction_are_reported() {
+    let degrees = Angle::from_degrees;
+    let position = |latitude| Report::Position {
+        latitude: degrees(latitude),
+        longitude: degrees(-10.0),
+        altitude_m: 60.0,
+        height_m: 15.0,
+        heading: Some(degrees(12.0)),
+    };
+    let mut bench = Bench::new();
+    assert_eq!(bench.see(INSIDE).earth, Err(NotOnEarth::NoPosition));
+    let outcome = bench.tell(position(54.0));
+    assert_eq!(outcome.earth, Err(NotOnEarth::NoHeading), "the vehicle's nose is not the camera's axis");
+    let earth = bench.tell(Report::CameraHeading(degrees(100.0))).earth.unwrap();
+    assert_eq!(earth.origin, GeoPoint { latitude: degrees(54.0), longitude: degrees(-10.0) });
+    assert!((earth.ahead.degrees() - 100.0).abs() < 1e-9, "{earth:?}");
+    assert_eq!(bench.tell(position(f64::NAN)).earth, Ok(earth), "no number is no report");
+    // The camera turns right: what is ahead at pan 0 stays where it is.
+    for _ in 0..20 {
+        bench.see(INSIDE);
+        bench.ask(OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+    }
+    let turned = bench.tell(Report::CameraHeading(degrees(110.0)));
+    let pan = turned.net_yaw.angle.degrees();
+    assert!(pan > 0.5, "{pan}");
+    assert!((turned.earth.unwrap().ahead.degrees() - (110.0 - pan)).abs() < 1e-9, "{turned:?}");
+    bench.ms += 3_100;
+    assert!(bench.step(Input::Tick).earth.is_err(), "too long ago");
+    let outcome = bench.tell(position(54.0));
+    assert_eq!(outcome.earth, Err(NotOnEarth::NoHeading));
+    assert!(bench.tell(Report::CameraHeading(degrees(120.0))).earth.is_ok());
+    let outcome = bench.tell(Report::Link(LinkState::Opening));
+    assert_eq!(outcome.earth, Err(NotOnEarth::NoPosition), "maybe another vehicle");
 }
 
 #[track_caller]

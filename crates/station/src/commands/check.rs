@@ -16,6 +16,7 @@ use super::check_gimbal::check_gimbal;
 use super::check_over_http::check_over_http;
 use super::check_result::{CheckResult, Verdict};
 use crate::cli::{CheckArgs, ConnectionOptions};
+use crate::config::lens::misfit;
 use crate::config::{ConfigFile, Configuration};
 use crate::encrypted_video;
 use crate::link::LinkUrl;
@@ -108,6 +109,10 @@ fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -
     match first {
         Ok(frame) => {
             let picture = &frame.picture;
+            let lens = configuration.and_then(|configuration| configuration.profile.camera.lens);
+            if let Some(misfit) = lens.and_then(|lens| misfit(&lens, picture.size())) {
+                return CheckResult::new(subject, Verdict::Failed, misfit);
+            }
             let details = format!("{} pictures, colours as {}", picture.size(), picture.colour());
             CheckResult::new(subject, Verdict::Ok, details)
         }

@@ -309,7 +309,10 @@ pub fn calibrate(
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
         let camera = &world.scenario().camera;
-        configuration.profile.camera.focal_share = camera.optics.focal_px / f64::from(camera.frame.width);
+        // A calibrated lens has its own focal length.
+        if configuration.profile.camera.lens.is_none() {
+            configuration.profile.camera.focal_share = camera.optics.focal_px / f64::from(camera.frame.width);
+        }
     }
     let http = vehicle_over_http(&configuration, Some(&link))?;
     let guard = needed_guard(&configuration, Some(&link))?;

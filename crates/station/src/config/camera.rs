@@ -1,14 +1,19 @@
 //! The section `[camera]` of a configuration file: optics and dynamics of the camera.
 
 use core::time::Duration;
+use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
-use barrelman_vocab::{Angle, AngularRate};
+use barrelman_vocab::{Angle, AngularRate, Lens};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::lens::{self, LensSection};
 use super::range::within;
+
+/// Focal lengths that differ by less than this share of the picture's width are the same.
+const SAME_FOCAL_SHARE: f64 = 1e-9;
 
 /// Optics and dynamics of the camera. The optimal law predicts with them; with every law, the tracker's motion prior is
 /// computed from them.
@@ -18,6 +23,12 @@ pub struct CameraSection {
     /// Focal length as a share of the picture's width, 0.1 to 20.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focal_share: Option<f64>,
+    /// A file with the keys of `camera.lens`. A relative path starts in the current folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lens_file: Option<PathBuf>,
+    /// The calibrated lens, for points on the water; default: a pinhole of `focal_share`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lens: Option<LensSection>,
     /// Elevation of the camera at the start, radians, without telemetry; negative looks down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_tilt_rad: Option<f64>,
@@ -66,12 +77,41 @@ impl CameraSection {
         };
         Self {
             focal_share: Some(camera.focal_share),
+            lens_file: None,
+            lens: camera.lens.as_ref().and_then(LensSection::from_lens),
             first_tilt_rad: Some(camera.initial_tilt.radians()),
             lowest_tilt_rad: Some(camera.tilt_stops.0.radians()),
             highest_tilt_rad: Some(camera.tilt_stops.1.radians()),
             pan: axis(&camera.pan),
             tilt: axis(&camera.tilt),
         }
+    }
+
+    /// Replaces the name of a lens file by its contents.
+    ///
+    /// # Errors
+    /// If the file cannot be read or its lens cannot be used, or if the section has a lens already.
+    pub(super) fn read_lens(&mut self) -> Result<()> {
+        let Some(path) = self.lens_file.take() else { return Ok(()) };
+        if self.lens.is_some() {
+            bail!("camera.lens_file and camera.lens are both given: omit one");
+        }
+        self.lens = Some(lens::read(&path)?);
+        Ok(())
+    }
+
+    /// The focal length: that of the lens, where there is one.
+    fn focal_share(&self, base: &CameraDynamics, lens: Option<&Lens>) -> Result<f64> {
+        let calibrated = lens.map(|lens| lens.focal_px.0 / f64::from(lens.picture.width));
+        if let (Some(calibrated), Some(given)) = (calibrated, self.focal_share)
+            && (given - calibrated).abs() > SAME_FOCAL_SHARE
+        {
+            bail!(
+                "camera.focal_share = {given} is not that of camera.lens, {calibrated} (fx / width): omit camera.focal_share"
+            );
+        }
+        let (base, unit) = (base.focal_share, "a share of the picture's width");
+        within("camera.focal_share", calibrated.or(self.focal_share), base, 0.1, 20.0, unit)
     }
 
     /// The vehicle's camera `base` with the values of the section.
@@ -89,15 +129,13 @@ impl CameraSection {
         if stops.0.radians() >= stops.1.radians() {
             bail!("camera.lowest_tilt_rad is not below camera.highest_tilt_rad: correct one of them");
         }
+        if let Some(path) = &self.lens_file {
+            bail!("camera.lens_file = {path:?} was not read: only a configuration file may name a lens file");
+        }
+        let lens = self.lens.as_ref().map(LensSection::to_lens).transpose()?.or(base.lens);
         Ok(CameraDynamics {
-            focal_share: within(
-                "camera.focal_share",
-                self.focal_share,
-                base.focal_share,
-                0.1,
-                20.0,
-                "a share of the picture's width",
-            )?,
+            focal_share: self.focal_share(base, lens.as_ref())?,
+            lens,
             initial_tilt: tilt("camera.first_tilt_rad", self.first_tilt_rad, base.initial_tilt)?,
             tilt_stops: stops,
             pan: self.pan.apply_to("camera.pan", &base.pan)?,

@@ -8,6 +8,7 @@ pub mod file;
 
 pub mod camera;
 pub mod console;
+pub mod lens;
 pub mod tracker;
 pub mod tracking_camera;
 pub mod vessel;
@@ -36,13 +37,16 @@ pub use tracking_camera::TrackingCameraConfig;
 /// The documented example.
 pub const EXAMPLE: &str = include_str!("../../../../config/barrelman.example.toml");
 
-/// Reads a configuration file.
+/// Reads a configuration file, with the lens file that it names.
 ///
 /// # Errors
-/// If the file cannot be read or parsed; the message names the file, the line and the key.
+/// If a file cannot be read or parsed, or the lens cannot be used; the message names the file, the line and the key.
 pub fn read(path: &Path) -> Result<ConfigFile> {
     let text = String::from_utf8(input::read(path)?);
-    let parsed = text.context("it is not UTF-8 text").and_then(|text| parse(&text));
+    let parsed = text.context("it is not UTF-8 text").and_then(|text| parse(&text)).and_then(|mut file| {
+        file.camera.read_lens()?;
+        Ok(file)
+    });
     parsed.with_context(|| format!("the configuration {} is not usable", path.display()))
 }
 

@@ -1,9 +1,11 @@
 //! The vessel in the configuration: the boat that is steered from the video, or goes to a mark by itself.
 
+use core::time::Duration;
+
 use anyhow::{Context, Result};
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{CommandPath, VesselSettings};
-use barrelman_vocab::{VesselLimits, VesselProfile};
+use barrelman_vocab::{FailSafe, KeepWay, VesselLimits, VesselProfile};
 use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,7 +51,17 @@ pub struct VesselSection {
     /// Distance that the boat keeps from every other marked person, metres, 0.5 to 50; default: 3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_out_m: Option<f64>,
+    /// Throttle ahead, rudder amidships, with which a boat that goes by itself keeps way when it is not seen any more, 0 (neutral
+    /// at once) to 0.3; default: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_way_throttle: Option<f64>,
+    /// For how long the boat keeps way, seconds, 0.1 to 3; default: 2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_way_s: Option<f64>,
 }
+
+/// How long a boat keeps way that may, seconds, unless the configuration says otherwise.
+const KEEP_WAY_S: f64 = 2.0;
 
 /// How the boat goes to a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ValueEnum)]
@@ -141,6 +153,7 @@ impl VesselSection {
             )?,
             stand_off_m: metres("stand_off_m", self.stand_off_m, base.stand_off_m)?,
             keep_out_m: metres("keep_out_m", self.keep_out_m, base.keep_out_m)?,
+            fail_safe: self.fail_safe()?,
             ..base
         };
         Ok(Some(VesselConfig {
@@ -150,9 +163,24 @@ impl VesselSection {
         }))
     }
 
+    fn fail_safe(&self) -> Result<FailSafe> {
+        let (throttle, max) = (self.keep_way_throttle, KeepWay::MAX_THROTTLE);
+        let throttle = within("vessel.keep_way_throttle", throttle, 0.0, 0.0, max, "a share")?;
+        let max_s = KeepWay::MAX_LASTS.as_secs_f64();
+        let lasts_s = within("vessel.keep_way_s", self.keep_way_s, KEEP_WAY_S, 0.1, max_s, "seconds")?;
+        if throttle == 0.0 {
+            return Ok(FailSafe::Neutral);
+        }
+        Ok(FailSafe::KeepWay(KeepWay { throttle, lasts: Duration::from_secs_f64(lasts_s) }))
+    }
+
     /// A complete section.
     pub(super) fn from_config(config: Option<&VesselConfig>) -> Self {
         let Some(VesselConfig { url, profile, guidance }) = config else { return Self::default() };
+        let (keep_way_throttle, keep_way_s) = match profile.fail_safe {
+            FailSafe::Neutral => (0.0, None),
+            FailSafe::KeepWay(keep) => (keep.throttle, Some(keep.lasts.as_secs_f64())),
+        };
         Self {
             url: Some(url.clone()),
             profile: Some(profile.name.to_owned()),
@@ -164,6 +192,8 @@ impl VesselSection {
             speed_m_per_s: profile.limits.speed_m_per_s,
             stand_off_m: Some(profile.stand_off_m),
             keep_out_m: Some(profile.keep_out_m),
+            keep_way_throttle: Some(keep_way_throttle),
+            keep_way_s,
         }
     }
 }
@@ -180,12 +210,17 @@ mod tests {
             guidance: Some(GuidanceName::Lab),
             throttle_ahead: Some(0.5),
             speed_m_per_s: Some(1.5),
+            keep_way_throttle: Some(0.2),
             ..VesselSection::default()
         };
         let config = section.resolve().unwrap().unwrap();
         assert_eq!(config.settings().path, CommandPath::Link);
-        assert_eq!(VesselSection::from_config(Some(&config)).resolve().unwrap(), Some(config));
+        assert_eq!(VesselSection::from_config(Some(&config)).resolve().unwrap(), Some(config.clone()));
         assert_eq!(VesselSection::default().resolve().unwrap(), None);
+        let keep = KeepWay { throttle: 0.2, lasts: Duration::from_secs(2) };
+        assert_eq!(config.profile.fail_safe, FailSafe::KeepWay(keep));
+        let neutral = VesselSection { keep_way_throttle: None, ..section }.resolve().unwrap().unwrap();
+        assert_eq!(neutral.profile.fail_safe, FailSafe::Neutral);
     }
 
     #[test]
@@ -195,6 +230,8 @@ mod tests {
         };
         let none = VesselSection::default;
         assert!(at(VesselSection { throttle_ahead: Some(1.1), ..none() }).contains("vessel.throttle_ahead"));
+        assert!(at(VesselSection { keep_way_throttle: Some(0.4), ..none() }).contains("from 0 to 0.3"));
+        assert!(at(VesselSection { keep_way_s: Some(4.0), ..none() }).contains("vessel.keep_way_s"));
         assert!(at(VesselSection { stand_off_m: Some(0.0), ..none() }).contains("vessel.stand_off_m"));
         assert!(at(VesselSection { profile: Some("raft".to_owned()), ..none() }).contains("lab-udp"));
     }

@@ -1,6 +1,7 @@
 //! The API's form of a snapshot.
 
 use barrelman_control::Sector;
+use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::acceptance::Acceptance;
@@ -35,6 +36,11 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
         law: snapshot.law.map(law_name),
         video: video_of(&snapshot.video, h264),
         boat: snapshot.boat.map(boat_of),
+        earth: match outcome.map(|outcome| outcome.earth) {
+            Some(Ok(_)) => "known",
+            Some(Err(NotOnEarth::NoHeading)) => "no-heading",
+            None | Some(Err(NotOnEarth::NoPosition)) => "no-position",
+        },
         vessel: vessel_of(snapshot),
         link: link_of(&snapshot.vehicle),
         recording: recording_of(&snapshot.recording),
@@ -185,6 +191,7 @@ fn boat_of(boat: snapshot::BoatOnWater) -> BoatStatus {
         distance_m: boat.distance_m,
         std_dev_m: boat.std_dev_m,
         direction_deg: boat.direction.degrees(),
+        on_earth: boat.on_earth.map(Into::into),
     }
 }
 

@@ -1,11 +1,12 @@
 //! The API's form of the boat that is commanded.
 
 use barrelman_control::guidance::GuidanceState;
+use barrelman_control::water::earth::place_on_earth;
 use barrelman_pilot::vessel::{FrameView, Guidance, GuidanceBasis, Mark};
 use barrelman_pilot::{Outcome, VesselMode};
 use barrelman_vocab::{MarkKind, PictureSize, PixelPoint, Timestamp, VesselProfile, WaterPoint};
 
-use super::api::{MarkStatus, ProgressStatus, VesselStatus};
+use super::api::{MarkStatus, PlaceStatus, ProgressStatus, VesselStatus};
 use crate::snapshot::Snapshot;
 
 /// Points of a circle.
@@ -21,7 +22,7 @@ pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
         VesselMode::Neutral => "neutral",
         VesselMode::ByHand => "by-hand",
         VesselMode::Guided => "guided",
-        VesselMode::Holding(_) => "holding",
+        VesselMode::Holding(_) | VesselMode::KeepingWay(_) => "holding",
         VesselMode::Stopped(_) => "stopped",
     };
     let profile = &vessel.profile;
@@ -38,7 +39,7 @@ pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
             GuidanceBasis::Picture => "picture",
         }),
         guidance: vessel.guidance.map(|guidance| state_name(guidance.state)),
-        progress: vessel.guidance.and_then(progress_of),
+        progress: vessel.guidance.and_then(|guidance| progress_of(guidance, outcome)),
         marks: vessel
             .marks
             .iter()
@@ -67,10 +68,16 @@ const fn state_name(state: GuidanceState) -> &'static str {
     }
 }
 
-fn progress_of(guidance: Guidance) -> Option<ProgressStatus> {
+/// The place of a point on the water on Earth, where that is known.
+fn on_earth(point: WaterPoint, outcome: &Outcome) -> Option<PlaceStatus> {
+    place_on_earth(&outcome.earth.ok()?, point).map(Into::into)
+}
+
+fn progress_of(guidance: Guidance, outcome: &Outcome) -> Option<ProgressStatus> {
     let progress = guidance.progress?;
     Some(ProgressStatus {
         boat_m: [progress.boat.x, progress.boat.y],
+        on_earth: on_earth(progress.boat, outcome),
         speed_m_per_s: progress.speed_m_per_s,
         course_deg: progress.course.map(|course| course.degrees()),
         distance_m: progress.distance_m,
@@ -100,6 +107,7 @@ fn mark_of(
         at: frame_view.and_then(|frame_view| mark.pixel(frame_view, outcome.at)).map(pixel),
         ring: frame_view.map(|frame_view| ring(mark, radius_m, frame_view, outcome.at)).unwrap_or_default(),
         water_m: mark.point(outcome.at).map(|point| [point.x, point.y]),
+        on_earth: mark.point(outcome.at).and_then(|point| on_earth(point, outcome)),
         std_dev_m: mark.std_dev_m(outcome.at),
         radius_m,
     }

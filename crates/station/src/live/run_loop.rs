@@ -18,12 +18,13 @@ use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
 use barrelman_video::VideoState;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    OperatorRequest, StopCause, Timestamp, VehicleProfile, VehicleRates, VesselOrder, VideoFrame,
+    OperatorRequest, PictureSize, StopCause, Timestamp, VehicleProfile, VehicleRates, VesselOrder, VideoFrame,
 };
 
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
 use super::threads::FaultInjector;
+use crate::config::lens::misfit;
 use crate::link::boat_link::BoatLink;
 use crate::link::{LinkReport, VehicleLink};
 use crate::operator::{Answer, Answers, Gateway, Request, Submitted};
@@ -109,6 +110,8 @@ struct LoopState {
     has_video_been_up: bool,
     /// Failed attempts to connect to the video since it was last up.
     failed_connections: u64,
+    /// Size of the newest picture.
+    picture: Option<PictureSize>,
 }
 
 /// An end of the run, with the cause for the pilot's stop.
@@ -240,8 +243,25 @@ impl RunLoop<'_> {
     fn on_frame(&mut self, state: &mut LoopState) -> Option<Ending> {
         let frame = self.latest.take()?;
         self.publisher.set_dropped(self.latest.replaced());
+        if let Some(ending) = self.check_lens(state, frame.picture.size()) {
+            return Some(ending);
+        }
         self.step(state, Input::Frame(&frame));
         state.refusal.take().filter(|_| self.ends_on_refused_selection).map(failed)
+    }
+
+    /// The lens does not fit pictures of another aspect ratio: that ends the run at the first picture, and is told at a later one.
+    fn check_lens(&self, state: &mut LoopState, picture: PictureSize) -> Option<Ending> {
+        let before = state.picture.replace(picture);
+        if before == Some(picture) {
+            return None;
+        }
+        let misfit = misfit(self.profile.camera.lens.as_ref()?, picture)?;
+        if before.is_none() {
+            return Some(failed(misfit));
+        }
+        tracing::error!("{misfit}; until then, points on the water are computed without the lens");
+        None
     }
 
     fn on_link_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {

@@ -91,7 +91,10 @@ impl Gateway {
 
     /// The request to stop a boat that moves by this program's command, while no page watches over it.
     pub fn stop_for_left_boat(&self, mode: VesselMode) -> Option<OperatorRequest> {
-        let moves = matches!(mode, VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_));
+        let moves = matches!(
+            mode,
+            VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
+        );
         let is_left = moves && self.is_boat_left.load(Ordering::Relaxed);
         is_left.then_some(OperatorRequest::StopBoat(BoatStop::ConsoleLost))
     }

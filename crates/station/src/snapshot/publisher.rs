@@ -97,7 +97,7 @@ impl Publisher {
         }
         self.work.on_step(outcome);
         self.log_outcome(outcome);
-        self.state.boat = self.boat.find(outcome.track, &self.state.vehicle);
+        self.state.boat = self.boat.find(outcome.track, &self.state.vehicle, outcome.earth);
         self.state.steps += 1;
         self.state.outcome = Some(outcome.clone());
         self.state.rates = rates;
@@ -252,7 +252,7 @@ impl Publisher {
         let mode = outcome.vessel.mode;
         if before.map_or(VesselMode::Absent, |before| before.vessel.mode) != mode {
             let level = match mode {
-                VesselMode::Holding(_) | VesselMode::Stopped(_) => Level::Warning,
+                VesselMode::Holding(_) | VesselMode::KeepingWay(_) | VesselMode::Stopped(_) => Level::Warning,
                 _ => Level::Info,
             };
             add(level, "boat", mode.to_string());

@@ -58,6 +58,8 @@ pub struct VehicleSnapshot {
     pub is_battery_low: bool,
     /// Elevation of the camera's axis.
     pub tilt: Option<Angle>,
+    /// Direction of the camera's axis over the water from north, positive to the east.
+    pub camera_heading: Option<Angle>,
     /// Horizontal angle of view of the camera, of a vehicle that reports a zoom.
     pub field_of_view: Option<Angle>,
     /// Height above the place of the start, metres.
@@ -94,6 +96,7 @@ impl VehicleSnapshot {
             }
             Report::Control { control, .. } => self.control = Some(control),
             Report::CameraTilt(tilt) => self.tilt = Some(tilt),
+            Report::CameraHeading(heading) => self.camera_heading = Some(heading),
             Report::Position { latitude, longitude, height_m, heading, .. } => {
                 self.altitude_m = Some(height_m);
                 self.position = Some(VehiclePosition { latitude, longitude, heading });
@@ -150,6 +153,7 @@ mod tests {
         acceptance: None,
         battery_v: Some(15.5),
         tilt: Some(Angle::from_degrees(-20.0)),
+        camera_heading: None,
         field_of_view: None,
         altitude_m: Some(10.5),
         position: None,
@@ -176,6 +180,10 @@ mod tests {
             ),
             (&[UP, CONTROL], VehicleSnapshot { control: KNOWN.control, ..up }),
             (&[UP, TILT], VehicleSnapshot { tilt: KNOWN.tilt, ..up }),
+            (
+                &[UP, Report::CameraHeading(Angle::from_degrees(300.0))],
+                VehicleSnapshot { camera_heading: Some(Angle::from_degrees(300.0)), ..up },
+            ),
             (&[UP, TETHER], VehicleSnapshot { altitude_m: KNOWN.altitude_m, ..up }),
             (
                 &[UP, POSITION],

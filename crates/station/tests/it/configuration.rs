@@ -19,6 +19,9 @@ fn refused(text: &str, part: &str) {
     }
 }
 
+/// A calibrated lens.
+const LENS: &str = "[camera.lens]\nwidth = 1280\nheight = 720\nfx = 760.1\nfy = 755\ncx = 640.7\ncy = 355.25\nk1 = -0.09\nk2 = 0.012\np1 = 0.0011\np2 = -0.0007\nk3 = -0.001\n";
+
 #[test]
 fn the_example_says_what_the_defaults_are() {
     let example = resolved(config::EXAMPLE).expect("the example is usable");
@@ -32,6 +35,10 @@ fn the_effective_configuration_reads_back_as_itself() {
     );
     let changed = changed.expect("it is usable");
     assert_eq!(resolved(&changed.to_toml().unwrap()), Ok(changed));
+    let calibrated = resolved(LENS).expect("it is usable");
+    assert!(calibrated.profile.camera.lens.is_some());
+    assert_eq!(calibrated.profile.camera.focal_share, 760.1 / 1280.0);
+    assert_eq!(resolved(&calibrated.to_toml().unwrap()), Ok(calibrated));
 }
 
 #[test]
@@ -106,6 +113,20 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "[camera.tilt]\nleast_rad_per_s = 0.35\n",
         "camera.tilt.least_rad_per_s = 0.35 is above vehicle.limit_tilt_rad_per_s = 0.3",
     );
+    let lens = |from: &str, to: &str| LENS.replace(from, to);
+    refused(&lens("fx = 760.1", "fx = -760.1"), "camera.lens.fx = -760.1: use pixels from 128 to 25600");
+    refused(&lens("fx = 760.1", ""), "a key is missing: `fx`");
+    refused(&lens("cx = 640.7", "cx = 1300"), "cx = 1300, cy = 355.25 is outside of the 1280x720 picture");
+    refused(&lens("cy = 355.25", "cy = nan"), "is not a finite number");
+    refused(&lens("k1 = -0.09", "k1 = inf"), "is not a finite number");
+    refused(
+        &lens("k1 = -0.09", "k1 = -0.9"),
+        "the distortion folds over inside of the picture, at pixel 0, 0",
+    );
+    refused(&lens("k3 = -0.001", "k4 = 0.1"), "k4");
+    refused(&lens("width = 1280", "width = 0"), "camera.lens.width = 0: use pixels from 16 to 32768");
+    refused(&format!("[camera]\nfocal_share = 0.5\n{LENS}"), "omit camera.focal_share");
+    refused("[camera]\nlens_file = \"lens.toml\"\n", "was not read");
     refused("[law]\nname = \"schema\"\nmode = \"eco\"\n", "law.mode is for the law \"optimal\" alone");
     refused("[law]\nname = \"optimal\"\nhorizon = 9\n", "law.horizon 9: use seconds from 0.5 to 5");
     refused("[link]\nline_ending = \"crlf\"\n", "cr-around");

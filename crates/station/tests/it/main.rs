@@ -18,6 +18,7 @@ mod configuration;
 mod emulated_port;
 mod exports;
 mod gimbal;
+mod lens;
 mod live_scenes;
 mod output_files;
 mod recorder;

@@ -19,7 +19,8 @@ use barrelman_station::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
-    OperatorRequest, StopCause, Telemetry, Timestamp, VehicleProfile, VehicleRates, VideoFrame,
+    Lens, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VehicleProfile, VehicleRates,
+    VideoFrame,
 };
 
 use crate::live_scenes::{REFUSED, SELECTION, at, frame, pilot};
@@ -180,10 +181,19 @@ fn run_pilot(
     arrivals: impl IntoIterator<Item = (u64, Arrival)>,
     ends_on_refused_selection: bool,
 ) -> Run {
+    run_vehicle(VehicleProfile::fotokite_pro(), pilot, requests, arrivals, ends_on_refused_selection)
+}
+
+fn run_vehicle(
+    profile: VehicleProfile,
+    pilot: Pilot,
+    requests: &[OperatorRequest],
+    arrivals: impl IntoIterator<Item = (u64, Arrival)>,
+    ends_on_refused_selection: bool,
+) -> Run {
     let latest = Arc::new(Latest::default());
     let (events, _queue) = sync_channel(8);
     let gateway = Arc::new(Gateway::new(events));
-    let profile = VehicleProfile::fotokite_pro();
     let publisher = Publisher::new(&profile, LinkStatus::Link(LinkState::Opening), RecordingState::Off);
     let mut script = Script {
         gateway: Arc::clone(&gateway),
@@ -197,7 +207,7 @@ fn run_pilot(
     let status = MemoryStatus::default();
     let end = RunLoop {
         pilot,
-        profile: VehicleProfile::fotokite_pro(),
+        profile,
         events: &mut script,
         gateway,
         publisher,
@@ -254,6 +264,21 @@ fn the_operators_engage_takes_the_control_back_and_the_one_of_the_start_does_not
     assert_eq!(run(&[SELECT, ENGAGE], [(1_100, Frame), (1_200, quit())]).takes_of_control, 0);
     let asked = run(&[SELECT, ENGAGE], [(1_100, Frame), (1_150, Arrival::Request(ENGAGE)), (1_200, quit())]);
     assert_eq!(asked.takes_of_control, 1);
+}
+
+#[test]
+fn a_lens_of_another_aspect_ratio_ends_the_run_at_the_first_picture() {
+    let size = frame(0, at(0)).picture.size();
+    let end = |picture: PictureSize| {
+        let mut profile = VehicleProfile::fotokite_pro();
+        profile.camera.lens = Some(Lens::pinhole(picture, 330.0));
+        run_vehicle(profile, pilot(), &[], [(1_100, Frame), (1_200, quit())], true).end
+    };
+    assert!(matches!(end(PictureSize::new(2 * size.width, 2 * size.height)), RunEnd::Requested(_)));
+    match end(PictureSize::new(size.width, 2 * size.height)) {
+        RunEnd::Failed(why) => assert!(why.contains("camera.lens is calibrated for"), "{why}"),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]

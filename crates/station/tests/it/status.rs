@@ -39,6 +39,7 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
         net_yaw: barrelman_pilot::net_yaw::NetYawState::default(),
         search_refusal: None,
         vessel: barrelman_pilot::VesselOutcome::absent(),
+        earth: Err(barrelman_pilot::on_earth::NotOnEarth::NoPosition),
         notice: None,
     }
 }

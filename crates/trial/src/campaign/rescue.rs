@@ -117,7 +117,10 @@ impl Rescue {
         if !requests.is_empty() {
             self.marked = Some(now);
             // A boat that waits or goes already goes on.
-            let goes = matches!(outcome.vessel.mode, VesselMode::Guided | VesselMode::Holding(_));
+            let goes = matches!(
+                outcome.vessel.mode,
+                VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
+            );
             requests.extend((!goes).then_some(OperatorRequest::Guide));
         }
         requests

@@ -3,9 +3,11 @@
 use core::time::Duration;
 
 use barrelman_control::Percept;
+use barrelman_control::water::earth::place_on_earth;
 use barrelman_pilot::vessel::Mark;
-use barrelman_pilot::{Advice, CommandPath, Mode, Outcome, VesselMode, VesselOutcome};
+use barrelman_pilot::{Advice, CommandPath, Mode, Outcome, VesselMode};
 use barrelman_sim::Truth;
+use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::{
     Angle, CameraCommand, EncodedUnit, ImagePoint, MarkKind, Timestamp, Track, VehicleRates, VesselCommand,
     VesselOrder, WaterPoint,
@@ -170,6 +172,8 @@ pub struct RecordedVessel {
     /// Corners of what the picture shows of the water, from the near left one clockwise as seen from above; `None` where
     /// height or tilt are not known.
     pub view: Option<[WaterPoint; 4]>,
+    /// The boat on its way; `None` where the vehicle does not report its position and the direction of its camera from north.
+    pub boat_on_earth: Option<GeoPoint>,
 }
 
 /// A mark on the water, as stored.
@@ -185,6 +189,8 @@ pub struct RecordedMark {
     pub radius_m: f64,
     /// Standard deviation of each coordinate, metres.
     pub std_dev_m: f64,
+    /// Where it is on Earth, where that is known.
+    pub on_earth: Option<GeoPoint>,
 }
 
 /// Where a boat is on its way, as stored.
@@ -213,40 +219,45 @@ impl RecordedVessel {
     }
 
     /// The stored form of the vessel's part of an outcome.
-    fn new(vessel: &VesselOutcome, now: Timestamp) -> Option<Self> {
+    fn new(outcome: &Outcome) -> Option<Self> {
+        let (vessel, now) = (&outcome.vessel, outcome.at);
         if vessel.mode == VesselMode::Absent {
             return None;
         }
+        let on_earth = |point| place_on_earth(&outcome.earth.ok()?, point);
+        let progress = vessel.guidance.and_then(|guidance| guidance.progress);
         Some(Self {
             mode: vessel.mode.to_string(),
             command: vessel.command,
             renew_by: vessel.renew_by,
-            progress: vessel.guidance.and_then(|guidance| guidance.progress).map(|progress| {
-                RecordedProgress {
-                    boat: progress.boat,
-                    speed_m_per_s: progress.speed_m_per_s,
-                    course_rad: progress.course.map(Angle::radians),
-                    distance_m: progress.distance_m,
-                    cross_track_m: progress.cross_track_m,
-                }
+            progress: progress.map(|progress| RecordedProgress {
+                boat: progress.boat,
+                speed_m_per_s: progress.speed_m_per_s,
+                course_rad: progress.course.map(Angle::radians),
+                distance_m: progress.distance_m,
+                cross_track_m: progress.cross_track_m,
             }),
             destination: vessel.marks.destination().map(|mark| (mark.id, mark.point(now))),
-            marks: vessel.marks.iter().filter_map(|mark| RecordedMark::new(mark, vessel, now)).collect(),
+            marks: vessel.marks.iter().filter_map(|mark| RecordedMark::new(mark, outcome)).collect(),
             view: vessel.frame_view.and_then(|view| view.water_corners()),
+            boat_on_earth: progress.and_then(|progress| on_earth(progress.boat)),
         })
     }
 }
 
 impl RecordedMark {
-    /// The stored form of a mark at `now`; `None` where it is not on the water.
-    fn new(mark: &Mark, vessel: &VesselOutcome, now: Timestamp) -> Option<Self> {
+    /// The stored form of a mark at the time of the step; `None` where it is not on the water.
+    fn new(mark: &Mark, outcome: &Outcome) -> Option<Self> {
+        let (vessel, now) = (&outcome.vessel, outcome.at);
+        let at = mark.point(now)?;
         let is_destination = vessel.marks.destination().is_some_and(|destination| destination.id == mark.id);
         Some(Self {
             id: mark.id,
             kind: mark.kind,
-            at: mark.point(now)?,
+            at,
             radius_m: mark.radius_m(&vessel.profile, is_destination),
             std_dev_m: mark.std_dev_m(now)?,
+            on_earth: outcome.earth.ok().and_then(|frame| place_on_earth(&frame, at)),
         })
     }
 }
@@ -265,7 +276,7 @@ impl RecordedOutcome {
             command: outcome.command,
             rates,
             wake_at: outcome.wake_at,
-            vessel: RecordedVessel::new(&outcome.vessel, outcome.at).map(Box::new),
+            vessel: RecordedVessel::new(outcome).map(Box::new),
             notice: outcome.notice.as_ref().map(ToString::to_string).unwrap_or_default(),
         }
     }

@@ -12,6 +12,7 @@ use barrelman_trial::records::{
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
@@ -152,11 +153,17 @@ pub(crate) fn outcome(value: f64) -> RecordedOutcome {
                 at: WaterPoint { x: value, y: value },
                 radius_m: value,
                 std_dev_m: value,
+                on_earth: Some(place(value)),
             }],
             view: Some([WaterPoint { x: value, y: value }; 4]),
+            boat_on_earth: Some(place(value)),
         })),
         notice: "following, \"it\"".to_owned(),
     }
+}
+
+fn place(value: f64) -> GeoPoint {
+    GeoPoint { latitude: Angle::from_radians(value), longitude: Angle::from_radians(value) }
 }
 
 pub(crate) fn input(input: RecordedInput) -> Entry {
@@ -179,6 +186,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::VehicleAttitude(q)),
         telemetry(Report::GimbalAttitude(q)),
         telemetry(Report::CameraTilt(Angle::from_radians(value))),
+        telemetry(Report::CameraHeading(Angle::from_radians(value))),
         telemetry(Report::CameraHeight(value)),
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
         input(RecordedInput::Request(OperatorRequest::Steer(VesselCommand {

@@ -1,6 +1,6 @@
 //! Where the kite is, and how it lies, as its autopilot reports by itself: GLOBAL_POSITION_INT (33) and ATTITUDE (30).
 //!
-//! Both are recorded and shown; nothing depends on them. Autopilots send them up to 50 times a second; each is passed on at most
+//! Both are recorded and shown, and give the latitude and longitude of places on the water; no motion depends on them. Autopilots send them up to 50 times a second; each is passed on at most
 //! five times a second, by its own time since boot. Neither is asked for.
 
 use barrelman_vocab::Angle;
@@ -22,15 +22,22 @@ const NO_HEADING: u16 = u16::MAX;
 pub(super) struct AutopilotReports {
     position_ms: Option<u32>,
     attitude_ms: Option<u32>,
+    heading: Option<Angle>,
 }
 
 impl AutopilotReports {
+    /// The newest direction of the vehicle's nose from north, positive to the east; `None`: not known.
+    pub(super) const fn heading(&self) -> Option<Angle> {
+        self.heading
+    }
+
     /// The report in a frame of the vehicle's system, if the frame has one that is due.
     pub(super) fn read(&mut self, frame: &Frame<'_>) -> Option<Report> {
         if frame.from.component != AUTOPILOT {
             return None;
         }
         if let Some(position) = frame.read::<GLOBAL_POSITION_INT_DATA>() {
+            self.heading = reported_heading(&position);
             is_due(&mut self.position_ms, position.time_boot_ms)
                 .then(|| reported_position(&position))
                 .flatten()
@@ -62,8 +69,12 @@ fn reported_position(position: &GLOBAL_POSITION_INT_DATA) -> Option<Report> {
         longitude: Angle::from_degrees(longitude),
         altitude_m: f64::from(position.alt) * 1e-3,
         height_m: f64::from(position.relative_alt) * 1e-3,
-        heading: (position.hdg != NO_HEADING).then(|| Angle::from_degrees(f64::from(position.hdg) * 1e-2)),
+        heading: reported_heading(position),
     })
+}
+
+fn reported_heading(position: &GLOBAL_POSITION_INT_DATA) -> Option<Angle> {
+    (position.hdg != NO_HEADING).then(|| Angle::from_degrees(f64::from(position.hdg) * 1e-2))
 }
 
 /// Roll, pitch and yaw (frames north-east-down, forward-right-down) as a quaternion; `None`: one of them is no number.

@@ -3,11 +3,13 @@
 //! The gimbal manager is the first component that sends GIMBAL_MANAGER_INFORMATION or GIMBAL_MANAGER_STATUS, of the configured
 //! system where there is one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and variants here.
 
+use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, EulerAxis, Quaternion, Report};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
-    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavResult, MavType,
+    GIMBAL_MANAGER_STATUS_DATA, GimbalDeviceFlags, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavResult,
+    MavType,
 };
 
 use super::autopilot_reports::AutopilotReports;
@@ -21,6 +23,8 @@ const UPTIME_TOLERANCE_S: f64 = 1.0;
 const CONTROL_REPORT_S: f64 = 0.5;
 /// From this id on a gimbal device is named by its component, below it is a part of the manager's.
 const LEAST_COMPONENT_DEVICE: u8 = 7;
+/// A camera that looks more steeply has no direction over the water: roll and yaw cannot be told apart.
+const MAX_PITCH: Angle = Angle::from_degrees(85.0);
 /// A quaternion whose squared norm is further from 1 is damaged.
 const NORM_TOLERANCE: f64 = 0.1;
 
@@ -159,7 +163,11 @@ impl Facts {
         } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
             if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
                 self.on_uptime(Timed::Attitude, attitude.time_boot_ms, each);
-                on_attitude(attitude.q, each);
+                if let Some(q) = on_attitude(attitude.q, each)
+                    && let Some(heading) = self.heading_of(q, attitude.flags)
+                {
+                    each(Received::Report(Report::CameraHeading(heading)));
+                }
                 self.report_control_again(each);
             }
         } else if let Some(answer) = frame.read::<COMMAND_ACK_DATA>()
@@ -176,6 +184,22 @@ impl Facts {
         if self.is_manager(frame.from) {
             each(Received::Other);
         }
+    }
+
+    /// The direction of the camera's axis from north. The yaw counts from north or from the vehicle's nose, as the flags say; where
+    /// neither flag is set, a locked yaw counts from north. `None`: the vehicle's own direction is needed and not known, or the
+    /// camera looks so steeply that its axis has no direction.
+    fn heading_of(&self, attitude: Quaternion, flags: GimbalDeviceFlags) -> Option<Angle> {
+        let pitch = attitude.angle_about(EulerAxis::Y)?;
+        if pitch.radians().abs() > MAX_PITCH.radians() {
+            return None;
+        }
+        let yaw = attitude.angle_about(EulerAxis::Z)?.radians();
+        let is_from_nose = flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME);
+        let is_from_north = flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME)
+            || flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_LOCK);
+        let nose = if is_from_north && !is_from_nose { 0.0 } else { self.autopilot.heading()?.radians() };
+        Some(whole_turn(nose + yaw))
     }
 
     fn is_manager(&self, from: Address) -> bool {
@@ -227,6 +251,7 @@ impl Facts {
             // No commander has the control of a vehicle that has just started.
             self.lose_control();
             (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
+            self.autopilot = AutopilotReports::default();
             each(Received::Restarted);
             self.report_control(each);
         } else {
@@ -307,11 +332,12 @@ fn described(gimbal: Gimbal, information: &GIMBAL_MANAGER_INFORMATION_DATA) -> I
     }
 }
 
-fn on_attitude(q: [f32; 4], each: &mut impl FnMut(Received)) {
+/// Reports an attitude. Returns it, if it is one.
+fn on_attitude(q: [f32; 4], each: &mut impl FnMut(Received)) -> Option<Quaternion> {
     let [w, x, y, z] = q.map(f64::from);
     let norm = w * w + x * x + y * y + z * z;
     if norm.is_nan() || (norm - 1.0).abs() > NORM_TOLERANCE {
-        return;
+        return None;
     }
     let attitude = Quaternion { w, x, y, z };
     each(Received::Attitude(attitude));
@@ -319,4 +345,12 @@ fn on_attitude(q: [f32; 4], each: &mut impl FnMut(Received)) {
     if let Some(tilt) = attitude.angle_about(EulerAxis::Y) {
         each(Received::Report(Report::CameraTilt(tilt)));
     }
+    Some(attitude)
+}
+
+/// A direction from 0 to 2 pi.
+fn whole_turn(radians: f64) -> Angle {
+    use core::f64::consts::TAU;
+    let turn = libm::fmod(radians, TAU);
+    Angle::from_radians(if turn < 0.0 { turn + TAU } else { turn })
 }

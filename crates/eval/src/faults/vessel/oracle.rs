@@ -6,9 +6,14 @@
 //! - **A console that is gone**: at most 1.3 s with the guidance, and 0.8 s by hand, from when the page was gone.
 //! - **At the boat** the command in force is neutral when the neutral packet has arrived, where line and guard were whole since the
 //!   last permitted moment. Where they were not, the boat's own time-out is the limit, whatever else is gone.
+//! - **Way that is kept**, where the profile says so: the guidance of a boat that is not seen any more permits motion for the profile's
+//!   time beyond the 250 ms of its last command, while consent, destination and link last, and the program runs. Longer than the limit
+//!   on the wire after the last fresh localisation, the command at the boat is no more than the profile's throttle, amidships.
 //! - After a suspension, times count from the end of it: the clock stood still.
 //! - Consent to the guidance ends by each stop, by a boat that another commander took, by a console that is gone, and by a wait for
 //!   the boat of more than 5 s.
+
+use barrelman_vocab::{FailSafe, VesselCommand};
 
 /// A packet after the last permitted moment, ms.
 pub(crate) const WIRE_LIMIT_MS: u64 = 300;
@@ -24,6 +29,13 @@ const HELM_LASTS_MS: u64 = 500;
 const CONSENT_LASTS_MS: u64 = 5_000 + WIRE_LIMIT_MS;
 /// The console's silence ends the consent to the guidance after this time, ms.
 const CONSOLE_LASTS_MS: u64 = 1_000;
+
+/// The guidance's last command lasts for this time, ms.
+const GUIDED_LASTS_MS: u64 = 250;
+/// A throttle on the line is rounded by less than this.
+const ROUNDING: f64 = 0.01;
+/// The name of way that was kept, among the licences.
+pub(crate) const KEEPS_WAY: &str = "keeping way";
 
 /// What the operator lets the boat move by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +70,12 @@ pub(super) struct VideoArrival {
 pub(super) struct VesselOracle {
     /// The longest time of motion at a boat that hears nothing any more, from the last permitted moment, ms.
     own_limit_ms: u64,
+    fail_safe: FailSafe,
+    /// The last moment at which way could be kept, ms.
+    way_ms: Option<u64>,
+    /// Whether something ended the way since the last fresh localisation.
+    has_way_ended: bool,
+    has_kept_way: bool,
     consent: Option<VesselLicence>,
     has_destination: bool,
     /// The last fresh localisation while the consent to the guidance lasts, ms.
@@ -77,9 +95,13 @@ pub(super) struct VesselOracle {
 }
 
 impl VesselOracle {
-    pub(super) const fn new(own_limit_ms: u64) -> Self {
+    pub(super) const fn new(own_limit_ms: u64, fail_safe: FailSafe) -> Self {
         Self {
             own_limit_ms,
+            fail_safe,
+            way_ms: None,
+            has_way_ended: false,
+            has_kept_way: false,
             consent: None,
             has_destination: false,
             boat_seen_ms: 0,
@@ -93,6 +115,28 @@ impl VesselOracle {
             moved: Vec::new(),
             violation: None,
         }
+    }
+
+    /// The program runs: way can be kept now, or not.
+    pub(super) fn program_runs(&mut self, at_ms: u64) {
+        if let (FailSafe::KeepWay(keep), Some(permitted_ms)) = (self.fail_safe, self.permitted_ms)
+            && self.consent == Some(VesselLicence::Guided)
+            && self.has_destination
+            && !self.has_way_ended
+            && at_ms <= permitted_ms + GUIDED_LASTS_MS + keep.lasts.as_millis() as u64
+        {
+            self.way_ms = Some(at_ms);
+        }
+    }
+
+    /// The link is not up: the way ends, and does not begin again.
+    pub(super) const fn end_way(&mut self) {
+        self.has_way_ended = true;
+    }
+
+    /// The last moment that permitted motion, ms; `None`: there was none.
+    fn last_permitted_ms(&self) -> Option<u64> {
+        self.permitted_ms.map(|permitted_ms| permitted_ms.max(self.way_ms.unwrap_or(0)))
     }
 
     /// The operator presses Go, or takes the helm.
@@ -154,6 +198,7 @@ impl VesselOracle {
                 self.boat_seen_ms = at_ms;
                 if self.has_destination {
                     self.permitted_ms = Some(at_ms);
+                    self.has_way_ended = false;
                 }
             }
             Some(VesselLicence::ByHand) if self.helm_ms.is_some_and(|helm| at_ms <= helm + HELM_LASTS_MS) => {
@@ -169,7 +214,7 @@ impl VesselOracle {
 
     /// A packet that tells the boat to move was sent.
     pub(super) fn sent_motion(&mut self, at_ms: u64) {
-        let Some(permitted_ms) = self.permitted_ms else {
+        let Some(permitted_ms) = self.last_permitted_ms() else {
             return self.violates(at_ms, "a command without ever an engagement of the boat".to_owned());
         };
         let since_ms = at_ms.saturating_sub(permitted_ms.max(self.resumed_ms));
@@ -189,16 +234,17 @@ impl VesselOracle {
     }
 
     /// Judges a millisecond of the boat.
-    pub(super) fn judge(&mut self, at_ms: u64, is_moving: bool) {
-        if !is_moving {
+    pub(super) fn judge(&mut self, at_ms: u64, command: VesselCommand) {
+        if command.is_neutral() {
             return;
         }
+        self.judge_way(at_ms, command);
         if let Some(licence) = self.consent
             && !self.moved.contains(&licence)
         {
             self.moved.push(licence);
         }
-        let Some(permitted_ms) = self.permitted_ms else {
+        let Some(permitted_ms) = self.last_permitted_ms() else {
             return self.violates(at_ms, "moves without ever an engagement of the boat".to_owned());
         };
         let since_ms = at_ms.saturating_sub(permitted_ms.max(self.resumed_ms));
@@ -213,6 +259,20 @@ impl VesselOracle {
         }
     }
 
+    /// Way that is kept is slow, and amidships.
+    fn judge_way(&mut self, at_ms: u64, command: VesselCommand) {
+        let (FailSafe::KeepWay(keep), Some(fresh_ms)) = (self.fail_safe, self.permitted_ms) else { return };
+        let is_whole = self.disturbed_ms.is_none_or(|disturbed| disturbed < fresh_ms);
+        let is_kept = at_ms > fresh_ms.max(self.resumed_ms) + WIRE_LIMIT_MS + ON_THE_LINE_MS;
+        if !(is_whole && is_kept && self.consent == Some(VesselLicence::Guided)) {
+            return;
+        }
+        self.has_kept_way = true;
+        if !(0.0..=keep.throttle + ROUNDING).contains(&command.throttle) || command.rudder != 0.0 {
+            self.violates(at_ms, format!("keeps way with {command:?}"));
+        }
+    }
+
     /// A command came to a boat that another commander has steered for this time.
     pub(super) fn meddles(&mut self, at_ms: u64, after_ms: u64) {
         self.violates(at_ms, format!("commands a boat that another commander has steered for {after_ms} ms"));
@@ -223,9 +283,10 @@ impl VesselOracle {
         self.worst_ms
     }
 
-    /// The licences with which the boat moved.
-    pub(super) fn moved(&self) -> &[VesselLicence] {
-        &self.moved
+    /// The licences with which the boat moved, and whether it kept way.
+    pub(super) fn moved(&self) -> Vec<&'static str> {
+        let licences = self.moved.iter().map(|licence| licence.name());
+        licences.chain(self.has_kept_way.then_some(KEEPS_WAY)).collect()
     }
 
     /// The first violation of the rule: when, and how.

@@ -15,8 +15,8 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, Picture};
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, MarkKind, OperatorRequest, PixelPoint, StopCause, Telemetry, Timestamp,
-    Track, VehicleProfile, VesselOrder, VesselProfile, VideoFrame,
+    Angle, BoatStop, DrawnMark, FailSafe, MarkKind, OperatorRequest, PixelPoint, StopCause, Telemetry,
+    Timestamp, Track, VehicleProfile, VesselOrder, VesselProfile, VideoFrame,
 };
 
 use super::super::link_end::{LinkEnd, LinkEvent};
@@ -28,6 +28,8 @@ use super::truth_tracker::{Truth, TruthTracker};
 
 /// A point of the water, to the right of the boat.
 const MARK: PixelPoint = PixelPoint { u: 480.0, v: 330.0 };
+/// One so far away that a boat can keep way.
+const FAR_MARK: PixelPoint = PixelPoint { u: 330.0, v: 90.0 };
 /// From the capture of the newest video frame to a mark on it.
 const MARK_AGE: Duration = Duration::from_millis(150);
 /// The camera's height and tilt.
@@ -47,6 +49,7 @@ pub(super) struct VesselProgram {
     /// The pixels of every video frame: the tracker does not read them.
     pixels: Arc<Picture>,
     frames: u64,
+    mark: PixelPoint,
     pub(super) console: Console,
     /// The program's end of the link to the boat.
     pub(super) end: LinkEnd<VesselOrder>,
@@ -58,9 +61,9 @@ impl VesselProgram {
         let tracker = Box::new(TruthTracker::new(Arc::clone(&truth)));
         let profile = VehicleProfile::fotokite_pro();
         let settings = PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema };
-        let vessel = VesselSettings { profile: vessel, guidance, path: CommandPath::Link };
+        let settings_of_vessel = VesselSettings { profile: vessel, guidance, path: CommandPath::Link };
         Self {
-            pilot: Pilot::new(settings, tracker).with_vessel(vessel),
+            pilot: Pilot::new(settings, tracker).with_vessel(settings_of_vessel),
             profile,
             mutant,
             wake_at: None,
@@ -70,6 +73,7 @@ impl VesselProgram {
             truth,
             pixels: Arc::new(Picture::black(PICTURE, ColourEncoding::JPEG)),
             frames: 0,
+            mark: if vessel.fail_safe == FailSafe::Neutral { MARK } else { FAR_MARK },
             console: Console::new(),
             end: LinkEnd::new(RequestedCommand { command: VesselOrder::Released, renew_by: None }),
         }
@@ -87,7 +91,10 @@ impl VesselProgram {
 
     /// The run loop: the console's watch, what the link reports, and the pilot's deadline.
     pub(super) fn advance(&mut self, oracle: &mut VesselOracle, now: Timestamp) {
-        let moves = matches!(self.mode, VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_));
+        let moves = matches!(
+            self.mode,
+            VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
+        );
         let is_left = self.console.is_left(now) && self.mutant != Mutant::NoConsoleTimeOut;
         if moves && is_left {
             self.request(OperatorRequest::StopBoat(BoatStop::ConsoleLost), now);
@@ -112,7 +119,12 @@ impl VesselProgram {
     fn on_telemetry(&mut self, telemetry: Telemetry, oracle: &mut VesselOracle, now: Timestamp) {
         match telemetry.report {
             Report::Link(LinkState::Silent) => oracle.withdraw(),
-            Report::Link(_) => self.is_elsewhere = false,
+            Report::Link(state) => {
+                self.is_elsewhere = false;
+                if state != LinkState::Up {
+                    oracle.end_way();
+                }
+            }
             Report::Acceptance(said) => {
                 self.is_elsewhere = said.is_elsewhere();
                 match said {
@@ -152,7 +164,7 @@ impl VesselProgram {
 
     /// Marks a place on a video frame. Returns whether it is marked.
     pub(super) fn mark(&mut self, now: Timestamp) -> bool {
-        let drawn = DrawnMark { kind: MarkKind::Place, pixel: MARK, captured: now.minus(MARK_AGE) };
+        let drawn = DrawnMark { kind: MarkKind::Place, pixel: self.mark, captured: now.minus(MARK_AGE) };
         matches!(self.request(OperatorRequest::Mark(drawn), now), Some(Notice::Marked(..)))
     }
 

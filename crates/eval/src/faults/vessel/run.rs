@@ -62,8 +62,9 @@ pub(crate) fn run(
         ..0.85 => Some(VesselLicence::ByHand),
         _ => None,
     };
-    let guidance =
-        if rng.uniform(0.0, 1.0) < 0.5 { GuidanceLaw::LineOfSight } else { GuidanceLaw::Laboratory };
+    // In the picture no way is kept.
+    let is_over_water = rng.uniform(0.0, 1.0) < 0.5 || vessel == Vessel::LabUdpKeepingWay;
+    let guidance = if is_over_water { GuidanceLaw::LineOfSight } else { GuidanceLaw::Laboratory };
     // Go asks a boat for its mode; a helm does not.
     let is_ready = licence == Some(VesselLicence::ByHand) || rng.uniform(0.0, 1.0) < 0.5;
     let mut world = World {
@@ -71,7 +72,7 @@ pub(crate) fn run(
         boat: vessel.boat(&faults, is_ready, mutant),
         program: VesselProgram::new(vessel.profile()?, guidance, mutant),
         script: Script { licence, engages_again: rng.uniform(0.0, 1.0) < 0.5, mutant, is_helm_held: false },
-        oracle: VesselOracle::new(vessel.own_limit_ms(&faults)),
+        oracle: VesselOracle::new(vessel.own_limit_ms(&faults), vessel.profile()?.fail_safe),
         phase: rng.uniform(0.0, core::f64::consts::TAU),
         machine: Machine::start(vessel.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
         pan_rad: 0.0,
@@ -84,7 +85,7 @@ pub(crate) fn run(
     }
     Ok(RunResult {
         worst_ms: world.oracle.worst_ms().to_vec(),
-        moved: world.oracle.moved().iter().map(|licence| licence.name()).collect(),
+        moved: world.oracle.moved(),
         violation: world.oracle.violation().cloned(),
         is_excluded: false,
         faults: world.machine.faults,
@@ -112,7 +113,7 @@ impl World {
         if !at_ms.is_multiple_of(FRAME_MS) || self.machine.is_active(FaultKind::VideoStalls, at_ms) {
             return;
         }
-        let boat_rad = boat_bearing_rad(self.phase, at_ms);
+        let boat_rad = self.vessel.swing() * boat_bearing_rad(self.phase, at_ms);
         let is_found = !self.machine.is_active(FaultKind::TrackLost, at_ms);
         let now = self.machine.now(at_ms);
         let jump = fault::active(&self.machine.faults, FaultKind::VideoClockJumps, at_ms);
@@ -158,6 +159,9 @@ impl World {
             self.program.report_height(now);
         }
         self.program.advance(&mut self.oracle, now);
+        if !self.machine.is_closing {
+            self.oracle.program_runs(at_ms);
+        }
         if let Some(Underway { captured_ms, picture, .. }) = take_newest(&mut self.pictures, at_ms) {
             let age = Duration::from_millis(at_ms - captured_ms);
             let arrival = self.program.see(picture, age, now);
@@ -184,6 +188,6 @@ impl World {
         if self.machine.sent().iter().any(|packet| self.boat.tells_to_move(packet)) {
             self.oracle.sent_motion(at_ms);
         }
-        self.oracle.judge(at_ms, !self.boat.command(at_ms).is_neutral());
+        self.oracle.judge(at_ms, self.boat.command(at_ms));
     }
 }

@@ -1,9 +1,10 @@
 //! The boats of the campaign: what is spoken to them, what is at the other end, and which faults they have.
 
+use core::time::Duration;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use barrelman_vocab::{VesselCommand, VesselOrder, VesselProfile};
+use barrelman_vocab::{FailSafe, KeepWay, VesselCommand, VesselOrder, VesselProfile};
 use barrelman_wire::mavlink::rover::RoverDrive;
 use barrelman_wire::{OpenSession as _, VesselProtocol};
 
@@ -15,11 +16,16 @@ use super::boat::Boat;
 use super::lab_receiver::LabBoat;
 use super::rover::Rover;
 
+/// The way that a boat keeps.
+const KEEP_WAY: KeepWay = KeepWay { throttle: 0.2, lasts: Duration::from_secs(2) };
+
 /// A boat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Vessel {
     /// The laboratory's datagrams, to a receiver with a time-out.
     LabUdp,
+    /// The same, with a profile that keeps way when the boat is not seen any more.
+    LabUdpKeepingWay,
     /// An ArduPilot boat in GUIDED.
     MavlinkRover,
     /// An ArduPilot boat in MANUAL, by manual control.
@@ -27,10 +33,17 @@ pub(crate) enum Vessel {
 }
 
 impl Vessel {
-    /// Name of the profile, and on the command line.
+    /// Name on the command line.
     pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::LabUdp => "lab-udp",
+            Self::LabUdpKeepingWay => "lab-udp-keep-way",
+            _ => self.profile_name(),
+        }
+    }
+
+    const fn profile_name(self) -> &'static str {
+        match self {
+            Self::LabUdp | Self::LabUdpKeepingWay => "lab-udp",
             Self::MavlinkRover => "mavlink-rover",
             Self::MavlinkRoverManual => "mavlink-rover-manual",
         }
@@ -39,6 +52,7 @@ impl Vessel {
     /// What it is, for the command line.
     pub(crate) const fn help(self) -> &'static str {
         match self {
+            Self::LabUdpKeepingWay => "The same, to a boat that keeps way when it is not seen any more",
             Self::LabUdp => "The laboratory's datagrams to a boat, behind a guard",
             Self::MavlinkRover => "An ArduPilot boat in GUIDED, behind a guard",
             Self::MavlinkRoverManual => "An ArduPilot boat by manual control, behind a guard",
@@ -50,7 +64,12 @@ impl Vessel {
     /// # Errors
     /// If there is none of this name.
     pub(super) fn profile(self) -> Result<VesselProfile> {
-        VesselProfile::named(self.name()).context("the vessel has no profile")
+        let base = VesselProfile::named(self.profile_name()).context("the vessel has no profile")?;
+        let fail_safe = match self {
+            Self::LabUdpKeepingWay => FailSafe::KeepWay(KEEP_WAY),
+            _ => base.fail_safe,
+        };
+        Ok(VesselProfile { fail_safe, ..base })
     }
 
     /// How its link is made, behind a guard.
@@ -58,7 +77,8 @@ impl Vessel {
     /// # Errors
     /// If the profile has no protocol.
     pub(super) fn link_plan(self, mutant: Mutant) -> Result<LinkPlan<VesselOrder>> {
-        let protocol = VesselProtocol::of_profile(self.name()).context("the vessel has no protocol")?;
+        let protocol =
+            VesselProtocol::of_profile(self.profile_name()).context("the vessel has no protocol")?;
         let profile = self.profile()?;
         let throttle = profile.limits.ahead.max(profile.limits.astern).max(profile.hand_throttle);
         Ok(LinkPlan {
@@ -73,7 +93,7 @@ impl Vessel {
     pub(super) fn own_limit_ms(self, faults: &[Fault]) -> u64 {
         let is_delayed = faults.iter().any(|fault| fault.kind == FaultKind::LineDelays);
         let own_ms = match self {
-            Self::LabUdp => 1_000,
+            Self::LabUdp | Self::LabUdpKeepingWay => 1_000,
             Self::MavlinkRover | Self::MavlinkRoverManual => 3_300,
         };
         if is_delayed { own_ms + DELAY_MS } else { own_ms }
@@ -83,8 +103,17 @@ impl Vessel {
     /// to be heard first, once a second.
     pub(super) const fn settles_ms(self) -> u64 {
         match self {
-            Self::LabUdp => 150,
+            Self::LabUdp | Self::LabUdpKeepingWay => 150,
             Self::MavlinkRover | Self::MavlinkRoverManual => 1_150,
+        }
+    }
+
+    /// The swing of the boat before the camera, as a share of that of the other campaigns: a boat that would pass the camera at
+    /// 8 m/s has no room to keep way.
+    pub(super) const fn swing(self) -> f64 {
+        match self {
+            Self::LabUdpKeepingWay => 0.15,
+            _ => 1.0,
         }
     }
 
@@ -92,7 +121,7 @@ impl Vessel {
     fn can_have(self, fault: FaultKind) -> bool {
         match fault {
             FaultKind::LineDamagesBytes | FaultKind::ControlTaken | FaultKind::BoatDisarmed => {
-                self != Self::LabUdp
+                !matches!(self, Self::LabUdp | Self::LabUdpKeepingWay)
             }
             FaultKind::VideoStalls
             | FaultKind::VideoLate
@@ -134,7 +163,7 @@ impl Vessel {
     /// The far end of the line with these faults; `is_ready`: a boat that takes commands from the start.
     pub(super) fn boat(self, faults: &[Fault], is_ready: bool, mutant: Mutant) -> Box<dyn Boat> {
         match self {
-            Self::LabUdp => Box::new(LabBoat::new(faults, mutant)),
+            Self::LabUdp | Self::LabUdpKeepingWay => Box::new(LabBoat::new(faults, mutant)),
             Self::MavlinkRover => Box::new(Rover::new(RoverDrive::Guided, faults, is_ready, mutant)),
             Self::MavlinkRoverManual => Box::new(Rover::new(RoverDrive::Manual, faults, is_ready, mutant)),
         }

@@ -289,3 +289,165 @@ fn a_throttle_that_has_no_time_to_grow_is_positive_zero() {
     let command = gate.decide(GateInput::NoObservation, at(1_000)).command;
     assert_eq!((command.throttle.to_bits(), command.rudder.to_bits()), (0, 0));
 }
+
+const KEEP: KeepWay = KeepWay { throttle: 0.2, lasts: Duration::from_secs(2) };
+const WAY: VesselCommand = VesselCommand { throttle: 0.2, rudder: 0.0 };
+const LOST: GateInput = GateInput::Unusable(HoldCause::TrackLost);
+const LOST_HOLD: VesselHold = VesselHold::Cause(HoldCause::TrackLost);
+
+/// A boat that keeps way, guided since 1.03 s with room around it.
+fn under_way(path: CommandPath) -> VesselGate {
+    let mut gate = match path {
+        CommandPath::Link => linked_gate(),
+        _ => gate(),
+    };
+    gate.profile.fail_safe = FailSafe::KeepWay(KEEP);
+    gate.guide(at(1_000)).unwrap();
+    gate.set_clear(true);
+    check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
+    gate
+}
+
+/// The same, 300 ms after the track was lost.
+fn keeping_way(path: CommandPath) -> VesselGate {
+    let mut gate = under_way(path);
+    check(&mut gate, LOST, 1_330, VesselMode::KeepingWay(LOST_HOLD), WAY);
+    gate
+}
+
+#[test]
+fn a_vessel_that_shall_keeps_way_for_a_while_and_is_neutral_then() {
+    let mut gate = keeping_way(CommandPath::Simulated);
+    assert_eq!(gate.decide(LOST, at(1_400)).renew_by, Some(at(1_650)), "renewed as the guidance is");
+    check(&mut gate, LOST, 3_200, VesselMode::KeepingWay(LOST_HOLD), WAY);
+    // The command ended at 1.28 s.
+    assert_eq!(gate.decide(LOST, at(3_200)).renew_by, Some(at(3_280)));
+    check(&mut gate, GateInput::NoObservation, 3_280, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+    check(&mut gate, LOST, 3_300, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+    // The hold of 5 s counts from the same moment.
+    check(&mut gate, LOST, 6_280, VesselMode::Stopped(VesselStop::HeldTooLong(LOST_HOLD)), NEUTRAL);
+}
+
+#[test]
+fn a_boat_that_is_found_again_goes_on_and_the_next_loss_counts_anew() {
+    let mut gate = keeping_way(CommandPath::Simulated);
+    check(&mut gate, SEEN, 1_900, VesselMode::Guided, AHEAD);
+    check(&mut gate, LOST, 2_200, VesselMode::KeepingWay(LOST_HOLD), WAY);
+    check(&mut gate, LOST, 4_149, VesselMode::KeepingWay(LOST_HOLD), WAY);
+    check(&mut gate, LOST, 4_150, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+}
+
+#[test]
+fn way_is_kept_for_want_of_track_and_video_alone() {
+    for cause in [HoldCause::TrackLost, HoldCause::Coasting, HoldCause::VideoStale, HoldCause::VideoSilent] {
+        let mut gate = under_way(CommandPath::Simulated);
+        let mode = VesselMode::KeepingWay(VesselHold::Cause(cause));
+        check(&mut gate, GateInput::Unusable(cause), 1_330, mode, WAY);
+    }
+    let mut gate = under_way(CommandPath::Simulated);
+    let silent = VesselMode::KeepingWay(VesselHold::Cause(HoldCause::VideoSilent));
+    check(&mut gate, GateInput::NoObservation, 1_280, silent, WAY);
+    for cause in [HoldCause::NoSelection, HoldCause::Confirming] {
+        let hold = VesselMode::Holding(VesselHold::Cause(cause));
+        check(&mut under_way(CommandPath::Simulated), GateInput::Unusable(cause), 1_330, hold, NEUTRAL);
+        // Also after way was kept; and it does not begin again.
+        let mut gate = keeping_way(CommandPath::Simulated);
+        check(&mut gate, GateInput::Unusable(cause), 1_400, hold, NEUTRAL);
+        check(&mut gate, LOST, 1_430, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+    }
+    let none = GateInput::Fresh(Err(VesselHold::NoDestination));
+    let hold = VesselMode::Holding(VesselHold::NoDestination);
+    check(&mut keeping_way(CommandPath::Simulated), none, 1_400, hold, NEUTRAL);
+}
+
+#[test]
+fn every_stop_the_lost_console_and_the_lost_link_end_the_way_at_once() {
+    for (stop, expected) in
+        [(BoatStop::Operator, VesselStop::Operator), (BoatStop::ConsoleLost, VesselStop::ConsoleLost)]
+    {
+        let mut gate = keeping_way(CommandPath::Simulated);
+        gate.stop_boat(stop);
+        check(&mut gate, LOST, 1_340, VesselMode::Stopped(expected), NEUTRAL);
+        // A stop before the track is lost counts as well.
+        let mut gate = under_way(CommandPath::Simulated);
+        gate.stop_boat(stop);
+        check(&mut gate, LOST, 1_330, VesselMode::Stopped(expected), NEUTRAL);
+    }
+    let everything = VesselStop::Everything(StopCause::Operator);
+    let mut gate = keeping_way(CommandPath::Simulated);
+    gate.stop(everything);
+    check(&mut gate, LOST, 1_340, VesselMode::Stopped(everything), NEUTRAL);
+    let mut gate = keeping_way(CommandPath::Simulated);
+    gate.release();
+    check(&mut gate, LOST, 1_340, VesselMode::Released, NEUTRAL);
+
+    let down = VesselMode::Holding(VesselHold::Cause(HoldCause::LinkDown));
+    for mut gate in [under_way(CommandPath::Link), keeping_way(CommandPath::Link)] {
+        gate.on_report(&Report::Link(LinkState::Opening));
+        check(&mut gate, LOST, 1_340, down, NEUTRAL);
+        gate.on_report(&Report::Link(LinkState::Up));
+        check(&mut gate, LOST, 1_370, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+    }
+    let mut gate = keeping_way(CommandPath::Link);
+    gate.on_report(&Report::Acceptance(Acceptance::OtherClient));
+    let taken = VesselMode::Stopped(VesselStop::Vessel(StopCause::ControlLost));
+    check(&mut gate, LOST, 1_340, taken, NEUTRAL);
+}
+
+#[test]
+fn way_is_kept_only_with_room_and_never_raises_the_throttle() {
+    let neutral = VesselMode::Holding(LOST_HOLD);
+    let mut gate = under_way(CommandPath::Simulated);
+    gate.set_clear(false);
+    check(&mut gate, LOST, 1_330, neutral, NEUTRAL);
+    let mut gate = keeping_way(CommandPath::Simulated);
+    gate.set_clear(false);
+    check(&mut gate, LOST, 1_340, neutral, NEUTRAL);
+    gate.set_clear(true);
+    check(&mut gate, LOST, 1_370, neutral, NEUTRAL);
+
+    let lost_at = |throttle: f64| {
+        let mut gate = under_way(CommandPath::Simulated);
+        let slow = GateInput::Fresh(Ok(VesselCommand { throttle, rudder: -1.0 }));
+        gate.on_video(at(1_060));
+        gate.decide(slow, at(1_060));
+        gate.decide(LOST, at(1_330)).command
+    };
+    assert_eq!(lost_at(0.1), VesselCommand { throttle: 0.1, rudder: 0.0 });
+    assert_eq!(lost_at(0.0), NEUTRAL, "a boat without way");
+    assert_eq!(lost_at(-0.3), NEUTRAL, "a boat that goes astern");
+}
+
+#[test]
+fn a_guidance_that_has_seen_nothing_yet_keeps_no_way() {
+    let mut gate = gate();
+    gate.profile.fail_safe = FailSafe::KeepWay(KEEP);
+    gate.set_clear(true);
+    gate.guide(at(1_000)).unwrap();
+    check(&mut gate, LOST, 1_260, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+}
+
+#[test]
+fn a_hand_and_a_clock_that_is_wrong_keep_no_way() {
+    let mut gate = gate();
+    gate.profile.fail_safe = FailSafe::KeepWay(KEEP);
+    gate.set_clear(true);
+    gate.steer(AHEAD, at(1_000)).unwrap();
+    check(&mut gate, SEEN, 1_030, VesselMode::ByHand, AHEAD);
+    check(&mut gate, GateInput::NoObservation, 1_500, VesselMode::Neutral, NEUTRAL);
+    // The clock goes back, before and after the loss.
+    let mut gate = under_way(CommandPath::Simulated);
+    assert_eq!(gate.decide(LOST, at(900)).command, NEUTRAL);
+    let mut gate = keeping_way(CommandPath::Simulated);
+    assert_eq!(gate.decide(LOST, at(900)).command, NEUTRAL);
+    assert_eq!(gate.decide(LOST, at(1_400)).command, NEUTRAL);
+    // A pilot that was held up is late with the way, too.
+    let mut gate = under_way(CommandPath::Simulated);
+    check(&mut gate, LOST, 3_300, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+    // A profile out of its limits is held to them.
+    let mut gate = under_way(CommandPath::Simulated);
+    gate.profile.fail_safe = FailSafe::KeepWay(KeepWay { throttle: 1.0, lasts: Duration::from_secs(60) });
+    let way = VesselCommand { throttle: KeepWay::MAX_THROTTLE, rudder: 0.0 };
+    check(&mut gate, LOST, 1_330, VesselMode::KeepingWay(LOST_HOLD), way);
+    check(&mut gate, LOST, 4_280, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+}

@@ -13,6 +13,7 @@
 mod message;
 mod request;
 
+mod place;
 mod snapshot;
 mod vessel;
 
@@ -21,6 +22,7 @@ mod video_message;
 
 pub use crate::snapshot::{DriveState, EventEntry, Level};
 pub use message::{Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerMessage, VideoPath};
+pub use place::PlaceStatus;
 pub use request::{ConsoleRequest, LawName, MarkName};
 pub use schema::api_document;
 pub use snapshot::{

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::place::PlaceStatus;
 use super::request::LawName;
 use super::vessel::VesselStatus;
 use crate::snapshot::DriveState;
@@ -49,6 +50,9 @@ pub struct StatusSnapshot {
     pub video: VideoStatus,
     /// Where the followed boat is on the water; `null`: nothing is followed, or height or tilt of the camera are not known.
     pub boat: Option<BoatStatus>,
+    /// Whether latitude and longitude of places on the water can be known: `known`; `no-position`: the vehicle reports no
+    /// position; `no-heading`: it does not report the direction of the camera from north.
+    pub earth: &'static str,
     /// The boat that is commanded, with the marks; `null`: no boat is commanded by this program.
     pub vessel: Option<VesselStatus>,
     /// The link to the vehicle.
@@ -161,6 +165,8 @@ pub struct BoatStatus {
     pub std_dev_m: f64,
     /// Direction from the camera's axis, degrees, positive to the right.
     pub direction_deg: f64,
+    /// Where the boat is on Earth; `null`: not known (`earth` says why).
+    pub on_earth: Option<PlaceStatus>,
 }
 
 /// Position of the vehicle on Earth.

@@ -3,12 +3,14 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::place::PlaceStatus;
+
 /// The boat that is commanded.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct VesselStatus {
     /// `released` (not commanded), `neutral`, `by-hand`, `guided`, `holding` or `stopped`.
     pub mode: &'static str,
-    /// The mode in words, with the reason of holding and stopping.
+    /// The mode in words, with the reason of holding and stopping, and whether the boat keeps way while it holds.
     pub text: String,
     /// The throttle in force, -1 (astern) to 1 (ahead).
     pub throttle: f64,
@@ -36,6 +38,8 @@ pub struct VesselStatus {
 pub struct ProgressStatus {
     /// The boat, metres to the right and ahead of the point below the camera.
     pub boat_m: [f64; 2],
+    /// The boat on Earth; `null`: not known (`earth` of the snapshot says why).
+    pub on_earth: Option<PlaceStatus>,
     /// Speed over ground, m/s.
     pub speed_m_per_s: f64,
     /// Course, degrees, 0 ahead, positive to the right; `null`: not known.
@@ -62,6 +66,8 @@ pub struct MarkStatus {
     pub ring: Vec<[f64; 2]>,
     /// Where the mark is, metres to the right and ahead of the point below the camera; `null` without distances.
     pub water_m: Option<[f64; 2]>,
+    /// Where the mark is on Earth; `null`: not known (`earth` of the snapshot says why).
+    pub on_earth: Option<PlaceStatus>,
     /// Standard deviation of the place, metres.
     pub std_dev_m: Option<f64>,
     /// Radius of the circle without the uncertainty, metres; 0 without a circle.

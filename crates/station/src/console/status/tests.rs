@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use barrelman_control::{Percept, Region};
 use barrelman_pilot::Advice;
+use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::{AngularRate, ImagePoint, VehicleRates};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::snapshot::{Alarm, SharedSnapshot, VehiclePosition};
+use crate::snapshot::{Alarm, BoatOnWater, SharedSnapshot, VehiclePosition};
 use crate::test_scenes::{PICTURE, at, command, idle, localisation};
 
 /// The JSON of a snapshot.
@@ -209,6 +210,25 @@ fn each_state_of_the_link_has_its_name() {
         assert_eq!(status["link"]["state"], name);
         assert_eq!(status["link"]["in_control"], json!(null));
     }
+}
+
+#[test]
+fn what_is_missing_for_latitude_and_longitude_is_told() {
+    let degrees = Angle::from_degrees;
+    let place = GeoPoint { latitude: degrees(54.5), longitude: degrees(-10.25) };
+    for (earth, name) in [
+        (Ok(WaterOnEarth { origin: place, ahead: degrees(90.0) }), "known"),
+        (Err(NotOnEarth::NoPosition), "no-position"),
+        (Err(NotOnEarth::NoHeading), "no-heading"),
+    ] {
+        assert_eq!(status_after(Outcome { earth, ..idle(at(0)) })["earth"], name);
+    }
+    assert_eq!(status(Snapshot::default())["earth"], "no-position", "before the first step");
+    let boat = |on_earth| BoatOnWater { distance_m: 20.0, std_dev_m: 1.0, direction: degrees(5.0), on_earth };
+    let given = |on_earth| status(Snapshot { boat: Some(boat(on_earth)), ..Snapshot::default() });
+    let expected = json!({"latitude_deg": 54.5, "longitude_deg": -10.25});
+    assert_eq!(given(Some(place))["boat"]["on_earth"], expected);
+    assert_eq!(given(None)["boat"]["on_earth"], json!(null));
 }
 
 #[test]

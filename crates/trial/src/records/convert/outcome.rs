@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use barrelman_control::Percept;
 use barrelman_pilot::{Advice, Mode};
+use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::{
     Angle, AngularRate, CameraCommand, ImagePoint, Timestamp, VehicleRates, VesselCommand, WaterPoint,
 };
@@ -84,6 +85,7 @@ impl From<&RecordedVessel> for stored::VesselOutcome {
             destination_y_m: destination.map(|point| point.y),
             marks: vessel.marks.iter().copied().map(Into::into).collect(),
             view: vessel.view.into_iter().flatten().map(Into::into).collect(),
+            boat_on_earth: vessel.boat_on_earth.map(Into::into),
         }
     }
 }
@@ -100,6 +102,21 @@ impl From<stored::WaterPoint> for WaterPoint {
     }
 }
 
+impl From<GeoPoint> for stored::GeoPoint {
+    fn from(GeoPoint { latitude, longitude }: GeoPoint) -> Self {
+        Self { latitude_rad: latitude.radians(), longitude_rad: longitude.radians() }
+    }
+}
+
+impl From<stored::GeoPoint> for GeoPoint {
+    fn from(point: stored::GeoPoint) -> Self {
+        Self {
+            latitude: Angle::from_radians(point.latitude_rad),
+            longitude: Angle::from_radians(point.longitude_rad),
+        }
+    }
+}
+
 impl From<RecordedMark> for stored::VesselMark {
     fn from(mark: RecordedMark) -> Self {
         Self {
@@ -108,6 +125,7 @@ impl From<RecordedMark> for stored::VesselMark {
             at: Some(mark.at.into()),
             radius_m: mark.radius_m,
             std_dev_m: mark.std_dev_m,
+            on_earth: mark.on_earth.map(Into::into),
         }
     }
 }
@@ -122,6 +140,7 @@ impl TryFrom<stored::VesselMark> for RecordedMark {
             at: mark.at.ok_or_else(|| missing("at"))?.into(),
             radius_m: mark.radius_m,
             std_dev_m: mark.std_dev_m,
+            on_earth: mark.on_earth.map(Into::into),
         })
     }
 }
@@ -149,6 +168,7 @@ impl TryFrom<stored::VesselOutcome> for RecordedVessel {
             destination,
             marks: marks?,
             view: corners.try_into().ok(),
+            boat_on_earth: vessel.boat_on_earth.map(Into::into),
             command: VesselCommand { throttle: vessel.throttle, rudder: vessel.rudder },
             renew_by: vessel.renew_by_ns.map(Timestamp::from_nanos),
             mode: vessel.mode,

@@ -56,6 +56,7 @@ impl From<&Telemetry> for stored::TelemetryInput {
             Report::VehicleAttitude(q) => Stored::VehicleAttitude(stored_quaternion(q)),
             Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
             Report::CameraTilt(tilt) => Stored::CameraTiltRad(tilt.radians()),
+            Report::CameraHeading(heading) => Stored::CameraHeadingRad(heading.radians()),
             Report::CameraHeight(height_m) => Stored::CameraHeightM(height_m),
             Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
             Report::FlightState { state, is_battery_low } => {
@@ -114,6 +115,7 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
             Stored::VehicleAttitude(q) => Report::VehicleAttitude(quaternion(q)),
             Stored::GimbalAttitude(q) => Report::GimbalAttitude(quaternion(q)),
             Stored::CameraTiltRad(tilt) => Report::CameraTilt(Angle::from_radians(tilt)),
+            Stored::CameraHeadingRad(heading) => Report::CameraHeading(Angle::from_radians(heading)),
             Stored::CameraHeightM(height_m) => Report::CameraHeight(height_m),
             Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
             Stored::FlightState(flight) => Report::FlightState {

@@ -8,6 +8,7 @@ use barrelman_wire::mavlink::gimbal_reader::{Holder, Received};
 use barrelman_wire::mavlink::{Gimbal, GimbalReader};
 use mavlink::dialects::common::{
     ATTITUDE_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_STATUS_DATA, GLOBAL_POSITION_INT_DATA,
+    GimbalDeviceFlags,
 };
 
 const AUTOPILOT: Address = Address::new(1, 1);
@@ -139,4 +140,60 @@ fn position_and_attitude_of_the_gimbals_vehicle_are_reported_at_most_five_times_
     let mut vehicle = Vehicle::new();
     vehicle.status(1_000, 1, Address::EVERYONE);
     assert_eq!(reports(vehicle.says(AUTOPILOT, &attitude(f32::NAN))), vec![]);
+}
+
+#[test]
+fn the_direction_of_the_camera_from_north_needs_a_yaw_whose_zero_is_known() {
+    use GimbalDeviceFlags as Flags;
+    let position = |hdg: u16| GLOBAL_POSITION_INT_DATA {
+        time_boot_ms: 1_000,
+        lat: 541_000_000,
+        lon: -102_500_000,
+        hdg,
+        ..GLOBAL_POSITION_INT_DATA::default()
+    };
+    // Yaw by 30 degrees to the right, then pitch.
+    let attitude = |pitch_deg: f32, flags: Flags| {
+        let ((sy, cy), (sp, cp)) = (15_f32.to_radians().sin_cos(), (0.5 * pitch_deg).to_radians().sin_cos());
+        GIMBAL_DEVICE_ATTITUDE_STATUS_DATA {
+            time_boot_ms: 1_000,
+            q: [cy * cp, -sy * sp, cy * sp, sy * cp],
+            gimbal_device_id: 1,
+            flags,
+            ..GIMBAL_DEVICE_ATTITUDE_STATUS_DATA::default()
+        }
+    };
+    let nose = Flags::GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME;
+    let north = Flags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME;
+    let lock = Flags::GIMBAL_DEVICE_FLAGS_YAW_LOCK;
+    for (hdg, pitch_deg, flags, expected) in [
+        (34_000, -40.0, nose, Some(10.0)),
+        (34_000, -40.0, nose | lock, Some(10.0)),
+        (34_000, -40.0, Flags::empty(), Some(10.0)),
+        (34_000, -40.0, north, Some(30.0)),
+        (34_000, -40.0, lock, Some(30.0)),
+        (u16::MAX, -40.0, nose, None),
+        (u16::MAX, -40.0, Flags::empty(), None),
+        (u16::MAX, -40.0, north, Some(30.0)),
+        (34_000, -89.0, nose, None),
+    ] {
+        let mut vehicle = Vehicle::new();
+        vehicle.status(1_000, 1, Address::EVERYONE);
+        vehicle.says(AUTOPILOT, &position(hdg));
+        let heard = vehicle.says(AUTOPILOT, &attitude(pitch_deg, flags));
+        let heading = heard.iter().find_map(|received| match received {
+            Received::Report(Report::CameraHeading(heading)) => Some(heading.degrees()),
+            _ => None,
+        });
+        let is_as_expected = match (heading, expected) {
+            (Some(heading), Some(expected)) => (heading - expected).abs() < 1e-3,
+            (heading, expected) => heading.is_none() && expected.is_none(),
+        };
+        assert!(is_as_expected, "{hdg} {flags:?}: {heading:?}, not {expected:?}");
+    }
+    let mut vehicle = Vehicle::new();
+    vehicle.status(1_000, 1, Address::EVERYONE);
+    let heard = vehicle.says(AUTOPILOT, &attitude(-40.0, nose));
+    let has_heading = |received: &Received| matches!(received, Received::Report(Report::CameraHeading(_)));
+    assert!(!heard.iter().any(has_heading), "before the first position");
 }
