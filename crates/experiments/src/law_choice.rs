@@ -18,7 +18,7 @@ pub enum LawName {
     #[value(name = "schema")]
     #[serde(rename = "schema")]
     MotorSchema,
-    /// Both axes at once, by prediction, with the least energy.
+    /// Both axes at once, by prediction.
     Optimal,
     /// A PID on the picture's centre, to compare with.
     #[value(name = "centre")]
@@ -30,14 +30,14 @@ pub enum LawName {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeName {
-    /// The integral of the squared rate: gentle movements.
-    #[default]
+    /// The integral of the squared rate: gentle movements, nearly all the time.
     MinimumEnergy,
     /// The time in motion, too: short movements at a cruising speed.
     TimeFuel,
     /// Rests most: less energy and time in motion than the schema, in about as many movements.
     Eco,
     /// One smooth movement for each excursion, with a rest after it.
+    #[default]
     Intermittent,
 }
 
@@ -64,7 +64,7 @@ impl LawChoice {
     /// The law with its default mode and horizon.
     pub const fn new(name: LawName) -> Self {
         let mode = match name {
-            LawName::Optimal => Some(ModeName::MinimumEnergy),
+            LawName::Optimal => Some(ModeName::Intermittent),
             LawName::MotorSchema | LawName::Centring => None,
         };
         Self { name, mode, horizon_s: None }

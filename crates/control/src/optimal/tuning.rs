@@ -6,8 +6,7 @@ use crate::bearing::BearingNoise;
 /// What the optimal law minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OptimalMode {
-    /// The integral of the squared rate: the camera moves slowly and for a longer time.
-    #[default]
+    /// The integral of the squared rate: the camera moves slowly and nearly all the time.
     MinimumEnergy,
     /// Energy and time in motion: the camera moves at a cruising speed and rests in between.
     TimeFuel,
@@ -15,6 +14,7 @@ pub enum OptimalMode {
     /// time outside of the region than with the other modes.
     Eco,
     /// All of it, and the smoothness of the commands: one movement for each excursion, with a rest after it.
+    #[default]
     Intermittent,
 }
 

@@ -12,7 +12,7 @@ pub struct LawOptions {
     /// The camera law. (Each command's help names its own default.)
     #[arg(long, value_enum)]
     pub law: Option<LawName>,
-    /// What the optimal law saves; default: minimum-energy.
+    /// What the optimal law saves; default: intermittent.
     #[arg(long, value_enum)]
     pub mode: Option<ModeName>,
     /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; a longer horizon

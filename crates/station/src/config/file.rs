@@ -45,7 +45,7 @@ pub struct LawSection {
     /// The law's name; default: `optimal`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<LawName>,
-    /// What the optimal law saves; default: `minimum-energy`.
+    /// What the optimal law saves; default: `intermittent`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mode: Option<ModeName>,
     /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; default: the mode's.

@@ -15,7 +15,7 @@
 
 use crate::parallel;
 
-use super::world::{DEAD_TIME_S, Figures, LAG_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, edge};
+use super::model::{DEAD_TIME_S, Figures, LAG_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, edge};
 
 /// Decisions for each second.
 pub(super) const STEPS_PER_SECOND: u32 = 10;

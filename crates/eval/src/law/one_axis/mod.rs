@@ -1,7 +1,7 @@
 //! How near a law comes to the optimum under its own model: one axis, solved by dynamic programming.
 //!
 //! A target moves along the middle of the picture, so that only pan matters. Its bearing's rate is an
-//! Ornstein-Uhlenbeck process; the axis answers after a dead time with a first-order lag ([`world`]). The cost of a
+//! Ornstein-Uhlenbeck process; the axis answers after a dead time with a first-order lag ([`model`]). The cost of a
 //! second adds up time outside of the region, rate², starts, |rate|, time in motion and variation, each as a ratio to the
 //! motor schema's mean under the same model and divided by the largest ratio that is wanted
 //! ([`super::requirements`]). The schema's own cost is therefore above 1, and a law that just meets every limit costs 1.
@@ -12,13 +12,16 @@
 //! Not handled: the second axis, sway, errors of the tracker, a target that returns to a mean direction.
 
 mod dynamic_programming;
-mod tuned;
 mod world;
+
+mod model;
+mod tuned;
 
 use barrelman_control::Law;
 
 use self::dynamic_programming::{DynamicProgramme, Prices};
-use self::world::{Figures, simulate_law, simulate_policy};
+use self::model::{Figures, TRIAL_S, edge};
+use self::world::{simulate_law, simulate_policy};
 use super::law_under_test::LawUnderTest;
 use crate::output::print_line;
 use crate::parallel;
@@ -40,7 +43,7 @@ pub(super) fn print(first_seed: u64, laws: &[(&str, LawUnderTest)]) {
     let prices = Prices::of_ratios(&schema, LIMITS);
     print_line(&format!(
         "\none axis: {TRIALS} trials of {:.0} s, seeds from {first_seed} on; ratios to the schema, and the mean of ratio over limit",
-        world::TRIAL_S
+        TRIAL_S
     ));
     print_line(&format!("  {:26} {}    cost", "", NAMES.map(|name| format!("{name:>9}")).join(" ")));
     print_row("motor schema", &schema, &schema, &prices);
@@ -61,8 +64,8 @@ pub(super) fn print(first_seed: u64, laws: &[(&str, LawUnderTest)]) {
     for rate in RATES {
         let [start, stop] = [0.0, 0.28].map(|in_force| {
             let moves = |offset: &f64| programme.decide(*offset, rate, in_force, in_force) > 0.0;
-            let first = (-150..250).map(|k| 0.01 * f64::from(k) * world::edge()).find(moves);
-            first.map_or_else(|| "never".to_owned(), |offset| format!("{:.2}", offset / world::edge()))
+            let first = (-150..250).map(|k| 0.01 * f64::from(k) * edge()).find(moves);
+            first.map_or_else(|| "never".to_owned(), |offset| format!("{:.2}", offset / edge()))
         });
         print_line(&format!("    bearing rate {rate:4.1} rad/s: {start}, {stop}"));
     }

@@ -2,78 +2,21 @@
 
 use std::time::Duration;
 
-use barrelman_control::{CameraLaw, Law, LawInput, Percept, Region};
+use barrelman_control::{CameraLaw, Law, LawInput, Percept};
 use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
 use barrelman_sim::tick::{TICK_S, TICKS_PER_SECOND};
 use barrelman_vocab::{Angle, AngularRate, ImagePoint, PictureSize, Timestamp, VehicleProfile};
 
 use super::dynamic_programming::{Axis, DynamicProgramme, STEPS_PER_SECOND};
+use super::model::{
+    DEAD_TIME_S, FOCAL_PX, Figures, LAG_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, REGION, TRIAL_S,
+    edge,
+};
 use crate::rng::Rng;
 
-/// Duration of a trial, seconds.
-pub(super) const TRIAL_S: f64 = 120.0;
-/// Standard deviation of the bearing's rate, rad/s, and its time constant, seconds: near those of the laboratory.
-pub(super) const RATE_STD_DEV: f64 = 0.12;
-pub(super) const RATE_TIME_CONSTANT_S: f64 = 2.0;
-/// Dead time and lag of the axis, seconds, and its largest rate, rad/s.
-pub(super) const DEAD_TIME_S: f64 = 0.3;
-pub(super) const LAG_S: f64 = 0.42;
-pub(super) const MAX_RATE: f64 = 0.34;
-
-/// The laboratory's focal length, and the region's semi-axes, pixels.
-const FOCAL_PX: f64 = 330.0;
-const REGION: Region = Region { a_px: 192.0, b_px: 120.0 };
 const PICTURE: PictureSize = PictureSize::new(640, 360);
 const TICKS_PER_PICTURE: u32 = TICKS_PER_SECOND / 30;
 const TICKS_PER_POLICY_STEP: u32 = TICKS_PER_SECOND / STEPS_PER_SECOND;
-
-/// The region's edge, radians of pan.
-pub(super) fn edge() -> f64 {
-    (REGION.a_px / FOCAL_PX).atan()
-}
-
-/// What a law did, for each second.
-#[derive(Debug, Clone, Copy, Default)]
-pub(in crate::law) struct Figures {
-    /// Share of the time outside.
-    outside: f64,
-    /// rad²/s².
-    rate_squared: f64,
-    starts: f64,
-    /// rad/s.
-    rate: f64,
-    /// Share of the time with a command.
-    moving: f64,
-    /// rad/s².
-    variation: f64,
-}
-
-impl Figures {
-    pub(super) const fn in_order(&self) -> [f64; 6] {
-        [self.outside, self.rate_squared, self.starts, self.rate, self.moving, self.variation]
-    }
-
-    pub(super) const fn from_order(
-        [outside, rate_squared, starts, rate, moving, variation]: [f64; 6],
-    ) -> Self {
-        Self { outside, rate_squared, starts, rate, moving, variation }
-    }
-
-    /// Adds a tick with a command in force.
-    fn add_tick(&mut self, is_outside: bool, rate: f64) {
-        let share = TICK_S / TRIAL_S;
-        self.outside += share * f64::from(u8::from(is_outside));
-        self.rate_squared += share * rate * rate;
-        self.rate += share * rate.abs();
-        self.moving += share * f64::from(u8::from(rate != 0.0));
-    }
-
-    /// Adds a change of the command.
-    fn add_change(&mut self, before: f64, rate: f64) {
-        self.variation += (rate - before).abs() / TRIAL_S;
-        self.starts += f64::from(u8::from(before == 0.0 && rate != 0.0)) / TRIAL_S;
-    }
-}
 
 /// The vehicle whose pan axis this is: both dead times alike, a level camera.
 pub(super) fn profile() -> VehicleProfile {
