@@ -139,16 +139,21 @@ impl Panel {
 fn drawing(panels: &[Panel], movement: &str, value: fn(&Ratios) -> f64) -> String {
     let columns = panels.len().clamp(1, 2);
     let rows = panels.len().div_ceil(columns);
-    let mut svg = Svg::new(columns as f64 * PANEL[0], rows as f64 * PANEL[1] + 24.0);
+    let mut svg = Svg::new(columns as f64 * PANEL[0], rows as f64 * PANEL[1] + 64.0);
     for (index, panel) in panels.iter().enumerate() {
         let origin = [(index % columns) as f64 * PANEL[0], (index / columns) as f64 * PANEL[1]];
         draw_panel(&mut svg, panel, origin, value);
     }
-    svg.text(
-        "middle",
-        [0.5 * columns as f64 * PANEL[0], rows as f64 * PANEL[1] + 14.0],
-        &format!("{movement} and time outside, as ratios to the motor schema; the curve: the horizon from {} to {} s", HORIZONS_S[0], HORIZONS_S[HORIZONS_S.len() - 1]),
-    );
+    let first = panels.first().map_or(&[][..], |panel| &panel.others);
+    let legend: Vec<String> = first.iter().map(|(name, _)| format!("{} {name}", mark_of(name))).collect();
+    let curve = format!("horizons {} to {} s", HORIZONS_S[0], HORIZONS_S[HORIZONS_S.len() - 1]);
+    let lines = [
+        format!("across: {movement}, up: time outside; ratios to the schema (S); {curve}"),
+        legend.join(", "),
+    ];
+    for (line, text) in (1_u8..).zip(lines) {
+        svg.text("", [12.0, rows as f64 * PANEL[1] + 20.0 * f64::from(line)], &text);
+    }
     svg.finish()
 }
 
@@ -179,11 +184,25 @@ fn draw_panel(svg: &mut Svg, panel: &Panel, [left, top]: [f64; 2], value: fn(&Ra
     for point in &curve {
         svg.circle("mark", *point);
     }
-    let schema = [("schema", [1.0, 1.0])];
+    let schema = [("S", [1.0, 1.0])];
     let others = panel.others.iter().map(|(name, ratios)| (*name, [value(ratios), ratios.outside]));
     for (name, [movement, outside]) in schema.into_iter().chain(others) {
         let [x, y] = at(movement, outside);
         svg.circle("other-mark", [x, y]);
-        svg.text("", [x + 6.0, y - 5.0], name);
+        svg.text("", [x + 6.0, y - 5.0], mark_of(name));
+    }
+}
+
+/// What stands beside a law's point.
+fn mark_of(name: &str) -> &str {
+    match name {
+        "minimum-energy" => "M",
+        "time-fuel" => "T",
+        "eco" => "E",
+        "centre" => "C",
+        "LQG, weight 1" => "L1",
+        "LQG, weight 10" => "L10",
+        "MPC" => "P",
+        other => other,
     }
 }
