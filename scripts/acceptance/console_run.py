@@ -22,7 +22,7 @@ class ConsoleRun:
         tokens.chmod(0o600)
         port = live.free_port()
         self.base = f"http://127.0.0.1:{port}/api/v1"
-        command = [args.barrelman, "run", "--engage", "--no-record", "--listen", f"127.0.0.1:{port}", "--console-token-file", tokens, *options]
+        command = [args.barrelman, "run", "--engage", "--no-record", "--listen", f"127.0.0.1:{port}", "--console-token-file", tokens, "--mode", common.HARDLY_RESTS, *options]
         command += ["--video", video] if video else []
         self.child = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.err = Lines(self.child.stderr)

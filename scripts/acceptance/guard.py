@@ -74,7 +74,7 @@ class Run:
             more = (*more, "--faults", folder / "faults")
         video = growing_pictures(clip, folder / "pictures") if grows else clip
         self.emulator = Emulator(args.barrelman, folder, "fotokite", *station) if port == "pty" else TcpEmulator(args.barrelman, folder, *station)
-        command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--no-record", "--video", f"file:{video}"]
+        command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--mode", common.HARDLY_RESTS, "--no-record", "--video", f"file:{video}"]
         command += ["--select", selection, "--link", self.emulator.url, *more]
         self.terminal = common.Terminal() if terminal else None
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}

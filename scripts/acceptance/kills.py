@@ -18,7 +18,7 @@ FIRST, LAST = 0.4, 9.0
 
 
 def start(args, clip, selection, record):
-    command = [args.barrelman, "run", "--headless", "--engage", "--video", f"file:{clip}", "--select", selection, "--record", record]
+    command = [args.barrelman, "run", "--headless", "--engage", "--mode", common.HARDLY_RESTS, "--video", f"file:{clip}", "--select", selection, "--record", record]
     return common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 

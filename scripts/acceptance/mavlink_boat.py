@@ -82,6 +82,10 @@ class Boat:
                 armed = mavlink.MAV_MODE_FLAG_SAFETY_ARMED if self.armed else 0
                 self._send(mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_SURFACE_BOAT, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | armed, self.mode, mavlink.MAV_STATE_ACTIVE, 3))
 
+    def _is_newly_switched(self):
+        """Whether the program may not know the mode yet: no heartbeat has told it, or the first one half a second ago at most."""
+        return self.heartbeat_at == 0.0 or time.monotonic() < self.heartbeat_at - 0.5
+
     def _require(self, holds, what):
         if not holds:
             self.faults.append(what)
@@ -95,14 +99,14 @@ class Boat:
         if name == "MANUAL_CONTROL" and self.drive.mode == MANUAL:
             self._require(message.target == 1 and message.x == message.r == message.buttons == 0, f"manual control {message.to_dict()}")
             self._require(abs(message.y) <= 1000 and abs(message.z) <= 1000, f"manual control {message.y}, {message.z}")
-            self._require(self.mode == MANUAL or time.monotonic() < self.heartbeat_at - 0.5, f"manual control in mode {self.mode}")
+            self._require(self.mode == MANUAL or self._is_newly_switched(), f"manual control in mode {self.mode}")
             self.set_points.append((time.monotonic(), message.z / 1000, message.y / 1000))
             return
         if name == "SET_POSITION_TARGET_LOCAL_NED" and self.drive.mode == GUIDED:
             self._require((message.target_system, message.target_component) == (1, 1), f"set-point to {message.target_system}/{message.target_component}")
             self._require(message.coordinate_frame == mavlink.MAV_FRAME_BODY_NED and message.type_mask == MASK, f"frame {message.coordinate_frame}, mask {message.type_mask:#x}")
             self._require(abs(message.vx) <= FULL_SPEED + 1e-6 and abs(message.yaw_rate) <= FULL_TURN + 1e-6 and message.vy == message.vz == 0, f"set-point {message.vx}, {message.yaw_rate}")
-            self._require(self.mode == GUIDED or time.monotonic() < self.heartbeat_at - 0.5, f"a set-point in mode {self.mode}")
+            self._require(self.mode == GUIDED or self._is_newly_switched(), f"a set-point in mode {self.mode}")
             self.set_points.append((time.monotonic(), message.vx, message.yaw_rate))
             return
         if name == "COMMAND_LONG" and message.command == mavlink.MAV_CMD_DO_SET_MODE:

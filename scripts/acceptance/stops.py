@@ -37,7 +37,7 @@ class Run:
         folder.mkdir()
         self.emulator = Emulator(args.barrelman, folder)
         self.record = folder / "record.mcap"
-        command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--video", f"file:{clip}{video_fault}", "--select", selection]
+        command = [args.barrelman, "run", "--headless", "--engage", "--tracker", "camshift", "--mode", common.HARDLY_RESTS, "--video", f"file:{clip}{video_fault}", "--select", selection]
         command += ["--link", f"{self.emulator.url}{link_fault}", "--record", self.record, *more]
         self.terminal = common.Terminal() if terminal else None
         self.pipe = None
