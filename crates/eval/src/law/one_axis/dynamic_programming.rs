@@ -228,3 +228,30 @@ impl Place {
         (1.0 - z) * across(self.first) + z * across(self.first + plane)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_function_is_interpolated_exactly() {
+        let linear = |[z, v, w]: [f64; 3]| 1.0 + 2.0 * z - 3.0 * v + 0.5 * w;
+        let values: Vec<f64> = (0..STATES).map(|state| linear(coordinates(state))).collect();
+        for point in [[0.0; 3], [0.31, -0.17, 0.2], [-1.39, 0.41, -0.33]] {
+            assert!((Place::of(point).interpolate(&values) - linear(point)).abs() < 1e-9, "{point:?}");
+        }
+        assert_eq!(coordinates(middle()), [0.0; 3]);
+    }
+
+    #[test]
+    fn a_target_predicted_at_the_edge_is_outside_half_of_the_time() {
+        assert!((chance_of_outside(edge()) - 0.5).abs() < 1e-6);
+        assert!(chance_of_outside(0.0) < 1e-6 && chance_of_outside(2.0 * edge()) > 1.0 - 1e-6);
+    }
+
+    #[test]
+    fn an_axis_ends_at_its_command() {
+        let axis = Axis { angle: 0.0, rate: 0.0 }.after(0.2, 10.0);
+        assert!((axis.rate - 0.2).abs() < 1e-9 && (axis.angle - 0.2 * (10.0 - LAG_S)).abs() < 1e-9);
+    }
+}
