@@ -153,7 +153,7 @@ def worlds(table, args, folder):
         rows = emulator.rows()
     inside, steps = share_inside(record)
     table.require("the real bytes keep the boat in the ellipse, too", inside > 0.5, f"{inside:.0%} of {steps} steps", "more than half")
-    # The optimal law has something new to say of both axes at every picture.
+    # A movement of both axes may change both rates at every picture.
     busiest = common.busiest_second(rows)
     table.require("rates that the ground station heard in the busiest second", 0 < busiest <= 20, f"{busiest}, {sum(row.moves for row in rows)} in all", "at most 20")
 

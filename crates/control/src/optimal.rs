@@ -9,6 +9,7 @@
 
 mod mean_bearing;
 mod prediction;
+mod running_mean;
 
 mod circumstances;
 mod intermittent;

@@ -21,7 +21,7 @@ use crate::recorded_motion::{MotionAtTick, RecordedMotion};
 use crate::scenario::{CameraSetup, Platform, Scenario, TargetScript};
 use crate::scenery::Scenery;
 use crate::sea::Sea;
-use crate::snapshot::{Boat, Ground, Light, SceneObject, Snapshot, Target};
+use crate::snapshot::{Boat, Ground, Light, SceneObject, SensorState, Snapshot, Target};
 use crate::sway::SwayingPlatform;
 use crate::tick::TICKS_PER_SECOND;
 use crate::wind::TurbulentWind;
@@ -262,7 +262,7 @@ impl World {
 
     /// The camera's present pose.
     pub fn camera_pose(&self) -> CameraPose {
-        let MotionAtTick { attitude: (yaw, pitch, roll), displacement: off, .. } = self.motion();
+        let ((yaw, pitch, roll), off) = self.platform_offset();
         let turned =
             |axis: &CameraAxis, by: Angle| Angle::from_radians(axis.angle().radians() + by.radians());
         CameraPose {
@@ -275,20 +275,33 @@ impl World {
 
     /// The target's present pose.
     pub fn target_pose(&self) -> BodyPose {
-        self.motion().target
+        self.recorded_now().map_or_else(|| self.target.pose(), |motion| motion.target)
     }
 
-    /// Platform and target now.
-    fn motion(&self) -> MotionAtTick {
-        if let Some(at) = self.recorded.as_ref().and_then(|recorded| recorded.at(self.tick)) {
-            return *at;
+    /// Offset of the platform now: attitude (yaw, pitch, roll) and position.
+    fn platform_offset(&self) -> ((Angle, Angle, Angle), WorldPoint) {
+        match (self.recorded_now(), &self.platform) {
+            (Some(motion), _) => (motion.attitude, motion.displacement),
+            (None, MovingPlatform::Swaying(swaying)) => (swaying.attitude_offset(), swaying.displacement()),
+            (None, MovingPlatform::Kite(kite)) => {
+                (kite.attitude_offset(self.mount.pan.angle()), kite.displacement())
+            }
         }
-        let (attitude, displacement) = match &self.platform {
-            MovingPlatform::Swaying(swaying) => (swaying.attitude_offset(), swaying.displacement()),
-            MovingPlatform::Kite(kite) => (kite.attitude_offset(self.mount.pan.angle()), kite.displacement()),
-        };
-        let sensor = self.electronics.state();
-        MotionAtTick { attitude, displacement, target: self.target.pose(), sensor }
+    }
+
+    fn sensor_state(&self) -> SensorState {
+        self.recorded_now().map_or_else(|| self.electronics.state(), |motion| motion.sensor)
+    }
+
+    /// The recorded motion now, if there is one.
+    fn recorded_now(&self) -> Option<&MotionAtTick> {
+        self.recorded.as_ref().and_then(|recorded| recorded.at(self.tick))
+    }
+
+    /// What is recorded of this tick.
+    fn motion(&self) -> MotionAtTick {
+        let (attitude, displacement) = self.platform_offset();
+        MotionAtTick { attitude, displacement, target: self.target_pose(), sensor: self.sensor_state() }
     }
 
     /// Writes the present objects beside the target into `out`, reusing its memory: people, buoys, other craft.
@@ -330,7 +343,7 @@ impl World {
         snapshot.light = self.light;
         snapshot.ground = if self.sea.is_some() { Ground::Water } else { Ground::Floor };
         snapshot.target = self.target.to_snapshot(self.target_pose());
-        snapshot.sensor = self.motion().sensor;
+        snapshot.sensor = self.sensor_state();
         self.write_objects(&mut snapshot.objects);
     }
 
@@ -344,7 +357,7 @@ impl World {
             ground: Ground::Floor,
             target: self.target.to_snapshot(self.target_pose()),
             objects: Vec::new(),
-            sensor: self.motion().sensor,
+            sensor: self.sensor_state(),
         };
         self.write_snapshot(&mut snapshot);
         snapshot

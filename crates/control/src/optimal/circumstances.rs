@@ -1,10 +1,10 @@
 //! The circumstances that the values of the intermittent mode are adapted to: sway, steepness of the view, and how fast the
 //! target usually is.
 //!
-//! A fast target is led by more and followed more slowly; a camera that looks down steeply starts later and stops
+//! A fast target is brought deeper inside, and more slowly; a camera that looks down steeply starts later and stops
 //! earlier, because pan hardly moves the picture there; in sway the camera starts earlier.
 
-use barrelman_vocab::Timestamp;
+use super::running_mean::RunningMean;
 
 /// The circumstances of one step.
 #[derive(Debug, Clone, Copy)]
@@ -43,32 +43,18 @@ const MAX_INTERVAL_S: f64 = 0.1;
 /// Time constant of the mean, seconds.
 const MEMORY_S: f64 = 30.0;
 
-/// The running mean of a target's bearing rate: of all its time at first, with exponential weights once it is older than
-/// [`MEMORY_S`].
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct UsualRate {
-    last: Option<Timestamp>,
-    /// rad/s.
-    mean: f64,
-    /// The duration over which the mean extends, seconds: at most [`MEMORY_S`].
-    averaged_s: f64,
-}
+/// The running mean of a target's bearing rate, rad/s.
+pub(super) type UsualRate = RunningMean<1>;
 
-impl UsualRate {
-    /// Takes in the bearing rate at a time, rad/s, and returns the mean; 0 at first.
-    pub(super) fn observe(&mut self, rate: f64, at: Timestamp) -> f64 {
-        let interval_s = self.last.map_or(0.0, |last| at.since(last).as_secs_f64()).min(MAX_INTERVAL_S);
-        self.last = Some(at);
-        self.averaged_s = (self.averaged_s + interval_s).min(MEMORY_S);
-        if self.averaged_s > 0.0 {
-            self.mean += interval_s / self.averaged_s * (rate - self.mean);
-        }
-        self.mean
-    }
+/// A usual rate without observations.
+pub(super) const fn usual_rate() -> UsualRate {
+    RunningMean::new(MEMORY_S, MAX_INTERVAL_S)
 }
 
 #[cfg(test)]
 mod tests {
+    use barrelman_vocab::Timestamp;
+
     use super::*;
 
     fn at(seconds: f64) -> Timestamp {
@@ -84,19 +70,19 @@ mod tests {
 
     #[test]
     fn the_usual_rate_is_the_mean_of_all_rates_until_the_memory_is_full() {
-        let mut usual = UsualRate::default();
+        let mut usual = usual_rate();
         let rate = |k: u32| if k <= 100 { 0.1 } else { 0.3 };
-        let last = (0..=200).map(|k| usual.observe(rate(k), at(0.05 * f64::from(k)))).last();
+        let last = (0..=200).map(|k| usual.observe([rate(k)], at(0.05 * f64::from(k)))[0]).last();
         assert!(last.is_some_and(|mean| (mean - 0.2).abs() < 1e-9), "{last:?}");
     }
 
     #[test]
     fn time_without_the_target_does_not_count() {
-        let mut usual = UsualRate::default();
+        let mut usual = usual_rate();
         for k in 0..=100_u32 {
-            usual.observe(0.1, at(0.1 * f64::from(k)));
+            usual.observe([0.1], at(0.1 * f64::from(k)));
         }
-        let after_a_minute = usual.observe(0.9, at(70.0));
+        let after_a_minute = usual.observe([0.9], at(70.0))[0];
         assert!(after_a_minute < 0.11, "{after_a_minute}");
     }
 }

@@ -10,11 +10,11 @@
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
 
-use super::circumstances::{Circumstances, UsualRate};
+use super::circumstances::{Circumstances, UsualRate, usual_rate};
 use super::intermittent_tuning::IntermittentTuning;
-use super::mean_bearing::{ExpectedReturn, MeanBearing};
+use super::mean_bearing::{ExpectedReturn, MeanBearing, mean_bearing};
 use super::movement::Ramps;
-use super::prediction::{Prediction, TransferGoal};
+use super::prediction::{PredictedView, Prediction, TransferGoal};
 use crate::bearing::{BearingFilter, Propagation};
 use crate::camera_model::CameraModel;
 use crate::law_input::LawInput;
@@ -65,8 +65,8 @@ impl IntermittentLaw {
                 Ramps::new(axes[i].lag.as_secs_f64(), tuning.cruise_rate.base, responses_s, min_rates[i])
             }),
             bearings: BearingFilter::new(tuning.noise),
-            mean_bearing: MeanBearing::new(tuning.memory_s),
-            usual_rate: UsualRate::default(),
+            mean_bearing: mean_bearing(tuning.memory_s),
+            usual_rate: usual_rate(),
             start_look_ahead: look_ahead(tuning.start_look_ahead_s),
             stop_look_ahead: look_ahead(tuning.stop_look_ahead_s),
             tuning,
@@ -81,8 +81,8 @@ impl IntermittentLaw {
     /// Discards the observations of the target.
     pub fn reset_target(&mut self) {
         self.bearings.reset_target();
-        self.mean_bearing = MeanBearing::new(self.tuning.memory_s);
-        self.usual_rate = UsualRate::default();
+        self.mean_bearing = mean_bearing(self.tuning.memory_s);
+        self.usual_rate = usual_rate();
     }
 
     /// Notes that `command` is in force from `now` on.
@@ -107,9 +107,10 @@ impl IntermittentLaw {
         let mean = self.mean_bearing.observe(prediction.bearing.direction(), input.now);
         let return_time_s = self.tuning.return_time_s;
         let prediction = prediction.with_return(ExpectedReturn { mean, return_time_s });
-        let circumstances = self.circumstances(&prediction, input.now);
+        let resting = prediction.view_at_rest(&self.start_look_ahead);
+        let circumstances = self.circumstances(&prediction, &resting, input.now);
         if self.command_in_force.is_rest() {
-            if !self.leaves_start(&prediction, &circumstances, input.now) {
+            if !self.leaves_start(prediction.region.p(resting.point), &circumstances, input.now) {
                 return CameraCommand::REST;
             }
             self.cruise_rate = self.tuning.cruise_rate.value(&circumstances).max(MIN_CRUISE_RATE);
@@ -128,28 +129,28 @@ impl IntermittentLaw {
         CameraCommand { pan, tilt }
     }
 
-    fn circumstances(&mut self, prediction: &Prediction<'_>, now: Timestamp) -> Circumstances {
-        let resting = prediction.view_at_rest(&self.start_look_ahead);
+    /// The circumstances now; `resting` is the view of a resting camera at the start's look-ahead.
+    fn circumstances(
+        &mut self,
+        prediction: &Prediction<'_>,
+        resting: &PredictedView,
+        now: Timestamp,
+    ) -> Circumstances {
+        let [usual_rate] = self.usual_rate.observe([prediction.bearing.angular_speed()], now);
         Circumstances {
             sway: prediction.in_semi_axes(self.bearings.sway_std_dev()),
-            steepness: prediction.turning_effort(&resting) - 1.0,
-            usual_rate: self.usual_rate.observe(prediction.bearing.angular_speed(), now),
+            steepness: prediction.turning_effort(resting) - 1.0,
+            usual_rate,
         }
     }
 
-    /// Whether the target of a resting camera is predicted to be outside of the start ellipse.
-    fn leaves_start(
-        &self,
-        prediction: &Prediction<'_>,
-        circumstances: &Circumstances,
-        now: Timestamp,
-    ) -> bool {
+    /// Whether the target of a resting camera, predicted at this P, is outside of the start ellipse.
+    fn leaves_start(&self, resting_p: f64, circumstances: &Circumstances, now: Timestamp) -> bool {
         let has_rested =
             self.rested_since.is_none_or(|since| now.since(since).as_secs_f64() >= self.tuning.min_rest_s);
-        let resting = prediction.view_at_rest(&self.start_look_ahead);
         // The narrower the ellipse, the earlier the start: sway is not foreseen.
         let start = self.tuning.start.value(circumstances).max(MIN_ELLIPSE);
-        has_rested && prediction.region.p(resting.point) > start * start
+        has_rested && resting_p > start * start
     }
 
     /// Whether a camera that is told to rest now would have the target inside the stop ellipse.

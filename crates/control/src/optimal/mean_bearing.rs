@@ -7,8 +7,7 @@
 //!
 //! Not handled: a boat that travels on and never returns. Its mean follows it, `memory_s` later.
 
-use barrelman_vocab::Timestamp;
-
+use super::running_mean::RunningMean;
 use crate::view::Direction;
 
 /// The longest interval between two observations that counts, seconds: in a longer one the target was not seen.
@@ -31,38 +30,18 @@ impl ExpectedReturn {
     }
 }
 
-/// The running mean of a target's directions: of all of them at first, with exponential weights once they are older
-/// than the memory.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MeanBearing {
-    /// Time constant of the weights, seconds.
-    memory_s: f64,
-    /// Time of the newest observation, and the mean.
-    mean: Option<(Timestamp, Direction)>,
-    /// The duration over which the mean extends, seconds: at most `memory_s`.
-    averaged_s: f64,
-}
+/// The running mean of a target's directions.
+pub(super) type MeanBearing = RunningMean<3>;
 
-impl MeanBearing {
-    /// A mean without observations.
-    pub(super) const fn new(memory_s: f64) -> Self {
-        Self { memory_s, mean: None, averaged_s: 0.0 }
-    }
-
-    /// Takes in the direction of the target at a time, and returns the mean.
-    pub(super) fn observe(&mut self, direction: Direction, at: Timestamp) -> Direction {
-        let (last, before) = self.mean.unwrap_or((at, direction));
-        let interval_s = at.since(last).as_secs_f64().min(MAX_INTERVAL_S);
-        self.averaged_s = (self.averaged_s + interval_s).min(self.memory_s);
-        let share = if self.averaged_s > 0.0 { interval_s / self.averaged_s } else { 0.0 };
-        let mean = [0, 1, 2].map(|i| before[i] + share * (direction[i] - before[i]));
-        self.mean = Some((at, mean));
-        mean
-    }
+/// A mean direction without observations; `memory_s` is the time constant of its weights, seconds.
+pub(super) const fn mean_bearing(memory_s: f64) -> MeanBearing {
+    RunningMean::new(memory_s, MAX_INTERVAL_S)
 }
 
 #[cfg(test)]
 mod tests {
+    use barrelman_vocab::Timestamp;
+
     use super::*;
 
     fn at(seconds: f64) -> Timestamp {
@@ -71,7 +50,7 @@ mod tests {
 
     #[test]
     fn the_mean_is_that_of_all_directions_until_the_memory_is_full() {
-        let mut mean = MeanBearing::new(20.0);
+        let mut mean = mean_bearing(20.0);
         let mut last = [0.0; 3];
         for k in 0..=100_u32 {
             let direction = if k <= 50 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
@@ -82,7 +61,7 @@ mod tests {
 
     #[test]
     fn the_mean_follows_a_target_that_travels_on() {
-        let mut mean = MeanBearing::new(20.0);
+        let mut mean = mean_bearing(20.0);
         mean.observe([0.0, 1.0, 0.0], at(0.0));
         let last = (1..=1200).map(|k| mean.observe([1.0, 0.0, 0.0], at(0.1 * f64::from(k)))).last();
         assert!(last.is_some_and(|mean| mean[0] > 0.99), "{last:?}");
@@ -90,7 +69,7 @@ mod tests {
 
     #[test]
     fn time_without_the_target_does_not_count() {
-        let mut mean = MeanBearing::new(20.0);
+        let mut mean = mean_bearing(20.0);
         for k in 0..=100_u32 {
             mean.observe([0.0, 1.0, 0.0], at(0.1 * f64::from(k)));
         }
