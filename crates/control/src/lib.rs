@@ -10,6 +10,7 @@
 
 pub mod region;
 mod ring;
+mod wrapped;
 
 pub mod percept;
 

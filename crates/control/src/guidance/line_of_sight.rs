@@ -23,8 +23,9 @@ use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterPoint}
 use super::clearance::{ClearCourse, Side, clear_course, free_distance, turn_clears};
 use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Progress};
 use super::route::{LegGuidance, Route};
-use super::track::{BoatState, BoatTrack, wrapped};
+use super::track::{BoatState, BoatTrack};
 use super::tuning::{LineOfSightTuning, VesselModel};
+use crate::wrapped::wrapped;
 
 /// Longest time that one step integrates, seconds.
 const MAX_STEP_S: f64 = 0.2;

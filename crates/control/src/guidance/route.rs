@@ -12,8 +12,8 @@
 
 use barrelman_vocab::WaterPoint;
 
-use super::track::wrapped;
 use super::tuning::LineOfSightTuning;
+use crate::wrapped::wrapped;
 
 /// A way-point that lies behind the boat counts as passed within this multiple of its radius.
 const PASSED_FACTOR: f64 = 2.5;

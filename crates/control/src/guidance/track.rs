@@ -23,6 +23,7 @@ use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
 use super::input::BoatFix;
 use super::tuning::{LineOfSightTuning, VesselModel};
 use crate::ring::Ring;
+use crate::wrapped::wrapped;
 
 /// Largest innovation, in standard deviations of its expected length.
 const INNOVATION_GATE: f64 = 4.0;
@@ -402,10 +403,4 @@ fn end_near(angle: f64, direction: f64) -> f64 {
 fn turned((x, y): (f64, f64), angle: f64) -> (f64, f64) {
     let (sin, cos) = libm::sincos(angle);
     (x * cos + y * sin, y * cos - x * sin)
-}
-
-/// The same angle within -pi to pi.
-pub(super) fn wrapped(radians: f64) -> f64 {
-    let turn = core::f64::consts::TAU;
-    radians - turn * libm::floor(radians / turn + 0.5)
 }

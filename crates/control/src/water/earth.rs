@@ -18,6 +18,8 @@
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::{Angle, WaterPoint};
 
+use crate::wrapped::wrapped;
+
 /// Largest distance from the camera, metres.
 pub const MAX_DISTANCE_M: f64 = 2_000.0;
 /// Largest latitude on both hemispheres.
@@ -47,18 +49,6 @@ pub fn place_on_earth(frame: &WaterOnEarth, point: WaterPoint) -> Option<GeoPoin
     let meridian_m = normal_m * (1.0 - ECCENTRICITY_SQUARED) / shape;
     Some(GeoPoint {
         latitude: Angle::from_radians(latitude + north_m / meridian_m),
-        longitude: half_turn(longitude + east_m / (normal_m * cos)),
-    })
-}
-
-/// A longitude from -pi to pi.
-fn half_turn(radians: f64) -> Angle {
-    use core::f64::consts::{PI, TAU};
-    Angle::from_radians(if radians > PI {
-        radians - TAU
-    } else if radians < -PI {
-        radians + TAU
-    } else {
-        radians
+        longitude: Angle::from_radians(wrapped(longitude + east_m / (normal_m * cos))),
     })
 }
