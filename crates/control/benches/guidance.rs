@@ -36,12 +36,14 @@ fn line_of_sight(bencher: Bencher<'_, '_>, circles: usize) {
             captured,
             water: WaterFix { point, covariance: WaterCovariance::isotropic(0.1) },
             heading: None,
+            sway_per_s: None,
         };
         let step = law.step(black_box(&GuidanceInput {
             now,
             fix: Some(fix),
             destination: Some(Destination::Person {
                 at: WaterPoint { x: 2.0, y: 80.0 },
+                velocity_m_per_s: (0.0, 0.0),
                 stand_off_m: 2.0,
                 uncertainty_m: 0.0,
             }),

@@ -107,6 +107,15 @@ impl CameraModel {
         }
     }
 
+    /// Takes over a tilt that the gimbal reports for the time `at`: the tilt so far was that of the profile. A value that is not
+    /// finite is ignored.
+    pub fn set_tilt(&mut self, tilt: Angle, at: Timestamp) {
+        let error = tilt.radians() - self.tilt.at(at.as_secs_f64()).angle;
+        if error.is_finite() {
+            self.tilt.shift(error);
+        }
+    }
+
     /// Sets the horizontal field of view from the time `at` on: the camera zooms. Impossible values are ignored.
     pub fn set_field_of_view(&mut self, angle: Angle, at: Timestamp) {
         let known = self.focal_lengths.at(at);

@@ -17,6 +17,7 @@ pub mod input;
 pub mod lab;
 
 pub mod clearance;
+mod estimate;
 pub mod route;
 pub mod track;
 pub mod tuning;

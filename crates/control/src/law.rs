@@ -123,6 +123,11 @@ impl CameraLaw {
         self.camera.correct_tilt(tilt, at);
     }
 
+    /// Processes the first report of the camera's tilt, at the time `at`: it takes the place of the profile's.
+    pub fn on_first_tilt_report(&mut self, tilt: Angle, at: Timestamp) {
+        self.camera.set_tilt(tilt, at);
+    }
+
     /// Processes a report of the horizontal field of view from the time `at` on: the camera zooms.
     pub fn on_field_of_view_report(&mut self, angle: Angle, at: Timestamp) {
         self.camera.set_field_of_view(angle, at);

@@ -13,5 +13,8 @@ pub const OPPOSED_MOTION: u32 = 2;
 /// 3: in calm air, a picture that turns against the command stops the camera after 0.3 s.
 pub const CALM_AIR: u32 = 3;
 
-/// The version of this pilot. 4: frames that confirm a selection need a confidence of 0.7, not of 0.5.
-pub const NEWEST: u32 = 4;
+/// 4: frames that confirm a selection need a confidence of 0.7, not of 0.5.
+pub const SURE_SELECTION: u32 = 4;
+
+/// The version of this pilot. 5: the places of boat and marks are corrected by an estimated displacement of the camera.
+pub const NEWEST: u32 = 5;

@@ -15,7 +15,7 @@ use barrelman_control::CameraModel;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
     DrawnMark, Localisation, MarkKind, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
-    VesselCommand, VesselProfile,
+    VesselCommand, VesselProfile, WaterPoint,
 };
 
 use crate::history::KEPT;
@@ -98,6 +98,8 @@ impl VesselOutcome {
 pub(crate) struct VesselView<'a> {
     pub(crate) camera: &'a CameraModel,
     pub(crate) now: Timestamp,
+    /// Whether the camera may be displaced from where its model says. Pilots of before took the model for exact.
+    pub(crate) sways: bool,
 }
 
 /// What a step observed.
@@ -268,7 +270,7 @@ impl VesselPilot {
         if age > KEPT {
             return Err(Refusal::SelectionTooOld { age, kept: KEPT });
         }
-        Ok(self.frame_view_at(view.camera, captured, picture, view.now))
+        Ok(self.frame_view_at(captured, picture, view, self.guide.displacement_at(captured)))
     }
 
     /// Height of the camera, where height and tilt are known now.
@@ -281,12 +283,12 @@ impl VesselPilot {
 
     fn frame_view_at(
         &self,
-        camera: &CameraModel,
         captured: Timestamp,
         picture: PictureSize,
-        now: Timestamp,
+        view: VesselView<'_>,
+        below: WaterPoint,
     ) -> FrameView {
-        FrameView::new(camera, captured, picture, self.height_m(now))
+        FrameView::new(view.camera, captured, picture, self.height_m(view.now), below)
     }
 
     /// Makes the vessel's part of a step.
@@ -296,22 +298,21 @@ impl VesselPilot {
         newest: Option<(Timestamp, PictureSize)>,
         view: VesselView<'_>,
     ) -> VesselOutcome {
-        let VesselView { camera, now } = view;
-        if let (Observed::Boat(_) | Observed::NoBoat(_), Some((captured, picture))) = (observed, newest) {
-            self.frame_view = Some(self.frame_view_at(camera, captured, picture, now));
-        }
-        let sight = match observed {
-            Observed::Boat(seen) => match self.frame_view {
-                Some(frame_view) => {
-                    let advice = self.guide.step(seen, &frame_view, &self.marks, &self.profile, now);
-                    self.gate.set_clear(self.guide.has_room());
-                    GateInput::Fresh(advice)
-                }
-                None => GateInput::NoObservation,
-            },
-            Observed::NoBoat(cause) => GateInput::Unusable(cause),
-            Observed::Nothing => GateInput::NoObservation,
+        let now = view.now;
+        let sight = match (observed, newest) {
+            (Observed::Boat(seen), Some((captured, picture))) => {
+                let modelled = self.frame_view_at(captured, picture, view, WaterPoint::default());
+                let advice = self.guide.step(seen, (&modelled, view.sways), &self.marks, &self.profile, now);
+                self.gate.set_clear(self.guide.has_room());
+                GateInput::Fresh(advice)
+            }
+            (Observed::NoBoat(cause), _) => GateInput::Unusable(cause),
+            (Observed::Boat(_) | Observed::Nothing, _) => GateInput::NoObservation,
         };
+        if let (Observed::Boat(_) | Observed::NoBoat(_), Some((captured, picture))) = (observed, newest) {
+            let below = self.guide.displacement_at(captured);
+            self.frame_view = Some(self.frame_view_at(captured, picture, view, below));
+        }
         let decision = self.gate.decide(sight, now);
         self.guide.on_command_applied(decision.command, now);
         VesselOutcome {

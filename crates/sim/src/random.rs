@@ -60,6 +60,8 @@ pub enum Stream {
     Operator = 24,
     /// Losses of the packets of an emulated vehicle's line.
     LinePackets = 25,
+    /// Noise of the localised heading.
+    SensorHeading = 26,
 }
 
 /// A counter-based generator: one stream of a seed. The hash is the finaliser of SplitMix64 ([`crate::noise::hash`]).

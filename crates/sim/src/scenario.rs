@@ -149,6 +149,8 @@ pub struct SensorModel {
     pub beyond_border: BeyondBorder,
     /// Length and breadth of the target, metres.
     pub target_size_m: (f64, f64),
+    /// Standard deviation of the bow's direction in the picture; `None`: the direction is not measured.
+    pub heading_std_dev: Option<Angle>,
 }
 
 /// What is reported of a target outside the picture.

@@ -1,10 +1,16 @@
 //! Localisations made from the truth with noise, for trials without pixels.
 
-use barrelman_vocab::{ImagePoint, Localisation, PixelBox};
+use core::f64::consts::TAU;
 
-use crate::random::{CounterRng, OrnsteinUhlenbeckProcess, Stream};
+use barrelman_vocab::{Angle, ImagePoint, Localisation, PixelBox};
+
+use crate::pose::WorldPoint;
+use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::scenario::{BeyondBorder, CameraSetup, SensorModel};
 use crate::world::Truth;
+
+/// Time constant of the noise of the heading, seconds.
+const HEADING_NOISE_TIME_S: f64 = 0.5;
 
 /// Measures the target's place in the picture.
 #[derive(Debug, Clone)]
@@ -13,6 +19,7 @@ pub struct LocalisationSensor {
     camera: CameraSetup,
     across: OrnsteinUhlenbeckProcess,
     upward: OrnsteinUhlenbeckProcess,
+    heading: Option<OrnsteinUhlenbeckProcess>,
     tick: u64,
 }
 
@@ -20,7 +27,13 @@ impl LocalisationSensor {
     /// The sensor of a trial.
     pub fn new(sensing: SensorModel, camera: CameraSetup, seed: u64) -> Self {
         let noise = |stream| OrnsteinUhlenbeckProcess::new(sensing.noise, CounterRng::new(seed, stream));
-        Self { sensing, camera, across: noise(Stream::Sensor), upward: noise(Stream::SensorUpward), tick: 0 }
+        let heading = sensing.heading_std_dev.map(|std_dev| {
+            let noise =
+                OrnsteinUhlenbeck { std_dev: std_dev.radians(), time_constant_s: HEADING_NOISE_TIME_S };
+            OrnsteinUhlenbeckProcess::new(noise, CounterRng::new(seed, Stream::SensorHeading))
+        });
+        let (across, upward) = (noise(Stream::Sensor), noise(Stream::SensorUpward));
+        Self { sensing, camera, across, upward, heading, tick: 0 }
     }
 
     /// Measures a truth, which must not be older than the one before. `None` where the target is not visible.
@@ -28,6 +41,9 @@ impl LocalisationSensor {
         while self.tick < truth.tick {
             self.across.advance(self.tick);
             self.upward.advance(self.tick);
+            if let Some(heading) = &mut self.heading {
+                heading.advance(self.tick);
+            }
             self.tick += 1;
         }
         let measured = |true_px: f64, noise: OrnsteinUhlenbeckProcess| {
@@ -52,8 +68,23 @@ impl LocalisationSensor {
             centre,
             bounds: bounds.clipped(picture),
             shape: None,
-            heading: None,
+            heading: self.heading(truth),
             confidence: 1.0,
         })
+    }
+
+    /// Direction of the bow in the picture with its noise, anticlockwise from image right.
+    fn heading(&self, truth: &Truth) -> Option<Angle> {
+        let noise = self.heading?;
+        let WorldPoint { x, y, z } = truth.target.position;
+        let (sin, cos) = libm::sincos(truth.target.heading.radians());
+        let seen = |ahead_m: f64| {
+            let point = WorldPoint { x: x + ahead_m * cos, y: y + ahead_m * sin, z };
+            self.camera.optics.project(truth.camera.camera_from_world(point))
+        };
+        let half_m = 0.5 * self.sensing.target_size_m.0;
+        let (bow, stern) = (seen(half_m)?, seen(-half_m)?);
+        let angle = libm::atan2(stern.v - bow.v, bow.u - stern.u) + noise.value();
+        Some(Angle::from_radians(angle - TAU * libm::floor(angle / TAU)))
     }
 }

@@ -1,6 +1,6 @@
 //! Input and output of a guidance step over the water plane.
 
-use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterFix, WaterPoint};
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterCovariance, WaterFix, WaterPoint};
 
 /// Input of one step. All points are in one water frame, at the time of the newest video frame.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +30,9 @@ pub struct BoatFix {
     pub water: WaterFix,
     /// Where the bow points, and the standard deviation; `None` if unknown.
     pub heading: Option<(Angle, Angle)>,
+    /// How fast the covariance of the camera's apparent displacement grows, m²/s: its sway, and what its model does not know;
+    /// `None`: the camera is where its model says.
+    pub sway_per_s: Option<WaterCovariance>,
 }
 
 /// Where the boat shall go.
@@ -41,6 +44,8 @@ pub enum Destination {
     Person {
         /// Where the person is.
         at: WaterPoint,
+        /// How the person drifts along x and y, m/s.
+        velocity_m_per_s: (f64, f64),
         /// Distance that the boat keeps, metres.
         stand_off_m: f64,
         /// How far the person may be from there, metres; added to the stand-off.

@@ -243,7 +243,7 @@ impl LineOfSight {
     fn stop_at(&self, destination: Destination, boat: &BoatState, leg: &LegGuidance) -> Option<Stop> {
         match destination {
             // A person's stand-off holds on every leg.
-            Destination::Person { at, stand_off_m, uncertainty_m } => {
+            Destination::Person { at, stand_off_m, uncertainty_m, .. } => {
                 let rest_m = stand_off_m + uncertainty_m + self.tuning.stand_off_margin_m;
                 let left_m = boat.point.distance_to(at) - rest_m;
                 let is_near = leg.is_last || left_m < self.tuning.pursuit_m;
@@ -291,39 +291,39 @@ impl LineOfSight {
         stop: Option<Stop>,
         limits: &VesselLimits,
     ) -> (VesselCommand, GuidanceState) {
-        let Destination::Person { at, .. } = destination else {
+        let Destination::Person { at, velocity_m_per_s, .. } = destination else {
             return (VesselCommand::NEUTRAL, GuidanceState::Holding);
         };
         let left_m = stop.map_or(0.0, |stop| stop.left_m);
-        let throttle = self.backing_throttle(boat, at, left_m, limits);
-        (VesselCommand { throttle, rudder: 0.0 }, GuidanceState::StandingOff)
+        (self.retreat(boat, (at, velocity_m_per_s), left_m, limits), GuidanceState::StandingOff)
     }
 
-    /// Throttle of a boat at rest before a person: away from the person where it is too close.
-    fn backing_throttle(
+    /// The command of a boat at rest before a person: away from the person where it is too close. A boat that points at the person
+    /// goes astern, another one ahead and turns away.
+    fn retreat(
         &self,
         boat: &BoatState,
-        person: WaterPoint,
+        (person, (vx, vy)): (WaterPoint, (f64, f64)),
         left_m: f64,
         limits: &VesselLimits,
-    ) -> f64 {
+    ) -> VesselCommand {
         let bearing = boat.point.bearing_to(person).radians();
         let (sin, cos) = libm::sincos(bearing);
-        let closing = boat.velocity.0 * sin + boat.velocity.1 * cos;
+        let closing = (boat.velocity.0 - vx) * sin + (boat.velocity.1 - vy) * cos;
         let desired = (BACKING_PER_S * left_m).clamp(-BACKING_M_PER_S, 0.0);
         let excess = closing - desired;
         if excess <= 0.0 || (left_m > 0.0 && closing < ASTERN_EXCESS.0) {
-            return 0.0;
+            return VesselCommand::NEUTRAL;
         }
         // Thrust grows with the square of the throttle.
         let share = libm::sqrt((excess / ASTERN_EXCESS.1).min(1.0));
-        let facing = boat.heading.map_or(1.0, |heading| libm::cos(heading.radians() - bearing));
-        if facing > 0.3 {
-            -limits.astern * share
-        } else if facing < -0.3 {
-            0.5 * limits.ahead * share
+        let off_bow = boat.heading.map_or(0.0, |heading| wrapped(bearing - heading.radians()));
+        if libm::cos(off_bow) > POINTS_AT.0 {
+            VesselCommand { throttle: -limits.astern * share, rudder: 0.0 }
         } else {
-            0.0
+            // Until the person is astern.
+            let rudder = -libm::copysign(limits.rudder * libm::sin(off_bow).abs(), off_bow);
+            VesselCommand { throttle: 0.5 * limits.ahead * share, rudder }
         }
     }
 

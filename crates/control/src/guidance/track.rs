@@ -1,12 +1,7 @@
 //! Position, velocity and heading of the boat over the water plane, from delayed fixes.
 //!
-//! A Kalman filter with the state (x, y, vx, vy). Between two fixes the velocity turns by the turn that the vessel's model
-//! predicts from the commands in force, and a white acceleration of density q (m/s² per root hertz) disturbs it:
-//!
-//! ```text
-//! v' = R(turn) v        p' = p + dt R(turn / 2) v
-//! Q = q² [dt³/3, dt²/2; dt²/2, dt]   for each axis
-//! ```
+//! A Kalman filter ([`super::estimate`]) for place, velocity and the camera's apparent displacement. Between two fixes the velocity turns
+//! by the turn that the vessel's model predicts from the commands in force, and a white acceleration disturbs it.
 //!
 //! The turn is that of the time of capture, looked up in a history, so that the video latency does not enter; a
 //! prediction to the present continues with the commands given since (`smith1957`). The current is part of the velocity.
@@ -15,18 +10,16 @@
 //! stern. So the tracker's heading counts as an axis. Its end is the one near the course of a boat that goes ahead by the model, or
 //! else the one near the heading so far.
 //!
-//! An innovation of more than [`INNOVATION_GATE`] standard deviations is shortened to that. Work: O(1) per step, with one
-//! search in the history of [`HISTORY_LEN`] entries; no allocation after construction.
+//! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries; no allocation after construction.
 
 use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
 
+use super::estimate::{Estimate, Input, Measured, ThroughWater, turned};
 use super::input::BoatFix;
 use super::tuning::{LineOfSightTuning, VesselModel};
 use crate::ring::Ring;
 use crate::wrapped::wrapped;
 
-/// Largest innovation, in standard deviations of its expected length.
-const INNOVATION_GATE: f64 = 4.0;
 /// Stored states of the model; at [`MIN_INTERVAL_S`] they cover 2 s.
 const HISTORY_LEN: usize = 128;
 /// Shortest interval between two stored states, seconds.
@@ -38,8 +31,24 @@ const MAX_GAP_S: f64 = 3.0;
 /// Growth of the heading's variance, rad² per second, and variance beyond which the heading is unknown, rad².
 const HEADING_NOISE: f64 = 0.01;
 const MAX_HEADING_VARIANCE: f64 = 0.6;
+/// Variance of the heading up to which it tells the velocity through the water, rad².
+const KNOWN_HEADING_VARIANCE: f64 = 0.1;
+/// Below this modelled speed, m/s, and thrust the boat is at rest in the water.
+const STILL_M_PER_S: f64 = 0.3;
+const STILL_THRUST: f64 = 0.1;
+/// From this modelled speed, m/s, or thrust on the boat is under way.
+const UNDER_WAY_M_PER_S: f64 = 1.0;
+const UNDER_WAY_THRUST: f64 = 0.3;
+/// Time constants with which the velocity returns to that of the model, under way and at rest, seconds.
+const RETURN_S: f64 = 3.0;
+const RETURN_AT_REST_S: f64 = 0.75;
+/// Density of the acceleration of a boat at rest, m/s² per root hertz: waves.
+const ACCELERATION_AT_REST: f64 = 0.05;
 /// Standard deviation of the course as a heading, radians: the crab angle.
 const CRAB_RAD: f64 = 0.35;
+
+/// That before any fix.
+const NO_DISPLACEMENT: Displacement = Displacement { at_s: f64::NEG_INFINITY, metres: (0.0, 0.0) };
 
 /// The boat at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,12 +94,11 @@ struct Motion {
     surge: f64,
 }
 
-/// The estimate at the time of the last fix.
+/// The camera's apparent displacement at the time of a fix, along x and y.
 #[derive(Debug, Clone, Copy)]
-struct Estimate {
+struct Displacement {
     at_s: f64,
-    state: [f64; 4],
-    covariance: [[f64; 4]; 4],
+    metres: (f64, f64),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -110,6 +118,7 @@ pub struct BoatTrack {
     way_speed: f64,
     command: VesselCommand,
     motion: Ring<Motion, HISTORY_LEN>,
+    displacements: Ring<Displacement, HISTORY_LEN>,
     estimate: Option<Estimate>,
     heading: Option<Heading>,
     arrived: Option<Timestamp>,
@@ -133,6 +142,7 @@ impl BoatTrack {
                 thrust: 0.0,
                 surge: 0.0,
             }),
+            displacements: Ring::new(NO_DISPLACEMENT),
             estimate: None,
             heading: None,
             arrived: None,
@@ -152,7 +162,10 @@ impl BoatTrack {
         if now_s <= last.at_s {
             return;
         }
-        let speed = self.estimate.map_or(0.0, |estimate| libm::hypot(estimate.state[2], estimate.state[3]));
+        let speed = self.estimate.map_or(0.0, |estimate| {
+            let (x, y) = estimate.velocity();
+            libm::hypot(x, y)
+        });
         let next = if last.at_s == f64::NEG_INFINITY {
             Motion { at_s: now_s, ..last }
         } else {
@@ -199,24 +212,26 @@ impl BoatTrack {
         if !(x.is_finite() && y.is_finite() && noise.as_flattened().iter().all(|value| value.is_finite())) {
             return;
         }
+        let measured = Measured { point: fix.water.point, noise };
         let is_continued = self.estimate.is_some_and(|last| at_s - last.at_s < MAX_GAP_S);
-        match self.estimate {
+        let estimate = match self.estimate {
             Some(last) if at_s <= last.at_s => return,
             Some(last) if is_continued => {
-                let turn = self.turned_at(at_s) - self.turned_at(last.at_s);
-                let expected = last.propagated(at_s, turn, self.acceleration_noise);
-                self.estimate = Some(expected.updated([x, y], &noise));
+                let input = Input {
+                    turn: self.turned_at(at_s) - self.turned_at(last.at_s),
+                    gained: self.gained(last.at_s, at_s),
+                    through_water: self.through_water(at_s),
+                    acceleration_noise: self.acceleration_noise_at(at_s),
+                    sway_per_s: fix.sway_per_s.unwrap_or_default(),
+                };
+                last.propagated(at_s, &input).updated(&measured)
             }
-            _ => {
-                let speed = INITIAL_SPEED_M_PER_S * INITIAL_SPEED_M_PER_S;
-                let mut covariance = [[0.0; 4]; 4];
-                covariance[0][..2].copy_from_slice(&noise[0]);
-                covariance[1][..2].copy_from_slice(&noise[1]);
-                covariance[2][2] = speed;
-                covariance[3][3] = speed;
-                self.estimate = Some(Estimate { at_s, state: [x, y, 0.0, 0.0], covariance });
-            }
-        }
+            _ => Estimate::new(at_s, &measured, self.displacements.newest().metres, INITIAL_SPEED_M_PER_S),
+        };
+        self.estimate = Some(estimate);
+        let displacement = Displacement { at_s, metres: estimate.displacement() };
+        self.displacements
+            .push(displacement, |previous, newest| newest.at_s - previous.at_s >= MIN_INTERVAL_S);
         self.arrived = Some(now);
         self.observe_heading(fix, at_s);
     }
@@ -226,7 +241,7 @@ impl BoatTrack {
         let (estimate, arrived) = (self.estimate?, self.arrived?);
         let (now_s, motion) = (now.as_secs_f64(), self.motion.newest());
         let turn = motion.turned - self.turned_at(estimate.at_s);
-        let [x, y, vx, vy] = estimate.state;
+        let (WaterPoint { x, y }, (vx, vy)) = (estimate.point(), estimate.velocity());
         let duration_s = (now_s - estimate.at_s).max(0.0);
         let half = turned((vx, vy), 0.5 * turn);
         let state = BoatState {
@@ -240,6 +255,21 @@ impl BoatTrack {
             surge: motion.surge,
         };
         Some((arrived, state))
+    }
+
+    /// The camera's apparent displacement at a time of capture: that of the newest fix that is not later, or else the oldest one that
+    /// is stored.
+    pub fn displacement_at(&self, captured: Timestamp) -> WaterPoint {
+        let at_s = captured.as_secs_f64();
+        let mut found = self.displacements.newest();
+        let mut earlier = self.displacements.earlier();
+        while found.at_s > at_s
+            && let Some(before) = earlier.next()
+        {
+            found = before;
+        }
+        let (x, y) = found.metres;
+        WaterPoint { x, y }
     }
 
     /// Time of capture of the last fix.
@@ -258,7 +288,7 @@ impl BoatTrack {
                 variance: last.variance + HEADING_NOISE * (at_s - last.at_s).max(0.0),
             };
         }
-        let [_, _, vx, vy] = estimate.state;
+        let (vx, vy) = estimate.velocity();
         let squared_speed = vx * vx + vy * vy;
         let of_tracker = fix
             .heading
@@ -267,8 +297,7 @@ impl BoatTrack {
         let is_moving =
             motion.surge > self.way_speed && squared_speed > self.course_speed * self.course_speed;
         let of_course = is_moving.then(|| {
-            let velocity_variance = estimate.covariance[2][2] + estimate.covariance[3][3];
-            (libm::atan2(vx, vy), CRAB_RAD * CRAB_RAD + velocity_variance / squared_speed)
+            (libm::atan2(vx, vy), CRAB_RAD * CRAB_RAD + estimate.velocity_variance() / squared_speed)
         });
         let of_way_ahead = of_course.filter(|_| motion.thrust > 0.0).map(|(course, _)| course);
         let of_past = self.heading.filter(|last| last.variance < MAX_HEADING_VARIANCE).map(|last| last.angle);
@@ -287,6 +316,34 @@ impl BoatTrack {
                 variance: kept_variance,
             });
         }
+    }
+
+    /// Velocity through the water by the model: none at rest; unknown under way while the heading is not known well.
+    fn through_water(&self, at_s: f64) -> Option<ThroughWater> {
+        let motion = self.motion_at(at_s);
+        if motion.surge.abs() < STILL_M_PER_S && motion.thrust.abs() < STILL_THRUST {
+            return Some(ThroughWater { velocity: (0.0, 0.0), return_s: RETURN_AT_REST_S });
+        }
+        let heading = self.heading.filter(|heading| heading.variance < KNOWN_HEADING_VARIANCE)?;
+        let (sin, cos) = libm::sincos(heading.angle);
+        Some(ThroughWater { velocity: (motion.surge * sin, motion.surge * cos), return_s: RETURN_S })
+    }
+
+    /// Change of the velocity by the modelled thrust between two times, along the heading, m/s; none while the heading is unknown.
+    fn gained(&self, from_s: f64, to_s: f64) -> (f64, f64) {
+        let Some(heading) = self.heading.filter(|heading| heading.variance < MAX_HEADING_VARIANCE) else {
+            return (0.0, 0.0);
+        };
+        let gained = self.motion_at(to_s).surge - self.motion_at(from_s).surge;
+        let (sin, cos) = libm::sincos(heading.angle);
+        (gained * sin, gained * cos)
+    }
+
+    /// Density of the acceleration that the model does not know, m/s² per root hertz: less of a boat at rest.
+    fn acceleration_noise_at(&self, at_s: f64) -> f64 {
+        let motion = self.motion_at(at_s);
+        let way = (motion.surge.abs() / UNDER_WAY_M_PER_S).max(motion.thrust.abs() / UNDER_WAY_THRUST);
+        ACCELERATION_AT_REST + way.min(1.0) * (self.acceleration_noise - ACCELERATION_AT_REST)
     }
 
     fn turned_at(&self, at_s: f64) -> f64 {
@@ -336,60 +393,6 @@ fn motion_at(motion: &Ring<Motion, HISTORY_LEN>, at_s: f64) -> Motion {
     *later
 }
 
-impl Estimate {
-    /// The prediction step of the filter.
-    fn propagated(&self, at_s: f64, turn: f64, acceleration_noise: f64) -> Self {
-        let duration_s = at_s - self.at_s;
-        let [x, y, vx, vy] = self.state;
-        let half = turned((vx, vy), 0.5 * turn);
-        let velocity = turned((vx, vy), turn);
-        // The covariance ignores the turn, which is small between two fixes.
-        let p = &self.covariance;
-        let mut next = *p;
-        for i in 0..2 {
-            for j in 0..2 {
-                next[i][j] = p[i][j]
-                    + duration_s * (p[i][j + 2] + p[i + 2][j])
-                    + duration_s * duration_s * p[i + 2][j + 2];
-                next[i][j + 2] = p[i][j + 2] + duration_s * p[i + 2][j + 2];
-                next[i + 2][j] = p[i + 2][j] + duration_s * p[i + 2][j + 2];
-            }
-        }
-        let density = acceleration_noise * acceleration_noise;
-        for i in 0..2 {
-            next[i][i] += density * duration_s * duration_s * duration_s / 3.0;
-            next[i][i + 2] += 0.5 * density * duration_s * duration_s;
-            next[i + 2][i] += 0.5 * density * duration_s * duration_s;
-            next[i + 2][i + 2] += density * duration_s;
-        }
-        let state = [x + duration_s * half.0, y + duration_s * half.1, velocity.0, velocity.1];
-        Self { at_s, state, covariance: next }
-    }
-
-    /// The update step of the filter.
-    fn updated(&self, measured: [f64; 2], noise: &[[f64; 2]; 2]) -> Self {
-        let p = &self.covariance;
-        let s = [0, 1].map(|i| [0, 1].map(|j| p[i][j] + noise[i][j]));
-        let scale = 1.0 / (s[0][0] * s[1][1] - s[0][1] * s[1][0]);
-        let back = [[scale * s[1][1], -scale * s[0][1]], [-scale * s[1][0], scale * s[0][0]]];
-        let off = [measured[0] - self.state[0], measured[1] - self.state[1]];
-        let squared = off[0] * (back[0][0] * off[0] + back[0][1] * off[1])
-            + off[1] * (back[1][0] * off[0] + back[1][1] * off[1]);
-        let share = if squared > INNOVATION_GATE * INNOVATION_GATE {
-            INNOVATION_GATE / libm::sqrt(squared)
-        } else {
-            1.0
-        };
-        let off = off.map(|value| share * value);
-        let gains: [[f64; 2]; 4] =
-            [0, 1, 2, 3].map(|i| [0, 1].map(|j| p[i][0] * back[0][j] + p[i][1] * back[1][j]));
-        let state = [0, 1, 2, 3].map(|i| self.state[i] + gains[i][0] * off[0] + gains[i][1] * off[1]);
-        let covariance = [0, 1, 2, 3]
-            .map(|i| [0, 1, 2, 3].map(|j| p[i][j] - gains[i][0] * p[0][j] - gains[i][1] * p[1][j]));
-        Self { at_s: self.at_s, state, covariance }
-    }
-}
-
 /// The end of an axis that points nearer to a direction: the angle itself, or the opposite one, radians.
 fn end_near(angle: f64, direction: f64) -> f64 {
     if wrapped(angle - direction).abs() > core::f64::consts::FRAC_PI_2 {
@@ -397,10 +400,4 @@ fn end_near(angle: f64, direction: f64) -> f64 {
     } else {
         angle
     }
-}
-
-/// A vector (x right, y ahead) turned to the right.
-fn turned((x, y): (f64, f64), angle: f64) -> (f64, f64) {
-    let (sin, cos) = libm::sincos(angle);
-    (x * cos + y * sin, y * cos - x * sin)
 }

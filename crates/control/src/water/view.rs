@@ -124,14 +124,11 @@ impl WaterView {
         };
         let by_u = by_tangents(slope[0][0], slope[1][0]);
         let by_v = by_tangents(slope[0][1], slope[1][1]);
-        // A tilt upwards by dt turns forwards' = down and down' = -forwards.
-        let by_tilt =
-            [right * ray.forwards / ray.down, reach * ray.down + forwards * ray.forwards / ray.down];
+        let [by_pan, by_tilt] = self.slopes_by_turn(right, forwards);
         let level_down = tangents[0] * sr + tangents[1] * cr;
         // A roll by dr turns a' = -b and b' = a.
         let by_roll =
             [-by_a[0] * level_down + by_b[0] * ray.right, -by_a[1] * level_down + by_b[1] * ray.right];
-        let by_pan = [forwards, -right];
         let by_height = [right / self.height_m, forwards / self.height_m];
         let mut covariance = WaterCovariance::default();
         for (std_dev, by) in [
@@ -154,6 +151,22 @@ impl WaterView {
     pub fn pixel_of_water(&self, point: WaterPoint) -> Option<PixelPoint> {
         let (x, y) = self.below.vector_to(point);
         self.pixel_of([x, y, -self.height_m])
+    }
+
+    /// How the point on the water at a pixel moves along x and y, metres for each radian by which the camera turns to the right,
+    /// and up, where the pixel is that of `point`.
+    pub fn slopes_at(&self, point: WaterPoint) -> [(f64, f64); 2] {
+        let (x, y) = self.below.vector_to(point);
+        let (sp, cp) = self.pan;
+        self.slopes_by_turn(x * cp - y * sp, x * sp + y * cp)
+            .map(|[right, forwards]| self.turned_by_pan(right, forwards))
+    }
+
+    /// Derivatives of a point (right, forwards; metres) by pan and by tilt, metres per radian. A tilt upwards by dt turns
+    /// forwards' = down and down' = -forwards.
+    fn slopes_by_turn(&self, right: f64, forwards: f64) -> [[f64; 2]; 2] {
+        let slope = forwards / self.height_m;
+        [[forwards, -right], [right * slope, self.height_m + forwards * slope]]
     }
 
     fn level_ray(&self, [x, y]: lens::Tangents) -> LevelRay {

@@ -68,6 +68,7 @@ impl Scene {
             captured: now,
             water: WaterFix { point, covariance: WaterCovariance::isotropic(0.05) },
             heading: self.gives_heading.then_some(heading),
+            sway_per_s: None,
         });
         let arrives = self.pending.iter().position(|fix| now.since(fix.captured) >= LATENCY);
         let fix = arrives.map(|index| self.pending.remove(index)).filter(|_| is_measured);
@@ -116,7 +117,12 @@ fn place(x: f64, y: f64) -> Destination {
 }
 
 fn person(x: f64, y: f64) -> Destination {
-    Destination::Person { at: WaterPoint { x, y }, stand_off_m: 2.0, uncertainty_m: 0.3 }
+    Destination::Person {
+        at: WaterPoint { x, y },
+        velocity_m_per_s: (0.0, 0.0),
+        stand_off_m: 2.0,
+        uncertainty_m: 0.3,
+    }
 }
 
 #[test]
@@ -284,6 +290,7 @@ fn values_that_are_not_finite_move_nothing() {
             captured: now,
             water: bad,
             heading: Some((Angle::from_radians(f64::NAN), Angle::ZERO)),
+            sway_per_s: None,
         }),
         destination: Some(place(f64::NAN, f64::INFINITY)),
         route: 2,
@@ -327,7 +334,7 @@ fn the_same_inputs_give_the_same_bits_and_no_step_allocates() {
             };
             let step = law.step(&GuidanceInput {
                 now,
-                fix: Some(BoatFix { captured: now, water, heading: None }),
+                fix: Some(BoatFix { captured: now, water, heading: None, sway_per_s: None }),
                 destination: Some(place(1.0, 20.0)),
                 route: 1,
                 way_points: &[],
@@ -364,7 +371,7 @@ impl Straight {
             let point = WaterPoint { x: 0.0, y: self.y_m };
             let water = WaterFix { point, covariance: WaterCovariance::isotropic(0.05) };
             let heading = Some((Angle::from_degrees(reported_deg), Angle::from_degrees(15.0)));
-            self.track.observe(&BoatFix { captured: now, water, heading }, now);
+            self.track.observe(&BoatFix { captured: now, water, heading, sway_per_s: None }, now);
             self.y_m += speed * FRAME_S;
             self.now_s += FRAME_S;
         }

@@ -217,6 +217,8 @@ fn step(
                 heading: (condition.heading_noise_deg > 0.0).then(|| {
                     (Angle::from_radians(frame.heading), Angle::from_degrees(condition.heading_noise_deg))
                 }),
+                // The camera is at rest.
+                sway_per_s: None,
             });
             let keep_outs: Vec<KeepOut> = frame
                 .people
@@ -230,6 +232,7 @@ fn step(
                 if condition.to_person {
                     Destination::Person {
                         at,
+                        velocity_m_per_s: (0.0, 0.0),
                         stand_off_m: STAND_OFF_M,
                         uncertainty_m: condition.uncertainty_m,
                     }

@@ -367,6 +367,8 @@ pub struct SensingSection {
     /// Time constant of the noise, seconds; 0 for independent noise of each picture.
     #[serde(default)]
     pub noise_time_s: f64,
+    /// Standard deviation of the bow's direction in the picture, degrees. Without it the direction is not measured.
+    pub heading_noise_deg: Option<f64>,
     /// Whether the position is rounded to whole pixels.
     pub rounded: bool,
     /// Limits of |x| and |y|, pixels: a target outside of the picture is reported at the limit. Without them it is lost.

@@ -38,7 +38,7 @@ const fn without_default(
 }
 
 /// The keys that a file may leave out, in the order of their sections.
-const OPTIONAL: [OptionalKey; 38] = [
+const OPTIONAL: [OptionalKey; 39] = [
     without_default(
         "camera",
         "frame",
@@ -162,6 +162,12 @@ const OPTIONAL: [OptionalKey; 38] = [
         "noise_time_s",
         "0.0",
         "Time constant of the noise, seconds; 0: independent from picture to picture.",
+    ),
+    without_default(
+        "sensing",
+        "heading_noise_deg",
+        "8.0",
+        "Deviation of the bow's direction in the picture, degrees. Without it, the direction is not measured.",
     ),
     without_default(
         "sensing",

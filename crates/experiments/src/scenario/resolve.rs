@@ -162,5 +162,9 @@ fn sensing(section: &SensingSection) -> Result<SensorModel, ScenarioError> {
             },
         },
         target_size_m: (size(length)?, size(breadth)?),
+        heading_std_dev: section
+            .heading_noise_deg
+            .map(|degrees| angle_within("sensing.heading_noise_deg", degrees, 0.0, 90.0))
+            .transpose()?,
     })
 }

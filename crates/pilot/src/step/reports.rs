@@ -5,6 +5,7 @@ use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Angle, Telemetry, Timestamp};
 
 use super::Pilot;
+use crate::behaviour;
 
 impl Pilot {
     /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
@@ -43,10 +44,14 @@ impl Pilot {
 
     /// The vehicle tells the elevation of the camera's axis.
     fn on_tilt(&mut self, tilt: Angle, at: Timestamp) {
-        self.reported_tilt = Some((tilt, at));
+        let is_first = self.reported_tilt.replace((tilt, at)).is_none();
         if let Some(vessel) = &mut self.vessel {
             vessel.on_tilt(at);
         }
-        self.law.on_tilt_report(tilt, at);
+        if is_first && self.behaviour > behaviour::SURE_SELECTION {
+            self.law.on_first_tilt_report(tilt, at);
+        } else {
+            self.law.on_tilt_report(tilt, at);
+        }
     }
 }

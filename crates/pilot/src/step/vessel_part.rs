@@ -3,6 +3,7 @@
 use barrelman_vocab::{OperatorRequest, Timestamp, Track};
 
 use super::Pilot;
+use crate::behaviour;
 use crate::outcome::{HoldCause, Notice, Refusal};
 use crate::safety::ObservationResult;
 use crate::vessel::{Observed, VesselOutcome, VesselView};
@@ -11,10 +12,11 @@ impl Pilot {
     /// Processes a request about the vessel. Returns what the operator has to know.
     pub(super) fn on_vessel_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
         let is_boat_seen = matches!(self.track, Track::Tracking(_)) && self.drawn_selection.is_none();
+        let sways = self.behaviour > behaviour::SURE_SELECTION;
         let Some(vessel) = &mut self.vessel else {
             return Some(Notice::RequestRefused(Refusal::NoVessel));
         };
-        let view = VesselView { camera: self.law.camera(), now };
+        let view = VesselView { camera: self.law.camera(), now, sways };
         match vessel.on_request(request, self.picture, is_boat_seen, view) {
             Ok(marked) => marked.map(|(id, kind)| Notice::Marked(id, kind)),
             Err(refusal) => Some(Notice::RequestRefused(refusal)),
@@ -33,6 +35,7 @@ impl Pilot {
             (ObservationResult::NoObservation, _) => Observed::Nothing,
         };
         let newest = self.last_capture.zip(self.picture);
-        vessel.step(observed, newest, VesselView { camera: self.law.camera(), now })
+        let sways = self.behaviour > behaviour::SURE_SELECTION;
+        vessel.step(observed, newest, VesselView { camera: self.law.camera(), now, sways })
     }
 }

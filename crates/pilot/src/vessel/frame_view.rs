@@ -6,7 +6,7 @@ use barrelman_control::guidance::input::BoatFix;
 use barrelman_control::water::WaterView;
 use barrelman_vocab::{
     Angle, CameraAboveWater, Localisation, PictureSize, PixelPoint, Sighting, SightingNoise, Timestamp,
-    WaterFix, WaterPoint,
+    WaterCovariance, WaterFix, WaterPoint,
 };
 
 /// Standard deviations of what a point on the water is computed from, common errors apart: those of height and attitude
@@ -25,6 +25,12 @@ const BOW_PX: f64 = 8.0;
 /// Bisections by which the horizon is found on a border of the picture.
 const HORIZON_STEPS: usize = 16;
 
+/// Random turn of the view to the right and up while the camera rests, radians per root of a second: yaw and place of a kite in
+/// the wind.
+const SWAY_RAD_PER_ROOT_S: [f64; 2] = [0.049, 0.009];
+/// The same for each rad/s at which the camera turns: what the camera's model does not know of its axes.
+const SWAY_BY_RATE: f64 = 0.2;
+
 /// The camera of one video frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameView {
@@ -34,27 +40,38 @@ pub struct FrameView {
     pub sees_water: bool,
     /// Size of the picture.
     picture: PictureSize,
+    /// How fast the view may turn beside the camera's model, to the right and up, radians per root of a second.
+    sway_rad_per_root_s: [f64; 2],
 }
 
 impl FrameView {
     /// The camera at the time of capture of a video frame; `None` for the height: height or tilt are not known, and only
-    /// lines of sight mean anything.
+    /// lines of sight mean anything. `below`: the camera's apparent displacement.
     pub fn new(
         camera: &CameraModel,
         captured: Timestamp,
         picture: PictureSize,
         height_m: Option<f64>,
+        below: WaterPoint,
     ) -> Self {
         let (pan, tilt) = camera.angles_at(captured);
+        let (pan_rate, tilt_rate) = camera.rates_at(captured);
+        let [still_pan, still_tilt] = SWAY_RAD_PER_ROOT_S;
+        let sway = |still, rate| libm::hypot(still, SWAY_BY_RATE * rate);
         let lens = camera.lens_at(captured, picture);
         let camera = CameraAboveWater {
-            below: WaterPoint::default(),
+            below,
             height_m: height_m.unwrap_or(1.0),
             pan: Angle::from_radians(pan),
             tilt: Angle::from_radians(tilt),
             roll: Angle::ZERO,
         };
-        Self { view: WaterView::new(lens, &camera), sees_water: height_m.is_some(), picture }
+        Self {
+            view: WaterView::new(lens, &camera),
+            sees_water: height_m.is_some(),
+            picture,
+            sway_rad_per_root_s: [sway(still_pan, pan_rate), sway(still_tilt, tilt_rate)],
+        }
     }
 
     /// The point on the water at a pixel; `None`: at the horizon, above it, or the water is not known.
@@ -93,8 +110,8 @@ impl FrameView {
         Some([near_left, far_left, far_right, near_right])
     }
 
-    /// The boat on the water.
-    pub fn boat(&self, seen: &Localisation) -> Option<BoatFix> {
+    /// The boat on the water, seen from where the camera's model says; `sways`: the camera may be elsewhere.
+    pub fn boat(&self, seen: &Localisation, sways: bool) -> Option<BoatFix> {
         let centre = seen.bounds.centre();
         let water = self.fix(centre)?;
         let heading = seen.heading.and_then(|heading| {
@@ -102,7 +119,16 @@ impl FrameView {
             let bow = PixelPoint { u: centre.u + BOW_PX * cos, v: centre.v - BOW_PX * sin };
             Some((water.point.bearing_to(self.fix(bow)?.point), HEADING_STD_DEV))
         });
-        Some(BoatFix { captured: seen.captured, water, heading })
+        let sway_per_s = sways.then(|| {
+            let mut growth = WaterCovariance::default();
+            for ((x, y), rate) in self.view.slopes_at(water.point).into_iter().zip(self.sway_rad_per_root_s) {
+                growth.xx += rate * rate * x * x;
+                growth.xy += rate * rate * x * y;
+                growth.yy += rate * rate * y * y;
+            }
+            growth
+        });
+        Some(BoatFix { captured: seen.captured, water, heading, sway_per_s })
     }
 }
 
@@ -124,7 +150,12 @@ mod tests {
             tilt: Angle::from_degrees(tilt_deg),
             roll: Angle::ZERO,
         };
-        FrameView { view: WaterView::new(lens, &camera), sees_water: height_m.is_some(), picture: PICTURE }
+        FrameView {
+            view: WaterView::new(lens, &camera),
+            sees_water: height_m.is_some(),
+            picture: PICTURE,
+            sway_rad_per_root_s: SWAY_RAD_PER_ROOT_S,
+        }
     }
 
     #[test]
@@ -150,7 +181,13 @@ mod tests {
         let seen = |lens: Option<Lens>| {
             let camera = CameraModel::new(CameraDynamics { lens, ..profile.camera }, profile.limits);
             let half = PictureSize::new(640, 360);
-            let view = FrameView::new(&camera, Timestamp::from_nanos(1_000_000_000), half, Some(15.0));
+            let view = FrameView::new(
+                &camera,
+                Timestamp::from_nanos(1_000_000_000),
+                half,
+                Some(15.0),
+                WaterPoint::default(),
+            );
             view.fix(PixelPoint { u: 600.0, v: 300.0 }).unwrap().point
         };
         // The pixel is 305 px from the centre, at r = 0.92, where r (1 - 0.1 r²) undone is 1.03.

@@ -5,7 +5,7 @@
 
 use barrelman_control::guidance::input::Progress;
 use barrelman_control::guidance::{
-    GuidanceInput, GuidanceState, KeepOut, LabBranch, LabInput, LabLaw, LabSettings, LineOfSight,
+    BoatFix, GuidanceInput, GuidanceState, KeepOut, LabBranch, LabInput, LabLaw, LabSettings, LineOfSight,
     LineOfSightTuning, VesselModel,
 };
 use barrelman_vocab::{
@@ -119,18 +119,23 @@ impl Guide {
         marks.are_beyond(progress.boat, speed * time_s, profile, now)
     }
 
-    /// The command for a fresh localisation of the boat.
+    /// The camera's apparent displacement at a time of capture.
+    pub fn displacement_at(&self, captured: Timestamp) -> WaterPoint {
+        self.line_of_sight.track().displacement_at(captured)
+    }
+
+    /// The command for a fresh localisation of the boat, seen from where the camera's model says; `sways`: the camera may be elsewhere.
     pub fn step(
         &mut self,
         seen: &Localisation,
-        frame_view: &FrameView,
+        (frame_view, sways): (&FrameView, bool),
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
     ) -> Result<VesselCommand, VesselHold> {
         let is_over_water = self.law == GuidanceLaw::LineOfSight && frame_view.sees_water;
         let (command, guidance) = if is_over_water {
-            self.step_over_water(seen, frame_view, marks, profile, now)
+            self.step_over_water(frame_view.boat(seen, sways), marks, profile, now)
         } else {
             self.step_in_picture(seen, frame_view, marks, now)
         };
@@ -144,8 +149,7 @@ impl Guide {
 
     fn step_over_water(
         &mut self,
-        seen: &Localisation,
-        frame_view: &FrameView,
+        fix: Option<BoatFix>,
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
@@ -156,7 +160,7 @@ impl Guide {
         let circles_set = marks.keep_outs(profile, now, &mut circles);
         let step = self.line_of_sight.step(&GuidanceInput {
             now,
-            fix: frame_view.boat(seen),
+            fix,
             destination: marks.water_destination(profile, now),
             route: marks.route(),
             way_points: &way_points[..way_points_set],

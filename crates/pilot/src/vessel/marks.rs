@@ -17,14 +17,14 @@ use super::frame_view::FrameView;
 
 /// Most marks at a time.
 pub const MAX_MARKS: usize = 16;
-/// Growth of the standard deviation of a person's place, m/s: a third of the drift in a knot of current.
+/// Growth of the standard deviation of a person's place, m/s, beside that of the drift: swimming, and what is left of the sway.
 const PERSON_DRIFT_M_PER_S: f64 = 0.1;
 /// Standard deviation of each component of a person's drift before it is known, m/s.
 const DRIFT_STD_DEV_M_PER_S: f64 = 0.3;
 /// Growth of the variance of a known drift, (m/s)² per second: wind and current change.
 const DRIFT_NOISE: f64 = 0.0004;
 /// Standard deviation of each coordinate of a mark, beside what the camera's geometry tells, metres: the kite's sway, the hand.
-const MARK_STD_DEV_M: f64 = 1.2;
+const MARK_STD_DEV_M: f64 = 0.8;
 /// Least time between two places of a mark that tell a drift.
 const DRIFT_AFTER: Duration = Duration::from_secs(2);
 /// Largest drift that is believed, m/s: a fast tidal current.
@@ -49,54 +49,79 @@ pub struct Mark {
     pub water: Option<WaterFix>,
     /// Time of capture of its video frame.
     pub marked: Timestamp,
-    /// How the marked person drifts; at rest until the mark has been moved.
-    pub drift: Drift,
+    /// How the marked person drifts; `None`: no person, or no place on the water.
+    pub drift: Option<Drift>,
 }
 
-/// An estimate of a drift over the water frame: the mean of what is expected (none) and of what moved marks tell, each by the
-/// inverse of its variance.
+/// An estimate of a drift over the water frame: a Kalman filter with the states place and velocity, the same for x and y. What it
+/// measures are the places of the mark. It starts at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
     /// Along x and y, m/s.
     pub velocity_m_per_s: (f64, f64),
-    /// Variance of each component, (m/s)².
-    variance: f64,
-}
-
-impl Default for Drift {
-    fn default() -> Self {
-        let variance = DRIFT_STD_DEV_M_PER_S * DRIFT_STD_DEV_M_PER_S;
-        Self { velocity_m_per_s: (0.0, 0.0), variance }
-    }
+    place: (f64, f64),
+    /// Variances of place (m²) and velocity ((m/s)²), and their covariance.
+    variances: [f64; 2],
+    covariance: f64,
 }
 
 impl Drift {
-    /// Takes in that something moved by a vector (metres) in a time; `std_dev_m`: of both ends.
-    fn observe(&mut self, (x, y): (f64, f64), duration_s: f64, std_dev_m: f64) {
-        let told_variance = 2.0 * std_dev_m * std_dev_m / (duration_s * duration_s);
-        let known_variance = self.variance + DRIFT_NOISE * duration_s;
-        let share = known_variance / (known_variance + told_variance);
+    /// At rest at a place.
+    fn new(WaterPoint { x, y }: WaterPoint, std_dev_m: f64) -> Self {
+        let speed_variance = DRIFT_STD_DEV_M_PER_S * DRIFT_STD_DEV_M_PER_S;
+        Self {
+            velocity_m_per_s: (0.0, 0.0),
+            place: (x, y),
+            variances: [std_dev_m * std_dev_m, speed_variance],
+            covariance: 0.0,
+        }
+    }
+
+    /// Standard deviation of each component of the velocity, m/s.
+    fn std_dev_m_per_s(&self) -> f64 {
+        libm::sqrt(self.variances[1])
+    }
+
+    /// Takes in that what drifts is at a place after a time.
+    fn observe(&mut self, WaterPoint { x, y }: WaterPoint, duration_s: f64, std_dev_m: f64) {
+        let [place, velocity] = self.variances;
+        let covariance = self.covariance + duration_s * velocity;
+        let place = place + duration_s * (self.covariance + covariance);
+        let velocity = velocity + DRIFT_NOISE * duration_s;
+        let total = place + std_dev_m * std_dev_m;
+        let gains = (place / total, covariance / total);
         let (vx, vy) = self.velocity_m_per_s;
-        let mixed = (vx + share * (x / duration_s - vx), vy + share * (y / duration_s - vy));
+        let expected = (self.place.0 + duration_s * vx, self.place.1 + duration_s * vy);
+        let off = (x - expected.0, y - expected.1);
+        self.place = (expected.0 + gains.0 * off.0, expected.1 + gains.0 * off.1);
+        let mixed = (vx + gains.1 * off.0, vy + gains.1 * off.1);
         let scale = (MAX_DRIFT_M_PER_S / libm::hypot(mixed.0, mixed.1).max(1e-9)).min(1.0);
         self.velocity_m_per_s = (scale * mixed.0, scale * mixed.1);
-        self.variance = (1.0 - share) * known_variance;
+        self.variances = [(1.0 - gains.0) * place, velocity - gains.1 * covariance];
+        self.covariance = (1.0 - gains.0) * covariance;
     }
 }
 
 impl Mark {
     /// Standard deviation of the place at `now`, metres; `None` without a place on the water.
     pub fn std_dev_m(&self, now: Timestamp) -> Option<f64> {
-        let drift = if self.kind == MarkKind::Person { PERSON_DRIFT_M_PER_S } else { PLACE_DRIFT_M_PER_S };
+        let drift = self
+            .drift
+            .map_or(PLACE_DRIFT_M_PER_S, |drift| libm::hypot(PERSON_DRIFT_M_PER_S, drift.std_dev_m_per_s()));
         let grown = drift * now.since(self.marked).as_secs_f64();
         let fixed = self.water?.covariance.max_std_dev_m();
         Some(libm::sqrt(fixed * fixed + grown * grown).min(MAX_STD_DEV_M))
     }
 
+    /// Velocity over the water frame along x and y, m/s.
+    pub fn velocity_m_per_s(&self) -> (f64, f64) {
+        self.drift.map_or((0.0, 0.0), |drift| drift.velocity_m_per_s)
+    }
+
     /// The point on the water at `now`.
     pub fn point(&self, now: Timestamp) -> Option<WaterPoint> {
         let WaterPoint { x, y } = self.water?.point;
-        let (vx, vy) = self.drift.velocity_m_per_s;
+        let (vx, vy) = self.velocity_m_per_s();
         let since_s = now.since(self.marked).as_secs_f64();
         Some(WaterPoint { x: x + vx * since_s, y: y + vy * since_s })
     }
@@ -145,6 +170,11 @@ fn place(pixel: PixelPoint, frame_view: &FrameView) -> Result<([f64; 3], Option<
     }
 }
 
+/// Standard deviation of each coordinate of a mark's place, metres.
+fn std_dev_of(fix: &WaterFix) -> f64 {
+    libm::hypot(MARK_STD_DEV_M, fix.covariance.max_std_dev_m())
+}
+
 /// All marks, in the order in which they were set.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Marks {
@@ -191,7 +221,9 @@ impl Marks {
             direction,
             water,
             marked: drawn.captured,
-            drift: Drift::default(),
+            drift: water
+                .filter(|_| drawn.kind == MarkKind::Person)
+                .map(|fix| Drift::new(fix.point, std_dev_of(&fix))),
         });
         self.count += 1;
         let is_goal = matches!(drawn.kind, MarkKind::Place | MarkKind::Person);
@@ -217,11 +249,15 @@ impl Marks {
         let mark = mark.ok_or(MarkRefusal::NoSuchMark)?;
         let is_way_point = mark.kind == MarkKind::WayPoint;
         let since = moved.captured.since(mark.marked);
-        if let (MarkKind::Person, Some(before), Some(now)) = (mark.kind, mark.water, water)
-            && since >= DRIFT_AFTER
-        {
-            let std_dev_m = libm::hypot(MARK_STD_DEV_M, now.covariance.max_std_dev_m());
-            mark.drift.observe(before.point.vector_to(now.point), since.as_secs_f64(), std_dev_m);
+        match (mark.kind, water, &mut mark.drift) {
+            // Places close in time tell nothing of the drift.
+            (MarkKind::Person, Some(fix), Some(drift)) if mark.water.is_some() => {
+                if since >= DRIFT_AFTER {
+                    drift.observe(fix.point, since.as_secs_f64(), std_dev_of(&fix));
+                }
+            }
+            (MarkKind::Person, Some(fix), drift) => *drift = Some(Drift::new(fix.point, std_dev_of(&fix))),
+            _ => mark.drift = None,
         }
         (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured);
         // A boat that rests at its destination goes on to where the destination is now.
@@ -284,7 +320,12 @@ impl Marks {
         let mark = self.destination()?;
         let (at, uncertainty_m) = (mark.point(now)?, mark.std_dev_m(now)?);
         Some(match mark.kind {
-            MarkKind::Person => Destination::Person { at, stand_off_m: profile.stand_off_m, uncertainty_m },
+            MarkKind::Person => Destination::Person {
+                at,
+                velocity_m_per_s: mark.velocity_m_per_s(),
+                stand_off_m: profile.stand_off_m,
+                uncertainty_m,
+            },
             _ => Destination::Place(at),
         })
     }

@@ -299,7 +299,7 @@ fn the_mark_of_a_person_that_is_moved_drifts_on() {
     }
     let outcome = bench.see(INSIDE);
     assert_eq!(outcome.vessel.marks.iter().count(), 1);
-    let (vx, vy) = person(&outcome).drift.velocity_m_per_s;
+    let (vx, vy) = person(&outcome).velocity_m_per_s();
     // The estimate lies between none and what the marks tell.
     let last = person(&outcome);
     let duration_s = last.marked.since(first.marked).as_secs_f64();

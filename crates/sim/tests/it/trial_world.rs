@@ -54,6 +54,7 @@ pub(crate) fn plain() -> Scenario {
             is_rounded: false,
             beyond_border: BeyondBorder::Absent,
             target_size_m: (LENGTH_M, 0.3),
+            heading_std_dev: None,
         },
         max_s: 60.0,
     }
