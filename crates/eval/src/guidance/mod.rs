@@ -2,7 +2,7 @@
 //!
 //! A camera at rest, 15 m above the water, looks down by 40 degrees; the boat goes 13 to 25 m from a start to a place or a
 //! person in the picture. Both laws see pixels with 2 px of noise after the latency. The laboratory's law computes a step
-//! for each video frame.
+//! for each video frame. `--loop` compares them in the whole loop instead ([`whole_loop`]).
 
 mod condition;
 mod course;
@@ -10,6 +10,7 @@ mod gains;
 mod requirements;
 mod summary;
 mod trial;
+mod whole_loop;
 
 use std::time::Duration;
 
@@ -37,11 +38,14 @@ pub(crate) struct Options {
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
     /// Print each trial.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "whole_loop")]
     each: bool,
     /// Another value of one of our law's gains, for tuning: NAME=VALUE.
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", conflicts_with = "whole_loop")]
     set: Vec<String>,
+    /// The whole loop instead: a swaying kite whose camera follows the boat, and an operator who marks the people.
+    #[arg(long = "loop")]
+    whole_loop: bool,
 }
 
 /// A law with its name in the table.
@@ -57,6 +61,37 @@ struct NamedLaw {
 /// # Errors
 /// If a scenario cannot be loaded.
 pub(crate) fn run(options: &Options) -> Result<bool> {
+    let is_met = if options.whole_loop { run_whole_loop(options)? } else { run_laws(options)? };
+    print_line(if is_met { "\nevery requirement holds" } else { "\nrequirements are MISSED" });
+    Ok(is_met)
+}
+
+impl Options {
+    fn wants(&self, name: &str) -> bool {
+        self.only.as_ref().is_none_or(|only| name.starts_with(only.as_str()))
+    }
+
+    fn seeds(&self) -> Vec<u64> {
+        (self.first_seed..self.first_seed + self.seeds).collect()
+    }
+}
+
+fn run_whole_loop(options: &Options) -> Result<bool> {
+    print_line(&format!(
+        "{} trials a condition, seeds from {}; truth with 2 px of noise, 15 frames/s; the operator marks people with up to 4 px \
+         of error, and moves the marks every 5 s",
+        options.seeds, options.first_seed
+    ));
+    print_line(whole_loop::HEADER);
+    let mut is_met = true;
+    for condition in whole_loop::CONDITIONS.iter().filter(|condition| options.wants(condition.name())) {
+        print_line(&format!("\n{}", condition.name()));
+        is_met &= whole_loop::compare(condition, &options.seeds())?;
+    }
+    Ok(is_met)
+}
+
+fn run_laws(options: &Options) -> Result<bool> {
     print_line(&format!(
         "{} trials a condition, seeds from {}; {NOISE_PX} px of noise; arrival circle {} m around a place, {} m around a \
          person; stand-off {STAND_OFF_M} m, keep-out {KEEP_OUT_M} m",
@@ -68,14 +103,10 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     );
     let tuning = gains::changed(&options.set)?;
     let mut is_met = true;
-    let wanted = |condition: &&Condition| {
-        options.only.as_ref().is_none_or(|only| condition.name.starts_with(only.as_str()))
-    };
-    for condition in CONDITIONS.iter().filter(wanted) {
+    for condition in CONDITIONS.iter().filter(|condition| options.wants(condition.name)) {
         print_line(&format!("\n{}", condition.describe()));
         is_met &= compare(condition, options, tuning)?;
     }
-    print_line(if is_met { "\nevery requirement holds" } else { "\nrequirements are MISSED" });
     Ok(is_met)
 }
 
@@ -98,7 +129,7 @@ fn compare(
     (tuning, model): (LineOfSightTuning, VesselModel),
 ) -> Result<bool> {
     let base = condition.scenario()?;
-    let seeds: Vec<u64> = (options.first_seed..options.first_seed + options.seeds).collect();
+    let seeds = options.seeds();
     let mut lab: Vec<Outcome> = Vec::new();
     let mut is_met = true;
     for NamedLaw { name, law, is_judged } in laws((tuning, model)) {

@@ -14,7 +14,8 @@ use barrelman_sim::snapshot::ObjectKind;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{
-    CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS, FrameSource, RenderedCamera, Simulation, StepObserver,
+    CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS, FrameSource, RenderedCamera, ReportErrors,
+    Simulation, StepObserver,
 };
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
@@ -105,6 +106,7 @@ pub struct CampaignPlan {
     drive_inputs: Option<DriveInputs>,
     /// Whether the gimbal reports the camera's tilt.
     reports_tilt: bool,
+    report_errors: ReportErrors,
     /// Settings of the recordings; `None` where no trial is recorded.
     recordings: Option<TrialRecording>,
     /// Counts the simulated time of all trials.
@@ -178,6 +180,7 @@ impl CampaignPlan {
             simd: Simd::at_most(request.simd),
             drive_inputs: None,
             reports_tilt: false,
+            report_errors: ReportErrors::NONE,
             recordings: None,
             simulated: SimulatedTime::default(),
             motions: BTreeMap::new(),
@@ -214,6 +217,13 @@ impl CampaignPlan {
     #[must_use]
     pub fn with_tilt_reports(mut self, reports_tilt: bool) -> Self {
         self.reports_tilt = reports_tilt;
+        self
+    }
+
+    /// The plan with reports of height and tilt that are off.
+    #[must_use]
+    pub const fn with_report_errors(mut self, report_errors: ReportErrors) -> Self {
+        self.report_errors = report_errors;
         self
     }
 
@@ -306,7 +316,10 @@ impl CampaignPlan {
         let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
             .with_tilt_reports(self.reports_tilt || self.guidance.is_some());
         let simulation = match self.guidance {
-            Some(_) => simulation.with_height_reports().with_rescue(scenario.camera.optics, seed),
+            Some(_) => simulation
+                .with_height_reports()
+                .with_report_errors(self.report_errors)
+                .with_rescue(scenario.camera.optics, seed),
             None => simulation,
         };
         Ok(match &self.drive_inputs {

@@ -30,6 +30,6 @@ pub use entry::{CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS};
 pub use frame_source::{CapturedFrame, FrameSource};
 pub use rendered_camera::RenderedCamera;
 pub use setting_difference::SettingDifference;
-pub use simulation::Simulation;
+pub use simulation::{ReportErrors, Simulation};
 pub use step_observer::StepObserver;
 pub use world_replay::WorldReplay;

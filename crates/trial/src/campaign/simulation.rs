@@ -17,7 +17,7 @@ use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{LocalisationSensor, Optics, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+    Angle, LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
 };
 
 use super::frame_source::{CapturedFrame, FrameSource};
@@ -45,8 +45,23 @@ pub struct Simulation<'a> {
     rates: VehicleRates,
     reports_tilt: bool,
     reports_height: bool,
+    report_errors: ReportErrors,
     rescue: Option<Rescue>,
     log: TrialLog,
+}
+
+/// By how much the vehicle's reports are off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReportErrors {
+    /// Reported over true height.
+    pub height_factor: f64,
+    /// Reported less true tilt.
+    pub tilt: Angle,
+}
+
+impl ReportErrors {
+    /// Exact reports.
+    pub const NONE: Self = Self { height_factor: 1.0, tilt: Angle::ZERO };
 }
 
 /// What the camera sends to the pilot: a measured localisation, or a video frame.
@@ -119,6 +134,7 @@ impl<'a> Simulation<'a> {
             rates: VehicleRates::REST,
             reports_tilt: false,
             reports_height: false,
+            report_errors: ReportErrors::NONE,
             rescue: None,
             log,
         }
@@ -134,6 +150,12 @@ impl<'a> Simulation<'a> {
     #[must_use]
     pub fn with_height_reports(self) -> Self {
         Self { reports_height: true, ..self }
+    }
+
+    /// The same trial, in which the reports of height and tilt are off.
+    #[must_use]
+    pub fn with_report_errors(self, report_errors: ReportErrors) -> Self {
+        Self { report_errors, ..self }
     }
 
     /// The same trial, in which an operator marks the people that the scenario has, and lets the boat go to the first one.
@@ -235,8 +257,10 @@ impl<'a> Simulation<'a> {
         let now = self.world.now();
         if self.world.tick().is_multiple_of(u64::from(TICKS_PER_TILT_REPORT)) {
             let pose = self.world.camera_pose();
-            let tilt = self.reports_tilt.then_some(Report::CameraTilt(pose.tilt));
-            let height = self.reports_height.then_some(Report::CameraHeight(pose.position.z));
+            let tilt = Angle::from_radians(pose.tilt.radians() + self.report_errors.tilt.radians());
+            let tilt = self.reports_tilt.then_some(Report::CameraTilt(tilt));
+            let height_m = self.report_errors.height_factor * pose.position.z;
+            let height = self.reports_height.then_some(Report::CameraHeight(height_m));
             for report in [tilt, height].into_iter().flatten() {
                 self.step_pilot(Input::Telemetry(Telemetry { at: now, report }), observer);
             }
