@@ -17,7 +17,6 @@ use crate::parallel;
 
 /// A law under test.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "there are a dozen of them")]
 pub(super) enum LawUnderTest {
     MotorSchema,
     Centring,

@@ -1,7 +1,7 @@
 //! What a policy knows and decides, and the base policy: a start ellipse, a stop ellipse and held rates between them.
 
 use super::super::axis_model::{Axis, DEAD_TIME_S, FOCAL_PX, MAX_RATE, REGION};
-use super::target::{Sight, Target, reach_s};
+use super::target::{SeenBearing, Target, reach_s};
 
 /// What a policy knows when it decides.
 #[derive(Debug, Clone, Copy)]
@@ -70,8 +70,8 @@ impl BaseValues {
 /// What the base policy predicts of a target: for a start and for a stop how it is seen, for a stop and for the aim its bearing.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prospect {
-    start: Sight,
-    stop: Sight,
+    start: SeenBearing,
+    stop: SeenBearing,
     stop_bearing: [f64; 2],
     aim_bearing: [f64; 2],
 }
@@ -99,7 +99,12 @@ impl BasePolicy {
     /// What the policy predicts of a target.
     pub(super) fn prospect(&self, target: &Target) -> Prospect {
         let [start, stop_bearing, aim_bearing] = self.reaches_s.map(|reach_s| target.bearing_after(reach_s));
-        Prospect { start: Sight::of(start), stop: Sight::of(stop_bearing), stop_bearing, aim_bearing }
+        Prospect {
+            start: SeenBearing::of(start),
+            stop: SeenBearing::of(stop_bearing),
+            stop_bearing,
+            aim_bearing,
+        }
     }
 
     /// The commands, rad/s, for a prospect, the axes at the time of their effect, and the commands in force.

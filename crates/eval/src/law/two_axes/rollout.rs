@@ -13,7 +13,7 @@ use super::super::axis_model::{Axis, AxisStep, DEAD_TIME_S, STEP_S, STEPS_PER_SE
 use super::super::model_figures::Prices;
 use super::plans::{Plan, plans};
 use super::policy::{BasePolicy, Policy, Prospect, Situation};
-use super::target::{Sight, Target, TargetPath, TargetStep};
+use super::target::{SeenBearing, Target, TargetPath, TargetStep};
 use super::world::TICKS_PER_POLICY_STEP;
 use crate::rng::Rng;
 use crate::statistics::mean;
@@ -52,7 +52,7 @@ pub(super) struct RolloutPolicy<'a> {
 }
 
 /// A future: at each decision what the base policy predicts, and how the target is seen.
-struct Future(Vec<(Prospect, Sight)>);
+struct Future(Vec<(Prospect, SeenBearing)>);
 
 impl<'a> RolloutPolicy<'a> {
     pub(super) fn new(base: BasePolicy, prices: Prices, foresight: Foresight<'a>) -> Self {
@@ -113,13 +113,13 @@ impl<'a> RolloutPolicy<'a> {
 
 impl Future {
     fn of(base: &BasePolicy, states: impl Iterator<Item = Target>) -> Self {
-        Self(states.map(|state| (base.prospect(&state), Sight::of(state.bearing))).collect())
+        Self(states.map(|state| (base.prospect(&state), SeenBearing::of(state.bearing))).collect())
     }
 }
 
 impl Policy for RolloutPolicy<'_> {
     fn decide(&mut self, situation: &Situation, tick: usize) -> [f64; 2] {
-        let calm = Sight::of(BasePolicy::aim(&situation.target, CALM_LOOK_AHEAD_S));
+        let calm = SeenBearing::of(BasePolicy::aim(&situation.target, CALM_LOOK_AHEAD_S));
         if situation.command == [0.0; 2] && calm.radius(situation.ahead.map(Axis::rest_angle)) < CALM_RADIUS {
             return [0.0; 2];
         }

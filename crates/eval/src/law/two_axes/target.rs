@@ -65,13 +65,13 @@ pub(super) fn reach_s(duration_s: f64) -> f64 {
 
 /// Sines and cosines of a bearing's elevation, with its azimuth: what a projection needs of the target.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sight {
+pub(super) struct SeenBearing {
     azimuth: f64,
     sin: f64,
     cos: f64,
 }
 
-impl Sight {
+impl SeenBearing {
     pub(super) fn of([azimuth, elevation]: [f64; 2]) -> Self {
         let (sin, cos) = elevation.sin_cos();
         Self { azimuth, sin, cos }
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn a_target_is_seen_where_the_camera_law_expects_it() {
         for (bearing, pointing) in [([0.3, -0.2], [0.1, 0.1]), ([-1.2, 0.5], [-0.9, 0.2])] {
-            let [x, y] = Sight::of(bearing).in_picture(pointing).unwrap();
+            let [x, y] = SeenBearing::of(bearing).in_picture(pointing).unwrap();
             let place = ImagePoint { x: FOCAL_PX * x, y: FOCAL_PX * y };
             let direction = View::new(FOCAL_PX, pointing[0], pointing[1]).unproject(place);
             let [azimuth, elevation] = bearing;
@@ -161,7 +161,7 @@ mod tests {
             for (found, expected) in direction.iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-9, "{bearing:?}: {direction:?}");
             }
-            assert!((Sight::of(bearing).radius(pointing).powi(2) - REGION.p(place)).abs() < 1e-9);
+            assert!((SeenBearing::of(bearing).radius(pointing).powi(2) - REGION.p(place)).abs() < 1e-9);
         }
     }
 }

@@ -13,7 +13,7 @@ use super::super::axis_model::{
 };
 use super::super::model_figures::Figures;
 use super::policy::{Policy, Situation};
-use super::target::{Sight, TargetPath};
+use super::target::{SeenBearing, TargetPath};
 
 const PICTURE: PictureSize = PictureSize::new(640, 480);
 /// The largest |x| and |y| of a place, pixels: beyond the picture's edge the place is the edge, as the recorded tracker's.
@@ -73,8 +73,8 @@ impl<'a> World<'a> {
         [0, 1].map(|axis| self.axes[axis].angle().radians())
     }
 
-    fn sight(&self) -> Sight {
-        Sight::of(self.path.at(self.tick).bearing)
+    fn seen(&self) -> SeenBearing {
+        SeenBearing::of(self.path.at(self.tick).bearing)
     }
 
     fn set_command(&mut self, rates: [f64; 2]) {
@@ -87,7 +87,7 @@ impl<'a> World<'a> {
     }
 
     fn advance(&mut self) {
-        self.figures.add_tick(self.sight().radius(self.pointing()) > 1.0, self.command);
+        self.figures.add_tick(self.seen().radius(self.pointing()) > 1.0, self.command);
         for axis in &mut self.axes {
             axis.advance(self.tick as u64);
         }
@@ -101,7 +101,7 @@ pub(super) fn simulate_law(law: Box<dyn Law>, path: &TargetPath) -> Figures {
     let mut law = CameraLaw::from_law(law, &profile());
     while !world.is_over() {
         if world.tick.is_multiple_of(TICKS_PER_PICTURE)
-            && let Some([x, y]) = world.sight().in_picture(world.pointing())
+            && let Some([x, y]) = world.seen().in_picture(world.pointing())
         {
             let now = world.now();
             let [x, y] = [(x, MAX_PLACE[0]), (y, MAX_PLACE[1])]
