@@ -1,10 +1,10 @@
 //! A policy that improves on another one by rollouts (receding horizon, with sampled futures).
 //!
 //! At each decision, every plan of [`plans`] is followed to its end and then the base policy, up to the horizon, against
-//! the same sampled futures of the target. Many plans meet a few futures, the best of them more. The first command of
-//! the best plan is given if the plan is surely better than the base policy, else the base policy's; at the next decision all begins anew. The plan that is the base policy
-//! itself is always among them, so that the result is better than the base policy up to the errors of sampling and of the end of
-//! the horizon (Bertsekas, *Rollout, Policy Iteration, and Distributed Reinforcement Learning*, 2020).
+//! the same sampled futures of the target. All plans meet a few futures, the best of them more. The first command of
+//! the best plan is given if that plan is surely better than the base policy, else the base policy's; at the next
+//! decision all begins anew. So the result is better than the base policy, up to the errors of sampling and of the end
+//! of the horizon (Bertsekas, *Rollout, Policy Iteration, and Distributed Reinforcement Learning*, 2020).
 //!
 //! A future starts now; a command acts a dead time later. What happens until then is the same for all plans and is
 //! not counted.
@@ -27,11 +27,12 @@ const FIRST_FUTURES: usize = 16;
 const FINALISTS: usize = 4;
 const FUTURES: usize = 64;
 
-/// A plan other than the base policy must be better by this many standard errors: among many plans the one that looks best is partly
-/// lucky.
+/// A plan must be better than the base policy by this many standard errors: among many plans, the one that looks best is
+/// partly lucky.
 const SURENESS: f64 = 3.0;
 
-/// A camera at rest goes on resting, without rollouts, while the target is expected within this radius half a second after the effect.
+/// A camera at rest goes on resting, without rollouts, while the target is expected within this radius, this many seconds
+/// after the effect of a command.
 const CALM_RADIUS: f64 = 0.6;
 const CALM_LOOK_AHEAD_S: f64 = 0.5;
 
