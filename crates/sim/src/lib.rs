@@ -26,6 +26,7 @@ pub mod path;
 pub mod pursuit;
 pub mod recorded_motion;
 pub mod sway;
+pub mod zoom;
 
 pub mod boat;
 pub mod helmsman;

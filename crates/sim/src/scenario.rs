@@ -20,6 +20,7 @@ use crate::snapshot::Light;
 use crate::sway::Sway;
 use crate::tick::TICKS_PER_SECOND;
 use crate::video_link::VideoLinkModel;
+use crate::zoom::Zoom;
 
 /// All parameters of a trial except its seed.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,6 +68,8 @@ pub struct CameraSetup {
     pub first_view: FirstView,
     /// Drift of the camera's electronics.
     pub electronics: ElectronicsModel,
+    /// How the camera zooms; `None`: it does not.
+    pub zoom: Option<Zoom>,
 }
 
 /// Offset of the first view from the target: pan and tilt, radians.
@@ -196,6 +199,13 @@ impl CameraSetup {
     /// Ticks from one video frame to the next.
     pub const fn ticks_per_picture(&self) -> u64 {
         (TICKS_PER_SECOND / self.pictures_per_second) as u64
+    }
+
+    /// The optics at a tick, with the zoom.
+    pub fn optics_at(&self, tick: u64) -> Optics {
+        let focal_px =
+            self.zoom.map_or(self.optics.focal_px, |zoom| zoom.factor_at(tick) * self.optics.focal_px);
+        Optics { focal_px, ..self.optics }
     }
 
     /// Least latency of the video.

@@ -59,7 +59,7 @@ impl LocalisationSensor {
         let picture = self.camera.frame;
         let centre = ImagePoint { x, y }.in_pixels(picture);
         let (length, breadth) = self.sensing.target_size_m;
-        let px_per_m = self.camera.optics.focal_px / truth.range_m;
+        let px_per_m = self.camera.optics_at(truth.tick).focal_px / truth.range_m;
         let (w, h) = (length * px_per_m, breadth * px_per_m);
         let bounds = PixelBox { u: centre.u - 0.5 * w, v: centre.v - 0.5 * h, w, h };
         Some(Localisation {

@@ -273,6 +273,14 @@ impl World {
         }
     }
 
+    /// The present horizontal field of view of the frame, of a camera that zooms; `None`: it does not.
+    pub fn zoomed_field_of_view(&self) -> Option<Angle> {
+        self.camera.zoom?;
+        let half_width = 0.5 * f64::from(self.camera.frame.width);
+        let focal_px = self.camera.optics_at(self.tick).focal_px;
+        Some(Angle::from_radians(2.0 * libm::atan(half_width / focal_px)))
+    }
+
     /// The target's present pose.
     pub fn target_pose(&self) -> BodyPose {
         self.recorded_now().map_or_else(|| self.target.pose(), |motion| motion.target)
@@ -314,7 +322,7 @@ impl World {
         let (camera, target) = (self.camera_pose(), self.target_pose());
         let (right, down, ahead) = camera.camera_from_world(target.position);
         let picture = self.camera.optics.picture;
-        let seen = self.camera.optics.project((right, down, ahead.max(MIN_AHEAD_M)));
+        let seen = self.camera.optics_at(self.tick).project((right, down, ahead.max(MIN_AHEAD_M)));
         let image = seen.map_or(ImagePoint { x: 0.0, y: 0.0 }, |seen| seen.in_image(picture));
         let (half_width, half_height) = (0.5 * f64::from(picture.width), 0.5 * f64::from(picture.height));
         Truth {

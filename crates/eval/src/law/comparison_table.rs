@@ -129,7 +129,7 @@ fn print_rows(
 }
 
 /// A ratio with its interval, as a cell; empty where there is no ratio.
-pub(super) fn ratio_cell(ratio: Option<Interval>) -> String {
+fn ratio_cell(ratio: Option<Interval>) -> String {
     ratio.map_or_else(String::new, |r| format!("{:.3} [{:.3}, {:.3}]", r.value, r.low, r.high))
 }
 

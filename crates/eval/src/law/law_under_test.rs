@@ -10,17 +10,19 @@ use barrelman_trial::metrics::TrialEntry;
 use barrelman_vocab::VehicleProfile;
 
 use super::achieved_motion;
+use super::assumed_latency::AssumedLatency;
 use super::lqg::Lqg;
 use super::mpc::Mpc;
 use crate::parallel;
 
 /// A law under test.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "there are a dozen of them")]
 pub(super) enum LawUnderTest {
     MotorSchema,
     Centring,
     Optimal(ModeTuning),
+    /// The same, with pictures that are taken to arrive this long after their capture, seconds, whatever the truth is.
+    OptimalWithAssumedLatency(ModeTuning, f64),
     /// A linear-quadratic regulator with this weight of the squared rate, s².
     Lqg(f64),
     /// Model predictive control with a soft ellipse.
@@ -42,6 +44,9 @@ impl LawUnderTest {
                 profile.limits,
             )),
             Self::Optimal(tuning) => Box::new(OptimalLaw::with_tuning(*tuning, profile)),
+            Self::OptimalWithAssumedLatency(tuning, latency_s) => {
+                Box::new(AssumedLatency::new(OptimalLaw::with_tuning(*tuning, profile), *latency_s))
+            }
             Self::Lqg(weight) => Box::new(Lqg::new(*weight, profile)),
             Self::Mpc => Box::new(Mpc::new(profile)),
         }

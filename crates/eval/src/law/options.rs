@@ -16,7 +16,7 @@ pub(crate) struct Options {
     /// The first seed: the search never used seeds from 20,000 on.
     #[arg(long, value_name = "SEED", default_value_t = 20_000)]
     pub(crate) first_seed: u64,
-    /// Only conditions whose name begins so, or `robustness` or `vehicles` (repeatable).
+    /// Only conditions whose name begins so, or `robustness`, `vehicles`, `one-axis` or `two-axes` (repeatable).
     #[arg(long, value_name = "NAME")]
     pub(crate) only: Vec<String>,
     /// Only laws whose name begins so, such as `minimum-energy` or `LQG` (repeatable).

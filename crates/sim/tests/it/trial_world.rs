@@ -35,6 +35,7 @@ pub(crate) fn plain() -> Scenario {
             video: VideoLinkModel::steady(0.1),
             first_view: FirstView::default(),
             electronics: ElectronicsModel { brightness: none, white_balance: none, exposure_s: 0.0 },
+            zoom: None,
         },
         mount: MountPlant::laboratory(),
         ranges: PlantRanges {

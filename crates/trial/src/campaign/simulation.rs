@@ -261,7 +261,8 @@ impl<'a> Simulation<'a> {
             let tilt = self.reports_tilt.then_some(Report::CameraTilt(tilt));
             let height_m = self.report_errors.height_factor * pose.position.z;
             let height = self.reports_height.then_some(Report::CameraHeight(height_m));
-            for report in [tilt, height].into_iter().flatten() {
+            let field_of_view = self.world.zoomed_field_of_view().map(Report::FieldOfView);
+            for report in [tilt, height, field_of_view].into_iter().flatten() {
                 self.step_pilot(Input::Telemetry(Telemetry { at: now, report }), observer);
             }
         }

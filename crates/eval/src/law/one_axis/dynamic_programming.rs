@@ -15,11 +15,10 @@
 
 use crate::parallel;
 
-use super::model::{DEAD_TIME_S, Figures, LAG_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, edge};
-
-/// Decisions for each second.
-pub(super) const STEPS_PER_SECOND: u32 = 10;
-const STEP_S: f64 = 1.0 / STEPS_PER_SECOND as f64;
+use super::super::axis_model::{
+    Axis, DEAD_TIME_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, STEP_S, edge,
+};
+use super::super::model_figures::Prices;
 
 /// The commands, rad/s.
 const RATES: [f64; 7] = [-MAX_RATE, -0.28, -0.2, 0.0, 0.2, 0.28, MAX_RATE];
@@ -42,50 +41,6 @@ const DEVIATES: [(f64, f64); 5] = [
 /// Most sweeps over the grid, and the spread of the changes at which they end, in cost.
 const MAX_SWEEPS: usize = 1500;
 const TOLERANCE: f64 = 2e-3;
-
-/// An axis that answers with a lag.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Axis {
-    pub(super) angle: f64,
-    pub(super) rate: f64,
-}
-
-impl Axis {
-    /// The axis after a duration with a command.
-    pub(super) fn after(self, command: f64, duration_s: f64) -> Self {
-        let decay = (-duration_s / LAG_S).exp();
-        let angle = self.angle + command * duration_s + (self.rate - command) * LAG_S * (1.0 - decay);
-        Self { angle, rate: command + (self.rate - command) * decay }
-    }
-}
-
-/// What a unit of each figure costs, in the order of [`Figures::in_order`].
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Prices([f64; 6]);
-
-impl Prices {
-    /// Prices such that the cost is the mean, over the figures, of the ratio to `schema` divided by its limit.
-    pub(super) fn of_ratios(schema: &Figures, limits: [f64; 6]) -> Self {
-        let figures = schema.in_order();
-        Self([0, 1, 2, 3, 4, 5].map(|index| 1.0 / (6.0 * limits[index] * figures[index])))
-    }
-
-    pub(super) fn cost_of(&self, figures: &Figures) -> f64 {
-        self.0.iter().zip(figures.in_order()).map(|(price, figure)| price * figure).sum()
-    }
-
-    /// The cost of a second at a rate.
-    fn of_rate(&self, rate: f64) -> f64 {
-        let moving = f64::from(u8::from(rate != 0.0));
-        self.0[1] * rate * rate + self.0[3] * rate.abs() + self.0[4] * moving
-    }
-
-    /// The cost of a change of the command.
-    fn of_change(&self, before: f64, rate: f64) -> f64 {
-        let starts = f64::from(u8::from(before == 0.0 && rate != 0.0));
-        self.0[2] * starts + self.0[5] * (rate - before).abs()
-    }
-}
 
 /// The solved problem.
 pub(super) struct DynamicProgramme {
@@ -134,7 +89,7 @@ impl DynamicProgramme {
     pub(super) fn decide(&self, offset: f64, bearing_rate: f64, axis_rate: f64, before: f64) -> f64 {
         let place = Place::of([offset, bearing_rate, axis_rate]);
         let cost = |index: &usize| {
-            place.interpolate(&self.costs[*index]) + self.prices.of_change(before, RATES[*index])
+            place.interpolate(&self.costs[*index]) + self.prices.of_change([before], [RATES[*index]])
         };
         let best = (0..RATES.len()).min_by(|a, b| cost(a).total_cmp(&cost(b)));
         best.map_or(0.0, |index| RATES[index])
@@ -145,7 +100,7 @@ impl DynamicProgramme {
         RATES
             .iter()
             .zip(&self.costs)
-            .map(|(rate, costs)| costs[state] + self.prices.of_change(before, *rate))
+            .map(|(rate, costs)| costs[state] + self.prices.of_change([before], [*rate]))
             .fold(f64::INFINITY, f64::min)
     }
 
@@ -159,7 +114,7 @@ impl DynamicProgramme {
         let variance = (RATE_STD_DEV * dead_time_decay).powi(2) * (1.0 - decay * decay);
         let spread = (variance - spacing * spacing / 6.0).sqrt();
         let offset_for_spread = RATE_TIME_CONSTANT_S * (1.0 / dead_time_decay - 1.0);
-        let cost_of_rate = self.prices.of_rate(rate);
+        let cost_of_rate = self.prices.of_rates([rate]);
         (0..STATES)
             .map(|state| {
                 let [offset, bearing_rate, axis_rate] = coordinates(state);
@@ -173,7 +128,7 @@ impl DynamicProgramme {
                         weight * Place::of(next).interpolate(values)
                     })
                     .sum();
-                STEP_S * (self.prices.0[0] * chance_of_outside(offset) + cost_of_rate) + to_come
+                STEP_S * (self.prices.of_outside() * chance_of_outside(offset) + cost_of_rate) + to_come
             })
             .collect()
     }
@@ -247,11 +202,5 @@ mod tests {
     fn a_target_predicted_at_the_edge_is_outside_half_of_the_time() {
         assert!((chance_of_outside(edge()) - 0.5).abs() < 1e-6);
         assert!(chance_of_outside(0.0) < 1e-6 && chance_of_outside(2.0 * edge()) > 1.0 - 1e-6);
-    }
-
-    #[test]
-    fn an_axis_ends_at_its_command() {
-        let axis = Axis { angle: 0.0, rate: 0.0 }.after(0.2, 10.0);
-        assert!((axis.rate - 0.2).abs() < 1e-9 && (axis.angle - 0.2 * (10.0 - LAG_S)).abs() < 1e-9);
     }
 }

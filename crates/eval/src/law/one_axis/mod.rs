@@ -1,7 +1,7 @@
 //! How near a law comes to the optimum under its own model: one axis, solved by dynamic programming.
 //!
 //! A target moves along the middle of the picture, so that only pan matters. Its bearing's rate is an
-//! Ornstein-Uhlenbeck process; the axis answers after a dead time with a first-order lag ([`model`]). The cost of a
+//! Ornstein-Uhlenbeck process; the axis answers after a dead time with a first-order lag ([`super::axis_model`]). The cost of a
 //! second adds up time outside of the region, rate², starts, |rate|, time in motion and variation, each as a ratio to the
 //! motor schema's mean under the same model and divided by the largest ratio that is wanted
 //! ([`super::requirements`]). The schema's own cost is therefore above 1, and a law that just meets every limit costs 1.
@@ -14,51 +14,41 @@
 mod dynamic_programming;
 mod world;
 
-mod model;
 mod tuned;
 
 use barrelman_control::Law;
 
-use self::dynamic_programming::{DynamicProgramme, Prices};
-use self::model::{Figures, TRIAL_S, edge};
+use self::dynamic_programming::DynamicProgramme;
 use self::world::{simulate_law, simulate_policy};
+use super::axis_model::edge;
 use super::law_under_test::LawUnderTest;
+use super::model_figures::{Figures, Prices, TRIAL_S, table_head};
 use crate::output::print_line;
-use crate::parallel;
-use crate::statistics::mean;
 
 /// Trials of each law.
 const TRIALS: u64 = 48;
-/// The limits of the ratios to the schema, in the order of [`Figures::in_order`].
-const LIMITS: [f64; 6] = [0.6, 0.85, 1.0, 1.0, 1.0, 1.0];
-/// Names of the figures, in the same order.
-const NAMES: [&str; 6] = ["outside", "rate2", "moves", "|rate|", "moving", "variation"];
-
 /// Bearing rates for which the policy's thresholds are printed, rad/s away from the middle.
 const RATES: [f64; 5] = [-0.1, 0.0, 0.1, 0.2, 0.3];
 
 /// Prints the costs of laws beside the least one, and where the best policy starts and stops.
 pub(super) fn print(first_seed: u64, laws: &[(&str, LawUnderTest)]) {
-    let schema = mean_figures(first_seed, |seed| simulate_law(law(&LawUnderTest::MotorSchema), seed));
-    let prices = Prices::of_ratios(&schema, LIMITS);
+    let seeds = || first_seed..first_seed + TRIALS;
+    let schema = Figures::mean_of_trials(seeds(), |seed| simulate_law(law(&LawUnderTest::MotorSchema), seed));
+    let prices = Prices::of_ratios(&schema);
     print_line(&format!(
         "\none axis: {TRIALS} trials of {:.0} s, seeds from {first_seed} on; ratios to the schema, and the mean of ratio over limit",
         TRIAL_S
     ));
-    print_line(&format!("  {:26} {}    cost", "", NAMES.map(|name| format!("{name:>9}")).join(" ")));
-    print_row("motor schema", &schema, &schema, &prices);
+    print_line(&table_head());
+    print_line(&schema.to_row("motor schema", &schema, &prices));
     let for_one_axis = ("intermittent, for one axis", LawUnderTest::Optimal(tuned::INTERMITTENT.into()));
     for (name, under_test) in laws.iter().chain([&for_one_axis]) {
-        print_row(
-            name,
-            &mean_figures(first_seed, |seed| simulate_law(law(under_test), seed)),
-            &schema,
-            &prices,
-        );
+        let figures = Figures::mean_of_trials(seeds(), |seed| simulate_law(law(under_test), seed));
+        print_line(&figures.to_row(name, &schema, &prices));
     }
     let programme = DynamicProgramme::solve(&prices);
-    let optimum = mean_figures(first_seed, |seed| simulate_policy(&programme, seed));
-    print_row("dynamic programming", &optimum, &schema, &prices);
+    let optimum = Figures::mean_of_trials(seeds(), |seed| simulate_policy(&programme, seed));
+    print_line(&optimum.to_row("dynamic programming", &schema, &prices));
     print_line(&format!("  the programme expects a cost of {:.3} of its own policy", programme.mean_cost()));
     print_line("  it starts beyond, and at 0.28 rad/s stops below, shares of the way to the edge:");
     for rate in RATES {
@@ -73,21 +63,4 @@ pub(super) fn print(first_seed: u64, laws: &[(&str, LawUnderTest)]) {
 
 fn law(law: &LawUnderTest) -> Box<dyn Law> {
     law.build(&world::profile())
-}
-
-fn print_row(name: &str, figures: &Figures, schema: &Figures, prices: &Prices) {
-    let ratios: Vec<String> = figures
-        .in_order()
-        .iter()
-        .zip(schema.in_order())
-        .map(|(figure, schema)| format!("{:9.3}", figure / schema))
-        .collect();
-    print_line(&format!("  {name:26} {} {:7.3}", ratios.join(" "), prices.cost_of(figures)));
-}
-
-fn mean_figures(first_seed: u64, simulate: impl Fn(u64) -> Figures + Sync) -> Figures {
-    let seeds: Vec<u64> = (first_seed..first_seed + TRIALS).collect();
-    let trials = parallel::map(&seeds, |seed| simulate(*seed).in_order());
-    let mean_of = |index: usize| mean(&trials.iter().map(|trial| trial[index]).collect::<Vec<f64>>());
-    Figures::from_order([0, 1, 2, 3, 4, 5].map(mean_of))
 }

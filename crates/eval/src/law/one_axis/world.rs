@@ -7,11 +7,12 @@ use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
 use barrelman_sim::tick::{TICK_S, TICKS_PER_SECOND};
 use barrelman_vocab::{Angle, AngularRate, ImagePoint, PictureSize, Timestamp, VehicleProfile};
 
-use super::dynamic_programming::{Axis, DynamicProgramme, STEPS_PER_SECOND};
-use super::model::{
-    DEAD_TIME_S, FOCAL_PX, Figures, LAG_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, REGION, TRIAL_S,
-    edge,
+use super::super::axis_model::{
+    Axis, DEAD_TIME_S, FOCAL_PX, LAG_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, REGION, STEP_S,
+    STEPS_PER_SECOND, edge,
 };
+use super::super::model_figures::{Figures, TRIAL_S};
+use super::dynamic_programming::DynamicProgramme;
 use crate::rng::Rng;
 
 const PICTURE: PictureSize = PictureSize::new(640, 360);
@@ -77,13 +78,13 @@ impl World {
     }
 
     fn set_command(&mut self, rate: f64) {
-        self.figures.add_change(self.command, rate);
+        self.figures.add_change([self.command], [rate]);
         self.command = rate;
         self.axis.command(AngularRate::from_radians_per_second(rate), self.tick);
     }
 
     fn advance(&mut self) {
-        self.figures.add_tick(self.offset().abs() > edge(), self.command);
+        self.figures.add_tick(self.offset().abs() > edge(), [self.command]);
         let decay = (-TICK_S / RATE_TIME_CONSTANT_S).exp();
         self.bearing += RATE_TIME_CONSTANT_S * (1.0 - decay) * self.bearing_rate;
         let spread = RATE_STD_DEV * (1.0 - decay * decay).sqrt();
@@ -125,7 +126,6 @@ pub(super) fn simulate_policy(programme: &DynamicProgramme, seed: u64) -> Figure
     let mut world = World::new(seed);
     // The axis at the time at which a command given now takes effect.
     let mut ahead = Axis { angle: 0.0, rate: 0.0 };
-    let step_s = 1.0 / f64::from(STEPS_PER_SECOND);
     while !world.is_over() {
         if world.tick.is_multiple_of(u64::from(TICKS_PER_POLICY_STEP)) {
             let decay = (-DEAD_TIME_S / RATE_TIME_CONSTANT_S).exp();
@@ -137,7 +137,7 @@ pub(super) fn simulate_policy(programme: &DynamicProgramme, seed: u64) -> Figure
                 world.command,
             );
             world.set_command(rate);
-            ahead = ahead.after(rate, step_s);
+            ahead = ahead.after(rate, STEP_S);
         }
         world.advance();
     }

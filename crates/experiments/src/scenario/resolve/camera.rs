@@ -52,6 +52,7 @@ pub(super) fn camera(
         video,
         first_view: first_view(section)?,
         electronics: electronics(section)?,
+        zoom: None,
     })
 }
 
