@@ -36,6 +36,7 @@ fn line_of_sight(bencher: Bencher<'_, '_>, circles: usize) {
             captured,
             water: WaterFix { point, covariance: WaterCovariance::isotropic(0.1) },
             heading: None,
+            is_commanded: true,
             sway_per_s: None,
         };
         let step = law.step(black_box(&GuidanceInput {

@@ -210,6 +210,7 @@ impl VesselPilot {
             OperatorRequest::MoveMark(moved) => {
                 let frame_view = self.view_of(moved.captured, picture, view)?;
                 self.marks.move_to(moved, &frame_view).map_err(refusal_of)?;
+                self.guide.anchor();
             }
             OperatorRequest::Unmark(id) if !self.marks.remove(*id) => return Err(Refusal::NoSuchMark),
             OperatorRequest::UnmarkAll => self.marks.clear(),
@@ -255,7 +256,9 @@ impl VesselPilot {
         view: VesselView<'_>,
     ) -> Result<u32, Refusal> {
         let frame_view = self.view_of(drawn.captured, picture, view)?;
-        self.marks.add(drawn, &frame_view).map_err(refusal_of)
+        let id = self.marks.add(drawn, &frame_view).map_err(refusal_of)?;
+        self.guide.anchor();
+        Ok(id)
     }
 
     /// The camera of the video frame on which a mark was set or moved.
@@ -302,7 +305,9 @@ impl VesselPilot {
         let sight = match (observed, newest) {
             (Observed::Boat(seen), Some((captured, picture))) => {
                 let modelled = self.frame_view_at(captured, picture, view, WaterPoint::default());
-                let advice = self.guide.step(seen, (&modelled, view.sways), &self.marks, &self.profile, now);
+                let is_commanded = view.sways && self.gate.is_commanding();
+                let advice =
+                    self.guide.step(seen, (&modelled, is_commanded), &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());
                 GateInput::Fresh(advice)
             }

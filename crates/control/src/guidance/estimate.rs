@@ -2,18 +2,20 @@
 //! of the water.
 //!
 //! A camera in the air sways, and turns differently than its model says. Near the boat both look like a displacement d of the
-//! camera, which moves all fixes alike. State (p, v, d, w), two coordinates each:
+//! camera, which moves all fixes alike. State (p, v, d, w, k), two coordinates each:
 //!
 //! ```text
 //! fix = p - d + noise
 //! v' = R(turn) v + gained + (1 - exp(-dt / T)) (w + u - v)     p' = p + dt (R(turn / 2) v + gained / 2)
-//! d' = exp(-dt / FORGETTING_S) d                               w' = w
+//! d' = exp(-dt / FORGETTING_S) d                               w' = w        k' = k
 //! Q of p and v = q² [dt³/3, dt²/2; dt²/2, dt] for each axis, of d: S dt, of w: WATER_NOISE² dt
 //! ```
 //!
 //! u is the velocity through the water by the vessel's model, `gained` its change by thrust. A boat cannot jump, and a boat at rest
 //! goes where the water goes. So jumps and sways of all that is seen are taken for displacements. A steady displacement cannot be
-//! told from the boat's motion; only its changes matter to marks that are corrected by the same displacement.
+//! told from the water's motion, but its changes can. So k is the displacement at an *anchor*, a time at which a mark was set or moved,
+//! and what is asked for is p - k and d - k: later fixes tell, by the covariances, what the displacement was at the anchor, too
+//! (cloned states: `roumeliotis2002`).
 
 use barrelman_vocab::{WaterCovariance, WaterPoint};
 
@@ -26,11 +28,12 @@ const WATER_STD_DEV: f64 = 0.3;
 const WATER_NOISE: f64 = 0.02;
 
 /// Number of states.
-const N: usize = 8;
-/// First index of the velocity, of the displacement, and of the water's velocity.
+const N: usize = 10;
+/// First index of the velocity, of the displacement, of the water's velocity, and of the displacement at the anchor.
 const V: usize = 2;
 const A: usize = 4;
 const W: usize = 6;
+const K: usize = 8;
 
 type Matrix = [[f64; N]; N];
 
@@ -40,6 +43,8 @@ pub(super) struct Estimate {
     pub(super) at_s: f64,
     state: [f64; N],
     covariance: Matrix,
+    /// What has been added to all places so that they go on smoothly over new anchors.
+    offset: (f64, f64),
 }
 
 /// A measured place, with the covariance of its noise.
@@ -69,13 +74,13 @@ pub(super) struct Input {
     pub(super) through_water: Option<ThroughWater>,
     /// Density of the white acceleration, m/s² per root hertz.
     pub(super) acceleration_noise: f64,
-    /// Growth of the covariance of the camera's displacement, m²/s.
-    pub(super) sway_per_s: WaterCovariance,
+    /// Growth of the covariance of the camera's displacement, m²/s; `None`: the displacement stays as it is.
+    pub(super) sway_per_s: Option<WaterCovariance>,
 }
 
 impl Estimate {
-    /// A boat at rest, seen from a camera with this displacement; `speed_std_dev`: of each component, m/s.
-    pub(super) fn new(at_s: f64, measured: &Measured, (a, b): (f64, f64), speed_std_dev: f64) -> Self {
+    /// A boat at rest, seen from a camera whose places are offset by this; `speed_std_dev`: of each component, m/s.
+    pub(super) fn new(at_s: f64, measured: &Measured, offset: (f64, f64), speed_std_dev: f64) -> Self {
         let mut covariance = [[0.0; N]; N];
         for (row, noise) in covariance.iter_mut().zip(&measured.noise) {
             row[..2].copy_from_slice(noise);
@@ -85,11 +90,13 @@ impl Estimate {
         covariance[W][W] = WATER_STD_DEV * WATER_STD_DEV;
         covariance[W + 1][W + 1] = WATER_STD_DEV * WATER_STD_DEV;
         let WaterPoint { x, y } = measured.point;
-        Self { at_s, state: [x + a, y + b, 0.0, 0.0, a, b, 0.0, 0.0], covariance }
+        let state = [x, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        Self { at_s, state, covariance, offset }
     }
 
-    pub(super) const fn point(&self) -> WaterPoint {
-        WaterPoint { x: self.state[0], y: self.state[1] }
+    pub(super) fn point(&self) -> WaterPoint {
+        let (x, y) = self.from_anchor(0);
+        WaterPoint { x, y }
     }
 
     /// Velocity along x and y, m/s.
@@ -103,21 +110,40 @@ impl Estimate {
     }
 
     /// The camera's displacement along x and y, metres.
-    pub(super) const fn displacement(&self) -> (f64, f64) {
-        (self.state[A], self.state[A + 1])
+    pub(super) fn displacement(&self) -> (f64, f64) {
+        self.from_anchor(A)
+    }
+
+    /// Two states from `first` on, less the displacement at the anchor.
+    fn from_anchor(&self, first: usize) -> (f64, f64) {
+        let (x, y) = self.offset;
+        (x + self.state[first] - self.state[K], y + self.state[first + 1] - self.state[K + 1])
+    }
+
+    /// The same estimate with the anchor here and now: places that are measured now are kept best.
+    pub(super) fn anchored(&self) -> Self {
+        let mut next = Self { offset: self.displacement(), ..*self };
+        for i in 0..2 {
+            next.state[K + i] = next.state[A + i];
+            next.covariance[K + i] = next.covariance[A + i];
+        }
+        for row in &mut next.covariance {
+            (row[K], row[K + 1]) = (row[A], row[A + 1]);
+        }
+        next
     }
 
     /// The prediction step of the filter.
     pub(super) fn propagated(&self, at_s: f64, input: &Input) -> Self {
         let duration_s = at_s - self.at_s;
-        let [x, y, vx, vy, a, b, wx, wy] = self.state;
+        let [x, y, vx, vy, a, b, wx, wy, anchor_x, anchor_y] = self.state;
         let half = turned((vx, vy), 0.5 * input.turn);
         let velocity = turned((vx, vy), input.turn);
         let (gx, gy) = input.gained;
         let ((ux, uy), returned) = input.through_water.map_or(((0.0, 0.0), 0.0), |through_water| {
             (through_water.velocity, 1.0 - libm::exp(-duration_s / through_water.return_s))
         });
-        let kept = libm::exp(-duration_s / FORGETTING_S);
+        let kept = if input.sway_per_s.is_some() { libm::exp(-duration_s / FORGETTING_S) } else { 1.0 };
         let state = [
             x + duration_s * (half.0 + 0.5 * gx),
             y + duration_s * (half.1 + 0.5 * gy),
@@ -127,6 +153,8 @@ impl Estimate {
             kept * b,
             wx,
             wy,
+            anchor_x,
+            anchor_y,
         ];
         // The covariance ignores the turn, which is small between two fixes.
         let carried = |row: [f64; N]| {
@@ -148,13 +176,13 @@ impl Estimate {
             next[V + i][V + i] += density * duration_s;
             next[W + i][W + i] += WATER_NOISE * WATER_NOISE * duration_s;
         }
-        let WaterCovariance { xx, xy, yy } = input.sway_per_s;
+        let WaterCovariance { xx, xy, yy } = input.sway_per_s.unwrap_or_default();
         for (i, row) in [[xx, xy], [xy, yy]].iter().enumerate() {
             for (j, value) in row.iter().enumerate() {
                 next[A + i][A + j] += value * duration_s;
             }
         }
-        Self { at_s, state, covariance: next }
+        Self { at_s, state, covariance: next, offset: self.offset }
     }
 
     /// The update step of the filter.
@@ -197,4 +225,72 @@ fn transposed(matrix: &Matrix) -> Matrix {
 pub(super) fn turned((x, y): (f64, f64), angle: f64) -> (f64, f64) {
     let (sin, cos) = libm::sincos(angle);
     (x * cos + y * sin, y * cos - x * sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME_S: f64 = 1.0 / 30.0;
+    const SWAY: Option<WaterCovariance> = Some(WaterCovariance { xx: 0.3, xy: 0.0, yy: 0.3 });
+
+    /// A boat at rest in the water, whose fixes are at a place that moves with the time.
+    fn at_rest(
+        seconds: f64,
+        sway_per_s: Option<WaterCovariance>,
+        seen_at: impl Fn(f64) -> WaterPoint,
+    ) -> Estimate {
+        let noise = [[0.01, 0.004], [0.004, 0.03]];
+        let measured = |at_s| Measured { point: seen_at(at_s), noise };
+        let input = Input {
+            turn: 0.0,
+            gained: (0.0, 0.0),
+            through_water: Some(ThroughWater { velocity: (0.0, 0.0), return_s: 0.36 }),
+            acceleration_noise: 0.04,
+            sway_per_s,
+        };
+        let mut estimate = Estimate::new(0.0, &measured(0.0), (0.0, 0.0), 0.7);
+        for frame in 1..=(seconds / FRAME_S) as u64 {
+            let at_s = frame as f64 * FRAME_S;
+            estimate = estimate.propagated(at_s, &input).updated(&measured(at_s));
+            if frame == 300 {
+                let before = (estimate.point(), estimate.displacement());
+                estimate = estimate.anchored();
+                assert_eq!((estimate.point(), estimate.displacement()), before, "an anchor moves nothing");
+            }
+        }
+        estimate
+    }
+
+    #[test]
+    fn a_move_of_all_that_is_seen_is_a_displacement_of_the_camera() {
+        let jump = |at_s: f64| WaterPoint { x: (at_s - 10.0).clamp(0.0, 1.0), y: 20.0 };
+        let estimate = at_rest(11.0, SWAY, jump);
+        let ((x, y), point) = (estimate.displacement(), estimate.point());
+        // A move of all that is seen to the right by 1 m within 1 s is one of the camera to the left.
+        assert!((-1.05..-0.8).contains(&x) && y.abs() < 0.1, "{x} {y}");
+        assert!((point.x - 1.0 - x).abs() < 0.05 && point.x < 0.2, "{point:?}");
+        let known = at_rest(20.0, None, jump);
+        assert_eq!(known.displacement(), (0.0, 0.0), "a camera that does not sway is not displaced");
+        assert!((known.point().x - 1.0).abs() < 0.2, "{:?}", known.point());
+    }
+
+    #[test]
+    fn a_boat_at_rest_goes_where_the_water_goes() {
+        let estimate = at_rest(60.0, SWAY, |at_s| WaterPoint { x: 0.3 * at_s, y: 20.0 });
+        let (vx, vy) = estimate.velocity();
+        assert!((vx - 0.3).abs() < 0.08 && vy.abs() < 0.05, "{vx} {vy}");
+    }
+
+    #[test]
+    fn the_covariance_stays_symmetric_and_bounded_for_an_hour() {
+        let sway = |at_s: f64| WaterPoint { x: libm::sin(at_s), y: 20.0 + 0.5 * libm::cos(0.7 * at_s) };
+        let Estimate { covariance, .. } = at_rest(3600.0, SWAY, sway);
+        for (i, row) in covariance.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                assert_eq!(*value, covariance[j][i], "{i} {j}");
+            }
+            assert!((0.0..100.0).contains(&row[i]), "{i}: {}", row[i]);
+        }
+    }
 }

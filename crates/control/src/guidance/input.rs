@@ -30,6 +30,8 @@ pub struct BoatFix {
     pub water: WaterFix,
     /// Where the bow points, and the standard deviation; `None` if unknown.
     pub heading: Option<(Angle, Angle)>,
+    /// Whether the vessel does what this law's commands say: nothing else steers it.
+    pub is_commanded: bool,
     /// How fast the covariance of the camera's apparent displacement grows, m²/s: its sway, and what its model does not know;
     /// `None`: the camera is where its model says.
     pub sway_per_s: Option<WaterCovariance>,

@@ -110,6 +110,11 @@ impl LineOfSight {
         &self.track
     }
 
+    /// A mark is set or moved now.
+    pub fn anchor(&mut self) {
+        self.track.anchor();
+    }
+
     /// Discards the fixes and the route: another boat was selected.
     pub const fn reset_boat(&mut self) {
         self.track.reset();

@@ -32,7 +32,7 @@ const MAX_GAP_S: f64 = 3.0;
 const HEADING_NOISE: f64 = 0.01;
 const MAX_HEADING_VARIANCE: f64 = 0.6;
 /// Variance of the heading up to which it tells the velocity through the water, rad².
-const KNOWN_HEADING_VARIANCE: f64 = 0.1;
+const KNOWN_HEADING_VARIANCE: f64 = 0.125;
 /// Below this modelled speed, m/s, and thrust the boat is at rest in the water.
 const STILL_M_PER_S: f64 = 0.3;
 const STILL_THRUST: f64 = 0.1;
@@ -40,10 +40,12 @@ const STILL_THRUST: f64 = 0.1;
 const UNDER_WAY_M_PER_S: f64 = 1.0;
 const UNDER_WAY_THRUST: f64 = 0.3;
 /// Time constants with which the velocity returns to that of the model, under way and at rest, seconds.
-const RETURN_S: f64 = 3.0;
-const RETURN_AT_REST_S: f64 = 0.75;
+const RETURN_S: f64 = 2.3;
+const RETURN_AT_REST_S: f64 = 0.36;
 /// Density of the acceleration of a boat at rest, m/s² per root hertz: waves.
-const ACCELERATION_AT_REST: f64 = 0.05;
+const ACCELERATION_AT_REST: f64 = 0.04;
+/// Share of the modelled gain of speed that is taken over at once; the rest comes with the return to the model.
+const GAINED_SHARE: f64 = 0.4;
 /// Standard deviation of the course as a heading, radians: the crab angle.
 const CRAB_RAD: f64 = 0.35;
 
@@ -217,12 +219,22 @@ impl BoatTrack {
         let estimate = match self.estimate {
             Some(last) if at_s <= last.at_s => return,
             Some(last) if is_continued => {
-                let input = Input {
+                let unknown = Input {
                     turn: self.turned_at(at_s) - self.turned_at(last.at_s),
-                    gained: self.gained(last.at_s, at_s),
-                    through_water: self.through_water(at_s),
-                    acceleration_noise: self.acceleration_noise_at(at_s),
-                    sway_per_s: fix.sway_per_s.unwrap_or_default(),
+                    gained: (0.0, 0.0),
+                    through_water: None,
+                    acceleration_noise: self.acceleration_noise,
+                    sway_per_s: fix.sway_per_s,
+                };
+                let input = if fix.is_commanded {
+                    Input {
+                        gained: self.gained(last.at_s, at_s),
+                        through_water: self.through_water(at_s),
+                        acceleration_noise: self.acceleration_noise_at(at_s),
+                        ..unknown
+                    }
+                } else {
+                    unknown
                 };
                 last.propagated(at_s, &input).updated(&measured)
             }
@@ -270,6 +282,11 @@ impl BoatTrack {
         }
         let (x, y) = found.metres;
         WaterPoint { x, y }
+    }
+
+    /// A mark is set or moved now: the distance between it and the boat is to be kept.
+    pub fn anchor(&mut self) {
+        self.estimate = self.estimate.map(|estimate| estimate.anchored());
     }
 
     /// Time of capture of the last fix.
@@ -334,7 +351,7 @@ impl BoatTrack {
         let Some(heading) = self.heading.filter(|heading| heading.variance < MAX_HEADING_VARIANCE) else {
             return (0.0, 0.0);
         };
-        let gained = self.motion_at(to_s).surge - self.motion_at(from_s).surge;
+        let gained = GAINED_SHARE * (self.motion_at(to_s).surge - self.motion_at(from_s).surge);
         let (sin, cos) = libm::sincos(heading.angle);
         (gained * sin, gained * cos)
     }

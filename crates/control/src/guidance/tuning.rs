@@ -94,7 +94,7 @@ pub struct LineOfSightTuning {
 impl LineOfSightTuning {
     /// The default gains.
     pub const DEFAULT: Self = Self {
-        acceleration_noise: 0.4,
+        acceleration_noise: 0.34,
         min_fix_std_dev_m: 0.05,
         course_gain_per_s: 4.0,
         turn_damping: 0.6,

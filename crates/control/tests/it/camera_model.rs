@@ -153,6 +153,18 @@ fn a_reported_tilt_is_believed_in_time() {
 }
 
 #[test]
+fn a_tilt_is_taken_over_as_far_as_the_end_stops_allow() {
+    let (dynamics, limits) = profile();
+    let mut model = CameraModel::new(dynamics, limits);
+    model.set_tilt(Angle::from_degrees(-60.0), seconds(1.0));
+    assert!((model.angles_at(seconds(1.0)).1.to_degrees() + 60.0).abs() < 1e-9);
+    model.set_tilt(Angle::from_radians(f64::NAN), seconds(1.0));
+    assert!((model.angles_at(seconds(1.0)).1.to_degrees() + 60.0).abs() < 1e-9);
+    model.set_tilt(Angle::from_degrees(-170.0), seconds(1.0));
+    assert!(model.angles_at(seconds(1.0)).1 >= dynamics.tilt_stops.0.radians() - 1e-9);
+}
+
+#[test]
 fn a_zoom_counts_from_when_it_was_reported() {
     let (dynamics, limits) = profile();
     let picture = PictureSize::new(1000, 600);

@@ -68,6 +68,7 @@ impl Scene {
             captured: now,
             water: WaterFix { point, covariance: WaterCovariance::isotropic(0.05) },
             heading: self.gives_heading.then_some(heading),
+            is_commanded: true,
             sway_per_s: None,
         });
         let arrives = self.pending.iter().position(|fix| now.since(fix.captured) >= LATENCY);
@@ -254,6 +255,51 @@ fn a_known_heading_needs_no_first_move() {
 }
 
 #[test]
+fn a_boat_that_lies_too_close_to_a_person_leaves_by_the_shortest_way() {
+    // Where the person lies off the bow, degrees to the right; the least and the greatest throttle, and the rudder's side.
+    for (off_bow_deg, throttle, side) in
+        [(0.0, -0.6..-0.1, 0.0), (-90.0, 0.05..0.6, 1.0), (120.0, 0.05..0.6, -1.0)]
+    {
+        let mut scene = Scene { gives_heading: true, ..Scene::new(-off_bow_deg) };
+        let close = person(0.0, 2.2);
+        let mut command = VesselCommand::NEUTRAL;
+        let mut farthest_m: f64 = 0.0;
+        scene.run(close, 1.0, |_, step| {
+            if step.state == GuidanceState::StandingOff && command.is_neutral() {
+                command = step.command;
+            }
+        });
+        assert!(throttle.contains(&command.throttle), "{off_bow_deg}: {command:?}");
+        assert!(
+            command.rudder * side > 0.0 || (side == 0.0 && command.rudder == 0.0),
+            "{off_bow_deg}: {command:?}"
+        );
+        let mut least_m = f64::INFINITY;
+        scene.run(close, 12.0, |scene, _| {
+            let distance_m = scene.at.distance_to(close.point());
+            least_m = least_m.min(distance_m);
+            farthest_m = farthest_m.max(distance_m);
+        });
+        assert!(least_m > 1.9 && farthest_m > 3.0, "{off_bow_deg}: {least_m} {farthest_m}");
+    }
+}
+
+#[test]
+fn a_person_who_drifts_towards_the_boat_is_given_way() {
+    let mut scene = Scene { gives_heading: true, ..Scene::new(0.0) };
+    let mut least_m = f64::INFINITY;
+    for frame in 0..450 {
+        let y = 6.0 - 0.35 * f64::from(frame) * FRAME_S;
+        let Destination::Person { stand_off_m, uncertainty_m, .. } = person(0.0, y) else { unreachable!() };
+        let at = WaterPoint { x: 0.0, y };
+        let drifting = Destination::Person { at, velocity_m_per_s: (0.0, -0.35), stand_off_m, uncertainty_m };
+        scene.step(Some(drifting), true);
+        least_m = least_m.min(scene.at.distance_to(at));
+    }
+    assert!(least_m > 2.0, "{least_m}");
+}
+
+#[test]
 fn without_a_destination_or_a_fresh_fix_the_vessel_is_neutral() {
     let mut scene = Scene::new(0.0);
     let first = scene.step(Some(place(0.0, 20.0)), true);
@@ -290,6 +336,7 @@ fn values_that_are_not_finite_move_nothing() {
             captured: now,
             water: bad,
             heading: Some((Angle::from_radians(f64::NAN), Angle::ZERO)),
+            is_commanded: true,
             sway_per_s: None,
         }),
         destination: Some(place(f64::NAN, f64::INFINITY)),
@@ -334,7 +381,13 @@ fn the_same_inputs_give_the_same_bits_and_no_step_allocates() {
             };
             let step = law.step(&GuidanceInput {
                 now,
-                fix: Some(BoatFix { captured: now, water, heading: None, sway_per_s: None }),
+                fix: Some(BoatFix {
+                    captured: now,
+                    water,
+                    heading: None,
+                    is_commanded: true,
+                    sway_per_s: None,
+                }),
                 destination: Some(place(1.0, 20.0)),
                 route: 1,
                 way_points: &[],
@@ -371,7 +424,10 @@ impl Straight {
             let point = WaterPoint { x: 0.0, y: self.y_m };
             let water = WaterFix { point, covariance: WaterCovariance::isotropic(0.05) };
             let heading = Some((Angle::from_degrees(reported_deg), Angle::from_degrees(15.0)));
-            self.track.observe(&BoatFix { captured: now, water, heading, sway_per_s: None }, now);
+            self.track.observe(
+                &BoatFix { captured: now, water, heading, is_commanded: true, sway_per_s: None },
+                now,
+            );
             self.y_m += speed * FRAME_S;
             self.now_s += FRAME_S;
         }

@@ -218,6 +218,7 @@ fn step(
                     (Angle::from_radians(frame.heading), Angle::from_degrees(condition.heading_noise_deg))
                 }),
                 // The camera is at rest.
+                is_commanded: true,
                 sway_per_s: None,
             });
             let keep_outs: Vec<KeepOut> = frame

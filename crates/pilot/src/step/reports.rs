@@ -44,7 +44,8 @@ impl Pilot {
 
     /// The vehicle tells the elevation of the camera's axis.
     fn on_tilt(&mut self, tilt: Angle, at: Timestamp) {
-        let is_first = self.reported_tilt.replace((tilt, at)).is_none();
+        let is_first = self.reported_tilt.is_none_or(|(before, _)| !before.radians().is_finite());
+        self.reported_tilt = Some((tilt, at));
         if let Some(vessel) = &mut self.vessel {
             vessel.on_tilt(at);
         }

@@ -27,9 +27,9 @@ const HORIZON_STEPS: usize = 16;
 
 /// Random turn of the view to the right and up while the camera rests, radians per root of a second: yaw and place of a kite in
 /// the wind.
-const SWAY_RAD_PER_ROOT_S: [f64; 2] = [0.049, 0.009];
+const SWAY_RAD_PER_ROOT_S: [f64; 2] = [0.029, 0.004];
 /// The same for each rad/s at which the camera turns: what the camera's model does not know of its axes.
-const SWAY_BY_RATE: f64 = 0.2;
+const SWAY_BY_RATE: f64 = 0.17;
 
 /// The camera of one video frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,8 +110,9 @@ impl FrameView {
         Some([near_left, far_left, far_right, near_right])
     }
 
-    /// The boat on the water, seen from where the camera's model says; `sways`: the camera may be elsewhere.
-    pub fn boat(&self, seen: &Localisation, sways: bool) -> Option<BoatFix> {
+    /// The boat on the water, seen from where the camera's model says. The camera may be elsewhere; that is told from a boat that
+    /// `is_commanded`, whose motion is known.
+    pub fn boat(&self, seen: &Localisation, is_commanded: bool) -> Option<BoatFix> {
         let centre = seen.bounds.centre();
         let water = self.fix(centre)?;
         let heading = seen.heading.and_then(|heading| {
@@ -119,7 +120,7 @@ impl FrameView {
             let bow = PixelPoint { u: centre.u + BOW_PX * cos, v: centre.v - BOW_PX * sin };
             Some((water.point.bearing_to(self.fix(bow)?.point), HEADING_STD_DEV))
         });
-        let sway_per_s = sways.then(|| {
+        let sway_per_s = is_commanded.then(|| {
             let mut growth = WaterCovariance::default();
             for ((x, y), rate) in self.view.slopes_at(water.point).into_iter().zip(self.sway_rad_per_root_s) {
                 growth.xx += rate * rate * x * x;
@@ -128,7 +129,7 @@ impl FrameView {
             }
             growth
         });
-        Some(BoatFix { captured: seen.captured, water, heading, sway_per_s })
+        Some(BoatFix { captured: seen.captured, water, heading, is_commanded, sway_per_s })
     }
 }
 

@@ -212,6 +212,13 @@ impl VesselGate {
         matches!(self.holder, Holder::Guided { .. })
     }
 
+    /// Whether nothing but this program steers the boat: it is steered by hand or by guidance or is kept neutral, and its link takes
+    /// commands.
+    pub fn is_commanding(&self) -> bool {
+        let is_held = matches!(self.holder, Holder::Neutral | Holder::ByHand { .. } | Holder::Guided { .. });
+        is_held && self.vessel.obstacle().is_none()
+    }
+
     /// Stops the boat. A boat that this program does not command is left alone. The first cause counts. A helm that is held now,
     /// also one that the boat does not obey, does nothing until it was let go.
     pub const fn stop(&mut self, cause: VesselStop) {

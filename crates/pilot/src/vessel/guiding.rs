@@ -119,23 +119,29 @@ impl Guide {
         marks.are_beyond(progress.boat, speed * time_s, profile, now)
     }
 
+    /// A mark is set or moved now.
+    pub fn anchor(&mut self) {
+        self.line_of_sight.anchor();
+    }
+
     /// The camera's apparent displacement at a time of capture.
     pub fn displacement_at(&self, captured: Timestamp) -> WaterPoint {
         self.line_of_sight.track().displacement_at(captured)
     }
 
-    /// The command for a fresh localisation of the boat, seen from where the camera's model says; `sways`: the camera may be elsewhere.
+    /// The command for a fresh localisation of the boat, seen from where the camera's model says; `is_commanded`: nothing but this
+    /// program steers the boat.
     pub fn step(
         &mut self,
         seen: &Localisation,
-        (frame_view, sways): (&FrameView, bool),
+        (frame_view, is_commanded): (&FrameView, bool),
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
     ) -> Result<VesselCommand, VesselHold> {
         let is_over_water = self.law == GuidanceLaw::LineOfSight && frame_view.sees_water;
         let (command, guidance) = if is_over_water {
-            self.step_over_water(frame_view.boat(seen, sways), marks, profile, now)
+            self.step_over_water(frame_view.boat(seen, is_commanded), marks, profile, now)
         } else {
             self.step_in_picture(seen, frame_view, marks, now)
         };

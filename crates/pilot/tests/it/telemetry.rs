@@ -21,6 +21,32 @@ impl Law for TiltRecorder {
 }
 
 #[test]
+fn the_first_tilt_that_the_gimbal_reports_takes_the_place_of_the_profiles() {
+    let tilt_after = |behaviour: u32, reports: &[f64]| {
+        let believed = Arc::new(Mutex::new(f64::NAN));
+        let settings = settings();
+        let law = CameraLaw::from_law(Box::new(TiltRecorder(Arc::clone(&believed))), &settings.profile);
+        let pilot = Pilot::with_law(settings, law, Box::new(Scripted::default()));
+        let mut pilot = pilot.with_behaviour(behaviour);
+        for (index, tilt) in reports.iter().enumerate() {
+            let ms = 10 * (1 + index as u64);
+            let report = Report::CameraTilt(Angle::from_degrees(*tilt));
+            pilot.step(Input::Telemetry(Telemetry { at: at(ms), report }), at(ms));
+        }
+        pilot.step(Seen(INSIDE).input(at(100)), at(100));
+        believed.lock().unwrap().to_degrees()
+    };
+    let newest = barrelman_pilot::behaviour::NEWEST;
+    assert!((tilt_after(newest, &[-60.0]) + 60.0).abs() < 1e-9);
+    assert!(
+        (tilt_after(newest, &[f64::NAN, -60.0]) + 60.0).abs() < 1e-9,
+        "a report that is not finite is none"
+    );
+    assert!((tilt_after(newest, &[-60.0, -50.0]) + 58.0).abs() < 1e-9, "later ones correct by a fifth");
+    assert!((tilt_after(4, &[-60.0]) + 60.0).abs() > 5.0, "pilots of before believed the profile at first");
+}
+
+#[test]
 fn a_law_believes_the_tilt_that_the_gimbal_reports() {
     let believed = Arc::new(Mutex::new(f64::NAN));
     let settings = settings();

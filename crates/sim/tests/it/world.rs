@@ -6,8 +6,8 @@ use barrelman_sim::pursuit::{Pursuit, PursuitScript, REFERENCE_RANGE_M};
 use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{BeyondBorder, Platform, TargetScript};
 use barrelman_sim::sway::Sway;
-use barrelman_sim::{LocalisationSensor, Truth, World};
-use barrelman_vocab::{AngularRate, CameraCommand};
+use barrelman_sim::{LocalisationSensor, Scenario, Truth, World};
+use barrelman_vocab::{Angle, AngularRate, CameraCommand};
 
 use crate::trial_world::{plain, pursuit};
 
@@ -79,6 +79,30 @@ fn a_trial_is_over_at_the_end_of_the_path_or_of_its_time() {
         world.advance();
     }
     assert_eq!(world.tick(), 240);
+}
+
+#[test]
+fn the_direction_of_the_bow_is_measured_where_the_scenario_says_so() {
+    let mut scenario = plain();
+    let mut world = World::new(&scenario, 1).expect("a path");
+    for _ in 0..240 {
+        world.advance();
+    }
+    let truth = world.truth();
+    let measure = |scenario: &Scenario| {
+        LocalisationSensor::new(scenario.sensing, scenario.camera.clone(), 1)
+            .measure(&truth)
+            .expect("in the picture")
+    };
+    assert_eq!(measure(&scenario).heading, None);
+    scenario.sensing.heading_std_dev = Some(Angle::ZERO);
+    let exact = measure(&scenario).heading.expect("a heading").degrees();
+    // The target goes to the right of the picture: 0 or nearly 360 degrees.
+    assert!(exact.min(360.0 - exact) < 25.0, "{exact}");
+    scenario.sensing.heading_std_dev = Some(Angle::from_degrees(8.0));
+    let noisy = measure(&scenario).heading.expect("a heading").degrees();
+    let off = (noisy - exact + 180.0).rem_euclid(360.0) - 180.0;
+    assert!(off != 0.0 && off.abs() < 40.0, "{exact} {noisy}");
 }
 
 #[test]
