@@ -8,7 +8,8 @@ use crate::features::PatchPose;
 use crate::fourier::SIDE;
 use crate::gradients::CELL;
 
-/// Minimum side of the target's upright box, pixels.
+/// Minimum side of the target's upright box, and minimum length and breadth by a silhouette, pixels. The colours of video
+/// have half the resolution: less than two of their samples give no breadth.
 const MIN_SIDE_PX: f32 = 3.0;
 /// Minimum side of the search window, in lengths of the target.
 const MIN_WINDOW_LENGTHS: f32 = 2.0;
@@ -122,7 +123,8 @@ impl TargetGeometry {
     pub(super) fn stretch_to(&mut self, length: f32, breadth: f32, rate: f32) {
         let half = self.half_axes();
         let factor = |measured: f32, known: f32| libm::powf(measured / known, rate);
-        let (longer, wider) = (factor(length, 2.0 * half.0), factor(breadth, 2.0 * half.1));
+        let measured = (length.max(MIN_SIDE_PX), breadth.max(MIN_SIDE_PX));
+        let (longer, wider) = (factor(measured.0, 2.0 * half.0), factor(measured.1, 2.0 * half.1));
         // The geometric mean is a change of size, the rest a change of proportions.
         let common = (longer * wider).sqrt();
         self.rescale(common);

@@ -16,6 +16,9 @@ use crate::silhouette::Silhouette;
 const POSITION_STD_DEV_SIZES: f64 = 0.05;
 /// Time constants with which axis, centre and size follow the silhouette's, seconds.
 const TIMES: FollowingTimes = FollowingTimes { axis_s: 0.15, centre_s: 0.3, size_s: 1.0 };
+/// With less of its usual contrast a target with a silhouette does not grow by the filter: the box contains background already, and the filter
+/// has learned the target together with another thing that goes away from it.
+const MIN_GROWING_CONTRAST: f32 = 0.6;
 /// The silhouette is measured in the target's ellipse enlarged by this factor.
 pub(super) const SILHOUETTE_REACH: f32 = 1.35;
 /// A silhouette that fills less of the ellipse of its axes consists of several things: the target and others of its colour.
@@ -76,7 +79,11 @@ impl Workspace {
         target.geometry.centre = target.geometry.box_centre_at(observation.centre);
         // Size and rotation of a target that is partly outside the picture cannot be measured.
         if !target.geometry.touches_border() {
-            target.geometry.rescale(libm::powf(config.scale_step as f32, scale_steps));
+            let may_grow = target.reference.is_none()
+                || observation.relative_contrast(target).is_none_or(|share| share >= MIN_GROWING_CONTRAST);
+            if may_grow || scale_steps < 0.0 {
+                target.geometry.rescale(libm::powf(config.scale_step as f32, scale_steps));
+            }
             target.geometry.turn(turn_steps * turn_step);
             let seconds = seconds as f32;
             // The silhouette of all colours is the more exact one, where the target is not too small for it.
