@@ -97,7 +97,7 @@ impl Estimate {
     }
 
     pub(super) fn point(&self) -> WaterPoint {
-        let (x, y) = self.from_anchor(0);
+        let (x, y) = self.since_anchor(0);
         WaterPoint { x, y }
     }
 
@@ -113,11 +113,11 @@ impl Estimate {
 
     /// The camera's displacement along x and y, metres.
     pub(super) fn displacement(&self) -> (f64, f64) {
-        self.from_anchor(A)
+        self.since_anchor(A)
     }
 
     /// Two states from `first` on, less the displacement at the anchor.
-    fn from_anchor(&self, first: usize) -> (f64, f64) {
+    fn since_anchor(&self, first: usize) -> (f64, f64) {
         let (x, y) = self.offset;
         (x + self.state[first] - self.state[K], y + self.state[first + 1] - self.state[K + 1])
     }
