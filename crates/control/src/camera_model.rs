@@ -101,18 +101,19 @@ impl CameraModel {
 
     /// Corrects the tilt with the gimbal's report at the time `at`. A value that is not finite is ignored.
     pub fn correct_tilt(&mut self, tilt: Angle, at: Timestamp) {
-        let error = tilt.radians() - self.tilt.at(at.as_secs_f64()).angle;
-        if error.is_finite() {
-            self.tilt.shift(REPORT_SHARE * error);
-        }
+        self.approach_tilt(tilt, at, REPORT_SHARE);
     }
 
     /// Takes over a tilt that the gimbal reports for the time `at`: the tilt so far was that of the profile. A value that is not
     /// finite is ignored.
     pub fn set_tilt(&mut self, tilt: Angle, at: Timestamp) {
+        self.approach_tilt(tilt, at, 1.0);
+    }
+
+    fn approach_tilt(&mut self, tilt: Angle, at: Timestamp, share: f64) {
         let error = tilt.radians() - self.tilt.at(at.as_secs_f64()).angle;
         if error.is_finite() {
-            self.tilt.shift(error);
+            self.tilt.shift(share * error);
         }
     }
 

@@ -80,7 +80,7 @@ impl LocalisationSensor {
         let (sin, cos) = libm::sincos(truth.target.heading.radians());
         let seen = |ahead_m: f64| {
             let point = WorldPoint { x: x + ahead_m * cos, y: y + ahead_m * sin, z };
-            self.camera.optics.project(truth.camera.camera_from_world(point))
+            self.camera.optics_at(truth.tick).project(truth.camera.camera_from_world(point))
         };
         let half_m = 0.5 * self.sensing.target_size_m.0;
         let (bow, stern) = (seen(half_m)?, seen(-half_m)?);

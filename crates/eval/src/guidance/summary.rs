@@ -31,19 +31,25 @@ impl Ratios {
     }
 
     pub(super) fn cells(&self) -> String {
-        let cell = |interval: Option<Interval>| {
-            interval
-                .map_or_else(|| "-".to_owned(), |r| format!("{:.2} [{:.2}, {:.2}]", r.value, r.low, r.high))
-        };
-        format!("{}  {}  {}", cell(self.cross_track), cell(self.time), cell(self.rudder))
+        format!("{}  {}  {}", ratio_cell(self.cross_track), ratio_cell(self.time), ratio_cell(self.rudder))
     }
 }
 
-/// The ratio of the means of a value, with its interval over resampled seeds.
+/// A ratio with its interval; a dash where there is none.
+pub(super) fn ratio_cell(ratio: Option<Interval>) -> String {
+    ratio.map_or_else(|| "-".to_owned(), |r| format!("{:.2} [{:.2}, {:.2}]", r.value, r.low, r.high))
+}
+
 fn ratio(lab: &[Outcome], ours: &[Outcome], value: fn(&Outcome) -> f64) -> Option<Interval> {
-    Bootstrap::DEFAULT.interval(lab.len(), |sample| {
-        let sum = |outcomes: &[Outcome]| sample.iter().map(|index| value(&outcomes[*index])).sum::<f64>();
-        sum(ours) / sum(lab)
+    let pairs: Vec<(f64, f64)> = lab.iter().zip(ours).map(|(lab, ours)| (value(lab), value(ours))).collect();
+    ratio_of_means(&pairs)
+}
+
+/// The ratio of the means of pairs of values, the second to the first, with its interval over resampled pairs.
+pub(super) fn ratio_of_means(pairs: &[(f64, f64)]) -> Option<Interval> {
+    Bootstrap::DEFAULT.interval(pairs.len(), |sample| {
+        let sum = |part: fn(&(f64, f64)) -> f64| sample.iter().map(|index| part(&pairs[*index])).sum::<f64>();
+        sum(|pair| pair.1) / sum(|pair| pair.0)
     })
 }
 

@@ -14,10 +14,11 @@ use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_simd::SimdLevel;
 use barrelman_trial::campaign::ReportErrors;
-use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
+use barrelman_trial::campaign::statistics::Interval;
 use barrelman_trial::metrics::GuidanceMetrics;
 use barrelman_vocab::{Angle, VesselProfile};
 
+use super::summary::{ratio_cell, ratio_of_means};
 use crate::output::print_line;
 use crate::parallel;
 use crate::statistics::mean;
@@ -35,7 +36,7 @@ pub(super) struct Condition {
     report_errors: ReportErrors,
     /// Least number of arrivals of 60 that is required.
     arrivals_of_60: Option<usize>,
-    /// Whether nobody may be approached closer than the stand-off.
+    /// Whether every person's stand-off must be kept.
     keeps_clear: bool,
 }
 
@@ -150,9 +151,9 @@ pub(super) fn compare(condition: &Condition, seeds: &[u64]) -> Result<bool> {
     print_line(&format!(
         "{}   time {}  off line {}  rudder {}{}",
         row("ours", &ours),
-        cell(ratio(&lab, &ours, |trial| trial.time_to_circle_s)),
-        cell(ratio(&lab, &ours, |trial| trial.cross_track_m)),
-        cell(ratio(&lab, &ours, |trial| trial.rudder_travel)),
+        ratio_cell(ratio(&lab, &ours, |trial| trial.time_to_circle_s)),
+        ratio_cell(ratio(&lab, &ours, |trial| trial.cross_track_m)),
+        ratio_cell(ratio(&lab, &ours, |trial| trial.rudder_travel)),
         missed.iter().map(|what| format!("  MISSED: {what}")).collect::<String>(),
     ));
     Ok(missed.is_empty())
@@ -196,14 +197,7 @@ fn ratio(
 ) -> Option<Interval> {
     let pairs: Vec<(f64, f64)> =
         lab.iter().zip(ours).filter_map(|(lab, ours)| value(lab).zip(value(ours))).collect();
-    Bootstrap::DEFAULT.interval(pairs.len(), |sample| {
-        let sum = |part: fn(&(f64, f64)) -> f64| sample.iter().map(|index| part(&pairs[*index])).sum::<f64>();
-        sum(|pair| pair.1) / sum(|pair| pair.0)
-    })
-}
-
-fn cell(interval: Option<Interval>) -> String {
-    interval.map_or_else(|| "-".to_owned(), |r| format!("{:.2} [{:.2}, {:.2}]", r.value, r.low, r.high))
+    ratio_of_means(&pairs)
 }
 
 #[cfg(test)]

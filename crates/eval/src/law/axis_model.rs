@@ -1,6 +1,8 @@
 //! The numbers of the models whose optimum is sought: the target's motion, the axes of the camera, the picture.
 
 use barrelman_control::Region;
+use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
+use barrelman_vocab::{Angle, AngularRate};
 
 /// Standard deviation of the bearing's rate, rad/s, and its time constant, seconds: near those of the laboratory.
 pub(super) const RATE_STD_DEV: f64 = 0.12;
@@ -21,6 +23,19 @@ pub(super) const STEP_S: f64 = 1.0 / STEPS_PER_SECOND as f64;
 /// The region's edge, radians of pan.
 pub(super) fn edge() -> f64 {
     (REGION.a_px / FOCAL_PX).atan()
+}
+
+/// A simulated axis of the camera, at rest at the angle 0.
+pub(super) fn axis_at_rest() -> CameraAxis {
+    let plant = AxisPlant {
+        start_dead_time_s: DEAD_TIME_S,
+        stop_dead_time_s: DEAD_TIME_S,
+        lag_s: LAG_S,
+        max_rate: AngularRate::from_radians_per_second(MAX_RATE),
+        end_stops: None,
+        imperfections: AxisImperfections::default(),
+    };
+    CameraAxis::at_rest(plant, Angle::ZERO)
 }
 
 /// An axis that answers with a lag: its angle, radians, and its rate, rad/s.

@@ -1,5 +1,6 @@
 //! The pilot's part of the vessel: what a step tells it.
 
+use barrelman_control::CameraLaw;
 use barrelman_vocab::{OperatorRequest, Timestamp, Track};
 
 use super::Pilot;
@@ -12,11 +13,10 @@ impl Pilot {
     /// Processes a request about the vessel. Returns what the operator has to know.
     pub(super) fn on_vessel_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
         let is_boat_seen = matches!(self.track, Track::Tracking(_)) && self.drawn_selection.is_none();
-        let sways = self.behaviour > behaviour::SURE_SELECTION;
+        let view = vessel_view(&self.law, self.behaviour, now);
         let Some(vessel) = &mut self.vessel else {
             return Some(Notice::RequestRefused(Refusal::NoVessel));
         };
-        let view = VesselView { camera: self.law.camera(), now, sways };
         match vessel.on_request(request, self.picture, is_boat_seen, view) {
             Ok(marked) => marked.map(|(id, kind)| Notice::Marked(id, kind)),
             Err(refusal) => Some(Notice::RequestRefused(refusal)),
@@ -35,7 +35,11 @@ impl Pilot {
             (ObservationResult::NoObservation, _) => Observed::Nothing,
         };
         let newest = self.last_capture.zip(self.picture);
-        let sways = self.behaviour > behaviour::SURE_SELECTION;
-        vessel.step(observed, newest, VesselView { camera: self.law.camera(), now, sways })
+        vessel.step(observed, newest, vessel_view(&self.law, self.behaviour, now))
     }
+}
+
+/// What a step with these rules tells the vessel's part.
+fn vessel_view(law: &CameraLaw, version: u32, now: Timestamp) -> VesselView<'_> {
+    VesselView { camera: law.camera(), now, sways: version > behaviour::SURE_SELECTION }
 }

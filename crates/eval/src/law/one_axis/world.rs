@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use barrelman_control::{CameraLaw, Law, LawInput, Percept};
-use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
+use barrelman_sim::camera_axis::CameraAxis;
 use barrelman_sim::tick::{TICK_S, TICKS_PER_SECOND};
 use barrelman_vocab::{Angle, AngularRate, ImagePoint, PictureSize, Timestamp, VehicleProfile};
 
 use super::super::axis_model::{
     Axis, DEAD_TIME_S, FOCAL_PX, LAG_S, MAX_RATE, RATE_STD_DEV, RATE_TIME_CONSTANT_S, REGION, STEP_S,
-    STEPS_PER_SECOND, edge,
+    STEPS_PER_SECOND, axis_at_rest, edge,
 };
 use super::super::model_figures::{Figures, TRIAL_S};
 use super::dynamic_programming::DynamicProgramme;
@@ -46,18 +46,10 @@ struct World {
 impl World {
     fn new(seed: u64) -> Self {
         let mut rng = Rng::from_name("one axis", seed);
-        let plant = AxisPlant {
-            start_dead_time_s: DEAD_TIME_S,
-            stop_dead_time_s: DEAD_TIME_S,
-            lag_s: LAG_S,
-            max_rate: AngularRate::from_radians_per_second(MAX_RATE),
-            end_stops: None,
-            imperfections: AxisImperfections::default(),
-        };
         Self {
             bearing: 0.0,
             bearing_rate: RATE_STD_DEV * rng.approximately_normal(),
-            axis: CameraAxis::at_rest(plant, Angle::ZERO),
+            axis: axis_at_rest(),
             rng,
             tick: 0,
             command: 0.0,

@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use barrelman_control::{CameraLaw, Law, LawInput, Percept};
-use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
+use barrelman_sim::camera_axis::CameraAxis;
 use barrelman_sim::tick::{TICK_S, TICKS_PER_SECOND};
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{Angle, AngularRate, ImagePoint, PictureSize, Timestamp, VehicleProfile};
 
 use super::super::axis_model::{
-    Axis, DEAD_TIME_S, FOCAL_PX, LAG_S, MAX_RATE, REGION, STEP_S, STEPS_PER_SECOND,
+    Axis, DEAD_TIME_S, FOCAL_PX, LAG_S, MAX_RATE, REGION, STEP_S, STEPS_PER_SECOND, axis_at_rest,
 };
 use super::super::model_figures::Figures;
 use super::policy::{Policy, Situation};
@@ -49,15 +49,7 @@ struct World<'a> {
 
 impl<'a> World<'a> {
     fn new(path: &'a TargetPath) -> Self {
-        let plant = AxisPlant {
-            start_dead_time_s: DEAD_TIME_S,
-            stop_dead_time_s: DEAD_TIME_S,
-            lag_s: LAG_S,
-            max_rate: AngularRate::from_radians_per_second(MAX_RATE),
-            end_stops: None,
-            imperfections: AxisImperfections::default(),
-        };
-        let axes = [0, 1].map(|_| CameraAxis::at_rest(plant, Angle::ZERO));
+        let axes = [0, 1].map(|_| axis_at_rest());
         Self { path, axes, tick: 0, command: [0.0; 2], figures: Figures::default() }
     }
 
