@@ -97,7 +97,13 @@ def neutral_within(table, program, what, begin, seconds):
 def to_the_person(table, args, folder):
     store, record = folder / "vessel.jsonl", folder / "vessel.mcap"
     program = Program(args, "demo", "rescue", "--size", SIZE, "--hands-on", "--store", store, "--record", record)
+    # The boat drives away meanwhile on a busy machine, and is then smaller in the picture than a person.
+    answer = program.request("pause")
+    table.require("the simulated world waits for the page", answer["answer"] != "refused", answer.get("reason") or "")
     page = Page(program.url, folder)
+    page.wait(lambda data: data.get("connected") == "yes", 30, "the page's connection")
+    page.wait_until_enabled("pause")
+    page.click("pause")
     page.ready()
     vessel = boat(program)
     table.require("before anything is asked, the boat is not commanded", vessel["mode"] == "released" and vessel["throttle"] == 0, vessel["text"])
