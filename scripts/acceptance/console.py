@@ -13,7 +13,7 @@ import time
 
 import common
 from common import Emulator, Lines, Table
-from console_page import Page, Program, find_red
+from console_page import Page, Program, select_boat
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select
 
@@ -49,43 +49,6 @@ def turn_buttons(table, page):
     expected = [key for _, key in OBSTACLES]
     is_right = found == expected and has_words
     table.require("the camera can be turned by hand where commands reach it only", is_right, f"{len(expected)} cases", "" if is_right else f"{found}, not {expected}")
-
-
-def sides(box, size):
-    """Where the middle of a box is, as shares of the picture's width and height."""
-    return [(corner + side / 2) / extent for corner, side, extent in zip(box[:2], box[2:], size)]
-
-
-def select_boat(table, page, folder, what="the boat", seconds=90):
-    """Drags a box around the boat until the track is confirmed.
-
-    A boat near the border leaves before a busy machine answers, and the boat of `arena1` leaves a camera at rest after
-    5 s, to the left. The script turns a camera that is not engaged by hand, as an operator does, to where the boat was seen.
-    """
-    end = time.monotonic() + seconds
-    attempts, said = 0, "no red boat well inside the picture"
-    across = 0.0
-    while time.monotonic() < end:
-        box, size = find_red(page, folder)
-        if box:
-            across, down = sides(box, size)
-        if not box or not (0.1 <= across <= 0.9 and 0.1 <= down <= 0.9):
-            if page.data["mode"] == "idle":
-                key = "a" if across < 0.5 else "d"
-                page.press(key)
-                time.sleep(0.5)
-                page.release(key)
-            time.sleep(0.3)
-            continue
-        attempts += 1
-        page.drag(box, size)
-        try:
-            data = page.wait(lambda data: data["track"] == "tracking", 5, "the track")
-            return table.require(f"a box is dragged around {what}: the track is confirmed", True, f"attempt {attempts}, P {data['p']}")
-        except TimeoutError:
-            said = f"{page.element('toast').text or 'no answer'} (box {[round(side) for side in box]} of {size})"
-        time.sleep(0.4)
-    return table.require(f"a box is dragged around {what}: the track is confirmed", False, f"{attempts} attempts; {said}")
 
 
 def screenshots(page, keep, name):
@@ -267,6 +230,18 @@ def stop_among_requests(table, args, page, emulator):
     table.require(f"Stop among 200 requests, {len(delays)} times: at rest at the ground station", holds, f"median {common.median(known):.0f} ms, worst {max(known, default=0):.0f} ms", "150 and 350 ms")
 
 
+def bring_inside(table, program, page, folder):
+    """Waits until the camera has the boat in the ellipse. A busy machine may lose the boat: then the boat is selected again."""
+    is_inside = lambda status: (status["percept"] or {}).get("p", 9) < 1
+    for _ in range(common.ATTEMPTS):
+        if is_inside(program.wait(lambda status: is_inside(status) or status["track"]["state"] == "lost", 60, "the boat in the ellipse")):
+            return
+        page.click("disengage")
+        select_boat(table, page, folder, "the boat that was lost")
+        page.click("engage")
+    raise TimeoutError(f"the boat was lost {common.ATTEMPTS} times before the camera had it in the ellipse")
+
+
 def run(table, args, folder):
     print("\nrun, with an emulated ground station", flush=True)
     record = folder / "run.mcap"
@@ -290,15 +265,8 @@ def run(table, args, folder):
     table.require("engaged: the ground station hears rates", True, heard.raw)
     data = page.data
     table.show("capture to drawing by the page's own clock, WebCodecs", f"median {data['delayMs']} ms, 95 % {data['delayP95Ms']} ms", "with the latency of the simulated video")
-    # A boat that is left outside of the ellipse may leave the picture before the next box is drawn. A busy machine may
-    # lose the boat meanwhile: then the boat is selected again.
-    is_inside = lambda status: (status["percept"] or {}).get("p", 9) < 1
-    for _ in range(common.ATTEMPTS):
-        if is_inside(program.wait(lambda status: is_inside(status) or status["track"]["state"] == "lost", 60, "the boat in the ellipse")):
-            break
-        page.click("disengage")
-        select_boat(table, page, folder, "the boat that was lost")
-        page.click("engage")
+    # A boat that is left outside of the ellipse may leave the picture before the next box is drawn.
+    bring_inside(table, program, page, folder)
     page.click("deselect")
     page.wait(lambda data: (data["mode"], data["track"]) == ("holding", "unseeded"), 5, "nothing followed")
     select_boat(table, page, folder, "the boat, again, while engaged")

@@ -198,3 +198,35 @@ def find_red(page, folder):
     scale = size[0] / (right - left)
     box = [(u - 2) * scale, (v - 2) * scale, (w + 4) * scale, (h + 4) * scale]
     return ([float(value) for value in box] if area >= 12 else None), size
+
+
+def select_boat(table, page, folder, what="the boat", seconds=90):
+    """Drags a box around the boat until the track is confirmed.
+
+    A boat near the border leaves before a busy machine answers, and the boat of `arena1` leaves a camera at rest after
+    5 s, to the left. The script turns a camera that is not engaged by hand, as an operator does, to where the boat was seen.
+    """
+    end = time.monotonic() + seconds
+    attempts, said = 0, "no red boat well inside the picture"
+    across = 0.0
+    while time.monotonic() < end:
+        box, size = find_red(page, folder)
+        if box:
+            across, down = (box[0] + box[2] / 2) / size[0], (box[1] + box[3] / 2) / size[1]
+        if not box or not (0.1 <= across <= 0.9 and 0.1 <= down <= 0.9):
+            if page.data["mode"] == "idle":
+                key = "a" if across < 0.5 else "d"
+                page.press(key)
+                time.sleep(0.5)
+                page.release(key)
+            time.sleep(0.3)
+            continue
+        attempts += 1
+        page.drag(box, size)
+        try:
+            data = page.wait(lambda data: data["track"] == "tracking", 5, "the track")
+            return table.require(f"a box is dragged around {what}: the track is confirmed", True, f"attempt {attempts}, P {data['p']}")
+        except TimeoutError:
+            said = f"{page.element('toast').text or 'no answer'} (box {[round(side) for side in box]} of {size})"
+        time.sleep(0.4)
+    return table.require(f"a box is dragged around {what}: the track is confirmed", False, f"{attempts} attempts; {said}")

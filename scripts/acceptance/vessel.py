@@ -21,7 +21,7 @@ import time
 
 import common
 from common import Lines, Recording, Table
-from console_page import Page, Program, find_red
+from console_page import Page, Program, select_boat
 from selenium.webdriver.common.actions.action_builder import ActionBuilder
 
 SIZE = "960x540"
@@ -98,8 +98,8 @@ def to_the_person(table, args, folder):
     store, record = folder / "vessel.jsonl", folder / "vessel.mcap"
     program = Program(args, "demo", "rescue", "--size", SIZE, "--hands-on", "--store", store, "--record", record)
     # The boat drives away meanwhile on a busy machine, and is then smaller in the picture than a person.
-    answer = program.request("pause")
-    table.require("the simulated world waits for the page", answer["answer"] != "refused", answer.get("reason") or "")
+    program.request("pause")
+    program.wait(lambda status: (status["drive"] or {}).get("paused"), 5, "the pause")
     page = Page(program.url, folder)
     page.wait(lambda data: data.get("connected") == "yes", 30, "the page's connection")
     page.wait_until_enabled("pause")
@@ -111,13 +111,11 @@ def to_the_person(table, args, folder):
     table.require("a program without a page cannot let the boat go", answer["answer"] == "refused", answer["reason"])
     refused = page.driver.execute_script("return document.getElementById('guide').disabled")
     table.require("without a mark, Go is not offered", refused)
-    common.wait_until(lambda: find_red(page, folder)[0], 30, "a red boat in the picture")
-    box, size = find_red(page, folder)
-    page.drag(box, size)
-    page.wait(lambda data: data["track"] == "tracking", 15, "the track")
+    select_boat(table, page, folder)
     page.click("engage")
     program.wait(lambda status: status["mode"]["engaged"], 5, "the camera to follow")
 
+    size = program.status()["video"]["size"]
     person = mark(page, program, "person", person_at(program), size)
     table.require("a person is marked in the picture: the destination, with distances", person["destination"] and person["water_m"] and len(person["ring"]) > 10, f"{person['kind']} {person['id']} at {person['water_m'][0]:.1f}, {person['water_m'][1]:.1f} m")
     page.wait_until_enabled("guide")
