@@ -193,9 +193,15 @@ def output_not_read(run):
 
 
 def panic_unseen(run):
+    """Nothing tells on stderr when the pilot panics: the last frame that it recorded does."""
     run.wait_until_it_moves(more=0.0)
     run.fill()
-    return run.started + FAULT_AT
+
+    def last_frame():
+        recording = Recording(run.record)
+        return recording.at(recording.frames[-1].now_ns)
+
+    return last_frame
 
 
 def quit_key(run):
@@ -265,6 +271,8 @@ def try_case(case, args, clip, selection, folder, table):
         except subprocess.TimeoutExpired:
             code, late = None, [f"it has not ended after {ENDS_WITHIN:.0f} s"]
         faults = late + run.ended_well()
+        if callable(at):
+            at = at()
         rest, moved = run.rest_for_good(at)
         if not moved:
             faults.append("the camera did not move when it happened")
