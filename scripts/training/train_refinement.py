@@ -1,22 +1,24 @@
 """Fits the weights of the tracker's refinement network to the samples of `barrelman-eval training-samples`.
 
     barrelman-eval training-samples --clips DIR --output SAMPLES
-    python3 scripts/training/train_refinement.py SAMPLES --output WEIGHTS [--folds 4]
+    python3 scripts/training/train_refinement.py SAMPLES [SAMPLES ...] --output WEIGHTS [--folds 4]
 
 WEIGHTS is a folder. `all.weights` is fitted to all clips, and goes to crates/vision/src/refinement/network.weights.
 With --folds N the recordings are divided into N parts, and for each part a network is fitted to the others: the
 file NAME.weights of each clip is that of a network which never saw the clip's recording, for `barrelman-eval tracker
---weights WEIGHTS`. Names of clips made from one recording begin with one of the prefixes of RECORDINGS.
+--weights WEIGHTS`. Names of clips made from one recording begin with one of the prefixes of RECORDINGS. A composed clip
+(compose_clips.py) is of two recordings, and one of the simulator (a name that begins with `sim_`) of none.
 
 The loss is that of the box (1 - generalised IoU) where the target lies in the window, the negative log-likelihood of
 the edges' errors (Laplace distribution), the coverage of rows and columns by the box, and the cross entropy of
 "the refined box has an IoU of at least 0.5". Samples are mirrored, transposed, inverted in brightness, rotated in
 chroma, and robbed of single channels at random.
 
-Needs numpy and torch; neither is a part of the project's setup. Uses one thread; 90,000 samples take about three
-minutes a network.
+Needs numpy and torch; neither is a part of the project's setup. Takes a thread for each of --jobs, and 23 kB of memory a
+sample while it loads.
 """
 import argparse
+import multiprocessing
 import pathlib
 import time
 
@@ -37,6 +39,23 @@ RECORDINGS = ("stress_redboat", "redboat", "uav123_group1", "uav123_truck4", "ua
 # An overlap with the label below which nothing is learned about the edges, and the probability has no right box.
 MIN_NEAR_IOU = 0.1
 EDGE_SCALE, ERROR_OFFSET = 0.4, -1.5
+
+
+# Weight of a composed or simulated clip beside a recording of as many samples.
+COMPOSED_WEIGHT, SIMULATED_WEIGHT = 0.4, 0.5
+
+
+def recordings_of(clip):
+    """The recordings that a clip was made from."""
+    if clip.startswith("sim_"):
+        return set()
+    if clip.startswith("composed_"):
+        return set(clip.removeprefix("composed_").split("+")[:2])
+    return {recording_of(clip)}
+
+
+def is_recorded(clip):
+    return not clip.startswith(("composed_", "sim_"))
 
 
 def recording_of(clip):
@@ -87,17 +106,24 @@ class Network(nn.Module):
         np.concatenate(values).astype("<f4").tofile(path)
 
 
+def weight_of_clip(clip):
+    return 1.0 if is_recorded(clip) else SIMULATED_WEIGHT if clip.startswith("sim_") else COMPOSED_WEIGHT
+
+
 class Samples:
     """Samples of all clips; boxes are left, top, right, bottom in sides of the window."""
 
-    def __init__(self, folder):
+    def __init__(self, folders):
         parts, self.clips = [], []
-        for path in sorted(pathlib.Path(folder).glob("*.samples")):
+        for path in sorted(path for folder in folders for path in pathlib.Path(folder).glob("*.samples")):
             part = np.fromfile(path, dtype=RECORD)
             parts.append(part)
             self.clips += [path.stem] * len(part)
         records = np.concatenate(parts)
-        self.recordings = np.array([recording_of(clip) for clip in self.clips])
+        del parts
+        self.groups = np.array([recording_of(clip) for clip in self.clips])
+        self.recordings = [recordings_of(clip) for clip in self.clips]
+        self.is_recorded = np.array([is_recorded(clip) for clip in self.clips])
         corner = records["centre"] - records["sides"] / 2
         begin = (records["label"][:, :2] - corner) / records["sides"]
         label = np.concatenate([begin, begin + records["label"][:, 2:] / records["sides"]], 1)
@@ -115,10 +141,10 @@ class Samples:
         self.cells = torch.from_numpy(records["cells"].copy())
         measurements = np.clip(np.nan_to_num(records["measurements"]), -5, 5)
         self.measurements = torch.from_numpy(measurements.astype(np.float32))
-        names, counts = np.unique(self.recordings, return_counts=True)
-        count_of = dict(zip(names, counts))
+        names, counts = np.unique(self.groups, return_counts=True)
         # A recording with many samples counts less for each.
-        self.weights = np.array([count_of[name] ** -0.5 for name in self.recordings])
+        weight_of = {name: count ** -0.5 * weight_of_clip(name) for name, count in zip(names, counts)}
+        self.weights = np.array([weight_of[name] for name in self.groups])
 
     def clipped(self, boxes, index):
         limits = self.limits[index]
@@ -246,32 +272,47 @@ def report(name, network, samples, chosen, seconds):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("samples")
+    parser.add_argument("samples", nargs="+")
     parser.add_argument("--output", required=True)
     parser.add_argument("--folds", type=int, default=0)
-    parser.add_argument("--epochs", type=float, default=2.2)
+    parser.add_argument("--only", type=int, nargs="*", help="only these folds, from 0; -1: the network of all clips")
+    parser.add_argument("--epochs", type=float, default=2.5)
+    parser.add_argument("--jobs", type=int, default=1, help="networks that are fitted at the same time")
     options = parser.parse_args()
     torch.set_num_threads(1)
     output = pathlib.Path(options.output)
     output.mkdir(parents=True, exist_ok=True)
     samples = Samples(options.samples)
     everything = np.arange(len(samples.clips))
-    print(f"{len(everything)} samples of {len(set(samples.recordings))} recordings", flush=True)
-    began = time.time()
-    fit(samples, everything, options.epochs).write(output / "all.weights")
-    print(f"all: {time.time() - began:.0f} s", flush=True)
-    if not options.folds:
-        return
-    shuffled = np.random.RandomState(3).permutation(sorted(set(samples.recordings)))
-    for fold in range(options.folds):
-        left_out = set(shuffled[fold::options.folds])
-        is_left_out = np.array([recording in left_out for recording in samples.recordings])
+    recordings = sorted({name for name, is_real in zip(samples.groups, samples.is_recorded) if is_real})
+    print(f"{len(everything)} samples, {samples.is_recorded.sum()} of {len(recordings)} recordings", flush=True)
+    chosen = range(-1, options.folds) if options.only is None else options.only
+    shuffled = np.random.RandomState(3).permutation(recordings)
+    parts = {fold: set(shuffled[fold::options.folds]) if fold >= 0 else set() for fold in chosen}
+
+    def fit_fold(fold):
+        left_out = parts[fold]
+        is_left_out = np.array([bool(names & left_out) for names in samples.recordings])
         began = time.time()
         network = fit(samples, everything[~is_left_out], options.epochs)
-        report(f"fold {fold}", network, samples, everything[is_left_out], time.time() - began)
+        if fold < 0:
+            network.write(output / "all.weights")
+            print(f"all: {time.time() - began:.0f} s", flush=True)
+            return
+        report(f"fold {fold}", network, samples, everything[is_left_out & samples.is_recorded], time.time() - began)
         for clip in sorted(set(samples.clips)):
-            if recording_of(clip) in left_out:
+            if is_recorded(clip) and recording_of(clip) in left_out:
                 network.write(output / f"{clip}.weights")
+
+    # The processes share the samples of this one.
+    context, waiting, running = multiprocessing.get_context("fork"), list(parts), []
+    while waiting or running:
+        while waiting and len(running) < options.jobs:
+            running.append(context.Process(target=fit_fold, args=(waiting.pop(0),)))
+            running[-1].start()
+        running[0].join()
+        if running.pop(0).exitcode:
+            raise SystemExit("a network could not be fitted")
 
 
 if __name__ == "__main__":
