@@ -196,12 +196,9 @@ def panic_unseen(run):
     """Nothing tells on stderr when the pilot panics: the last frame that it recorded does."""
     run.wait_until_it_moves(more=0.0)
     run.fill()
-
-    def last_frame():
-        recording = Recording(run.record)
-        return recording.at(recording.frames[-1].now_ns)
-
-    return last_frame
+    run.wait()
+    recording = Recording(run.record)
+    return recording.at(recording.frames[-1].now_ns)
 
 
 def quit_key(run):
@@ -271,8 +268,6 @@ def try_case(case, args, clip, selection, folder, table):
         except subprocess.TimeoutExpired:
             code, late = None, [f"it has not ended after {ENDS_WITHIN:.0f} s"]
         faults = late + run.ended_well()
-        if callable(at):
-            at = at()
         rest, moved = run.rest_for_good(at)
         if not moved:
             faults.append("the camera did not move when it happened")

@@ -8,7 +8,7 @@ recordings that target and pictures come from: a network that is to be measured 
 
 A target is cut out along its outline (GrabCut, started from an ellipse in the label's box); cuts that do not fill their
 box are left out. It moves on a random path, at a random size that may change, mirrored or transposed, in other light,
-over pictures that play forwards and backwards. Up to two other targets, half of them of the same recording, cross its
+over pictures that play forwards and backwards. Up to two other targets, most of them of the same recording, cross its
 way, before or behind it. Pictures are blurred, given noise, and compressed at random.
 
 Needs numpy, OpenCV and imageio-ffmpeg; none of them is a part of the project's setup.
@@ -22,7 +22,7 @@ import cv2
 import imageio_ffmpeg
 import numpy as np
 
-from train_refinement import recording_of
+from recordings import COMPOSED, recording_of
 
 FRAMES, WIDTH, RATE = 80, 640, 30
 # Frames of a recording that are used: every second one of a clip with many labels.
@@ -82,7 +82,7 @@ def cut_out(picture, box):
     return crop.copy(), cv2.resize(soft, crop.shape[1::-1], interpolation=cv2.INTER_AREA), np.sqrt(w * h) / large
 
 
-class Recording:
+class Clip:
     """Pictures of a clip, WIDTH pixels wide, and the cuts of its target."""
 
     def __init__(self, folder):
@@ -101,6 +101,8 @@ class Recording:
             cut = cut_out(picture, labels[frame]) if frame in labels else None
             if cut:
                 self.cuts.append(cut)
+        if not self.pictures:
+            raise SystemExit(f"{folder / 'video.mp4'}: OpenCV reads no picture of it")
 
 
 class Composer:
@@ -227,13 +229,13 @@ def main():
     options = parser.parse_args()
     recordings = {}
     for folder in sorted(path.parent for clips in options.clips for path in clips.glob("*/gt.csv")):
-        recordings.setdefault(recording_of(folder.name), []).append(Recording(folder))
+        recordings.setdefault(recording_of(folder.name), []).append(Clip(folder))
     composer = Composer(recordings, options.seed)
     print(f"{len(recordings)} recordings, targets of {len(composer.targets)}", flush=True)
     for number in range(options.count):
         name = composer.choose(composer.targets)
         behind = composer.choose([recording for recording in recordings if recording != name])
-        composer.compose(options.output / f"composed_{name}+{behind}+{options.seed}_{number}", name, behind)
+        composer.compose(options.output / f"{COMPOSED}{name}+{behind}+{options.seed}_{number}", name, behind)
 
 
 if __name__ == "__main__":

@@ -6,8 +6,8 @@
 WEIGHTS is a folder. `all.weights` is fitted to all clips, and goes to crates/vision/src/refinement/network.weights.
 With --folds N the recordings are divided into N parts, and for each part a network is fitted to the others: the
 file NAME.weights of each clip is that of a network which never saw the clip's recording, for `barrelman-eval tracker
---weights WEIGHTS`. Names of clips made from one recording begin with one of the prefixes of RECORDINGS. A composed clip
-(compose_clips.py) is of two recordings, and one of the simulator (a name that begins with `sim_`) of none.
+--weights WEIGHTS`. Names tell which recordings a clip was made from (recordings.py): a composed clip
+(compose_clips.py) is of two, and one of the simulator (a name that begins with `sim_`) of none.
 
 The loss is that of the box (1 - generalised IoU) where the target lies in the window, the negative log-likelihood of
 the edges' errors (Laplace distribution), the coverage of rows and columns by the box, and the cross entropy of
@@ -27,6 +27,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from recordings import COMPOSED, SIMULATED, is_recorded, recording_of, recordings_of
+
 SIDE, CHANNELS, MEASUREMENTS = 32, 11, 12
 CELL_SCALE = 60.0
 BRIGHTNESS, PROBABILITY, MOTION, SELECTED, USUAL, CHROMA, SELECTED_PROBABILITY = 0, 2, 3, 5, 6, (8, 9), 10
@@ -35,34 +37,11 @@ RECORD = np.dtype([
     ("centre", "<f4", 2), ("sides", "<f4", 2), ("box", "<f4", 2), ("label", "<f4", 4), ("reported", "<f4", 4),
     ("picture", "<f4", 2), ("measurements", "<f4", MEASUREMENTS), ("cells", "i1", (CHANNELS, SIDE, SIDE)),
 ])
-RECORDINGS = ("stress_redboat", "redboat", "uav123_group1", "uav123_truck4", "uav123_wakeboard")
 # An overlap with the label below which nothing is learned about the edges, and the probability has no right box.
 MIN_NEAR_IOU = 0.1
 EDGE_SCALE, ERROR_OFFSET = 0.4, -1.5
-
-
 # Weight of a composed or simulated clip beside a recording of as many samples.
-COMPOSED_WEIGHT, SIMULATED_WEIGHT = 0.4, 0.5
-
-
-def recordings_of(clip):
-    """The recordings that a clip was made from."""
-    if clip.startswith("sim_"):
-        return set()
-    if clip.startswith("composed_"):
-        return set(clip.removeprefix("composed_").split("+")[:2])
-    return {recording_of(clip)}
-
-
-def is_recorded(clip):
-    return not clip.startswith(("composed_", "sim_"))
-
-
-def recording_of(clip):
-    for prefix in RECORDINGS:
-        if clip.startswith(prefix):
-            return prefix.removeprefix("stress_")
-    return clip
+WEIGHTS = {COMPOSED: 0.4, SIMULATED: 0.5}
 
 
 class Network(nn.Module):
@@ -106,10 +85,6 @@ class Network(nn.Module):
         np.concatenate(values).astype("<f4").tofile(path)
 
 
-def weight_of_clip(clip):
-    return 1.0 if is_recorded(clip) else SIMULATED_WEIGHT if clip.startswith("sim_") else COMPOSED_WEIGHT
-
-
 class Samples:
     """Samples of all clips; boxes are left, top, right, bottom in sides of the window."""
 
@@ -121,9 +96,7 @@ class Samples:
             self.clips += [path.stem] * len(part)
         records = np.concatenate(parts)
         del parts
-        self.groups = np.array([recording_of(clip) for clip in self.clips])
-        self.recordings = [recordings_of(clip) for clip in self.clips]
-        self.is_recorded = np.array([is_recorded(clip) for clip in self.clips])
+        self.clips = np.array(self.clips)
         corner = records["centre"] - records["sides"] / 2
         begin = (records["label"][:, :2] - corner) / records["sides"]
         label = np.concatenate([begin, begin + records["label"][:, 2:] / records["sides"]], 1)
@@ -141,10 +114,12 @@ class Samples:
         self.cells = torch.from_numpy(records["cells"].copy())
         measurements = np.clip(np.nan_to_num(records["measurements"]), -5, 5)
         self.measurements = torch.from_numpy(measurements.astype(np.float32))
-        names, counts = np.unique(self.groups, return_counts=True)
         # A recording with many samples counts less for each.
-        weight_of = {name: count ** -0.5 * weight_of_clip(name) for name, count in zip(names, counts)}
-        self.weights = np.array([weight_of[name] for name in self.groups])
+        names, clip_of = np.unique(self.clips, return_inverse=True)
+        groups, group_of = np.unique([recording_of(name) for name in names], return_inverse=True)
+        counts = np.bincount(group_of[clip_of])
+        factors = [next((factor for kind, factor in WEIGHTS.items() if group.startswith(kind)), 1.0) for group in groups]
+        self.weights = (factors * counts ** -0.5)[group_of[clip_of]]
 
     def clipped(self, boxes, index):
         limits = self.limits[index]
@@ -270,49 +245,53 @@ def report(name, network, samples, chosen, seconds):
           f"{after[near].mean():.3f} after; AUROC {auroc:.3f}", flush=True)
 
 
+def fit_fold(samples, options, fold, left_out):
+    """Fits the network of a fold to all clips of which no recording is left out, and writes it; fold -1 is that of all."""
+    clips = sorted(set(samples.clips))
+    is_left_out = np.isin(samples.clips, [clip for clip in clips if recordings_of(clip) & left_out])
+    began = time.time()
+    network = fit(samples, np.flatnonzero(~is_left_out), options.epochs)
+    if fold < 0:
+        network.write(options.output / "all.weights")
+        print(f"all: {time.time() - began:.0f} s", flush=True)
+        return
+    measured = [clip for clip in clips if is_recorded(clip) and recording_of(clip) in left_out]
+    chosen = np.flatnonzero(np.isin(samples.clips, measured))
+    report(f"fold {fold}", network, samples, chosen, time.time() - began)
+    for clip in measured:
+        network.write(options.output / f"{clip}.weights")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("samples", nargs="+")
-    parser.add_argument("--output", required=True)
+    parser.add_argument("--output", required=True, type=pathlib.Path)
     parser.add_argument("--folds", type=int, default=0)
-    parser.add_argument("--only", type=int, nargs="*", help="only these folds, from 0; -1: the network of all clips")
-    parser.add_argument("--epochs", type=float, default=2.5)
+    parser.add_argument("--only", type=int, nargs="+", help="only these folds, from 0; -1: the network of all clips")
+    parser.add_argument("--epochs", type=float, default=2.2)
     parser.add_argument("--jobs", type=int, default=1, help="networks that are fitted at the same time")
     options = parser.parse_args()
+    folds = range(-1, options.folds)
+    if unknown := set(options.only or ()) - set(folds):
+        parser.error(f"--only {min(unknown)}: the folds are -1 to {options.folds - 1} (--folds)")
     torch.set_num_threads(1)
-    output = pathlib.Path(options.output)
-    output.mkdir(parents=True, exist_ok=True)
+    options.output.mkdir(parents=True, exist_ok=True)
     samples = Samples(options.samples)
-    everything = np.arange(len(samples.clips))
-    recordings = sorted({name for name, is_real in zip(samples.groups, samples.is_recorded) if is_real})
-    print(f"{len(everything)} samples, {samples.is_recorded.sum()} of {len(recordings)} recordings", flush=True)
-    chosen = range(-1, options.folds) if options.only is None else options.only
+    recordings = sorted({recording_of(clip) for clip in set(samples.clips) if is_recorded(clip)})
+    print(f"{len(samples.clips)} samples, {len(recordings)} recordings", flush=True)
     shuffled = np.random.RandomState(3).permutation(recordings)
-    parts = {fold: set(shuffled[fold::options.folds]) if fold >= 0 else set() for fold in chosen}
+    jobs = [(fold, set(shuffled[fold::options.folds]) if fold >= 0 else set()) for fold in options.only or folds]
+    # Forked processes share the samples of this one: arguments of the initializer are not copied.
+    with multiprocessing.get_context("fork").Pool(options.jobs, share, (samples, options)) as pool:
+        pool.starmap(fit_shared, jobs, chunksize=1)
 
-    def fit_fold(fold):
-        left_out = parts[fold]
-        is_left_out = np.array([bool(names & left_out) for names in samples.recordings])
-        began = time.time()
-        network = fit(samples, everything[~is_left_out], options.epochs)
-        if fold < 0:
-            network.write(output / "all.weights")
-            print(f"all: {time.time() - began:.0f} s", flush=True)
-            return
-        report(f"fold {fold}", network, samples, everything[is_left_out & samples.is_recorded], time.time() - began)
-        for clip in sorted(set(samples.clips)):
-            if is_recorded(clip) and recording_of(clip) in left_out:
-                network.write(output / f"{clip}.weights")
 
-    # The processes share the samples of this one.
-    context, waiting, running = multiprocessing.get_context("fork"), list(parts), []
-    while waiting or running:
-        while waiting and len(running) < options.jobs:
-            running.append(context.Process(target=fit_fold, args=(waiting.pop(0),)))
-            running[-1].start()
-        running[0].join()
-        if running.pop(0).exitcode:
-            raise SystemExit("a network could not be fitted")
+def share(samples, options):
+    fit_shared.shared = samples, options
+
+
+def fit_shared(fold, left_out):
+    fit_fold(*fit_shared.shared, fold, left_out)
 
 
 if __name__ == "__main__":
