@@ -76,13 +76,20 @@ def temporary_folder():
     return pathlib.Path(folder.name)
 
 
-def shared_or_skip(*parts):
-    """A folder of the data beside the repository; the script ends if the folder is absent."""
+def shared(*parts):
+    """A folder of the data beside the repository; None, said, if the folder is absent. In CI the script fails then."""
     path = SHARED.joinpath(*parts)
     if path.exists():
         return path
     print(f"skipped: {path} is not there")
-    sys.exit(1 if os.environ.get("CI") else 0)
+    if os.environ.get("CI"):
+        sys.exit(1)
+    return None
+
+
+def shared_or_skip(*parts):
+    """A folder of the data beside the repository; the script ends if the folder is absent."""
+    return shared(*parts) or sys.exit(0)
 
 
 class Table:

@@ -29,6 +29,8 @@ ABSENT = {
 WRITES = ("--output", "--truth", "--masks", "--overlay", "--svg", "--store", "--log", "--record")
 # Commands that are not run, each with its reason.
 LEFT_OUT = {"scripts/setup.sh": "sets up the machine", "scripts/test.sh": "runs this script"}
+# Commands that read the laboratory's logs, which a user's machine may not have.
+READS_LOGS = re.compile(r"arena([12]_|\*)")
 # Words that the standard output of a command must hold.
 PROMISES = {
     "compare ": "trials in both", "trials ": "mean sensitivity", "metrics ": "mean sensitivity", "merge ": "mean sensitivity",
@@ -89,6 +91,7 @@ class Pantry:
 
     def __init__(self, args, folder):
         self.args, self.folder = args, folder
+        self.logs = common.shared("data", "trials")
         folder.mkdir()
         (folder / "bin").mkdir()
         (folder / "bin" / "barrelman").symlink_to(args.barrelman)
@@ -107,9 +110,8 @@ class Pantry:
 
     def bring(self, command, folder):
         """Puts the files that a command reads, and that are not there, into the folder."""
-        logs = common.SHARED / "data" / "trials"
-        if re.search(r"arena([12]_|\*)", command):
-            for path in logs.glob("arena*_*.csv"):
+        if READS_LOGS.search(command):
+            for path in self.logs.glob("arena*_*.csv"):
                 if not (folder / path.name).exists():
                     shutil.copy(path, folder)
         written = {value for option in WRITES for value in re.findall(rf"{option} (\S+)", command)} | set(re.findall(r"> (\S+)", command))
@@ -290,6 +292,8 @@ def main():
         reader = Reader(table, pantry, title, folder / str(number))
         for index, command in enumerate(commands):
             reason = next((reason for start, reason in LEFT_OUT.items() if command.startswith(start)), None)
+            if READS_LOGS.search(command) and not pantry.logs:
+                reason = "the laboratory's logs are not there"
             following = commands[index + 1] if index + 1 < len(commands) else ""
             is_emulator = command.startswith("barrelman emulate")
             if reason:
