@@ -12,6 +12,7 @@
 //!
 //! [`VesselCommand`]: barrelman_vocab::VesselCommand
 
+mod answer;
 pub mod input;
 
 pub mod lab;

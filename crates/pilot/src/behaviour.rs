@@ -16,5 +16,8 @@ pub const CALM_AIR: u32 = 3;
 /// 4: frames that confirm a selection need a confidence of 0.7, not of 0.5.
 pub const SURE_SELECTION: u32 = 4;
 
-/// The version of this pilot. 5: the places of boat and marks are corrected by an estimated displacement of the camera.
-pub const NEWEST: u32 = 5;
+/// 5: the places of boat and marks are corrected by an estimated displacement of the camera.
+pub const DISPLACED_CAMERA: u32 = 5;
+
+/// The version of this pilot. 6: a guided boat that does not answer its commands is stopped.
+pub const NEWEST: u32 = 6;

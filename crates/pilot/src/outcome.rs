@@ -271,6 +271,9 @@ impl fmt::Display for VesselMode {
             Self::Stopped(VesselStop::Everything(cause) | VesselStop::Vessel(cause)) => {
                 write!(f, "boat {}", stop_text(*cause))
             }
+            Self::Stopped(VesselStop::NoAnswer) => f.write_str(
+                "boat stopped: what is followed did not move as commanded; check the box, and the boat's drive",
+            ),
             Self::Stopped(VesselStop::HeldTooLong(hold)) => {
                 write!(f, "boat stopped: {} for too long", held(hold))
             }

@@ -100,6 +100,8 @@ pub(crate) struct VesselView<'a> {
     pub(crate) now: Timestamp,
     /// Whether the camera may be displaced from where its model says. Pilots of before took the model for exact.
     pub(crate) sways: bool,
+    /// Whether a guided boat that does not answer is stopped. Pilots of before drove it on.
+    pub(crate) needs_answer: bool,
 }
 
 /// What a step observed.
@@ -244,6 +246,7 @@ impl VesselPilot {
         let was_guiding = self.gate.is_guiding();
         self.gate.guide(now)?;
         if !was_guiding {
+            self.guide.expect_answer();
             self.marks.begin_route();
         }
         Ok(())
@@ -309,6 +312,9 @@ impl VesselPilot {
                 let advice =
                     self.guide.step(seen, (&modelled, is_commanded), &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());
+                if view.needs_answer && self.gate.is_guiding() && self.guide.is_unanswered() {
+                    self.gate.stop(VesselStop::NoAnswer);
+                }
                 GateInput::Fresh(advice)
             }
             (Observed::NoBoat(cause), _) => GateInput::Unusable(cause),

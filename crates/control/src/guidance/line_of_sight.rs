@@ -20,6 +20,7 @@
 
 use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterPoint};
 
+use super::answer::ApproachCheck;
 use super::clearance::{ClearCourse, Side, clear_course, free_distance, turn_clears};
 use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Progress};
 use super::route::{LegGuidance, Route};
@@ -69,6 +70,7 @@ pub struct LineOfSight {
     tuning: LineOfSightTuning,
     model: VesselModel,
     track: BoatTrack,
+    approach: ApproachCheck,
     route: Option<Route>,
     phase: Phase,
     side: Option<Side>,
@@ -93,6 +95,7 @@ impl LineOfSight {
     pub fn new(tuning: LineOfSightTuning, model: VesselModel) -> Self {
         Self {
             track: BoatTrack::new(model, &tuning),
+            approach: ApproachCheck::default(),
             tuning,
             model,
             route: None,
@@ -113,11 +116,25 @@ impl LineOfSight {
     /// A mark is set or moved now.
     pub fn anchor(&mut self) {
         self.track.anchor();
+        // The end of the leg may be elsewhere now.
+        self.approach.restart();
+    }
+
+    /// Expects an answer of the boat to its commands from now on.
+    pub fn expect_answer(&mut self) {
+        self.track.expect_answer();
+        self.approach.restart();
+    }
+
+    /// Whether what is followed did not move as the boat on its way would have moved under the commands that were in force.
+    pub const fn is_unanswered(&self) -> bool {
+        self.track.is_unanswered() || self.approach.is_unanswered()
     }
 
     /// Discards the fixes and the route: another boat was selected.
-    pub const fn reset_boat(&mut self) {
+    pub fn reset_boat(&mut self) {
         self.track.reset();
+        self.approach.restart();
         self.route = None;
         self.way_since = None;
     }
@@ -165,6 +182,7 @@ impl LineOfSight {
             &self.tuning,
         );
         let (command, state) = self.command(input, destination, &boat, &leg, &mut route);
+        self.check_answer(state, &leg, route.leg(), now);
         let progress = Progress {
             boat: boat.point,
             speed_m_per_s: boat.speed_m_per_s(),
@@ -176,6 +194,19 @@ impl LineOfSight {
         self.route = Some(route);
         self.rudder = command.rudder;
         GuidanceStep { command: command.clamped(), state, progress: Some(progress) }
+    }
+
+    /// Whether the boat answers is asked only while it goes: a boat that keeps its place in a current goes through the water,
+    /// and not over ground.
+    fn check_answer(&mut self, state: GuidanceState, leg: &LegGuidance, number: usize, now: Timestamp) {
+        match state {
+            GuidanceState::UnderWay | GuidanceState::GettingWay => {
+                self.approach.add(number, now.as_secs_f64(), leg.distance_m, self.track.way_m());
+            }
+            // The way around a circle may lead away from the end of the leg.
+            GuidanceState::Avoiding => self.approach.restart(),
+            _ => self.expect_answer(),
+        }
     }
 
     fn neutral(&mut self, state: GuidanceState, progress: Option<Progress>) -> GuidanceStep {

@@ -14,6 +14,7 @@
 
 use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
 
+use super::answer::AnswerCheck;
 use super::estimate::{Estimate, Input, Measured, ThroughWater, turned};
 use super::input::BoatFix;
 use super::tuning::{LineOfSightTuning, VesselModel};
@@ -94,6 +95,9 @@ struct Motion {
     thrust: f64,
     /// Speed through the water, m/s.
     surge: f64,
+    /// Place in still water, along the axes of the first course, and length of the way there, metres.
+    way: (f64, f64),
+    way_m: f64,
 }
 
 /// The camera's apparent displacement at the time of a fix, along x and y.
@@ -124,6 +128,7 @@ pub struct BoatTrack {
     estimate: Option<Estimate>,
     heading: Option<Heading>,
     arrived: Option<Timestamp>,
+    answer: AnswerCheck,
 }
 
 impl BoatTrack {
@@ -143,19 +148,38 @@ impl BoatTrack {
                 turn: 0.0,
                 thrust: 0.0,
                 surge: 0.0,
+                way: (0.0, 0.0),
+                way_m: 0.0,
             }),
             displacements: Ring::new(NO_DISPLACEMENT),
             estimate: None,
             heading: None,
             arrived: None,
+            answer: AnswerCheck::new(),
         }
     }
 
     /// Discards all fixes: another boat was selected.
-    pub const fn reset(&mut self) {
+    pub fn reset(&mut self) {
         self.estimate = None;
         self.heading = None;
         self.arrived = None;
+        self.answer.restart();
+    }
+
+    /// Whether what is seen hardly moved while the commanded boat would have.
+    pub(super) const fn is_unanswered(&self) -> bool {
+        self.answer.is_unanswered()
+    }
+
+    /// Expects an answer to the commands from now on.
+    pub(super) fn expect_answer(&mut self) {
+        self.answer.restart();
+    }
+
+    /// Length of the way through the water by the model, metres.
+    pub(super) const fn way_m(&self) -> f64 {
+        self.motion.newest().way_m
     }
 
     /// Advances the vessel's model to `now` under the command in force.
@@ -184,9 +208,14 @@ impl BoatTrack {
             let surge = ahead + kept * (last.surge - ahead);
             let kept = libm::exp(-duration_s / self.model.drift_lag_s);
             let excess = last.turn - mean_yaw;
+            let turned = last.turned + mean_yaw * duration_s + excess * self.model.drift_lag_s * (1.0 - kept);
+            let (sin, cos) = libm::sincos(0.5 * (turned + last.turned));
+            let ahead_m = 0.5 * (surge + last.surge) * duration_s;
             Motion {
                 at_s: now_s,
-                turned: last.turned + mean_yaw * duration_s + excess * self.model.drift_lag_s * (1.0 - kept),
+                turned,
+                way: (last.way.0 + ahead_m * sin, last.way.1 + ahead_m * cos),
+                way_m: last.way_m + ahead_m.abs(),
                 yaw,
                 turn: mean_yaw + excess * kept,
                 thrust,
@@ -245,6 +274,11 @@ impl BoatTrack {
         self.displacements
             .push(displacement, |previous, newest| newest.at_s - previous.at_s >= MIN_INTERVAL_S);
         self.arrived = Some(now);
+        if fix.is_commanded {
+            self.answer.add(at_s, (x, y), self.motion_at(at_s).way);
+        } else {
+            self.answer.restart();
+        }
         self.observe_heading(fix, at_s);
     }
 
@@ -403,6 +437,8 @@ fn motion_at(motion: &Ring<Motion, HISTORY_LEN>, at_s: f64) -> Motion {
                 turn: mix(earlier.turn, later.turn),
                 thrust: mix(earlier.thrust, later.thrust),
                 surge: mix(earlier.surge, later.surge),
+                way: (mix(earlier.way.0, later.way.0), mix(earlier.way.1, later.way.1)),
+                way_m: mix(earlier.way_m, later.way_m),
             };
         }
         later = earlier;

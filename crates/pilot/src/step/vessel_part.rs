@@ -41,5 +41,10 @@ impl Pilot {
 
 /// What a step with these rules tells the vessel's part.
 fn vessel_view(law: &CameraLaw, version: u32, now: Timestamp) -> VesselView<'_> {
-    VesselView { camera: law.camera(), now, sways: version > behaviour::SURE_SELECTION }
+    VesselView {
+        camera: law.camera(),
+        now,
+        sways: version > behaviour::SURE_SELECTION,
+        needs_answer: version > behaviour::DISPLACED_CAMERA,
+    }
 }

@@ -17,6 +17,7 @@
 //!    without effect at the stop (for want of video or of a link); guidance takes another request.
 //! 2. Guidance moves the boat only while fresh localisations of the boat arrive. The last command lasts at most
 //!    [`GUIDED_LASTS`] after the last one, then the boat is neutral. A hold of more than [`HOLD_LASTS`] ends the guidance.
+//!    So does a boat that does not answer ([`VesselStop::NoAnswer`]): the wrong object may be followed.
 //! 3. A helm that is held lasts [`STEERED_LASTS`] after its last renewal, and needs fresh video: the operator steers by the
 //!    picture. It needs no track: a boat that is lost to the tracker must not be lost to the operator.
 //! 4. Nothing commands the boat while its link takes no commands.
@@ -91,6 +92,8 @@ pub enum VesselStop {
     OtherBoat,
     /// The guidance waited for too long, for this reason.
     HeldTooLong(VesselHold),
+    /// What is followed did not move as the commanded boat would have.
+    NoAnswer,
 }
 
 /// What one step saw of the boat.

@@ -83,11 +83,23 @@ impl Guide {
     }
 
     /// Another boat was selected.
-    pub const fn reset_boat(&mut self) {
+    pub fn reset_boat(&mut self) {
         self.line_of_sight.reset_boat();
         self.laboratory.reset();
         self.newest = None;
         self.has_room = false;
+    }
+
+    /// The guidance is engaged: an answer of the boat to its commands is expected from now on.
+    pub fn expect_answer(&mut self) {
+        self.line_of_sight.expect_answer();
+    }
+
+    /// Whether what is followed did not move as the commanded boat would have. Only over the water: in the picture, no distances
+    /// are known.
+    pub const fn is_unanswered(&self) -> bool {
+        matches!(self.newest, Some(Guidance { basis: GuidanceBasis::Water, .. }))
+            && self.line_of_sight.is_unanswered()
     }
 
     /// A command is in force from `now` on.

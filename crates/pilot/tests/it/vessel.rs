@@ -343,6 +343,47 @@ fn another_selection_ends_the_guidance() {
     }
 }
 
+/// What a guided boat does that is seen here, `seconds` after the guidance began, over 12 s; the last mode, and when it began.
+fn guided_for_12_s(bench: &mut Bench, place: impl Fn(f64) -> ImagePoint) -> (VesselMode, f64) {
+    let began = bench.ms;
+    let mut newest = (VesselMode::Guided, 0.0);
+    for frame in 0..360 {
+        if frame % 15 == 0 {
+            bench.see_water();
+        }
+        let seconds = (bench.ms - began) as f64 / 1e3;
+        let mode = bench.see(place(seconds)).vessel.mode;
+        if mode != newest.0 {
+            newest = (mode, seconds);
+        }
+    }
+    newest
+}
+
+#[test]
+fn a_guided_boat_that_does_not_move_is_stopped_until_the_next_request() {
+    let mut bench = Bench::going(MarkKind::Place);
+    for _ in 0..2 {
+        let (mode, since_s) = guided_for_12_s(&mut bench, |_| INSIDE);
+        assert_eq!(mode, VesselMode::Stopped(VesselStop::NoAnswer));
+        assert!((7.0..10.0).contains(&since_s), "{since_s}");
+        let outcome = bench.ask(OperatorRequest::Guide);
+        assert_eq!((outcome.notice, outcome.vessel.mode), (None, VesselMode::Guided));
+    }
+    let slowly = |seconds: f64| ImagePoint { x: INSIDE.x, y: INSIDE.y + 8.0 * seconds };
+    assert_eq!(guided_for_12_s(&mut bench, slowly), (VesselMode::Guided, 0.0));
+}
+
+#[test]
+fn a_boat_that_is_steered_by_hand_need_not_answer() {
+    let mut bench = Bench::new();
+    bench.see_water().see(INSIDE);
+    for _ in 0..360 {
+        bench.ask(OperatorRequest::Steer(AHEAD));
+        assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::ByHand);
+    }
+}
+
 #[test]
 fn a_boat_that_is_lost_is_neutral_within_a_quarter_of_a_second() {
     let mut bench = Bench::going(MarkKind::Place);
