@@ -41,18 +41,19 @@ RECORD = np.dtype([
 MIN_NEAR_IOU = 0.1
 EDGE_SCALE, ERROR_OFFSET = 0.4, -1.5
 # Weight of a composed or simulated clip beside a recording of as many samples.
-WEIGHTS = {COMPOSED: 0.4, SIMULATED: 0.5}
+WEIGHTS = {COMPOSED: 0.3, SIMULATED: 0.5}
 
 
 class Network(nn.Module):
     """The layers of crates/vision/src/refinement/network.rs, in the order of its file."""
 
-    def __init__(self, first=12, second=16, profile=12, edge=24, judge=16):
+    def __init__(self, first=24, second=32, profile=16, edge=32, judge=24):
         super().__init__()
         half = SIDE // 2
         self.first = nn.Conv2d(CHANNELS, first, 3, stride=2, padding=1)
         self.second = nn.Conv2d(first, second, 3, padding=1)
         self.third = nn.Conv2d(second, second, 3, padding=2, dilation=2)
+        self.fourth = nn.Conv2d(second, second, 3, padding=4, dilation=4)
         self.profile = nn.Conv1d(2 * second, profile, 3, padding=1)
         self.edge = nn.Linear(profile * half, edge)
         self.answer = nn.Linear(edge, 4)
@@ -72,6 +73,7 @@ class Network(nn.Module):
         maps = functional.relu(self.first(cells))
         maps = functional.relu(self.second(maps))
         maps = functional.relu(maps + self.third(maps))
+        maps = functional.relu(maps + self.fourth(maps))
         across, columns, edge_across = self.axis(maps, 2)
         down, rows, edge_down = self.axis(maps, 3)
         pooled = [maps.mean((2, 3)), maps.amax((2, 3)), maps[:, :, 5:11, 5:11].mean((2, 3))]
@@ -80,7 +82,8 @@ class Network(nn.Module):
         return across, down, columns, rows, odds
 
     def write(self, path):
-        layers = [self.first, self.second, self.third, self.profile, self.edge, self.answer, self.judge, self.odds]
+        layers = [self.first, self.second, self.third, self.fourth,
+                  self.profile, self.edge, self.answer, self.judge, self.odds]
         values = [part.detach().numpy().ravel() for layer in layers for part in (layer.weight, layer.bias)]
         np.concatenate(values).astype("<f4").tofile(path)
 

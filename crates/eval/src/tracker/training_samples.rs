@@ -40,7 +40,7 @@ const LOOSE_DISTANCE: f64 = 0.2;
 /// and the largest logarithm of the size.
 const SIZE_DEVIATION: f64 = 0.35;
 const PROPORTIONS_DEVIATION: f64 = 0.2;
-const PLACE_DEVIATION: f64 = 0.2;
+const PLACE_DEVIATION: f64 = 0.3;
 const MAX_SIZE_LOGARITHM: f64 = 0.8;
 /// Frames followed after a selection of the background.
 const BACKGROUND_FRAMES: usize = 30;

@@ -2,17 +2,18 @@
 //!
 //! | layer | from | to |
 //! |---|---|---|
-//! | convolution 3 x 3, stride 2 | 11 x 32 x 32 | 12 x 16 x 16 |
-//! | convolution 3 x 3 | 12 x 16 x 16 | 16 x 16 x 16 |
-//! | convolution 3 x 3, dilation 2, added to its input | 16 x 16 x 16 | 16 x 16 x 16 |
-//! | for each axis: maximum and mean over the other axis | 16 x 16 x 16 | 32 x 16 |
-//! | for each axis: convolution 3 | 32 x 16 | 12 x 16 |
-//! | for each axis: dense | 192 | 24 |
-//! | for each axis: dense: shifts of both edges, logarithms of their errors | 24 | 4 |
-//! | dense, from the mean, the maximum and the mean of the middle of each map, both axes and the measurements | 108 | 16 |
-//! | dense: log-odds of the box | 16 | 1 |
+//! | convolution 3 x 3, stride 2 | 11 x 32 x 32 | 24 x 16 x 16 |
+//! | convolution 3 x 3 | 24 x 16 x 16 | 32 x 16 x 16 |
+//! | convolution 3 x 3, dilation 2, added to its input | 32 x 16 x 16 | 32 x 16 x 16 |
+//! | convolution 3 x 3, dilation 4, added to its input | 32 x 16 x 16 | 32 x 16 x 16 |
+//! | for each axis: maximum and mean over the other axis | 32 x 16 x 16 | 64 x 16 |
+//! | for each axis: convolution 3 | 64 x 16 | 16 x 16 |
+//! | for each axis: dense | 256 | 32 |
+//! | for each axis: dense: shifts of both edges, logarithms of their errors | 32 | 4 |
+//! | dense, from the mean, the maximum and the mean of the middle of each map, both axes and the measurements | 172 | 24 |
+//! | dense: log-odds of the box | 24 | 1 |
 //!
-//! Both axes share their weights. After each layer but the answers, negative values become 0. About 1.3 million
+//! Both axes share their weights. After each layer but the answers, negative values become 0. About 7.2 million
 //! multiplications.
 
 use std::sync::{Arc, LazyLock};
@@ -26,18 +27,22 @@ use crate::simd::simd_kernel;
 
 /// Side of the maps.
 const SIDE: usize = WINDOW_SIDE_CELLS / 2;
-/// Side of the maps with a border of two cells.
-const PADDED: usize = SIDE + 4;
+/// Border around the maps, cells: the largest dilation.
+const BORDER: usize = 4;
+/// Side of the maps with their border.
+const PADDED: usize = SIDE + 2 * BORDER;
+/// Dilations of the convolutions after the first.
+const DILATIONS: [usize; 3] = [1, 2, 4];
 /// Channels after the first convolution and after the others.
-const FIRST: usize = 12;
-const SECOND: usize = 16;
+const FIRST: usize = 24;
+const SECOND: usize = 32;
 /// Channels of the profile of an axis, and values that its edges are computed from.
-const PROFILE: usize = 12;
-const EDGE: usize = 24;
+const PROFILE: usize = 16;
+const EDGE: usize = 32;
 /// Answers for an axis: the shifts of both edges, and the logarithms of their errors.
 const ANSWERS: usize = 4;
 /// Values that the probability is computed from, and its inputs.
-const JUDGE: usize = 16;
+const JUDGE: usize = 24;
 const JUDGED: usize = 3 * SECOND + 2 * EDGE + MEASUREMENTS;
 /// Cells in the middle of the maps, along each axis.
 const MIDDLE: core::ops::Range<usize> = 5..11;
@@ -64,6 +69,7 @@ pub struct RefinementWeights {
     first: Layer,
     second: Layer,
     third: Layer,
+    fourth: Layer,
     profile: Layer,
     edge: Layer,
     answer: Layer,
@@ -91,9 +97,10 @@ pub enum RefinementWeightsError {
 }
 
 /// Inputs and outputs of the layers, in the order of the file.
-const LAYERS: [(usize, usize); 8] = [
+const LAYERS: [(usize, usize); 9] = [
     (9 * WINDOW_CHANNELS, FIRST),
     (9 * FIRST, SECOND),
+    (9 * SECOND, SECOND),
     (9 * SECOND, SECOND),
     (3 * 2 * SECOND, PROFILE),
     (SIDE * PROFILE, EDGE),
@@ -135,12 +142,13 @@ impl RefinementWeights {
             rest = after;
             taken.to_vec()
         };
-        let [first, second, third, profile, edge, answer, judge, odds] =
+        let [first, second, third, fourth, profile, edge, answer, judge, odds] =
             LAYERS.map(|(inputs, outputs)| Layer { weights: take(inputs * outputs), bias: take(outputs) });
         Ok(Self {
             first: first.with_outputs_innermost(),
             second: second.with_outputs_innermost(),
             third: third.with_outputs_innermost(),
+            fourth: fourth.with_outputs_innermost(),
             profile: profile.with_outputs_innermost(),
             edge,
             answer,
@@ -194,6 +202,7 @@ pub(crate) struct RefinementNetwork {
     first: Vec<f32>,
     second: Vec<f32>,
     third: Vec<f32>,
+    fourth: Vec<f32>,
 }
 
 impl RefinementNetwork {
@@ -203,7 +212,8 @@ impl RefinementNetwork {
             input: vec![0.0; WINDOW_CHANNELS * 4 * PHASE],
             first: vec![0.0; FIRST * PADDED * PADDED],
             second: vec![0.0; SECOND * PADDED * PADDED],
-            third: vec![0.0; SECOND * SIDE * SIDE],
+            third: vec![0.0; SECOND * PADDED * PADDED],
+            fourth: vec![0.0; SECOND * PADDED * PADDED],
         }
     }
 
@@ -277,45 +287,22 @@ fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASURE
         let mut sums = [[0.0_f32; SIDE]; FIRST];
         weights.first.convolve_row(&network.input[row * (SIDE + 1)..], &starts, &mut sums);
         for (channel, sum) in sums.iter().enumerate() {
-            let out = &mut network.first[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
+            let out = &mut network.first[place_of_row(channel, row)..][..SIDE];
             for x in 0..SIDE {
                 out[x] = sum[x].max(0.0);
             }
         }
     }
-    let starts: [usize; 9 * FIRST] =
-        core::array::from_fn(|tap| (tap / 9 * PADDED + tap % 9 / 3 + 1) * PADDED + tap % 3 + 1);
-    for row in 0..SIDE {
-        let mut sums = [[0.0_f32; SIDE]; SECOND];
-        weights.second.convolve_row(&network.first[row * PADDED..], &starts, &mut sums);
-        for (channel, sum) in sums.iter().enumerate() {
-            let out = &mut network.second[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
-            for x in 0..SIDE {
-                out[x] = sum[x].max(0.0);
-            }
-        }
-    }
-    let starts: [usize; 9 * SECOND] =
-        core::array::from_fn(|tap| (tap / 9 * PADDED + 2 * (tap % 9 / 3)) * PADDED + 2 * (tap % 3));
-    for row in 0..SIDE {
-        let mut sums = [[0.0_f32; SIDE]; SECOND];
-        weights.third.convolve_row(&network.second[row * PADDED..], &starts, &mut sums);
-        for (channel, sum) in sums.iter().enumerate() {
-            let before = &network.second[(channel * PADDED + row + 2) * PADDED + 2..][..SIDE];
-            let out = &mut network.third[(channel * SIDE + row) * SIDE..][..SIDE];
-            for x in 0..SIDE {
-                out[x] = (sum[x] + before[x]).max(0.0);
-            }
-        }
-    }
+    convolve::<{ 9 * FIRST }>(&weights.second, DILATIONS[0], &network.first, None, &mut network.second);
+    convolve::<{ 9 * SECOND }>(&weights.third, DILATIONS[1], &network.second, Some(&network.second), &mut network.third);
+    convolve::<{ 9 * SECOND }>(&weights.fourth, DILATIONS[2], &network.third, Some(&network.third), &mut network.fourth);
     // The profiles of both axes, with a border of one cell on either side.
     let mut profiles = [[[0.0_f32; SIDE + 2]; 2 * SECOND]; 2];
     let mut judged = [0.0_f32; JUDGED];
     for channel in 0..SECOND {
-        let map = &network.third[channel * SIDE * SIDE..][..SIDE * SIDE];
         let (mut sum, mut most, mut middle) = (0.0_f32, 0.0_f32, 0.0_f32);
         for row in 0..SIDE {
-            let line = &map[row * SIDE..][..SIDE];
+            let line = &network.fourth[place_of_row(channel, row)..][..SIDE];
             let (mut row_sum, mut row_most) = (0.0_f32, 0.0_f32);
             for x in 0..SIDE {
                 row_sum += line[x];
@@ -362,6 +349,38 @@ fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASURE
 }
 }
 
+/// Where a row of a map with a border begins, after the border.
+const fn place_of_row(channel: usize, row: usize) -> usize {
+    (channel * PADDED + row + BORDER) * PADDED + BORDER
+}
+
+/// A convolution 3 x 3 from maps with a border to maps with a border, and the maps that are added to the sums.
+#[inline(always)]
+fn convolve<const TAPS: usize>(
+    layer: &Layer,
+    dilation: usize,
+    from: &[f32],
+    added: Option<&[f32]>,
+    to: &mut [f32],
+) {
+    let starts: [usize; TAPS] = core::array::from_fn(|tap| {
+        let (down, right) = (tap % 9 / 3 * dilation, tap % 3 * dilation);
+        (tap / 9 * PADDED + BORDER - dilation + down) * PADDED + BORDER - dilation + right
+    });
+    for row in 0..SIDE {
+        let mut sums = [[0.0_f32; SIDE]; SECOND];
+        layer.convolve_row(&from[row * PADDED..], &starts, &mut sums);
+        for (channel, sum) in sums.iter().enumerate() {
+            let place = place_of_row(channel, row);
+            let out = &mut to[place..][..SIDE];
+            let before = added.map_or(&[0.0; SIDE][..], |maps| &maps[place..][..SIDE]);
+            for x in 0..SIDE {
+                out[x] = (sum[x] + before[x]).max(0.0);
+            }
+        }
+    }
+}
+
 /// A layer in which each output depends on each input.
 #[inline(always)]
 fn dense(layer: &Layer, inputs: &[f32], outputs: &mut [f32]) {
@@ -392,8 +411,8 @@ mod tests {
         for (index, (inputs, outputs)) in LAYERS.into_iter().enumerate() {
             values.extend(core::iter::repeat_n(0.0, inputs * outputs));
             match index {
-                5 => values.extend(answers),
-                7 => values.push(log_odds),
+                6 => values.extend(answers),
+                8 => values.push(log_odds),
                 _ => values.extend(core::iter::repeat_n(0.0, outputs)),
             }
         }
@@ -454,8 +473,8 @@ mod tests {
         window.cells[index(2, 9, 13)] = 7.0;
         network.evaluate(&window);
         // Row 2 r - 1 = 9 and column 2 c + 1 = 13.
-        for (at, value) in network.third[..SIDE * SIDE].iter().enumerate() {
-            let expected = if at == 5 * SIDE + 6 { 7.0 } else { 0.0 };
+        for (at, value) in network.fourth[..PADDED * PADDED].iter().enumerate() {
+            let expected = if at == place_of_row(0, 5) + 6 { 7.0 } else { 0.0 };
             assert_eq!(*value, expected, "{at}");
         }
     }
