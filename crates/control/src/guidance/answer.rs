@@ -8,7 +8,8 @@
 //! What hardly moves, or comes no nearer, is not the boat that is commanded (another object was selected or is followed
 //! instead), or the boat's drive has failed, or something holds the boat: a net, a line, or a current as fast as the boat.
 //!
-//! Not found: an object that goes to the boat's destination by itself, and a boat that is only to turn. Work: O(n) per fix
+//! Not found: an object that goes to the boat's destination by itself. A model that turns in circles spreads little: then only
+//! the second check finds an object at rest. Work: O(n) per fix
 //! for n stored places.
 
 use crate::ring::Ring;
@@ -97,6 +98,8 @@ impl AnswerCheck {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ApproachCheck {
     nearest: Option<Approach>,
+    last_s: f64,
+    has_moved: bool,
     is_unanswered: bool,
 }
 
@@ -117,8 +120,23 @@ impl ApproachCheck {
         self.is_unanswered = false;
     }
 
+    /// The end of the leg is elsewhere now. Time and way since the last approach go on: a boat that answers has just come
+    /// nearer to the end that was.
+    pub(super) const fn move_end(&mut self) {
+        self.has_moved = true;
+    }
+
     /// Adds the distance from the end of a leg that the boat goes to, and the length of the model's way so far, metres.
     pub(super) fn add(&mut self, leg: usize, at_s: f64, distance_m: f64, way_m: f64) {
+        if at_s - self.last_s > MAX_GAP_S {
+            self.restart();
+        }
+        self.last_s = at_s;
+        if core::mem::take(&mut self.has_moved)
+            && let Some(nearest) = &mut self.nearest
+        {
+            (nearest.leg, nearest.distance_m) = (leg, distance_m);
+        }
         match self.nearest {
             Some(nearest) if nearest.leg == leg && distance_m > nearest.distance_m - LEAST_APPROACH_M => {
                 self.is_unanswered =
@@ -154,13 +172,21 @@ fn spread(places: impl Iterator<Item = (f64, f64)>) -> f64 {
 mod tests {
     use super::*;
 
-    /// The first time at which a boat is unanswered that is seen and modelled at these places, 30 times a second for 20 s.
-    fn unanswered_at(seen: impl Fn(f64) -> (f64, f64), modelled: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+    /// The first time at which a boat is unanswered that is seen and modelled at these places, so many times a second for 20 s.
+    fn unanswered_at_rate(
+        rate_hz: f64,
+        seen: impl Fn(f64) -> (f64, f64),
+        modelled: impl Fn(f64) -> (f64, f64),
+    ) -> Option<f64> {
         let mut check = AnswerCheck::new();
-        (0..600).map(|frame| f64::from(frame) / 30.0).find(|&at_s| {
+        (0..).map(|frame| f64::from(frame) / rate_hz).take_while(|at_s| *at_s < 20.0).find(|&at_s| {
             check.add(at_s, seen(at_s), modelled(at_s));
             check.is_unanswered()
         })
+    }
+
+    fn unanswered_at(seen: impl Fn(f64) -> (f64, f64), modelled: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+        unanswered_at_rate(30.0, seen, modelled)
     }
 
     fn sway(at_s: f64) -> (f64, f64) {
@@ -173,8 +199,10 @@ mod tests {
 
     #[test]
     fn an_object_at_rest_does_not_answer_although_the_camera_sways() {
-        let at_s = unanswered_at(sway, ahead).expect("found");
-        assert!((WINDOW_S..WINDOW_S + 2.0 * INTERVAL_S).contains(&at_s), "{at_s}");
+        for rate_hz in [5.0, 8.0, 15.0, 30.0, 60.0] {
+            let at_s = unanswered_at_rate(rate_hz, sway, ahead).expect("found");
+            assert!((WINDOW_S..WINDOW_S + 2.0 * INTERVAL_S).contains(&at_s), "{rate_hz} Hz: {at_s}");
+        }
     }
 
     #[test]
@@ -225,6 +253,44 @@ mod tests {
         assert_eq!(far_at(|_| 0, |at_s| 15.0 + 0.7 * at_s), Some(APPROACH_S), "it drifts off");
         let at_s = far_at(|_| 0, |at_s| (15.0 - at_s).max(10.0)).expect("found");
         assert!((APPROACH_S + 5.0..APPROACH_S + 6.0).contains(&at_s), "it stands since 5 s: {at_s}");
+    }
+
+    #[test]
+    fn an_end_that_moves_is_no_excuse() {
+        let mut check = ApproachCheck::default();
+        let found = (0..1200).map(|frame| f64::from(frame) / 30.0).find(|&at_s| {
+            // The operator moves the mark away and back, every 5 s.
+            let distance_m = if (at_s / 5.0) as u32 % 2 == 0 { 15.0 } else { 18.0 };
+            if (at_s % 5.0) < 0.01 {
+                check.move_end();
+            }
+            check.add(0, at_s, distance_m, 2.0 * at_s);
+            check.is_unanswered()
+        });
+        assert_eq!(found, Some(APPROACH_S));
+    }
+
+    #[test]
+    fn a_new_end_far_away_is_no_fault_of_the_boat() {
+        // At 10 s the boat, 5 m from its goal, gets another one 90 m away.
+        let mut check = ApproachCheck::default();
+        for frame in 0..1200 {
+            let at_s = f64::from(frame) / 30.0;
+            if frame == 300 {
+                check.move_end();
+            }
+            let distance_m = if frame < 300 { 15.0 - at_s } else { 90.0 - 2.0 * (at_s - 10.0) };
+            check.add(0, at_s, distance_m, 2.0 * at_s);
+            assert!(!check.is_unanswered(), "{at_s}");
+        }
+    }
+
+    #[test]
+    fn the_approach_begins_anew_after_a_gap() {
+        let mut check = ApproachCheck::default();
+        check.add(0, 0.0, 15.0, 0.0);
+        check.add(0, 60.0, 15.0, 120.0);
+        assert!(!check.is_unanswered());
     }
 
     #[test]

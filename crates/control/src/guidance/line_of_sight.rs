@@ -116,8 +116,7 @@ impl LineOfSight {
     /// A mark is set or moved now.
     pub fn anchor(&mut self) {
         self.track.anchor();
-        // The end of the leg may be elsewhere now.
-        self.approach.restart();
+        self.approach.move_end();
     }
 
     /// Expects an answer of the boat to its commands from now on.
@@ -155,6 +154,7 @@ impl LineOfSight {
         self.last_step = Some(now);
         let Some(destination) = input.destination else {
             self.route = None;
+            self.expect_answer();
             return self.neutral(GuidanceState::NoDestination, None);
         };
         let Some((_, boat)) = self.track.predicted(now).filter(|(arrived, _)| {
@@ -171,6 +171,7 @@ impl LineOfSight {
                 self.side = None;
                 self.backs_off = false;
                 self.way_since = None;
+                self.approach.move_end();
                 Route::new(input.route, boat.point)
             }
         };

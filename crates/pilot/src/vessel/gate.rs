@@ -9,6 +9,7 @@
 //!       |                   |  ^
 //!       |   nothing fresh   v  |  fresh again within 5 s
 //!       |        Holding or KeepingWay -- 5 s -> Stopped
+//!       |        Guided or Holding -- no answer of the boat -> Stopped
 //!       |
 //!       +-- stop boat, Stop, console lost: from every mode but Released -> Stopped -- guide, or let go and steer -->
 //! ```

@@ -459,23 +459,42 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_convolutions_read_the_cells_around_theirs() {
-        // One weight of each convolution: the first reads (row - 1, column + 1) of channel 2, the others the cell itself.
-        let mut values: Vec<f32> = LAYERS.iter().flat_map(|(i, o)| vec![0.0; (i + 1) * o]).collect();
+    /// The places of `fourth`, channel 0, (row, column), that the 7.0 at this cell of channel 2 of the window reaches. The first
+    /// convolution reads (row - 1, column + 1) of channel 2, the second the cell itself, the others these taps of channel 0.
+    fn reached(
+        cell: (usize, usize),
+        third_tap: Option<usize>,
+        fourth_tap: Option<usize>,
+    ) -> Vec<(usize, usize)> {
+        let begin = |layer: usize| LAYERS[..layer].iter().map(|(i, o)| (i + 1) * o).sum::<usize>();
+        let mut values = vec![0.0_f32; begin(LAYERS.len())];
         values[2 * 9 + 2] = 1.0;
-        let second = (LAYERS[0].0 + 1) * LAYERS[0].1;
-        values[second + 4] = 1.0;
+        values[begin(1) + 4] = 1.0;
+        for (layer, tap) in [(2, third_tap), (3, fourth_tap)] {
+            if let Some(tap) = tap {
+                values[begin(layer) + tap] = 1.0;
+            }
+        }
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let mut network = RefinementNetwork::new(Arc::new(RefinementWeights::from_bytes(&bytes).unwrap()));
         let mut window = RefinementWindow::default();
-        let index = |channel: usize, row: usize, column: usize| (channel * 32 + row) * 32 + column;
-        window.cells[index(2, 9, 13)] = 7.0;
+        window.cells[(2 * 32 + cell.0) * 32 + cell.1] = 7.0;
         network.evaluate(&window);
+        assert!(network.fourth.iter().all(|value| *value == 0.0 || *value == 7.0));
+        let places = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
+        places.filter(|(row, column)| network.fourth[place_of_row(0, *row) + column] == 7.0).collect()
+    }
+
+    #[test]
+    fn the_convolutions_read_the_cells_around_theirs() {
         // Row 2 r - 1 = 9 and column 2 c + 1 = 13.
-        for (at, value) in network.fourth[..PADDED * PADDED].iter().enumerate() {
-            let expected = if at == place_of_row(0, 5) + 6 { 7.0 } else { 0.0 };
-            assert_eq!(*value, expected, "{at}");
-        }
+        assert_eq!(reached((9, 13), None, None), [(5, 6)]);
+        // Two rows up and two columns right, added to the cell itself.
+        assert_eq!(reached((9, 13), Some(2), None), [(5, 6), (7, 4)]);
+        // Four rows down and four columns left.
+        assert_eq!(reached((9, 13), None, Some(6)), [(1, 10), (5, 6)]);
+        assert_eq!(reached((9, 13), Some(2), Some(6)), [(1, 10), (3, 8), (5, 6), (7, 4)]);
+        // Beyond the border nothing comes back on the other side.
+        assert_eq!(reached((1, 27), Some(2), Some(6)), [(1, 13), (3, 11)]);
     }
 }
