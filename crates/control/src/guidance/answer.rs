@@ -260,7 +260,7 @@ mod tests {
         let mut check = ApproachCheck::default();
         let found = (0..1200).map(|frame| f64::from(frame) / 30.0).find(|&at_s| {
             // The operator moves the mark away and back, every 5 s.
-            let distance_m = if (at_s / 5.0) as u32 % 2 == 0 { 15.0 } else { 18.0 };
+            let distance_m = if ((at_s / 5.0) as u32).is_multiple_of(2) { 15.0 } else { 18.0 };
             if (at_s % 5.0) < 0.01 {
                 check.move_end();
             }
