@@ -9,8 +9,7 @@
 //! instead), or the boat's drive has failed, or something holds the boat: a net, a line, or a current as fast as the boat.
 //!
 //! Not found: an object that goes to the boat's destination by itself. A model that turns in circles spreads little: then only
-//! the second check finds an object at rest. Work: O(n) per fix
-//! for n stored places.
+//! the second check finds an object at rest. Work: O(1) per fix; O(n) for n stored places where the first check is asked.
 
 use crate::ring::Ring;
 
@@ -48,19 +47,17 @@ const NO_PLACE: Place = Place { at_s: f64::NEG_INFINITY, seen: (0.0, 0.0), model
 #[derive(Debug, Clone)]
 pub(super) struct AnswerCheck {
     places: Ring<Place, PLACES>,
-    is_unanswered: bool,
 }
 
 impl AnswerCheck {
     /// A comparison without places.
     pub(super) fn new() -> Self {
-        Self { places: Ring::new(NO_PLACE), is_unanswered: false }
+        Self { places: Ring::new(NO_PLACE) }
     }
 
     /// Begins a new window.
     pub(super) fn restart(&mut self) {
         self.places.for_each_mut(|place| *place = NO_PLACE);
-        self.is_unanswered = false;
     }
 
     /// Adds a place that was seen while the boat was commanded, and the model's at the same time.
@@ -70,16 +67,12 @@ impl AnswerCheck {
         }
         let place = Place { at_s, seen, modelled };
         self.places.push(place, |previous, newest| newest.at_s - previous.at_s >= INTERVAL_S);
-        self.is_unanswered = self.compare(at_s);
     }
 
-    /// Whether the boat did not answer over the whole window.
-    pub(super) const fn is_unanswered(&self) -> bool {
-        self.is_unanswered
-    }
-
-    fn compare(&self, now_s: f64) -> bool {
+    /// Whether the boat did not answer over the whole window before the newest place.
+    pub(super) fn is_unanswered(&self) -> bool {
         let newest = self.places.newest();
+        let now_s = newest.at_s;
         let window = || {
             core::iter::once(newest)
                 .chain(self.places.earlier())
@@ -172,7 +165,7 @@ fn spread(places: impl Iterator<Item = (f64, f64)>) -> f64 {
 mod tests {
     use super::*;
 
-    /// The first time at which a boat is unanswered that is seen and modelled at these places, so many times a second for 20 s.
+    /// The first time at which a boat is unanswered that is seen and modelled at these places, at this rate for 20 s.
     fn unanswered_at_rate(
         rate_hz: f64,
         seen: impl Fn(f64) -> (f64, f64),
@@ -238,51 +231,45 @@ mod tests {
         assert!(!add(&mut check, 18.0, 25.5));
     }
 
-    /// The first time at which a boat is unanswered that has this distance from the end of its leg, while the model goes at
-    /// 2 m/s.
-    fn far_at(leg: impl Fn(f64) -> usize, distance_m: impl Fn(f64) -> f64) -> Option<f64> {
+    /// The first time within 40 s at which a boat is unanswered that has this distance from the end of its leg, while the model
+    /// goes at 2 m/s. The end moves at these times.
+    fn far_at(
+        leg: impl Fn(f64) -> usize,
+        distance_m: impl Fn(f64) -> f64,
+        moves_at: impl Fn(u32) -> bool,
+    ) -> Option<f64> {
         let mut check = ApproachCheck::default();
-        (0..1200).map(|frame| f64::from(frame) / 30.0).find(|&at_s| {
+        (0..1200).find_map(|frame| {
+            let at_s = f64::from(frame) / 30.0;
+            if moves_at(frame) {
+                check.move_end();
+            }
             check.add(leg(at_s), at_s, distance_m(at_s), 2.0 * at_s);
-            check.is_unanswered()
+            check.is_unanswered().then_some(at_s)
         })
     }
 
+    const NEVER: fn(u32) -> bool = |_| false;
+
     #[test]
     fn a_boat_that_comes_no_nearer_does_not_answer() {
-        assert_eq!(far_at(|_| 0, |at_s| 15.0 + 0.7 * at_s), Some(APPROACH_S), "it drifts off");
-        let at_s = far_at(|_| 0, |at_s| (15.0 - at_s).max(10.0)).expect("found");
+        assert_eq!(far_at(|_| 0, |at_s| 15.0 + 0.7 * at_s, NEVER), Some(APPROACH_S), "it drifts off");
+        let at_s = far_at(|_| 0, |at_s| (15.0 - at_s).max(10.0), NEVER).expect("found");
         assert!((APPROACH_S + 5.0..APPROACH_S + 6.0).contains(&at_s), "it stands since 5 s: {at_s}");
     }
 
     #[test]
     fn an_end_that_moves_is_no_excuse() {
-        let mut check = ApproachCheck::default();
-        let found = (0..1200).map(|frame| f64::from(frame) / 30.0).find(|&at_s| {
-            // The operator moves the mark away and back, every 5 s.
-            let distance_m = if ((at_s / 5.0) as u32).is_multiple_of(2) { 15.0 } else { 18.0 };
-            if (at_s % 5.0) < 0.01 {
-                check.move_end();
-            }
-            check.add(0, at_s, distance_m, 2.0 * at_s);
-            check.is_unanswered()
-        });
-        assert_eq!(found, Some(APPROACH_S));
+        // The operator moves the mark away and back, every 5 s.
+        let distance_m = |at_s: f64| if ((at_s / 5.0) as u32).is_multiple_of(2) { 15.0 } else { 18.0 };
+        assert_eq!(far_at(|_| 0, distance_m, |frame| frame.is_multiple_of(150)), Some(APPROACH_S));
     }
 
     #[test]
     fn a_new_end_far_away_is_no_fault_of_the_boat() {
         // At 10 s the boat, 5 m from its goal, gets another one 90 m away.
-        let mut check = ApproachCheck::default();
-        for frame in 0..1200 {
-            let at_s = f64::from(frame) / 30.0;
-            if frame == 300 {
-                check.move_end();
-            }
-            let distance_m = if frame < 300 { 15.0 - at_s } else { 90.0 - 2.0 * (at_s - 10.0) };
-            check.add(0, at_s, distance_m, 2.0 * at_s);
-            assert!(!check.is_unanswered(), "{at_s}");
-        }
+        let distance_m = |at_s: f64| if at_s < 10.0 { 15.0 - at_s } else { 90.0 - 2.0 * (at_s - 10.0) };
+        assert_eq!(far_at(|_| 0, distance_m, |frame| frame == 300), None);
     }
 
     #[test]
@@ -295,8 +282,8 @@ mod tests {
 
     #[test]
     fn a_boat_that_comes_nearer_or_goes_to_the_next_leg_answers() {
-        assert_eq!(far_at(|_| 0, |at_s| 15.0 - 0.1 * at_s), None);
-        assert_eq!(far_at(|at_s| (at_s / 15.0) as usize, |_| 15.0), None);
+        assert_eq!(far_at(|_| 0, |at_s| 15.0 - 0.1 * at_s, NEVER), None);
+        assert_eq!(far_at(|at_s| (at_s / 15.0) as usize, |_| 15.0, NEVER), None);
         let mut check = ApproachCheck::default();
         for frame in 0..1200 {
             // The model rests.

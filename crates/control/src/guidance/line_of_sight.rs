@@ -126,7 +126,7 @@ impl LineOfSight {
     }
 
     /// Whether what is followed did not move as the boat on its way would have moved under the commands that were in force.
-    pub const fn is_unanswered(&self) -> bool {
+    pub fn is_unanswered(&self) -> bool {
         self.track.is_unanswered() || self.approach.is_unanswered()
     }
 

@@ -10,8 +10,7 @@
 //! stern. So the tracker's heading counts as an axis. Its end is the one near the course of a boat that goes ahead by the model, or
 //! else the one near the heading so far.
 //!
-//! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries, and three passes over 36 places per fix
-//! ([`super::answer`]); no allocation after construction.
+//! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries; no allocation after construction.
 
 use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
 
@@ -96,9 +95,8 @@ struct Motion {
     thrust: f64,
     /// Speed through the water, m/s.
     surge: f64,
-    /// Place in still water, along the axes of the first course, and length of the way there, metres.
+    /// Place in still water, along the axes of the first course, metres.
     way: (f64, f64),
-    way_m: f64,
 }
 
 /// The camera's apparent displacement at the time of a fix, along x and y.
@@ -125,6 +123,8 @@ pub struct BoatTrack {
     way_speed: f64,
     command: VesselCommand,
     motion: Ring<Motion, HISTORY_LEN>,
+    /// Length of the way through the water by the model, metres.
+    way_m: f64,
     displacements: Ring<Displacement, HISTORY_LEN>,
     estimate: Option<Estimate>,
     heading: Option<Heading>,
@@ -150,8 +150,8 @@ impl BoatTrack {
                 thrust: 0.0,
                 surge: 0.0,
                 way: (0.0, 0.0),
-                way_m: 0.0,
             }),
+            way_m: 0.0,
             displacements: Ring::new(NO_DISPLACEMENT),
             estimate: None,
             heading: None,
@@ -169,7 +169,7 @@ impl BoatTrack {
     }
 
     /// Whether what is seen hardly moved while the commanded boat would have.
-    pub(super) const fn is_unanswered(&self) -> bool {
+    pub(super) fn is_unanswered(&self) -> bool {
         self.answer.is_unanswered()
     }
 
@@ -180,7 +180,7 @@ impl BoatTrack {
 
     /// Length of the way through the water by the model, metres.
     pub(super) const fn way_m(&self) -> f64 {
-        self.motion.newest().way_m
+        self.way_m
     }
 
     /// Advances the vessel's model to `now` under the command in force.
@@ -212,11 +212,11 @@ impl BoatTrack {
             let turned = last.turned + mean_yaw * duration_s + excess * self.model.drift_lag_s * (1.0 - kept);
             let (sin, cos) = libm::sincos(0.5 * (turned + last.turned));
             let ahead_m = 0.5 * (surge + last.surge) * duration_s;
+            self.way_m += ahead_m.abs();
             Motion {
                 at_s: now_s,
                 turned,
                 way: (last.way.0 + ahead_m * sin, last.way.1 + ahead_m * cos),
-                way_m: last.way_m + ahead_m.abs(),
                 yaw,
                 turn: mean_yaw + excess * kept,
                 thrust,
@@ -439,7 +439,6 @@ fn motion_at(motion: &Ring<Motion, HISTORY_LEN>, at_s: f64) -> Motion {
                 thrust: mix(earlier.thrust, later.thrust),
                 surge: mix(earlier.surge, later.surge),
                 way: (mix(earlier.way.0, later.way.0), mix(earlier.way.1, later.way.1)),
-                way_m: mix(earlier.way_m, later.way_m),
             };
         }
         later = earlier;

@@ -97,7 +97,7 @@ impl Guide {
 
     /// Whether what is followed did not move as the commanded boat would have. Only over the water: in the picture, no distances
     /// are known.
-    pub const fn is_unanswered(&self) -> bool {
+    pub fn is_unanswered(&self) -> bool {
         matches!(self.newest, Some(Guidance { basis: GuidanceBasis::Water, .. }))
             && self.line_of_sight.is_unanswered()
     }

@@ -3,6 +3,7 @@
 
 mod allocation;
 mod any_input;
+mod boats_answer;
 mod boundary;
 mod by_hand;
 mod frames;

@@ -2,7 +2,6 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::behaviour::DISPLACED_CAMERA;
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
@@ -18,21 +17,21 @@ use proptest::prelude::*;
 use crate::scenes::{INSIDE, LATENCY_MS, SceneInput, at, localisation_pilot, seen};
 
 /// A point of the water below the horizon, right of the boat.
-const TARGET: PixelPoint = PixelPoint { u: 480.0, v: 330.0 };
-const AHEAD: VesselCommand = VesselCommand { throttle: 1.0, rudder: 0.5 };
+pub(crate) const TARGET: PixelPoint = PixelPoint { u: 480.0, v: 330.0 };
+pub(crate) const AHEAD: VesselCommand = VesselCommand { throttle: 1.0, rudder: 0.5 };
 
 fn settings(guidance: GuidanceLaw) -> VesselSettings {
     VesselSettings { profile: VesselProfile::SIMULATOR, guidance, path: CommandPath::Simulated }
 }
 
 /// A pilot with a boat, and its time.
-struct Bench {
-    pilot: Pilot,
-    ms: u64,
+pub(crate) struct Bench {
+    pub(crate) pilot: Pilot,
+    pub(crate) ms: u64,
 }
 
 impl Bench {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::with(GuidanceLaw::LineOfSight)
     }
 
@@ -52,7 +51,7 @@ impl Bench {
         self.pilot.step(input, at(self.ms))
     }
 
-    fn ask(&mut self, request: OperatorRequest) -> Outcome {
+    pub(crate) fn ask(&mut self, request: OperatorRequest) -> Outcome {
         self.step(Input::Request(request))
     }
 
@@ -62,26 +61,26 @@ impl Bench {
     }
 
     /// Height and tilt are known.
-    fn see_water(&mut self) -> &mut Self {
+    pub(crate) fn see_water(&mut self) -> &mut Self {
         self.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
         self.tell(Report::CameraHeight(15.0));
         self
     }
 
     /// The boat is seen there, a video frame later.
-    fn see(&mut self, point: ImagePoint) -> Outcome {
+    pub(crate) fn see(&mut self, point: ImagePoint) -> Outcome {
         self.ms += 33;
         let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
         self.step(Input::Localisation(Track::Tracking(seen(point, captured))))
     }
 
-    fn mark(&mut self, kind: MarkKind, pixel: PixelPoint) -> Outcome {
+    pub(crate) fn mark(&mut self, kind: MarkKind, pixel: PixelPoint) -> Outcome {
         let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
         self.ask(OperatorRequest::Mark(DrawnMark { kind, pixel, captured }))
     }
 
     /// The boat is seen and goes to a mark over the water.
-    fn going(kind: MarkKind) -> Self {
+    pub(crate) fn going(kind: MarkKind) -> Self {
         let mut bench = Self::new();
         bench.see_water().see(INSIDE);
         bench.mark(kind, TARGET);
@@ -342,92 +341,6 @@ fn another_selection_ends_the_guidance() {
         assert_eq!(outcome.vessel.mode, VesselMode::Stopped(VesselStop::OtherBoat), "{request:?}");
         assert!(outcome.vessel.command.is_neutral());
     }
-}
-
-/// What the boat does that is seen here, `seconds` after now, for so long; the last mode, and when it began.
-fn mode_after(bench: &mut Bench, lasts_s: f64, place: impl Fn(f64) -> ImagePoint) -> (VesselMode, f64) {
-    let (began, mut newest) = (bench.ms, (VesselMode::Absent, 0.0));
-    for frame in 0.. {
-        let seconds = (bench.ms - began) as f64 / 1e3;
-        if seconds >= lasts_s {
-            break;
-        }
-        if frame % 15 == 0 {
-            bench.see_water();
-        }
-        let mode = bench.see(place(seconds)).vessel.mode;
-        if mode != newest.0 {
-            newest = (mode, seconds);
-        }
-    }
-    newest
-}
-
-/// A place that moves from INSIDE along x and y, pixels a second.
-fn moving(x: f64, y: f64) -> impl Fn(f64) -> ImagePoint {
-    move |seconds| ImagePoint { x: INSIDE.x + x * seconds, y: INSIDE.y + y * seconds }
-}
-
-const NO_ANSWER: VesselMode = VesselMode::Stopped(VesselStop::NoAnswer);
-
-#[test]
-fn a_guided_boat_that_does_not_move_is_stopped_until_the_next_request() {
-    let mut bench = Bench::going(MarkKind::Place);
-    for _ in 0..2 {
-        let (mode, since_s) = mode_after(&mut bench, 12.0, moving(0.0, 0.0));
-        assert_eq!(mode, NO_ANSWER);
-        assert!((7.0..10.0).contains(&since_s), "{since_s}");
-        let outcome = bench.ask(OperatorRequest::Guide);
-        assert_eq!((outcome.notice, outcome.vessel.mode), (None, VesselMode::Guided));
-    }
-    assert_eq!(mode_after(&mut bench, 12.0, moving(8.0, 8.0)), (VesselMode::Guided, 0.0));
-}
-
-#[test]
-fn a_guided_boat_that_drifts_off_is_stopped() {
-    let mut bench = Bench::going(MarkKind::Place);
-    let (mode, since_s) = mode_after(&mut bench, 35.0, moving(-8.0, 2.0));
-    assert_eq!(mode, NO_ANSWER);
-    assert!((18.0..32.0).contains(&since_s), "{since_s}");
-}
-
-#[test]
-fn another_destination_far_away_is_no_fault_of_the_boat() {
-    let mut bench = Bench::new();
-    bench.see_water().see(INSIDE);
-    bench.mark(MarkKind::Home, PixelPoint { u: 20.0, v: 200.0 });
-    bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::Guide);
-    assert_eq!(mode_after(&mut bench, 6.0, moving(10.0, -4.0)), (VesselMode::Guided, 0.0));
-    assert_eq!(bench.ask(OperatorRequest::GoHome).notice, None);
-    let turned = |seconds: f64| moving(60.0 - 10.0 * seconds, -24.0 + 4.0 * seconds)(1.0);
-    assert_eq!(mode_after(&mut bench, 25.0, turned), (VesselMode::Guided, 0.0));
-}
-
-#[test]
-fn pilots_of_before_drove_a_boat_on_that_did_not_answer() {
-    let mut bench = Bench::new();
-    bench.pilot = bench.pilot.with_behaviour(DISPLACED_CAMERA);
-    bench.see_water().see(INSIDE);
-    bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::Guide);
-    assert_eq!(mode_after(&mut bench, 30.0, moving(0.0, 0.0)), (VesselMode::Guided, 0.0));
-}
-
-#[test]
-fn a_boat_that_is_steered_by_hand_need_not_answer_and_the_guidance_asks_anew() {
-    let mut bench = Bench::new();
-    bench.see_water().see(INSIDE);
-    bench.mark(MarkKind::Place, TARGET);
-    for frame in 0..360 {
-        if frame % 15 == 0 {
-            bench.see_water();
-        }
-        bench.ask(OperatorRequest::Steer(AHEAD));
-        assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::ByHand);
-    }
-    bench.ask(OperatorRequest::Guide);
-    assert_eq!(mode_after(&mut bench, 5.0, moving(0.0, 0.0)), (VesselMode::Guided, 0.0));
 }
 
 #[test]
