@@ -42,7 +42,6 @@ impl Workspace {
             self.background.clear_reference();
         }
         let seconds = target.predict(config, now, prior);
-        target.seen_box = None;
         let visibility = match target.phase {
             Phase::Lost { .. } => {
                 self.references.clear();
@@ -121,9 +120,8 @@ impl Workspace {
             };
         }
         (target.confidence, target.last_probability) = (f64::from(probability), f64::from(probability));
-        let is_certain = probability >= DOUBTFUL_PROBABILITY;
-        target.seen_box = target.reference.filter(|_| is_certain).map(|_| self.refined.bounds());
         self.refine(config, target, &observation, frame, seconds);
+        target.follow_reported_box(self.refined.edges, seconds);
         let has_its_colour =
             observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);
         // A clear pattern in other colours is the target in another light, which the colour model has to learn.

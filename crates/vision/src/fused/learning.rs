@@ -278,7 +278,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         paint: None,
         loss: LossState::new(now, centre, geometry.extent),
         memory: WindowMemory::default(),
-        seen_box: None,
+        reported_edges: None,
         confidence: 1.0,
         last_probability: 1.0,
         geometry,

@@ -30,6 +30,9 @@ const LOSS_PREFERRED_S: f64 = 3.0;
 const FREE_DISTANCE_DEVIATIONS: f64 = 3.0;
 const FREE_DISTANCE_SIZES: f64 = 0.5;
 
+/// Time constant with which the reported box follows the network's, seconds.
+const REPORTED_BOX_S: f64 = 0.05;
+
 /// The target as it was last seen.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
@@ -48,9 +51,9 @@ pub(super) struct Target {
     pub(super) loss: LossState,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
-    /// The network's box of a target with a silhouette, where it was probable in the last frame, pixels: the confidence is
-    /// this box's, and length and breadth follow the silhouette late, at the border of the picture not at all.
-    pub(super) seen_box: Option<PixelBox>,
+    /// Edges of the box that is reported, from the centre of the target's own box: left, top, right, bottom, pixels. `None`
+    /// until the network saw the target.
+    pub(super) reported_edges: Option<[f32; 4]>,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
     /// Probability of the box in the last frame in which the target was seen, 0 to 1.
@@ -64,6 +67,10 @@ pub(super) struct DriftCheck {
     pub(super) frames: u32,
     /// Consecutive checks in which the colour lay elsewhere than the box.
     pub(super) misfits: u32,
+    /// Consecutive frames in which the network's box contradicted the target's own.
+    pub(super) contradictions: u32,
+    /// Logarithm of the usual area of the target's own box, pixels squared; `None` before the first frame.
+    pub(super) usual_log_area: Option<f32>,
 }
 
 impl Target {
@@ -80,6 +87,10 @@ impl Target {
         }
         let factors = self.geometry.rescale_to_picture(picture);
         self.motion.rescale(factors);
+        if let Some([left, top, right, bottom]) = &mut self.reported_edges {
+            (*left, *right) = (*left * factors.0, *right * factors.0);
+            (*top, *bottom) = (*top * factors.1, *bottom * factors.1);
+        }
         self.heading.reset();
         true
     }
@@ -146,6 +157,7 @@ impl Target {
         self.motion.restart_at(rejected.motion.position_f32(), f64::from(self.geometry.size_px()));
         self.heading.reset();
         self.drift = DriftCheck::default();
+        self.reported_edges = None;
         self.mark_lost(false);
         self.phase = Phase::Lost { since: self.motion.last_capture };
         self.confidence = 0.0;
@@ -156,9 +168,27 @@ impl Target {
         (self.geometry.scale, self.geometry.extent) = self.loss.reliable_size;
     }
 
-    /// Moves the target to the predicted position.
+    /// Moves the box that is reported towards the network's box (left, top, right, bottom, pixels), `seconds` after the last
+    /// frame. The confidence is that of the network's box; the target's own box, with which the filter works, follows later.
+    pub(super) fn follow_reported_box(&mut self, refined: [f32; 4], seconds: f64) {
+        let (u, v) = self.geometry.centre;
+        let mut edges = [refined[0] - u, refined[1] - v, refined[2] - u, refined[3] - v];
+        if let Some(last) = self.reported_edges {
+            let rate = (1.0 - libm::exp(-seconds / REPORTED_BOX_S)) as f32;
+            for (edge, last) in edges.iter_mut().zip(last) {
+                *edge = last + rate * (*edge - last);
+            }
+        }
+        self.reported_edges = Some(edges);
+    }
+
+    /// Moves the target to the predicted position. What the network saw last of a target with a silhouette may be the part of
+    /// it that was not hidden yet: its own box is predicted.
     pub(super) fn move_to_prediction(&mut self) {
         self.geometry.centre = self.motion.position_f32();
+        if self.reference.is_some() {
+            self.reported_edges = None;
+        }
     }
 
     /// Continues from an observation of a re-detected target.
@@ -168,18 +198,24 @@ impl Target {
         self.geometry.patch_angle = observation.pose.angle;
         self.geometry.centre = self.geometry.box_centre_at(observation.centre);
         self.blob = None;
+        self.reported_edges = None;
         self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
         self.heading.reset();
     }
 
     /// The localisation to report for a frame.
     pub(super) fn report(&self, frame: &VideoFrame) -> Localisation {
-        let bounds = self.seen_box.unwrap_or_else(|| {
+        let (u, v) = self.geometry.centre;
+        let [left, top, right, bottom] = self.reported_edges.unwrap_or_else(|| {
             let (w, h) = self.geometry.upright_box();
-            let (w, h) = (f64::from(w), f64::from(h));
-            let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
-            PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h }
+            [-0.5 * w, -0.5 * h, 0.5 * w, 0.5 * h]
         });
+        let bounds = PixelBox {
+            u: f64::from(u + left),
+            v: f64::from(v + top),
+            w: f64::from(right - left),
+            h: f64::from(bottom - top),
+        };
         self.localisation(frame, bounds.clipped(frame.picture.size()), self.confidence)
     }
 
@@ -205,7 +241,7 @@ impl Target {
         }
     }
 
-    /// The hull's centre; the centre of the box where there is no reference silhouette.
+    /// The hull's centre; the centre of the reported box where there is no reference silhouette.
     ///
     /// While the bow is unknown, the centre is taken halfway between the ends of the colour. That is wrong where bow or
     /// stern have another paint, or where the wake has the target's colour. Once the bow is known, the centre follows
@@ -213,7 +249,8 @@ impl Target {
     fn hull_centre(&self) -> PixelPoint {
         let (u, v) = (f64::from(self.geometry.centre.0), f64::from(self.geometry.centre.1));
         let Some(reference) = &self.reference else {
-            return PixelPoint { u, v };
+            let [left, top, right, bottom] = self.reported_edges.unwrap_or_default().map(f64::from);
+            return PixelPoint { u: u + 0.5 * (left + right), v: v + 0.5 * (top + bottom) };
         };
         let half = self.geometry.half_axes();
         let certainty = self.heading.signed_certainty() as f32;

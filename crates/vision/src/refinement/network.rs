@@ -48,6 +48,8 @@ const JUDGED: usize = 3 * SECOND + 2 * EDGE + MEASUREMENTS;
 const MIDDLE: core::ops::Range<usize> = 5..11;
 /// Scale of the shifts of the edges, in sides of the window.
 const SHIFT_SCALE: f32 = 0.4;
+/// Minimum side of a refined box, pixels.
+const MIN_SIDE_PX: f32 = 1.0;
 /// Offset and range of the logarithms of the errors.
 const ERROR_OFFSET: f32 = -1.5;
 const ERROR_RANGE: (f32, f32) = (-4.0, 3.0);
@@ -236,17 +238,23 @@ impl RefinementNetwork {
         let error = |axis: usize, k: usize| {
             libm::expf(answer.axes[axis][k].clamp(ERROR_RANGE.0, ERROR_RANGE.1) + ERROR_OFFSET)
         };
+        let (left, right) = apart(edge(-0.5 * width, 0, 0), edge(0.5 * width, 0, 1));
+        let (top, bottom) = apart(edge(-0.5 * height, 1, 0), edge(0.5 * height, 1, 1));
         RefinedBox {
-            edges: [
-                edge(-0.5 * width, 0, 0),
-                edge(-0.5 * height, 1, 0),
-                edge(0.5 * width, 0, 1),
-                edge(0.5 * height, 1, 1),
-            ],
+            edges: [left, top, right, bottom],
             errors: [error(0, 2), error(1, 2), error(0, 3), error(1, 3)],
             probability: 1.0 / (1.0 + libm::expf(-answer.log_odds)),
         }
     }
+}
+
+/// Both edges of an axis, moved apart to [`MIN_SIDE_PX`] where they are nearer or crossed.
+fn apart(first: f32, second: f32) -> (f32, f32) {
+    if second - first >= MIN_SIDE_PX {
+        return (first, second);
+    }
+    let middle = 0.5 * (first + second);
+    (middle - 0.5 * MIN_SIDE_PX, middle + 0.5 * MIN_SIDE_PX)
 }
 
 /// The values of the last layers.
@@ -438,6 +446,12 @@ mod tests {
             RefinementWeights::from_bytes(&bytes).err(),
             Some(RefinementWeightsError::NotFinite { index: 10 })
         );
+    }
+
+    #[test]
+    fn crossed_edges_give_a_box_about_their_middle() {
+        assert_eq!(apart(20.0, 10.0), (14.5, 15.5));
+        assert_eq!(apart(10.0, 20.0), (10.0, 20.0));
     }
 
     #[test]
