@@ -36,6 +36,7 @@ mod config;
 mod workspace;
 
 mod blob;
+mod contradiction;
 mod distractors;
 mod excluded_places;
 mod following;

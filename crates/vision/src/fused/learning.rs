@@ -4,6 +4,7 @@ use barrelman_vocab::{Picture, PixelBox, VideoFrame};
 
 use super::appearance::Appearance;
 use super::config::FusedConfig;
+use super::contradiction::Contradiction;
 use super::extent::Extent;
 use super::geometry::TargetGeometry;
 use super::loss::LossState;
@@ -274,6 +275,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         reference: None,
         heading: HeadingEstimator::default(),
         drift: DriftCheck::default(),
+        contradiction: Contradiction::default(),
         blob: None,
         paint: None,
         loss: LossState::new(now, centre, geometry.extent),

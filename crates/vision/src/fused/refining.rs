@@ -40,15 +40,6 @@ const SLIPPED_SHARE: f32 = 0.6;
 /// ... and is corrected after this many consecutive checks.
 const SLIPPED_CHECKS: u32 = 4;
 
-/// The network's box contradicts the target's own if it is at least so probable, and has at most this share of its area. The
-/// own box is corrected after this many consecutive frames.
-const CONTRADICTING_PROBABILITY: f32 = 0.6;
-const CONTRADICTING_SHARE: f32 = 0.5;
-const CONTRADICTING_FRAMES: u32 = 4;
-/// A box has grown if its area is larger than usual by this factor. The usual area follows with this time constant, seconds.
-const CONTRADICTED_GROWTH: f32 = 1.4;
-const USUAL_AREA_S: f32 = 1.5;
-
 /// Probabilities of the refined box from which on its edges are followed, and followed fully.
 const EDGE_PROBABILITIES: (f32, f32) = (0.1, 0.5);
 /// Largest share of the way that an edge moves in a frame, and the expected error, in sides, at which it moves half as
@@ -232,43 +223,6 @@ impl Workspace {
         geometry.centre = seen.centroid;
         let (longer, wider) = reference.stretch_of(&seen);
         geometry.stretch_to(reference.length * longer, reference.breadth * wider, 1.0);
-        let pose = target.patch_pose(config);
-        self.retrain(target, picture, pose);
-    }
-
-    /// Moves a box with a silhouette that has grown onto the network's box where that is probable, and smaller than half of
-    /// the target's own box, in several consecutive frames: silhouette and blob took in another thing of the target's colour.
-    /// The filter is retrained.
-    fn correct_contradicted_box(
-        &mut self,
-        config: &FusedConfig,
-        target: &mut Target,
-        picture: &Picture,
-        seconds: f32,
-    ) {
-        if target.reference.is_none() {
-            return;
-        }
-        let [left, top, right, bottom] = self.refined.edges;
-        let (w, h) = target.geometry.upright_box();
-        let log_area = libm::logf(w * h);
-        let usual = target.drift.usual_log_area.get_or_insert(log_area);
-        *usual += (1.0 - libm::expf(-seconds / USUAL_AREA_S)) * (log_area - *usual);
-        let has_grown = log_area - *usual > libm::logf(CONTRADICTED_GROWTH);
-        let share = (right - left) * (bottom - top) / (w * h);
-        if !has_grown || self.refined.probability < CONTRADICTING_PROBABILITY || share > CONTRADICTING_SHARE {
-            target.drift.contradictions = 0;
-            return;
-        }
-        target.drift.contradictions += 1;
-        if target.drift.contradictions < CONTRADICTING_FRAMES {
-            return;
-        }
-        target.drift.contradictions = 0;
-        let geometry = &mut target.geometry;
-        geometry.centre = (0.5 * (left + right), 0.5 * (top + bottom));
-        geometry.rescale(share.sqrt());
-        target.blob = None;
         let pose = target.patch_pose(config);
         self.retrain(target, picture, pose);
     }

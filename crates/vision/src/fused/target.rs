@@ -7,6 +7,7 @@ use barrelman_vocab::{
 
 use super::appearance::Appearance;
 use super::config::FusedConfig;
+use super::contradiction::Contradiction;
 use super::geometry::TargetGeometry;
 use super::loss::{LossPoint, LossState};
 use super::observation::Observation;
@@ -44,6 +45,7 @@ pub(super) struct Target {
     pub(super) reference: Option<ReferenceSilhouette>,
     pub(super) heading: HeadingEstimator,
     pub(super) drift: DriftCheck,
+    pub(super) contradiction: Contradiction,
     /// The paint, if the target has one that sets it apart.
     pub(super) paint: Option<TargetPaint>,
     /// The blob of the paint, if it is followed.
@@ -67,10 +69,6 @@ pub(super) struct DriftCheck {
     pub(super) frames: u32,
     /// Consecutive checks in which the colour lay elsewhere than the box.
     pub(super) misfits: u32,
-    /// Consecutive frames in which the network's box contradicted the target's own.
-    pub(super) contradictions: u32,
-    /// Logarithm of the usual area of the target's own box, pixels squared; `None` before the first frame.
-    pub(super) usual_log_area: Option<f32>,
 }
 
 impl Target {
@@ -157,6 +155,7 @@ impl Target {
         self.motion.restart_at(rejected.motion.position_f32(), f64::from(self.geometry.size_px()));
         self.heading.reset();
         self.drift = DriftCheck::default();
+        self.contradiction = Contradiction::default();
         self.reported_edges = None;
         self.mark_lost(false);
         self.phase = Phase::Lost { since: self.motion.last_capture };
