@@ -36,7 +36,7 @@ mod config;
 mod workspace;
 
 mod blob;
-mod contradiction;
+mod contradicted_box;
 mod distractors;
 mod excluded_places;
 mod following;
@@ -46,6 +46,7 @@ mod recovery;
 mod refining;
 mod shape_following;
 
+mod contradiction;
 mod evidence;
 mod phase;
 
