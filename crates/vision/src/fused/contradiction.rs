@@ -9,8 +9,10 @@
 const MIN_PROBABILITY: f32 = 0.6;
 const MAX_SHARE: f32 = 0.5;
 const FRAMES: u32 = 4;
-/// A box has grown if its area is larger than usual by this factor. The usual area follows with this time constant, seconds.
+/// A box has grown if its area is larger than usual by the first factor; the area of the network's box may differ from the usual
+/// one by the second. The usual area follows with this time constant, seconds.
 const GROWTH: f32 = 1.4;
+const MAX_MISFIT: f32 = 1.6;
 const USUAL_AREA_S: f32 = 1.5;
 
 /// What was seen of a contradiction until now.
@@ -29,8 +31,12 @@ impl Contradiction {
         let log_area = libm::logf(area);
         let usual = self.usual_log_area.get_or_insert(log_area);
         *usual += (1.0 - libm::expf(-seconds / USUAL_AREA_S)) * (log_area - *usual);
-        let has_grown = log_area - *usual > libm::logf(GROWTH);
-        let is_contradicted = has_grown && probability >= MIN_PROBABILITY && share <= MAX_SHARE;
+        let growth = log_area - *usual;
+        let misfit = growth + libm::logf(share);
+        let is_contradicted = growth > libm::logf(GROWTH)
+            && misfit.abs() <= libm::logf(MAX_MISFIT)
+            && probability >= MIN_PROBABILITY
+            && share <= MAX_SHARE;
         self.frames = if is_contradicted { self.frames + 1 } else { 0 };
         let is_confirmed = self.frames >= FRAMES;
         if is_confirmed {
@@ -60,6 +66,7 @@ mod tests {
         assert_eq!(corrected_after(4.0, 0.3, 0.7), Some(FRAMES));
         assert_eq!(corrected_after(1.2, 0.3, 0.7), None, "a part that is not hidden");
         assert_eq!(corrected_after(4.0, 0.6, 0.7), None, "it came nearer");
+        assert_eq!(corrected_after(4.0, 0.1, 0.7), None, "a box that was never the target's");
         assert_eq!(corrected_after(4.0, 0.3, 0.5), None, "the network does not know");
     }
 
