@@ -41,18 +41,17 @@ mod tests {
     use barrelman_vocab::video::{Capture, CaptureQuality};
     use barrelman_vocab::{PixelBox, Timestamp, VideoFrame};
 
+    use super::super::contradiction::FRAMES;
     use super::*;
     use crate::refinement::RefinementWeights;
     use crate::test_picture::painted;
 
     const FRAME_S: f32 = 1.0 / 30.0;
-    /// Consecutive frames with a contradiction after which the box is corrected.
-    const FRAMES: u32 = 4;
 
     #[test]
     fn the_box_is_moved_onto_the_networks() {
         let config = FusedConfig::default();
-        let mut workspace = Workspace::new(&config, Arc::clone(&RefinementWeights::built_in()));
+        let mut workspace = Workspace::new(&config, RefinementWeights::built_in());
         let is_boat = |column, row| (100..130).contains(&column) && (60..72).contains(&row);
         let picture = painted(
             (240, 160),

@@ -4,16 +4,18 @@
 //! learns both, and stays with the buoy when the boat goes on. The network's box stays with the boat for a while. Only a box
 //! that has grown is contradicted: of a target that is half hidden the network may see half.
 
+use super::shape_following::rate_in;
+
 /// The network's box contradicts the target's own if it is at least so probable, and has at most this share of its area. The
 /// own box is corrected after this many consecutive frames.
 const MIN_PROBABILITY: f32 = 0.6;
 const MAX_SHARE: f32 = 0.5;
-const FRAMES: u32 = 4;
+pub(super) const FRAMES: u32 = 4;
 /// A box has grown if its area is larger than usual by the first factor; the area of the network's box may differ from the usual
 /// one by the second. The usual area follows with this time constant, seconds.
 const GROWTH: f32 = 1.4;
 const MAX_MISFIT: f32 = 1.6;
-const USUAL_AREA_S: f32 = 1.5;
+const USUAL_AREA_S: f64 = 1.5;
 
 /// What was seen of a contradiction until now.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -30,7 +32,7 @@ impl Contradiction {
     pub(super) fn is_confirmed(&mut self, area: f32, share: f32, probability: f32, seconds: f32) -> bool {
         let log_area = libm::logf(area);
         let usual = self.usual_log_area.get_or_insert(log_area);
-        *usual += (1.0 - libm::expf(-seconds / USUAL_AREA_S)) * (log_area - *usual);
+        *usual += rate_in(f64::from(seconds), USUAL_AREA_S) * (log_area - *usual);
         let growth = log_area - *usual;
         let misfit = growth + libm::logf(share);
         let is_contradicted = growth > libm::logf(GROWTH)

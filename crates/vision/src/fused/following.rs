@@ -17,8 +17,7 @@ const MIN_PROBABILITY: f32 = 0.05;
 const CONVINCING_PROBABILITY: f32 = 0.4;
 const CONVINCING_CONTRAST: f32 = 0.3;
 const CONVINCING_EVIDENCE: f32 = 6.0;
-/// A less probable box is not reported where there is a silhouette, and is compared with that of the second peak, which
-/// must be more probable by this much.
+/// A less probable box is compared with that of the second peak, which must be more probable by this much.
 const DOUBTFUL_PROBABILITY: f32 = 0.7;
 const CLEARLY_MORE_PROBABLE: f32 = 0.2;
 /// Minimum relative contrast of a frame that is learned from; with less, the target may be hidden.

@@ -20,7 +20,7 @@ pub(super) fn follow_shape(
     times: FollowingTimes,
     seconds: f32,
 ) {
-    let rate = |time_s: f64| (1.0 - libm::exp(-f64::from(seconds) / time_s)) as f32;
+    let rate = |time_s: f64| rate_in(f64::from(seconds), time_s);
     // The more elongated the silhouette, the more its axis counts.
     let elongation = (1.0 - seen.roundness()).clamp(0.0, 1.0);
     geometry.axis += rate(times.axis_s) * elongation * axis_difference(seen.axis, geometry.axis);
@@ -30,6 +30,11 @@ pub(super) fn follow_shape(
     geometry.centre.1 += centre_rate * (centre.1 - geometry.centre.1);
     let (length, breadth) = reference.size_of(seen);
     geometry.stretch_to(length, breadth, rate(times.size_s));
+}
+
+/// Share of the way that something goes in `seconds` that follows with this time constant, seconds.
+pub(super) fn rate_in(seconds: f64, time_s: f64) -> f32 {
+    (1.0 - libm::exp(-seconds / time_s)) as f32
 }
 
 /// Difference of two axes, -pi/2 to pi/2.

@@ -14,6 +14,7 @@ use super::observation::Observation;
 use super::phase::Phase;
 use super::prediction::TargetMotion;
 use super::reference_silhouette::ReferenceSilhouette;
+use super::shape_following::rate_in;
 use super::target_paint::{SeenBlob, TargetPaint};
 use crate::features::PatchPose;
 use crate::heading::HeadingEstimator;
@@ -54,7 +55,7 @@ pub(super) struct Target {
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
     /// Edges of the box that is reported, from the centre of the target's own box: left, top, right, bottom, pixels. `None`
-    /// until the network saw the target.
+    /// until the network saw the target, and while one with a silhouette coasts: then its own box is reported.
     pub(super) reported_edges: Option<[f32; 4]>,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
@@ -173,7 +174,7 @@ impl Target {
         let (u, v) = self.geometry.centre;
         let mut edges = [refined[0] - u, refined[1] - v, refined[2] - u, refined[3] - v];
         if let Some(last) = self.reported_edges {
-            let rate = (1.0 - libm::exp(-seconds / REPORTED_BOX_S)) as f32;
+            let rate = rate_in(seconds, REPORTED_BOX_S);
             for (edge, last) in edges.iter_mut().zip(last) {
                 *edge = last + rate * (*edge - last);
             }
