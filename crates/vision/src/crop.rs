@@ -43,6 +43,28 @@ pub(crate) struct ColourContrast {
     pub(crate) ring: f32,
 }
 
+/// The target probabilities of a crop.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ProbabilityView<'a> {
+    /// Row by row, 0 to 255.
+    pub(crate) values: &'a [u8],
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Left and top edge, pixels of the picture.
+    pub(crate) left: f32,
+    pub(crate) top: f32,
+    /// Pixels of the picture per sample.
+    pub(crate) unit: f32,
+}
+
+impl ProbabilityView<'_> {
+    /// Left, top, right and bottom edge, pixels of the picture.
+    pub(crate) fn edges(&self) -> [f32; 4] {
+        let right = self.left + self.unit * self.width as f32;
+        [self.left, self.top, right, self.top + self.unit * self.height as f32]
+    }
+}
+
 /// A copy of a crop's brightness.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CropLuma {
@@ -167,6 +189,18 @@ impl Crop {
                 u_out.push(f32::from(u[index]));
                 v_out.push(f32::from(v[index]));
             }
+        }
+    }
+
+    /// The target probabilities, with their place in the picture.
+    pub(crate) fn probabilities(&self) -> ProbabilityView<'_> {
+        ProbabilityView {
+            values: &self.probability.values,
+            width: self.probability.width,
+            height: self.probability.height,
+            left: self.left as f32,
+            top: self.top as f32,
+            unit: self.probability_step(),
         }
     }
 

@@ -36,8 +36,10 @@ mod config;
 mod workspace;
 
 mod blob;
+mod companions;
 mod contradicted_box;
 mod distractors;
+mod exchanged_target;
 mod excluded_places;
 mod following;
 mod learning;
@@ -57,6 +59,7 @@ mod loss;
 mod observation;
 mod prediction;
 mod reference_silhouette;
+mod surroundings;
 mod target;
 mod target_paint;
 

@@ -25,6 +25,7 @@ mod fused;
 
 mod background;
 mod colour_model;
+mod components;
 mod correlation;
 mod crop;
 mod decimation;

@@ -17,14 +17,58 @@ const MIN_PROBABILITY: f32 = 0.05;
 const CONVINCING_PROBABILITY: f32 = 0.4;
 const CONVINCING_CONTRAST: f32 = 0.3;
 const CONVINCING_EVIDENCE: f32 = 6.0;
+/// From this probability on, a box near the prediction and wholly in the picture is *trusted*: it needs as little evidence, and
+/// no contrast. The network reads the colours, too, and a target that turns or drives into the shade shows others.
+const TRUSTED_PROBABILITY: f32 = 0.7;
+/// A trusted box lies within this distance of the prediction: so many sizes of the target, and standard deviations of the
+/// prediction. Filter and network together jump to what looks like a hidden target.
+const TRUSTED_DISTANCE_SIZES: f32 = 0.25;
+const TRUSTED_DISTANCE_DEVIATIONS: f32 = 2.0;
 /// A less probable box is compared with that of the second peak, which must be more probable by this much.
 const DOUBTFUL_PROBABILITY: f32 = 0.7;
 const CLEARLY_MORE_PROBABLE: f32 = 0.2;
+/// Confidence of a box onto which the track was moved, and which the network has not seen yet.
+const UNJUDGED_CONFIDENCE: f64 = 0.5;
 /// Minimum relative contrast of a frame that is learned from; with less, the target may be hidden.
 const MIN_LEARNED_CONTRAST: f32 = 0.15;
 /// Two standard deviations of the prediction may reach this share of the search window's side; beyond it the
 /// neighbouring windows are evaluated too.
 const MAX_UNCERTAINTY_SHARE: f32 = 0.4;
+
+/// How much the refined box of an observation counts against weak evidence of filter and colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Trust {
+    None,
+    /// Less evidence is needed.
+    Some,
+    /// Less evidence is needed, and the target's colour may be missing.
+    Full,
+}
+
+impl Trust {
+    fn in_observation(target: &Target, observation: &Observation, probability: f32) -> Self {
+        // A box at the border may be all that is left of a target that leaves the picture.
+        if target.geometry.touches_border_at(observation.centre) {
+            return Self::None;
+        }
+        let has_its_colour =
+            observation.relative_contrast(target).is_none_or(|share| share >= CONVINCING_CONTRAST);
+        let distance = target.distance_from_prediction(observation);
+        let allowed = TRUSTED_DISTANCE_SIZES * target.geometry.size_px()
+            + TRUSTED_DISTANCE_DEVIATIONS * target.motion.std_dev();
+        let is_followed = !matches!(target.phase, Phase::Confirming { .. });
+        if probability >= TRUSTED_PROBABILITY && distance <= allowed && is_followed {
+            Self::Full
+        } else if probability > CONVINCING_PROBABILITY
+            && has_its_colour
+            && target.distance_factor(observation) <= 1.0
+        {
+            Self::Some
+        } else {
+            Self::None
+        }
+    }
+}
 
 impl Workspace {
     /// Processes one frame; the track to report.
@@ -41,6 +85,7 @@ impl Workspace {
             self.background.clear_reference();
         }
         let seconds = target.predict(config, now, prior);
+        target.surroundings.predict(seconds as f32);
         let visibility = match target.phase {
             Phase::Lost { .. } => {
                 self.references.clear();
@@ -96,19 +141,15 @@ impl Workspace {
         let probability = self.refined.probability;
         let distance_factor = target.distance_factor(&observation);
         let evidence = observation.evidence(config, target);
-        // A box at the border may be all that is left of a target that leaves the picture.
-        let is_convincing = probability > CONVINCING_PROBABILITY
-            && distance_factor <= 1.0
-            && observation.relative_contrast(target).is_none_or(|share| share >= CONVINCING_CONTRAST)
-            && !target.geometry.touches_border_at(observation.centre);
-        let required =
-            if is_convincing { config.seen as f32 - CONVINCING_EVIDENCE } else { config.seen as f32 };
+        let trust = Trust::in_observation(target, &observation, probability);
+        let relief = if trust == Trust::None { 0.0 } else { CONVINCING_EVIDENCE };
+        let required = config.seen as f32 - relief;
         let is_recognised = !matches!(target.phase, Phase::Confirming { .. })
             || self.is_still_recognised(config, target, picture, &observation);
         if evidence < required * distance_factor
             || probability < MIN_PROBABILITY
             || !is_recognised
-            || observation.is_colour_absent(target)
+            || trust != Trust::Full && observation.is_colour_absent(target)
         {
             target.confidence = rejected_confidence(&observation, target);
             self.background.clear_reference();
@@ -121,6 +162,10 @@ impl Workspace {
         (target.confidence, target.last_probability) = (f64::from(probability), f64::from(probability));
         self.refine(config, target, &observation, frame, seconds);
         target.follow_reported_box(self.refined.edges, seconds);
+        if self.correct_exchanged_target(config, target, picture, seconds as f32) {
+            target.confidence = UNJUDGED_CONFIDENCE;
+            return Visibility::Visible;
+        }
         let has_its_colour =
             observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);
         // A clear pattern in other colours is the target in another light, which the colour model has to learn.

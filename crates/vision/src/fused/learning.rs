@@ -12,6 +12,7 @@ use super::observation::Observation;
 use super::phase::Phase;
 use super::prediction::TargetMotion;
 use super::reference_silhouette::ReferenceSilhouette;
+use super::surroundings::Surroundings;
 use super::target::{DriftCheck, Target};
 use super::workspace::Workspace;
 use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
@@ -276,6 +277,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         heading: HeadingEstimator::default(),
         drift: DriftCheck::default(),
         contradiction: Contradiction::default(),
+        surroundings: Surroundings::default(),
         blob: None,
         paint: None,
         loss: LossState::new(now, centre, geometry.extent),

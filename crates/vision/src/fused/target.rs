@@ -15,6 +15,7 @@ use super::phase::Phase;
 use super::prediction::TargetMotion;
 use super::reference_silhouette::ReferenceSilhouette;
 use super::shape_following::rate_in;
+use super::surroundings::Surroundings;
 use super::target_paint::{SeenBlob, TargetPaint};
 use crate::features::PatchPose;
 use crate::heading::HeadingEstimator;
@@ -47,6 +48,8 @@ pub(super) struct Target {
     pub(super) heading: HeadingEstimator,
     pub(super) drift: DriftCheck,
     pub(super) contradiction: Contradiction,
+    /// Other things of its colour around it.
+    pub(super) surroundings: Surroundings,
     /// The paint, if the target has one that sets it apart.
     pub(super) paint: Option<TargetPaint>,
     /// The blob of the paint, if it is followed.
@@ -90,6 +93,7 @@ impl Target {
             (*left, *right) = (*left * factors.0, *right * factors.0);
             (*top, *bottom) = (*top * factors.1, *bottom * factors.1);
         }
+        self.surroundings = Surroundings::default();
         self.heading.reset();
         true
     }
@@ -119,13 +123,17 @@ impl Target {
         (0.0..=f64::from(picture.0)).contains(&u) && (0.0..=f64::from(picture.1)).contains(&v)
     }
 
+    /// Distance of an observation's centre from the predicted one, pixels.
+    pub(super) fn distance_from_prediction(&self, observation: &Observation) -> f32 {
+        let (u, v) = self.motion.position_f32();
+        libm::hypotf(observation.centre.0 - u, observation.centre.1 - v)
+    }
+
     /// Factor on the evidence required of an observation, 1 to 2: larger far from the prediction.
     pub(super) fn distance_factor(&self, observation: &Observation) -> f32 {
-        let (u, v) = self.motion.position();
-        let (du, dv) = (f64::from(observation.centre.0) - u, f64::from(observation.centre.1) - v);
         let allowed = FREE_DISTANCE_DEVIATIONS * f64::from(self.motion.std_dev())
             + FREE_DISTANCE_SIZES * f64::from(self.geometry.size_px());
-        let excess = libm::hypot(du, dv) / allowed - 1.0;
+        let excess = f64::from(self.distance_from_prediction(observation)) / allowed - 1.0;
         (1.0 + 0.5 * excess.clamp(0.0, 2.0)) as f32
     }
 
@@ -157,6 +165,7 @@ impl Target {
         self.heading.reset();
         self.drift = DriftCheck::default();
         self.contradiction = Contradiction::default();
+        self.surroundings = Surroundings::default();
         self.reported_edges = None;
         self.mark_lost(false);
         self.phase = Phase::Lost { since: self.motion.last_capture };
@@ -198,6 +207,7 @@ impl Target {
         self.geometry.patch_angle = observation.pose.angle;
         self.geometry.centre = self.geometry.box_centre_at(observation.centre);
         self.blob = None;
+        self.surroundings = Surroundings::default();
         self.reported_edges = None;
         self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
         self.heading.reset();

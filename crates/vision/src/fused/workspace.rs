@@ -10,6 +10,7 @@ use super::phase::Phase;
 use super::target::Target;
 use crate::background::BackgroundMotion;
 use crate::colour_model::ColourHistogram;
+use crate::components::ComponentFinder;
 use crate::correlation::Peak;
 use crate::crop::Crop;
 use crate::explanation::{Explanation, GreyMap, TrackerState};
@@ -53,6 +54,8 @@ pub(super) struct Workspace {
     /// Window of the first of two observations that are compared.
     pub(super) first_window: RefinementWindow,
     network: RefinementNetwork,
+    /// Things of the target's colour.
+    pub(super) components: ComponentFinder,
     /// Pose of the last search window.
     pub(super) pose: PatchPose,
     /// Centre of the crop, pixels.
@@ -76,6 +79,7 @@ impl Workspace {
             refined: RefinedBox::default(),
             first_window: RefinementWindow::default(),
             network: RefinementNetwork::new(weights),
+            components: ComponentFinder::default(),
             pose: PatchPose { centre: (0.0, 0.0), step: 1.0, angle: 0.0 },
             crop_centre: (0.0, 0.0),
         }
@@ -144,7 +148,6 @@ impl Workspace {
         let geometry = &target.geometry;
         let (u, v) = self.centre_crop(target, picture, observation);
         let size = geometry.size_px();
-        let (predicted_u, predicted_v) = target.motion.position_f32();
         self.window.set_measurements(&Measurements {
             peak_to_sidelobe_ratio: observation.peak.peak_to_sidelobe_ratio,
             relative_height: observation.relative_height(target),
@@ -153,10 +156,7 @@ impl Workspace {
             inside: observation.contrast.inside,
             ring: observation.contrast.ring,
             scale: geometry.scale,
-            distance_sizes: libm::hypotf(
-                observation.centre.0 - predicted_u,
-                observation.centre.1 - predicted_v,
-            ) / size,
+            distance_sizes: target.distance_from_prediction(observation) / size,
             relative_motion_sizes: self
                 .references
                 .relative_motion((u, v))

@@ -1,0 +1,142 @@
+//! Connected components of the target's colour in a crop: the target, and other things of its colour around it.
+
+use crate::crop::{Crop, ProbabilityView};
+
+/// Target probability, 0 to 255, from which on a sample belongs to a component.
+const MIN_PROBABILITY: u8 = 128;
+/// Number of components that are kept: those with the most samples.
+pub(crate) const MAX_COMPONENTS: usize = 12;
+
+/// Samples of the target's colour that touch each other, also at a corner.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Component {
+    /// Mean of the samples, weighted with the target probability, pixels of the picture.
+    pub(crate) centroid: (f32, f32),
+    /// Bounds: left, top, right, bottom, pixels of the picture.
+    pub(crate) bounds: [f32; 4],
+    /// Area, pixels squared.
+    pub(crate) area: f32,
+}
+
+impl Component {
+    /// Area common to the bounds and a box (left, top, right, bottom), pixels squared.
+    pub(crate) fn common_area(&self, [left, top, right, bottom]: [f32; 4]) -> f32 {
+        let width = self.bounds[2].min(right) - self.bounds[0].max(left);
+        let height = self.bounds[3].min(bottom) - self.bounds[1].max(top);
+        width.max(0.0) * height.max(0.0)
+    }
+}
+
+/// Finds components; keeps its buffers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ComponentFinder {
+    /// Whether a sample was visited.
+    visited: Vec<bool>,
+    /// Samples whose neighbours are not visited yet.
+    pending: Vec<u32>,
+    found: Vec<Component>,
+}
+
+impl ComponentFinder {
+    /// The largest components in a crop, in the order of their first samples.
+    pub(crate) fn find(&mut self, crop: &Crop) -> &[Component] {
+        let map = crop.probabilities();
+        let (width, height) = (map.width, map.height);
+        self.visited.clear();
+        self.visited.resize(width * height, false);
+        self.pending.reserve(width * height);
+        self.found.clear();
+        for first in 0..width * height {
+            if self.visited[first] || map.values[first] < MIN_PROBABILITY {
+                continue;
+            }
+            let component = self.fill(first, &map);
+            if self.found.len() < MAX_COMPONENTS {
+                self.found.push(component);
+            } else if let Some(smallest) = self.found.iter_mut().min_by(|a, b| a.area.total_cmp(&b.area))
+                && smallest.area < component.area
+            {
+                *smallest = component;
+            }
+        }
+        &self.found
+    }
+
+    /// The component that contains a sample.
+    fn fill(&mut self, first: usize, map: &ProbabilityView<'_>) -> Component {
+        let (width, height, unit) = (map.width, map.height, map.unit);
+        let (mut sum, mut mass, mut count) = ((0.0_f32, 0.0_f32), 0.0_f32, 0_u32);
+        let mut corners = [usize::MAX, usize::MAX, 0, 0];
+        self.visited[first] = true;
+        self.pending.push(first as u32);
+        while let Some(index) = self.pending.pop() {
+            let (column, row) = (index as usize % width, index as usize / width);
+            let weight = f32::from(map.values[index as usize]);
+            sum = (sum.0 + weight * (column as f32 + 0.5), sum.1 + weight * (row as f32 + 0.5));
+            (mass, count) = (mass + weight, count + 1);
+            corners = [
+                corners[0].min(column),
+                corners[1].min(row),
+                corners[2].max(column + 1),
+                corners[3].max(row + 1),
+            ];
+            for near_row in row.saturating_sub(1)..(row + 2).min(height) {
+                for near_column in column.saturating_sub(1)..(column + 2).min(width) {
+                    let near = near_row * width + near_column;
+                    if !self.visited[near] && map.values[near] >= MIN_PROBABILITY {
+                        self.visited[near] = true;
+                        self.pending.push(near as u32);
+                    }
+                }
+            }
+        }
+        let at = |samples: f32, edge: f32| edge + unit * samples;
+        Component {
+            centroid: (at(sum.0 / mass, map.left), at(sum.1 / mass, map.top)),
+            bounds: [
+                at(corners[0] as f32, map.left),
+                at(corners[1] as f32, map.top),
+                at(corners[2] as f32, map.left),
+                at(corners[3] as f32, map.top),
+            ],
+            area: unit * unit * count as f32,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
+    use crate::test_picture::painted;
+
+    #[test]
+    fn things_of_the_colour_are_found_with_place_and_area() {
+        let is_red = |column: usize, row: usize| {
+            (40..60).contains(&column) && (40..50).contains(&row)
+                || (80..84).contains(&column) && (44..48).contains(&row)
+        };
+        let picture = painted(
+            (160, 120),
+            |column, row| {
+                if is_red(column, row) { [90, 90, 240] } else { [80, 190, 100] }
+            },
+        );
+        let mut colours = ColourModel::default();
+        let ellipse = TargetEllipse::inscribed_in((20.0, 10.0));
+        count_colours(&picture, (50.0, 45.0), &ellipse, &mut colours.target, &mut colours.surroundings);
+        colours.remember_selection();
+        colours.update_table();
+        let mut crop = Crop::default();
+        crop.extract(&picture, &colours, (60.0, 50.0), 50.0, 1.0);
+        let mut finder = ComponentFinder::default();
+        let found = finder.find(&crop);
+        let expected = [((50.0, 45.0), 200.0), ((82.0, 46.0), 16.0)];
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (component, (centre, area)) in found.iter().zip(expected) {
+            let (du, dv) = (component.centroid.0 - centre.0, component.centroid.1 - centre.1);
+            assert!(du.abs() < 0.5 && dv.abs() < 0.5 && (component.area - area).abs() < 1.0, "{component:?}");
+        }
+        assert!((found[0].common_area([45.0, 40.0, 100.0, 100.0]) - 150.0).abs() < 1.0);
+    }
+}

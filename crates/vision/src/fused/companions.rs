@@ -1,0 +1,303 @@
+//! Things of the target's colour near it, and on which side of the target they pass.
+//!
+//! A boat that passes a buoy of its colour becomes one blob with it, and the track may stay with the buoy. Nothing in one picture
+//! tells the two apart. Their relative motion does: a buoy ahead that comes nearer is astern after the boat has passed. If
+//! afterwards the other thing is ahead of what is followed, then what is followed is the buoy. Relative motion needs neither the
+//! camera's motion nor the water's.
+
+use crate::components::{Component, MAX_COMPONENTS};
+
+/// Number of things that are followed.
+const MAX_THINGS: usize = 6;
+/// Gains of place and velocity of a thing that is measured.
+const PLACE_GAIN: f32 = 0.3;
+const VELOCITY_GAIN: f32 = 0.04;
+/// A thing is measured within this distance of its prediction: sizes of the target, and pixels; more for each second in which
+/// it was not measured, in its own speeds.
+const GATE_SIZES: f32 = 0.5;
+const GATE_PX: f32 = 2.0;
+const GATE_SPEEDS: f32 = 0.5;
+/// A thing that was not measured for longer is forgotten, seconds.
+const MAX_HIDDEN_S: f32 = 6.0;
+/// The other side is judged by a thing that was measured for so long before, and not for at least so long since, seconds, ...
+const MIN_SEEN_S: f32 = 0.7;
+const MIN_HIDDEN_S: f32 = 0.2;
+/// ... that passed at this speed at least, sizes a second, and is expected at this distance at least, sizes.
+const MIN_SPEED: f32 = 0.4;
+const MIN_DISTANCE: f32 = 0.8;
+/// A component is on the other side if the cosine of the angle to the opposite of the expected place is at least this, and its
+/// distance within this factor of the expected one.
+const MIN_COSINE: f32 = 0.5;
+const MAX_DISTANCE_FACTOR: f32 = 2.2;
+/// Consecutive frames on the other side after which the two were exchanged.
+const FRAMES: u32 = 6;
+
+/// The things around a target.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Companions {
+    things: [Option<Companion>; MAX_THINGS],
+}
+
+/// Something of the target's colour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Companion {
+    /// From the target, pixels.
+    place: (f32, f32),
+    /// Pixels a second.
+    velocity: (f32, f32),
+    /// Time since it was first measured, seconds.
+    age_s: f32,
+    /// How long it was measured, and how long it was not since, seconds.
+    seen_s: f32,
+    hidden_s: f32,
+    /// Consecutive frames with a component on the other side.
+    frames: u32,
+}
+
+impl Companions {
+    /// Moves the predictions by a frame without a measurement, `seconds` after the last one.
+    pub(super) fn predict(&mut self, seconds: f32) {
+        for slot in &mut self.things {
+            if let Some(thing) = slot {
+                thing.place = sum(thing.place, scaled(thing.velocity, seconds));
+                thing.hidden_s += seconds;
+                thing.age_s += seconds;
+                if thing.hidden_s > MAX_HIDDEN_S {
+                    *slot = None;
+                }
+            }
+        }
+    }
+
+    /// Measures the things after [`Self::predict`], with the places of components that are not what is followed, from it, pixels, and
+    /// its size, pixels. `is_visible` tells whether a place from it is in view. The index of the component that is the target, where
+    /// that is another one than what is followed.
+    pub(super) fn measure(
+        &mut self,
+        others: &[(f32, f32)],
+        size: f32,
+        seconds: f32,
+        is_visible: impl Fn((f32, f32)) -> bool,
+    ) -> Option<usize> {
+        let mut is_taken = [false; MAX_COMPONENTS];
+        let mut measured = [None; MAX_THINGS];
+        for known in [true, false] {
+            for (index, slot) in self.things.iter_mut().enumerate() {
+                if let Some(thing) =
+                    slot.as_mut().filter(|thing| thing.is_known() == known && measured[index].is_none())
+                {
+                    measured[index] = thing.find(others, &mut is_taken, size, seconds);
+                }
+            }
+        }
+        for (&place, _) in others.iter().zip(&is_taken).filter(|(_, taken)| !**taken) {
+            if let Some(slot) = self.things.iter_mut().find(|slot| slot.is_none()) {
+                *slot = Some(Companion::new(place));
+            }
+        }
+        self.find_exchanged(&measured, size, is_visible)
+    }
+
+    /// The component of a thing that lies where the opposite of one is expected that was known before it and is not in view now.
+    fn find_exchanged(
+        &mut self,
+        measured: &[Option<usize>],
+        size: f32,
+        is_visible: impl Fn((f32, f32)) -> bool,
+    ) -> Option<usize> {
+        let hidden =
+            self.things.map(|slot| slot.filter(|thing| thing.can_judge(size) && is_visible(thing.place)));
+        for (slot, &component) in self.things.iter_mut().zip(measured) {
+            let (Some(thing), Some(component)) = (slot, component) else { continue };
+            let is_exchanged =
+                |judge: &Companion| thing.age_s < judge.hidden_s && judge.is_opposite(thing.place);
+            thing.frames = if hidden.iter().flatten().any(is_exchanged) { thing.frames + 1 } else { 0 };
+            if thing.frames >= FRAMES {
+                return Some(component);
+            }
+        }
+        None
+    }
+
+    /// The target is at this place from what was followed until now.
+    pub(super) fn exchange(&mut self, place: (f32, f32), size: f32) {
+        let judges = self
+            .things
+            .map(|slot| slot.is_some_and(|thing| thing.can_judge(size) && thing.is_opposite(place)));
+        for (slot, is_judge) in self.things.iter_mut().zip(judges) {
+            let Some(thing) = slot else { continue };
+            if is_judge {
+                (thing.place, thing.hidden_s) = (scaled(place, -1.0), 0.0);
+            } else if thing.is_known() && thing.frames < FRAMES {
+                thing.place = sum(thing.place, scaled(place, -1.0));
+            } else {
+                *slot = None;
+            }
+        }
+    }
+
+    /// Distance of the nearest thing that is known, pixels; infinite where there is none.
+    pub(super) fn nearest_distance(&self) -> f32 {
+        self.things
+            .iter()
+            .flatten()
+            .filter(|thing| thing.is_known())
+            .fold(f32::INFINITY, |least, thing| least.min(length(thing.place)))
+    }
+}
+
+impl Companion {
+    const fn new(place: (f32, f32)) -> Self {
+        Self { place, velocity: (0.0, 0.0), age_s: 0.0, seen_s: 0.0, hidden_s: 0.0, frames: 0 }
+    }
+
+    fn gate(&self, size: f32) -> f32 {
+        GATE_SIZES * size + GATE_PX + GATE_SPEEDS * length(self.velocity) * self.hidden_s
+    }
+
+    fn correct(&mut self, place: (f32, f32), seconds: f32) {
+        let error = sum(place, scaled(self.place, -1.0));
+        self.place = sum(self.place, scaled(error, PLACE_GAIN));
+        if seconds > 0.0 {
+            self.velocity = sum(self.velocity, scaled(error, VELOCITY_GAIN / seconds));
+        }
+        self.seen_s += seconds;
+        self.hidden_s = 0.0;
+    }
+
+    /// Measures the thing by the nearest component that is not taken, if it is near enough.
+    fn find(
+        &mut self,
+        others: &[(f32, f32)],
+        is_taken: &mut [bool],
+        size: f32,
+        seconds: f32,
+    ) -> Option<usize> {
+        let (index, distance) = nearest(others, is_taken, self.place)?;
+        let opposite = length(sum(others[index], self.place));
+        let is_ambiguous = self.hidden_s > MIN_HIDDEN_S && opposite < 2.0 * distance;
+        if distance > self.gate(size) || is_ambiguous {
+            return None;
+        }
+        self.correct(others[index], seconds);
+        is_taken[index] = true;
+        Some(index)
+    }
+
+    /// Whether the thing was measured for long enough to know its velocity.
+    fn is_known(&self) -> bool {
+        self.seen_s >= MIN_SEEN_S
+    }
+
+    fn can_judge(&self, size: f32) -> bool {
+        self.is_known()
+            && self.hidden_s >= MIN_HIDDEN_S
+            && length(self.velocity) >= MIN_SPEED * size
+            && length(self.place) >= MIN_DISTANCE * size
+    }
+
+    fn is_opposite(&self, place: (f32, f32)) -> bool {
+        let (expected, seen) = (length(self.place), length(place));
+        let cosine =
+            -(self.place.0 * place.0 + self.place.1 * place.1) / (expected * seen).max(f32::MIN_POSITIVE);
+        cosine >= MIN_COSINE && (1.0 / MAX_DISTANCE_FACTOR..=MAX_DISTANCE_FACTOR).contains(&(seen / expected))
+    }
+}
+
+/// The place that is not taken and nearest to another one, with its distance.
+fn nearest(places: &[(f32, f32)], is_taken: &[bool], to: (f32, f32)) -> Option<(usize, f32)> {
+    let free = places.iter().enumerate().filter(|&(index, _)| !is_taken[index]);
+    free.map(|(index, &place)| (index, length(sum(place, scaled(to, -1.0)))))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The component that is most of a box (left, top, right, bottom, pixels): its index.
+pub(super) fn own_component(components: &[Component], edges: [f32; 4]) -> Option<usize> {
+    let common = components.iter().map(|component| component.common_area(edges)).enumerate();
+    common.filter(|&(_, area)| area > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+}
+
+fn sum(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
+    (a.0 + b.0, a.1 + b.1)
+}
+
+fn scaled(a: (f32, f32), factor: f32) -> (f32, f32) {
+    (factor * a.0, factor * a.1)
+}
+
+fn length(a: (f32, f32)) -> f32 {
+    libm::hypotf(a.0, a.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME_S: f32 = 1.0 / 30.0;
+    const SIZE: f32 = 10.0;
+
+    /// What is found when a thing, at first 20 px to the right of the target, comes nearer with 10 px a second, is not visible
+    /// within 9 px, and from then on is seen where `shown` puts it.
+    fn after_passing(shown: impl Fn(f32) -> f32) -> Option<(f32, f32)> {
+        let mut companions = Companions::default();
+        for frame in 0_u8..150 {
+            let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
+            companions.predict(FRAME_S);
+            let is_before = right > 0.0;
+            let place = (if is_before { right } else { shown(right) }, 1.0);
+            let others = [place];
+            let visible = if right.abs() > 9.0 { &others[..] } else { &[] };
+            if let Some(index) = companions.measure(visible, SIZE, FRAME_S, |_| true) {
+                return Some(visible[index]);
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_thing_that_was_passed_is_on_the_other_side() {
+        assert_eq!(after_passing(|right| right), None, "it is where it is expected");
+        let (right, _) = after_passing(|right| -right).expect("what is followed is the thing");
+        assert!((9.0..13.0).contains(&right), "{right}");
+    }
+
+    #[test]
+    fn a_thing_that_was_there_before_is_not_the_target() {
+        let mut companions = Companions::default();
+        for frame in 0_u8..150 {
+            let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
+            companions.predict(FRAME_S);
+            let others = [(18.0, -3.0), (right, 1.0)];
+            let visible = if right > 9.0 { &others[..] } else { &others[..1] };
+            assert_eq!(companions.measure(visible, SIZE, FRAME_S, |_| true), None, "{frame}");
+        }
+    }
+
+    #[test]
+    fn after_an_exchange_the_thing_is_where_the_track_was() {
+        let mut companions = Companions::default();
+        for frame in 0_u8..150 {
+            let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
+            companions.predict(FRAME_S);
+            let others = [(right.abs(), 1.0)];
+            let visible = if right.abs() > 9.0 { &others[..] } else { &[] };
+            if companions.measure(visible, SIZE, FRAME_S, |_| true).is_some() {
+                companions.exchange(others[0], SIZE);
+                let distance = length(sum(others[0], companions.things[0].expect("the thing").place));
+                assert!(distance < 1e-3, "{companions:?}");
+                return;
+            }
+        }
+        panic!("no exchange");
+    }
+
+    #[test]
+    fn a_thing_that_stays_hidden_is_forgotten() {
+        let mut companions = Companions::default();
+        companions.measure(&[(20.0, 0.0)], SIZE, FRAME_S, |_| true);
+        companions.predict(MAX_HIDDEN_S - 0.1);
+        assert!(companions.things[0].is_some());
+        companions.predict(0.2);
+        assert!(companions.things[0].is_none());
+    }
+}
