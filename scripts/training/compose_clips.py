@@ -1,6 +1,6 @@
 """Composes labelled clips: targets cut out of some recordings move through the pictures of others.
 
-    python3 scripts/training/compose_clips.py CLIPS [CLIPS ...] --output COMPOSED [--count 180] [--seed 1]
+    python3 scripts/training/compose_clips.py CLIPS [CLIPS ...] --output COMPOSED [--count 180] [--seed 1] [--wakes 0]
 
 CLIPS are folders of labelled clips: a folder each with video.mp4 and gt.csv. COMPOSED gets a folder of the same form for
 each composed clip, for `barrelman-eval training-samples`. Its name is `composed_TARGET+PICTURES+SEED_NUMBER`, with the
@@ -9,7 +9,8 @@ recordings that target and pictures come from: a network that is to be measured 
 A target is cut out along its outline (GrabCut, started from an ellipse in the label's box); cuts that do not fill their
 box are left out. It moves on a random path, at a random size that may change, mirrored or transposed, in other light,
 over pictures that play forwards and backwards. Up to two other targets, most of them of the same recording, cross its
-way, before or behind it. Pictures are blurred, given noise, and compressed at random.
+way, before or behind it. With --wakes SHARE, this share of the targets leaves foam behind, which is no part of the label.
+Pictures are blurred, given noise, and compressed at random.
 
 Needs numpy, OpenCV and imageio-ffmpeg; none of them is a part of the project's setup.
 """
@@ -32,6 +33,8 @@ MIN_LABEL_PX, MIN_CUTS = 6, 5
 MIN_COVERED, MIN_SPANNED = 0.2, 0.7
 # Sizes (root of the box's area) of targets, pixels, and their speeds, sizes a frame.
 SIZES, SPEEDS = (12, 90), (0.01, 0.12)
+# Those of targets that leave foam behind.
+WAKE_SIZES, WAKE_SPEEDS = (18, 130), (0.03, 0.12)
 
 
 def labels_of(folder):
@@ -105,9 +108,39 @@ class Clip:
             raise SystemExit(f"{folder / 'video.mp4'}: OpenCV reads no picture of it")
 
 
+class Wake:
+    """Foam that a target leaves along its path: patches that grow and fade."""
+
+    def __init__(self, random, path, size, sides):
+        self.life = random.randint(10, 45)
+        breadth, per_frame = random.uniform(0.15, 0.45) * size, random.randint(2, 5)
+        pace = (path[4] - path[0]) / 4
+        # The way before the first picture.
+        places = np.concatenate([path[0] - pace * np.arange(self.life, 0, -1)[:, None], path])
+        self.patches = [(index - self.life, place + random.randn(2) * breadth * 0.7, breadth * random.uniform(0.3, 0.8))
+                        for index, place in enumerate(places) for _ in range(per_frame)]
+        self.strength, self.colour = random.uniform(0.5, 0.95), random.uniform(195, 245) + random.uniform(-12, 12, 3)
+        grain = max(1, round(random.uniform(0.08, 0.25) * size))
+        noise = random.rand(sides[1] // grain + 1, sides[0] // grain + 1).astype(np.float32)
+        self.texture = np.clip(1.5 * cv2.resize(noise, sides, interpolation=cv2.INTER_CUBIC), 0, 1)
+        self.blur = 0.15 * breadth + 0.4
+
+    def draw(self, picture, frame):
+        shares = np.zeros(picture.shape[:2], np.float32)
+        for since, place, radius in self.patches:
+            age = (frame - since) / self.life
+            if 0 <= age < 1:
+                centre = round(place[0]), round(place[1])
+                cv2.circle(shares, centre, max(1, round(radius * (1 + age))), self.strength * (1 - age), -1)
+        shares = cv2.GaussianBlur(shares, (0, 0), self.blur) * self.texture
+        picture += shares[..., None] * (self.colour.astype(np.float32) - picture)
+
+
 class Composer:
-    def __init__(self, recordings, seed):
+    def __init__(self, recordings, seed, wakes=0.0):
         self.recordings, self.random = recordings, np.random.RandomState(seed)
+        # Wakes have random numbers of their own: without them the clips of a seed stay the same.
+        self.wakes, self.wakes_random = wakes, np.random.RandomState(seed + 1_000_000)
         self.targets = [name for name, clips in recordings.items() if any(len(clip.cuts) >= MIN_CUTS for clip in clips)]
 
     def choose(self, values):
@@ -176,8 +209,9 @@ class Composer:
         pictures = self.choose(self.recordings[behind]).pictures
         order, is_mirrored = self.order(len(pictures), self.random.uniform(0.5, 1)), self.random.rand() < 0.5
         sides = cv2.imdecode(pictures[0], 1).shape[1::-1]
-        size = np.exp(self.random.uniform(*np.log(SIZES)))
-        speed = np.exp(self.random.uniform(*np.log(SPEEDS))) * size
+        has_wake = self.wakes_random.rand() < self.wakes
+        size = np.exp(self.random.uniform(*np.log(WAKE_SIZES if has_wake else SIZES)))
+        speed = np.exp(self.random.uniform(*np.log(WAKE_SPEEDS if has_wake else SPEEDS))) * size
         target = (self.sprites(name, size), self.path(sides, size, speed))
         others = []
         for _ in range(self.random.choice(3, p=[0.4, 0.4, 0.2])):
@@ -186,6 +220,7 @@ class Composer:
             others.append((sprites, self.crossing(target[1], size, speed)))
         place = 0 if self.random.rand() < 0.3 else len(others)
         layers = [*others[:place], target, *others[place:]]
+        wake = Wake(self.wakes_random, target[1], size, sides) if has_wake else None
         blur, noise = self.choose([0, 0, 0.7, 1.2]), self.choose([0, 0, 3, 7])
         folder.mkdir(parents=True)
         encoder = subprocess.Popen(
@@ -196,6 +231,8 @@ class Composer:
         for frame, number in enumerate(order):
             picture = cv2.imdecode(pictures[number], 1).astype(np.float32)
             picture = picture[:, ::-1].copy() if is_mirrored else picture
+            if wake:
+                wake.draw(picture, frame)
             boxes = [paste(picture, sprites[frame], path[frame]) for sprites, path in layers]
             labels.append(",".join(str(value) for value in (frame, *boxes[place])))
             picture = cv2.GaussianBlur(picture, (0, 0), blur) if blur else picture
@@ -226,11 +263,12 @@ def main():
     parser.add_argument("--output", required=True, type=pathlib.Path)
     parser.add_argument("--count", type=int, default=180)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--wakes", type=float, default=0.0, help="share of the targets that leave foam behind")
     options = parser.parse_args()
     recordings = {}
     for folder in sorted(path.parent for clips in options.clips for path in clips.glob("*/gt.csv")):
         recordings.setdefault(recording_of(folder.name), []).append(Clip(folder))
-    composer = Composer(recordings, options.seed)
+    composer = Composer(recordings, options.seed, options.wakes)
     print(f"{len(recordings)} recordings, targets of {len(composer.targets)}", flush=True)
     for number in range(options.count):
         name = composer.choose(composer.targets)
