@@ -1,5 +1,7 @@
 //! Connected components of the target's colour in a crop: the target, and other things of its colour around it.
 
+use barrelman_vocab::PixelBox;
+
 use crate::crop::{Crop, ProbabilityView};
 
 /// Target probability, 0 to 255, from which on a sample belongs to a component.
@@ -12,19 +14,10 @@ pub(crate) const MAX_COMPONENTS: usize = 12;
 pub(crate) struct Component {
     /// Mean of the samples, weighted with the target probability, pixels of the picture.
     pub(crate) centroid: (f32, f32),
-    /// Bounds: left, top, right, bottom, pixels of the picture.
-    pub(crate) bounds: [f32; 4],
+    /// Bounds, pixels of the picture.
+    pub(crate) bounds: PixelBox,
     /// Area, pixels squared.
     pub(crate) area: f32,
-}
-
-impl Component {
-    /// Area common to the bounds and a box (left, top, right, bottom), pixels squared.
-    pub(crate) fn common_area(&self, [left, top, right, bottom]: [f32; 4]) -> f32 {
-        let width = self.bounds[2].min(right) - self.bounds[0].max(left);
-        let height = self.bounds[3].min(bottom) - self.bounds[1].max(top);
-        width.max(0.0) * height.max(0.0)
-    }
 }
 
 /// Finds components; keeps its buffers.
@@ -66,7 +59,7 @@ impl ComponentFinder {
     fn fill(&mut self, first: usize, map: &ProbabilityView<'_>) -> Component {
         let (width, height, unit) = (map.width, map.height, map.unit);
         let (mut sum, mut mass, mut count) = ((0.0_f32, 0.0_f32), 0.0_f32, 0_u32);
-        let mut corners = [usize::MAX, usize::MAX, 0, 0];
+        let (mut begin, mut end) = ((usize::MAX, usize::MAX), (0, 0));
         self.visited[first] = true;
         self.pending.push(first as u32);
         while let Some(index) = self.pending.pop() {
@@ -74,12 +67,8 @@ impl ComponentFinder {
             let weight = f32::from(map.values[index as usize]);
             sum = (sum.0 + weight * (column as f32 + 0.5), sum.1 + weight * (row as f32 + 0.5));
             (mass, count) = (mass + weight, count + 1);
-            corners = [
-                corners[0].min(column),
-                corners[1].min(row),
-                corners[2].max(column + 1),
-                corners[3].max(row + 1),
-            ];
+            begin = (begin.0.min(column), begin.1.min(row));
+            end = (end.0.max(column + 1), end.1.max(row + 1));
             for near_row in row.saturating_sub(1)..(row + 2).min(height) {
                 for near_column in column.saturating_sub(1)..(column + 2).min(width) {
                     let near = near_row * width + near_column;
@@ -90,15 +79,9 @@ impl ComponentFinder {
                 }
             }
         }
-        let at = |samples: f32, edge: f32| edge + unit * samples;
         Component {
-            centroid: (at(sum.0 / mass, map.left), at(sum.1 / mass, map.top)),
-            bounds: [
-                at(corners[0] as f32, map.left),
-                at(corners[1] as f32, map.top),
-                at(corners[2] as f32, map.left),
-                at(corners[3] as f32, map.top),
-            ],
+            centroid: (map.left + unit * (sum.0 / mass), map.top + unit * (sum.1 / mass)),
+            bounds: map.bounds_of(begin, end),
             area: unit * unit * count as f32,
         }
     }
@@ -137,6 +120,7 @@ mod tests {
             let (du, dv) = (component.centroid.0 - centre.0, component.centroid.1 - centre.1);
             assert!(du.abs() < 0.5 && dv.abs() < 0.5 && (component.area - area).abs() < 1.0, "{component:?}");
         }
-        assert!((found[0].common_area([45.0, 40.0, 100.0, 100.0]) - 150.0).abs() < 1.0);
+        let right_part = PixelBox { u: 45.0, v: 40.0, w: 55.0, h: 60.0 };
+        assert!((found[0].bounds.intersection(right_part).area() - 150.0).abs() < 1.0);
     }
 }

@@ -58,10 +58,20 @@ pub(crate) struct ProbabilityView<'a> {
 }
 
 impl ProbabilityView<'_> {
-    /// Left, top, right and bottom edge, pixels of the picture.
-    pub(crate) fn edges(&self) -> [f32; 4] {
-        let right = self.left + self.unit * self.width as f32;
-        [self.left, self.top, right, self.top + self.unit * self.height as f32]
+    /// Bounds of all samples, pixels of the picture.
+    pub(crate) fn bounds(&self) -> PixelBox {
+        self.bounds_of((0, 0), (self.width, self.height))
+    }
+
+    /// Bounds of the samples from a first column and row to before an end, pixels of the picture.
+    pub(crate) fn bounds_of(&self, first: (usize, usize), end: (usize, usize)) -> PixelBox {
+        let unit = f64::from(self.unit);
+        PixelBox {
+            u: f64::from(self.left) + unit * first.0 as f64,
+            v: f64::from(self.top) + unit * first.1 as f64,
+            w: unit * (end.0 - first.0) as f64,
+            h: unit * (end.1 - first.1) as f64,
+        }
     }
 }
 
@@ -293,15 +303,10 @@ impl Crop {
 
     /// Writes the probability map for an overlay.
     pub(crate) fn write_probability_map(&self, out: &mut GreyMap) {
-        let step = f64::from(self.probability_step());
-        (out.width, out.height) = (self.probability.width, self.probability.height);
-        out.bounds = PixelBox {
-            u: f64::from(self.left),
-            v: f64::from(self.top),
-            w: step * out.width as f64,
-            h: step * out.height as f64,
-        };
-        out.samples.extend_from_slice(&self.probability.values);
+        let map = self.probabilities();
+        (out.width, out.height) = (map.width, map.height);
+        out.bounds = map.bounds();
+        out.samples.extend_from_slice(map.values);
     }
 
     /// A grid placed on the picture, in samples of a map of `scale` samples per pixel.

@@ -63,6 +63,9 @@ mod surroundings;
 mod target;
 mod target_paint;
 
+#[cfg(test)]
+mod test_target;
+
 use std::sync::Arc;
 
 use barrelman_vocab::{MotionPrior, PixelBox, Track, VideoFrame};

@@ -5,6 +5,8 @@
 //! afterwards the other thing is ahead of what is followed, then what is followed is the buoy. Relative motion needs neither the
 //! camera's motion nor the water's.
 
+use barrelman_vocab::PixelBox;
+
 use crate::components::{Component, MAX_COMPONENTS};
 
 /// Number of things that are followed.
@@ -81,11 +83,10 @@ impl Companions {
     ) -> Option<usize> {
         let mut is_taken = [false; MAX_COMPONENTS];
         let mut measured = [None; MAX_THINGS];
+        // Those that are known first: a component is theirs if it is near enough.
         for known in [true, false] {
             for (index, slot) in self.things.iter_mut().enumerate() {
-                if let Some(thing) =
-                    slot.as_mut().filter(|thing| thing.is_known() == known && measured[index].is_none())
-                {
+                if let Some(thing) = slot.as_mut().filter(|thing| thing.is_known() == known) {
                     measured[index] = thing.find(others, &mut is_taken, size, seconds);
                 }
             }
@@ -211,9 +212,9 @@ fn nearest(places: &[(f32, f32)], is_taken: &[bool], to: (f32, f32)) -> Option<(
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The component that is most of a box (left, top, right, bottom, pixels): its index.
-pub(super) fn own_component(components: &[Component], edges: [f32; 4]) -> Option<usize> {
-    let common = components.iter().map(|component| component.common_area(edges)).enumerate();
+/// The index of the component whose bounds have the largest part in common with a box.
+pub(super) fn own_component(components: &[Component], own_box: PixelBox) -> Option<usize> {
+    let common = components.iter().map(|component| component.bounds.intersection(own_box).area()).enumerate();
     common.filter(|&(_, area)| area > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
 }
 

@@ -29,40 +29,26 @@ impl Workspace {
         geometry.centre = (0.5 * (left + right), 0.5 * (top + bottom));
         geometry.rescale(share.sqrt());
         target.blob = None;
-        let pose = target.patch_pose(config);
-        self.retrain(target, picture, pose);
+        self.retrain_at_box(config, target, picture);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use barrelman_vocab::video::{Capture, CaptureQuality};
-    use barrelman_vocab::{PixelBox, Timestamp, VideoFrame};
+    use barrelman_vocab::PixelBox;
 
     use super::super::contradiction::FRAMES;
+    use super::super::test_target::{red_on_blue, selected};
     use super::*;
-    use crate::refinement::RefinementWeights;
-    use crate::test_picture::painted;
 
     const FRAME_S: f32 = 1.0 / 30.0;
 
     #[test]
     fn the_box_is_moved_onto_the_networks() {
         let config = FusedConfig::default();
-        let mut workspace = Workspace::new(&config, RefinementWeights::built_in());
         let is_boat = |column, row| (100..130).contains(&column) && (60..72).contains(&row);
-        let picture = painted(
-            (240, 160),
-            |column, row| {
-                if is_boat(column, row) { [90, 90, 240] } else { [80, 190, 100] }
-            },
-        );
-        let capture = Capture { at: Timestamp::from_nanos(0), quality: CaptureQuality::Sensor };
-        let frame = VideoFrame { sequence: 0, capture, picture: Arc::new(picture) };
         let boat = PixelBox { u: 100.0, v: 60.0, w: 30.0, h: 12.0 };
-        let (mut target, _, _) = workspace.learn_selection(&config, &frame, boat);
+        let (mut workspace, mut target, frame) = selected(&config, red_on_blue((240, 160), is_boat), boat);
         assert!(target.reference.is_some());
         workspace.refined.edges = [100.0, 60.0, 130.0, 72.0];
         workspace.refined.probability = 0.9;

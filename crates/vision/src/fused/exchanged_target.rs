@@ -1,6 +1,6 @@
 //! The correction of a track that stayed with another thing of the target's colour.
 
-use barrelman_vocab::Picture;
+use barrelman_vocab::{Picture, PixelBox};
 
 use super::companions::own_component;
 use super::config::FusedConfig;
@@ -20,7 +20,7 @@ const OWN_BOX: f32 = 1.15;
 /// Area of a thing that is compared with the target, as a share of the target's usual area.
 const MIN_AREA: f32 = 0.3;
 const MAX_AREA: f32 = 4.0;
-/// A thing at least so many sizes away does not touch the target.
+/// Distance, in sizes of the target, from which on a thing does not touch the target.
 const CLEAR_SIZES: f32 = 1.6;
 /// Shortest time between two corrections, seconds.
 const MIN_INTERVAL_S: f32 = 1.5;
@@ -45,7 +45,12 @@ impl Workspace {
         let geometry = &target.geometry;
         let ((u, v), (w, h)) = (geometry.centre, geometry.upright_box());
         let half = (0.5 * OWN_BOX * w, 0.5 * OWN_BOX * h);
-        let own_box = [u - half.0, v - half.1, u + half.0, v + half.1];
+        let own_box = PixelBox {
+            u: f64::from(u - half.0),
+            v: f64::from(v - half.1),
+            w: f64::from(2.0 * half.0),
+            h: f64::from(2.0 * half.1),
+        };
         let Some(own) = own_component(components, own_box) else { return false };
         let area = components[own].area;
         let surroundings = &mut target.surroundings;
@@ -71,9 +76,10 @@ impl Workspace {
             }
         }
         let size = geometry.size_px();
-        let [left, top, right, bottom] = self.crop.probabilities().edges();
+        let view = self.crop.probabilities().bounds();
         let is_visible = |(du, dv): (f32, f32)| {
-            (left..right).contains(&(origin.0 + du)) && (top..bottom).contains(&(origin.1 + dv))
+            (view.u..view.u + view.w).contains(&f64::from(origin.0 + du))
+                && (view.v..view.v + view.h).contains(&f64::from(origin.1 + dv))
         };
         let found = surroundings.companions.measure(&others[..count], size, seconds, is_visible);
         surroundings.since_exchange_s += seconds;
@@ -97,22 +103,15 @@ impl Workspace {
         target.heading.clear_path();
         target.blob = None;
         target.reported_edges = None;
-        let pose = target.patch_pose(config);
-        self.retrain(target, picture, pose);
+        self.retrain_at_box(config, target, picture);
         true
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use barrelman_vocab::video::{Capture, CaptureQuality};
-    use barrelman_vocab::{PixelBox, Timestamp, VideoFrame};
-
+    use super::super::test_target::{red_on_blue, selected};
     use super::*;
-    use crate::refinement::RefinementWeights;
-    use crate::test_picture::painted;
 
     const FRAME_S: f32 = 1.0 / 30.0;
     const BUOY: usize = 150;
@@ -123,17 +122,14 @@ mod tests {
             (60..68).contains(&row)
                 && ((boat..boat + 16).contains(&column) || (BUOY..BUOY + 8).contains(&column))
         };
-        painted((320, 160), |column, row| if is_red(column, row) { [90, 90, 240] } else { [80, 190, 100] })
+        red_on_blue((320, 160), is_red)
     }
 
     /// Where the track is, pixels, after the boat passed the buoy, if it stays with what `followed` gives for the boat's place.
     fn track_after_passing(followed: impl Fn(f32) -> f32) -> f32 {
         let config = FusedConfig::default();
-        let mut workspace = Workspace::new(&config, RefinementWeights::built_in());
-        let capture = Capture { at: Timestamp::from_nanos(0), quality: CaptureQuality::Sensor };
-        let frame = VideoFrame { sequence: 0, capture, picture: Arc::new(picture(100)) };
         let selection = PixelBox { u: 100.0, v: 60.0, w: 16.0, h: 8.0 };
-        let (mut target, _, _) = workspace.learn_selection(&config, &frame, selection);
+        let (mut workspace, mut target, _) = selected(&config, picture(100), selection);
         assert!(target.paint.is_some());
         for boat in (100..190).flat_map(|boat| [boat, boat]) {
             let picture = picture(boat);

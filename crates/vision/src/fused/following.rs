@@ -20,8 +20,8 @@ const CONVINCING_EVIDENCE: f32 = 6.0;
 /// From this probability on, a box near the prediction and wholly in the picture is *trusted*: it needs as little evidence, and
 /// no contrast. The network reads the colours, too, and a target that turns or drives into the shade shows others.
 const TRUSTED_PROBABILITY: f32 = 0.7;
-/// A trusted box lies within this distance of the prediction: so many sizes of the target, and standard deviations of the
-/// prediction. Filter and network together jump to what looks like a hidden target.
+/// Largest distance of a trusted box from the prediction: in sizes of the target, and in standard deviations of the
+/// prediction, added. Filter and network together jump to what looks like a hidden target.
 const TRUSTED_DISTANCE_SIZES: f32 = 0.25;
 const TRUSTED_DISTANCE_DEVIATIONS: f32 = 2.0;
 /// A less probable box is compared with that of the second peak, which must be more probable by this much.
@@ -240,5 +240,47 @@ impl Workspace {
             return None;
         }
         self.background.measure_shift(picture.y(), &mut self.features.fourier)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::{PixelBox, Timestamp};
+
+    use super::super::test_target::{red_on_blue, selected};
+    use super::*;
+    use crate::correlation::Peak;
+    use crate::crop::ColourContrast;
+
+    /// The trust in a box of this probability, seen `right` pixels beside the place of a boat of 30 x 12 pixels, with its colour or
+    /// without.
+    fn trust(probability: f32, right: f32, has_colour: bool, is_confirming: bool) -> Trust {
+        let config = FusedConfig::default();
+        let is_boat = |column, row| (100..130).contains(&column) && (60..72).contains(&row);
+        let boat = PixelBox { u: 100.0, v: 60.0, w: 30.0, h: 12.0 };
+        let (_, mut target, _) = selected(&config, red_on_blue((240, 160), is_boat), boat);
+        if is_confirming {
+            target.phase = Phase::Confirming { since: Timestamp::from_nanos(0), seen: 0 };
+        }
+        let (u, v) = target.geometry.centre;
+        let inside = if has_colour { target.appearance.usual.contrast } else { 0.0 };
+        let observation = Observation {
+            pose: target.patch_pose(&config),
+            centre: (u + right, v),
+            peak: Peak::default(),
+            contrast: ColourContrast { inside, ring: 0.0 },
+        };
+        Trust::in_observation(&target, &observation, probability)
+    }
+
+    #[test]
+    fn a_probable_box_near_the_prediction_is_trusted_without_its_colour() {
+        assert_eq!(trust(0.75, 0.0, false, false), Trust::Full);
+        assert_eq!(trust(0.65, 0.0, false, false), Trust::None, "not probable enough without its colour");
+        assert_eq!(trust(0.65, 0.0, true, false), Trust::Some);
+        assert_eq!(trust(0.35, 0.0, true, false), Trust::None);
+        assert_eq!(trust(0.75, 60.0, false, false), Trust::None, "far from the prediction");
+        assert_eq!(trust(0.75, 0.0, false, true), Trust::None, "a candidate of the search");
+        assert_eq!(trust(0.75, -114.0, true, false), Trust::None, "at the border of the picture");
     }
 }

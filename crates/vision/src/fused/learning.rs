@@ -131,6 +131,12 @@ impl Workspace {
         (target, colours)
     }
 
+    /// Retrains the filter and the layout from a single frame, around a box that was moved.
+    pub(super) fn retrain_at_box(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) {
+        let pose = target.patch_pose(config);
+        self.retrain(target, picture, pose);
+    }
+
     /// Retrains the filter and the layout from a single frame.
     pub(super) fn retrain(&mut self, target: &mut Target, picture: &Picture, pose: PatchPose) {
         self.extract_crop(target, picture, &pose);

@@ -223,8 +223,7 @@ impl Workspace {
         geometry.centre = seen.centroid;
         let (longer, wider) = reference.stretch_of(&seen);
         geometry.stretch_to(reference.length * longer, reference.breadth * wider, 1.0);
-        let pose = target.patch_pose(config);
-        self.retrain(target, picture, pose);
+        self.retrain_at_box(config, target, picture);
     }
 
     /// The blob of the target's colour that starts in the target's box, and its contrast. `ring` is the target
