@@ -124,7 +124,9 @@ class Page:
         return self.driver.execute_script(script)
 
     def wait_until_enabled(self, name):
-        common.wait_until(lambda: self.element(name).is_enabled(), 10, f"the button {name}")
+        # The page is connected before a button that depends on the program is shown.
+        button = self.element(name)
+        common.wait_until(lambda: button.is_displayed() and button.is_enabled(), 10, f"the button {name}")
 
     def ready(self):
         return self.wait(lambda data: data.get("connected") == "yes" and int(data.get("drawn", 0)) > 3, 30, "the first pictures")
