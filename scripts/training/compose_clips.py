@@ -1,6 +1,7 @@
 """Composes labelled clips: targets cut out of some recordings move through the pictures of others.
 
     python3 scripts/training/compose_clips.py CLIPS [CLIPS ...] --output COMPOSED [--count 180] [--seed 1] [--wakes 0]
+        [--sizes 12 90] [--photographs DIR --objects DIR]
 
 CLIPS are folders of labelled clips: a folder each with video.mp4 and gt.csv. COMPOSED gets a folder of the same form for
 each composed clip, for `barrelman-eval training-samples`. Its name is `composed_TARGET+PICTURES+SEED_NUMBER`, with the
@@ -11,6 +12,9 @@ box are left out. It moves on a random path, at a random size that may change, m
 over pictures that play forwards and backwards. Up to two other targets, most of them of the same recording, cross its
 way, before or behind it. With --wakes SHARE, this share of the targets leaves foam behind, which is no part of the label.
 Pictures are blurred, given noise, and compressed at random.
+
+With --photographs and --objects, folders of photographs and of pictures with an alpha channel, two thirds of the targets
+and half of the pictures are made of those (stills.py), and in each clip at least one of the two.
 
 Needs numpy, OpenCV and imageio-ffmpeg; none of them is a part of the project's setup.
 """
@@ -23,7 +27,8 @@ import cv2
 import imageio_ffmpeg
 import numpy as np
 
-from recordings import COMPOSED, recording_of
+from recordings import COMPOSED, STILL, recording_of
+from stills import Stills
 
 FRAMES, WIDTH, RATE = 80, 640, 30
 # Frames of a recording that are used: every second one of a clip with many labels.
@@ -31,8 +36,8 @@ MAX_FRAMES, MANY_LABELS = 300, 150
 MIN_LABEL_PX, MIN_CUTS = 6, 5
 # A cut covers at least this share of its box, and of each of its sides.
 MIN_COVERED, MIN_SPANNED = 0.2, 0.7
-# Sizes (root of the box's area) of targets, pixels, and their speeds, sizes a frame.
-SIZES, SPEEDS = (12, 90), (0.01, 0.12)
+# Speeds of targets, sizes (root of the box's area) a frame.
+SPEEDS = (0.01, 0.12)
 # Those of targets that leave foam behind.
 WAKE_SIZES, WAKE_SPEEDS = (18, 130), (0.03, 0.12)
 
@@ -137,14 +142,25 @@ class Wake:
 
 
 class Composer:
-    def __init__(self, recordings, seed, wakes=0.0):
-        self.recordings, self.random = recordings, np.random.RandomState(seed)
+    def __init__(self, recordings, seed, sizes, wakes=0.0, photographs=None, objects=None):
+        self.recordings, self.random, self.sizes = recordings, np.random.RandomState(seed), sizes
+        self.stills = Stills(photographs, objects, self.random) if photographs else None
         # Wakes have random numbers of their own: without them the clips of a seed stay the same.
         self.wakes, self.wakes_random = wakes, np.random.RandomState(seed + 1_000_000)
         self.targets = [name for name, clips in recordings.items() if any(len(clip.cuts) >= MIN_CUTS for clip in clips)]
 
     def choose(self, values):
         return values[self.random.randint(len(values))]
+
+    def choose_recordings(self):
+        """The recordings of a clip's target and of its pictures; STILL is none."""
+        if self.stills is None:
+            name = self.choose(self.targets)
+            return name, self.choose([recording for recording in self.recordings if recording != name])
+        kinds = self.choose([(True, True), (True, False), (False, True)])
+        name, behind = [STILL if is_still else None for is_still in kinds]
+        name = name or self.choose(self.targets)
+        return name, behind or self.choose([recording for recording in self.recordings if recording != name])
 
     def steps(self, speed, frames=12):
         """Steps of a smooth random walk with this root mean square, correlated over some frames."""
@@ -165,9 +181,16 @@ class Composer:
                 place = min(max(place + step, 0), count - 1)
         return order
 
-    def sprites(self, name, size):
+    def cuts_of(self, name, around):
+        """The cuts of a target of this recording, or of an object, that moves through pictures of this mean colour."""
+        if name != STILL:
+            return self.choose([clip for clip in self.recordings[name] if len(clip.cuts) >= MIN_CUTS]).cuts
+        while len(cuts := self.stills.target(around).cuts) < MIN_CUTS:
+            pass
+        return cuts
+
+    def sprites(self, cuts, size):
         """For each frame the picture of the target, its share of each pixel, and its box (left, top, width, height)."""
-        cuts = self.choose([clip for clip in self.recordings[name] if len(clip.cuts) >= MIN_CUTS]).cuts
         order = self.order(len(cuts), self.random.uniform(0.3, 1))
         is_mirrored, is_transposed = self.random.rand() < 0.5, self.random.rand() < 0.15
         tint = self.random.uniform(-20, 20, 3) if self.random.rand() < 0.4 else 0
@@ -206,17 +229,22 @@ class Composer:
         return places - places[frame] + path[frame] + self.random.uniform(-1.5, 1.5, 2) * size
 
     def compose(self, folder, name, behind):
-        pictures = self.choose(self.recordings[behind]).pictures
+        clip = self.stills.background(WIDTH, FRAMES) if behind == STILL else self.choose(self.recordings[behind])
+        pictures, around = clip.pictures, cv2.imdecode(clip.pictures[0], 1).mean((0, 1))
         order, is_mirrored = self.order(len(pictures), self.random.uniform(0.5, 1)), self.random.rand() < 0.5
         sides = cv2.imdecode(pictures[0], 1).shape[1::-1]
         has_wake = self.wakes_random.rand() < self.wakes
-        size = np.exp(self.random.uniform(*np.log(WAKE_SIZES if has_wake else SIZES)))
+        size = np.exp(self.random.uniform(*np.log(WAKE_SIZES if has_wake else self.sizes)))
         speed = np.exp(self.random.uniform(*np.log(WAKE_SPEEDS if has_wake else SPEEDS))) * size
-        target = (self.sprites(name, size), self.path(sides, size, speed))
+        cuts = self.cuts_of(name, around)
+        target = (self.sprites(cuts, size), self.path(sides, size, speed))
         others = []
         for _ in range(self.random.choice(3, p=[0.4, 0.4, 0.2])):
             of = self.choose([name] + [recording for recording in (name, behind) if recording in self.targets])
-            sprites = self.sprites(of, size * self.random.uniform(0.7, 1.4))
+            other_size = size * self.random.uniform(0.7, 1.4)
+            # An object is the same one again, or another one.
+            own = cuts if of == name == STILL and self.random.rand() < 0.6 else self.cuts_of(of, around)
+            sprites = self.sprites(own, other_size)
             others.append((sprites, self.crossing(target[1], size, speed)))
         place = 0 if self.random.rand() < 0.3 else len(others)
         layers = [*others[:place], target, *others[place:]]
@@ -264,15 +292,22 @@ def main():
     parser.add_argument("--count", type=int, default=180)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--wakes", type=float, default=0.0, help="share of the targets that leave foam behind")
+    parser.add_argument("--sizes", type=float, nargs=2, default=(12, 90), metavar="PX",
+                        help="range of the targets' sizes, roots of the box's area, at least 6")
+    parser.add_argument("--photographs", type=pathlib.Path, help="folder of photographs, searched with its subfolders")
+    parser.add_argument("--objects", type=pathlib.Path, help="folder of pictures of objects with an alpha channel")
     options = parser.parse_args()
+    if not 6 <= options.sizes[0] < options.sizes[1]:
+        parser.error("--sizes takes two numbers, from 6 on, the smaller one first")
+    if (options.photographs is None) != (options.objects is None):
+        parser.error("--photographs and --objects go together")
     recordings = {}
     for folder in sorted(path.parent for clips in options.clips for path in clips.glob("*/gt.csv")):
         recordings.setdefault(recording_of(folder.name), []).append(Clip(folder))
-    composer = Composer(recordings, options.seed, options.wakes)
+    composer = Composer(recordings, options.seed, options.sizes, options.wakes, options.photographs, options.objects)
     print(f"{len(recordings)} recordings, targets of {len(composer.targets)}", flush=True)
     for number in range(options.count):
-        name = composer.choose(composer.targets)
-        behind = composer.choose([recording for recording in recordings if recording != name])
+        name, behind = composer.choose_recordings()
         composer.compose(options.output / f"{COMPOSED}{name}+{behind}+{options.seed}_{number}", name, behind)
 
 

@@ -7,6 +7,8 @@ A network that is to be measured on a clip must not be fitted to the clip's reco
 PREFIXES = ("stress_redboat", "redboat", "uav123_group1", "uav123_truck4", "uav123_wakeboard")
 # Clips that compose_clips.py composed, and clips of the simulator.
 COMPOSED, SIMULATED = "composed_", "sim_"
+# Stands for a recording in the name of a composed clip whose target or pictures were made from stills.
+STILL = "still"
 
 
 def recording_of(clip):
