@@ -28,7 +28,7 @@ import imageio_ffmpeg
 import numpy as np
 
 from recordings import COMPOSED, STILL, recording_of
-from stills import Stills
+from stills import Stills, smooth_steps
 
 FRAMES, WIDTH, RATE = 80, 640, 30
 # Frames of a recording that are used: every second one of a clip with many labels.
@@ -162,13 +162,8 @@ class Composer:
         name = name or self.choose(self.targets)
         return name, behind or self.choose([recording for recording in self.recordings if recording != name])
 
-    def steps(self, speed, frames=12):
-        """Steps of a smooth random walk with this root mean square, correlated over some frames."""
-        keep, step, steps = np.exp(-1 / frames), self.random.randn() * speed, []
-        for _ in range(FRAMES):
-            step = keep * step + np.sqrt(1 - keep * keep) * speed * self.random.randn()
-            steps.append(step)
-        return np.array(steps)
+    def steps(self, speed):
+        return smooth_steps(self.random, FRAMES, speed)
 
     def order(self, count, pace):
         """Numbers of pictures that are played forwards and backwards; a picture may be shown again."""

@@ -17,6 +17,10 @@ HEIGHTS = (352, 360, 360, 480)
 # Pixels of the photograph for a pixel of the picture.
 SCALES = (0.4, 2.0)
 SUFFIXES = (".jpg", ".jpeg", ".png", ".webp")
+# Photographs have at least this short side, pixels, and this mean difference of neighbours in a picture of 160 x 100.
+MIN_PHOTOGRAPH, MIN_DETAIL = 250, 2.0
+# Objects have at least this short side, cover at least this share of their box, and are at most so elongated.
+MIN_OBJECT, MIN_SOLID, MAX_ASPECT = 30, 0.25, 6
 
 
 class StillClip:
@@ -26,12 +30,18 @@ class StillClip:
         self.pictures, self.cuts = list(pictures), list(cuts)
 
 
-def walk(random, count, speed, frames=12):
-    """A smooth random walk from 0 with steps of this root mean square, correlated over some frames."""
+def smooth_steps(random, count, speed, frames=12):
+    """Steps of a smooth random walk with this root mean square, correlated over some frames."""
     keep, step, steps = np.exp(-1 / frames), random.randn() * speed, []
     for _ in range(count):
         step = keep * step + np.sqrt(1 - keep * keep) * speed * random.randn()
         steps.append(step)
+    return np.array(steps)
+
+
+def walk(random, count, speed):
+    """A smooth random walk from 0."""
+    steps = smooth_steps(random, count, speed)
     return np.cumsum(steps) - steps[0]
 
 
@@ -40,6 +50,24 @@ def smooth_noise(random, cells, side):
     grid = random.uniform(-1, 1, (cells + 3, cells + 3)).astype(np.float32)
     large = cv2.resize(grid, None, fx=side / cells, fy=side / cells, interpolation=cv2.INTER_CUBIC)
     return large[side // cells:side // cells + side, side // cells:side // cells + side]
+
+
+def photograph_of(picture):
+    small = cv2.resize(picture, (160, 100), interpolation=cv2.INTER_AREA).astype(np.float32)
+    is_used = min(picture.shape[:2]) >= MIN_PHOTOGRAPH and np.abs(np.diff(small, axis=1)).mean() >= MIN_DETAIL
+    return picture if is_used else None
+
+
+def object_of(picture):
+    """The part of the picture that is not transparent."""
+    opaque = picture[..., 3] > 128
+    rows, columns = np.nonzero(opaque)
+    if not len(rows):
+        return None
+    box = slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)
+    short, long = sorted(opaque[box].shape)
+    is_used = short >= MIN_OBJECT and long <= MAX_ASPECT * short and opaque[box].mean() >= MIN_SOLID
+    return picture[box] if is_used else None
 
 
 class Stills:
@@ -54,17 +82,20 @@ class Stills:
             raise SystemExit(f"{folder}: no pictures ({', '.join(SUFFIXES)})")
         return files
 
-    def read(self, files, channels):
-        """One of the files, with this many channels; others are skipped."""
-        for _ in range(100):
-            path = files[self.random.randint(len(files))]
-            picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    def read(self, files, channels, usable):
+        """One of the files, with this many channels, as `usable` gives it; files that it gives None for are skipped."""
+        for _ in range(1000):
+            picture = cv2.imread(str(self.choose(files)), cv2.IMREAD_UNCHANGED)
             if picture is not None and picture.ndim == 3 and picture.shape[2] >= channels:
-                return picture[..., :channels]
-        raise SystemExit(f"{path.parent}: hardly a picture has {channels} channels")
+                if (used := usable(picture[..., :channels])) is not None:
+                    return used
+        raise SystemExit(f"{files[0].parent}: none of 1000 pictures can be used ({channels} channels, size, detail)")
+
+    def choose(self, values):
+        return values[self.random.randint(len(values))]
 
     def photograph(self):
-        picture = self.read(self.photographs, 3)
+        picture = self.read(self.photographs, 3, photograph_of)
         gamma, gain = np.exp(self.random.uniform(-0.4, 0.4)), self.random.uniform(0.6, 1.1)
         table = np.clip(255 * gain * (np.arange(256) / 255) ** gamma, 0, 255).astype(np.uint8)
         return self.faded(cv2.LUT(picture, table).astype(np.float32), 0.7)
@@ -77,7 +108,7 @@ class Stills:
     def shape(self):
         """A picture with 4 channels: an object, or a piece of a photograph."""
         if self.random.rand() < 0.65:
-            shape = self.read(self.objects, 4).astype(np.float32)
+            shape = self.read(self.objects, 4, object_of).astype(np.float32)
             return np.dstack([self.faded(shape[..., :3], 0.7), shape[..., 3] / 255])
         picture = self.photograph()
         factor = max(OBJECT / min(picture.shape[:2]), self.random.uniform(0.2, 1.0))
@@ -148,7 +179,7 @@ class Stills:
 
     def background(self, width, frames):
         """A clip with the pictures of a virtual camera that moves over a photograph."""
-        photograph, height = self.photograph(), HEIGHTS[self.random.randint(len(HEIGHTS))]
+        photograph, height = self.photograph(), self.choose(HEIGHTS)
         for _ in range(self.random.choice([0, 0, 2, 5, 10])):
             self.lay(photograph, self.shape())
         scale = np.exp(self.random.uniform(*np.log(SCALES)))

@@ -39,6 +39,7 @@ impl ComponentFinder {
         self.visited.resize(width * height, false);
         self.pending.reserve(width * height);
         self.found.clear();
+        self.found.reserve(MAX_COMPONENTS);
         for first in 0..width * height {
             if self.visited[first] || map.values[first] < MIN_PROBABILITY {
                 continue;

@@ -56,6 +56,7 @@ impl Redetector {
         // two pixels.
         let step = ((size / 20.0) as usize).clamp(1, 16);
         self.candidates.clear();
+        self.candidates.reserve(MAX_CANDIDATES);
         self.build_integral_image(picture, model, step);
         let unit = 2.0 * step as f32;
         self.collect(size, unit);

@@ -13,17 +13,24 @@ pub(crate) struct SampleMap {
 }
 
 impl SampleMap {
-    /// Becomes a copy of another map, in the buffers that are there.
+    /// Becomes a copy of another map, in the buffers that are there. They get the other map's capacity, so that a copy of
+    /// the largest map that it held so far allocates nothing.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         (self.width, self.height) = (other.width, other.height);
-        self.values.clone_from(&other.values);
-        self.quads.clone_from(&other.quads);
+        copy_with_capacity(&mut self.values, &other.values);
+        copy_with_capacity(&mut self.quads, &other.quads);
     }
 
     /// Prepares the map for [`sample_bilinear`]; to be called after `values` changed. The map must not be empty.
     pub(crate) fn pack(&mut self) {
         pack_quads(self);
     }
+}
+
+fn copy_with_capacity<T: Copy>(to: &mut Vec<T>, from: &Vec<T>) {
+    to.clear();
+    to.reserve_exact(from.capacity());
+    to.extend_from_slice(from);
 }
 
 simd_kernel! {
