@@ -51,7 +51,7 @@ const MIDDLE: core::ops::Range<usize> = 5..11;
 const SHIFT_SCALE: f32 = 0.4;
 /// Minimum side of a refined box, pixels.
 const MIN_SIDE_PX: f32 = 1.0;
-/// Log-odds of the box below which the window is looked at a second time: a probability of 0.9.
+/// Log-odds of the box below which the turned window is evaluated, too: a probability of 0.9.
 const SURE_LOG_ODDS: f32 = 2.197_224_6;
 /// Offset and range of the logarithms of the errors.
 const ERROR_OFFSET: f32 = -1.5;
