@@ -9,6 +9,8 @@ use barrelman_vocab::PixelBox;
 
 use crate::components::{Component, MAX_COMPONENTS};
 
+/// Distance, in sizes of the target, from which on a thing does not touch the target.
+pub(super) const CLEAR_SIZES: f32 = 1.6;
 /// Number of things that are followed.
 const MAX_THINGS: usize = 6;
 /// Gains of place and velocity of a thing that is measured.
@@ -24,7 +26,7 @@ const MAX_HIDDEN_S: f32 = 6.0;
 /// The other side is judged by a thing that was measured for so long before, and not for at least so long since, seconds, ...
 const MIN_SEEN_S: f32 = 0.7;
 const MIN_HIDDEN_S: f32 = 0.2;
-/// ... that passed at this speed at least, sizes a second, and is expected at this distance at least, sizes.
+/// ... that touched the target then, that passed at this speed at least, sizes a second, and is expected at this distance at least, sizes.
 const MIN_SPEED: f32 = 0.4;
 const MIN_DISTANCE: f32 = 0.8;
 /// A component is on the other side if the cosine of the angle to the opposite of the expected place is at least this, and its
@@ -43,8 +45,9 @@ pub(super) struct Companions {
 /// Something of the target's colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Companion {
-    /// From the target, pixels.
+    /// From the target, pixels; and where it was measured last.
     place: (f32, f32),
+    seen_at: (f32, f32),
     /// Pixels a second.
     velocity: (f32, f32),
     /// Time since it was first measured, seconds.
@@ -129,8 +132,10 @@ impl Companions {
             let Some(thing) = slot else { continue };
             if is_judge {
                 (thing.place, thing.hidden_s) = (scaled(place, -1.0), 0.0);
+                thing.seen_at = thing.place;
             } else if thing.is_known() && thing.frames < FRAMES {
                 thing.place = sum(thing.place, scaled(place, -1.0));
+                thing.seen_at = sum(thing.seen_at, scaled(place, -1.0));
             } else {
                 *slot = None;
             }
@@ -149,7 +154,15 @@ impl Companions {
 
 impl Companion {
     const fn new(place: (f32, f32)) -> Self {
-        Self { place, velocity: (0.0, 0.0), age_s: 0.0, seen_s: 0.0, hidden_s: 0.0, frames: 0 }
+        Self {
+            place,
+            seen_at: place,
+            velocity: (0.0, 0.0),
+            age_s: 0.0,
+            seen_s: 0.0,
+            hidden_s: 0.0,
+            frames: 0,
+        }
     }
 
     fn gate(&self, size: f32) -> f32 {
@@ -162,6 +175,7 @@ impl Companion {
         if seconds > 0.0 {
             self.velocity = sum(self.velocity, scaled(error, VELOCITY_GAIN / seconds));
         }
+        self.seen_at = self.place;
         self.seen_s += seconds;
         self.hidden_s = 0.0;
     }
@@ -190,8 +204,10 @@ impl Companion {
         self.seen_s >= MIN_SEEN_S
     }
 
+    /// Whether it touched the target when it went out of view, and moves so that it can be told where it is now.
     fn can_judge(&self, size: f32) -> bool {
         self.is_known()
+            && length(self.seen_at) <= CLEAR_SIZES * size
             && self.hidden_s >= MIN_HIDDEN_S
             && length(self.velocity) >= MIN_SPEED * size
             && length(self.place) >= MIN_DISTANCE * size
@@ -240,12 +256,17 @@ mod tests {
     /// What is found when a thing, at first 20 px to the right of the target, comes nearer with 10 px a second, is not visible
     /// within 9 px, and from then on is seen where `shown` puts it.
     fn after_passing(shown: impl Fn(f32) -> f32) -> Option<(f32, f32)> {
+        after_passing_at(1.0, |(right, down)| (shown(right), down))
+    }
+
+    /// The same with a thing that passes so many pixels below.
+    fn after_passing_at(down: f32, shown: impl Fn((f32, f32)) -> (f32, f32)) -> Option<(f32, f32)> {
         let mut companions = Companions::default();
         for frame in 0_u8..150 {
             let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
             companions.predict(FRAME_S);
             let is_before = right > 0.0;
-            let place = (if is_before { right } else { shown(right) }, 1.0);
+            let place = if is_before { (right, down) } else { shown((right, down)) };
             let others = [place];
             let visible = if right.abs() > 9.0 { &others[..] } else { &[] };
             if let Some(index) = companions.measure(visible, SIZE, FRAME_S, |_| true) {
@@ -260,6 +281,13 @@ mod tests {
         assert_eq!(after_passing(|right| right), None, "it is where it is expected");
         let (right, _) = after_passing(|right| -right).expect("what is followed is the thing");
         assert!((9.0..13.0).contains(&right), "{right}");
+    }
+
+    #[test]
+    fn a_thing_that_went_out_of_view_at_a_distance_tells_nothing() {
+        let opposite = |(right, down): (f32, f32)| (-right, -down);
+        assert!(after_passing_at(5.0, opposite).is_some());
+        assert_eq!(after_passing_at(18.0, opposite), None);
     }
 
     #[test]

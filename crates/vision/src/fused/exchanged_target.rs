@@ -2,7 +2,7 @@
 
 use barrelman_vocab::{Picture, PixelBox};
 
-use super::companions::own_component;
+use super::companions::{CLEAR_SIZES, own_component};
 use super::config::FusedConfig;
 use super::shape_following::rate_in;
 use super::target::Target;
@@ -20,8 +20,6 @@ const OWN_BOX: f32 = 1.15;
 /// Area of a thing that is compared with the target, as a share of the target's usual area.
 const MIN_AREA: f32 = 0.3;
 const MAX_AREA: f32 = 4.0;
-/// Distance, in sizes of the target, from which on a thing does not touch the target.
-const CLEAR_SIZES: f32 = 1.6;
 /// Shortest time between two corrections, seconds.
 const MIN_INTERVAL_S: f32 = 1.5;
 
