@@ -24,7 +24,7 @@ MIN_OBJECT, MIN_SOLID, MAX_ASPECT = 30, 0.25, 6
 
 
 class StillClip:
-    """A clip as compose_clips.py takes it: pictures of 1 photograph, or cuts of 1 target."""
+    """A clip as compose_clips.py takes it: pictures of a photograph, or cuts of a target."""
 
     def __init__(self, pictures=(), cuts=()):
         self.pictures, self.cuts = list(pictures), list(cuts)
@@ -43,6 +43,20 @@ def walk(random, count, speed):
     """A smooth random walk from 0."""
     steps = smooth_steps(random, count, speed)
     return np.cumsum(steps) - steps[0]
+
+
+def scaled(picture, factor):
+    how = cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR
+    return cv2.resize(picture, None, fx=factor, fy=factor, interpolation=how)
+
+
+def cosine_and_sine(angle, factor=1.0):
+    """Both times a factor, as the maps of `cv2.remap` take them."""
+    return np.float32(factor * np.cos(angle)), np.float32(factor * np.sin(angle))
+
+
+def rotation(angle):
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def smooth_noise(random, cells, side):
@@ -112,7 +126,7 @@ class Stills:
             return np.dstack([self.faded(shape[..., :3], 0.7), shape[..., 3] / 255])
         picture = self.photograph()
         factor = max(OBJECT / min(picture.shape[:2]), self.random.uniform(0.2, 1.0))
-        picture = cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR)
+        picture = scaled(picture, factor)
         y, x = [self.random.randint(side - OBJECT + 1) for side in picture.shape[:2]]
         angles = np.linspace(0, 2 * np.pi, 90, endpoint=False)
         radius = np.ones_like(angles)
@@ -129,7 +143,7 @@ class Stills:
         """A clip with the cuts of a target; `around` is the mean colour of the pictures that it will move through."""
         shape = self.shape()
         factor = OBJECT / max(shape.shape[:2])
-        shape = cv2.resize(shape, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR)
+        shape = scaled(shape, factor)
         colours, shares = shape[..., :3], np.clip(shape[..., 3:], 0, 1)
         if self.random.rand() < 0.5:
             colours = colours + self.random.uniform(0, 0.7) * (around - colours)
@@ -146,14 +160,12 @@ class Stills:
         place = np.mgrid[:CANVAS, :CANVAS].astype(np.float32)
         cuts = []
         for index in range(CUTS):
-            def rotation(angle):
-                return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
             linear = rotation(turns[index]) @ rotation(tilt) @ np.diag(np.minimum(axes[:, index], 1.3)) @ rotation(-tilt)
             middle = np.array(shape.shape[1::-1]) / 2
             affine = np.column_stack([linear, CANVAS / 2 - linear @ middle])
             drawn = cv2.warpAffine(shape, affine, (CANVAS, CANVAS), flags=cv2.INTER_LINEAR)
             if bend:
-                cos, sin = np.float32(np.cos(phases[index])), np.float32(np.sin(phases[index]))
+                cos, sin = cosine_and_sine(phases[index])
                 drawn = cv2.remap(drawn, place[1] + cos * fields[0] + sin * fields[1],
                                   place[0] + cos * fields[2] + sin * fields[3], cv2.INTER_LINEAR)
             cut = self.cut(drawn, lights[index])
@@ -196,11 +208,11 @@ class Stills:
         place = np.mgrid[:height, :width].astype(np.float32)
         pictures = []
         for index in range(frames):
-            cos, sin = np.float32(np.cos(turns[index]) * zooms[index]), np.float32(np.sin(turns[index]) * zooms[index])
+            cos, sin = cosine_and_sine(turns[index], zooms[index])
             middle = (np.array([x[index], y[index]]) + self.random.randn(2) * shake * scale).astype(np.float32)
             across, down = place[1] - np.float32(width / 2), place[0] - np.float32(height / 2)
             if ripple:
-                c, s = np.float32(np.cos(phases[index])), np.float32(np.sin(phases[index]))
+                c, s = cosine_and_sine(phases[index])
                 across, down = across + c * fields[0] + s * fields[1], down + c * fields[2] + s * fields[3]
             picture = cv2.remap(photograph, cos * across - sin * down + middle[0],
                                 sin * across + cos * down + middle[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
@@ -210,7 +222,7 @@ class Stills:
     def lay(self, photograph, shape):
         """Draws a shape somewhere into a photograph."""
         factor = self.random.uniform(0.03, 0.15) * min(photograph.shape[:2]) / max(shape.shape[:2])
-        shape = cv2.resize(shape, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR)
+        shape = scaled(shape, factor)
         height, width = shape.shape[:2]
         y, x = [self.random.randint(max(1, side - own)) for side, own in zip(photograph.shape[:2], (height, width))]
         under, share = photograph[y:y + height, x:x + width], shape[..., 3:]

@@ -45,8 +45,9 @@ pub(super) struct Companions {
 /// Something of the target's colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Companion {
-    /// From the target, pixels; and where it was measured last.
+    /// From the target, pixels.
     place: (f32, f32),
+    /// The place when it was measured last.
     seen_at: (f32, f32),
     /// Pixels a second.
     velocity: (f32, f32),
@@ -259,7 +260,7 @@ mod tests {
         after_passing_at(1.0, |(right, down)| (shown(right), down))
     }
 
-    /// The same with a thing that passes so many pixels below.
+    /// The same with a thing that passes `down` pixels below the target.
     fn after_passing_at(down: f32, shown: impl Fn((f32, f32)) -> (f32, f32)) -> Option<(f32, f32)> {
         let mut companions = Companions::default();
         for frame in 0_u8..150 {

@@ -239,9 +239,7 @@ impl RefinementNetwork {
             let (middle, side) = if axis == 0 { (u, window.sides.0) } else { (v, window.sides.1) };
             middle + from_centre + SHIFT_SCALE * side * answer.axes[axis][k]
         };
-        let error = |axis: usize, k: usize| {
-            libm::expf(answer.axes[axis][k].clamp(ERROR_RANGE.0, ERROR_RANGE.1) + ERROR_OFFSET)
-        };
+        let error = |axis: usize, k: usize| libm::expf(answer.axes[axis][k] + ERROR_OFFSET);
         let (left, right) = apart(edge(-0.5 * width, 0, 0), edge(0.5 * width, 0, 1));
         let (top, bottom) = apart(edge(-0.5 * height, 1, 0), edge(0.5 * height, 1, 1));
         RefinedBox {
@@ -251,10 +249,14 @@ impl RefinementNetwork {
         }
     }
 
+    /// What the layers answer, with the logarithms of the errors in their range.
     fn answer(&mut self, window: &RefinementWindow, orientation: Orientation) -> Answer {
         let mut answer = Answer::default();
         split_phases(self, window, orientation);
         evaluate_layers(self, &window.measurements, &mut answer);
+        for logarithm in answer.axes.iter_mut().flat_map(|axis| &mut axis[2..]) {
+            *logarithm = logarithm.clamp(ERROR_RANGE.0, ERROR_RANGE.1);
+        }
         answer
     }
 }
@@ -283,14 +285,11 @@ impl Answer {
                 [begin, end, begin_error, end_error],
                 [other_end, other_begin, other_end_error, other_begin_error],
             ) = (self.axes[axis], turned.axes[axis]);
-            let error = |a: f32, b: f32| {
-                0.5 * (a.clamp(ERROR_RANGE.0, ERROR_RANGE.1) + b.clamp(ERROR_RANGE.0, ERROR_RANGE.1))
-            };
             [
                 0.5 * (begin - other_begin),
                 0.5 * (end - other_end),
-                error(begin_error, other_begin_error),
-                error(end_error, other_end_error),
+                0.5 * (begin_error + other_begin_error),
+                0.5 * (end_error + other_end_error),
             ]
         });
         Self { axes, log_odds: 0.5 * (self.log_odds + turned.log_odds) }
@@ -308,20 +307,12 @@ enum Orientation {
 /// Splits the input into phases, so that the first convolution reads neighbouring cells. A window with a stride of 2 and
 /// a border of 1 reads the odd columns before a cell, the even ones at the cell, and the odd ones after the cell.
 fn split_phases(network: &mut RefinementNetwork, window: &RefinementWindow, orientation: Orientation) {
-    let mut line = [0.0_f32; WINDOW_SIDE_CELLS];
-    for channel in 0..WINDOW_CHANNELS {
-        for row in 0..WINDOW_SIDE_CELLS {
-            let from = match orientation {
-                Orientation::Upright => row,
-                Orientation::Turned => WINDOW_SIDE_CELLS - 1 - row,
-            };
-            line.copy_from_slice(
-                &window.cells[(channel * WINDOW_SIDE_CELLS + from) * WINDOW_SIDE_CELLS..]
-                    [..WINDOW_SIDE_CELLS],
-            );
-            if orientation == Orientation::Turned {
-                line.reverse();
-            }
+    let channels = window.cells.as_chunks::<{ WINDOW_SIDE_CELLS * WINDOW_SIDE_CELLS }>().0;
+    for (channel, &(mut cells)) in channels.iter().enumerate() {
+        if orientation == Orientation::Turned {
+            cells.reverse();
+        }
+        for (row, line) in cells.as_chunks::<WINDOW_SIDE_CELLS>().0.iter().enumerate() {
             let (vertical, at) = if row % 2 == 1 { (0, row.div_ceil(2)) } else { (1, row / 2) };
             let odd = (channel * 4 + vertical * 2) * PHASE + at * (SIDE + 1);
             let even = odd + PHASE;
