@@ -145,8 +145,11 @@ impl PixelBox {
     }
 }
 
+/// Left, top, width and height for people, to the tenth of a pixel.
 impl fmt::Display for PixelBox {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{},{},{},{}", self.u, self.v, self.w, self.h)
+        // The sum turns a negative zero into a zero.
+        let [u, v, w, h] = [self.u, self.v, self.w, self.h].map(|value| (value * 10.0).round() / 10.0 + 0.0);
+        write!(f, "{u},{v},{w},{h}")
     }
 }

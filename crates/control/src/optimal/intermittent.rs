@@ -10,7 +10,7 @@
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
 use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
 
-use super::circumstances::{Circumstances, UsualRate, usual_rate};
+use super::circumstances::{Circumstances, UsualMotion, additional_delay_s, additional_lag_s, usual_motion};
 use super::intermittent_tuning::IntermittentTuning;
 use super::mean_bearing::{ExpectedReturn, MeanBearing, mean_bearing};
 use super::movement::Ramps;
@@ -37,7 +37,7 @@ pub struct IntermittentLaw {
     ramps: [Ramps; 2],
     bearings: BearingFilter,
     mean_bearing: MeanBearing,
-    usual_rate: UsualRate,
+    usual_motion: UsualMotion,
     start_look_ahead: Propagation,
     stop_look_ahead: Propagation,
     command_in_force: CameraCommand,
@@ -56,17 +56,17 @@ impl IntermittentLaw {
         let limits = [pan, tilt].map(AngularRate::radians_per_second);
         let axes = [&profile.camera.pan, &profile.camera.tilt];
         let min_rates = axes.map(|axis| axis.min_rate.radians_per_second());
-        let responses_s = (tuning.start_response_s, tuning.stop_response_s);
+        let lags_s = axes.map(|axis| axis.lag.as_secs_f64());
+        let slower_s = lags_s[0].max(lags_s[1]);
+        let responses_s = (tuning.start_response_share * slower_s, tuning.stop_response_share * slower_s);
         let look_ahead = |duration_s| Propagation::new(duration_s, &tuning.noise);
         Self {
             limits: [0, 1].map(|axis| limits[axis].min(tuning.max_rate.max(min_rates[axis]))),
             min_rates,
-            ramps: [0, 1].map(|i| {
-                Ramps::new(axes[i].lag.as_secs_f64(), tuning.cruise_rate.base, responses_s, min_rates[i])
-            }),
+            ramps: [0, 1].map(|i| Ramps::new(lags_s[i], tuning.cruise_rate.base, responses_s, min_rates[i])),
             bearings: BearingFilter::new(tuning.noise),
             mean_bearing: mean_bearing(tuning.memory_s),
-            usual_rate: usual_rate(),
+            usual_motion: usual_motion(),
             start_look_ahead: look_ahead(tuning.start_look_ahead_s),
             stop_look_ahead: look_ahead(tuning.stop_look_ahead_s),
             tuning,
@@ -82,7 +82,7 @@ impl IntermittentLaw {
     pub fn reset_target(&mut self) {
         self.bearings.reset_target();
         self.mean_bearing = mean_bearing(self.tuning.memory_s);
-        self.usual_rate = usual_rate();
+        self.usual_motion = usual_motion();
     }
 
     /// Notes that `command` is in force from `now` on.
@@ -136,11 +136,14 @@ impl IntermittentLaw {
         resting: &PredictedView,
         now: Timestamp,
     ) -> Circumstances {
-        let [usual_rate] = self.usual_rate.observe([prediction.bearing.angular_speed()], now);
+        let observed = [prediction.bearing.angular_speed(), prediction.until_effect.duration_s];
+        let [usual_rate, delay_s] = self.usual_motion.observe(observed, now);
         Circumstances {
             sway: prediction.in_semi_axes(self.bearings.sway_std_dev()),
             steepness: prediction.turning_effort(resting) - 1.0,
             usual_rate,
+            delay_s: additional_delay_s(delay_s),
+            lag_s: additional_lag_s(prediction.camera),
         }
     }
 

@@ -30,10 +30,11 @@ pub struct IntermittentTuning {
     pub join_share: f64,
     /// An axis that moves ends its part of the movement below this share of the faster axis' rate.
     pub leave_share: f64,
-    /// Response time to which an axis with a shorter lag is slowed by ramps when it starts, seconds.
-    pub start_response_s: f64,
+    /// Response time to which an axis with a shorter lag is slowed by ramps when it starts, as a share of the slower axis'
+    /// lag.
+    pub start_response_share: f64,
     /// The same when it stops, seconds.
-    pub stop_response_s: f64,
+    pub stop_response_share: f64,
     /// Correction ellipse: a movement is corrected when it would not bring the target into it within the horizon.
     pub correction: f64,
     /// Shortest rest between two movements, seconds.
@@ -49,19 +50,40 @@ pub struct IntermittentTuning {
 impl IntermittentTuning {
     /// The tuning of [`OptimalMode::Intermittent`](super::OptimalMode::Intermittent).
     pub const DEFAULT: Self = Self {
-        start: Adapted { base: 0.99, sway: -0.18, steepness: 0.033, usual_rate: 0.092 },
+        start: Adapted {
+            base: 0.99,
+            sway: -0.18,
+            steepness: 0.033,
+            usual_rate: 0.092,
+            delay: 0.32,
+            lag: -0.37,
+        },
         start_look_ahead_s: 0.181,
-        stop: Adapted { base: 0.71, sway: 0.0, steepness: 0.036, usual_rate: -0.67 },
+        stop: Adapted {
+            base: 0.71,
+            sway: 0.0,
+            steepness: 0.036,
+            usual_rate: -0.67,
+            delay: -0.57,
+            lag: -0.84,
+        },
         stop_look_ahead_s: 1.71,
         aim: 0.494,
         aim_look_ahead_s: 1.04,
         horizon_s: 1.73,
-        cruise_rate: Adapted { base: 0.283, sway: 0.3, steepness: -0.029, usual_rate: -0.4 },
+        cruise_rate: Adapted {
+            base: 0.283,
+            sway: 0.3,
+            steepness: -0.029,
+            usual_rate: -0.4,
+            delay: -0.023,
+            lag: -0.179,
+        },
         max_rate: 0.325,
         join_share: 0.833,
         leave_share: 0.531,
-        start_response_s: 0.342,
-        stop_response_s: 0.0,
+        start_response_share: 0.814,
+        stop_response_share: 0.0,
         correction: 0.589,
         min_rest_s: 0.284,
         return_time_s: 2.76,

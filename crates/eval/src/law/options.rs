@@ -51,9 +51,13 @@ pub(crate) struct TuneOptions {
     /// Seed of the search.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) search: u64,
-    /// Only conditions whose name begins so (repeatable): how far one condition could go by itself.
+    /// Only conditions whose name begins so, or variants: `vehicles`, `robustness`, or a row's name (repeatable). Without it
+    /// all conditions and no variants.
     #[arg(long, value_name = "NAME")]
     pub(crate) only: Vec<String>,
+    /// Vary only this value (repeatable).
+    #[arg(long, value_name = "NAME")]
+    pub(crate) vary: Vec<String>,
     /// Change a value that the search begins with (repeatable); the names are those that it prints.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,

@@ -65,7 +65,7 @@ const KITE_ON_WATER: Vehicle = Vehicle {
 const ZOOM: Zoom = Zoom { ratio: 2.0, period_s: 20.0 };
 
 /// The first vehicle is that of all other tables.
-const VARIANTS: [Variant; 5] = [
+pub(super) const VARIANTS: [Variant; 5] = [
     Variant::new("Fotokite Pro", |_| {}, |_| {}),
     Variant::new("Fotokite Sigma, assumed times", |w| SIGMA.apply_to_world(w), |p| SIGMA.apply_to_profile(p)),
     Variant::new(

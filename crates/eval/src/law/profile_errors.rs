@@ -11,7 +11,7 @@ use barrelman_vocab::{Angle, VehicleProfile};
 
 use super::variants::{self, Variant};
 
-const VARIANTS: [Variant; 25] = [
+pub(super) const VARIANTS: [Variant; 25] = [
     Variant::new("as the profile says", |_| {}, |_| {}),
     Variant::new("focal length believed 30 % short", |_| {}, |p| scale_focal_length(p, 0.7)),
     Variant::new("focal length believed 30 % long", |_| {}, |p| scale_focal_length(p, 1.3)),

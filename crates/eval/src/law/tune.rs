@@ -18,6 +18,8 @@ use super::law_under_test::LawUnderTest;
 use super::options::TuneOptions;
 use super::requirements::{max_achieved_ratio, max_ratio};
 use super::tuning_parameters::{mutated, of_mode, to_options, with_changes};
+use super::variants::{self, CONDITIONS_OF_VARIANTS, MAX_RATIO, Variant};
+use super::{other_vehicles, profile_errors};
 use crate::output::print_line;
 
 /// A ratio is to be at most this share of its limit.
@@ -30,6 +32,9 @@ const RATIO_FLOOR: f64 = 0.02;
 const RARE_FLOOR: f64 = 0.5;
 /// A candidate is given up when its cost exceeds the best by this: the terms still to come may be negative.
 const INCOMPLETE_MARGIN: f64 = 0.1;
+/// The time outside of variants is to be at most this share of the schema's, so that the search does not give up the boat
+/// for what is saved of the movements.
+const MAX_TIME_OUTSIDE_OF_VARIANTS: f64 = 0.7;
 /// Widths of the random steps as shares of the ranges; mostly short ones, to escape a local minimum a long one.
 const SHORT_STEP: f64 = 0.08;
 const LONG_STEP: f64 = 0.3;
@@ -40,9 +45,18 @@ const MEAN_CHANGES: f64 = 2.5;
 /// Means in the order of [`METRICS`].
 type Means = Vec<Option<f64>>;
 
-/// A condition with the motor schema's means.
+/// What the ratios to a baseline are to keep.
+#[derive(Debug, Clone, Copy)]
+enum Limits {
+    /// The requirements in a condition.
+    Condition(&'static Condition),
+    /// Those of a variant: [`MAX_RATIO`], and less for the time outside.
+    Variant,
+}
+
+/// Trials with the motor schema's means.
 struct Baseline {
-    condition: &'static Condition,
+    limits: Limits,
     plan: CampaignPlan,
     /// Of the commands, and of the achieved motion.
     means: [Means; 2],
@@ -67,7 +81,7 @@ pub(super) fn run(options: &TuneOptions) -> Result<()> {
     for round in 0..options.rounds {
         let random = |index| noise::unit(options.search, round, index);
         let step = if random(0) < LONG_STEP_PROBABILITY { LONG_STEP } else { SHORT_STEP };
-        let candidate = mutated(best, step, MEAN_CHANGES, random);
+        let candidate = mutated(best, &options.vary, step, MEAN_CHANGES, random);
         let cost = objective.cost(candidate, min_cost)?;
         if cost < min_cost {
             (best, min_cost) = (candidate, cost);
@@ -80,20 +94,22 @@ pub(super) fn run(options: &TuneOptions) -> Result<()> {
 impl Objective {
     fn new(mode: &'static str, options: &TuneOptions) -> Result<Self> {
         let seeds = options.first_seed..options.first_seed + options.seeds;
-        let baselines = CONDITIONS
-            .iter()
-            // A platform that stands still is nearly like one indoors; conditions without requirements only cost time.
-            .filter(|condition| {
-                let is_judged = |(metric, _, _): &Metric| max_ratio(condition, mode, metric).is_some();
-                let is_still_laboratory = condition.setting == "still" && condition.is_laboratory();
-                let is_chosen = options.only.is_empty()
-                    || options.only.iter().any(|prefix| condition.name().starts_with(prefix.as_str()));
-                is_chosen && !is_still_laboratory && METRICS.iter().any(is_judged)
-            })
-            .map(|condition| {
-                let plan = condition.plan()?.with_recorded_motion(seeds.clone())?;
+        let mut plans = Vec::new();
+        for condition in CONDITIONS.iter().filter(|condition| is_chosen(condition, mode, &options.only)) {
+            let plan = condition.plan()?.with_recorded_motion(seeds.clone())?;
+            plans.push((Limits::Condition(condition), plan));
+        }
+        for condition in CONDITIONS_OF_VARIANTS {
+            for variant in chosen_variants(&options.only) {
+                let plan = variant.changed(&condition.nominal_plan()?).with_recorded_motion(seeds.clone())?;
+                plans.push((Limits::Variant, plan));
+            }
+        }
+        let baselines = plans
+            .into_iter()
+            .map(|(limits, plan)| {
                 let means = means(&plan, &LawUnderTest::MotorSchema, &seeds)?;
-                Ok(Baseline { condition, plan, means })
+                Ok(Baseline { limits, plan, means })
             })
             .collect::<Result<_>>()?;
         Ok(Self { mode, baselines, seeds })
@@ -105,7 +121,7 @@ impl Objective {
         for baseline in &self.baselines {
             let means = means(&baseline.plan, &LawUnderTest::Optimal(tuning), &self.seeds)?;
             for (achieved, (base, mean)) in [false, true].into_iter().zip(baseline.means.iter().zip(means)) {
-                cost += self.cost_of(baseline.condition, achieved, base, &mean);
+                cost += self.cost_of(baseline.limits, achieved, base, &mean);
             }
             if cost > max_cost + INCOMPLETE_MARGIN {
                 break;
@@ -114,17 +130,11 @@ impl Objective {
         Ok(cost)
     }
 
-    fn cost_of(&self, condition: &Condition, achieved: bool, base: &Means, means: &Means) -> f64 {
+    fn cost_of(&self, limits: Limits, achieved: bool, base: &Means, means: &Means) -> f64 {
         let mut cost = 0.0;
         for (((metric, _, _), base), mean) in METRICS.iter().zip(base).zip(means) {
             let (Some(base), Some(mean)) = (base, mean) else { continue };
-            let limit = if achieved {
-                max_achieved_ratio(self.mode, metric)
-            } else {
-                max_ratio(condition, self.mode, metric)
-                    .or_else(|| desired_ratio(condition, self.mode, metric))
-            };
-            let Some(limit) = limit else { continue };
+            let Some(limit) = limits.max_ratio(self.mode, metric, achieved) else { continue };
             let floor =
                 if matches!(*metric, "lost" | "time out of the picture") { RARE_FLOOR } else { RATIO_FLOOR };
             let ratio = (mean + floor) / (base + floor);
@@ -136,6 +146,43 @@ impl Objective {
         }
         cost
     }
+}
+
+impl Limits {
+    /// The largest ratio of a metric of the commands, or of the achieved motion.
+    fn max_ratio(self, mode: &str, metric: &str, achieved: bool) -> Option<f64> {
+        match self {
+            Self::Condition(_) if achieved => max_achieved_ratio(mode, metric),
+            Self::Condition(condition) => {
+                max_ratio(condition, mode, metric).or_else(|| desired_ratio(condition, mode, metric))
+            }
+            Self::Variant if achieved || !variants::is_judged(metric) => None,
+            Self::Variant if metric == "time outside" => Some(MAX_TIME_OUTSIDE_OF_VARIANTS),
+            Self::Variant => Some(MAX_RATIO),
+        }
+    }
+}
+
+/// Whether the search covers a condition.
+fn is_chosen(condition: &Condition, mode: &str, only: &[String]) -> bool {
+    // A platform that stands still is nearly like one indoors; conditions without requirements only cost time.
+    let is_judged = |(metric, _, _): &Metric| max_ratio(condition, mode, metric).is_some();
+    let is_still_laboratory = condition.setting == "still" && condition.is_laboratory();
+    let is_named = only.is_empty() || only.iter().any(|prefix| condition.name().starts_with(prefix.as_str()));
+    is_named && !is_still_laboratory && METRICS.iter().any(is_judged)
+}
+
+/// The variants that the search covers: those of a table that is named, and those whose name is given.
+fn chosen_variants(only: &[String]) -> impl Iterator<Item = &'static Variant> {
+    let is_named = move |name: &str| only.iter().any(|chosen| chosen == name);
+    let tables = [
+        ("vehicles", other_vehicles::VARIANTS.as_slice()),
+        ("robustness", profile_errors::VARIANTS.as_slice()),
+    ];
+    tables.into_iter().flat_map(move |(table, variants)| {
+        let all = is_named(table);
+        variants.iter().filter(move |variant| all || is_named(variant.name))
+    })
 }
 
 /// A limit that is not required but desired: in the laboratory the minimum-energy mode is to rest the camera, too.

@@ -34,16 +34,20 @@ const RECEDING_HORIZON: [Parameter<Tuning>; 22] = [
 ];
 
 /// The parameters of the intermittent mode.
-const INTERMITTENT: [Parameter<IntermittentTuning>; 31] = [
+const INTERMITTENT: [Parameter<IntermittentTuning>; 37] = [
     ("start", (0.8, 1.5), |t| &mut t.start.base),
     ("start.sway", (-3.0, 1.0), |t| &mut t.start.sway),
     ("start.steepness", (-0.2, 0.2), |t| &mut t.start.steepness),
     ("start.usual_rate", (-1.0, 1.0), |t| &mut t.start.usual_rate),
+    ("start.delay", (-1.0, 1.0), |t| &mut t.start.delay),
+    ("start.lag", (-2.0, 2.0), |t| &mut t.start.lag),
     ("start_look_ahead_s", (-0.2, 1.4), |t| &mut t.start_look_ahead_s),
     ("stop", (0.3, 1.0), |t| &mut t.stop.base),
     ("stop.sway", (-3.0, 3.0), |t| &mut t.stop.sway),
     ("stop.steepness", (-0.3, 0.3), |t| &mut t.stop.steepness),
     ("stop.usual_rate", (-2.0, 2.0), |t| &mut t.stop.usual_rate),
+    ("stop.delay", (-1.0, 1.0), |t| &mut t.stop.delay),
+    ("stop.lag", (-2.0, 2.0), |t| &mut t.stop.lag),
     ("stop_look_ahead_s", (0.0, 3.0), |t| &mut t.stop_look_ahead_s),
     ("aim", (0.1, 0.9), |t| &mut t.aim),
     ("aim_look_ahead_s", (0.0, 4.0), |t| &mut t.aim_look_ahead_s),
@@ -52,11 +56,13 @@ const INTERMITTENT: [Parameter<IntermittentTuning>; 31] = [
     ("cruise_rate.sway", (-1.0, 1.0), |t| &mut t.cruise_rate.sway),
     ("cruise_rate.steepness", (-0.1, 0.1), |t| &mut t.cruise_rate.steepness),
     ("cruise_rate.usual_rate", (-0.5, 0.5), |t| &mut t.cruise_rate.usual_rate),
+    ("cruise_rate.delay", (-0.5, 0.5), |t| &mut t.cruise_rate.delay),
+    ("cruise_rate.lag", (-1.0, 1.0), |t| &mut t.cruise_rate.lag),
     ("max_rate", (0.25, 0.4), |t| &mut t.max_rate),
     ("join_share", (0.2, 1.01), |t| &mut t.join_share),
     ("leave_share", (0.0, 0.8), |t| &mut t.leave_share),
-    ("start_response_s", (0.0, 0.6), |t| &mut t.start_response_s),
-    ("stop_response_s", (0.0, 0.6), |t| &mut t.stop_response_s),
+    ("start_response_share", (0.0, 1.4), |t| &mut t.start_response_share),
+    ("stop_response_share", (0.0, 1.4), |t| &mut t.stop_response_share),
     ("correction", (0.3, 1.3), |t| &mut t.correction),
     ("min_rest_s", (0.0, 0.8), |t| &mut t.min_rest_s),
     ("return_time_s", (1.5, 20.0), |t| &mut t.return_time_s),
@@ -101,20 +107,21 @@ fn changed<T>(mut tuning: T, parameters: &[Parameter<T>], changes: &[String]) ->
     Ok(tuning)
 }
 
-/// A tuning with a few values changed at random, by at most `step` of their ranges: `mean_changes` values on average.
-/// `random` gives uniform deviates in [0, 1) by their index.
+/// A tuning with a few values changed at random, by at most `step` of their ranges: `mean_changes` values on average, of
+/// those in `vary` if any are given. `random` gives uniform deviates in [0, 1) by their index.
 pub(super) fn mutated(
     tuning: ModeTuning,
+    vary: &[String],
     step: f64,
     mean_changes: f64,
     random: impl Fn(u64) -> f64,
 ) -> ModeTuning {
     match tuning {
         ModeTuning::RecedingHorizon(tuning) => {
-            mutated_parameters(tuning, &RECEDING_HORIZON, step, mean_changes, random).into()
+            mutated_parameters(tuning, &RECEDING_HORIZON, vary, step, mean_changes, random).into()
         }
         ModeTuning::Intermittent(tuning) => {
-            mutated_parameters(tuning, &INTERMITTENT, step, mean_changes, random).into()
+            mutated_parameters(tuning, &INTERMITTENT, vary, step, mean_changes, random).into()
         }
     }
 }
@@ -122,12 +129,15 @@ pub(super) fn mutated(
 fn mutated_parameters<T>(
     mut tuning: T,
     parameters: &[Parameter<T>],
+    vary: &[String],
     step: f64,
     mean_changes: f64,
     random: impl Fn(u64) -> f64,
 ) -> T {
-    for (index, (_, (low, high), field)) in (1_u64..).zip(parameters) {
-        if random(2 * index) < mean_changes / parameters.len() as f64 {
+    let is_varied = |name: &str| vary.is_empty() || vary.iter().any(|chosen| chosen == name);
+    let varied = parameters.iter().filter(|(name, ..)| is_varied(name)).count();
+    for (index, (name, (low, high), field)) in (1_u64..).zip(parameters) {
+        if is_varied(name) && random(2 * index) < mean_changes / varied as f64 {
             let value = field(&mut tuning);
             *value = (*value + step * (high - low) * (2.0 * random(2 * index + 1) - 1.0)).clamp(*low, *high);
         }

@@ -3,6 +3,7 @@
 
 use anyhow::Result;
 use barrelman_control::optimal::ModeTuning;
+use barrelman_experiments::campaign::plan::CampaignPlan;
 use barrelman_sim::Scenario;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::Bootstrap;
@@ -25,9 +26,13 @@ const COLUMNS: [(&str, &str); 8] = [
 ];
 
 /// The largest ratio to the schema's mean that every column may have.
-const MAX_RATIO: f64 = 1.0;
+pub(super) const MAX_RATIO: f64 = 1.0;
 /// The same where the video drops out.
 const MAX_RATIO_WITH_DROP_OUTS: f64 = 1.1;
+
+/// The conditions that the variants change.
+pub(super) const CONDITIONS_OF_VARIANTS: [Condition; 2] =
+    [Condition { scenario: "lab1", setting: "indoor" }, Condition { scenario: "lab2", setting: "indoor" }];
 
 /// A change of the trials.
 pub(super) struct Variant {
@@ -51,12 +56,25 @@ impl Variant {
         Self { name, change_world, change_profile, reports_tilt: false, assumed_latency_s: None }
     }
 
+    /// The trials of a plan with this variant's changes.
+    pub(super) fn changed(&self, plan: &CampaignPlan) -> CampaignPlan {
+        plan.clone()
+            .with_changed_scenario(self.change_world)
+            .with_changed_profile(self.change_profile)
+            .with_tilt_reports(self.reports_tilt)
+    }
+
     /// The optimal law of this variant.
-    fn law(&self, tuning: ModeTuning) -> LawUnderTest {
+    pub(super) fn law(&self, tuning: ModeTuning) -> LawUnderTest {
         self.assumed_latency_s.map_or(LawUnderTest::Optimal(tuning), |latency_s| {
             LawUnderTest::OptimalWithAssumedLatency(tuning, latency_s)
         })
     }
+}
+
+/// Whether a metric has a column.
+pub(super) fn is_judged(metric: &str) -> bool {
+    COLUMNS.iter().any(|(_, judged)| *judged == metric)
 }
 
 /// Prints a table of variants. Returns whether the upper ends of all ratios are within the limit in every row, and no more
@@ -72,9 +90,9 @@ pub(super) fn print_table(
 ) -> Result<bool> {
     let mut is_met = true;
     let seeds = first_seed..first_seed + seeds;
-    for scenario in ["lab1", "lab2"] {
-        let plan =
-            Condition { scenario, setting: "indoor" }.nominal_plan()?.with_recorded_motion(seeds.clone())?;
+    for condition in CONDITIONS_OF_VARIANTS {
+        let plan = condition.nominal_plan()?.with_recorded_motion(seeds.clone())?;
+        let scenario = condition.scenario;
         print_line(&format!(
             "\n{scenario}, {title}: {} trials, seeds from {first_seed} on; the optimal law's ratios to the schema's \
              means",
@@ -87,11 +105,7 @@ pub(super) fn print_table(
             names.join(" ")
         ));
         for variant in variants {
-            let plan = plan
-                .clone()
-                .with_changed_scenario(variant.change_world)
-                .with_changed_profile(variant.change_profile)
-                .with_tilt_reports(variant.reports_tilt);
+            let plan = variant.changed(&plan);
             let baseline = LawUnderTest::MotorSchema.simulate(&plan, seeds.clone())?;
             let optimal = variant.law(tuning).simulate(&plan, seeds.clone())?;
             let comparison = CampaignComparison::new(&baseline, &optimal, &Bootstrap::DEFAULT);
@@ -130,7 +144,7 @@ fn ratio_cell(paired: Option<&PairedMetric>) -> String {
 
 #[cfg(test)]
 pub(super) fn assert_all_but_the_first_change_something(variants: &[Variant]) {
-    let plan = Condition { scenario: "lab1", setting: "indoor" }.nominal_plan().unwrap();
+    let plan = CONDITIONS_OF_VARIANTS[0].nominal_plan().unwrap();
     for variant in &variants[1..] {
         let (mut world, mut profile) = (plan.scenario().clone(), plan.profile().clone());
         (variant.change_world)(&mut world);

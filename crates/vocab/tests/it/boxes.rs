@@ -107,3 +107,9 @@ proptest! {
         prop_assert!(!any.is_empty() || clipped.is_empty(), "{any} became {clipped}");
     }
 }
+
+#[test]
+fn a_box_is_printed_to_the_tenth_of_a_pixel() {
+    let bounds = PixelBox { u: 428.731_129_646, v: 240.0, w: 80.06, h: -0.01 };
+    assert_eq!(bounds.to_string(), "428.7,240,80.1,0");
+}
