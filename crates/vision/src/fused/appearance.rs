@@ -23,8 +23,8 @@ pub(super) struct Appearance {
     pub(super) colours: ColourModel,
     pub(super) layout: ColourLayout,
     pub(super) usual: UsualValues,
-    /// Number of frames in which the target was well visible.
-    pub(super) frames_seen_well: u32,
+    /// Number of frames learned from.
+    pub(super) frames_learned: u32,
 }
 
 /// Running means of what is measured at the target: the scale on which an observation is judged.
@@ -56,7 +56,7 @@ impl Appearance {
                 similarity: INITIAL_SIMILARITY,
                 layout_similarity: INITIAL_SIMILARITY,
             },
-            frames_seen_well: 0,
+            frames_learned: 0,
         }
     }
 }

@@ -27,13 +27,10 @@ use crate::silhouette::Silhouette;
 /// ADMM steps of the filter at the selection, and per learned frame, which continues from the last solution.
 const INITIAL_ADMM_STEPS: usize = 6;
 const ADMM_STEPS: usize = 2;
-/// Interval, in frames with the target well visible, at which the colours are counted.
+/// Interval, in learned frames, at which the colours are counted.
 const COLOUR_INTERVAL: u32 = 4;
 /// Minimum relative contrast at which the colours adapt.
 const MIN_ADAPTED_CONTRAST: f32 = 0.6;
-/// A box whose colours are less similar to the target's than usual by this factor holds another thing, too, where the target is
-/// painted: its colours change less with the light than an unpainted one's with its pose.
-const MIN_LEARNED_SIMILARITY: f32 = 0.8;
 /// Rate of the usual values: about twenty frames.
 const USUAL_RATE: f32 = 0.05;
 /// Rate of the usual similarities, which are measured in every fourth frame only.
@@ -205,7 +202,7 @@ impl Workspace {
         }
     }
 
-    /// Adapts to a frame in which the target is well visible, unless the box holds another thing, too.
+    /// Adapts to a frame in which the target is well visible.
     pub(super) fn learn(
         &mut self,
         config: &FusedConfig,
@@ -213,16 +210,6 @@ impl Workspace {
         picture: &Picture,
         observation: &Observation,
     ) {
-        target.appearance.frames_seen_well = target.appearance.frames_seen_well.wrapping_add(1);
-        let counts_colours = target.appearance.frames_seen_well.is_multiple_of(COLOUR_INTERVAL);
-        let similarity = counts_colours.then(|| self.count_box_colours(target, picture));
-        if let Some(similarity) = similarity {
-            let least = MIN_LEARNED_SIMILARITY * target.appearance.usual.similarity;
-            target.surroundings.mixture.has_other_colours = target.paint.is_some() && similarity < least;
-        }
-        if target.surroundings.mixture.is_passing() {
-            return;
-        }
         let pose = target.patch_pose(config);
         self.features.extract(&mut self.crop, &pose, target.geometry.picture_size());
         self.window.remember_usual(&mut target.memory);
@@ -250,29 +237,22 @@ impl Workspace {
                 USUAL_RATE * (observation.contrast.difference() - appearance.usual.contrast);
         }
         target.loss.reliable_size = (target.geometry.scale, target.geometry.extent);
-        if let Some(similarity) = similarity.filter(|_| has_its_colour && config.colour_rate > 0.0) {
-            self.learn_colours(config, target, picture, similarity);
+        appearance.frames_learned = appearance.frames_learned.wrapping_add(1);
+        if has_its_colour
+            && config.colour_rate > 0.0
+            && appearance.frames_learned.is_multiple_of(COLOUR_INTERVAL)
+        {
+            self.learn_colours(config, target, picture);
         }
     }
 
-    /// Counts the colours inside the target's ellipse and around its box. How similar those inside are to the target's, 0 to 1.
-    fn count_box_colours(&mut self, target: &Target, picture: &Picture) -> f32 {
-        let [inside, ring] = &mut self.histograms;
-        count_colours(picture, target.geometry.centre, &target.geometry.ellipse(), inside, ring);
-        inside.similarity(&target.appearance.colours.target)
-    }
-
-    /// Adapts the colour model and the layout to a frame whose colours were counted, with this similarity to the target's.
-    fn learn_colours(
-        &mut self,
-        config: &FusedConfig,
-        target: &mut Target,
-        picture: &Picture,
-        similarity: f32,
-    ) {
+    /// Adapts the colour model and the layout to a frame.
+    fn learn_colours(&mut self, config: &FusedConfig, target: &mut Target, picture: &Picture) {
         let (geometry, appearance) = (&target.geometry, &mut target.appearance);
-        let [inside, ring] = &self.histograms;
+        let [inside, ring] = &mut self.histograms;
+        count_colours(picture, geometry.centre, &geometry.ellipse(), inside, ring);
         let usual = &mut appearance.usual;
+        let similarity = inside.similarity(&appearance.colours.target);
         usual.similarity += SIMILARITY_RATE * (similarity - usual.similarity);
         appearance.colours.adapt(inside, ring, config.colour_rate as f32);
         self.layout.count(picture, geometry.centre, geometry.half_axes(), geometry.axis);
@@ -338,58 +318,4 @@ fn mask(half: (f32, f32)) -> Box<Map> {
         *value = within(half.0, from_middle(index % SIDE)) * within(half.1, from_middle(index / SIDE));
     }
     map
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::test_target::{red_on_blue, selected};
-    use super::*;
-    use crate::correlation::Peak;
-    use crate::crop::ColourContrast;
-    use crate::test_picture::painted;
-
-    const BOAT: PixelBox = PixelBox { u: 100.0, v: 60.0, w: 30.0, h: 12.0 };
-
-    /// A red boat, whose columns from `covered` on are behind a yellow buoy.
-    fn picture(covered: usize) -> Picture {
-        painted((240, 160), |column, row| {
-            match ((100..130).contains(&column) && (60..72).contains(&row), column >= covered) {
-                (true, true) => [180, 60, 150],
-                (true, false) => [90, 90, 240],
-                (false, _) => [80, 190, 100],
-            }
-        })
-    }
-
-    /// Share of the boat's colours among the learned ones after many frames in which this part of the boat is covered.
-    fn learned_similarity(covered: usize) -> (bool, f32) {
-        let config = FusedConfig::default();
-        let is_boat = |column, row| (100..130).contains(&column) && (60..72).contains(&row);
-        let (mut workspace, mut target, _) = selected(&config, red_on_blue((240, 160), is_boat), BOAT);
-        assert!(target.paint.is_some());
-        let selected_colours = target.appearance.colours.target.clone();
-        let picture = picture(covered);
-        let pose = target.patch_pose(&config);
-        workspace.extract_crop(&target, &picture, &pose);
-        let observation = Observation {
-            pose,
-            centre: target.geometry.centre,
-            peak: Peak { height: 0.7, ..Peak::default() },
-            contrast: ColourContrast { inside: target.appearance.usual.contrast, ring: 0.0 },
-        };
-        for _ in 0..60 {
-            target.surroundings.predict(1.0 / 30.0);
-            workspace.learn(&config, &mut target, &picture, &observation);
-        }
-        let similarity = selected_colours.similarity(&target.appearance.colours.target);
-        (target.surroundings.mixture.has_other_colours, similarity)
-    }
-
-    #[test]
-    fn what_passes_in_front_of_a_painted_target_is_not_learned() {
-        let (has_other_colours, similarity) = learned_similarity(112);
-        assert!(has_other_colours && similarity > 0.98, "{similarity}");
-        let (has_other_colours, _) = learned_similarity(128);
-        assert!(!has_other_colours, "an edge of other colours is the target's");
-    }
 }
