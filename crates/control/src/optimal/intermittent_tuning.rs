@@ -33,7 +33,7 @@ pub struct IntermittentTuning {
     /// Response time to which an axis with a shorter lag is slowed by ramps when it starts, as a share of the slower axis'
     /// lag.
     pub start_response_share: f64,
-    /// The same when it stops, seconds.
+    /// The same when it stops.
     pub stop_response_share: f64,
     /// Correction ellipse: a movement is corrected when it would not bring the target into it within the horizon.
     pub correction: f64,

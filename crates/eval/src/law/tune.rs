@@ -17,7 +17,7 @@ use super::conditions::{CONDITIONS, Condition};
 use super::law_under_test::LawUnderTest;
 use super::options::TuneOptions;
 use super::requirements::{max_achieved_ratio, max_ratio};
-use super::tuning_parameters::{mutated, of_mode, to_options, with_changes};
+use super::tuning_parameters::{check_names, mutated, of_mode, to_options, with_changes};
 use super::variants::{self, CONDITIONS_OF_VARIANTS, MAX_RATIO, Variant};
 use super::{other_vehicles, profile_errors};
 use crate::output::print_line;
@@ -45,18 +45,16 @@ const MEAN_CHANGES: f64 = 2.5;
 /// Means in the order of [`METRICS`].
 type Means = Vec<Option<f64>>;
 
-/// What the ratios to a baseline are to keep.
-#[derive(Debug, Clone, Copy)]
-enum Limits {
-    /// The requirements in a condition.
+/// What trials are of: it gives the law, and the largest ratios to the motor schema's means.
+#[derive(Clone, Copy)]
+enum Subject {
     Condition(&'static Condition),
-    /// Those of a variant: [`MAX_RATIO`], and less for the time outside.
-    Variant,
+    Variant(&'static Variant),
 }
 
 /// Trials with the motor schema's means.
 struct Baseline {
-    limits: Limits,
+    subject: Subject,
     plan: CampaignPlan,
     /// Of the commands, and of the achieved motion.
     means: [Means; 2],
@@ -75,6 +73,7 @@ struct Objective {
 pub(super) fn run(options: &TuneOptions) -> Result<()> {
     let (mode, tuning) = of_mode(options.mode);
     let objective = Objective::new(mode, options)?;
+    check_names(options.mode, &options.vary)?;
     let mut best = with_changes(tuning, &options.set)?;
     let mut min_cost = objective.cost(best, f64::INFINITY)?;
     print_line(&format!("{mode}: {min_cost:.5} to begin with"));
@@ -97,19 +96,22 @@ impl Objective {
         let mut plans = Vec::new();
         for condition in CONDITIONS.iter().filter(|condition| is_chosen(condition, mode, &options.only)) {
             let plan = condition.plan()?.with_recorded_motion(seeds.clone())?;
-            plans.push((Limits::Condition(condition), plan));
+            plans.push((Subject::Condition(condition), plan));
         }
         for condition in CONDITIONS_OF_VARIANTS {
-            for variant in chosen_variants(&options.only) {
-                let plan = variant.changed(&condition.nominal_plan()?).with_recorded_motion(seeds.clone())?;
-                plans.push((Limits::Variant, plan));
-            }
+            let plan = condition.nominal_plan()?.with_recorded_motion(seeds.clone())?;
+            let variants = chosen_variants(&options.only);
+            plans.extend(variants.map(|variant| (Subject::Variant(variant), variant.changed(&plan))));
         }
+        anyhow::ensure!(
+            !plans.is_empty(),
+            "--only names no condition with requirements, no variant and no table of variants"
+        );
         let baselines = plans
             .into_iter()
-            .map(|(limits, plan)| {
+            .map(|(subject, plan)| {
                 let means = means(&plan, &LawUnderTest::MotorSchema, &seeds)?;
-                Ok(Baseline { limits, plan, means })
+                Ok(Baseline { subject, plan, means })
             })
             .collect::<Result<_>>()?;
         Ok(Self { mode, baselines, seeds })
@@ -119,9 +121,9 @@ impl Objective {
     fn cost(&self, tuning: ModeTuning, max_cost: f64) -> Result<f64> {
         let mut cost = 0.0;
         for baseline in &self.baselines {
-            let means = means(&baseline.plan, &LawUnderTest::Optimal(tuning), &self.seeds)?;
+            let means = means(&baseline.plan, &baseline.subject.law(tuning), &self.seeds)?;
             for (achieved, (base, mean)) in [false, true].into_iter().zip(baseline.means.iter().zip(means)) {
-                cost += self.cost_of(baseline.limits, achieved, base, &mean);
+                cost += self.cost_of(baseline.subject, achieved, base, &mean);
             }
             if cost > max_cost + INCOMPLETE_MARGIN {
                 break;
@@ -130,11 +132,11 @@ impl Objective {
         Ok(cost)
     }
 
-    fn cost_of(&self, limits: Limits, achieved: bool, base: &Means, means: &Means) -> f64 {
+    fn cost_of(&self, subject: Subject, achieved: bool, base: &Means, means: &Means) -> f64 {
         let mut cost = 0.0;
         for (((metric, _, _), base), mean) in METRICS.iter().zip(base).zip(means) {
             let (Some(base), Some(mean)) = (base, mean) else { continue };
-            let Some(limit) = limits.max_ratio(self.mode, metric, achieved) else { continue };
+            let Some(limit) = subject.max_ratio(self.mode, metric, achieved) else { continue };
             let floor =
                 if matches!(*metric, "lost" | "time out of the picture") { RARE_FLOOR } else { RATIO_FLOOR };
             let ratio = (mean + floor) / (base + floor);
@@ -148,7 +150,14 @@ impl Objective {
     }
 }
 
-impl Limits {
+impl Subject {
+    fn law(self, tuning: ModeTuning) -> LawUnderTest {
+        match self {
+            Self::Condition(_) => LawUnderTest::Optimal(tuning),
+            Self::Variant(variant) => variant.law(tuning),
+        }
+    }
+
     /// The largest ratio of a metric of the commands, or of the achieved motion.
     fn max_ratio(self, mode: &str, metric: &str, achieved: bool) -> Option<f64> {
         match self {
@@ -156,9 +165,9 @@ impl Limits {
             Self::Condition(condition) => {
                 max_ratio(condition, mode, metric).or_else(|| desired_ratio(condition, mode, metric))
             }
-            Self::Variant if achieved || !variants::is_judged(metric) => None,
-            Self::Variant if metric == "time outside" => Some(MAX_TIME_OUTSIDE_OF_VARIANTS),
-            Self::Variant => Some(MAX_RATIO),
+            Self::Variant(_) if achieved || !variants::is_judged(metric) => None,
+            Self::Variant(_) if metric == "time outside" => Some(MAX_TIME_OUTSIDE_OF_VARIANTS),
+            Self::Variant(_) => Some(MAX_RATIO),
         }
     }
 }

@@ -98,13 +98,30 @@ pub(super) fn with_changes(tuning: ModeTuning, changes: &[String]) -> Result<Mod
 fn changed<T>(mut tuning: T, parameters: &[Parameter<T>], changes: &[String]) -> Result<T> {
     for change in changes {
         let (name, value) = change.split_once('=').with_context(|| format!("{change}: write NAME=VALUE"))?;
-        let Some((_, _, field)) = parameters.iter().find(|(known, ..)| *known == name) else {
-            let known: Vec<&str> = parameters.iter().map(|(name, ..)| *name).collect();
-            bail!("unknown value {name}; known are {}", known.join(", "));
-        };
+        let (_, _, field) = parameter(parameters, name)?;
         *field(&mut tuning) = value.parse().with_context(|| format!("{change}: {value} is not a number"))?;
     }
     Ok(tuning)
+}
+
+/// Checks that a mode has parameters of these names.
+///
+/// # Errors
+/// If there is no parameter of a name.
+pub(super) fn check_names(mode: ModeName, names: &[String]) -> Result<()> {
+    names.iter().try_for_each(|name| match of_mode(mode).1 {
+        ModeTuning::RecedingHorizon(_) => parameter(&RECEDING_HORIZON, name).map(drop),
+        ModeTuning::Intermittent(_) => parameter(&INTERMITTENT, name).map(drop),
+    })
+}
+
+/// The parameter of this name.
+fn parameter<'a, T>(parameters: &'a [Parameter<T>], name: &str) -> Result<&'a Parameter<T>> {
+    let Some(parameter) = parameters.iter().find(|(known, ..)| *known == name) else {
+        let known: Vec<&str> = parameters.iter().map(|(name, ..)| *name).collect();
+        bail!("unknown value {name}; known are {}", known.join(", "));
+    };
+    Ok(parameter)
 }
 
 /// A tuning with a few values changed at random, by at most `step` of their ranges: `mean_changes` values on average, of
