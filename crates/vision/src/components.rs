@@ -35,9 +35,12 @@ impl ComponentFinder {
     pub(crate) fn find(&mut self, crop: &Crop) -> &[Component] {
         let map = crop.probabilities();
         let (width, height) = (map.width, map.height);
+        // Room for the largest crop so far, so that one that is as large as an earlier one allocates nothing.
+        let largest = crop.sample_capacity();
         self.visited.clear();
+        self.visited.reserve(largest);
         self.visited.resize(width * height, false);
-        self.pending.reserve(width * height);
+        self.pending.reserve(largest);
         self.found.clear();
         self.found.reserve(MAX_COMPONENTS);
         for first in 0..width * height {

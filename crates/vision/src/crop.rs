@@ -214,6 +214,11 @@ impl Crop {
         }
     }
 
+    /// Number of samples of the probability map for which there is room.
+    pub(crate) fn sample_capacity(&self) -> usize {
+        self.probability.values.capacity()
+    }
+
     /// Side of the square covered by one sample of the probability map, pixels.
     pub(crate) fn probability_step(&self) -> f32 {
         (2 * self.decimation) as f32
