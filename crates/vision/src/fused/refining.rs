@@ -12,10 +12,8 @@ use crate::crop::ColourContrast;
 use crate::features::PatchPose;
 use crate::silhouette::Silhouette;
 
-/// Standard deviation of the measured position of a box that is certainly right, in sizes of the target. It is divided by
-/// the box's probability, at least this one: a place that is doubtful hardly changes position and velocity of the prediction.
+/// Standard deviation of a measured position, in sizes of the target.
 const POSITION_STD_DEV_SIZES: f64 = 0.05;
-const MIN_POSITION_PROBABILITY: f64 = 0.1;
 /// Time constants with which axis, centre and size follow the silhouette's, seconds.
 const TIMES: FollowingTimes = FollowingTimes { axis_s: 0.15, centre_s: 0.3, size_s: 1.0 };
 /// With less of its usual contrast a target with a silhouette does not grow by the filter: the box contains background already, and the filter
@@ -105,8 +103,8 @@ impl Workspace {
             self.follow_refined_box(target, observation.centre);
         }
 
-        let std_dev = position_std_dev(self.refined.probability, target.geometry.size_px());
-        target.motion.correct(target.geometry.centre, std_dev);
+        let size = f64::from(target.geometry.size_px());
+        target.motion.correct(target.geometry.centre, POSITION_STD_DEV_SIZES * size);
         update_heading(target, before, frame.capture.at.as_secs_f64(), seconds);
         if !target.motion.has_precise_prior {
             self.set_background_reference(target, &frame.picture);
@@ -255,13 +253,6 @@ impl Workspace {
     }
 }
 
-/// Standard deviation of the measured position of a box with this probability of being right, pixels.
-fn position_std_dev(probability: f32, size_px: f32) -> f64 {
-    // A probability of NaN counts as the least.
-    let probability = f64::from(probability).max(MIN_POSITION_PROBABILITY);
-    POSITION_STD_DEV_SIZES / probability * f64::from(size_px)
-}
-
 /// Adds the target's motion over the water since its centre was at `before` to the heading's path.
 fn update_heading(target: &mut Target, before: (f32, f32), at_s: f64, seconds: f64) {
     if !target.motion.is_camera_shift_known {
@@ -274,20 +265,4 @@ fn update_heading(target: &mut Target, before: (f32, f32), at_s: f64, seconds: f
     let length = 2.0 * f64::from(half.0.max(half.1));
     let moved = (f64::from(du), f64::from(dv));
     target.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_doubtful_box_counts_less_for_the_prediction() {
-        let size = 40.0;
-        let certain = position_std_dev(1.0, size);
-        assert!((certain - 2.0).abs() < 1e-9, "{certain}");
-        assert!((position_std_dev(0.5, size) - 2.0 * certain).abs() < 1e-9);
-        for least in [0.1, 0.02, 0.0, f32::NAN] {
-            assert!((position_std_dev(least, size) - 10.0 * certain).abs() < 1e-6, "{least}");
-        }
-    }
 }
