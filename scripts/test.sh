@@ -34,13 +34,18 @@ run_in_order() {
 }
 
 # What needs one core and no exact times runs beside what mostly waits.
+# A process group of its own (job control): its programs obey SIGINT, and it ends with this script.
+set -m
 run_in_order "first_hour" "campaigns --trials 100" >"$clip/beside.txt" 2>&1 &
 beside=$!
+set +m
+trap 'kill -- "-$beside" 2>/dev/null || true; rm -rf "$clip"' EXIT
 in_order=0
 run_in_order "law" "rule $with_clip" "guard --few $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" \
   "live --restarts 2" "rtsps" "camshift $with_clip" "tracking_camera" "api" || in_order=$?
 at_once=0
 wait "$beside" || at_once=$?
+trap 'rm -rf "$clip"' EXIT
 cat "$clip/beside.txt"
 if ((in_order != 0 || at_once != 0)); then
   exit 1

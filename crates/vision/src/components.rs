@@ -127,4 +127,19 @@ mod tests {
         let right_part = PixelBox { u: 45.0, v: 40.0, w: 55.0, h: 60.0 };
         assert!((found[0].bounds.intersection(right_part).area() - 150.0).abs() < 1.0);
     }
+
+    #[test]
+    fn there_is_room_for_the_largest_crop_after_a_small_one() {
+        let picture = painted((160, 120), |_, _| [80, 190, 100]);
+        let mut crop = Crop::default();
+        let mut samples_within = |reach| {
+            crop.extract(&picture, &ColourModel::default(), (60.0, 50.0), reach, 1.0);
+            crop.probabilities().values.len()
+        };
+        let (largest, few) = (samples_within(50.0), samples_within(10.0));
+        assert!(few < largest);
+        let mut finder = ComponentFinder::default();
+        finder.find(&crop);
+        assert!(finder.visited.capacity() >= largest && finder.pending.capacity() >= largest);
+    }
 }

@@ -72,9 +72,10 @@ struct Objective {
 /// Searches, and prints each improvement.
 pub(super) fn run(options: &TuneOptions) -> Result<()> {
     let (mode, tuning) = of_mode(options.mode);
-    let objective = Objective::new(mode, options)?;
+    // Before the motor schema's trials, which take long.
     check_names(options.mode, &options.vary)?;
     let mut best = with_changes(tuning, &options.set)?;
+    let objective = Objective::new(mode, options)?;
     let mut min_cost = objective.cost(best, f64::INFINITY)?;
     print_line(&format!("{mode}: {min_cost:.5} to begin with"));
     for round in 0..options.rounds {
