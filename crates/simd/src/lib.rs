@@ -16,6 +16,10 @@
 use core::fmt;
 use core::str::FromStr;
 
+mod pairs;
+
+pub use pairs::{COLUMNS, OUTPUTS, Pair, sum_pair_products};
+
 /// Sets of vector instructions, narrowest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum SimdLevel {

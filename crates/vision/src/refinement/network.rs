@@ -22,7 +22,7 @@ use std::sync::{Arc, LazyLock};
 use barrelman_vocab::PixelBox;
 use thiserror::Error;
 
-use super::convolution::convolve_row;
+use super::convolution::{Convolution, IntegerMaps, Layout};
 use super::window::{MEASUREMENTS, RefinementWindow, WINDOW_CHANNELS, WINDOW_SIDE_CELLS};
 use crate::simd::simd_kernel;
 
@@ -57,11 +57,20 @@ const SURE_LOG_ODDS: f32 = 2.197_224_6;
 const ERROR_OFFSET: f32 = -1.5;
 const ERROR_RANGE: (f32, f32) = (-4.0, 3.0);
 
-/// Cells of one phase of the input: every second column of every second row, with a border.
-const PHASE: usize = (SIDE + 1) * (SIDE + 1);
+/// Channels of the window, and one of zeros where their number is odd: two are multiplied at once.
+const INPUT: usize = WINDOW_CHANNELS.next_multiple_of(2);
+/// Cells of a map.
+const AREA: usize = SIDE * SIDE;
 
-/// Weights of one layer: for each output the weights of all inputs, or, in convolutions, for each input those of all
-/// outputs.
+/// The four phases of the input, with a row and a column of zeros before them.
+const PHASES: Layout = Layout { area: (SIDE + 1) * (SIDE + 1), first: SIDE + 2, stride: SIDE + 1, rows: SIDE };
+/// The maps between the convolutions.
+const MAPS: Layout =
+    Layout { area: PADDED * PADDED, first: BORDER * (PADDED + 1), stride: PADDED, rows: SIDE };
+/// The profiles of an axis.
+const PROFILES: Layout = Layout { area: SIDE + 2, first: 1, stride: SIDE + 2, rows: 1 };
+
+/// Weights of a dense layer: for each output the weights of all inputs.
 #[derive(Debug)]
 struct Layer {
     weights: Vec<f32>,
@@ -71,11 +80,11 @@ struct Layer {
 /// The weights of the network.
 #[derive(Debug)]
 pub struct RefinementWeights {
-    first: Layer,
-    second: Layer,
-    third: Layer,
-    fourth: Layer,
-    profile: Layer,
+    first: Convolution,
+    second: Convolution,
+    third: Convolution,
+    fourth: Convolution,
+    profile: Convolution,
     edge: Layer,
     answer: Layer,
     judge: Layer,
@@ -150,11 +159,11 @@ impl RefinementWeights {
         let [first, second, third, fourth, profile, edge, answer, judge, odds] =
             LAYERS.map(|(inputs, outputs)| Layer { weights: take(inputs * outputs), bias: take(outputs) });
         Ok(Self {
-            first: first.with_outputs_innermost(),
-            second: second.with_outputs_innermost(),
-            third: third.with_outputs_innermost(),
-            fourth: fourth.with_outputs_innermost(),
-            profile: profile.with_outputs_innermost(),
+            first: first.into_convolution(9),
+            second: second.into_convolution(9),
+            third: third.into_convolution(9),
+            fourth: fourth.into_convolution(9),
+            profile: profile.into_convolution(3),
             edge,
             answer,
             judge,
@@ -164,18 +173,9 @@ impl RefinementWeights {
 }
 
 impl Layer {
-    /// The same layer with the weights of all outputs beside each other, for each input.
-    fn with_outputs_innermost(self) -> Self {
-        let outputs = self.bias.len();
-        let inputs = self.weights.len() / outputs;
-        let weights =
-            (0..self.weights.len()).map(|k| self.weights[(k % outputs) * inputs + k / outputs]).collect();
-        Self { weights, ..self }
-    }
-
-    /// One row of a convolution.
-    fn convolve_row(&self, map: &[f32], starts: &[usize], out: &mut [[f32; SIDE]]) {
-        convolve_row(&self.weights, &self.bias, map, starts, out);
+    /// The layer as a convolution with this number of taps.
+    fn into_convolution(self, taps: usize) -> Convolution {
+        Convolution::new(&self.weights, self.bias, taps)
     }
 }
 
@@ -202,23 +202,32 @@ impl RefinedBox {
 #[derive(Debug)]
 pub(crate) struct RefinementNetwork {
     weights: Arc<RefinementWeights>,
-    /// The input, for each channel in four phases: odd and even rows of odd and even columns.
+    /// The input in four phases: odd and even rows of odd and even columns; in each all channels.
     input: Vec<f32>,
     first: Vec<f32>,
     second: Vec<f32>,
     third: Vec<f32>,
     fourth: Vec<f32>,
+    /// The inputs of the convolutions as integers.
+    phases: IntegerMaps,
+    few: IntegerMaps,
+    many: IntegerMaps,
+    profiles: IntegerMaps,
 }
 
 impl RefinementNetwork {
     pub(crate) fn new(weights: Arc<RefinementWeights>) -> Self {
         Self {
             weights,
-            input: vec![0.0; WINDOW_CHANNELS * 4 * PHASE],
-            first: vec![0.0; FIRST * PADDED * PADDED],
-            second: vec![0.0; SECOND * PADDED * PADDED],
-            third: vec![0.0; SECOND * PADDED * PADDED],
-            fourth: vec![0.0; SECOND * PADDED * PADDED],
+            input: vec![0.0; 4 * INPUT * AREA],
+            first: vec![0.0; FIRST * AREA],
+            second: vec![0.0; SECOND * AREA],
+            third: vec![0.0; SECOND * AREA],
+            fourth: vec![0.0; SECOND * AREA],
+            phases: IntegerMaps::new(4 * INPUT, PHASES),
+            few: IntegerMaps::new(FIRST, MAPS),
+            many: IntegerMaps::new(SECOND, MAPS),
+            profiles: IntegerMaps::new(2 * SECOND, PROFILES),
         }
     }
 
@@ -304,8 +313,8 @@ enum Orientation {
     Turned,
 }
 
-/// Splits the input into phases, so that the first convolution reads neighbouring cells. A window with a stride of 2 and
-/// a border of 1 reads the odd columns before a cell, the even ones at the cell, and the odd ones after the cell.
+/// Splits the input into phases, so that the first convolution reads neighbouring cells: a window with a stride of 2 reads
+/// the odd columns before a cell, the even ones at the cell, and the odd ones after the cell.
 fn split_phases(network: &mut RefinementNetwork, window: &RefinementWindow, orientation: Orientation) {
     let channels = window.cells.as_chunks::<{ WINDOW_SIDE_CELLS * WINDOW_SIDE_CELLS }>().0;
     for (channel, &(mut cells)) in channels.iter().enumerate() {
@@ -313,126 +322,103 @@ fn split_phases(network: &mut RefinementNetwork, window: &RefinementWindow, orie
             cells.reverse();
         }
         for (row, line) in cells.as_chunks::<WINDOW_SIDE_CELLS>().0.iter().enumerate() {
-            let (vertical, at) = if row % 2 == 1 { (0, row.div_ceil(2)) } else { (1, row / 2) };
-            let odd = (channel * 4 + vertical * 2) * PHASE + at * (SIDE + 1);
-            let even = odd + PHASE;
+            let vertical = if row % 2 == 1 { 0 } else { 2 };
+            let [odd, even] = [0, 1].map(|horizontal| {
+                ((vertical + horizontal) * INPUT + channel) * AREA + row / 2 * SIDE
+            });
             for k in 0..SIDE {
                 network.input[even + k] = line[2 * k];
-                network.input[odd + k + 1] = line[2 * k + 1];
+                network.input[odd + k] = line[2 * k + 1];
             }
         }
     }
+    network.phases.round(&network.input);
+}
+
+fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASUREMENTS], answer: &mut Answer) {
+    // Phase and shift of the three taps along an axis.
+    const TAPS: [(usize, usize); 3] = [(0, 0), (1, 1), (0, 1)];
+    let weights = Arc::clone(&network.weights);
+    let starts: [usize; 9 * INPUT / 2] = core::array::from_fn(|tap| {
+        let ((vertical, down), (horizontal, right)) = (TAPS[tap % 9 / 3], TAPS[tap % 3]);
+        let phase = 2 * vertical + horizontal;
+        (phase * INPUT / 2 + tap / 9) * PHASES.area + down * PHASES.stride + right
+    });
+    weights.first.apply(&network.phases, &starts, None, &mut network.first);
+    network.few.round(&network.first);
+    let starts: [usize; 9 * FIRST / 2] = taps_of_maps(DILATIONS[0]);
+    weights.second.apply(&network.few, &starts, None, &mut network.second);
+    network.many.round(&network.second);
+    let starts: [usize; 9 * SECOND / 2] = taps_of_maps(DILATIONS[1]);
+    weights.third.apply(&network.many, &starts, Some(&network.second), &mut network.third);
+    network.many.round(&network.third);
+    let starts: [usize; 9 * SECOND / 2] = taps_of_maps(DILATIONS[2]);
+    weights.fourth.apply(&network.many, &starts, Some(&network.third), &mut network.fourth);
+    let mut judged = [0.0_f32; JUDGED];
+    let mut profiles = [[[0.0_f32; SIDE]; 2 * SECOND]; 2];
+    pool_maps(&network.fourth, &mut profiles, &mut judged);
+    let starts: [usize; 3 * SECOND] = core::array::from_fn(|tap| tap / 3 * PROFILES.area + tap % 3);
+    for (axis, profiles) in profiles.iter().enumerate() {
+        let mut values = [[0.0; SIDE]; PROFILE];
+        network.profiles.round(profiles.as_flattened());
+        weights.profile.apply(&network.profiles, &starts, None, values.as_flattened_mut());
+        let edge = &mut judged[3 * SECOND + axis * EDGE..][..EDGE];
+        dense(&weights.edge, values.as_flattened(), edge);
+        clear_negative(edge);
+        dense(&weights.answer, edge, &mut answer.axes[axis]);
+    }
+    judged[3 * SECOND + 2 * EDGE..].copy_from_slice(measurements);
+    let mut judge = [0.0_f32; JUDGE];
+    dense(&weights.judge, &judged, &mut judge);
+    clear_negative(&mut judge);
+    let mut log_odds = [0.0];
+    dense(&weights.odds, &judge, &mut log_odds);
+    answer.log_odds = log_odds[0];
 }
 
 simd_kernel! {
-fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASUREMENTS], answer: &mut Answer) {
-    let weights = Arc::clone(&network.weights);
-    // Phase and shift of the three taps along an axis.
-    const TAPS: [(usize, usize); 3] = [(0, 0), (1, 0), (0, 1)];
-    let starts: [usize; 9 * WINDOW_CHANNELS] = core::array::from_fn(|tap| {
-        let ((vertical, down), (horizontal, right)) = (TAPS[tap % 9 / 3], TAPS[tap % 3]);
-        (tap / 9 * 4 + vertical * 2 + horizontal) * PHASE + down * (SIDE + 1) + right
-    });
-    for row in 0..SIDE {
-        let mut sums = [[0.0_f32; SIDE]; FIRST];
-        weights.first.convolve_row(&network.input[row * (SIDE + 1)..], &starts, &mut sums);
-        for (channel, sum) in sums.iter().enumerate() {
-            let out = &mut network.first[place_of_row(channel, row)..][..SIDE];
-            for x in 0..SIDE {
-                out[x] = sum[x].max(0.0);
-            }
-        }
-    }
-    convolve::<{ 9 * FIRST }>(&weights.second, DILATIONS[0], &network.first, None, &mut network.second);
-    convolve::<{ 9 * SECOND }>(&weights.third, DILATIONS[1], &network.second, Some(&network.second), &mut network.third);
-    convolve::<{ 9 * SECOND }>(&weights.fourth, DILATIONS[2], &network.third, Some(&network.third), &mut network.fourth);
-    // The profiles of both axes, with a border of one cell on either side.
-    let mut profiles = [[[0.0_f32; SIDE + 2]; 2 * SECOND]; 2];
-    let mut judged = [0.0_f32; JUDGED];
-    for channel in 0..SECOND {
+/// Sums up the maps: for each axis maximum and mean over the other one, and mean, maximum and mean of the middle of each map.
+fn pool_maps(maps: &[f32], profiles: &mut [[[f32; SIDE]; 2 * SECOND]; 2], judged: &mut [f32; JUDGED]) {
+    for (channel, map) in maps.as_chunks::<AREA>().0.iter().enumerate() {
         let (mut sum, mut most, mut middle) = (0.0_f32, 0.0_f32, 0.0_f32);
-        for row in 0..SIDE {
-            let line = &network.fourth[place_of_row(channel, row)..][..SIDE];
+        for (row, line) in map.as_chunks::<SIDE>().0.iter().enumerate() {
             let (mut row_sum, mut row_most) = (0.0_f32, 0.0_f32);
             for x in 0..SIDE {
                 row_sum += line[x];
                 row_most = row_most.max(line[x]);
-                profiles[0][channel][x + 1] = profiles[0][channel][x + 1].max(line[x]);
-                profiles[0][SECOND + channel][x + 1] += line[x] * (1.0 / SIDE as f32);
+                profiles[0][channel][x] = profiles[0][channel][x].max(line[x]);
+                profiles[0][SECOND + channel][x] += line[x] * (1.0 / SIDE as f32);
             }
-            profiles[1][channel][row + 1] = row_most;
-            profiles[1][SECOND + channel][row + 1] = row_sum * (1.0 / SIDE as f32);
+            profiles[1][channel][row] = row_most;
+            profiles[1][SECOND + channel][row] = row_sum * (1.0 / SIDE as f32);
             sum += row_sum;
             most = most.max(row_most);
             if MIDDLE.contains(&row) {
                 middle += line[MIDDLE].iter().sum::<f32>();
             }
         }
-        judged[channel] = sum / (SIDE * SIDE) as f32;
+        judged[channel] = sum / AREA as f32;
         judged[SECOND + channel] = most;
         judged[2 * SECOND + channel] = middle / (MIDDLE.len() * MIDDLE.len()) as f32;
     }
-    let starts: [usize; 3 * 2 * SECOND] = core::array::from_fn(|tap| tap / 3 * (SIDE + 2) + tap % 3);
-    for (axis, profile) in profiles.iter().enumerate() {
-        let mut sums = [[0.0_f32; SIDE]; PROFILE];
-        weights.profile.convolve_row(profile.as_flattened(), &starts, &mut sums);
-        let values = sums.as_flattened_mut();
-        for value in values.iter_mut() {
-            *value = value.max(0.0);
-        }
-        let edge = &mut judged[3 * SECOND + axis * EDGE..][..EDGE];
-        dense(&weights.edge, values, edge);
-        for value in edge.iter_mut() {
-            *value = value.max(0.0);
-        }
-        dense(&weights.answer, edge, &mut answer.axes[axis]);
-    }
-    judged[3 * SECOND + 2 * EDGE..].copy_from_slice(measurements);
-    let mut judge = [0.0_f32; JUDGE];
-    dense(&weights.judge, &judged, &mut judge);
-    for value in &mut judge {
-        *value = value.max(0.0);
-    }
-    let mut log_odds = [0.0];
-    dense(&weights.odds, &judge, &mut log_odds);
-    answer.log_odds = log_odds[0];
 }
 }
 
-/// Where a row of a map with a border begins, after the border.
-const fn place_of_row(channel: usize, row: usize) -> usize {
-    (channel * PADDED + row + BORDER) * PADDED + BORDER
-}
-
-/// A convolution 3 x 3 from maps with a border to maps with a border, and the maps that are added to the sums.
-#[inline(always)]
-fn convolve<const TAPS: usize>(
-    layer: &Layer,
-    dilation: usize,
-    from: &[f32],
-    added: Option<&[f32]>,
-    to: &mut [f32],
-) {
-    let starts: [usize; TAPS] = core::array::from_fn(|tap| {
+/// Where the taps of a convolution 3 x 3 begin in maps with a border.
+fn taps_of_maps<const TAPS: usize>(dilation: usize) -> [usize; TAPS] {
+    core::array::from_fn(|tap| {
         let (down, right) = (tap % 9 / 3 * dilation, tap % 3 * dilation);
-        (tap / 9 * PADDED + BORDER - dilation + down) * PADDED + BORDER - dilation + right
-    });
-    for row in 0..SIDE {
-        let mut sums = [[0.0_f32; SIDE]; SECOND];
-        layer.convolve_row(&from[row * PADDED..], &starts, &mut sums);
-        for (channel, sum) in sums.iter().enumerate() {
-            let place = place_of_row(channel, row);
-            let out = &mut to[place..][..SIDE];
-            let before = added.map_or(&[0.0; SIDE][..], |maps| &maps[place..][..SIDE]);
-            for x in 0..SIDE {
-                out[x] = (sum[x] + before[x]).max(0.0);
-            }
-        }
-    }
+        tap / 9 * MAPS.area + MAPS.first + down * MAPS.stride + right - dilation * (MAPS.stride + 1)
+    })
 }
 
+/// Negative values become 0.
+fn clear_negative(values: &mut [f32]) {
+    values.iter_mut().for_each(|value| *value = value.max(0.0));
+}
+
+simd_kernel! {
 /// A layer in which each output depends on each input.
-#[inline(always)]
 fn dense(layer: &Layer, inputs: &[f32], outputs: &mut [f32]) {
     /// Partial sums, for vector instructions.
     const PARTS: usize = 8;
@@ -449,6 +435,7 @@ fn dense(layer: &Layer, inputs: &[f32], outputs: &mut [f32]) {
         let rest: f32 = w_rest.iter().zip(x_rest).map(|(w, x)| w * x).sum();
         *out = bias + sums.iter().sum::<f32>() + rest;
     }
+}
 }
 
 #[cfg(test)]
@@ -563,9 +550,9 @@ mod tests {
         let mut window = RefinementWindow::default();
         window.cells[(2 * 32 + cell.0) * 32 + cell.1] = 7.0;
         network.answer(&window, Orientation::Upright);
-        assert!(network.fourth.iter().all(|value| *value == 0.0 || *value == 7.0));
+        assert!(network.fourth.iter().all(|value| *value == 0.0 || (*value - 7.0).abs() < 0.01));
         let places = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
-        places.filter(|(row, column)| network.fourth[place_of_row(0, *row) + column] == 7.0).collect()
+        places.filter(|(row, column)| network.fourth[row * SIDE + column] > 6.0).collect()
     }
 
     #[test]
