@@ -6,11 +6,11 @@
 //! `mul_add` and no transcendental functions of the standard library.
 //!
 //! A [`Simd`] selects the version. It is obtained only by detecting the machine's features, so that owning one proves
-//! that the call is sound. The only `unsafe` block of the project's arithmetic is in the macro; a crate that uses it
-//! declares `deny(unsafe_code)` instead of `forbid`.
+//! that the call is sound. The `unsafe` blocks of the project's arithmetic are in the macro and in [`sum_pair_products`]; a
+//! crate that uses the macro declares `deny(unsafe_code)` instead of `forbid`.
 //!
-//! This crate does not contain kernels, intrinsics, or dispatch for other architectures. ARM uses the baseline, which
-//! includes NEON.
+//! This crate does not contain kernels or intrinsics but for [`sum_pair_products`], nor dispatch for other architectures.
+//! ARM uses the baseline, which includes NEON.
 #![deny(unsafe_code)]
 
 use core::fmt;
