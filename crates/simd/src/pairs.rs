@@ -79,7 +79,12 @@ mod x86 {
             $zero:ident, $load:ident, $store:ident, $splat:ident, $multiply:ident, $add:ident
         ) => {
             #[target_feature(enable = $features)]
-            pub(super) fn $name(weights: &[Pair], map: &[Pair], starts: &[usize], sums: &mut [[i32; COLUMNS]]) {
+            pub(super) fn $name(
+                weights: &[Pair],
+                map: &[Pair],
+                starts: &[usize],
+                sums: &mut [[i32; COLUMNS]],
+            ) {
                 let outputs = sums.len();
                 for (block, sums) in sums.as_chunks_mut::<OUTPUTS>().0.iter_mut().enumerate() {
                     for column in (0..COLUMNS).step_by($pairs) {
@@ -103,7 +108,9 @@ mod x86 {
                             let part: &mut [i32] = &mut sums[column..][..$pairs];
                             // SAFETY: as for the load.
                             #[allow(unsafe_code)]
-                            unsafe { $store(part.as_mut_ptr().cast(), total) };
+                            unsafe {
+                                $store(part.as_mut_ptr().cast(), total)
+                            };
                         }
                     }
                 }
@@ -149,7 +156,8 @@ mod tests {
             let mut expected = vec![[1; COLUMNS]; outputs];
             sum_plainly(&weights, &map, &starts, &mut expected);
             let by_hand = starts.iter().enumerate().fold(0_i32, |sum, (tap, &start)| {
-                let (weight, input) = (weights[tap * outputs + 5].map(i32::from), map[start + 9].map(i32::from));
+                let (weight, input) =
+                    (weights[tap * outputs + 5].map(i32::from), map[start + 9].map(i32::from));
                 sum.wrapping_add(weight[0] * input[0]).wrapping_add(weight[1] * input[1])
             });
             assert_eq!(expected[5][9], by_hand);

@@ -55,9 +55,7 @@ impl Convolution {
         let mut pairs = Vec::with_capacity(channels.div_ceil(2) * taps * outputs);
         for pair in 0..channels.div_ceil(2) {
             for tap in 0..taps {
-                pairs.extend(
-                    (0..outputs).map(|output| [0, 1].map(|k| step(output, 2 * pair + k, tap))),
-                );
+                pairs.extend((0..outputs).map(|output| [0, 1].map(|k| step(output, 2 * pair + k, tap))));
             }
         }
         Self { weights: pairs, units, bias }
@@ -193,7 +191,8 @@ mod tests {
                     .map(|input| {
                         let (channel, column) = (input / 3, (x + input % 3).checked_sub(1));
                         let column = column.filter(|&column| column < COLUMNS);
-                        weights[output * 12 + input] * column.map_or(0.0, |column| maps[channel * COLUMNS + column])
+                        weights[output * 12 + input]
+                            * column.map_or(0.0, |column| maps[channel * COLUMNS + column])
                     })
                     .sum();
                 let expected = (expected + output as f32 + 3.0).max(0.0);
@@ -227,7 +226,17 @@ mod tests {
 
     #[test]
     fn values_are_rounded_to_the_nearest_integer() {
-        let cases = [(0.0, 0), (0.4, 0), (0.6, 1), (-0.4, 0), (-0.6, -1), (1.5, 2), (2.5, 2), (4095.0, 4095), (-4095.0, -4095)];
+        let cases = [
+            (0.0, 0),
+            (0.4, 0),
+            (0.6, 1),
+            (-0.4, 0),
+            (-0.6, -1),
+            (1.5, 2),
+            (2.5, 2),
+            (4095.0, 4095),
+            (-4095.0, -4095),
+        ];
         for (value, integer) in cases {
             assert_eq!(rounded(value), integer, "{value}");
         }

@@ -14,11 +14,12 @@
 //! | dense: log-odds of the box | 24 | 1 |
 //!
 //! Both axes share their weights. After each layer but the answers, negative values become 0. About 7.2 million
-//! multiplications. Where the probability of the box is below 0.9, the network is evaluated on the window turned by 180
+//! multiplications, those of the convolutions in integers ([`super::convolution`]). Where the probability of the box is below 0.9, the network is evaluated on the window turned by 180
 //! degrees, too, and the answers are averaged: what differs between the two is an error of the weights.
 
 use std::sync::{Arc, LazyLock};
 
+use barrelman_simd::{COLUMNS, OUTPUTS};
 use barrelman_vocab::PixelBox;
 use thiserror::Error;
 
@@ -63,7 +64,8 @@ const INPUT: usize = WINDOW_CHANNELS.next_multiple_of(2);
 const AREA: usize = SIDE * SIDE;
 
 /// The four phases of the input, with a row and a column of zeros before them.
-const PHASES: Layout = Layout { area: (SIDE + 1) * (SIDE + 1), first: SIDE + 2, stride: SIDE + 1, rows: SIDE };
+const PHASES: Layout =
+    Layout { area: (SIDE + 1) * (SIDE + 1), first: SIDE + 2, stride: SIDE + 1, rows: SIDE };
 /// The maps between the convolutions.
 const MAPS: Layout =
     Layout { area: PADDED * PADDED, first: BORDER * (PADDED + 1), stride: PADDED, rows: SIDE };
@@ -109,6 +111,12 @@ pub enum RefinementWeightsError {
         index: usize,
     },
 }
+
+const _: () = assert!(SIDE == COLUMNS, "a convolution has rows of this length");
+const _: () = assert!(
+    FIRST.is_multiple_of(OUTPUTS) && SECOND.is_multiple_of(OUTPUTS) && PROFILE.is_multiple_of(OUTPUTS),
+    "so many outputs are summed at the same time"
+);
 
 /// Inputs and outputs of the layers, in the order of the file.
 const LAYERS: [(usize, usize); 9] = [
@@ -323,9 +331,8 @@ fn split_phases(network: &mut RefinementNetwork, window: &RefinementWindow, orie
         }
         for (row, line) in cells.as_chunks::<WINDOW_SIDE_CELLS>().0.iter().enumerate() {
             let vertical = if row % 2 == 1 { 0 } else { 2 };
-            let [odd, even] = [0, 1].map(|horizontal| {
-                ((vertical + horizontal) * INPUT + channel) * AREA + row / 2 * SIDE
-            });
+            let [odd, even] =
+                [0, 1].map(|horizontal| ((vertical + horizontal) * INPUT + channel) * AREA + row / 2 * SIDE);
             for k in 0..SIDE {
                 network.input[even + k] = line[2 * k];
                 network.input[odd + k] = line[2 * k + 1];
