@@ -9,7 +9,7 @@ use barrelman_simd::{COLUMNS, Pair, sum_pair_products};
 use crate::simd::{level, simd_kernel};
 
 /// Largest number of outputs.
-const MAX_OUTPUTS: usize = 64;
+pub(super) const MAX_OUTPUTS: usize = 64;
 
 /// Steps of the largest input of a convolution.
 const INPUT_STEPS: f32 = 4095.0;
@@ -44,13 +44,15 @@ impl Convolution {
             .map(|weights| {
                 let largest = weights.iter().fold(0.0_f32, |largest, weight| largest.max(weight.abs()));
                 let sum: f32 = weights.iter().map(|weight| weight.abs()).sum();
-                (largest / WEIGHT_STEPS).max(sum * (INPUT_STEPS / SUM_LIMIT))
+                // Above 0, so that weights of zero are zero steps.
+                (largest / WEIGHT_STEPS).max(sum * (INPUT_STEPS / SUM_LIMIT)).max(f32::MIN_POSITIVE)
             })
             .collect();
         let step = |output: usize, channel: usize, tap: usize| {
-            let is_weight = channel < channels && units[output] > 0.0;
-            let weight = if is_weight { weights[output * inputs + channel * taps + tap] } else { 0.0 };
-            libm::roundf(weight / units[output].max(f32::MIN_POSITIVE)) as i16
+            // The second channel of the last pair may be missing.
+            let weight =
+                if channel < channels { weights[output * inputs + channel * taps + tap] } else { 0.0 };
+            libm::roundf(weight / units[output]) as i16
         };
         let mut pairs = Vec::with_capacity(channels.div_ceil(2) * taps * outputs);
         for pair in 0..channels.div_ceil(2) {
