@@ -17,7 +17,13 @@ cargo build -p barrelman
 program=target/debug/barrelman
 # One practice clip for all of them.
 clip=$(mktemp -d)
-trap 'rm -rf "$clip"' EXIT
+# The process group of what runs beside the script, while it runs.
+beside=
+clean_up() {
+  [[ -z $beside ]] || kill -- "-$beside" 2>/dev/null || true
+  rm -rf "$clip"
+}
+trap clean_up EXIT
 "$program" demo --clip --draw-only --force --output "$clip"
 with_clip="--clip $clip"
 
@@ -39,13 +45,12 @@ set -m
 run_in_order "first_hour" "campaigns --trials 100" >"$clip/beside.txt" 2>&1 &
 beside=$!
 set +m
-trap 'kill -- "-$beside" 2>/dev/null || true; rm -rf "$clip"' EXIT
 in_order=0
 run_in_order "law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps" \
   "camshift $with_clip" "tracking_camera" "api" || in_order=$?
 at_once=0
 wait "$beside" || at_once=$?
-trap 'rm -rf "$clip"' EXIT
+beside=
 cat "$clip/beside.txt"
 if ((in_order != 0 || at_once != 0)); then
   exit 1

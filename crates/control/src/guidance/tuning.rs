@@ -27,7 +27,7 @@ pub struct VesselModel {
 }
 
 impl VesselModel {
-    /// A small jet boat of 1.2 m in the class of EMILY; rounded from the table in `simulation.md`.
+    /// A small jet boat of 1.2 m in the class of EMILY; rounded from the simulated boat (`crates/sim/src/boat.rs`).
     pub const JET: Self = Self {
         turn_per_throttle: 1.8,
         turn_per_speed: 0.0,

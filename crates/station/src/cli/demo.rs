@@ -20,9 +20,10 @@ use super::values::{parse_seconds, parse_size};
   barrelman demo --replay drive.jsonl
   barrelman demo --clip --output demo-output
 
-Keys on the console: arrows steer the boat, space stops the camera, e engages
-it; ? shows all keys.
-Keys on a terminal: e engages, d disengages, space stops, q quits.
+Keys on the console: arrows steer the boat, space stops camera and boat, e
+engages the camera; ? shows all keys.
+Keys on a terminal: e engages, d disengages, s searches for a lost boat, space
+stops camera and boat, q quits.
 --clip runs the live loop on a rendered practice clip, with an emulated ground
 station.",
     mut_arg("law", |arg| arg.help("The camera law; default: optimal, and schema with --clip"))

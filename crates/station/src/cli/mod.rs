@@ -114,7 +114,7 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Convert a recording to CSV files and an MP4.
     Export(ExportArgs),
-    /// Emulate a ground station for tests.
+    /// Emulate a vehicle or a boat for tests.
     Emulate(EmulateArgs),
     /// Measure the camera's axes by slow test motions.
     Calibrate(CalibrateArgs),

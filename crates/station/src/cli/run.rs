@@ -25,25 +25,28 @@ use super::values::parse_box;
 
 The run starts disengaged: it tracks and sends zeros. The console's link is
 printed; on the console the operator selects the boat, engages, and stops.
-Keys on a terminal: e engages, d disengages, space stops, q quits.",
+Keys on a terminal: e engages, d disengages, s searches for a lost boat, space
+stops camera and boat, q quits.",
     mut_arg("law", |arg| arg.help("The camera law; default: the configuration's, or optimal"))
 )]
 pub struct RunArgs {
     /// Configuration, video and link.
     #[command(flatten)]
     pub connection: ConnectionOptions,
-    /// The guard's program; default: barrelman-guard beside this program. The guard owns the port of a vehicle that keeps its
-    /// last rate, and sends zeros when this program is gone.
+    /// The guard's program; default: barrelman-guard beside this program. A guard owns the port of a vehicle that keeps its last
+    /// rate, and another one the port of a boat; it sends zeros (neutral) when this program is gone.
     #[arg(long, value_name = "FILE")]
     pub guard: Option<PathBuf>,
-    /// Run without the guard: if this program is killed, crashes or hangs, the camera goes on turning.
+    /// Run without guards: if this program is killed, crashes or hangs, the camera goes on turning, and the boat goes on until
+    /// its own time-out.
     #[arg(long, conflicts_with = "guard")]
     pub without_guard: bool,
     /// The vehicle's profile; default: the configuration's, or fotokite-pro; also fotokite-sigma and
     /// mavlink-gimbal.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
-    /// Command the boat there: udp://host:port (lab-udp), or sim:, the boat of the simulated world.
+    /// Command the boat there: udp://host:port, tcp://host:port or serial:/dev/ttyACM0?baud=57600 (ArduPilot), udp://host:port
+    /// (lab-udp), or sim:, the boat of the simulated world.
     #[arg(long, value_name = "URL")]
     pub vessel: Option<String>,
     /// The boat's profile: mavlink-rover, mavlink-rover-manual, lab-udp or simulator; default: the configuration's, or simulator at

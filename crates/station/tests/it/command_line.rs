@@ -139,7 +139,7 @@ fn the_help_lists_the_keys_of_the_terminal() {
         help.split_whitespace().collect::<Vec<_>>().join(" ")
     };
     let run = help_of("run");
-    let keys = "Keys on a terminal: e engages, d disengages, space stops, q quits.";
+    let keys = "Keys on a terminal: e engages, d disengages, s searches for a lost boat, space stops camera and boat, q quits.";
     assert!(run.contains(keys), "{run}");
     let demo = help_of("demo");
     assert!(demo.contains(keys), "{demo}");

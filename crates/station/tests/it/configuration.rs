@@ -5,6 +5,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_station::cli::LawOptions;
 use barrelman_station::config::{self, ConfigFile, Configuration};
 use barrelman_vision::{FusedConfig, FusedSetting};
+use barrelman_vocab::VehicleProfile;
 
 fn resolved(text: &str) -> Result<Configuration, String> {
     let resolve = || -> anyhow::Result<Configuration> { Configuration::resolve(&config::parse(text)?) };
@@ -26,6 +27,52 @@ const LENS: &str = "[camera.lens]\nwidth = 1280\nheight = 720\nfx = 760.1\nfy = 
 fn the_example_says_what_the_defaults_are() {
     let example = resolved(config::EXAMPLE).expect("the example is usable");
     assert_eq!(example, Configuration::resolve(&ConfigFile::default()).expect("the defaults are usable"));
+}
+
+#[test]
+fn the_example_with_another_profile_is_that_profile() {
+    for name in VehicleProfile::NAMES {
+        let profile = format!("profile = \"{name}\"");
+        let example = resolved(&config::EXAMPLE.replace("profile = \"fotokite-pro\"", &profile));
+        assert_eq!(example, resolved(&format!("[vehicle]\n{profile}\n")), "{name}");
+    }
+}
+
+#[test]
+fn the_example_names_the_values_of_the_first_profile() {
+    let defaults = Configuration::resolve(&ConfigFile::default()).unwrap().to_file();
+    let defaults: toml::Table = toml::from_str(&toml::to_string(&defaults).unwrap()).unwrap();
+    let mut named = 0;
+    let mut section = String::new();
+    for line in config::EXAMPLE.lines() {
+        let line = line.trim_start_matches("# ");
+        if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            section = name.to_owned();
+            continue;
+        }
+        let Ok(written) = toml::from_str::<toml::Table>(line) else { continue };
+        let mut place = Some(&defaults);
+        for part in section.split('.') {
+            place = place.and_then(|table| table.get(part)?.as_table());
+        }
+        let Some(place) = place.filter(|_| section.starts_with("vehicle") || section.starts_with("camera"))
+        else {
+            continue;
+        };
+        for (key, value) in written {
+            let Some(default) = place.get(&key) else { continue };
+            let number =
+                |value: &toml::Value| value.as_float().or(value.as_integer().map(|value| value as f64));
+            match (number(&value), number(default)) {
+                (Some(value), Some(default)) => {
+                    assert!((value - default).abs() < 1e-12, "{section}.{key}: {value}, and not {default}");
+                }
+                _ => assert_eq!(&value, default, "{section}.{key}"),
+            }
+            named += 1;
+        }
+    }
+    assert_eq!(named, 28, "keys of the profile that the example names");
 }
 
 #[test]

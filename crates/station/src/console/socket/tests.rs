@@ -304,7 +304,7 @@ fn a_page_that_floods_is_disconnected() {
         let mut page = Page::open(&session, CONTROL_TOKEN, "a1").await;
         // Several times what the limit passes in the time that it takes to read them.
         for _ in 0..5000 {
-            page.send(json!({"type": "view", "path": "none", "delay_ms": null})).await;
+            page.send(json!({"type": "ping", "sent_ms": 0.0})).await;
         }
         page.request(1, json!({"kind": "deselect"})).await;
         assert_eq!(page.end().await, Received::End);
