@@ -54,7 +54,7 @@ pub fn session(bytes: &[u8]) {
             check_rates(&packet);
         }
     }
-    assert!(!session.last_will().is_empty());
+    assert!(!session.last_will(now).is_empty());
 }
 
 /// Rates of both axes from two bytes, 128 being none. `steps` are one rad/s.

@@ -158,7 +158,7 @@ impl FaultPlan {
         let since_start = at.since(Timestamp::ZERO);
         self.faults.iter().filter(|fault| fault.kind == kind).any(|fault| {
             since_start >= fault.start
-                && fault.duration.is_none_or(|duration| since_start < fault.start + duration)
+                && fault.duration.is_none_or(|duration| since_start < fault.start.saturating_add(duration))
         })
     }
 

@@ -118,21 +118,30 @@ struct Client<C>(Mutex<ClientState<C>>);
 struct ClientState<C> {
     pipe: Option<Arc<Pipe>>,
     requested: RequestedCommand<C>,
+    /// Whether the operator takes the control back, and the guard was not told so yet.
+    takes_control: bool,
     is_closing: bool,
+}
+
+impl<C: Commands> ClientState<C> {
+    /// Sends a message, if there is a guard with room for it, and returns whether it was sent. The lock of the state is held
+    /// meanwhile, so that the last command that was requested is the last one that is sent. Does not block.
+    fn send(&self, message: &ToGuard<C>) -> bool {
+        self.pipe.as_ref().is_some_and(|pipe| pipe.send(&message.encode()))
+    }
+
+    /// Tells the guard that the operator takes the control back, if that is still to be told.
+    fn pass_on_control(&mut self) {
+        if self.takes_control && self.send(&ToGuard::TakeControl) {
+            self.takes_control = false;
+        }
+    }
 }
 
 impl<C: Commands> Client<C> {
     fn state(&self) -> MutexGuard<'_, ClientState<C>> {
         // Plain data, whole at any time: a panic elsewhere must not silence the link.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Sends a message, if there is a guard with room for it. A command is sent again by the next heartbeat.
-    fn send(&self, message: &ToGuard<C>) {
-        let pipe = self.state().pipe.clone();
-        if let Some(pipe) = pipe {
-            pipe.send(&message.encode());
-        }
     }
 }
 
@@ -175,15 +184,19 @@ impl<C: Commands> GuardedLink<C> {
     /// something is in force until `renew_by`: without a renewal by then, the guard rests the vehicle. Does not block.
     pub fn send(&self, command: C, renew_by: Option<Timestamp>) {
         let requested = RequestedCommand { command, renew_by };
-        let previous = std::mem::replace(&mut self.client.state().requested, requested);
+        let mut state = self.client.state();
+        let previous = std::mem::replace(&mut state.requested, requested);
         if previous != requested {
-            self.client.send(&ToGuard::Request(requested));
+            // Without room, the next heartbeat sends it.
+            state.send(&ToGuard::Request(requested));
         }
     }
 
     /// The operator takes the control of the vehicle back, if another client has taken it.
     pub fn take_control(&self) {
-        self.client.send(&ToGuard::TakeControl);
+        let mut state = self.client.state();
+        state.takes_control = true;
+        state.pass_on_control();
     }
 
     /// Ends the link: zeros, stop, and the guard's end. Returns whether they were sent.
@@ -197,8 +210,8 @@ impl<C: Commands> GuardedLink<C> {
             let mut state = self.client.state();
             state.is_closing = true;
             state.requested = RequestedCommand::REST;
+            state.send(&ToGuard::Close);
         }
-        self.client.send(&ToGuard::Close);
         // The thread bounds the time of its own closing.
         thread.join().unwrap_or(false)
     }
@@ -349,18 +362,20 @@ where
                     }
                 }
             }
-            let (requested, is_closing) = {
-                let state = self.client.state();
-                (state.requested, state.is_closing)
-            };
-            if is_closing {
+            let mut state = self.client.state();
+            if state.is_closing {
+                drop(state);
                 let since = *closing_since.get_or_insert_with(Instant::now);
                 if since.elapsed() > CLOSING_TIMEOUT {
                     return GuardEnd::TooLong;
                 }
-            } else if last_sent.elapsed() >= HEARTBEAT {
-                last_sent = Instant::now();
-                guard.pipe.send(&ToGuard::Request(requested).encode());
+            } else {
+                state.pass_on_control();
+                if last_sent.elapsed() >= HEARTBEAT {
+                    last_sent = Instant::now();
+                    state.send(&ToGuard::Request(state.requested));
+                }
+                drop(state);
             }
             let patience = if self.state == LinkState::Up { HUNG_AFTER } else { HUNG_WITHOUT_SESSION };
             if last_heard.elapsed() > patience {

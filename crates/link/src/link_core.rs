@@ -16,7 +16,7 @@ use std::time::Duration;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{LinkCommand, Telemetry, Timestamp};
-use barrelman_wire::{NextAction, Session};
+use barrelman_wire::{NextAction, Session, WillStep};
 
 use crate::dead_mans_switch::{DeadMansSwitch, RequestedCommand};
 use crate::report::LinkReport;
@@ -158,6 +158,20 @@ impl<S: Session + ?Sized> LinkCore<S> {
         }
     }
 
+    /// The packets that stop the vehicle from any state, with what the session knows of the vehicle; a new session's where
+    /// there is none.
+    pub fn last_will(&self, now: Timestamp) -> Vec<WillStep<S::Sent>> {
+        match &self.session {
+            Some(open) => open.session.last_will(now),
+            None => (self.open_session)(now).last_will(now),
+        }
+    }
+
+    /// Whether the vehicle may be turning the camera, or moving the boat, if nothing reaches it from now on.
+    pub fn may_be_turning(&self) -> bool {
+        self.may_be_turning || self.session.as_ref().is_some_and(|open| open.session.may_be_turning())
+    }
+
     /// Passes a received packet to the session.
     pub fn received(&mut self, packet: &S::Received, now: Timestamp, report: ReportSink<'_>) {
         if let Some(open) = self.session.as_mut().filter(|_| !self.faults.is_active(FaultKind::Stall, now)) {
@@ -263,12 +277,14 @@ impl<S: Session + ?Sized> LinkCore<S> {
 #[cfg(test)]
 mod tests {
     use barrelman_vocab::VehicleRates;
-    use barrelman_wire::WillStep;
 
     use super::*;
 
-    /// A session that is never opened.
-    struct NoSession;
+    /// A session that is over at once, and can stop the vehicle only after it was heard.
+    #[derive(Default)]
+    struct NoSession {
+        is_heard: bool,
+    }
 
     impl Session for NoSession {
         type Sent = ();
@@ -278,7 +294,9 @@ mod tests {
         fn poll(&mut self, _: Timestamp, _: &mut Vec<()>) -> NextAction {
             NextAction::Closed
         }
-        fn received(&mut self, _: &[u8], _: Timestamp, _: &mut dyn FnMut(Telemetry)) {}
+        fn received(&mut self, _: &[u8], _: Timestamp, _: &mut dyn FnMut(Telemetry)) {
+            self.is_heard = true;
+        }
         fn request(&mut self, _: VehicleRates, _: Option<Timestamp>) {}
         fn close(&mut self, _: Timestamp) {}
         fn link_state(&self) -> LinkState {
@@ -287,15 +305,28 @@ mod tests {
         fn may_be_turning(&self) -> bool {
             false
         }
-        fn last_will(&self) -> Vec<WillStep<()>> {
-            Vec::new()
+        fn last_will(&self, _: Timestamp) -> Vec<WillStep<()>> {
+            vec![WillStep { packet: (), pause: Duration::ZERO }; usize::from(self.is_heard)]
         }
+    }
+
+    #[test]
+    fn the_last_will_is_that_of_the_session_that_is_open() {
+        let now = Timestamp::from_secs_f64(1.0);
+        let open = Box::new(|_| Box::new(NoSession::default()));
+        let mut core = LinkCore::new(open, FaultPlan::default(), Duration::ZERO);
+        core.opened(now);
+        core.received(&[1], now, &mut |_| true);
+        assert_eq!(core.last_will(now).len(), 1);
+        core.port_lost("unplugged".to_owned(), now, &mut |_| true);
+        assert!(core.last_will(now).is_empty(), "a new session knows nothing");
     }
 
     #[test]
     fn a_link_that_closes_without_a_port_waits_between_its_attempts() {
         let persistence = Duration::from_secs(10);
-        let mut core = LinkCore::new(Box::new(|_| Box::new(NoSession)), FaultPlan::default(), persistence);
+        let mut core =
+            LinkCore::new(Box::new(|_| Box::new(NoSession::default())), FaultPlan::default(), persistence);
         let (mut now, mut attempts) = (Timestamp::from_secs_f64(5.0), 0);
         loop {
             // The worker says so each time.

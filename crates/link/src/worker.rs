@@ -20,6 +20,8 @@ mod tests;
 
 /// Pause before a report is offered again that must not be lost.
 const REPORT_PAUSE: Duration = Duration::from_millis(20);
+/// How often it is offered, at most: for ten seconds. The program may be gone.
+const REPORT_ATTEMPTS: u32 = 500;
 
 /// The work of a link's thread, or of the guard.
 pub struct Worker<S: Session + ?Sized, I, R> {
@@ -47,10 +49,13 @@ where
 {
     /// Serves the port until the link is closed. A panic sends the emergency stop.
     pub fn run(self, mut port: Option<I::Port>) {
-        // The port is outside of the code that may panic: the emergency stop needs it.
-        let served = catch_unwind(AssertUnwindSafe(|| self.serve(&mut port)));
+        let open_session = Arc::clone(&self.open_session);
+        let opener: SessionOpener<S> = Box::new(move |now| open_session(now));
+        // Port and core are outside of the code that may panic: the emergency stop needs them.
+        let mut core = LinkCore::new(opener, self.faults.clone(), self.persistence);
+        let served = catch_unwind(AssertUnwindSafe(|| self.serve(&mut core, &mut port)));
         let is_stop_sent = served.unwrap_or_else(|_| {
-            let is_sent = port.as_mut().is_some_and(|port| self.send_last_will(port).is_ok());
+            let is_sent = port.as_mut().is_some_and(|port| self.stop_after_panic(&core, port));
             self.report_panic();
             is_sent
         });
@@ -58,10 +63,10 @@ where
     }
 
     /// Reports the panic, which ends the run. A loop that has no room for the report either makes some, or closes the
-    /// link: the thread does not wait for a loop that waits for the thread.
+    /// link: the thread does not wait for a loop that waits for the thread, nor for a program that is gone.
     fn report_panic(&self) {
-        while !(self.report)(LinkReport::Panicked) {
-            if self.mailbox.requested().is_closing {
+        for _ in 0..REPORT_ATTEMPTS {
+            if (self.report)(LinkReport::Panicked) || self.mailbox.requested().is_closing {
                 return;
             }
             self.io.sleep(REPORT_PAUSE);
@@ -69,10 +74,7 @@ where
     }
 
     /// Serves the port until the link is closed. Returns whether zeros and stop were sent.
-    fn serve(&self, port: &mut Option<I::Port>) -> bool {
-        let open_session = Arc::clone(&self.open_session);
-        let opener: SessionOpener<S> = Box::new(move |now| open_session(now));
-        let mut core = LinkCore::new(opener, self.faults.clone(), self.persistence);
+    fn serve(&self, core: &mut LinkCore<S>, port: &mut Option<I::Port>) -> bool {
         if self.may_be_turning {
             core.expect_motion();
         }
@@ -128,9 +130,18 @@ where
         }
     }
 
-    /// Stops the vehicle without a session.
-    fn send_last_will(&self, port: &mut I::Port) -> io::Result<()> {
-        for WillStep { packet, pause } in (self.open_session)(self.io.now()).last_will() {
+    /// Stops the vehicle by the last will of its session; by a new session's, if this one's panics, too. Returns whether the
+    /// vehicle was told to stop, or needs no stop.
+    fn stop_after_panic(&self, core: &LinkCore<S>, port: &mut I::Port) -> bool {
+        let now = self.io.now();
+        let own = catch_unwind(AssertUnwindSafe(|| (core.last_will(now), core.may_be_turning())));
+        let (will, may_be_turning) = own.unwrap_or_else(|_| ((self.open_session)(now).last_will(now), true));
+        let is_stopped = !will.is_empty() || !may_be_turning;
+        self.send_all(port, will).is_ok() && is_stopped
+    }
+
+    fn send_all(&self, port: &mut I::Port, will: Vec<WillStep<S::Sent>>) -> io::Result<()> {
+        for WillStep { packet, pause } in will {
             self.io.send(port, &packet)?;
             self.io.sleep(pause);
         }

@@ -19,5 +19,10 @@ pub const SURE_SELECTION: u32 = 4;
 /// 5: the places of boat and marks are corrected by an estimated displacement of the camera.
 pub const DISPLACED_CAMERA: u32 = 5;
 
-/// The version of this pilot. 6: a guided boat that does not answer its commands is stopped.
-pub const NEWEST: u32 = 6;
+/// 6: a guided boat that does not answer its commands is stopped.
+pub const ANSWERING_BOAT: u32 = 6;
+
+/// The version of this pilot. 7: a mark that was set while height or tilt were not known gets its place on the water when they
+/// are, and a boat that is guided over the water waits while a mark that it must regard has none; marks on a picture that is not
+/// taken yet are refused.
+pub const NEWEST: u32 = 7;

@@ -255,6 +255,7 @@ impl fmt::Display for VesselMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let held = |hold: &VesselHold| match hold {
             VesselHold::NoDestination => "no destination",
+            VesselHold::UnplacedMark => "a mark has no place on the water: move or remove it",
             VesselHold::Cause(cause) => cause.text(),
         };
         match self {

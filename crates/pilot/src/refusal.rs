@@ -18,6 +18,8 @@ pub enum Refusal {
         /// How long video frames are kept.
         kept: Duration,
     },
+    /// The video frame of the selection or mark is not taken yet.
+    NotYetCaptured,
     /// A nudge or a change of the law while the pilot is engaged.
     Engaged,
     /// A nudge while the pilot is stopped.
@@ -93,6 +95,9 @@ impl fmt::Display for Refusal {
                 "the picture of the selection is {:.1} s old; select within {:.1} s",
                 age.as_secs_f64(),
                 kept.as_secs_f64()
+            ),
+            Self::NotYetCaptured => f.write_str(
+                "the time of the picture lies in the future: captured_ns must be that of a picture of this run",
             ),
             Self::Engaged => f.write_str("the camera is engaged: disengage first"),
             Self::Stopped => f.write_str("the camera is stopped: disengage first"),

@@ -117,6 +117,9 @@ impl PendingSelection {
             Some(frame) => frame,
             // Without a history, the newest frame is the only one.
             None if newest.capture.at == captured => newest,
+            None if captured > newest.capture.at => {
+                return Some(SelectingResult::Refused(Notice::RequestRefused(Refusal::NotYetCaptured)));
+            }
             None => {
                 let age = context.history.age(captured).unwrap_or_else(|| newest.capture.at.since(captured));
                 let refusal = Refusal::SelectionTooOld { age, kept: KEPT };

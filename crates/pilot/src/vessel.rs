@@ -102,6 +102,9 @@ pub(crate) struct VesselView<'a> {
     pub(crate) sways: bool,
     /// Whether a guided boat that does not answer is stopped. Pilots of before drove it on.
     pub(crate) needs_answer: bool,
+    /// Whether marks need a place on the water before a boat is guided over the water, and get one as soon as it can be known.
+    /// Pilots of before passed over marks without a place, and took marks on pictures of the future.
+    pub(crate) needs_places: bool,
 }
 
 /// What a step observed.
@@ -276,6 +279,9 @@ impl VesselPilot {
         if age > KEPT {
             return Err(Refusal::SelectionTooOld { age, kept: KEPT });
         }
+        if view.needs_places && captured > view.now {
+            return Err(Refusal::NotYetCaptured);
+        }
         Ok(self.frame_view_at(captured, picture, view, self.guide.displacement_at(captured)))
     }
 
@@ -309,8 +315,19 @@ impl VesselPilot {
             (Observed::Boat(seen), Some((captured, picture))) => {
                 let modelled = self.frame_view_at(captured, picture, view, WaterPoint::default());
                 let is_commanded = view.sways && self.gate.is_commanding();
-                let advice =
-                    self.guide.step(seen, (&modelled, is_commanded), &self.marks, &self.profile, now);
+                if view.needs_places {
+                    let below = self.guide.displacement_at(captured);
+                    self.marks.place_on_water(&self.frame_view_at(captured, picture, view, below));
+                }
+                let advice = if view.needs_places
+                    && self.guide.is_over_water(&modelled)
+                    && self.marks.have_unplaced(&self.profile)
+                {
+                    self.guide.wait_for_places();
+                    Err(VesselHold::UnplacedMark)
+                } else {
+                    self.guide.step(seen, (&modelled, is_commanded), &self.marks, &self.profile, now)
+                };
                 self.gate.set_clear(self.guide.has_room());
                 if view.needs_answer && self.gate.is_guiding() && self.guide.is_unanswered() {
                     self.gate.stop(VesselStop::NoAnswer);

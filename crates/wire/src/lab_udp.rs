@@ -103,6 +103,10 @@ impl Session for LabUdpSession {
         if self.is_closing && self.neutrals_left == 0 {
             return NextAction::Closed;
         }
+        if self.order == VesselOrder::Released && self.neutrals_left == 0 {
+            // Nothing is owed.
+            return NextAction::WaitUntil(now.plus(INTERVAL));
+        }
         let last = self.last.map_or(now, |(at, _)| at);
         let wait = if self.last.is_some_and(|(_, sent)| sent != command) { LEAST_INTERVAL } else { INTERVAL };
         NextAction::WaitUntil(last.plus(wait))
@@ -131,7 +135,7 @@ impl Session for LabUdpSession {
             || self.neutrals_left < NEUTRALS && self.neutrals_left > 0
     }
 
-    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+    fn last_will(&self, _: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         let neutral = WillStep { packet: encode(VesselCommand::NEUTRAL).to_vec(), pause: INTERVAL };
         vec![neutral; NEUTRALS as usize]
     }
@@ -213,6 +217,8 @@ mod tests {
         let mut session = LabUdpSession::open();
         let first = sent(&mut session, 0, 1_000);
         assert_eq!(first.len(), NEUTRALS as usize, "a boat that is not commanded hears no more");
+        let next = session.poll(at(1_000), &mut Vec::new());
+        assert_eq!(next, NextAction::WaitUntil(at(1_000).plus(INTERVAL)), "and the session waits");
         session.request(VesselOrder::Commanded(AHEAD), Some(at(2_000)));
         let going = sent(&mut session, 1_000, 2_000);
         assert_eq!(going.len(), 20);

@@ -62,8 +62,9 @@ pub trait Session {
         RestEvidence::NoTelemetry
     }
 
-    /// The packets that stop the vehicle from any state, each with the pause after it: for a session that has failed.
-    fn last_will(&self) -> Vec<WillStep<Self::Sent>>;
+    /// The packets that stop the vehicle from any state, each with the pause after it: for a session that has failed. None
+    /// where another client has the control, or where the vehicle is not known.
+    fn last_will(&self, now: Timestamp) -> Vec<WillStep<Self::Sent>>;
 }
 
 /// What telemetry shows of the camera's motion.

@@ -131,10 +131,10 @@ impl Session for SessionOverNetwork {
         self.0.rest_evidence(now)
     }
 
-    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+    fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         let step =
             |step: WillStep<Request>| WillStep { packet: write_request(&step.packet), pause: step.pause };
-        self.0.last_will().into_iter().map(step).collect()
+        self.0.last_will(now).into_iter().map(step).collect()
     }
 }
 

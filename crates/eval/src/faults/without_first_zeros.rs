@@ -75,7 +75,7 @@ impl Session for WithoutFirstZeros {
         self.session.may_be_turning()
     }
 
-    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
-        self.session.last_will()
+    fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
+        self.session.last_will(now)
     }
 }

@@ -100,7 +100,7 @@ impl Session for RequestSession {
         }
     }
 
-    fn last_will(&self) -> Vec<WillStep<Turn>> {
+    fn last_will(&self, _: Timestamp) -> Vec<WillStep<Turn>> {
         let packet = Turn { rates: VehicleRates::REST, duration: Duration::ZERO };
         vec![WillStep { packet, pause: Duration::ZERO }]
     }

@@ -46,5 +46,6 @@ fn vessel_view(law: &CameraLaw, version: u32, now: Timestamp) -> VesselView<'_> 
         now,
         sways: version > behaviour::SURE_SELECTION,
         needs_answer: version > behaviour::DISPLACED_CAMERA,
+        needs_places: version > behaviour::ANSWERING_BOAT,
     }
 }

@@ -74,6 +74,8 @@ pub enum VesselMode {
 pub enum VesselHold {
     /// There is no destination.
     NoDestination,
+    /// A mark that the boat must regard has no place on the water.
+    UnplacedMark,
     /// For want of a boat in the picture, of video, or of a link.
     Cause(HoldCause),
 }

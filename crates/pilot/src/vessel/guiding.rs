@@ -141,6 +141,16 @@ impl Guide {
         self.line_of_sight.track().displacement_at(captured)
     }
 
+    /// Whether the boat is guided along a line over the water in this view, and not in the picture.
+    pub fn is_over_water(&self, frame_view: &FrameView) -> bool {
+        self.law == GuidanceLaw::LineOfSight && frame_view.sees_water
+    }
+
+    /// The guidance waits until all marks have their places.
+    pub const fn wait_for_places(&mut self) {
+        (self.newest, self.has_room) = (None, false);
+    }
+
     /// The command for a fresh localisation of the boat, seen from where the camera's model says; `is_commanded`: nothing but this
     /// program steers the boat.
     pub fn step(
@@ -151,8 +161,7 @@ impl Guide {
         profile: &VesselProfile,
         now: Timestamp,
     ) -> Result<VesselCommand, VesselHold> {
-        let is_over_water = self.law == GuidanceLaw::LineOfSight && frame_view.sees_water;
-        let (command, guidance) = if is_over_water {
+        let (command, guidance) = if self.is_over_water(frame_view) {
             self.step_over_water(frame_view.boat(seen, is_commanded), marks, profile, now)
         } else {
             self.step_in_picture(seen, frame_view, marks, now)

@@ -45,7 +45,7 @@ pub struct Mark {
     pub kind: MarkKind,
     /// Line of sight: a unit vector (right, ahead, up) in the frame of reference that does not turn with the camera.
     pub direction: [f64; 3],
-    /// Where it is on the water; `None`: height or tilt were not known.
+    /// Where it is on the water; `None`: height or tilt were not known since it was set.
     pub water: Option<WaterFix>,
     /// Time of capture of its video frame.
     pub marked: Timestamp,
@@ -236,13 +236,41 @@ impl Marks {
         Ok(id)
     }
 
+    /// Places the marks without a place on the water that the camera's view now has one for: height or tilt were not known when
+    /// they were set.
+    pub fn place_on_water(&mut self, frame_view: &FrameView) {
+        let destination = self.destination;
+        for mark in self.marks.iter_mut().flatten().filter(|mark| mark.water.is_none()) {
+            let Some(fix) = frame_view.view.pixel_of(mark.direction).and_then(|pixel| frame_view.fix(pixel))
+            else {
+                continue;
+            };
+            mark.water = Some(fix);
+            if mark.kind == MarkKind::Person {
+                mark.drift = Some(Drift::new(fix.point, std_dev_of(&fix)));
+            }
+            if Some(mark.id) == destination || mark.kind == MarkKind::WayPoint {
+                self.route += 1;
+            }
+        }
+    }
+
+    /// Whether a mark that a boat on its way over the water must regard has no place there: the destination, a way-point, or one
+    /// with a circle.
+    pub fn have_unplaced(&self, profile: &VesselProfile) -> bool {
+        self.iter().filter(|mark| mark.water.is_none()).any(|mark| {
+            let is_destination = Some(mark.id) == self.destination;
+            is_destination || mark.kind == MarkKind::WayPoint || mark.radius_m(profile, false) > 0.0
+        })
+    }
+
     /// The guidance begins here and now: its line starts where the boat is.
     pub const fn begin_route(&mut self) {
         self.route += 1;
     }
 
     /// Moves a mark to a pixel in the view of its video frame. The mark of a person drifts on as it was moved. Where height or
-    /// tilt are not known, the moved mark has no place on the water.
+    /// tilt are not known, the moved mark has no place on the water until they are.
     pub fn move_to(&mut self, moved: &MovedMark, frame_view: &FrameView) -> Result<(), MarkRefusal> {
         let (direction, water) = place(moved.pixel, frame_view)?;
         let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);

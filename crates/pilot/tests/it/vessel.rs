@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use barrelman_pilot::behaviour::ANSWERING_BOAT;
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
@@ -261,6 +262,57 @@ fn marks_at_the_horizon_too_many_and_too_old_ones_are_refused() {
     let old = DrawnMark { kind: MarkKind::Place, pixel: TARGET, captured: at(bench.ms - 1_501) };
     let outcome = bench.ask(OperatorRequest::Mark(old));
     assert!(matches!(outcome.notice, Some(Notice::RequestRefused(Refusal::SelectionTooOld { .. }))));
+    let early = DrawnMark { kind: MarkKind::Place, pixel: TARGET, captured: at(bench.ms + 1) };
+    refused(&bench.ask(OperatorRequest::Mark(early)), Refusal::NotYetCaptured);
+}
+
+#[test]
+fn a_person_who_was_marked_before_the_height_was_known_has_a_circle_when_it_is() {
+    let mut bench = Bench::new();
+    bench.see(INSIDE);
+    bench.mark(MarkKind::Person, PixelPoint { u: 400.0, v: 260.0 });
+    bench.mark(MarkKind::Place, TARGET);
+    bench.ask(OperatorRequest::NextMark);
+    let marks = |outcome: &Outcome| outcome.vessel.marks.iter().copied().collect::<Vec<_>>();
+    let before = bench.ask(OperatorRequest::Guide);
+    assert_eq!(before.notice, None);
+    assert!(marks(&before).iter().all(|mark| mark.water.is_none()));
+    bench.see_water();
+    let after = bench.see(INSIDE);
+    assert_eq!(after.vessel.mode, VesselMode::Guided);
+    assert_eq!(after.vessel.guidance.map(|guidance| guidance.basis), Some(GuidanceBasis::Water));
+    assert!(marks(&after).iter().all(|mark| mark.water.is_some()), "{:?}", marks(&after));
+    assert!(marks(&after)[0].drift.is_some());
+
+    // Pilots of before went on without the person's circle.
+    let mut bench = Bench::new();
+    bench.pilot = bench.pilot.with_behaviour(ANSWERING_BOAT);
+    bench.see(INSIDE);
+    bench.mark(MarkKind::Person, TARGET);
+    bench.see_water();
+    assert!(marks(&bench.see(INSIDE))[0].water.is_none());
+}
+
+#[test]
+fn a_guided_boat_waits_while_a_person_has_no_place_on_the_water() {
+    let mut bench = Bench::new();
+    bench.see(INSIDE);
+    // Below the horizon, but too near to it for a place.
+    let far = (0..180)
+        .map(|v| PixelPoint { u: 320.0, v: f64::from(v) })
+        .find(|pixel| matches!(bench.mark(MarkKind::Person, *pixel).notice, Some(Notice::Marked(..))));
+    assert!(far.is_some());
+    bench.tell(Report::CameraTilt(Angle::from_degrees(-10.0)));
+    bench.tell(Report::CameraHeight(15.0));
+    bench.see(INSIDE);
+    bench.mark(MarkKind::Place, TARGET);
+    bench.ask(OperatorRequest::NextMark);
+    bench.ask(OperatorRequest::Guide);
+    let outcome = bench.see(INSIDE);
+    let mode = VesselMode::Holding(VesselHold::UnplacedMark);
+    assert_eq!((outcome.vessel.mode, outcome.vessel.command), (mode, VesselCommand::NEUTRAL));
+    bench.ask(OperatorRequest::Unmark(1));
+    assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
 }
 
 #[test]

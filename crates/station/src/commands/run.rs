@@ -393,6 +393,11 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     override_key(&mut file.vessel.url, &args.vessel);
     override_key(&mut file.vessel.profile, &args.vessel_profile);
     file.vessel.guidance = args.guidance.or(file.vessel.guidance);
+    if file.vessel.url.is_none() && (args.vessel_profile.is_some() || args.guidance.is_some()) {
+        bail!(
+            "--vessel-profile and --guidance are about a boat, and none is named: give its address (--vessel URL, or vessel.url of the configuration)"
+        );
+    }
     if args.guard.is_some() {
         file.link.guard.clone_from(&args.guard);
     }

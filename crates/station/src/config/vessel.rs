@@ -113,13 +113,13 @@ impl VesselConfig {
 }
 
 impl VesselSection {
-    /// The effective settings; `None`: no boat is commanded.
+    /// The effective settings; `None`: no boat is commanded, as there is no address. The values are checked nevertheless.
     ///
     /// # Errors
     /// If there is no such profile, or a value is out of range; the message names the key and the range.
     pub(super) fn resolve(&self) -> Result<Option<VesselConfig>> {
-        let Some(url) = &self.url else { return Ok(None) };
-        let default = if url == SIMULATED { "simulator" } else { "mavlink-rover" };
+        let is_simulated = self.url.as_deref() == Some(SIMULATED);
+        let default = if is_simulated { "simulator" } else { "mavlink-rover" };
         let name = self.profile.as_deref().unwrap_or(default);
         let base = VesselProfile::named(name).with_context(|| {
             let names = VesselProfile::NAMES.join(", ");
@@ -156,11 +156,8 @@ impl VesselSection {
             fail_safe: self.fail_safe()?,
             ..base
         };
-        Ok(Some(VesselConfig {
-            url: url.clone(),
-            profile,
-            guidance: self.guidance.unwrap_or(GuidanceName::Los),
-        }))
+        let guidance = self.guidance.unwrap_or(GuidanceName::Los);
+        Ok(self.url.clone().map(|url| VesselConfig { url, profile, guidance }))
     }
 
     fn fail_safe(&self) -> Result<FailSafe> {

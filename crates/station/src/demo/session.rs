@@ -121,6 +121,9 @@ impl DriveSession {
 fn print_keys(setup: &DriveSetup) -> Result<()> {
     let mut out = stdout();
     let begin = if setup.hands_on { "draw a box around the boat, then engage; " } else { "" };
-    writeln!(out, "{begin}arrow keys steer the boat, space stops camera and boat, e engages the camera; Ctrl-C quits")?;
+    writeln!(
+        out,
+        "{begin}arrow keys steer the boat, space stops camera and boat, e engages the camera; Ctrl-C quits"
+    )?;
     Ok(out.flush()?)
 }

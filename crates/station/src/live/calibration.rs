@@ -85,7 +85,8 @@ impl LiveStepObserver for CalibrationObserver {
             !state.has_begun && first.is_some_and(|first| now.since(first) >= GIVES_UP_AFTER);
         if !state.has_ended && ((state.has_begun && !is_calibrating) || waits_too_long) {
             state.has_ended = true;
-            state.is_complete = step.outcome.notice == Some(Notice::TestMotionsMade);
+            // The notice comes once, and the end is reported until there is room.
+            state.is_complete |= step.outcome.notice == Some(Notice::TestMotionsMade);
             // A full queue means that the run ends for another reason, or asks again at the next step.
             state.has_ended = self.events.try_send(Event::Quit(QuitCause::CalibrationEnded)).is_ok();
         } else if !state.has_begun && first.is_some() {

@@ -1,10 +1,13 @@
 //! The folder of the recordings that `run` makes without being asked: names, quota, and the reserve of the disk.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use barrelman_host::output::OutputFile;
 use jiff::Timestamp;
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
 
 use crate::config::RecordingConfig;
 
@@ -45,7 +48,8 @@ impl DiskReserve {
     }
 }
 
-/// Opens the next recording in the folder. The oldest recordings make room where the quota is used up.
+/// Opens the next recording in the folder. The oldest recordings make room where the quota is used up; one that another
+/// program writes, and has locked, stays.
 ///
 /// # Errors
 /// If the folder cannot be used, or the disk is full.
@@ -56,6 +60,10 @@ pub fn open_next(config: &RecordingConfig) -> Result<OutputFile> {
     DiskReserve::new(folder, config.reserve_gb).check()?;
     let quota = (config.quota_gb * BYTES_PER_GB) as u64;
     for (path, bytes) in surplus(own_recordings(folder).with_context(context)?, quota) {
+        if is_in_use(&path) {
+            tracing::warn!("{} is not removed, for another program writes it", path.display());
+            continue;
+        }
         match std::fs::remove_file(&path) {
             Ok(()) => tracing::info!("{} is removed, for recording.quota_gb ({bytes} bytes)", path.display()),
             Err(error) => tracing::warn!("{} cannot be removed: {error}", path.display()),
@@ -72,7 +80,12 @@ fn own_recordings(folder: &Path) -> Result<Vec<(PathBuf, u64)>> {
         let entry = entry?;
         let name = entry.file_name();
         let is_own = name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(ENDING));
-        let about = entry.metadata()?;
+        let about = match entry.metadata() {
+            Ok(about) => about,
+            // Removed meanwhile, by another program that makes room.
+            Err(error) if error.kind() == ErrorKind::NotFound => continue,
+            Err(error) => return Err(error.into()),
+        };
         if is_own && about.is_file() {
             found.push((entry.path(), about.len()));
         }
@@ -80,6 +93,12 @@ fn own_recordings(folder: &Path) -> Result<Vec<(PathBuf, u64)>> {
     // The names sort by time.
     found.sort();
     Ok(found)
+}
+
+/// Whether another program has locked a file. What cannot be asked is not in use.
+fn is_in_use(path: &Path) -> bool {
+    std::fs::File::open(path)
+        .is_ok_and(|file| flock(&file, FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK))
 }
 
 /// The oldest files that must go so that the others fit into `quota` bytes.

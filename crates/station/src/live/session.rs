@@ -256,7 +256,8 @@ impl Session<'_> {
         let tracking_camera = tracking_camera.map(open_camera).transpose()?;
         let parts = OpenParts { link, boat, recorder, overlay, source, console, tracking_camera };
         if watches_keys {
-            writeln!(stdout(), "keys on this terminal: {KEYS}")?;
+            // An output that nobody reads any more is noticed by the thread of the terminal.
+            let _ = writeln!(stdout(), "keys on this terminal: {KEYS}");
         }
         let style = LineStyle::for_stdout();
         let status_output =
@@ -321,16 +322,47 @@ impl OpenParts {
         if let Some(Err(error)) = self.overlay.map(OverlayVideo::finish) {
             tracing::error!("{error:#}");
         }
-        if !is_boat_neutral {
-            return RunEnd::Failed(
-                "the last neutral commands could not be sent to the boat, as its link was down: the boat may still be under way. Stop it by its own remote control".to_owned(),
-            );
+        with_motion_left(end, is_boat_neutral, is_stop_sent)
+    }
+}
+
+/// The end of a run, with what could not be stopped.
+fn with_motion_left(end: RunEnd, is_boat_neutral: bool, is_camera_stopped: bool) -> RunEnd {
+    let boat = "the last neutral commands could not be sent to the boat, as its link was down: the boat may still be under way. Stop it by its own remote control";
+    let camera = "the last zeros and the vehicle's stop could not be sent, as the link was down: the camera may still be turning. Stop it from the ground station itself";
+    let left = [(is_boat_neutral, boat), (is_camera_stopped, camera)];
+    let mut failures: Vec<&str> =
+        left.iter().filter(|(is_stopped, _)| !is_stopped).map(|(_, text)| *text).collect();
+    if failures.is_empty() {
+        return end;
+    }
+    if let RunEnd::Failed(reason) = &end {
+        failures.push(reason);
+    }
+    RunEnd::Failed(failures.join("; and "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn failure(end: RunEnd) -> String {
+        match end {
+            RunEnd::Failed(reason) => reason,
+            other => panic!("{other:?}"),
         }
-        if is_stop_sent {
-            return end;
+    }
+
+    #[test]
+    fn everything_that_may_still_move_is_said_and_why_the_run_failed() {
+        assert_eq!(with_motion_left(RunEnd::VideoEnded, true, true), RunEnd::VideoEnded);
+        let both = failure(with_motion_left(RunEnd::Failed("a thread panicked".to_owned()), false, false));
+        for part in
+            ["the boat may still be under way", "the camera may still be turning", "a thread panicked"]
+        {
+            assert!(both.contains(part), "{both}");
         }
-        RunEnd::Failed(
-            "the last zeros and the vehicle's stop could not be sent, as the link was down: the camera may still be turning. Stop it from the ground station itself".to_owned(),
-        )
+        let camera = failure(with_motion_left(RunEnd::VideoEnded, true, false));
+        assert!(camera.contains("camera") && !camera.contains("boat"), "{camera}");
     }
 }

@@ -36,7 +36,8 @@ const SIGNALS: [(i32, &str); 5] = [
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What the keys do, in words.
-pub const KEYS: &str = "e engages, d disengages, s searches for a lost boat, space stops camera and boat, q quits";
+pub const KEYS: &str =
+    "e engages, d disengages, s searches for a lost boat, space stops camera and boat, q quits";
 
 /// The thread that watches keys, signals and the output.
 pub struct Terminal {

@@ -114,7 +114,8 @@ impl FaultInjector {
         let since_start = now.since(Timestamp::ZERO);
         let plans = self.plans.iter().filter(|(name, _)| name == thread);
         let stalls = plans.flat_map(|(_, plan)| plan.faults()).filter(|fault| fault.kind == FaultKind::Stall);
-        let ends = stalls.filter_map(|fault| Some((fault.start, fault.start + fault.duration?)));
+        let ends =
+            stalls.filter_map(|fault| Some((fault.start, fault.start.saturating_add(fault.duration?))));
         if let Some((_, end)) = ends.into_iter().find(|(from, end)| (*from..*end).contains(&since_start)) {
             std::thread::sleep(end - since_start);
         }

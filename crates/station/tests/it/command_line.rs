@@ -146,6 +146,16 @@ fn the_help_lists_the_keys_of_the_terminal() {
 }
 
 #[test]
+fn options_of_a_boat_need_a_boat() {
+    for option in [["--guidance", "los"], ["--vessel-profile", "lab-udp"]] {
+        let output = barrelman(&["run", "--video", "sim:arena1", option[0], option[1]]);
+        assert!(!output.status.success());
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains("give its address (--vessel URL"), "{said}");
+    }
+}
+
+#[test]
 fn figures_of_a_track_are_printed_alone() {
     let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/video/baseline.mp4");
     let output = barrelman(&["track", clip, "--select", "10,10,20,20", "--json"]);

@@ -153,6 +153,9 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "[camera]\nfocal_share = 0\n",
         "camera.focal_share = 0: use a share of the picture's width from 0.1 to 20",
     );
+    // A boat's values are checked without a boat, too.
+    refused("[vessel]\nkeep_out_m = 900.0\n", "vessel.keep_out_m = 900: use metres from 0.5 to 50");
+    refused("[vessel]\nprofile = \"jett\"\n", "there is no vessel profile \"jett\"");
     refused("[camera]\nlowest_tilt_rad = 0.4\n", "camera.lowest_tilt_rad is not below");
     refused("[camera.pan]\nlag_s = nan\n", "camera.pan.lag_s = NaN: use seconds from 0 to 2");
     refused("[camera.tilt]\nstop_dead_time_s = 0.05\n", "camera.tilt.stop_dead_time_s is less than");

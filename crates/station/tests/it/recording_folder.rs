@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::Write as _;
 
+use barrelman_host::output::OutputFile;
 use barrelman_station::config::RecordingConfig;
 use barrelman_station::live::recording_folder::open_next;
 
@@ -77,4 +78,20 @@ fn a_folder_that_cannot_be_used_is_named() {
     let error = format!("{:#}", open_next(&full).unwrap_err());
     assert!(error.contains("recording.reserve_gb"), "{error}");
     assert_eq!(fs::read_dir(folder).unwrap().count(), 1, "no recording was begun");
+}
+
+#[test]
+fn a_recording_that_is_being_written_stays() {
+    let folder = empty_folder("recordings-in-use");
+    let config = RecordingConfig { enabled: true, folder: folder.clone(), quota_gb: 0.0, reserve_gb: 0.0 };
+    let mut written = OutputFile::open(&folder.join(OLD), false).unwrap();
+    written.write_all(b"half").unwrap();
+    fs::write(folder.join(OLDEST), "whole").unwrap();
+    let mut next = open_next(&config).unwrap();
+    next.write_all(b"new").unwrap();
+    assert!(!folder.join(OLDEST).exists());
+    assert!(folder.join(OLD).exists(), "another program writes it");
+    drop((written, next));
+    drop(open_next(&config).unwrap());
+    assert!(!folder.join(OLD).exists());
 }

@@ -386,7 +386,7 @@ impl Session for FotokiteProSession {
     }
 
     /// Three times zeros, half a second, stop.
-    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+    fn last_will(&self, _: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         let mut zeros = Vec::new();
         self.send_zeros(&mut zeros);
         let mut stop = Vec::new();

@@ -372,7 +372,7 @@ impl Session for FotokiteSigmaSession {
     }
 
     /// A zero on each of the lanes of the commands. Where another client controls, the vehicle refuses it.
-    fn last_will(&self) -> Vec<WillStep<Request>> {
+    fn last_will(&self, _: Timestamp) -> Vec<WillStep<Request>> {
         let zero = |id, lane| Request { id, lane, call: Call::STOP };
         [(1, Lane::Stop), (2, Lane::Turn)]
             .map(|(id, lane)| WillStep { packet: zero(id, lane), pause: Duration::from_millis(100) })

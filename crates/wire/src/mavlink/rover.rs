@@ -200,6 +200,8 @@ pub struct RoverSession {
     neutrals_left: u32,
     heartbeat_at: Timestamp,
     asks_for_mode: bool,
+    /// Whether a session before may have left the boat moving, and neutral was not sent since.
+    needs_answer: bool,
     is_closing: bool,
 }
 
@@ -216,6 +218,7 @@ impl RoverSession {
             neutrals_left: 0,
             heartbeat_at: now,
             asks_for_mode: false,
+            needs_answer: false,
             is_closing: false,
         }
     }
@@ -246,7 +249,10 @@ impl RoverSession {
             _ if self.neutrals_left > 0 && (has_changed || is_after(NEUTRAL_INTERVAL)) => {
                 out.push(self.set_point(boat, VesselCommand::NEUTRAL, now));
                 self.neutrals_left -= 1;
+                self.needs_answer &= self.neutrals_left > 0;
             }
+            // Nothing is owed.
+            _ if self.neutrals_left == 0 => return now.plus(SET_POINT_INTERVAL),
             _ => {}
         }
         let wait = if self.last.is_some_and(|(_, sent)| sent != command) {
@@ -320,14 +326,9 @@ impl Session for RoverSession {
     type Command = VesselOrder;
 
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
-        if let Some(heard) = self.last_heard.filter(|heard| now.since(*heard) >= SILENCE) {
-            return if self.is_closing && now.since(heard) > SILENCE.saturating_mul(2) {
-                NextAction::Closed
-            } else if self.is_closing {
-                NextAction::WaitUntil(now.plus(NEUTRAL_INTERVAL))
-            } else {
-                SILENT
-            };
+        // A boat that is not heard may hear: at the end, neutral goes out in any case.
+        if !self.is_closing && self.last_heard.is_some_and(|heard| now.since(heard) >= SILENCE) {
+            return SILENT;
         }
         if self.reader.boat.is_none() && !self.is_closing && now.since(self.since) >= SEARCH_TIMEOUT {
             return NextAction::Reopen { reason: "no boat was heard" };
@@ -341,7 +342,8 @@ impl Session for RoverSession {
                 next = self.write_set_point(boat, now, out).min(next);
             }
         }
-        if self.is_closing && (!self.is_ours() || self.neutrals_left == 0) {
+        let is_waiting_for_the_boat = self.needs_answer && self.reader.mode.is_none();
+        if self.is_closing && !is_waiting_for_the_boat && (!self.is_ours() || self.neutrals_left == 0) {
             return NextAction::Closed;
         }
         if self.heartbeat_at <= now {
@@ -358,7 +360,7 @@ impl Session for RoverSession {
         }
         if is_heard && !self.is_ours() {
             // Whoever chose another mode steers: no neutral set-point is owed.
-            (self.last, self.neutrals_left) = (None, 0);
+            (self.last, self.neutrals_left, self.needs_answer) = (None, 0, false);
         }
     }
 
@@ -388,11 +390,17 @@ impl Session for RoverSession {
         }
     }
 
-    fn may_be_turning(&self) -> bool {
-        self.last.is_some_and(|(_, sent)| !sent.is_neutral()) || (1..NEUTRALS).contains(&self.neutrals_left)
+    fn must_be_answered(&mut self) {
+        (self.needs_answer, self.neutrals_left) = (true, NEUTRALS);
     }
 
-    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+    fn may_be_turning(&self) -> bool {
+        self.needs_answer
+            || self.last.is_some_and(|(_, sent)| !sent.is_neutral())
+            || (1..NEUTRALS).contains(&self.neutrals_left)
+    }
+
+    fn last_will(&self, _: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         let Some(boat) = self.reader.boat.filter(|_| self.is_ours()) else { return Vec::new() };
         let mut writer = self.writer.clone();
         let mut neutral = || WillStep {

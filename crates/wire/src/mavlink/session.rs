@@ -270,11 +270,12 @@ impl Session for GimbalSession {
     }
 
     /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of another commander.
-    fn last_will(&self) -> Vec<WillStep<Vec<u8>>> {
+    fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         if self.is_anothers() {
             return Vec::new();
         }
         let mut writer = self.writer.clone();
+        writer.set_time(now);
         let mut will = Vec::new();
         for _ in 0..=ZERO_REPEATS {
             let mut targets = vec![everyone(self.peers)];

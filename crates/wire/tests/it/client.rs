@@ -397,8 +397,11 @@ fn telemetry_at_9600_baud_is_asked_for_at_2_hz_and_fits() {
 #[test]
 fn the_last_will_stops_the_vehicle_from_any_state() {
     let (session, _) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    let will: Vec<(Vec<String>, u128)> =
-        session.last_will().iter().map(|step| (words(&step.packet), step.pause.as_millis())).collect();
+    let will: Vec<(Vec<String>, u128)> = session
+        .last_will(Timestamp::ZERO)
+        .iter()
+        .map(|step| (words(&step.packet), step.pause.as_millis()))
+        .collect();
     let zeros = || vec!["Gimbal 0.000000,0.000000".to_owned(), "Yaw 0.000000".to_owned()];
     let stop = vec!["stop".to_owned()];
     assert_eq!(will, [(zeros(), 50), (zeros(), 50), (zeros(), 550), (stop, 0)]);

@@ -166,6 +166,62 @@ fn the_end_is_neutral_and_a_boat_that_hears_nothing_stops_by_itself() {
 }
 
 #[test]
+fn a_boat_that_a_session_before_left_moving_is_waited_for_at_the_end() {
+    let mut bench = Bench::new(guided_boat());
+    bench.session.must_be_answered();
+    assert!(bench.session.may_be_turning());
+    bench.is_cut = true;
+    bench.run_to(200);
+    bench.session.close(at(200));
+    bench.run_to(4_000);
+    assert!(matches!(bench.next, NextAction::WaitUntil(_)), "{:?}", bench.next);
+    bench.is_cut = false;
+    bench.run_to(6_000);
+    assert_eq!(bench.next, NextAction::Closed);
+    assert_eq!(bench.set_points(0), NEUTRALS as usize);
+    assert!(!bench.session.may_be_turning());
+
+    // The boat of somebody else needs no neutral.
+    let mut bench = Bench::new(RoverBoatSettings { mode: MANUAL, ..RoverBoatSettings::default() });
+    bench.session.must_be_answered();
+    bench.session.close(at(0));
+    bench.run_to(3_000);
+    assert_eq!((bench.next, bench.set_points(0)), (NextAction::Closed, 0));
+    assert!(!bench.session.may_be_turning());
+}
+
+#[test]
+fn a_boat_that_falls_silent_during_the_end_is_sent_all_neutrals() {
+    let mut bench = Bench::new(guided_boat());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_000);
+    bench.is_cut = true;
+    bench.run_to(3_950);
+    bench.session.close(at(3_950));
+    let mut out = Vec::new();
+    let mut sent = 0;
+    for ms in (3_950..4_300).step_by(10) {
+        bench.next = bench.session.poll(at(ms), &mut out);
+        sent += out.drain(..).filter(|packet| packet.len() > 40).count();
+    }
+    assert_eq!((bench.next, sent), (NextAction::Closed, NEUTRALS as usize));
+}
+
+#[test]
+fn a_session_that_owes_nothing_waits() {
+    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
+    let mut boat = RoverBoat::new(guided_boat(), at(0));
+    let mut up = Vec::new();
+    boat.advance(at(0), &mut up);
+    for packet in &up {
+        session.received(packet, at(0), &mut |_| {});
+    }
+    session.poll(at(0), &mut Vec::new());
+    assert_eq!(session.poll(at(10), &mut Vec::new()), NextAction::WaitUntil(at(10).plus(SET_POINT_INTERVAL)));
+}
+
+#[test]
 fn what_is_no_boat_is_not_commanded() {
     let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
     let mut copter = FrameWriter::new(Address::new(1, 1), None);
@@ -178,7 +234,7 @@ fn what_is_no_boat_is_not_commanded() {
     });
     session.received(&packet, at(10), &mut |_| {});
     assert_eq!(session.link_state(), LinkState::Starting);
-    assert!(session.last_will().is_empty());
+    assert!(session.last_will(at(10)).is_empty());
     assert_eq!(session.poll(at(6_000), &mut Vec::new()), NextAction::Reopen { reason: "no boat was heard" });
 }
 

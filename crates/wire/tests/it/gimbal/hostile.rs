@@ -62,7 +62,7 @@ proptest! {
             }
             prop_assert!(*ms < end || !sent.is_motion(), "motion after the end");
         }
-        for step in bench.session.last_will() {
+        for step in bench.session.last_will(at(bench.now_ms)) {
             prop_assert!(sent(&step.packet).is_zeros());
         }
     }

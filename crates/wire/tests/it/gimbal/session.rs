@@ -113,7 +113,7 @@ fn another_commander_is_yielded_to_at_once_and_the_control_comes_back_by_request
         let after: Vec<_> = bench.since(taken_at).filter(|(_, sent)| *sent != Sent::Heartbeat).collect();
         assert!(after.is_empty(), "{after:?}");
         assert_eq!(bench.manager.primary(), Some(OTHER_COMMANDER));
-        assert!(bench.session.last_will().is_empty());
+        assert!(bench.session.last_will(at(bench.now_ms)).is_empty());
         assert_eq!(bench.session.link_state(), LinkState::Up);
         assert_eq!(bench.control(), Some(ControlState::NotOurs));
         let asked_at = bench.now_ms;
@@ -209,7 +209,8 @@ fn silence_ends_the_session_after_three_seconds() {
     assert!((2_900..=3_100).contains(&taken), "{taken} ms");
     assert_eq!(bench.session.link_state(), LinkState::Silent);
     assert!(bench.session.may_be_turning());
-    let will: Vec<Sent> = bench.session.last_will().iter().map(|step| sent(&step.packet)).collect();
+    let will: Vec<Sent> =
+        bench.session.last_will(at(bench.now_ms)).iter().map(|step| sent(&step.packet)).collect();
     assert!(will.len() == 6 && will.iter().all(Sent::is_zeros), "{will:?}");
 }
 

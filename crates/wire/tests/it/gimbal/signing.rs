@@ -1,8 +1,8 @@
 //! Signed packets.
 
-use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers};
 use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{Timestamp, VehicleRates};
 use barrelman_wire::Session as _;
 use barrelman_wire::mavlink::frame::{FrameReader, FrameWriter};
 use barrelman_wire::mavlink::gimbal_manager::GimbalManagerSettings;
@@ -89,6 +89,17 @@ fn a_signed_session_moves_a_gimbal_that_takes_signed_packets_alone() {
     bench.session.request(rates(0.2, 0.0), None);
     bench.run(core::time::Duration::from_secs(2));
     assert!(bench.manager.rates().yaw.radians_per_second() > 0.19);
+
+    // The will of this session, and of a new one: neither is older than what was sent before.
+    let now = at(bench.now_ms);
+    let new = GimbalSession::open(MavlinkPeers::DEFAULT, Some(signing("key")), now);
+    for will in [bench.session.last_will(now), new.last_will(now)] {
+        let mut manager = bench.manager.clone();
+        for step in will {
+            manager.receive(&step.packet, now, &mut Vec::new(), |_, _| {});
+        }
+        assert_eq!(manager.rates(), VehicleRates::REST);
+    }
 
     let mut bench = Bench::new(settings);
     bench.session = GimbalSession::open(MavlinkPeers::DEFAULT, Some(signing("another")), at(0));
