@@ -14,9 +14,11 @@ use barrelman_wire::fotokite_sigma::Received;
 use barrelman_wire::fotokite_sigma::call::{Lane, Request};
 use tokio::sync::mpsc::{Sender, channel};
 use tokio::sync::oneshot;
+use tokio::time::Instant;
 
 use crate::inbox::Inbox;
 use crate::inquiry::Inquiry;
+use crate::lane::Queued;
 use crate::settings::HttpSettings;
 use crate::{lane, socket};
 
@@ -26,7 +28,7 @@ const LANE_CAPACITY: usize = 2;
 /// An open port. Dropping it closes all its connections.
 #[derive(Debug)]
 pub struct HttpPort {
-    lanes: [Sender<Request>; Lane::ALL.len()],
+    lanes: [Sender<Queued>; Lane::ALL.len()],
     inbox: Arc<Inbox>,
     end: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -50,7 +52,7 @@ impl HttpPort {
             let (connector, token, inbox) = (connector.clone(), Arc::clone(&token), Arc::clone(&inbox));
             match lane {
                 Lane::Socket => drop(runtime.spawn(socket::serve(connector, token, queue, inbox))),
-                _ => drop(runtime.spawn(lane::serve(lane, connector, token, queue, inbox))),
+                _ => drop(runtime.spawn(lane::serve(connector, token, queue, inbox))),
             }
             requests
         });
@@ -68,7 +70,8 @@ impl HttpPort {
 
     fn send(&self, request: &Request) {
         let at = Lane::ALL.iter().position(|lane| *lane == request.lane).unwrap_or_default();
-        if self.lanes[at].try_send(request.clone()).is_err() {
+        let queued = Queued { request: request.clone(), handed_over_at: Instant::now() };
+        if self.lanes[at].try_send(queued).is_err() {
             // A lane that cannot take it within its time would send it too late.
             self.inbox.put(Received::NoAnswer { id: request.id });
         }

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use barrelman_wire::fotokite_sigma::Received;
-use barrelman_wire::fotokite_sigma::call::{Lane, Request};
 use futures_util::StreamExt as _;
 use hyper::header::{AUTHORIZATION, HeaderValue};
 use tokio::sync::mpsc::Receiver;
+use tokio::time::{Instant, timeout_at};
 use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::tungstenite::{Error, Message};
@@ -14,6 +14,7 @@ use tokio_tungstenite::{WebSocketStream, client_async_with_config};
 
 use crate::connection::{Connector, Stream};
 use crate::inbox::Inbox;
+use crate::lane::Queued;
 
 /// Largest message, bytes.
 const MAX_MESSAGE_BYTES: usize = 64 << 10;
@@ -22,14 +23,18 @@ const MAX_MESSAGE_BYTES: usize = 64 << 10;
 pub(crate) async fn serve(
     connector: Connector,
     token: Arc<str>,
-    mut requests: Receiver<Request>,
+    mut requests: Receiver<Queued>,
     inbox: Arc<Inbox>,
 ) {
-    while let Some(request) = requests.recv().await {
-        let id = request.id;
-        let path = request.call.path();
+    while let Some(queued) = requests.recv().await {
+        let id = queued.request.id;
+        if queued.is_overdue(Instant::now()) {
+            inbox.put(Received::NoAnswer { id });
+            continue;
+        }
+        let path = queued.request.call.path();
         let opening = open(&connector, &token, &path);
-        match tokio::time::timeout(Lane::Socket.timeout(), opening).await {
+        match timeout_at(queued.deadline(), opening).await {
             Ok(Ok(socket)) => {
                 inbox.put(Received::Answer { id, status: 101, body: Vec::new() });
                 pass_on(socket, &inbox).await;

@@ -8,6 +8,7 @@ use barrelman_link::url::{Endpoint, LinkUrl};
 use barrelman_wire::fotokite_sigma::Call;
 
 use super::*;
+use crate::connection::Connector;
 use crate::settings::{Credential, Trust};
 
 /// What the server does with each request, in the order of their arrival.
@@ -161,4 +162,48 @@ fn a_vehicle_that_is_not_there_is_named() {
     };
     let error = HttpPort::open(&settings).map(drop).unwrap_err().to_string();
     assert!(error.contains(&unused.port().to_string()), "{error}");
+}
+
+/// A request with this much of its lane's time left; `None`: it is over.
+fn queued(id: u64, left: Option<Duration>) -> Queued {
+    let request = request(id, Lane::Turn, Call::STOP);
+    let now = Instant::now();
+    let handed_over_at = left.map_or_else(|| now - request.lane.timeout(), |left| now + left);
+    Queued { request, handed_over_at }
+}
+
+fn block_on<T>(future: impl Future<Output = T>) -> T {
+    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(future)
+}
+
+#[test]
+fn a_request_that_waited_longer_than_its_time_is_never_sent() {
+    let (settings, got) = serve(&[Does::Answers(202, "")]);
+    let inbox = Arc::new(Inbox::new().unwrap());
+    let (requests, queue) = channel(LANE_CAPACITY);
+    requests.try_send(queued(1, None)).unwrap();
+    requests.try_send(queued(2, Some(Duration::from_secs(60)))).unwrap();
+    drop(requests);
+    let connector = Connector::new(&settings).unwrap();
+    block_on(lane::serve(connector, "t0ken".into(), queue, Arc::clone(&inbox)));
+    let answers = [Received::NoAnswer { id: 1 }, Received::Answer { id: 2, status: 202, body: Vec::new() }];
+    assert_eq!(inbox.take(), answers);
+    assert_eq!(got.try_iter().count(), 1);
+}
+
+#[test]
+fn a_request_whose_time_ends_while_the_lane_connects_is_not_sent() {
+    let (settings, got) = serve(&[Does::Answers(202, "")]);
+    let connector = Connector::new(&settings).unwrap();
+    let (mut connection, overdue) = (None, queued(1, None));
+    let answer = block_on(async {
+        let answer = lane::ask(&connector, "t0ken", &mut connection, &overdue).await;
+        assert!(connection.is_some(), "the lane connected");
+        // The next request on the same connection is the first that the vehicle gets.
+        let next = queued(2, Some(Duration::from_secs(60)));
+        assert!(lane::ask(&connector, "t0ken", &mut connection, &next).await.is_some());
+        answer
+    });
+    assert_eq!(answer, None);
+    assert_eq!(got.try_iter().count(), 1);
 }
