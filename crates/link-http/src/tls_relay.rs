@@ -8,20 +8,27 @@ use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::pin::pin;
 use std::thread::JoinHandle;
+use std::time::Duration;
 
-use futures_util::future::select;
-use tokio::io::copy_bidirectional;
+use futures_util::future::{join, select};
+use tokio::io::{AsyncWriteExt as _, copy, split};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{oneshot, watch};
+use tokio::sync::{Notify, oneshot, watch};
+use tokio::time::sleep;
 use tokio_rustls::TlsConnector;
 use tokio_rustls::rustls::pki_types::ServerName;
 
-use crate::connection::CONNECT_TIMEOUT;
+use crate::connection::{CONNECT_TIMEOUT, Stream};
 use crate::settings::Trust;
 use crate::tls::connector;
 
 /// Largest number of connections at a time.
 const MAX_CONNECTIONS: usize = 4;
+/// How long a connection goes on after one of its ends has closed: for what is still under way. An end that is gone without a
+/// word closes nothing by itself.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
+/// Pause after a connection that could not be accepted: too many open files stay too many for a while.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 
 /// The server that a relay leads to.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -109,7 +116,10 @@ async fn listen(listener: std::net::TcpListener, to: &Destination, report: &watc
     let Ok(listener) = TcpListener::from_std(listener) else { return };
     let mut connections = tokio::task::JoinSet::new();
     loop {
-        let Ok((near, _)) = listener.accept().await else { continue };
+        let Ok((near, _)) = listener.accept().await else {
+            sleep(ACCEPT_PAUSE).await;
+            continue;
+        };
         while connections.len() >= MAX_CONNECTIONS {
             connections.join_next().await;
         }
@@ -118,6 +128,7 @@ async fn listen(listener: std::net::TcpListener, to: &Destination, report: &watc
             match tokio::time::timeout(CONNECT_TIMEOUT, reach(&to)).await {
                 Ok(Ok(far)) => {
                     report.send_replace(None);
+                    let _ = near.set_nodelay(true);
                     pass(near, far).await;
                 }
                 Ok(Err(error)) => drop(report.send_replace(Some(error.to_string()))),
@@ -135,8 +146,67 @@ async fn reach(to: &Destination) -> io::Result<Encrypted> {
     to.tls.connect(to.name.clone(), stream).await
 }
 
-/// Passes bytes both ways until one end closes. What is lost with a connection is the business of the protocol above.
-async fn pass(mut near: TcpStream, mut far: Encrypted) {
-    let _ = near.set_nodelay(true);
-    let _ = copy_bidirectional(&mut near, &mut far).await;
+/// Passes bytes both ways until one end closes, and a little longer to the other end. What is lost with a connection is the
+/// business of the protocol above.
+async fn pass(near: impl Stream, far: impl Stream) {
+    let (mut from_near, mut to_near) = split(near);
+    let (mut from_far, mut to_far) = split(far);
+    let closed = Notify::new();
+    let out = async {
+        let _ = copy(&mut from_near, &mut to_far).await;
+        closed.notify_one();
+        let _ = to_far.shutdown().await;
+    };
+    let back = async {
+        let _ = copy(&mut from_far, &mut to_near).await;
+        closed.notify_one();
+        let _ = to_near.shutdown().await;
+    };
+    let limit = async {
+        closed.notified().await;
+        sleep(CLOSE_TIMEOUT).await;
+    };
+    select(pin!(join(out, back)), pin!(limit)).await;
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::io::{AsyncReadExt as _, DuplexStream, duplex};
+
+    use super::*;
+
+    fn block_on<T>(future: impl Future<Output = T>) -> T {
+        tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(future)
+    }
+
+    /// A relayed connection, with its near end and its far end as their owners see them.
+    fn relayed() -> (DuplexStream, DuplexStream, impl Future<Output = ()>) {
+        let ((near, program), (far, server)) = (duplex(64), duplex(64));
+        (program, server, pass(near, far))
+    }
+
+    #[test]
+    fn what_was_sent_before_an_end_closed_arrives() {
+        let (mut program, mut server, passing) = relayed();
+        let speaking = async {
+            program.write_all(b"TEARDOWN").await.unwrap();
+            drop(program);
+            let mut heard = Vec::new();
+            server.read_to_end(&mut heard).await.unwrap();
+            heard
+        };
+        let (heard, ()) = block_on(join(speaking, passing));
+        assert_eq!(heard, b"TEARDOWN");
+    }
+
+    /// One end is open and silent for ever, as after a cut of the network.
+    #[test]
+    fn a_connection_whose_one_end_has_closed_ends_although_the_other_is_silent() {
+        let (program, _server, passing) = relayed();
+        drop(program);
+        block_on(passing);
+        let (_program, server, passing) = relayed();
+        drop(server);
+        block_on(passing);
+    }
 }
