@@ -5,6 +5,9 @@ const TOKEN_IN_LINK = /[#&]token=([^&]+)/;
 /** How long another tab may take to say that it has a name already, ms. */
 const NAME_WAIT_MS = 60;
 
+/** How long the program may take to say whether the page may enter, ms. After a change of network an answer may never come. */
+const ACCESS_TIMEOUT_MS = 3000;
+
 /** The name of this page. A reload keeps it; a duplicated tab, which begins with a copy of the name, gets its own. */
 export let pageName = "";
 
@@ -29,7 +32,8 @@ async function chooseName() {
 
 /** Whether the program accepts this page's token; `null` where the program cannot be reached. */
 export async function mayEnter() {
-  const response = await fetch("/api/v1/access").catch(() => null);
+  const signal = AbortSignal.timeout(ACCESS_TIMEOUT_MS);
+  const response = await fetch("/api/v1/access", { signal }).catch(() => null);
   return response && (response.ok || response.status !== 401);
 }
 

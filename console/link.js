@@ -4,6 +4,8 @@ import { mayEnter, pageName } from "./access.js";
 import { ProgramClock } from "./clock.js";
 
 const STALE_MS = 1500;
+/** A socket that was silent for so long is given up, and a new one is opened. */
+const GIVEN_UP_MS = 3 * STALE_MS;
 const LONGEST_WAIT_MS = 2000;
 /** The program closes the socket with this code where too many pages are open. */
 const TRY_AGAIN_LATER = 1013;
@@ -80,10 +82,15 @@ export class Link extends EventTarget {
   /** A socket that is open but silent counts as lost. */
   #watch() {
     const socket = this.#socket;
-    if (socket && performance.now() - this.#heard > STALE_MS && socket.readyState <= WebSocket.OPEN) {
-      this.#setUp(false);
-      if (performance.now() - this.#heard > 3 * STALE_MS) socket.close();
-    }
+    const silence = performance.now() - this.#heard;
+    if (!socket || silence <= STALE_MS) return;
+    this.#setUp(false);
+    if (silence <= GIVEN_UP_MS) return;
+    // A peer that is gone does not answer the closing handshake, and the browser waits a minute for it: `onclose` is not
+    // waited for, and ignores this socket from now on.
+    this.#socket = null;
+    socket.close();
+    this.#retry();
   }
 
   #ping() {
