@@ -20,7 +20,8 @@ use crate::secrets::is_readable_by_others;
 const SECRET_BYTES: usize = 16;
 /// Shortest token in a file, characters.
 const MIN_TOKEN_CHARS: usize = 16;
-/// Largest number of cookies. A further one takes the place of the oldest.
+/// Largest number of cookies of each role. A further one takes the place of the oldest of its role: a watcher cannot log
+/// a controller out.
 const MAX_COOKIES: usize = 256;
 
 /// What a token permits.
@@ -145,8 +146,9 @@ impl Access {
     pub fn new_cookie(&self, role: Role) -> io::Result<String> {
         let value = secret()?;
         let mut cookies = self.cookies();
-        if cookies.roles.len() >= MAX_COOKIES {
-            let oldest = cookies.roles.iter().min_by_key(|(_, (issued, _))| *issued);
+        let of_role = cookies.roles.iter().filter(|(_, (_, of))| *of == role);
+        if of_role.clone().count() >= MAX_COOKIES {
+            let oldest = of_role.min_by_key(|(_, (issued, _))| *issued);
             if let Some(oldest) = oldest.map(|(value, _)| value.clone()) {
                 cookies.roles.remove(&oldest);
             }
@@ -219,6 +221,19 @@ mod tests {
         assert_eq!(access.role(None, Some(&first)), None);
         assert_eq!(access.role(None, Some(&pair(later[MAX_COOKIES - 1].clone()))), Some(Role::Control));
         assert_eq!(access.cookies().roles.len(), MAX_COOKIES);
+    }
+
+    #[test]
+    fn cookies_of_one_role_take_no_place_of_the_other() {
+        let access = access();
+        let pair = |cookie: String| cookie.split(';').next().unwrap().to_owned();
+        for (role, other) in [(Role::Control, Role::Watch), (Role::Watch, Role::Control)] {
+            let first = pair(access.new_cookie(role).unwrap());
+            for _ in 0..2 * MAX_COOKIES {
+                access.new_cookie(other).unwrap();
+            }
+            assert_eq!(access.role(None, Some(&first)), Some(role), "{role:?}");
+        }
     }
 
     #[test]
