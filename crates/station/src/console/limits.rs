@@ -10,9 +10,11 @@ pub(super) const MAX_MESSAGE_BYTES: usize = 4096;
 pub(super) const MAX_CONNECTIONS: usize = 64;
 /// How long the head of a request may take.
 pub(super) const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long the body of a request may take after its head.
+pub(super) const BODY_TIMEOUT: Duration = Duration::from_secs(5);
 /// A page that sent nothing for this long is dropped.
 pub(super) const IDLE_TIMEOUT: Duration = Duration::from_secs(10);
-/// A page that does not take a message for this long is dropped.
+/// A client that takes nothing of what is sent to it for this long is dropped.
 pub(super) const SEND_TIMEOUT: Duration = Duration::from_secs(10);
 /// Messages that a page may send at once, and a second.
 const BURST: f64 = 400.0;

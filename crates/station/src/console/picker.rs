@@ -30,7 +30,7 @@ use super::files;
 use super::guard::Hosts;
 use super::limits::MAX_MESSAGE_BYTES;
 use super::links::link_for_control;
-use super::routes::{guarded, may_enter, require_json};
+use super::routes::{guarded, json_body, may_enter};
 use super::server::serve;
 use super::settings::ConsoleSettings;
 use crate::jpeg;
@@ -148,17 +148,18 @@ struct Selection {
     place: [f64; 4],
 }
 
-async fn selection(State(picker): Shared, headers: HeaderMap, body: Bytes) -> Response {
-    match may_enter(&picker.access, &headers) {
+async fn selection(State(picker): Shared, request: Request) -> Response {
+    match may_enter(&picker.access, request.headers()) {
         Ok(Role::Control) => {}
         Ok(Role::Watch) => {
             return (StatusCode::FORBIDDEN, "this token may only watch\n").into_response();
         }
         Err(response) => return *response,
     }
-    if let Err(response) = require_json(&headers) {
-        return *response;
-    }
+    let body = match json_body(request).await {
+        Ok(body) => body,
+        Err(response) => return *response,
+    };
     let selection: Selection = match serde_json::from_slice(&body) {
         Ok(selection) => selection,
         Err(error) => {

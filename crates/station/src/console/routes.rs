@@ -15,11 +15,12 @@
 //! Each request is judged by [`super::guard`]. No other file is served.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Router;
 use axum::body::Body;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{DefaultBodyLimit, Path, Request, State};
+use axum::extract::{DefaultBodyLimit, FromRequest as _, Path, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
@@ -31,7 +32,7 @@ use super::access::{Access, Role};
 use super::api::{Answer, RequestBody};
 use super::files;
 use super::guard::{Hosts, Provenance};
-use super::limits::MAX_MESSAGE_BYTES;
+use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES};
 use super::metrics::metrics_text;
 use super::requests::{Requester, answer, begin_request};
 use super::shared::Console;
@@ -169,7 +170,7 @@ async fn metrics(State(console): Shared, headers: HeaderMap) -> Response {
 }
 
 /// Requires a body of JSON: a page of another origin can send text without asking first, but not JSON.
-pub(super) fn require_json(headers: &HeaderMap) -> Result<(), Box<Response>> {
+fn require_json(headers: &HeaderMap) -> Result<(), Box<Response>> {
     let kind = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     if kind.starts_with("application/json") {
         return Ok(());
@@ -178,14 +179,32 @@ pub(super) fn require_json(headers: &HeaderMap) -> Result<(), Box<Response>> {
     Err(Box::new((StatusCode::UNSUPPORTED_MEDIA_TYPE, text).into_response()))
 }
 
-async fn requests(State(console): Shared, headers: HeaderMap, body: Bytes) -> Response {
-    let role = match role_of(&console, &headers) {
+/// The JSON text of a request, which must come in time. The caller has checked before who makes the request.
+pub(super) async fn json_body(request: Request) -> Result<Bytes, Box<Response>> {
+    require_json(request.headers())?;
+    body_within(request, BODY_TIMEOUT).await
+}
+
+/// The body of a request. A body that is too long or too slow ends the connection with an answer.
+async fn body_within(request: Request, limit: Duration) -> Result<Bytes, Box<Response>> {
+    match tokio::time::timeout(limit, Bytes::from_request(request, &())).await {
+        Ok(body) => body.map_err(|rejection| Box::new(rejection.into_response())),
+        Err(_) => {
+            let (close, text) = ([(header::CONNECTION, "close")], "the body did not come in time\n");
+            Err(Box::new((StatusCode::REQUEST_TIMEOUT, close, text).into_response()))
+        }
+    }
+}
+
+async fn requests(State(console): Shared, request: Request) -> Response {
+    let role = match role_of(&console, request.headers()) {
         Ok(role) => role,
         Err(response) => return *response,
     };
-    if let Err(response) = require_json(&headers) {
-        return *response;
-    }
+    let body = match json_body(request).await {
+        Ok(body) => body,
+        Err(response) => return *response,
+    };
     let body: RequestBody = match serde_json::from_slice(&body) {
         Ok(body) => body,
         Err(error) => {

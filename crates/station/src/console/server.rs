@@ -16,7 +16,7 @@ use tokio::sync::{Semaphore, oneshot};
 
 use super::access::Access;
 use super::guard::Hosts;
-use super::limits::{HEADER_TIMEOUT, MAX_CONNECTIONS};
+use super::limits::{HEADER_TIMEOUT, MAX_CONNECTIONS, SEND_TIMEOUT};
 use super::links::announce;
 use super::pictures::{PictureSlot, encode_pictures};
 use super::routes;
@@ -133,9 +133,10 @@ pub(super) async fn serve(listener: TcpListener, router: Router) -> std::io::Res
     }
 }
 
-/// Small messages go out at once, and little is buffered.
+/// Small messages go out at once, little is buffered, and a client that takes nothing is disconnected.
 fn prepare(stream: &TcpStream) {
     let _ = stream.set_nodelay(true);
+    let _ = rustix::net::sockopt::set_tcp_user_timeout(stream, SEND_TIMEOUT.as_millis() as u32);
     let _ = rustix::net::sockopt::set_socket_send_buffer_size(stream, SEND_BUFFER_BYTES);
 }
 

@@ -321,6 +321,31 @@ fn a_body_has_at_most_4096_bytes() {
     check(LIVE, &padded(1 << 20), &[CONTROL], 413, &[]);
 }
 
+/// A request of which only the head comes.
+fn head(line: &str, headers: &[&str]) -> axum::http::Request<Body> {
+    let nothing = futures_util::stream::pending::<Result<Bytes, std::io::Error>>();
+    request(line, headers).map(|_| Body::from_stream(nothing))
+}
+
+#[test]
+fn who_asks_is_checked_before_the_body_is_read() {
+    for line in ["POST /api/v1/requests", "POST /api/v1/login"] {
+        assert_eq!(InMemory::new(LIVE).call(head(line, &[])).0, 401, "{line}");
+    }
+    assert_eq!(InMemory::new(LIVE).call(head("POST /api/v1/login", &[WATCH])).0, 204);
+    let form = "content-type: text/plain";
+    assert_eq!(InMemory::new(LIVE).call(head("POST /api/v1/requests", &[CONTROL, form])).0, 415);
+}
+
+#[test]
+fn a_body_that_does_not_come_in_time_is_refused_and_ends_the_connection() {
+    let head = head("POST /api/v1/requests", &[CONTROL]);
+    let refused = block_on(body_within(head, Duration::ZERO)).unwrap_err();
+    assert_eq!(refused.status(), StatusCode::REQUEST_TIMEOUT);
+    assert_eq!(refused.headers()[header::CONNECTION], "close");
+    assert!(block_on(body_within(request(STOP, &[]), Duration::ZERO)).is_ok(), "it came with the head");
+}
+
 #[test]
 fn a_body_that_a_foreign_form_could_send_is_refused() {
     for kind in ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", "json"] {

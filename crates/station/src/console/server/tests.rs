@@ -1,4 +1,7 @@
-//! What the console does when the controlling page is gone, on a console without a server.
+//! What the console does when the controlling page is gone, on a console without a server; and the end of a connection of
+//! which only the head of a request comes.
+
+use std::io::{Read as _, Write as _};
 
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::Timestamp;
@@ -9,6 +12,39 @@ use super::super::on_lost::OnConsoleLost;
 use super::super::seats::ClientId;
 use super::*;
 use crate::test_scenes::{at, idle};
+
+/// All that a client hears that sends this and then waits until its connection is ended.
+fn heard(sent: String) -> String {
+    let session = InMemory::new(LIVE);
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    listener.set_nonblocking(true).unwrap();
+    let address = listener.local_addr().unwrap();
+    let client = move || {
+        let mut stream = std::net::TcpStream::connect(address).unwrap();
+        stream.write_all(sent.as_bytes()).unwrap();
+        let mut heard = String::new();
+        stream.read_to_string(&mut heard).unwrap();
+        heard
+    };
+    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(async {
+        tokio::select! {
+            served = serve(listener, routes::router(Arc::clone(&session.console))) => panic!("{served:?}"),
+            heard = tokio::task::spawn_blocking(client) => heard.unwrap(),
+        }
+    })
+}
+
+#[test]
+fn a_request_without_a_token_and_without_its_body_holds_no_connection() {
+    for (line, status) in
+        [("POST /api/v1/requests", 401), ("POST /api/v1/login", 401), ("GET /", 200), ("PUT /healthz", 405)]
+    {
+        let heard = heard(format!(
+            "{line} HTTP/1.1\r\nHost: 127.0.0.1:8480\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n"
+        ));
+        assert!(heard.starts_with(&format!("HTTP/1.1 {status} ")), "{line}: {heard}");
+    }
+}
 
 /// A page was lost at this time.
 fn lose_at(session: &InMemory, id: ClientId, lost: Timestamp) {
