@@ -10,8 +10,8 @@ use barrelman_video::{DecodeError, VideoSink, VideoState, VideoUrl, live};
 use barrelman_vocab::VideoFrame;
 use barrelman_vocab::unit::EncodedUnit;
 
-/// Longest wait for the end of a stream.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Longest wait for the end of a stream: longer than the receiver waits for a connection.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 const DESCRIPTION: &str = "v=0\r\no=- 0 0 IN IP4 127.0.0.1\r\ns=-\r\nt=0 0\r\nm=video 0 RTP/AVP 96\r\n\
      a=rtpmap:96 H264/90000\r\na=fmtp:96 packetization-mode=1\r\na=control:track1\r\n";

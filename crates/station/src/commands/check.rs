@@ -29,8 +29,8 @@ use barrelman_host::clock::Clock;
 use barrelman_link_http::Trust;
 use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
 
-/// How long a live source may take to deliver its first picture.
-const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long a live source may take to deliver its first picture: 5 s to connect, and up to 5 s to the next key frame.
+const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Path of this project's udev rule, when installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 

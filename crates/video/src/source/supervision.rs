@@ -8,8 +8,9 @@ use std::time::Duration;
 
 use barrelman_vocab::time::Timestamp;
 
-/// Maximum duration of an attempt to connect, up to the server's answer to PLAY.
-pub const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
+/// Maximum duration of an attempt to connect, up to the server's answer to PLAY. That takes 4 to 7 round trips (TCP, TLS,
+/// DESCRIBE, again with the login, SETUP, PLAY), and over a cellular or satellite link a round trip takes up to 0.6 s.
+pub const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Maximum silence of a connected source: 60 pictures at 30 per second.
 pub const MAX_SILENCE: Duration = Duration::from_secs(2);
@@ -30,7 +31,7 @@ pub const MAX_RETRY_PAUSE: Duration = Duration::from_secs(1);
 ///   Resting ------------------------> Connecting -----------------> AwaitingKey
 ///    ^ ^ ^                             |                             |  ^   |
 ///    | | +---- broken, or tick --------+                     picture |  |   |
-///    | |       at since + 1 s: Disconnect                            v  |   |
+///    | |       at since + 5 s: Disconnect                            v  |   |
 ///    | +------ broken, or tick at last_picture + 2 s: Disconnect ---- Up    |
 ///    |                                             Up -- key needed --> AwaitingKey
 ///    +---- broken, or tick at last_unit + 2 s or since + 12 s: Disconnect --+
@@ -223,8 +224,8 @@ mod tests {
         let key = State::AwaitingKey { since: at(500), last_unit: at(500) };
         check(CONNECTING, Event::Connected, 500, key, None);
         check(CONNECTING, Event::Broken, 500, resting(750), Some(Action::Disconnect(Loss::Broken)));
-        check(CONNECTING, Event::Tick, 999, CONNECTING, None);
-        check(CONNECTING, Event::Tick, 1000, resting(1250), Some(Action::Disconnect(Loss::NoAnswer)));
+        check(CONNECTING, Event::Tick, 4999, CONNECTING, None);
+        check(CONNECTING, Event::Tick, 5000, resting(5250), Some(Action::Disconnect(Loss::NoAnswer)));
     }
 
     #[test]
