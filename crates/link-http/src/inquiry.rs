@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use barrelman_link::port::PortError;
 use hyper::Method;
-use tokio::runtime::Runtime;
 
 use crate::connection::{Asked, Connection, Connector};
+use crate::runtime::LinkRuntime;
 use crate::settings::{Credential, HttpSettings};
 
 /// Longest time of a question, after the connection.
@@ -17,7 +17,7 @@ const TOKEN_NAME: &str = "Barrelman";
 
 /// A vehicle that was reached, with a token.
 pub struct Inquiry {
-    runtime: Runtime,
+    runtime: LinkRuntime,
     connector: Connector,
     token: String,
 }
@@ -29,10 +29,7 @@ impl Inquiry {
     /// If the vehicle cannot be reached, its certificate is not accepted, or the API key is refused.
     pub fn open(settings: &HttpSettings) -> Result<Self, PortError> {
         let fails = |reason: String| PortError::NotUsable { address: settings.address.to_string(), reason };
-        let runtime = tokio::runtime::Builder::new_current_thread()
-            .enable_all()
-            .build()
-            .map_err(|error| fails(error.to_string()))?;
+        let runtime = LinkRuntime::new().map_err(|error| fails(error.to_string()))?;
         let connector = Connector::new(settings).map_err(|error| fails(error.to_string()))?;
         let mut inquiry = Self { runtime, connector, token: String::new() };
         let unreachable = |error: io::Error| fails(reason(&error));
@@ -53,7 +50,7 @@ impl Inquiry {
     }
 
     /// The token.
-    pub(crate) fn into_parts(self) -> (Runtime, Connector, String) {
+    pub(crate) fn into_parts(self) -> (LinkRuntime, Connector, String) {
         (self.runtime, self.connector, self.token)
     }
 

@@ -28,6 +28,7 @@ pub mod tls_relay;
 mod connection;
 mod inbox;
 mod lane;
+mod runtime;
 mod socket;
 mod tls;
 

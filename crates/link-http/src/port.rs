@@ -61,8 +61,6 @@ impl HttpPort {
             .name("http".to_owned())
             .spawn(move || {
                 let _ = runtime.block_on(ended);
-                // A name that is being looked up does not hold up the end.
-                runtime.shutdown_background();
             })
             .map_err(fails)?;
         Ok(Self { lanes, inbox, end: Some(end), thread: Some(thread) })

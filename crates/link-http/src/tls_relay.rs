@@ -19,6 +19,7 @@ use tokio_rustls::TlsConnector;
 use tokio_rustls::rustls::pki_types::ServerName;
 
 use crate::connection::{CONNECT_TIMEOUT, Stream};
+use crate::runtime::LinkRuntime;
 use crate::settings::Trust;
 use crate::tls::connector;
 
@@ -59,7 +60,7 @@ impl TlsRelay {
         let listener = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let runtime = LinkRuntime::new()?;
         let (end, ended) = oneshot::channel();
         let (report, failures) = watch::channel(None);
         let thread = std::thread::Builder::new().name("tls-relay".to_owned()).spawn(move || {
