@@ -6,7 +6,7 @@ const TOKEN_IN_LINK = /[#&]token=([^&]+)/;
 const NAME_WAIT_MS = 60;
 
 /** How long the program may take to say whether the page may enter, ms. After a change of network an answer may never come. */
-const ACCESS_TIMEOUT_MS = 3000;
+const ACCESS_TIMEOUT_MS = 2000;
 
 /** The name of this page. A reload keeps it; a duplicated tab, which begins with a copy of the name, gets its own. */
 export let pageName = "";

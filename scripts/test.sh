@@ -56,4 +56,4 @@ if ((in_order != 0 || at_once != 0)); then
   exit 1
 fi
 # What measures times or processor time, or needs both cores.
-run_in_order "guard --few $with_clip" "stops $with_clip" "sigma" "mavlink_gimbal" "mavlink_boat" "drive" "vessel" "console" "console_cost"
+run_in_order "guard --few $with_clip" "stops $with_clip" "sigma" "mavlink_gimbal" "mavlink_boat" "drive" "vessel" "console" "reconnect" "console_cost"
