@@ -47,7 +47,7 @@ beside=$!
 set +m
 in_order=0
 run_in_order "law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps" \
-  "camshift $with_clip" "tracking_camera" "api" || in_order=$?
+  "camshift $with_clip" "tracking_camera" "api" "reconnect" || in_order=$?
 at_once=0
 wait "$beside" || at_once=$?
 beside=
@@ -56,4 +56,4 @@ if ((in_order != 0 || at_once != 0)); then
   exit 1
 fi
 # What measures times or processor time, or needs both cores.
-run_in_order "guard --few $with_clip" "stops $with_clip" "sigma" "mavlink_gimbal" "mavlink_boat" "drive" "vessel" "console" "reconnect" "console_cost"
+run_in_order "guard --few $with_clip" "stops $with_clip" "sigma" "mavlink_gimbal" "mavlink_boat" "drive" "vessel" "console" "console_cost"
