@@ -40,6 +40,8 @@ RECORD = np.dtype([
 # An overlap with the label below which nothing is learned about the edges, and the probability has no right box.
 MIN_NEAR_IOU = 0.1
 EDGE_SCALE, ERROR_OFFSET = 0.4, -1.5
+# The log-odds are divided by this on writing: on recordings that were left out, probabilities as fitted are too far from one half.
+TEMPERATURE = 4 / 3
 # Weight of a composed or simulated clip beside a recording of as many samples.
 WEIGHTS = {COMPOSED: 0.3, SIMULATED: 0.5}
 
@@ -47,7 +49,7 @@ WEIGHTS = {COMPOSED: 0.3, SIMULATED: 0.5}
 class Network(nn.Module):
     """The layers of crates/vision/src/refinement/network.rs, in the order of its file."""
 
-    def __init__(self, first=24, second=32, profile=16, edge=32, judge=24):
+    def __init__(self, first=32, second=48, profile=24, edge=48, judge=32):
         super().__init__()
         half = SIDE // 2
         self.first = nn.Conv2d(CHANNELS, first, 3, stride=2, padding=1)
@@ -85,6 +87,7 @@ class Network(nn.Module):
         layers = [self.first, self.second, self.third, self.fourth,
                   self.profile, self.edge, self.answer, self.judge, self.odds]
         values = [part.detach().numpy().ravel() for layer in layers for part in (layer.weight, layer.bias)]
+        values[-2:] = [part / TEMPERATURE for part in values[-2:]]
         np.concatenate(values).astype("<f4").tofile(path)
 
 

@@ -2,20 +2,21 @@
 //!
 //! | layer | from | to |
 //! |---|---|---|
-//! | convolution 3 x 3, stride 2 | 11 x 32 x 32 | 24 x 16 x 16 |
-//! | convolution 3 x 3 | 24 x 16 x 16 | 32 x 16 x 16 |
-//! | convolution 3 x 3, dilation 2, added to its input | 32 x 16 x 16 | 32 x 16 x 16 |
-//! | convolution 3 x 3, dilation 4, added to its input | 32 x 16 x 16 | 32 x 16 x 16 |
-//! | for each axis: maximum and mean over the other axis | 32 x 16 x 16 | 64 x 16 |
-//! | for each axis: convolution 3 | 64 x 16 | 16 x 16 |
-//! | for each axis: dense | 256 | 32 |
-//! | for each axis: dense: shifts of both edges, logarithms of their errors | 32 | 4 |
-//! | dense, from the mean, the maximum and the mean of the middle of each map, both axes and the measurements | 172 | 24 |
-//! | dense: log-odds of the box | 24 | 1 |
+//! | convolution 3 x 3, stride 2 | 11 x 32 x 32 | 32 x 16 x 16 |
+//! | convolution 3 x 3 | 32 x 16 x 16 | 48 x 16 x 16 |
+//! | convolution 3 x 3, dilation 2, added to its input | 48 x 16 x 16 | 48 x 16 x 16 |
+//! | convolution 3 x 3, dilation 4, added to its input | 48 x 16 x 16 | 48 x 16 x 16 |
+//! | for each axis: maximum and mean over the other axis | 48 x 16 x 16 | 96 x 16 |
+//! | for each axis: convolution 3 | 96 x 16 | 24 x 16 |
+//! | for each axis: dense | 384 | 48 |
+//! | for each axis: dense: shifts of both edges, logarithms of their errors | 48 | 4 |
+//! | dense, from the mean, the maximum and the mean of the middle of each map, both axes and the measurements | 252 | 32 |
+//! | dense: log-odds of the box | 32 | 1 |
 //!
-//! Both axes share their weights. After each layer but the answers, negative values become 0. About 7.2 million
-//! multiplications, those of the convolutions in integers ([`super::convolution`]). Where the probability of the box is below 0.9, the network is evaluated on the window turned by 180
-//! degrees, too, and the answers are averaged: what differs between the two is an error of the weights.
+//! Both axes share their weights. After each layer but the answers, negative values become 0. About 15 million
+//! multiplications, those of the convolutions in integers ([`super::convolution`]). Where the probability of the box is below
+//! 0.85, the network is evaluated on the window turned by 180 degrees, too, and the answers are averaged: what differs between
+//! the two is an error of the weights.
 
 use std::sync::{Arc, LazyLock};
 
@@ -36,15 +37,15 @@ const PADDED: usize = SIDE + 2 * BORDER;
 /// Dilations of the convolutions after the first.
 const DILATIONS: [usize; 3] = [1, 2, 4];
 /// Channels after the first convolution and after the others.
-const FIRST: usize = 24;
-const SECOND: usize = 32;
+const FIRST: usize = 32;
+const SECOND: usize = 48;
 /// Channels of the profile of an axis, and values that its edges are computed from.
-const PROFILE: usize = 16;
-const EDGE: usize = 32;
+const PROFILE: usize = 24;
+const EDGE: usize = 48;
 /// Answers for an axis: the shifts of both edges, and the logarithms of their errors.
 const ANSWERS: usize = 4;
 /// Values that the probability is computed from, and its inputs.
-const JUDGE: usize = 24;
+const JUDGE: usize = 32;
 const JUDGED: usize = 3 * SECOND + 2 * EDGE + MEASUREMENTS;
 /// Cells in the middle of the maps, along each axis.
 const MIDDLE: core::ops::Range<usize> = 5..11;
@@ -52,8 +53,8 @@ const MIDDLE: core::ops::Range<usize> = 5..11;
 const SHIFT_SCALE: f32 = 0.4;
 /// Minimum side of a refined box, pixels.
 const MIN_SIDE_PX: f32 = 1.0;
-/// Log-odds of the box below which the turned window is evaluated, too: a probability of 0.9.
-const SURE_LOG_ODDS: f32 = 2.197_224_6;
+/// Log-odds of the box below which the turned window is evaluated, too: a probability of 0.85.
+const SURE_LOG_ODDS: f32 = 1.734_601_1;
 /// Offset and range of the logarithms of the errors.
 const ERROR_OFFSET: f32 = -1.5;
 const ERROR_RANGE: (f32, f32) = (-4.0, 3.0);
