@@ -153,7 +153,7 @@ impl OutputFile {
     fn lock(mut self) -> Result<Self> {
         let is_file = self.file.metadata().is_ok_and(|metadata| metadata.is_file());
         // Some file systems have no locks. Devices and pipes may be shared.
-        if is_file && flock(&self.file, FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK) {
+        if is_file && is_locked_elsewhere(&self.file) {
             // The file belongs to the program that locked it, even if this program created it.
             self.state = State::Begun;
             bail!("{} is being written already: choose another name, or wait", self.path.display());
@@ -222,6 +222,17 @@ impl Drop for OutputFile {
             let _ = std::fs::remove_file(&self.path);
         }
     }
+}
+
+/// Locks an open file, and returns whether another open file has the lock already.
+fn is_locked_elsewhere(file: &File) -> bool {
+    flock(file, FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK)
+}
+
+/// Whether the file at a path is an output that is being written now, by this program or another one. What cannot be asked is
+/// not.
+pub fn is_being_written(path: &Path) -> bool {
+    File::open(path).is_ok_and(|file| is_locked_elsewhere(&file))
 }
 
 /// Creates an output file that is kept even if nothing is written to it. An existing file is emptied only with `force`.

@@ -25,8 +25,8 @@ use crate::tls::connector;
 
 /// Largest number of connections at a time.
 const MAX_CONNECTIONS: usize = 4;
-/// How long a connection goes on after one of its ends has closed: for what is still under way. An end that is gone without a
-/// word closes nothing by itself.
+/// How long a connection goes on after one of its ends has closed: for what is still under way. An end whose network
+/// is cut sends no close.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Pause after a connection that could not be accepted: too many open files stay too many for a while.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     fn block_on<T>(future: impl Future<Output = T>) -> T {
-        tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(future)
+        LinkRuntime::new().unwrap().block_on(future)
     }
 
     /// A relayed connection, with its near end and its far end as their owners see them.

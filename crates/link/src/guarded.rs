@@ -362,20 +362,22 @@ where
                     }
                 }
             }
-            let mut state = self.client.state();
-            if state.is_closing {
-                drop(state);
+            let is_closing = {
+                let mut state = self.client.state();
+                if !state.is_closing {
+                    state.pass_on_control();
+                    if last_sent.elapsed() >= HEARTBEAT {
+                        last_sent = Instant::now();
+                        state.send(&ToGuard::Request(state.requested));
+                    }
+                }
+                state.is_closing
+            };
+            if is_closing {
                 let since = *closing_since.get_or_insert_with(Instant::now);
                 if since.elapsed() > CLOSING_TIMEOUT {
                     return GuardEnd::TooLong;
                 }
-            } else {
-                state.pass_on_control();
-                if last_sent.elapsed() >= HEARTBEAT {
-                    last_sent = Instant::now();
-                    state.send(&ToGuard::Request(state.requested));
-                }
-                drop(state);
             }
             let patience = if self.state == LinkState::Up { HUNG_AFTER } else { HUNG_WITHOUT_SESSION };
             if last_heard.elapsed() > patience {

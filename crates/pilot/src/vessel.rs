@@ -35,7 +35,7 @@ pub use guiding::{Guidance, GuidanceBasis, GuidanceLaw};
 pub use marks::{Mark, Marks};
 
 use gate::{GateInput, VesselGate};
-use guiding::Guide;
+use guiding::{Guide, GuideView};
 use marks::MarkRefusal;
 
 /// A reported height holds for this time.
@@ -314,20 +314,16 @@ impl VesselPilot {
         let sight = match (observed, newest) {
             (Observed::Boat(seen), Some((captured, picture))) => {
                 let modelled = self.frame_view_at(captured, picture, view, WaterPoint::default());
-                let is_commanded = view.sways && self.gate.is_commanding();
-                if view.needs_places {
+                if view.needs_places && !self.marks.are_placed() {
                     let below = self.guide.displacement_at(captured);
                     self.marks.place_on_water(&self.frame_view_at(captured, picture, view, below));
                 }
-                let advice = if view.needs_places
-                    && self.guide.is_over_water(&modelled)
-                    && self.marks.have_unplaced(&self.profile)
-                {
-                    self.guide.wait_for_places();
-                    Err(VesselHold::UnplacedMark)
-                } else {
-                    self.guide.step(seen, (&modelled, is_commanded), &self.marks, &self.profile, now)
+                let guide_view = GuideView {
+                    camera: &modelled,
+                    is_commanded: view.sways && self.gate.is_commanding(),
+                    needs_places: view.needs_places,
                 };
+                let advice = self.guide.step(seen, guide_view, &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());
                 if view.needs_answer && self.gate.is_guiding() && self.guide.is_unanswered() {
                     self.gate.stop(VesselStop::NoAnswer);

@@ -9,6 +9,7 @@ use barrelman_wire::fotokite_sigma::Call;
 
 use super::*;
 use crate::connection::Connector;
+use crate::runtime::LinkRuntime;
 use crate::settings::{Credential, Trust};
 
 /// What the server does with each request, in the order of their arrival.
@@ -173,7 +174,7 @@ fn queued(id: u64, left: Option<Duration>) -> Queued {
 }
 
 fn block_on<T>(future: impl Future<Output = T>) -> T {
-    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(future)
+    LinkRuntime::new().unwrap().block_on(future)
 }
 
 #[test]

@@ -65,6 +65,17 @@ pub struct Guide {
     has_room: bool,
 }
 
+/// What the guidance is told of the view of a video frame.
+#[derive(Debug, Clone, Copy)]
+pub struct GuideView<'a> {
+    /// The camera, where its model says.
+    pub camera: &'a FrameView,
+    /// Whether nothing but this program steers the boat.
+    pub is_commanded: bool,
+    /// Whether the boat waits while a mark that it must regard has no place on the water.
+    pub needs_places: bool,
+}
+
 impl Guide {
     /// A law without observations.
     pub fn new(law: GuidanceLaw) -> Self {
@@ -141,27 +152,21 @@ impl Guide {
         self.line_of_sight.track().displacement_at(captured)
     }
 
-    /// Whether the boat is guided along a line over the water in this view, and not in the picture.
-    pub fn is_over_water(&self, frame_view: &FrameView) -> bool {
-        self.law == GuidanceLaw::LineOfSight && frame_view.sees_water
-    }
-
-    /// The guidance waits until all marks have their places.
-    pub const fn wait_for_places(&mut self) {
-        (self.newest, self.has_room) = (None, false);
-    }
-
-    /// The command for a fresh localisation of the boat, seen from where the camera's model says; `is_commanded`: nothing but this
-    /// program steers the boat.
+    /// The command for a fresh localisation of the boat.
     pub fn step(
         &mut self,
         seen: &Localisation,
-        (frame_view, is_commanded): (&FrameView, bool),
+        GuideView { camera: frame_view, is_commanded, needs_places }: GuideView<'_>,
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
     ) -> Result<VesselCommand, VesselHold> {
-        let (command, guidance) = if self.is_over_water(frame_view) {
+        let is_over_water = self.law == GuidanceLaw::LineOfSight && frame_view.sees_water;
+        if is_over_water && needs_places && marks.have_unplaced(profile) {
+            (self.newest, self.has_room) = (None, false);
+            return Err(VesselHold::UnplacedMark);
+        }
+        let (command, guidance) = if is_over_water {
             self.step_over_water(frame_view.boat(seen, is_commanded), marks, profile, now)
         } else {
             self.step_in_picture(seen, frame_view, marks, now)

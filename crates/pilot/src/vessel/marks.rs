@@ -66,8 +66,9 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// At rest at a place.
-    fn new(WaterPoint { x, y }: WaterPoint, std_dev_m: f64) -> Self {
+    /// At rest where a mark is.
+    fn at_rest(fix: &WaterFix) -> Self {
+        let (WaterPoint { x, y }, std_dev_m) = (fix.point, std_dev_of(fix));
         let speed_variance = DRIFT_STD_DEV_M_PER_S * DRIFT_STD_DEV_M_PER_S;
         Self {
             velocity_m_per_s: (0.0, 0.0),
@@ -132,6 +133,11 @@ impl Mark {
             Some(point) => frame_view.view.pixel_of_water(point),
             None => frame_view.view.pixel_of(self.direction),
         }
+    }
+
+    /// Whether the boat's way leads to the mark: it is the destination, or a way-point.
+    fn is_on_route(&self, destination: Option<u32>) -> bool {
+        destination == Some(self.id) || self.kind == MarkKind::WayPoint
     }
 
     /// Radius of the circle around the mark that the boat keeps out of, metres: 0 for a mark without a circle. The
@@ -221,9 +227,7 @@ impl Marks {
             direction,
             water,
             marked: drawn.captured,
-            drift: water
-                .filter(|_| drawn.kind == MarkKind::Person)
-                .map(|fix| Drift::new(fix.point, std_dev_of(&fix))),
+            drift: water.filter(|_| drawn.kind == MarkKind::Person).map(|fix| Drift::at_rest(&fix)),
         });
         self.count += 1;
         let is_goal = matches!(drawn.kind, MarkKind::Place | MarkKind::Person);
@@ -239,7 +243,6 @@ impl Marks {
     /// Places the marks without a place on the water that the camera's view now has one for: height or tilt were not known when
     /// they were set.
     pub fn place_on_water(&mut self, frame_view: &FrameView) {
-        let destination = self.destination;
         for mark in self.marks.iter_mut().flatten().filter(|mark| mark.water.is_none()) {
             let Some(fix) = frame_view.view.pixel_of(mark.direction).and_then(|pixel| frame_view.fix(pixel))
             else {
@@ -247,21 +250,25 @@ impl Marks {
             };
             mark.water = Some(fix);
             if mark.kind == MarkKind::Person {
-                mark.drift = Some(Drift::new(fix.point, std_dev_of(&fix)));
+                mark.drift = Some(Drift::at_rest(&fix));
             }
-            if Some(mark.id) == destination || mark.kind == MarkKind::WayPoint {
+            if mark.is_on_route(self.destination) {
                 self.route += 1;
             }
         }
     }
 
+    /// Whether all marks have a place on the water.
+    pub fn are_placed(&self) -> bool {
+        self.iter().all(|mark| mark.water.is_some())
+    }
+
     /// Whether a mark that a boat on its way over the water must regard has no place there: the destination, a way-point, or one
     /// with a circle.
     pub fn have_unplaced(&self, profile: &VesselProfile) -> bool {
-        self.iter().filter(|mark| mark.water.is_none()).any(|mark| {
-            let is_destination = Some(mark.id) == self.destination;
-            is_destination || mark.kind == MarkKind::WayPoint || mark.radius_m(profile, false) > 0.0
-        })
+        self.iter()
+            .filter(|mark| mark.water.is_none())
+            .any(|mark| mark.is_on_route(self.destination) || mark.radius_m(profile, false) > 0.0)
     }
 
     /// The guidance begins here and now: its line starts where the boat is.
@@ -275,7 +282,7 @@ impl Marks {
         let (direction, water) = place(moved.pixel, frame_view)?;
         let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);
         let mark = mark.ok_or(MarkRefusal::NoSuchMark)?;
-        let is_way_point = mark.kind == MarkKind::WayPoint;
+        let is_on_route = mark.is_on_route(self.destination);
         let since = moved.captured.since(mark.marked);
         match (mark.kind, water, &mut mark.drift) {
             // Places close in time tell nothing of the drift.
@@ -284,12 +291,12 @@ impl Marks {
                     drift.observe(fix.point, since.as_secs_f64(), std_dev_of(&fix));
                 }
             }
-            (MarkKind::Person, Some(fix), drift) => *drift = Some(Drift::new(fix.point, std_dev_of(&fix))),
+            (MarkKind::Person, Some(fix), drift) => *drift = Some(Drift::at_rest(&fix)),
             _ => mark.drift = None,
         }
         (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured);
         // A boat that rests at its destination goes on to where the destination is now.
-        if self.destination == Some(moved.id) || is_way_point {
+        if is_on_route {
             self.route += 1;
         }
         Ok(())

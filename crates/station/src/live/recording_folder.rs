@@ -4,10 +4,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use barrelman_host::output::OutputFile;
+use barrelman_host::output::{OutputFile, is_being_written};
 use jiff::Timestamp;
-use rustix::fs::{FlockOperation, flock};
-use rustix::io::Errno;
 
 use crate::config::RecordingConfig;
 
@@ -60,7 +58,7 @@ pub fn open_next(config: &RecordingConfig) -> Result<OutputFile> {
     DiskReserve::new(folder, config.reserve_gb).check()?;
     let quota = (config.quota_gb * BYTES_PER_GB) as u64;
     for (path, bytes) in surplus(own_recordings(folder).with_context(context)?, quota) {
-        if is_in_use(&path) {
+        if is_being_written(&path) {
             tracing::warn!("{} is not removed, for another program writes it", path.display());
             continue;
         }
@@ -93,12 +91,6 @@ fn own_recordings(folder: &Path) -> Result<Vec<(PathBuf, u64)>> {
     // The names sort by time.
     found.sort();
     Ok(found)
-}
-
-/// Whether another program has locked a file. What cannot be asked is not in use.
-fn is_in_use(path: &Path) -> bool {
-    std::fs::File::open(path)
-        .is_ok_and(|file| flock(&file, FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK))
 }
 
 /// The oldest files that must go so that the others fit into `quota` bytes.

@@ -256,7 +256,7 @@ impl Session<'_> {
         let tracking_camera = tracking_camera.map(open_camera).transpose()?;
         let parts = OpenParts { link, boat, recorder, overlay, source, console, tracking_camera };
         if watches_keys {
-            // An output that nobody reads any more is noticed by the thread of the terminal.
+            // The thread of the terminal notices a closed output.
             let _ = writeln!(stdout(), "keys on this terminal: {KEYS}");
         }
         let style = LineStyle::for_stdout();

@@ -181,7 +181,7 @@ fn a_boat_that_a_session_before_left_moving_is_waited_for_at_the_end() {
     assert_eq!(bench.set_points(0), NEUTRALS as usize);
     assert!(!bench.session.may_be_turning());
 
-    // The boat of somebody else needs no neutral.
+    // A boat in a mode that another program chose needs no neutral.
     let mut bench = Bench::new(RoverBoatSettings { mode: MANUAL, ..RoverBoatSettings::default() });
     bench.session.must_be_answered();
     bench.session.close(at(0));
