@@ -18,7 +18,7 @@ use core::str::FromStr;
 
 mod pairs;
 
-pub use pairs::{COLUMNS, OUTPUTS, Pair, sum_pair_products};
+pub use pairs::{COLUMNS, OUTPUTS, Pair, RowSums, sum_pair_products};
 
 /// Sets of vector instructions, narrowest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

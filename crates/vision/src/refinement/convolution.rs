@@ -4,12 +4,12 @@
 //! 32,767 steps of the largest one. The sums are exact, so that they are the same on every machine, and two products take one
 //! instruction (`barrelman-simd`).
 
-use barrelman_simd::{COLUMNS, Pair, sum_pair_products};
+use barrelman_simd::{COLUMNS, OUTPUTS, Pair, RowSums, sum_pair_products};
 
 use crate::simd::{level, simd_kernel};
 
-/// Largest number of outputs.
-pub(super) const MAX_OUTPUTS: usize = 64;
+/// Largest number of rows.
+pub(super) const MAX_ROWS: usize = 16;
 
 /// Steps of the largest input of a convolution.
 const INPUT_STEPS: f32 = 4095.0;
@@ -25,8 +25,8 @@ type Row = [f32; COLUMNS];
 /// Weights of a convolution.
 #[derive(Debug)]
 pub(super) struct Convolution {
-    /// For each pair of channels and each tap of the window, the weights of all outputs.
-    weights: Vec<Pair>,
+    /// Block by block of outputs; in each, for each pair of channels and each tap of the window, the weights of the outputs.
+    weights: Vec<[Pair; OUTPUTS]>,
     /// Size of a step of each output's weights.
     units: Vec<f32>,
     bias: Vec<f32>,
@@ -34,7 +34,7 @@ pub(super) struct Convolution {
 
 impl Convolution {
     /// From the weights of all inputs, output by output, and the biases. An input is a tap, of `taps`, of a channel. The number
-    /// of outputs is a multiple of 8.
+    /// of outputs is a multiple of [`OUTPUTS`].
     pub(super) fn new(weights: &[f32], bias: Vec<f32>, taps: usize) -> Self {
         let outputs = bias.len();
         let inputs = weights.len() / outputs;
@@ -54,25 +54,25 @@ impl Convolution {
                 if channel < channels { weights[output * inputs + channel * taps + tap] } else { 0.0 };
             libm::roundf(weight / units[output]) as i16
         };
-        let mut pairs = Vec::with_capacity(channels.div_ceil(2) * taps * outputs);
-        for pair in 0..channels.div_ceil(2) {
-            for tap in 0..taps {
-                pairs.extend((0..outputs).map(|output| [0, 1].map(|k| step(output, 2 * pair + k, tap))));
+        let mut blocks = Vec::with_capacity(channels.div_ceil(2) * taps * outputs / OUTPUTS);
+        for first in (0..outputs).step_by(OUTPUTS) {
+            for pair in 0..channels.div_ceil(2) {
+                blocks.extend((0..taps).map(|tap| -> [Pair; OUTPUTS] {
+                    core::array::from_fn(|k| [0, 1].map(|second| step(first + k, 2 * pair + second, tap)))
+                }));
             }
         }
-        Self { weights: pairs, units, bias }
+        Self { weights: blocks, units, bias }
     }
 
     /// Applies the convolution, to whose sums the maps of `added` are added, and in whose results negative values become 0. For
     /// each pair of channels and each tap, `starts` gives the place in `maps` that the first row of the results reads from.
     pub(super) fn apply(&self, maps: &IntegerMaps, starts: &[usize], added: Option<&[f32]>, to: &mut [f32]) {
-        let outputs = self.bias.len();
-        let mut sums = [[0_i32; COLUMNS]; MAX_OUTPUTS];
-        let sums = &mut sums[..outputs];
-        for row in 0..maps.layout.rows {
-            let pairs = &maps.pairs[row * maps.layout.stride..];
-            sum_pair_products(level(), &self.weights, pairs, starts, sums);
-            finish_row(self, sums, row, maps, added, to);
+        let mut sums = [[[0; COLUMNS]; OUTPUTS]; MAX_ROWS];
+        let sums = &mut sums[..maps.layout.rows];
+        for (block, weights) in self.weights.chunks_exact(starts.len()).enumerate() {
+            sum_pair_products(level(), weights, &maps.pairs, starts, maps.layout.stride, sums);
+            finish_block(self, sums, block, maps.unit, added, to);
         }
     }
 }
@@ -119,17 +119,21 @@ impl IntegerMaps {
 }
 
 simd_kernel! {
-/// Turns the sums of a row into results.
-fn finish_row(
-    layer: &Convolution, sums: &[[i32; COLUMNS]], row: usize, maps: &IntegerMaps, added: Option<&[f32]>, to: &mut [f32]
+/// Turns the sums of a block into results.
+fn finish_block(
+    layer: &Convolution, sums: &[RowSums], block: usize, unit: f32, added: Option<&[f32]>, to: &mut [f32]
 ) {
-    for (channel, ((sums, unit), bias)) in sums.iter().zip(&layer.units).zip(&layer.bias).enumerate() {
-        let place = (channel * maps.layout.rows + row) * COLUMNS;
-        let before = added.map_or(&[0.0; COLUMNS][..], |maps| &maps[place..][..COLUMNS]);
-        let out = &mut to[place..][..COLUMNS];
-        let scale = unit * maps.unit;
-        for x in 0..COLUMNS {
-            out[x] = (sums[x] as f32 * scale + bias + before[x]).max(0.0);
+    let rows = sums.len();
+    for k in 0..OUTPUTS {
+        let channel = block * OUTPUTS + k;
+        let (scale, bias) = (layer.units[channel] * unit, layer.bias[channel]);
+        for (row, sums) in sums.iter().enumerate() {
+            let place = (channel * rows + row) * COLUMNS;
+            let before = added.map_or(&[0.0; COLUMNS][..], |maps| &maps[place..][..COLUMNS]);
+            let out = &mut to[place..][..COLUMNS];
+            for x in 0..COLUMNS {
+                out[x] = (sums[k][x] as f32 * scale + bias + before[x]).max(0.0);
+            }
         }
     }
 }

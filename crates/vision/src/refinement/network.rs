@@ -24,7 +24,7 @@ use barrelman_simd::{COLUMNS, OUTPUTS};
 use barrelman_vocab::PixelBox;
 use thiserror::Error;
 
-use super::convolution::{Convolution, IntegerMaps, Layout, MAX_OUTPUTS};
+use super::convolution::{Convolution, IntegerMaps, Layout, MAX_ROWS};
 use super::window::{MEASUREMENTS, RefinementWindow, WINDOW_CHANNELS, WINDOW_SIDE_CELLS};
 use crate::simd::simd_kernel;
 
@@ -119,7 +119,7 @@ const _: () = {
     assert!(
         FIRST.is_multiple_of(OUTPUTS) && SECOND.is_multiple_of(OUTPUTS) && PROFILE.is_multiple_of(OUTPUTS)
     );
-    assert!(FIRST <= MAX_OUTPUTS && SECOND <= MAX_OUTPUTS && PROFILE <= MAX_OUTPUTS);
+    assert!(SIDE <= MAX_ROWS);
 };
 
 /// Inputs and outputs of the layers, in the order of the file.
