@@ -18,6 +18,9 @@ pub(crate) struct Component {
     pub(crate) bounds: PixelBox,
     /// Area, pixels squared.
     pub(crate) area: f32,
+    /// Chroma of its paint: U and V less those around the components, levels; the mean over its bounds and a sample around
+    /// them, weighted with the distance from the chroma around.
+    pub(crate) chroma: (f32, f32),
 }
 
 /// Finds components; keeps its buffers.
@@ -56,7 +59,23 @@ impl ComponentFinder {
                 *smallest = component;
             }
         }
+        let around = self.chroma_around(crop);
+        for component in &mut self.found {
+            component.chroma = paint_chroma(crop, component.bounds, around);
+        }
         &self.found
+    }
+
+    /// Mean chroma of the samples that belong to no component.
+    fn chroma_around(&self, crop: &Crop) -> (f32, f32) {
+        let [u, v] = crop.chroma();
+        let (mut sum, mut count) = ((0_u32, 0_u32), 0_u32);
+        for ((&u, &v), _) in u.iter().zip(v).zip(&self.visited).filter(|(_, visited)| !**visited) {
+            sum = (sum.0 + u32::from(u), sum.1 + u32::from(v));
+            count += 1;
+        }
+        let count = count.max(1) as f32;
+        (sum.0 as f32 / count, sum.1 as f32 / count)
     }
 
     /// The component that contains a sample.
@@ -87,8 +106,33 @@ impl ComponentFinder {
             centroid: (map.left + unit * (sum.0 / mass), map.top + unit * (sum.1 / mass)),
             bounds: map.bounds_of(begin, end),
             area: unit * unit * count as f32,
+            chroma: (0.0, 0.0),
         }
     }
+}
+
+/// Chroma of what lies within bounds, less that around it.
+fn paint_chroma(crop: &Crop, bounds: PixelBox, around: (f32, f32)) -> (f32, f32) {
+    let map = crop.probabilities();
+    let [us, vs] = crop.chroma();
+    // A cast turns negative numbers into 0.
+    let sample = |at: f64, from: f32| (at - f64::from(from)) / f64::from(map.unit);
+    let range = |begin: f64, length: f64, from: f32, samples: usize| {
+        let begin = sample(begin, from);
+        let end = begin + length / f64::from(map.unit);
+        (begin - 1.0) as usize..((end + 1.0) as usize).min(samples)
+    };
+    let columns = range(bounds.u, bounds.w, map.left, map.width);
+    let (mut sum, mut mass) = ((0.0, 0.0), f32::MIN_POSITIVE);
+    for row in range(bounds.v, bounds.h, map.top, map.height) {
+        for index in columns.clone().map(|column| row * map.width + column) {
+            let (u, v) = (f32::from(us[index]) - around.0, f32::from(vs[index]) - around.1);
+            let weight = libm::hypotf(u, v);
+            sum = (sum.0 + weight * u, sum.1 + weight * v);
+            mass += weight;
+        }
+    }
+    (sum.0 / mass, sum.1 / mass)
 }
 
 #[cfg(test)]
@@ -123,6 +167,8 @@ mod tests {
         for (component, (centre, area)) in found.iter().zip(expected) {
             let (du, dv) = (component.centroid.0 - centre.0, component.centroid.1 - centre.1);
             assert!(du.abs() < 0.5 && dv.abs() < 0.5 && (component.area - area).abs() < 1.0, "{component:?}");
+            let (u, v) = component.chroma;
+            assert!((u + 100.0).abs() < 1.0 && (v - 140.0).abs() < 1.0, "{component:?}");
         }
         let right_part = PixelBox { u: 45.0, v: 40.0, w: 55.0, h: 60.0 };
         assert!((found[0].bounds.intersection(right_part).area() - 150.0).abs() < 1.0);

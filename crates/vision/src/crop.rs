@@ -202,6 +202,11 @@ impl Crop {
         }
     }
 
+    /// U and V of the samples of the probability map, row by row.
+    pub(crate) fn chroma(&self) -> [&[u8]; 2] {
+        self.chroma.each_ref().map(Vec::as_slice)
+    }
+
     /// The target probabilities, with their place in the picture.
     pub(crate) fn probabilities(&self) -> ProbabilityView<'_> {
         ProbabilityView {

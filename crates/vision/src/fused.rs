@@ -37,6 +37,7 @@ mod workspace;
 
 mod blob;
 mod companions;
+mod contact;
 mod contradicted_box;
 mod distractors;
 mod exchanged_target;

@@ -4,9 +4,12 @@
 //! tells the two apart. Their relative motion does: a buoy ahead that comes nearer is astern after the boat has passed. If
 //! afterwards the other thing is ahead of what is followed, then what is followed is the buoy. Relative motion needs neither the
 //! camera's motion nor the water's.
+//!
+//! The side is not known where the two move little, or turn while they touch. There the chroma of both before tells ([`Contact`]).
 
 use barrelman_vocab::PixelBox;
 
+use super::contact::{Chroma, Contact, Followed, learn};
 use crate::components::{Component, MAX_COMPONENTS};
 
 /// Distance, in sizes of the target, from which on a thing does not touch the target.
@@ -35,11 +38,42 @@ const MIN_COSINE: f32 = 0.5;
 const MAX_DISTANCE_FACTOR: f32 = 2.2;
 /// Consecutive frames on the other side after which the two were exchanged.
 const FRAMES: u32 = 6;
+/// A thing that touched the target is in contact with it when it was not measured for so long, seconds.
+const CONTACT_S: core::ops::Range<f32> = 0.1..0.3;
+/// Largest distance from what is followed of a thing that is seen first after a contact, and is one of the two that touched; and of
+/// one that is judged, sizes.
+const APART_SIZES: f32 = 2.3;
+const JUDGED_SIZES: f32 = 3.0;
+/// A thing within this distance of the place to which the track is moved is the target, sizes.
+const OWN_SIZES: f32 = 0.5;
 
 /// The things around a target.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Companions {
     things: [Option<Companion>; MAX_THINGS],
+    /// Chroma of the target while nothing else touched it.
+    own_chroma: Option<Chroma>,
+    /// The last contact, until it is judged.
+    contact: Option<Contact>,
+}
+
+/// A component that is not what is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Seen {
+    /// From what is followed, pixels.
+    pub(super) place: (f32, f32),
+    pub(super) chroma: Chroma,
+}
+
+/// What is known of a contact after a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Judgement {
+    /// Nothing.
+    None,
+    /// It will be judged soon.
+    Pending,
+    /// The target is this component.
+    Target(usize),
 }
 
 /// Something of the target's colour.
@@ -58,11 +92,15 @@ struct Companion {
     hidden_s: f32,
     /// Consecutive frames with a component on the other side.
     frames: u32,
+    /// Its chroma while it did not touch the target.
+    chroma: Chroma,
+    /// Whether it may be one of the two that touched, when they are apart again.
+    is_of_contact: bool,
 }
 
 impl Companions {
-    /// Moves the predictions by a frame without a measurement, `seconds` after the last one.
-    pub(super) fn predict(&mut self, seconds: f32) {
+    /// Moves the predictions by a frame without a measurement, `seconds` after the last one. The target has this size, pixels.
+    pub(super) fn predict(&mut self, size: f32, seconds: f32) {
         for slot in &mut self.things {
             if let Some(thing) = slot {
                 thing.place = sum(thing.place, scaled(thing.velocity, seconds));
@@ -73,14 +111,33 @@ impl Companions {
                 }
             }
         }
+        self.contact.take_if(|contact| !contact.advance(seconds));
+        self.find_contact(size);
     }
 
-    /// Measures the things after [`Self::predict`], with the places of components that are not what is followed, from it, pixels, and
+    /// Looks for a thing that has just come into contact with the target.
+    fn find_contact(&mut self, size: f32) {
+        let Some(own) = self.own_chroma else { return };
+        // One contact lasts for several frames.
+        if self.contact.is_some_and(|contact| contact.age_s() < CONTACT_S.end) {
+            return;
+        }
+        let Some(thing) = self.things.iter().flatten().find(|thing| thing.is_in_contact(size)) else {
+            return;
+        };
+        self.contact = Contact::new(own, thing.chroma);
+        for thing in self.things.iter_mut().flatten() {
+            thing.is_of_contact = thing.is_in_contact(size);
+        }
+    }
+
+    /// Measures the things after [`Self::predict`], with the chroma of what is followed, the components that are not that, and
     /// its size, pixels. `is_visible` tells whether a place from it is in view. The index of the component that is the target, where
     /// that is another one than what is followed.
     pub(super) fn measure(
         &mut self,
-        others: &[(f32, f32)],
+        chroma: Chroma,
+        others: &[Seen],
         size: f32,
         seconds: f32,
         is_visible: impl Fn((f32, f32)) -> bool,
@@ -95,12 +152,57 @@ impl Companions {
                 }
             }
         }
-        for (&place, _) in others.iter().zip(&is_taken).filter(|(_, taken)| !**taken) {
+        for (&seen, _) in others.iter().zip(&is_taken).filter(|(_, taken)| !**taken) {
             if let Some(slot) = self.things.iter_mut().find(|slot| slot.is_none()) {
-                *slot = Some(Companion::new(place));
+                let is_of_contact = self.contact.is_some() && length(seen.place) <= APART_SIZES * size;
+                *slot = Some(Companion { is_of_contact, ..Companion::new(seen) });
             }
         }
-        self.find_exchanged(&measured, size, is_visible)
+        let is_clear = others.iter().all(|other| length(other.place) > CLEAR_SIZES * size);
+        if is_clear && self.contact.is_none() {
+            learn(self.own_chroma.get_or_insert(chroma), chroma);
+        }
+        match self.judge_contact(chroma, others, &measured, size) {
+            Judgement::Target(index) => Some(index),
+            Judgement::Pending => None,
+            Judgement::None => self.find_exchanged(&measured, size, is_visible),
+        }
+    }
+
+    /// Judges a contact by what is seen in a frame.
+    fn judge_contact(
+        &mut self,
+        chroma: Chroma,
+        others: &[Seen],
+        measured: &[Option<usize>],
+        size: f32,
+    ) -> Judgement {
+        let nearest = self
+            .things
+            .iter()
+            .zip(measured)
+            .filter_map(|(slot, &component)| slot.filter(|thing| thing.is_of_contact).and(component))
+            .map(|index| (index, length(others[index].place)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let (Some(contact), Some((index, distance))) = (&mut self.contact, nearest) else {
+            return Judgement::None;
+        };
+        if distance > JUDGED_SIZES * size {
+            return Judgement::None;
+        }
+        match contact.judge(chroma, others[index].chroma) {
+            Followed::Unseen => Judgement::Pending,
+            Followed::Unknown => Judgement::None,
+            Followed::Thing => Judgement::Target(index),
+            Followed::Target => {
+                self.contact = None;
+                // The side on which the thing was expected tells less.
+                for slot in &mut self.things {
+                    slot.take_if(|thing| thing.is_of_contact && thing.hidden_s > 0.0);
+                }
+                Judgement::None
+            }
+        }
     }
 
     /// The component of a thing that lies where the opposite of one is expected that was known before it and is not in view now.
@@ -126,6 +228,7 @@ impl Companions {
 
     /// The target is at this place from what was followed until now.
     pub(super) fn exchange(&mut self, place: (f32, f32), size: f32) {
+        self.contact = None;
         let judges = self
             .things
             .map(|slot| slot.is_some_and(|thing| thing.can_judge(size) && thing.is_opposite(place)));
@@ -134,7 +237,10 @@ impl Companions {
             if is_judge {
                 (thing.place, thing.hidden_s) = (scaled(place, -1.0), 0.0);
                 thing.seen_at = thing.place;
-            } else if thing.is_known() && thing.frames < FRAMES {
+            } else if thing.is_known()
+                && thing.frames < FRAMES
+                && length(sum(thing.place, scaled(place, -1.0))) > OWN_SIZES * size
+            {
                 thing.place = sum(thing.place, scaled(place, -1.0));
                 thing.seen_at = sum(thing.seen_at, scaled(place, -1.0));
             } else {
@@ -154,7 +260,7 @@ impl Companions {
 }
 
 impl Companion {
-    const fn new(place: (f32, f32)) -> Self {
+    const fn new(Seen { place, chroma }: Seen) -> Self {
         Self {
             place,
             seen_at: place,
@@ -163,6 +269,8 @@ impl Companion {
             seen_s: 0.0,
             hidden_s: 0.0,
             frames: 0,
+            chroma,
+            is_of_contact: false,
         }
     }
 
@@ -170,7 +278,10 @@ impl Companion {
         GATE_SIZES * size + GATE_PX + GATE_SPEEDS * length(self.velocity) * self.hidden_s
     }
 
-    fn correct(&mut self, place: (f32, f32), seconds: f32) {
+    fn correct(&mut self, Seen { place, chroma }: Seen, size: f32, seconds: f32) {
+        if length(place) > CLEAR_SIZES * size || !self.is_known() {
+            learn(&mut self.chroma, chroma);
+        }
         let error = sum(place, scaled(self.place, -1.0));
         self.place = sum(self.place, scaled(error, PLACE_GAIN));
         if seconds > 0.0 {
@@ -182,20 +293,14 @@ impl Companion {
     }
 
     /// Measures the thing by the nearest component that is not taken, if it is near enough.
-    fn find(
-        &mut self,
-        others: &[(f32, f32)],
-        is_taken: &mut [bool],
-        size: f32,
-        seconds: f32,
-    ) -> Option<usize> {
+    fn find(&mut self, others: &[Seen], is_taken: &mut [bool], size: f32, seconds: f32) -> Option<usize> {
         let (index, distance) = nearest(others, is_taken, self.place)?;
-        let opposite = length(sum(others[index], self.place));
+        let opposite = length(sum(others[index].place, self.place));
         let is_ambiguous = self.hidden_s > MIN_HIDDEN_S && opposite < 2.0 * distance;
         if distance > self.gate(size) || is_ambiguous {
             return None;
         }
-        self.correct(others[index], seconds);
+        self.correct(others[index], size, seconds);
         is_taken[index] = true;
         Some(index)
     }
@@ -205,10 +310,19 @@ impl Companion {
         self.seen_s >= MIN_SEEN_S
     }
 
+    /// Whether the thing is known and touched the target when it was measured last.
+    fn has_touched(&self, size: f32) -> bool {
+        self.is_known() && length(self.seen_at) <= CLEAR_SIZES * size
+    }
+
+    /// Whether the thing is in contact with the target since a moment ago.
+    fn is_in_contact(&self, size: f32) -> bool {
+        self.has_touched(size) && CONTACT_S.contains(&self.hidden_s)
+    }
+
     /// Whether it touched the target when it went out of view, and moves so that it can be told where it is now.
     fn can_judge(&self, size: f32) -> bool {
-        self.is_known()
-            && length(self.seen_at) <= CLEAR_SIZES * size
+        self.has_touched(size)
             && self.hidden_s >= MIN_HIDDEN_S
             && length(self.velocity) >= MIN_SPEED * size
             && length(self.place) >= MIN_DISTANCE * size
@@ -222,10 +336,10 @@ impl Companion {
     }
 }
 
-/// The place that is not taken and nearest to another one, with its distance.
-fn nearest(places: &[(f32, f32)], is_taken: &[bool], to: (f32, f32)) -> Option<(usize, f32)> {
-    let free = places.iter().enumerate().filter(|&(index, _)| !is_taken[index]);
-    free.map(|(index, &place)| (index, length(sum(place, scaled(to, -1.0)))))
+/// The component that is not taken and nearest to a place, with its distance.
+fn nearest(others: &[Seen], is_taken: &[bool], to: (f32, f32)) -> Option<(usize, f32)> {
+    let free = others.iter().enumerate().filter(|&(index, _)| !is_taken[index]);
+    free.map(|(index, other)| (index, length(sum(other.place, scaled(to, -1.0)))))
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -253,6 +367,12 @@ mod tests {
 
     const FRAME_S: f32 = 1.0 / 30.0;
     const SIZE: f32 = 10.0;
+    const BOAT: Chroma = (-4.0, 20.0);
+    const BUOY: Chroma = (-12.0, 18.0);
+
+    fn buoy(place: (f32, f32)) -> Seen {
+        Seen { place, chroma: BUOY }
+    }
 
     /// What is found when a thing, at first 20 px to the right of the target, comes nearer with 10 px a second, is not visible
     /// within 9 px, and from then on is seen where `shown` puts it.
@@ -265,13 +385,14 @@ mod tests {
         let mut companions = Companions::default();
         for frame in 0_u8..150 {
             let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
-            companions.predict(FRAME_S);
+            companions.predict(SIZE, FRAME_S);
             let is_before = right > 0.0;
             let place = if is_before { (right, down) } else { shown((right, down)) };
-            let others = [place];
+            let others = [buoy(place)];
             let visible = if right.abs() > 9.0 { &others[..] } else { &[] };
-            if let Some(index) = companions.measure(visible, SIZE, FRAME_S, |_| true) {
-                return Some(visible[index]);
+            // All of one chroma: only the side tells.
+            if let Some(index) = companions.measure(BUOY, visible, SIZE, FRAME_S, |_| true) {
+                return Some(visible[index].place);
             }
         }
         None
@@ -296,10 +417,10 @@ mod tests {
         let mut companions = Companions::default();
         for frame in 0_u8..150 {
             let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
-            companions.predict(FRAME_S);
-            let others = [(18.0, -3.0), (right, 1.0)];
+            companions.predict(SIZE, FRAME_S);
+            let others = [(18.0, -3.0), (right, 1.0)].map(buoy);
             let visible = if right > 9.0 { &others[..] } else { &others[..1] };
-            assert_eq!(companions.measure(visible, SIZE, FRAME_S, |_| true), None, "{frame}");
+            assert_eq!(companions.measure(BOAT, visible, SIZE, FRAME_S, |_| true), None, "{frame}");
         }
     }
 
@@ -308,12 +429,12 @@ mod tests {
         let mut companions = Companions::default();
         for frame in 0_u8..150 {
             let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
-            companions.predict(FRAME_S);
-            let others = [(right.abs(), 1.0)];
+            companions.predict(SIZE, FRAME_S);
+            let others = [buoy((right.abs(), 1.0))];
             let visible = if right.abs() > 9.0 { &others[..] } else { &[] };
-            if companions.measure(visible, SIZE, FRAME_S, |_| true).is_some() {
-                companions.exchange(others[0], SIZE);
-                let distance = length(sum(others[0], companions.things[0].expect("the thing").place));
+            if companions.measure(BUOY, visible, SIZE, FRAME_S, |_| true).is_some() {
+                companions.exchange(others[0].place, SIZE);
+                let distance = length(sum(others[0].place, companions.things[0].expect("the thing").place));
                 assert!(distance < 1e-3, "{companions:?}");
                 return;
             }
@@ -324,10 +445,44 @@ mod tests {
     #[test]
     fn a_thing_that_stays_hidden_is_forgotten() {
         let mut companions = Companions::default();
-        companions.measure(&[(20.0, 0.0)], SIZE, FRAME_S, |_| true);
-        companions.predict(MAX_HIDDEN_S - 0.1);
+        companions.measure(BOAT, &[buoy((20.0, 0.0))], SIZE, FRAME_S, |_| true);
+        companions.predict(SIZE, MAX_HIDDEN_S - 0.1);
         assert!(companions.things[0].is_some());
-        companions.predict(0.2);
+        companions.predict(SIZE, 0.2);
         assert!(companions.things[0].is_none());
+    }
+
+    /// The place of what is found after a boat turned back at a buoy, with the chroma of what is followed then, and with what is seen
+    /// beside it.
+    fn after_turning_back(followed: Chroma, beside: &[Seen]) -> Option<(f32, f32)> {
+        let mut companions = Companions::default();
+        for frame in 0_u8..90 {
+            // The boat comes from 30 to 9 px, touches the buoy for half a second, and goes back.
+            let (chroma, others) = match frame {
+                0..=44 => (BOAT, vec![buoy((30.0 - 0.48 * f32::from(frame), 1.0))]),
+                45..=59 => (BOAT, Vec::new()),
+                _ => (followed, beside.to_vec()),
+            };
+            companions.predict(SIZE, FRAME_S);
+            if let Some(index) = companions.measure(chroma, &others, SIZE, FRAME_S, |_| true) {
+                return Some(others[index].place);
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn after_a_contact_the_chroma_tells_the_target() {
+        let place = (12.0, 1.0);
+        assert_eq!(after_turning_back(BOAT, &[Seen { place, chroma: BUOY }]), None);
+        assert_eq!(after_turning_back(BUOY, &[Seen { place, chroma: BOAT }]), Some(place));
+    }
+
+    #[test]
+    fn what_comes_from_elsewhere_after_a_contact_is_not_the_target() {
+        let far = Seen { place: (26.0, 1.0), chroma: BOAT };
+        assert_eq!(after_turning_back(BUOY, &[far]), None);
+        let near = Seen { place: (-12.0, 1.0), chroma: BOAT };
+        assert_eq!(after_turning_back(BUOY, &[far, near]), Some(near.place));
     }
 }

@@ -2,7 +2,7 @@
 
 use barrelman_vocab::{Picture, PixelBox};
 
-use super::companions::{CLEAR_SIZES, own_component};
+use super::companions::{CLEAR_SIZES, Seen, own_component};
 use super::config::FusedConfig;
 use super::shape_following::rate_in;
 use super::target::Target;
@@ -61,14 +61,15 @@ impl Workspace {
             return false;
         }
         let origin = components[own].centroid;
-        let mut others = [(0.0, 0.0); MAX_COMPONENTS];
+        let mut others = [Seen::default(); MAX_COMPONENTS];
         let mut areas = [0.0; MAX_COMPONENTS];
         let mut count = 0;
         for (index, component) in components.iter().enumerate() {
             let (right, down) = (component.centroid.0 - u, component.centroid.1 - v);
             let is_like = (MIN_AREA * *usual..=MAX_AREA * *usual).contains(&component.area);
             if is_like && index != own && (right.abs() > half.0 || down.abs() > half.1) {
-                others[count] = (component.centroid.0 - origin.0, component.centroid.1 - origin.1);
+                let place = (component.centroid.0 - origin.0, component.centroid.1 - origin.1);
+                others[count] = Seen { place, chroma: component.chroma };
                 areas[count] = component.area;
                 count += 1;
             }
@@ -79,7 +80,8 @@ impl Workspace {
             (view.u..view.u + view.w).contains(&f64::from(origin.0 + du))
                 && (view.v..view.v + view.h).contains(&f64::from(origin.1 + dv))
         };
-        let found = surroundings.companions.measure(&others[..count], size, seconds, is_visible);
+        let chroma = components[own].chroma;
+        let found = surroundings.companions.measure(chroma, &others[..count], size, seconds, is_visible);
         surroundings.since_exchange_s += seconds;
         let found = found.filter(|_| surroundings.since_exchange_s > MIN_INTERVAL_S);
         let Some(index) = found else {
@@ -88,7 +90,7 @@ impl Workspace {
             }
             return false;
         };
-        let place = others[index];
+        let place = others[index].place;
         surroundings.companions.exchange(place, size);
         (surroundings.usual_area, surroundings.since_exchange_s) = (Some(areas[index]), 0.0);
         let geometry = &mut target.geometry;
@@ -134,7 +136,7 @@ mod tests {
             target.geometry.centre = (followed(boat as f32 + 8.0), 64.0);
             let pose = target.patch_pose(&config);
             workspace.extract_crop(&target, &picture, &pose);
-            target.surroundings.predict(FRAME_S);
+            target.surroundings.predict(target.geometry.size_px(), FRAME_S);
             if workspace.correct_exchanged_target(&config, &mut target, &picture, FRAME_S) {
                 break;
             }

@@ -85,7 +85,7 @@ impl Workspace {
             self.background.clear_reference();
         }
         let seconds = target.predict(config, now, prior);
-        target.surroundings.predict(seconds as f32);
+        target.surroundings.predict(target.geometry.size_px(), seconds as f32);
         let visibility = match target.phase {
             Phase::Lost { .. } => {
                 self.references.clear();

@@ -16,8 +16,8 @@ pub(super) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Moves the predictions to the next frame, `seconds` after the last one.
-    pub(super) fn predict(&mut self, seconds: f32) {
-        self.companions.predict(seconds);
+    /// Moves the predictions to the next frame, `seconds` after the last one, with the target of this size, pixels.
+    pub(super) fn predict(&mut self, size: f32, seconds: f32) {
+        self.companions.predict(size, seconds);
     }
 }

@@ -1,0 +1,152 @@
+//! Which of two things is the target after they touched: their chroma before tells.
+//!
+//! Boat and buoy, both red, differ by some levels of chroma. The light and the camera's white balance change both alike. So the
+//! difference between the two is the same after a contact as before, or has the other sign if the track stayed with the other one.
+
+/// U and V less those of the surroundings, levels.
+pub(super) type Chroma = (f32, f32);
+
+/// Smallest difference before a contact that tells two things apart, levels.
+const MIN_DIFFERENCE: f32 = 3.0;
+/// Number of frames with both apart from which on it is judged, and up to which.
+const MIN_FRAMES: u32 = 12;
+const MAX_FRAMES: u32 = 90;
+/// A contact after which the two are not seen apart is forgotten, seconds.
+const MAX_AGE_S: f32 = 5.0;
+/// The difference along the one before, as a share of it, from which on it is judged.
+const CLEAR_SHARE: f32 = 0.3;
+/// Share of a new value in a chroma that is learned.
+const RATE: f32 = 0.08;
+
+/// A contact of the target with another thing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Contact {
+    /// Chroma of the target less that of the thing, before.
+    before: Chroma,
+    /// Sum, over the frames with both apart, of the chroma of what is followed less that of the other one.
+    since: Chroma,
+    frames: u32,
+    age_s: f32,
+}
+
+/// What is followed after a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Followed {
+    /// The two were not seen apart for long enough.
+    Unseen,
+    /// The difference of the two tells nothing.
+    Unknown,
+    Target,
+    Thing,
+}
+
+impl Contact {
+    /// A contact that begins; `None` where the chroma of both is too much alike.
+    pub(super) fn new(target: Chroma, thing: Chroma) -> Option<Self> {
+        let before = difference(target, thing);
+        let is_different = libm::hypotf(before.0, before.1) >= MIN_DIFFERENCE;
+        is_different.then_some(Self { before, since: (0.0, 0.0), frames: 0, age_s: 0.0 })
+    }
+
+    /// Adds a frame, `seconds` after the last one. Whether the contact can still be judged.
+    pub(super) fn advance(&mut self, seconds: f32) -> bool {
+        self.age_s += seconds;
+        self.age_s <= MAX_AGE_S && self.frames < MAX_FRAMES
+    }
+
+    /// Time since it began, seconds.
+    pub(super) fn age_s(&self) -> f32 {
+        self.age_s
+    }
+
+    /// Adds what is seen in a frame with both apart.
+    pub(super) fn judge(&mut self, followed: Chroma, other: Chroma) -> Followed {
+        let now = difference(followed, other);
+        self.since = (self.since.0 + now.0, self.since.1 + now.1);
+        self.frames += 1;
+        let mean = (self.since.0 / self.frames as f32, self.since.1 / self.frames as f32);
+        let squared = product(self.before, self.before);
+        let share = product(mean, self.before) / squared;
+        // Across the difference of before: more than that is another thing's.
+        let across = difference(mean, (share * self.before.0, share * self.before.1));
+        if self.frames < MIN_FRAMES {
+            Followed::Unseen
+        } else if share.abs() < CLEAR_SHARE || product(across, across) > squared {
+            Followed::Unknown
+        } else if share > 0.0 {
+            Followed::Target
+        } else {
+            Followed::Thing
+        }
+    }
+}
+
+/// Moves a known chroma towards a new value.
+pub(super) fn learn(known: &mut Chroma, seen: Chroma) {
+    known.0 += RATE * (seen.0 - known.0);
+    known.1 += RATE * (seen.1 - known.1);
+}
+
+fn difference(a: Chroma, b: Chroma) -> Chroma {
+    (a.0 - b.0, a.1 - b.1)
+}
+
+fn product(a: Chroma, b: Chroma) -> f32 {
+    a.0 * b.0 + a.1 * b.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOAT: Chroma = (-4.0, 20.0);
+    const BUOY: Chroma = (-12.0, 18.0);
+    const FRAME_S: f32 = 1.0 / 30.0;
+
+    /// What is judged within 100 frames after a contact of boat and buoy.
+    fn judged(followed: Chroma, other: Chroma) -> Followed {
+        let mut contact = Contact::new(BOAT, BUOY).expect("the two differ");
+        for _ in 0..100 {
+            if !contact.advance(FRAME_S) {
+                break;
+            }
+            let followed = contact.judge(followed, other);
+            if matches!(followed, Followed::Target | Followed::Thing) {
+                return followed;
+            }
+        }
+        Followed::Unknown
+    }
+
+    #[test]
+    fn the_sign_of_the_difference_tells_which_one_is_followed() {
+        assert_eq!(judged(BOAT, BUOY), Followed::Target);
+        assert_eq!(judged(BUOY, BOAT), Followed::Thing);
+    }
+
+    #[test]
+    fn a_change_of_the_light_changes_nothing() {
+        let shifted = |(u, v): Chroma| (u + 9.0, v - 6.0);
+        assert_eq!(judged(shifted(BUOY), shifted(BOAT)), Followed::Thing);
+    }
+
+    #[test]
+    fn what_looks_alike_is_not_judged() {
+        assert_eq!(judged(BOAT, BOAT), Followed::Unknown);
+        assert_eq!(judged(BOAT, (BOAT.0 + 2.0, BOAT.1 - 8.0)), Followed::Unknown, "another difference");
+        assert_eq!(Contact::new(BOAT, (BOAT.0 + 2.0, BOAT.1)), None);
+    }
+
+    #[test]
+    fn a_third_thing_is_not_judged() {
+        let orange = (BOAT.0 - 4.0, BOAT.1 + 14.0);
+        assert_eq!(judged(orange, BUOY), Followed::Unknown);
+    }
+
+    #[test]
+    fn a_contact_is_forgotten() {
+        let mut contact = Contact::new(BOAT, BUOY).expect("the two differ");
+        assert!(contact.advance(MAX_AGE_S - 1.0));
+        assert!(!contact.advance(1.1));
+    }
+}
