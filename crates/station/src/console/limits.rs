@@ -8,6 +8,8 @@ use barrelman_vocab::Timestamp;
 pub(super) const MAX_MESSAGE_BYTES: usize = 4096;
 /// Largest number of connections at a time.
 pub(super) const MAX_CONNECTIONS: usize = 64;
+/// Largest number of connections of one address at a time: enough for the largest number of pages, with some left for others.
+pub(super) const MAX_CONNECTIONS_OF_ADDRESS: usize = 48;
 /// How long the head of a request may take.
 pub(super) const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
 /// How long the body of a request may take after its head.

@@ -25,6 +25,7 @@ mod on_lost;
 mod seats;
 mod session_time;
 mod settings;
+mod slots;
 
 pub mod api;
 mod files;

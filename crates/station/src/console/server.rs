@@ -12,16 +12,17 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpStream;
-use tokio::sync::{Semaphore, oneshot};
+use tokio::sync::oneshot;
 
 use super::access::Access;
 use super::guard::Hosts;
-use super::limits::{HEADER_TIMEOUT, MAX_CONNECTIONS, SEND_TIMEOUT};
+use super::limits::{HEADER_TIMEOUT, SEND_TIMEOUT};
 use super::links::announce;
 use super::pictures::{PictureSlot, encode_pictures};
 use super::routes;
 use super::settings::ConsoleSettings;
 use super::shared::{Console, ConsoleParts};
+use super::slots::Slots;
 use crate::live::event::Event;
 use crate::live::threads;
 
@@ -105,10 +106,10 @@ async fn watch_seats(console: &Console) {
 /// Accepts connections, a bounded number at a time.
 pub(super) async fn serve(listener: TcpListener, router: Router) -> std::io::Result<()> {
     let listener = tokio::net::TcpListener::from_std(listener)?;
-    let slots = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let slots = Arc::new(Slots::default());
     loop {
-        let stream = match listener.accept().await {
-            Ok((stream, _)) => stream,
+        let (stream, client) = match listener.accept().await {
+            Ok(accepted) => accepted,
             Err(error) => {
                 // A connection that failed before it was accepted, or too many open files: the others go on.
                 tracing::warn!("a connection to the console failed: {error}");
@@ -117,7 +118,7 @@ pub(super) async fn serve(listener: TcpListener, router: Router) -> std::io::Res
             }
         };
         // Too many connections: the newest is closed at once.
-        let Ok(slot) = Arc::clone(&slots).try_acquire_owned() else { continue };
+        let Some(slot) = slots.take(client.ip()) else { continue };
         let router = router.clone();
         tokio::spawn(async move {
             prepare(&stream);
