@@ -193,7 +193,7 @@ impl Companions {
         match contact.judge(chroma, others[index].chroma) {
             Followed::Unseen => Judgement::Pending,
             Followed::Unknown => Judgement::None,
-            Followed::Thing => Judgement::Target(index),
+            Followed::Other => Judgement::Target(index),
             Followed::Target => {
                 self.contact = None;
                 // The side on which the thing was expected tells less.

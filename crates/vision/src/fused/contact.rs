@@ -37,7 +37,7 @@ pub(super) enum Followed {
     /// The difference of the two tells nothing.
     Unknown,
     Target,
-    Thing,
+    Other,
 }
 
 impl Contact {
@@ -76,7 +76,7 @@ impl Contact {
         } else if share > 0.0 {
             Followed::Target
         } else {
-            Followed::Thing
+            Followed::Other
         }
     }
 }
@@ -111,7 +111,7 @@ mod tests {
                 break;
             }
             let followed = contact.judge(followed, other);
-            if matches!(followed, Followed::Target | Followed::Thing) {
+            if matches!(followed, Followed::Target | Followed::Other) {
                 return followed;
             }
         }
@@ -121,13 +121,13 @@ mod tests {
     #[test]
     fn the_sign_of_the_difference_tells_which_one_is_followed() {
         assert_eq!(judged(BOAT, BUOY), Followed::Target);
-        assert_eq!(judged(BUOY, BOAT), Followed::Thing);
+        assert_eq!(judged(BUOY, BOAT), Followed::Other);
     }
 
     #[test]
     fn a_change_of_the_light_changes_nothing() {
         let shifted = |(u, v): Chroma| (u + 9.0, v - 6.0);
-        assert_eq!(judged(shifted(BUOY), shifted(BOAT)), Followed::Thing);
+        assert_eq!(judged(shifted(BUOY), shifted(BOAT)), Followed::Other);
     }
 
     #[test]
