@@ -33,6 +33,7 @@
 
 mod config;
 
+mod vector;
 mod workspace;
 
 mod blob;

@@ -10,6 +10,7 @@
 use barrelman_vocab::PixelBox;
 
 use super::contact::{Chroma, Contact, Followed, learn};
+use super::vector::{Vector, difference, length, product, scaled, sum};
 use crate::components::{Component, MAX_COMPONENTS};
 
 /// Distance, in sizes of the target, from which on a thing does not touch the target.
@@ -61,7 +62,7 @@ pub(super) struct Companions {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Seen {
     /// From what is followed, pixels.
-    pub(super) place: (f32, f32),
+    pub(super) place: Vector,
     pub(super) chroma: Chroma,
 }
 
@@ -80,11 +81,11 @@ enum Judgement {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Companion {
     /// From the target, pixels.
-    place: (f32, f32),
+    place: Vector,
     /// The place when it was measured last.
-    seen_at: (f32, f32),
+    seen_at: Vector,
     /// Pixels a second.
-    velocity: (f32, f32),
+    velocity: Vector,
     /// Time since it was first measured, seconds.
     age_s: f32,
     /// How long it was measured, and how long it was not since, seconds.
@@ -140,7 +141,7 @@ impl Companions {
         others: &[Seen],
         size: f32,
         seconds: f32,
-        is_visible: impl Fn((f32, f32)) -> bool,
+        is_visible: impl Fn(Vector) -> bool,
     ) -> Option<usize> {
         let mut is_taken = [false; MAX_COMPONENTS];
         let mut measured = [None; MAX_THINGS];
@@ -210,7 +211,7 @@ impl Companions {
         &mut self,
         measured: &[Option<usize>],
         size: f32,
-        is_visible: impl Fn((f32, f32)) -> bool,
+        is_visible: impl Fn(Vector) -> bool,
     ) -> Option<usize> {
         let hidden =
             self.things.map(|slot| slot.filter(|thing| thing.can_judge(size) && is_visible(thing.place)));
@@ -227,22 +228,19 @@ impl Companions {
     }
 
     /// The target is at this place from what was followed until now.
-    pub(super) fn exchange(&mut self, place: (f32, f32), size: f32) {
+    pub(super) fn exchange(&mut self, place: Vector, size: f32) {
         self.contact = None;
         let judges = self
             .things
             .map(|slot| slot.is_some_and(|thing| thing.can_judge(size) && thing.is_opposite(place)));
         for (slot, is_judge) in self.things.iter_mut().zip(judges) {
             let Some(thing) = slot else { continue };
+            let moved = difference(thing.place, place);
             if is_judge {
                 (thing.place, thing.hidden_s) = (scaled(place, -1.0), 0.0);
                 thing.seen_at = thing.place;
-            } else if thing.is_known()
-                && thing.frames < FRAMES
-                && length(sum(thing.place, scaled(place, -1.0))) > OWN_SIZES * size
-            {
-                thing.place = sum(thing.place, scaled(place, -1.0));
-                thing.seen_at = sum(thing.seen_at, scaled(place, -1.0));
+            } else if thing.is_known() && thing.frames < FRAMES && length(moved) > OWN_SIZES * size {
+                (thing.place, thing.seen_at) = (moved, difference(thing.seen_at, place));
             } else {
                 *slot = None;
             }
@@ -282,7 +280,7 @@ impl Companion {
         if length(place) > CLEAR_SIZES * size || !self.is_known() {
             learn(&mut self.chroma, chroma);
         }
-        let error = sum(place, scaled(self.place, -1.0));
+        let error = difference(place, self.place);
         self.place = sum(self.place, scaled(error, PLACE_GAIN));
         if seconds > 0.0 {
             self.velocity = sum(self.velocity, scaled(error, VELOCITY_GAIN / seconds));
@@ -328,37 +326,23 @@ impl Companion {
             && length(self.place) >= MIN_DISTANCE * size
     }
 
-    fn is_opposite(&self, place: (f32, f32)) -> bool {
+    fn is_opposite(&self, place: Vector) -> bool {
         let (expected, seen) = (length(self.place), length(place));
-        let cosine =
-            -(self.place.0 * place.0 + self.place.1 * place.1) / (expected * seen).max(f32::MIN_POSITIVE);
+        let cosine = -product(self.place, place) / (expected * seen).max(f32::MIN_POSITIVE);
         cosine >= MIN_COSINE && (1.0 / MAX_DISTANCE_FACTOR..=MAX_DISTANCE_FACTOR).contains(&(seen / expected))
     }
 }
 
 /// The component that is not taken and nearest to a place, with its distance.
-fn nearest(others: &[Seen], is_taken: &[bool], to: (f32, f32)) -> Option<(usize, f32)> {
+fn nearest(others: &[Seen], is_taken: &[bool], to: Vector) -> Option<(usize, f32)> {
     let free = others.iter().enumerate().filter(|&(index, _)| !is_taken[index]);
-    free.map(|(index, other)| (index, length(sum(other.place, scaled(to, -1.0)))))
-        .min_by(|a, b| a.1.total_cmp(&b.1))
+    free.map(|(index, other)| (index, length(difference(other.place, to)))).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The index of the component whose bounds have the largest part in common with a box.
 pub(super) fn own_component(components: &[Component], own_box: PixelBox) -> Option<usize> {
     let common = components.iter().map(|component| component.bounds.intersection(own_box).area()).enumerate();
     common.filter(|&(_, area)| area > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
-}
-
-fn sum(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
-    (a.0 + b.0, a.1 + b.1)
-}
-
-fn scaled(a: (f32, f32), factor: f32) -> (f32, f32) {
-    (factor * a.0, factor * a.1)
-}
-
-fn length(a: (f32, f32)) -> f32 {
-    libm::hypotf(a.0, a.1)
 }
 
 #[cfg(test)]

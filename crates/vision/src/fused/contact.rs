@@ -3,8 +3,10 @@
 //! Boat and buoy, both red, differ by some levels of chroma. The light and the camera's white balance change both alike. So the
 //! difference between the two is the same after a contact as before, or has the other sign if the track stayed with the other one.
 
+use super::vector::{Vector, difference, length, product, scaled, sum};
+
 /// U and V less those of the surroundings, levels.
-pub(super) type Chroma = (f32, f32);
+pub(super) type Chroma = Vector;
 
 /// Smallest difference before a contact that tells two things apart, levels.
 const MIN_DIFFERENCE: f32 = 3.0;
@@ -44,8 +46,12 @@ impl Contact {
     /// A contact that begins; `None` where the chroma of both is too much alike.
     pub(super) fn new(target: Chroma, thing: Chroma) -> Option<Self> {
         let before = difference(target, thing);
-        let is_different = libm::hypotf(before.0, before.1) >= MIN_DIFFERENCE;
-        is_different.then_some(Self { before, since: (0.0, 0.0), frames: 0, age_s: 0.0 })
+        (length(before) >= MIN_DIFFERENCE).then_some(Self {
+            before,
+            since: (0.0, 0.0),
+            frames: 0,
+            age_s: 0.0,
+        })
     }
 
     /// Adds a frame, `seconds` after the last one. Whether the contact can still be judged.
@@ -61,14 +67,13 @@ impl Contact {
 
     /// Adds what is seen in a frame with both apart.
     pub(super) fn judge(&mut self, followed: Chroma, other: Chroma) -> Followed {
-        let now = difference(followed, other);
-        self.since = (self.since.0 + now.0, self.since.1 + now.1);
+        self.since = sum(self.since, difference(followed, other));
         self.frames += 1;
         let mean = (self.since.0 / self.frames as f32, self.since.1 / self.frames as f32);
         let squared = product(self.before, self.before);
         let share = product(mean, self.before) / squared;
         // Across the difference of before: more than that is another thing's.
-        let across = difference(mean, (share * self.before.0, share * self.before.1));
+        let across = difference(mean, scaled(self.before, share));
         if self.frames < MIN_FRAMES {
             Followed::Unseen
         } else if share.abs() < CLEAR_SHARE || product(across, across) > squared {
@@ -83,16 +88,7 @@ impl Contact {
 
 /// Moves a known chroma towards a new value.
 pub(super) fn learn(known: &mut Chroma, seen: Chroma) {
-    known.0 += RATE * (seen.0 - known.0);
-    known.1 += RATE * (seen.1 - known.1);
-}
-
-fn difference(a: Chroma, b: Chroma) -> Chroma {
-    (a.0 - b.0, a.1 - b.1)
-}
-
-fn product(a: Chroma, b: Chroma) -> f32 {
-    a.0 * b.0 + a.1 * b.1
+    *known = sum(*known, scaled(difference(seen, *known), RATE));
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use super::companions::{CLEAR_SIZES, Seen, own_component};
 use super::config::FusedConfig;
 use super::shape_following::rate_in;
 use super::target::Target;
+use super::vector::{difference, sum};
 use super::workspace::Workspace;
 use crate::components::MAX_COMPONENTS;
 
@@ -68,7 +69,7 @@ impl Workspace {
             let (right, down) = (component.centroid.0 - u, component.centroid.1 - v);
             let is_like = (MIN_AREA * *usual..=MAX_AREA * *usual).contains(&component.area);
             if is_like && index != own && (right.abs() > half.0 || down.abs() > half.1) {
-                let place = (component.centroid.0 - origin.0, component.centroid.1 - origin.1);
+                let place = difference(component.centroid, origin);
                 others[count] = Seen { place, chroma: component.chroma };
                 areas[count] = component.area;
                 count += 1;
@@ -97,7 +98,7 @@ impl Workspace {
         if let Some((scale, extent)) = surroundings.clear_shape {
             (geometry.scale, geometry.extent) = (scale, extent);
         }
-        geometry.centre = (origin.0 + place.0, origin.1 + place.1);
+        geometry.centre = sum(origin, place);
         geometry.offset = (0.0, 0.0);
         target.motion.restart_at(target.geometry.centre, f64::from(target.geometry.size_px()));
         target.heading.clear_path();
