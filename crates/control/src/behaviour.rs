@@ -14,8 +14,9 @@ pub const OPTIMAL: u32 = 1;
 
 /// Behaviour version of [`OptimalLaw`](crate::OptimalLaw) in its intermittent mode. 2: the prediction expects the target
 /// to return to its mean direction. 3: the values depend on the sway, the steepness of the view and the target's usual rate. 4: and on the
-/// delay and the lag of the camera; its ramps are a share of the slower axis' lag.
-pub const INTERMITTENT: u32 = 4;
+/// delay and the lag of the camera; its ramps are a share of the slower axis' lag. 5: a camera of late video starts about as early as any
+/// other.
+pub const INTERMITTENT: u32 = 5;
 
 /// Behaviour version of the PID on the picture's centre. 2: rates below the least rate of an axis are not commanded.
 pub const CENTRE: u32 = 2;

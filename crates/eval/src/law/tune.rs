@@ -34,7 +34,7 @@ const RARE_FLOOR: f64 = 0.5;
 const INCOMPLETE_MARGIN: f64 = 0.1;
 /// The time outside of variants is to be at most this share of the schema's, so that the search does not give up the boat
 /// for what is saved of the movements.
-const MAX_TIME_OUTSIDE_OF_VARIANTS: f64 = 0.7;
+const MAX_TIME_OUTSIDE_OF_VARIANTS: f64 = 0.5;
 /// Widths of the random steps as shares of the ranges; mostly short ones, to escape a local minimum a long one.
 const SHORT_STEP: f64 = 0.08;
 const LONG_STEP: f64 = 0.3;
