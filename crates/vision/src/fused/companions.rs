@@ -9,7 +9,7 @@
 
 use barrelman_vocab::PixelBox;
 
-use super::contact::{Chroma, Contact, Followed, learn};
+use super::contact::{Chroma, Contact, Followed, MAX_AGE_S, learn};
 use super::vector::{Vector, difference, length, product, scaled, sum};
 use crate::components::{Component, MAX_COMPONENTS};
 
@@ -56,6 +56,8 @@ pub(super) struct Companions {
     own_chroma: Option<Chroma>,
     /// The last contact, until it is judged.
     contact: Option<Contact>,
+    /// Time since the last contact, seconds, until something tells which of the two is the target.
+    in_doubt_s: Option<f32>,
 }
 
 /// A component that is not what is followed.
@@ -113,12 +115,12 @@ impl Companions {
             }
         }
         self.contact.take_if(|contact| !contact.advance(seconds));
+        self.in_doubt_s = self.in_doubt_s.map(|since| since + seconds).filter(|&since| since <= MAX_AGE_S);
         self.find_contact(size);
     }
 
     /// Looks for a thing that has just come into contact with the target.
     fn find_contact(&mut self, size: f32) {
-        let Some(own) = self.own_chroma else { return };
         // One contact lasts for several frames.
         if self.contact.is_some_and(|contact| contact.age_s() < CONTACT_S.end) {
             return;
@@ -126,6 +128,8 @@ impl Companions {
         let Some(thing) = self.things.iter().flatten().find(|thing| thing.is_in_contact(size)) else {
             return;
         };
+        self.in_doubt_s = Some(0.0);
+        let Some(own) = self.own_chroma else { return };
         self.contact = Contact::new(own, thing.chroma);
         for thing in self.things.iter_mut().flatten() {
             thing.is_of_contact = thing.is_in_contact(size);
@@ -161,9 +165,9 @@ impl Companions {
         }
         let is_clear = others.iter().all(|other| length(other.place) > CLEAR_SIZES * size);
         if is_clear && self.contact.is_none() {
-            learn(self.own_chroma.get_or_insert(chroma), chroma);
+            learn(self.own_chroma.get_or_insert(chroma), chroma, seconds);
         }
-        match self.judge_contact(chroma, others, &measured, size) {
+        match self.judge_contact(chroma, others, &measured, (size, seconds)) {
             Judgement::Target(index) => Some(index),
             Judgement::Pending => None,
             Judgement::None => self.find_exchanged(&measured, size, is_visible),
@@ -176,7 +180,7 @@ impl Companions {
         chroma: Chroma,
         others: &[Seen],
         measured: &[Option<usize>],
-        size: f32,
+        (size, seconds): (f32, f32),
     ) -> Judgement {
         let nearest = self
             .things
@@ -191,12 +195,12 @@ impl Companions {
         if distance > JUDGED_SIZES * size {
             return Judgement::None;
         }
-        match contact.judge(chroma, others[index].chroma) {
+        match contact.judge(chroma, others[index].chroma, seconds) {
             Followed::Unseen => Judgement::Pending,
             Followed::Unknown => Judgement::None,
             Followed::Other => Judgement::Target(index),
             Followed::Target => {
-                self.contact = None;
+                (self.contact, self.in_doubt_s) = (None, None);
                 // The side on which the thing was expected tells less.
                 for slot in &mut self.things {
                     slot.take_if(|thing| thing.is_of_contact && thing.hidden_s > 0.0);
@@ -229,7 +233,7 @@ impl Companions {
 
     /// The target is at this place from what was followed until now.
     pub(super) fn exchange(&mut self, place: Vector, size: f32) {
-        self.contact = None;
+        (self.contact, self.in_doubt_s) = (None, None);
         let judges = self
             .things
             .map(|slot| slot.is_some_and(|thing| thing.can_judge(size) && thing.is_opposite(place)));
@@ -245,6 +249,11 @@ impl Companions {
                 *slot = None;
             }
         }
+    }
+
+    /// Whether a thing touched the target a moment ago, and nothing told since which of the two is followed.
+    pub(super) fn are_in_doubt(&self) -> bool {
+        self.in_doubt_s.is_some()
     }
 
     /// Distance of the nearest thing that is known, pixels; infinite where there is none.
@@ -278,7 +287,7 @@ impl Companion {
 
     fn correct(&mut self, Seen { place, chroma }: Seen, size: f32, seconds: f32) {
         if length(place) > CLEAR_SIZES * size || !self.is_known() {
-            learn(&mut self.chroma, chroma);
+            learn(&mut self.chroma, chroma, seconds);
         }
         let error = difference(place, self.place);
         self.place = sum(self.place, scaled(error, PLACE_GAIN));
@@ -387,6 +396,39 @@ mod tests {
         assert_eq!(after_passing(|right| right), None, "it is where it is expected");
         let (right, _) = after_passing(|right| -right).expect("what is followed is the thing");
         assert!((9.0..13.0).contains(&right), "{right}");
+    }
+
+    /// Whether target and buoy are in doubt, this long after the buoy, of this chroma at first, came into contact with the target; it is
+    /// not seen again before `apart_s` after that.
+    fn are_in_doubt(buoy: Chroma, apart_s: f32, after_s: f32) -> bool {
+        let mut companions = Companions::default();
+        let mut since_s = 0.0;
+        let mut frame = 0_u16;
+        while since_s < after_s {
+            let right = 45.0 - 10.0 * f32::from(frame) * FRAME_S;
+            frame += 1;
+            let is_hidden = right < 10.0 && since_s < apart_s;
+            let others = [Seen { place: (right.max(10.5), 0.0), chroma: buoy }];
+            companions.predict(SIZE, FRAME_S);
+            let seen = if is_hidden { &[][..] } else { &others[..] };
+            assert_eq!(companions.measure(BOAT, seen, SIZE, FRAME_S, |_| false), None);
+            if right < 10.0 {
+                since_s += FRAME_S;
+            } else {
+                assert!(!companions.are_in_doubt(), "before, at {right}");
+            }
+        }
+        companions.are_in_doubt()
+    }
+
+    #[test]
+    fn a_contact_leaves_a_doubt_until_it_is_judged_or_five_seconds_have_passed() {
+        assert!(are_in_doubt(BUOY, 9.0, 0.5));
+        assert!(are_in_doubt(BUOY, 9.0, 4.5));
+        assert!(!are_in_doubt(BUOY, 9.0, 5.5));
+        assert!(are_in_doubt(BUOY, 1.0, 1.2), "apart for a moment");
+        assert!(!are_in_doubt(BUOY, 1.0, 2.0), "its chroma tells");
+        assert!(are_in_doubt(BOAT, 1.0, 2.0), "the chroma of the two is the same");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! Boat and buoy, both red, differ by some levels of chroma. The light and the camera's white balance change both alike. So the
 //! difference between the two is the same after a contact as before, or has the other sign if the track stayed with the other one.
 
+use super::shape_following::rate_in;
 use super::vector::{Vector, difference, length, product, scaled, sum};
 
 /// U and V less those of the surroundings, levels.
@@ -10,23 +11,27 @@ pub(super) type Chroma = Vector;
 
 /// Smallest difference before a contact that tells two things apart, levels.
 const MIN_DIFFERENCE: f32 = 3.0;
-/// Number of frames with both apart from which on it is judged, and up to which.
-const MIN_FRAMES: u32 = 12;
-const MAX_FRAMES: u32 = 90;
+/// It is judged after this number of frames with both apart, ...
+const MIN_FRAMES: u32 = 4;
+/// ... from this time with both apart on, and up to this one, seconds.
+const MIN_APART_S: f32 = 0.38;
+const MAX_APART_S: f32 = 3.0;
 /// A contact after which the two are not seen apart is forgotten, seconds.
-const MAX_AGE_S: f32 = 5.0;
+pub(super) const MAX_AGE_S: f32 = 5.0;
 /// The difference along the one before, as a share of it, from which on it is judged.
 const CLEAR_SHARE: f32 = 0.3;
-/// Share of a new value in a chroma that is learned.
-const RATE: f32 = 0.08;
+/// Time constant of a chroma that is learned, seconds.
+const CHROMA_S: f64 = 0.4;
 
 /// A contact of the target with another thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Contact {
     /// Chroma of the target less that of the thing, before.
     before: Chroma,
-    /// Sum, over the frames with both apart, of the chroma of what is followed less that of the other one.
+    /// Integral, over the time with both apart, of the chroma of what is followed less that of the other one, level-seconds.
     since: Chroma,
+    apart_s: f32,
+    /// Number of frames with both apart.
     frames: u32,
     age_s: f32,
 }
@@ -49,6 +54,7 @@ impl Contact {
         (length(before) >= MIN_DIFFERENCE).then_some(Self {
             before,
             since: (0.0, 0.0),
+            apart_s: 0.0,
             frames: 0,
             age_s: 0.0,
         })
@@ -57,7 +63,7 @@ impl Contact {
     /// Adds a frame, `seconds` after the last one. Whether the contact can still be judged.
     pub(super) fn advance(&mut self, seconds: f32) -> bool {
         self.age_s += seconds;
-        self.age_s <= MAX_AGE_S && self.frames < MAX_FRAMES
+        self.age_s <= MAX_AGE_S && self.apart_s < MAX_APART_S
     }
 
     /// Time since it began, seconds.
@@ -65,18 +71,20 @@ impl Contact {
         self.age_s
     }
 
-    /// Adds what is seen in a frame with both apart.
-    pub(super) fn judge(&mut self, followed: Chroma, other: Chroma) -> Followed {
-        self.since = sum(self.since, difference(followed, other));
+    /// Adds what is seen in a frame with both apart, `seconds` after the last one.
+    pub(super) fn judge(&mut self, followed: Chroma, other: Chroma, seconds: f32) -> Followed {
+        self.since = sum(self.since, scaled(difference(followed, other), seconds));
+        self.apart_s += seconds;
         self.frames += 1;
-        let mean = (self.since.0 / self.frames as f32, self.since.1 / self.frames as f32);
+        if self.frames < MIN_FRAMES || self.apart_s < MIN_APART_S {
+            return Followed::Unseen;
+        }
+        let mean = scaled(self.since, 1.0 / self.apart_s);
         let squared = product(self.before, self.before);
         let share = product(mean, self.before) / squared;
         // Across the difference of before: more than that is another thing's.
         let across = difference(mean, scaled(self.before, share));
-        if self.frames < MIN_FRAMES {
-            Followed::Unseen
-        } else if share.abs() < CLEAR_SHARE || product(across, across) > squared {
+        if share.abs() < CLEAR_SHARE || product(across, across) > squared {
             Followed::Unknown
         } else if share > 0.0 {
             Followed::Target
@@ -86,9 +94,9 @@ impl Contact {
     }
 }
 
-/// Moves a known chroma towards a new value.
-pub(super) fn learn(known: &mut Chroma, seen: Chroma) {
-    *known = sum(*known, scaled(difference(seen, *known), RATE));
+/// Moves a known chroma towards a new value, `seconds` after the last one.
+pub(super) fn learn(known: &mut Chroma, seen: Chroma, seconds: f32) {
+    *known = sum(*known, scaled(difference(seen, *known), rate_in(f64::from(seconds), CHROMA_S)));
 }
 
 #[cfg(test)]
@@ -106,7 +114,7 @@ mod tests {
             if !contact.advance(FRAME_S) {
                 break;
             }
-            let followed = contact.judge(followed, other);
+            let followed = contact.judge(followed, other, FRAME_S);
             if matches!(followed, Followed::Target | Followed::Other) {
                 return followed;
             }

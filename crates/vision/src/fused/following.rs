@@ -29,6 +29,9 @@ const DOUBTFUL_PROBABILITY: f32 = 0.7;
 const CLEARLY_MORE_PROBABLE: f32 = 0.2;
 /// Confidence of a box onto which the track was moved, and which the network has not seen yet.
 const UNJUDGED_CONFIDENCE: f64 = 0.5;
+/// Confidence of a box after a contact with a thing of the target's colour, as a share, as long as nothing told which of the two is
+/// followed: it was the target in four of five frames.
+const DOUBTED_SHARE: f64 = 0.8;
 /// Minimum relative contrast of a frame that is learned from; with less, the target may be hidden.
 const MIN_LEARNED_CONTRAST: f32 = 0.15;
 /// Two standard deviations of the prediction may reach this share of the search window's side; beyond it the
@@ -165,6 +168,9 @@ impl Workspace {
         if self.correct_exchanged_target(config, target, picture, seconds as f32) {
             target.confidence = UNJUDGED_CONFIDENCE;
             return Visibility::Visible;
+        }
+        if target.surroundings.companions.are_in_doubt() {
+            target.confidence *= DOUBTED_SHARE;
         }
         let has_its_colour =
             observation.relative_contrast(target).is_none_or(|share| share >= MIN_LEARNED_CONTRAST);
