@@ -45,6 +45,8 @@ const CONTACT_S: core::ops::Range<f32> = 0.1..0.3;
 /// one that is judged, sizes.
 const APART_SIZES: f32 = 2.3;
 const JUDGED_SIZES: f32 = 3.0;
+/// Smallest chroma of a thing onto which the track is moved, along the target's and as a share of it.
+const MIN_CHROMA_SHARE: f32 = 0.5;
 /// A thing within this distance of the place to which the track is moved is the target, sizes.
 const OWN_SIZES: f32 = 0.5;
 
@@ -167,11 +169,17 @@ impl Companions {
         if is_clear && self.contact.is_none() {
             learn(self.own_chroma.get_or_insert(chroma), chroma, seconds);
         }
-        match self.judge_contact(chroma, others, &measured, (size, seconds)) {
+        let target = match self.judge_contact(chroma, others, &measured, (size, seconds)) {
             Judgement::Target(index) => Some(index),
             Judgement::Pending => None,
             Judgement::None => self.find_exchanged(&measured, size, is_visible),
-        }
+        };
+        target.filter(|&index| self.has_own_chroma(others[index].chroma))
+    }
+
+    /// Whether a thing has the target's chroma. Glitter and foam may be among the target's colours, but lack its paint.
+    fn has_own_chroma(&self, chroma: Chroma) -> bool {
+        self.own_chroma.is_none_or(|own| product(chroma, own) >= MIN_CHROMA_SHARE * product(own, own))
     }
 
     /// Judges a contact by what is seen in a frame.
@@ -375,13 +383,17 @@ mod tests {
 
     /// The same with a thing that passes `down` pixels below the target.
     fn after_passing_at(down: f32, shown: impl Fn((f32, f32)) -> (f32, f32)) -> Option<(f32, f32)> {
+        after_passing_seen(down, |place| buoy(shown(place)))
+    }
+
+    /// The same with what is seen after it passed.
+    fn after_passing_seen(down: f32, shown: impl Fn((f32, f32)) -> Seen) -> Option<(f32, f32)> {
         let mut companions = Companions::default();
         for frame in 0_u8..150 {
             let right = 20.0 - 10.0 * f32::from(frame) * FRAME_S;
             companions.predict(SIZE, FRAME_S);
             let is_before = right > 0.0;
-            let place = if is_before { (right, down) } else { shown((right, down)) };
-            let others = [buoy(place)];
+            let others = [if is_before { buoy((right, down)) } else { shown((right, down)) }];
             let visible = if right.abs() > 9.0 { &others[..] } else { &[] };
             // All of one chroma: only the side tells.
             if let Some(index) = companions.measure(BUOY, visible, SIZE, FRAME_S, |_| true) {
@@ -429,6 +441,14 @@ mod tests {
         assert!(are_in_doubt(BUOY, 1.0, 1.2), "apart for a moment");
         assert!(!are_in_doubt(BUOY, 1.0, 2.0), "its chroma tells");
         assert!(are_in_doubt(BOAT, 1.0, 2.0), "the chroma of the two is the same");
+    }
+
+    #[test]
+    fn glitter_on_the_other_side_is_not_the_target() {
+        let opposite =
+            |chroma| after_passing_seen(1.0, |(right, down)| Seen { place: (-right, -down), chroma });
+        assert!(opposite(BUOY).is_some());
+        assert_eq!(opposite((-1.0, 3.0)), None);
     }
 
     #[test]
