@@ -39,42 +39,36 @@ run_in_order() {
   done
 }
 
-# Runs the scripts of the first array beside those of the second one.
-run_beside() {
-  local -n aside=$1 in_front=$2
-  local aside_failed=0 in_front_failed=0
+# Starts acceptance scripts that run beside those of the next `run_in_front`.
+start_beside() {
   # A process group of its own (job control): its programs obey SIGINT, and it ends with this script.
   set -m
-  run_in_order "${aside[@]}" >"$clip/beside.txt" 2>&1 &
+  run_in_order "$@" >"$clip/beside.txt" 2>&1 &
   beside=$!
   set +m
-  run_in_order "${in_front[@]}" || in_front_failed=$?
-  wait "$beside" || aside_failed=$?
+}
+
+# Runs acceptance scripts, and waits for those beside them.
+run_in_front() {
+  local in_front=0 at_once=0
+  run_in_order "$@" || in_front=$?
+  wait "$beside" || at_once=$?
   beside=
   cat "$clip/beside.txt"
-  ((in_front_failed == 0 && aside_failed == 0))
+  ((in_front == 0 && at_once == 0))
 }
 
 # What needs one core and no exact times runs beside what mostly waits.
-# shellcheck disable=SC2034  # passed by name
-busy=("first_hour" "campaigns --trials 100")
-# shellcheck disable=SC2034
-waiting=("law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps"
-  "camshift $with_clip" "tracking_camera" "api" "reconnect")
-run_beside busy waiting
+start_beside "first_hour" "campaigns --trials 100"
+run_in_front "law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps" \
+  "camshift $with_clip" "tracking_camera" "api" "reconnect"
 # What measures times that leave little room, alone.
 run_in_order "guard --few $with_clip" "stops $with_clip"
 # Vehicles: these mostly wait, ...
-# shellcheck disable=SC2034
-gimbal=("mavlink_gimbal")
-# shellcheck disable=SC2034
-others=("sigma" "mavlink_boat")
-run_beside gimbal others
+start_beside "mavlink_gimbal"
+run_in_front "sigma" "mavlink_boat"
 # ... and these give the machine half a second where they measure times.
-# shellcheck disable=SC2034
-vessel=("vessel")
-# shellcheck disable=SC2034
-drive=("drive")
-run_beside vessel drive
+start_beside "vessel"
+run_in_front "drive"
 # What needs both cores.
 run_in_order "console" "console_cost --seconds 4"
