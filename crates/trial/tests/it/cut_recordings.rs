@@ -26,18 +26,34 @@ fn recording() -> (Vec<u8>, Vec<Entry>) {
     (bytes, [vec![Entry::Start(start())], entries].concat())
 }
 
-/// Distance of the cuts in what holds no entries, the schemas before them and the summary behind them, bytes: a prime.
+/// Distance of the cuts within what holds no entries, the schemas before them and the summary behind them, bytes: a prime.
 const DISTANCE: usize = 97;
+/// Sizes of a container's magic bytes, and of a record's head: its kind, and the length of what follows.
+const MAGIC: usize = 8;
+const HEAD: usize = 9;
+
+/// Where the container's records begin, and where the last one ends.
+fn record_starts(bytes: &[u8]) -> impl Iterator<Item = usize> {
+    let next = move |&start: &usize| {
+        let length = bytes.get(start + 1..start + HEAD)?;
+        Some(start + HEAD + usize::try_from(u64::from_le_bytes(length.try_into().unwrap())).unwrap())
+    };
+    core::iter::successors(Some(MAGIC), next).take_while(|&start| start <= bytes.len() - MAGIC)
+}
 
 #[test]
-fn a_recording_cut_at_any_byte_is_read_up_to_the_cut() {
+fn a_recording_cut_at_any_byte_of_its_entries_or_of_a_head_is_read_up_to_the_cut() {
     let (bytes, entries) = recording();
     let found_in = |length: usize| read(&bytes[..length]).0.len();
     let mut distant = (0..bytes.len()).step_by(DISTANCE);
     let first = distant.find(|&length| found_in(length) > 0).unwrap().saturating_sub(DISTANCE);
     let all = distant.find(|&length| found_in(length) == entries.len()).unwrap();
     assert!(all - first > 10 * DISTANCE, "the entries lie from {first} to {all}");
-    let cuts = (0..first).step_by(DISTANCE).chain(first..all).chain((all..bytes.len()).step_by(DISTANCE));
+    let heads = record_starts(&bytes).flat_map(|start| start - 1..start + HEAD + 1);
+    let mut cuts: Vec<usize> = (0..bytes.len()).step_by(DISTANCE).chain(first..all).chain(heads).collect();
+    cuts.retain(|&length| length < bytes.len());
+    cuts.sort_unstable();
+    cuts.dedup();
     let mut max_found = 0;
     for length in cuts {
         let (found, error) = read(&bytes[..length]);
