@@ -66,8 +66,12 @@ def follow(table, args, folder):
         run.request("stop")
         rest = rest_after(sigma, at)
         table.require("Stop while the camera turns: rest", rest <= STOP_LIMIT, f"{rest * 1e3:.0f} ms", f"at most {STOP_LIMIT * 1e3:.0f} ms")
-        zeros = [json.loads(body) for _, body in sigma.commands_since(at)]
-        table.require("Stop: explicit zeros, then nothing", 3 <= len(zeros) <= 14 and not any(zero["pan_speed"] or zero["tilt_speed"] for zero in zeros[1:]), f"{len(zeros)} commands")
+        # Motion that was commanded before the program read the request; `rest` is its limit.
+        after = [json.loads(body) for _, body in sigma.commands_since(at)]
+        is_motion = [bool(command["pan_speed"] or command["tilt_speed"]) for command in after]
+        zeros = is_motion[is_motion.index(False):] if False in is_motion else []
+        told = ", ".join("turn" if motion else "zero" for motion in is_motion)
+        table.require("Stop: explicit zeros, then nothing", 3 <= len(zeros) <= 14 and not any(zeros), told)
         time.sleep(4)
         moving = [(at, speeds, was) for at, speeds, was in sigma.motions if any(speeds)]
         gaps = [later[0] - earlier[0] for earlier, later in zip(sigma.motions, sigma.motions[1:]) if any(earlier[1]) and any(later[1])]
