@@ -44,6 +44,7 @@ mod distractors;
 mod exchanged_target;
 mod excluded_places;
 mod following;
+mod known_scene;
 mod learning;
 mod paint_selection;
 mod recovery;

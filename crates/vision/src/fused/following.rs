@@ -32,6 +32,8 @@ const UNJUDGED_CONFIDENCE: f64 = 0.5;
 /// Confidence of a box after a contact with a thing of the target's colour, as a share, as long as nothing told which of the two is
 /// followed: it was the target in four of five frames.
 const DOUBTED_SHARE: f64 = 0.8;
+/// Confidence from which on a picture is kept: what else it shows is not the target.
+const MIN_SURE_CONFIDENCE: f64 = 0.7;
 /// Minimum relative contrast of a frame that is learned from; with less, the target may be hidden.
 const MIN_LEARNED_CONTRAST: f32 = 0.15;
 /// Two standard deviations of the prediction may reach this share of the search window's side; beyond it the
@@ -73,6 +75,28 @@ impl Trust {
     }
 }
 
+impl Target {
+    /// Keeps a picture in which the target is sure. What was found after a loss is given up where an earlier picture shows it
+    /// apart from the target.
+    fn compare_with_scene(&mut self, before: Phase, frame: &VideoFrame) {
+        let bounds = self.report(frame).bounds;
+        match before {
+            Phase::Lost { since } | Phase::Confirming { since, .. } => {
+                if self.scene.showed(&frame.picture, bounds, self.confidence) {
+                    self.scene.exclude(self.geometry.centre);
+                    self.phase = Phase::Lost { since };
+                    self.confidence = 0.0;
+                }
+            }
+            Phase::Tracking | Phase::Coasting { .. } => {
+                if self.confidence >= MIN_SURE_CONFIDENCE {
+                    self.scene.keep(&frame.picture, bounds, self.confidence);
+                }
+            }
+        }
+    }
+}
+
 impl Workspace {
     /// Processes one frame; the track to report.
     pub(super) fn advance(
@@ -92,6 +116,7 @@ impl Workspace {
         let visibility = match target.phase {
             Phase::Lost { .. } => {
                 self.references.clear();
+                target.scene.predict(target.motion.camera_shift, seconds as f32);
                 let found = self.search_picture(config, target, picture);
                 if let Some(observation) = &found {
                     target.restart_at(config, observation);
@@ -102,6 +127,9 @@ impl Workspace {
         };
         let before = target.phase;
         target.phase = before.after(visibility, now, config.coast_s, config.confirm);
+        if target.phase == Phase::Tracking {
+            target.compare_with_scene(before, frame);
+        }
         if matches!(target.phase, Phase::Lost { .. }) {
             match before {
                 Phase::Tracking | Phase::Coasting { .. } => {
@@ -137,6 +165,7 @@ impl Workspace {
         let mut observation = self.observe_prediction(config, target, picture);
         let shift = target.motion.is_camera_shift_known.then_some(target.motion.camera_shift);
         self.references.add_background_shift(shift);
+        target.scene.predict(target.motion.camera_shift, seconds as f32);
         if matches!(target.phase, Phase::Confirming { .. }) {
             observation = self.resolve_axis_direction(config, target, picture, observation);
         }

@@ -7,6 +7,7 @@ use super::config::FusedConfig;
 use super::contradiction::Contradiction;
 use super::extent::Extent;
 use super::geometry::TargetGeometry;
+use super::known_scene::KnownScene;
 use super::loss::LossState;
 use super::observation::Observation;
 use super::phase::Phase;
@@ -284,6 +285,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         drift: DriftCheck::default(),
         contradiction: Contradiction::default(),
         surroundings: Surroundings::default(),
+        scene: KnownScene::default(),
         blob: None,
         paint: None,
         loss: LossState::new(now, centre, geometry.extent),

@@ -229,7 +229,9 @@ impl PictureSearch<'_> {
         let observation = workspace.observe(target, picture, pose);
         target.confidence = target.confidence.max(rejected_confidence(&observation, target));
         let evidence = observation.evidence(config, target);
-        if target.loss.excluded.contains(observation.centre) {
+        if target.loss.excluded.contains(observation.centre)
+            || target.scene.is_of_another(observation.centre, target.geometry.size_px())
+        {
             return;
         }
         if best.is_none_or(|(_, most)| evidence > most)

@@ -9,6 +9,7 @@ use super::appearance::Appearance;
 use super::config::FusedConfig;
 use super::contradiction::Contradiction;
 use super::geometry::TargetGeometry;
+use super::known_scene::KnownScene;
 use super::loss::{LossPoint, LossState};
 use super::observation::Observation;
 use super::phase::Phase;
@@ -50,6 +51,8 @@ pub(super) struct Target {
     pub(super) contradiction: Contradiction,
     /// Other things of its colour around it.
     pub(super) surroundings: Surroundings,
+    /// Earlier pictures, and other things that the search has found.
+    pub(super) scene: KnownScene,
     /// The paint, if the target has one that sets it apart.
     pub(super) paint: Option<TargetPaint>,
     /// The blob of the paint, if it is followed.
@@ -94,6 +97,7 @@ impl Target {
             (*top, *bottom) = (*top * factors.1, *bottom * factors.1);
         }
         self.surroundings = Surroundings::default();
+        self.scene = KnownScene::default();
         self.heading.reset();
         true
     }
@@ -166,6 +170,7 @@ impl Target {
         self.drift = DriftCheck::default();
         self.contradiction = Contradiction::default();
         self.surroundings = Surroundings::default();
+        self.scene = KnownScene::default();
         self.reported_edges = None;
         self.mark_lost(false);
         self.phase = Phase::Lost { since: self.motion.last_capture };

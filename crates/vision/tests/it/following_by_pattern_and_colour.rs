@@ -228,6 +228,38 @@ fn a_thing_of_the_same_colour_that_stays_is_not_taken_for_one_that_left() {
 }
 
 #[test]
+fn a_twin_that_was_there_before_is_not_taken_for_a_boat_that_is_hidden() {
+    let mut scene = scene(BLUE, RED);
+    let twin = Hull { centre: (60.0, 60.0), ..scene.hulls[0] };
+    scene.hulls.push(twin);
+    let mut trial = Trial::new(scene);
+    for _ in 0..40 {
+        trial.next_tracked(0.5, |_| ());
+    }
+    let hidden = (-500.0, -500.0);
+    for step in 0..150 {
+        // The kite sways.
+        let sway = 4.0 * libm::sin(f64::from(step) / 10.0);
+        let track = trial.next(None, |scene| {
+            scene.hulls[0].centre = hidden;
+            scene.hulls[1].centre.0 = twin.centre.0 + sway;
+        });
+        let is_where_the_boat_was = |here: &Localisation| here.bounds.u > 100.0;
+        let is_taken = match &track {
+            Track::Tracking(here) => !is_where_the_boat_was(here),
+            _ => false,
+        };
+        assert!(!is_taken, "at {} ms: {track:?}", trial.now_ms);
+    }
+    // The boat itself is found.
+    let back = (0..30).any(|_| {
+        let track = trial.next(None, |scene| scene.hulls[0].centre = (200.0, 150.0));
+        matches!(track, Track::Tracking(here) if here.bounds.iou(trial.scene.hulls[0].bounds()) > 0.5)
+    });
+    assert!(back, "the boat is not found again");
+}
+
+#[test]
 fn a_boat_that_lies_still_has_an_axis_and_no_heading() {
     let mut trial = Trial::new(scene(BLUE, RED));
     for _ in 0..60 {
