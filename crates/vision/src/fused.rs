@@ -22,11 +22,11 @@
 //!
 //! A lost target is searched for by colour in the whole picture (`redetection`), and by the filter at the place of the
 //! loss and in one window of a systematic search per frame (`recovery`). A re-detected target is reported after it was
-//! confirmed in the following frames.
+//! confirmed in the following frames, unless an earlier picture shows that it is another thing (`known_scene`).
 //!
 //! Work per frame: one search window of at most 130 x 130 samples and about nine small patches, for a target of any
-//! size; at most eight search windows while it is lost. Memory: less than 2 MiB; no allocation per frame once the
-//! buffers have their size.
+//! size; at most eight search windows while it is lost. Memory: less than 2 MiB, and two earlier video frames that are shared
+//! with their source; no allocation per frame once the buffers have their size.
 //!
 //! Not handled: targets that change beyond recognition while hidden, groups of similar targets that cross, targets
 //! smaller than about 6 pixels.

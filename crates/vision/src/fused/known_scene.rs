@@ -98,7 +98,7 @@ impl KnownScene {
 
     /// Whether what is in this box now, with this confidence, was in an earlier picture, apart from the target.
     pub(super) fn showed(&self, picture: &Picture, bounds: PixelBox, confidence: f64) -> bool {
-        let thing = Thing::new(picture, bounds);
+        let thing = FoundObject::new(picture, bounds);
         let is_sure_enough = |view: &&View| confidence <= view.confidence + OVERRULING_CONFIDENCE;
         self.views.iter().flatten().filter(is_sure_enough).any(|view| thing.was_in(view))
     }
@@ -129,7 +129,7 @@ impl KnownScene {
 }
 
 /// Samples of a thing in the present picture.
-struct Thing<'a> {
+struct FoundObject<'a> {
     picture: &'a Picture,
     /// Left, top, right, bottom, pixels; the distance of two samples, pixels.
     sides: [i32; 4],
@@ -138,7 +138,7 @@ struct Thing<'a> {
     contrast: f32,
 }
 
-impl<'a> Thing<'a> {
+impl<'a> FoundObject<'a> {
     fn new(picture: &'a Picture, bounds: PixelBox) -> Self {
         let size = picture.size();
         let (width, height) = (size.width as i32, size.height as i32);
