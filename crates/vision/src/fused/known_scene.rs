@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use barrelman_vocab::{Picture, PixelBox};
+use barrelman_vocab::{Picture, PictureSize, PixelBox};
 
 use super::vector::{Vector, difference, length, sum};
 
@@ -25,7 +25,9 @@ const MARGIN_FACTOR: f32 = 1.15;
 const MIN_SIDE_PX: f32 = 6.0;
 const MAX_SIDE_PX: f32 = 65_535.0;
 /// Largest number of samples along a side.
-const MAX_SAMPLES: f32 = 16.0;
+const MAX_SAMPLES: usize = 16;
+/// A picture that has moved by more shows nothing of before, pixels.
+const MAX_SHIFT_PX: f32 = 1.0e6;
 /// What is around the place reaches so far from it, in its longer sides.
 const AROUND_SIDES: f32 = 0.7;
 
@@ -129,17 +131,30 @@ impl KnownScene {
 }
 
 /// Samples of a thing in the present picture.
-struct FoundObject<'a> {
-    picture: &'a Picture,
+struct FoundObject {
+    /// Of the picture.
+    size: PictureSize,
     /// Left, top, right, bottom, pixels; the distance of two samples, pixels.
     sides: [i32; 4],
     step: i32,
-    /// Sum of the squared differences from what is around it.
+    /// Its samples, those first that differ most from what is around it: they tell soonest that a place is not like it.
+    samples: [Sample; MAX_SAMPLES * MAX_SAMPLES],
+    count: usize,
+    /// Sum of their squared differences from what is around it.
     contrast: f32,
 }
 
-impl<'a> FoundObject<'a> {
-    fn new(picture: &'a Picture, bounds: PixelBox) -> Self {
+#[derive(Clone, Copy, Default)]
+struct Sample {
+    /// Pixels right and down.
+    place: (i32, i32),
+    colour: [i32; 3],
+    /// Squared difference from what is around the object.
+    contrast: i32,
+}
+
+impl FoundObject {
+    fn new(picture: &Picture, bounds: PixelBox) -> Self {
         let size = picture.size();
         let (width, height) = (size.width as i32, size.height as i32);
         let middle = bounds.centre();
@@ -150,8 +165,7 @@ impl<'a> FoundObject<'a> {
         };
         let (left, top) = (first(middle.u, w, width), first(middle.v, h, height));
         let (right, bottom) = ((left + w.round() as i32).min(width), (top + h.round() as i32).min(height));
-        let step = (w.max(h) / MAX_SAMPLES).ceil().max(1.0) as i32;
-        let mut thing = Self { picture, sides: [left, top, right, bottom], step, contrast: 0.0 };
+        let step = (w.max(h) / MAX_SAMPLES as f32).ceil().max(1.0) as i32;
         let margin = (AROUND_SIDES * w.max(h)) as i32;
         let around = [
             (left - margin).max(0),
@@ -160,21 +174,30 @@ impl<'a> FoundObject<'a> {
             (bottom + margin).min(height),
         ];
         let median = median_of(picture, around, step);
-        thing.contrast = places(thing.sides, step)
-            .map(|(u, v)| squared_difference(sample(picture, u, v), median))
-            .sum::<i32>() as f32;
-        thing
+        let sides = [left, top, right, bottom];
+        let mut samples = [Sample::default(); MAX_SAMPLES * MAX_SAMPLES];
+        let mut count = 0;
+        for (sample, (u, v)) in samples.iter_mut().zip(places(sides, step)) {
+            let colour = colour_at(picture, u, v);
+            *sample =
+                Sample { place: (u as i32, v as i32), colour, contrast: squared_difference(colour, median) };
+            count += 1;
+        }
+        samples[..count].sort_unstable_by_key(|sample| core::cmp::Reverse((sample.contrast, sample.place)));
+        let contrast = samples[..count].iter().map(|sample| sample.contrast).sum::<i32>() as f32;
+        Self { size, sides, step, samples, count, contrast }
     }
 
     /// Whether an earlier picture shows it, apart from the target.
     fn was_in(&self, view: &View) -> bool {
         let size = view.picture.size();
-        if size != self.picture.size() || self.contrast <= 0.0 {
+        if size != self.size || self.contrast <= 0.0 {
             return false;
         }
         let [left, top, right, bottom] = self.sides;
         let reach = (SEARCH_SHARE * size.width as f32) as i32 / self.step;
-        let (u, v) = (-view.shift.0.round() as i32, -view.shift.1.round() as i32);
+        let pixels = |shift: f32| shift.round().clamp(-MAX_SHIFT_PX, MAX_SHIFT_PX) as i32;
+        let (u, v) = (-pixels(view.shift.0), -pixels(view.shift.1));
         let steps = || (-reach..=reach).map(|steps| steps * self.step);
         let is_in_picture = |right_by: i32, down_by: i32| {
             left + right_by >= 0
@@ -191,7 +214,7 @@ impl<'a> FoundObject<'a> {
         };
         steps().any(|down| {
             steps().any(|right| {
-                let (right_by, down_by) = (u.saturating_add(right), v.saturating_add(down));
+                let (right_by, down_by) = (u + right, v + down);
                 is_in_picture(right_by, down_by)
                     && is_apart(right_by, down_by)
                     && self.is_like(&view.picture, right_by, down_by)
@@ -203,11 +226,9 @@ impl<'a> FoundObject<'a> {
     fn is_like(&self, earlier: &Picture, right_by: i32, down_by: i32) -> bool {
         let limit = (MAX_DIFFERENCE * self.contrast) as i32;
         let mut total = 0;
-        for (u, v) in places(self.sides, self.step) {
-            total += squared_difference(
-                sample(self.picture, u, v),
-                sample(earlier, (u as i32 + right_by) as usize, (v as i32 + down_by) as usize),
-            );
+        for sample in &self.samples[..self.count] {
+            let (u, v) = (sample.place.0 + right_by, sample.place.1 + down_by);
+            total += squared_difference(sample.colour, colour_at(earlier, u as usize, v as usize));
             if total > limit {
                 return false;
             }
@@ -225,7 +246,7 @@ fn places([left, top, right, bottom]: [i32; 4], step: i32) -> impl Iterator<Item
 }
 
 /// Y, U and V of a pixel.
-fn sample(picture: &Picture, u: usize, v: usize) -> [i32; 3] {
+fn colour_at(picture: &Picture, u: usize, v: usize) -> [i32; 3] {
     let chroma = (u / 2, v / 2);
     [
         i32::from(picture.y().row(v)[u]),
@@ -244,7 +265,7 @@ fn median_of(picture: &Picture, sides: [i32; 4], step: i32) -> [i32; 3] {
     let mut all = 0;
     for (u, v) in places(sides, step) {
         all += 1;
-        for (counts, value) in counts.iter_mut().zip(sample(picture, u, v)) {
+        for (counts, value) in counts.iter_mut().zip(colour_at(picture, u, v)) {
             counts[value as usize] += 1;
         }
     }
