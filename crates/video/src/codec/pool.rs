@@ -18,7 +18,8 @@ pub struct PicturePool {
 
 impl PicturePool {
     /// Maximum number of pictures in the pool: one in the decoder, one waiting, some in recorder, overlay and console, those
-    /// that the tracker keeps, and those that the pilot keeps for selections (1.5 s). The pool takes memory only for as many as were in use at once.
+    /// that the tracker keeps, and those that the pilot keeps for selections (1.5 s). The pool takes memory only for as many as
+    /// were in use at once.
     pub const MAX_PICTURES: usize = 104;
 
     /// A picture of this size, filled by `fill`, which must write all samples of the three planes.

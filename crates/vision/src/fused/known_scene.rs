@@ -100,9 +100,9 @@ impl KnownScene {
 
     /// Whether what is in this box now, with this confidence, was in an earlier picture, apart from the target.
     pub(super) fn showed(&self, picture: &Picture, bounds: PixelBox, confidence: f64) -> bool {
-        let thing = FoundObject::new(picture, bounds);
+        let found = FoundObject::new(picture, bounds);
         let is_sure_enough = |view: &&View| confidence <= view.confidence + OVERRULING_CONFIDENCE;
-        self.views.iter().flatten().filter(is_sure_enough).any(|view| thing.was_in(view))
+        self.views.iter().flatten().filter(is_sure_enough).any(|view| found.was_in(view))
     }
 
     /// Remembers that another thing is at a place, pixels.
@@ -205,12 +205,14 @@ impl FoundObject {
                 && right + right_by <= size.width as i32
                 && bottom + down_by <= size.height as i32
         };
-        let t = view.target;
         let is_apart = |right_by: i32, down_by: i32| {
-            f64::from(left + right_by) >= t.u + t.w
-                || f64::from(right + right_by) <= t.u
-                || f64::from(top + down_by) >= t.v + t.h
-                || f64::from(bottom + down_by) <= t.v
+            let place = PixelBox {
+                u: f64::from(left + right_by),
+                v: f64::from(top + down_by),
+                w: f64::from(right - left),
+                h: f64::from(bottom - top),
+            };
+            place.intersection(view.target).is_empty()
         };
         steps().any(|down| {
             steps().any(|right| {

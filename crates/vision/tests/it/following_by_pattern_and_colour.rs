@@ -244,11 +244,8 @@ fn a_twin_that_was_there_before_is_not_taken_for_a_boat_that_is_hidden() {
             scene.hulls[0].centre = hidden;
             scene.hulls[1].centre.0 = twin.centre.0 + sway;
         });
-        let is_where_the_boat_was = |here: &Localisation| here.bounds.u > 100.0;
-        let is_taken = match &track {
-            Track::Tracking(here) => !is_where_the_boat_was(here),
-            _ => false,
-        };
+        // The boat was farther to the right.
+        let is_taken = matches!(&track, Track::Tracking(here) if here.bounds.u <= 100.0);
         assert!(!is_taken, "at {} ms: {track:?}", trial.now_ms);
     }
     // The boat itself is found.
