@@ -50,7 +50,39 @@ impl CorrelationFilter {
 
     /// Spectrum of the response to a patch with these spectra.
     pub(crate) fn correlate(&self, spectra: &[Spectrum], out: &mut Spectrum) {
-        correlate(self, spectra, out);
+        correlate(&self.masked, spectra, out);
+    }
+}
+
+/// A filter as it was: it responds, and does not learn.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FixedFilter {
+    masked: Vec<Spectrum>,
+}
+
+impl FixedFilter {
+    /// A filter of so many channels without a response.
+    pub(crate) fn new(channels: usize) -> Self {
+        Self { masked: vec![Spectrum::default(); channels] }
+    }
+
+    /// Becomes what another filter is now. Allocates nothing where that has as many channels.
+    pub(crate) fn copy_from(&mut self, filter: &CorrelationFilter) {
+        self.masked.resize_with(filter.masked.len(), Spectrum::default);
+        for (to, from) in self.masked.iter_mut().zip(&filter.masked) {
+            to.re.copy_from_slice(&from.re[..]);
+            to.im.copy_from_slice(&from.im[..]);
+        }
+    }
+
+    /// Spectrum of the response to a patch with these spectra.
+    pub(crate) fn correlate(&self, spectra: &[Spectrum], out: &mut Spectrum) {
+        correlate(&self.masked, spectra, out);
+    }
+
+    /// The response at shift zero to a patch with these spectra.
+    pub(crate) fn response_in_the_middle(&self, spectra: &[Spectrum]) -> f32 {
+        response_in_the_middle(&self.masked, spectra)
     }
 }
 
@@ -140,11 +172,11 @@ fn solve_step(filter: &mut CorrelationFilter, fourier: &mut Fourier, desired: &S
 }
 
 simd_kernel! {
-fn correlate(filter: &CorrelationFilter, spectra: &[Spectrum], out: &mut Spectrum) {
+fn correlate(masked: &[Spectrum], spectra: &[Spectrum], out: &mut Spectrum) {
     out.re.fill(0.0);
     out.im.fill(0.0);
     let (o_re, o_im) = (&mut out.re[..], &mut out.im[..]);
-    for (a, z) in filter.masked.iter().zip(spectra) {
+    for (a, z) in masked.iter().zip(spectra) {
         let (a_re, a_im) = (&a.re[..], &a.im[..]);
         let (z_re, z_im) = (&z.re[..], &z.im[..]);
         for i in 0..AREA {
@@ -153,6 +185,17 @@ fn correlate(filter: &CorrelationFilter, spectra: &[Spectrum], out: &mut Spectru
         }
     }
 }
+}
+
+/// The mean over the frequencies, which is the inverse transform at shift zero.
+fn response_in_the_middle(masked: &[Spectrum], spectra: &[Spectrum]) -> f32 {
+    let mut sum = 0.0;
+    for (a, z) in masked.iter().zip(spectra) {
+        for i in 0..AREA {
+            sum += a.re[i] * z.re[i] + a.im[i] * z.im[i];
+        }
+    }
+    sum / AREA as f32
 }
 
 #[inline(always)]
@@ -231,7 +274,18 @@ impl Peak {
     pub(crate) fn find_second(&self, response: &Map) -> Option<Self> {
         // Rounded cells of the peak: a cast after the remainder is lossless.
         let cell = |shift: f32| (libm::roundf(shift) as i32).rem_euclid(SIDE as i32) as usize;
-        let (row, column) = (cell(self.down), cell(self.right));
+        let peak = (cell(self.down), cell(self.right));
+        self.find_maximum(response, |r, c| is_beside_peak((r, c), peak))
+    }
+
+    /// The highest local maximum at which `is_allowed`, by its shift right and down in cells; `None` where there is none above zero.
+    /// Its peak-to-sidelobe ratio refers to the sidelobes of this peak.
+    pub(crate) fn find_other(&self, response: &Map, is_allowed: impl Fn(f32, f32) -> bool) -> Option<Self> {
+        self.find_maximum(response, |r, c| is_allowed(signed_shift(c), signed_shift(r)))
+    }
+
+    /// The highest local maximum at an allowed row and column.
+    fn find_maximum(&self, response: &Map, is_allowed: impl Fn(usize, usize) -> bool) -> Option<Self> {
         let is_maximum = |r: usize, c: usize| {
             let here = cyclic(response, r, c);
             [(r, c + 1), (r, c + SIDE - 1), (r + 1, c), (r + SIDE - 1, c)]
@@ -242,7 +296,7 @@ impl Peak {
         let mut height = 0.0;
         for (index, &value) in response.iter().enumerate() {
             let (r, c) = (index / SIDE, index % SIDE);
-            if value > height && is_beside_peak((r, c), (row, column)) && is_maximum(r, c) {
+            if value > height && is_maximum(r, c) && is_allowed(r, c) {
                 (best, height) = (Some((r, c)), value);
             }
         }

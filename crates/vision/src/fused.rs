@@ -43,6 +43,7 @@ mod contradicted_box;
 mod distractors;
 mod exchanged_target;
 mod excluded_places;
+mod filter_views;
 mod following;
 mod known_scene;
 mod learning;

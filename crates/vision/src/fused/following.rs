@@ -170,6 +170,7 @@ impl Workspace {
             observation = self.resolve_axis_direction(config, target, picture, observation);
         }
         let observation = self.refine_best_peak(config, target, picture, observation);
+        let observation = self.reconsider(config, target, picture, observation);
         let probability = self.refined.probability;
         let distance_factor = target.distance_factor(&observation);
         let evidence = observation.evidence(config, target);

@@ -6,6 +6,7 @@ use super::appearance::Appearance;
 use super::config::FusedConfig;
 use super::contradiction::Contradiction;
 use super::extent::Extent;
+use super::filter_views::FilterViews;
 use super::geometry::TargetGeometry;
 use super::known_scene::KnownScene;
 use super::loss::LossState;
@@ -18,7 +19,7 @@ use super::target::{DriftCheck, Target};
 use super::workspace::Workspace;
 use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
 use crate::correlation::desired_response_spectrum;
-use crate::features::PatchPose;
+use crate::features::{CHANNELS, PatchPose};
 use crate::fourier::{AREA, Map, SIDE};
 use crate::gradients::CELL;
 use crate::heading::HeadingEstimator;
@@ -123,6 +124,7 @@ impl Workspace {
         appearance.mask = mask(half);
         appearance.mask_half_cells = (half.0.ceil() as usize, half.1.ceil() as usize);
         self.retrain(&mut target, picture, pose);
+        target.views.restart(&target.appearance.filter, target.appearance.usual.peak_height);
         self.set_background_reference(&target, picture);
         self.window.measurements.fill(0.0);
         self.references.clear();
@@ -214,6 +216,7 @@ impl Workspace {
         let pose = target.patch_pose(config);
         self.features.extract(&mut self.crop, &pose, target.geometry.picture_size());
         self.window.remember_usual(&mut target.memory);
+        self.keep_view(target);
         // The filter learns the box's centre as its own place. Where the two differ, it learns faster.
         let (right, down) = target.geometry.offset;
         let boost = 1.0 + OFFSET_BOOST * libm::hypotf(right, down);
@@ -285,6 +288,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         drift: DriftCheck::default(),
         contradiction: Contradiction::default(),
         surroundings: Surroundings::default(),
+        views: FilterViews::new(CHANNELS),
         scene: KnownScene::default(),
         blob: None,
         paint: None,

@@ -8,6 +8,7 @@ use barrelman_vocab::{
 use super::appearance::Appearance;
 use super::config::FusedConfig;
 use super::contradiction::Contradiction;
+use super::filter_views::FilterViews;
 use super::geometry::TargetGeometry;
 use super::known_scene::KnownScene;
 use super::loss::{LossPoint, LossState};
@@ -51,6 +52,8 @@ pub(super) struct Target {
     pub(super) contradiction: Contradiction,
     /// Other things of its colour around it.
     pub(super) surroundings: Surroundings,
+    /// Filters of earlier views.
+    pub(super) views: FilterViews,
     /// Earlier pictures, and other things that the search has found.
     pub(super) scene: KnownScene,
     /// The paint, if the target has one that sets it apart.

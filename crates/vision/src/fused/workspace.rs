@@ -11,7 +11,7 @@ use super::target::Target;
 use crate::background::BackgroundMotion;
 use crate::colour_model::ColourHistogram;
 use crate::components::ComponentFinder;
-use crate::correlation::Peak;
+use crate::correlation::{FixedFilter, Peak};
 use crate::crop::Crop;
 use crate::explanation::{Explanation, GreyMap, TrackerState};
 use crate::features::{FeatureExtractor, PatchPose};
@@ -40,6 +40,8 @@ pub(super) struct Workspace {
     pub(super) features: FeatureExtractor,
     response_spectrum: Spectrum,
     response: Box<Map>,
+    /// Response of a filter that does not adapt.
+    fixed_response: Box<Map>,
     pub(super) redetector: Redetector,
     pub(super) background: BackgroundMotion,
     /// Colours inside the target's ellipse and in the ring around it, in one frame.
@@ -70,6 +72,7 @@ impl Workspace {
             features: FeatureExtractor::new(config.brightness_gain as f32, config.colour_gain as f32),
             response_spectrum: Spectrum::default(),
             response: Box::new([0.0; AREA]),
+            fixed_response: Box::new([0.0; AREA]),
             redetector: Redetector::default(),
             background: BackgroundMotion::new(),
             histograms: [ColourHistogram::default(), ColourHistogram::default()],
@@ -102,8 +105,15 @@ impl Workspace {
         (second.height > MIN_SECOND_HEIGHT * first.peak.height).then(|| self.observation_at(target, second))
     }
 
+    /// The response of a filter that does not adapt in the last search window.
+    pub(super) fn respond(&mut self, filter: &FixedFilter) -> &Map {
+        filter.correlate(&self.features.spectra, &mut self.response_spectrum);
+        self.features.fourier.inverse(&self.response_spectrum, &mut self.fixed_response);
+        &self.fixed_response
+    }
+
     /// The observation at a peak of the last search window.
-    fn observation_at(&self, target: &Target, peak: Peak) -> Observation {
+    pub(super) fn observation_at(&self, target: &Target, peak: Peak) -> Observation {
         let (pose, size) = (self.pose, target.geometry.picture_size());
         let (u, v) = pose.to_picture(peak.right * CELL as f32, peak.down * CELL as f32);
         let centre = (u.clamp(0.0, size.0), v.clamp(0.0, size.1));
