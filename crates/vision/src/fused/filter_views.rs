@@ -175,3 +175,78 @@ impl Workspace {
         Some(self.observation_at(target, peak))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::PixelBox;
+
+    use super::super::test_target::{red_on_blue, selected};
+    use super::*;
+
+    const BOAT: PixelBox = PixelBox { u: 100.0, v: 60.0, w: 30.0, h: 12.0 };
+
+    fn boat_on_water() -> Picture {
+        red_on_blue((240, 160), |column, row| (100..130).contains(&column) && (60..72).contains(&row))
+    }
+
+    /// The target, and what the workspace answers where the track has gone over to the water below the boat.
+    fn reconsidered(was_probable: bool) -> (Target, Observation) {
+        let config = FusedConfig::default();
+        let (mut workspace, mut target, _) = selected(&config, boat_on_water(), BOAT);
+        let picture = boat_on_water();
+        target.views.was_probable = was_probable;
+        let pose = target.patch_pose(&config);
+        let at_boat = workspace.observe(&target, &picture, pose);
+        let (u, v) = target.geometry.centre;
+        target.geometry.centre = (u, v + 30.0);
+        let on_water = workspace.observation_at(&target, Peak { down: at_boat.peak.down, ..Peak::default() });
+        let slipped = Observation { centre: target.geometry.centre, ..on_water };
+        let refined = workspace.refine_observation(&config, &target, &picture, &slipped);
+        assert!(refined.probability < MAX_DOUBTED_PROBABILITY, "{}", refined.probability);
+        let taken = workspace.reconsider(&config, &mut target, &picture, slipped);
+        (target, taken)
+    }
+
+    #[test]
+    fn a_track_that_went_over_to_the_water_goes_back_to_the_boat_beside_it() {
+        let (target, taken) = reconsidered(true);
+        let away = length(difference(taken.centre, (115.0, 66.0)));
+        assert!(away < 3.0, "{:?}", taken.centre);
+        assert!(
+            length(difference(target.geometry.centre, (115.0, 66.0))) < 3.0,
+            "the target continues from there"
+        );
+    }
+
+    #[test]
+    fn what_never_was_probable_is_not_looked_for_elsewhere() {
+        let (target, taken) = reconsidered(false);
+        assert_eq!(taken.centre, target.geometry.centre);
+        assert!(length(difference(taken.centre, (115.0, 66.0))) > 20.0);
+    }
+
+    #[test]
+    fn a_view_is_kept_once_and_that_of_the_selection_stays() {
+        let config = FusedConfig::default();
+        let (mut workspace, mut target, _) = selected(&config, boat_on_water(), BOAT);
+        let other_picture = red_on_blue((240, 160), |column, row| {
+            (109..121).contains(&column) && (51..81).contains(&row) && (column / 3 + row / 5) % 2 == 0
+        });
+        let pose = target.patch_pose(&config);
+        workspace.refined.probability = MIN_KEPT_PROBABILITY + 0.1;
+        workspace.observe(&target, &boat_on_water(), pose);
+        workspace.keep_view(&mut target);
+        assert_eq!(target.views.count, 1, "the boat of the selection");
+        workspace.observe(&target, &other_picture, pose);
+        workspace.keep_view(&mut target);
+        assert_eq!(target.views.count, 2, "another shape");
+        for _ in 0..MAX_VIEWS {
+            workspace.keep_view(&mut target);
+        }
+        assert!(target.views.count <= MAX_VIEWS);
+        workspace.refined.probability = MIN_KEPT_PROBABILITY;
+        target.views.count = 1;
+        workspace.keep_view(&mut target);
+        assert_eq!(target.views.count, 1, "not sure enough");
+    }
+}
