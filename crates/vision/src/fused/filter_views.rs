@@ -154,7 +154,7 @@ impl Workspace {
         self.centre_crop(target, picture, &best);
         if best != followed {
             self.references.clear();
-            target.restart_at(config, &best);
+            target.continue_at(&best);
         }
         best
     }

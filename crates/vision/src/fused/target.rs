@@ -208,6 +208,14 @@ impl Target {
         }
     }
 
+    /// Continues from an observation elsewhere in the search window. What is known of other things around the target stays.
+    pub(super) fn continue_at(&mut self, observation: &Observation) {
+        self.geometry.centre = self.geometry.box_centre_at(observation.centre);
+        self.reported_edges = None;
+        self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
+        self.heading.clear_path();
+    }
+
     /// Continues from an observation of a re-detected target.
     pub(super) fn restart_at(&mut self, config: &FusedConfig, observation: &Observation) {
         self.geometry.rescale(observation.pose.step / self.patch_pose(config).step);
