@@ -15,9 +15,10 @@
 //!    prediction is uncertain compared with the window, the neighbouring windows are evaluated too.
 //! 3. *Evaluate*: the evidence and the probability of the refined box give the state (`phase`, `evidence`).
 //! 4. *Refine*: a network reads a window around the box and answers with its edges and the probability of the box,
-//!    which is the confidence (`refinement`). The filter's response at other sizes and rotations corrects both, the
-//!    moments of the colour correct centre and axis (`silhouette`), the blob of the paint follows a target that changes
-//!    its shape (`blob`), and the path distinguishes bow and stern (`heading`).
+//!    which is the confidence (`refinement`). A doubtful target is looked for around it with filters of earlier views
+//!    (`filter_views`). The filter's response at other sizes and rotations corrects both, the moments of the colour
+//!    correct centre and axis (`silhouette`), the blob of the paint follows a target that changes its shape (`blob`), and
+//!    the path distinguishes bow and stern (`heading`).
 //! 5. *Learn*: filter and histograms adapt to the frame if the evidence is good (`learning`).
 //!
 //! A lost target is searched for by colour in the whole picture (`redetection`), and by the filter at the place of the
@@ -25,7 +26,7 @@
 //! confirmed in the following frames, unless an earlier picture shows that it is another thing (`known_scene`).
 //!
 //! Work per frame: one search window of at most 130 x 130 samples and about nine small patches, for a target of any
-//! size; at most eight search windows while it is lost. Memory: less than 2 MiB, and two earlier video frames that are shared
+//! size; at most eight search windows while it is lost. Memory: less than 3 MiB, and two earlier video frames that are shared
 //! with their source; no allocation per frame once the buffers have their size.
 //!
 //! Not handled: targets that change beyond recognition while hidden, groups of similar targets that cross, targets
