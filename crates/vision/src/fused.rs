@@ -16,7 +16,7 @@
 //! 3. *Evaluate*: the evidence and the probability of the refined box give the state (`phase`, `evidence`).
 //! 4. *Refine*: a network reads a window around the box and answers with its edges and the probability of the box,
 //!    which is the confidence (`refinement`). A doubtful target is looked for around it with filters of earlier views
-//!    (`filter_views`). The filter's response at other sizes and rotations corrects both, the moments of the colour
+//!    (`reconsidering`). The filter's response at other sizes and rotations corrects both, the moments of the colour
 //!    correct centre and axis (`silhouette`), the blob of the paint follows a target that changes its shape (`blob`), and
 //!    the path distinguishes bow and stern (`heading`).
 //! 5. *Learn*: filter and histograms adapt to the frame if the evidence is good (`learning`).
@@ -44,11 +44,11 @@ mod contradicted_box;
 mod distractors;
 mod exchanged_target;
 mod excluded_places;
-mod filter_views;
 mod following;
 mod known_scene;
 mod learning;
 mod paint_selection;
+mod reconsidering;
 mod recovery;
 mod refining;
 mod shape_following;
@@ -59,6 +59,7 @@ mod phase;
 
 mod appearance;
 mod extent;
+mod filter_views;
 mod geometry;
 mod loss;
 mod observation;
