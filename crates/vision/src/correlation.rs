@@ -55,13 +55,13 @@ impl CorrelationFilter {
 }
 
 /// A filter as it was: it responds, and does not learn.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct FixedFilter {
     masked: Vec<Spectrum>,
 }
 
 impl FixedFilter {
-    /// A filter of so many channels without a response.
+    /// A filter with this number of channels and without a response.
     pub(crate) fn new(channels: usize) -> Self {
         Self { masked: vec![Spectrum::default(); channels] }
     }

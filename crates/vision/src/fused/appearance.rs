@@ -10,6 +10,14 @@ const INITIAL_PEAK_HEIGHT: f32 = 0.7;
 /// Initial estimate of the usual similarity of the target's colours and of their layout.
 const INITIAL_SIMILARITY: f32 = 0.95;
 
+/// Lower bound of the usual height, as a divisor.
+const MIN_USUAL_HEIGHT: f32 = 0.05;
+
+/// Height of a response relative to the usual one.
+pub(super) fn relative_height(height: f32, usual: f32) -> f32 {
+    height / usual.max(MIN_USUAL_HEIGHT)
+}
+
 /// Filter and colour models of the target.
 #[derive(Debug, Clone)]
 pub(super) struct Appearance {

@@ -1,5 +1,6 @@
 //! What an observation says about whether the target is there: evidence and confidence.
 
+use super::appearance::relative_height;
 use super::config::FusedConfig;
 use super::observation::Observation;
 use super::target::Target;
@@ -19,8 +20,6 @@ const NEUTRAL_COLOUR: f32 = 0.6;
 /// relative height.
 const NEUTRAL_HEIGHT: f32 = 0.5;
 const HEIGHT_EVIDENCE: f32 = 8.0;
-/// Lower bound of the usual height, as a divisor.
-const MIN_USUAL_HEIGHT: f32 = 0.05;
 
 impl Observation {
     /// Contrast of the colour relative to its usual value, 0 to 1; `None` where the colour is not used.
@@ -31,7 +30,7 @@ impl Observation {
 
     /// Height of the response relative to its usual value.
     pub(super) fn relative_height(&self, target: &Target) -> f32 {
-        self.peak.height / target.appearance.usual.peak_height.max(MIN_USUAL_HEIGHT)
+        relative_height(self.peak.height, target.appearance.usual.peak_height)
     }
 
     /// Whether the response is about as high as the target's usually is.

@@ -4,6 +4,7 @@
 //! responds to it more and more clearly. The filters of earlier views do not adapt: that of the selection, and of later views
 //! that none of the kept ones responds to. `reconsidering` looks for the target with them.
 
+use super::appearance::relative_height;
 use crate::correlation::{CorrelationFilter, FixedFilter};
 use crate::fourier::Spectrum;
 
@@ -11,12 +12,10 @@ use crate::fourier::Spectrum;
 pub(super) const MAX_VIEWS: usize = 3;
 /// A view is kept from a frame whose box has more than this probability, ...
 pub(super) const MIN_KEPT_PROBABILITY: f32 = 0.8;
-/// ... where the response of each kept view is less than this share of its usual height. One of so many frames that are learned from is
-/// compared.
+/// ... where the response of each kept view is less than this share of its usual height.
 const MAX_KNOWN_RESPONSE: f32 = 0.7;
+/// Interval, in frames that are learned from, at which the views are compared.
 pub(super) const COMPARED_INTERVAL: u32 = 5;
-/// Lower bound of a usual height, as a divisor.
-const MIN_USUAL_HEIGHT: f32 = 0.05;
 
 /// The views that are kept of a target.
 #[derive(Debug, Clone)]
@@ -29,7 +28,7 @@ pub(super) struct FilterViews {
 }
 
 /// One of them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct FilterView {
     pub(super) filter: FixedFilter,
     /// Usual height of the response when it was kept.
@@ -37,14 +36,14 @@ pub(super) struct FilterView {
 }
 
 impl FilterView {
-    /// How much higher a response is than usual.
+    /// Height of a response of this view's filter relative to its usual one.
     pub(super) fn relative(&self, height: f32) -> f32 {
-        height / self.usual_height.max(MIN_USUAL_HEIGHT)
+        relative_height(height, self.usual_height)
     }
 }
 
 impl FilterViews {
-    /// No views, with the memory of all of them for filters of so many channels.
+    /// No views, with the memory of all of them for filters with this number of channels.
     pub(super) fn new(channels: usize) -> Self {
         let empty = || FilterView { filter: FixedFilter::new(channels), usual_height: 0.0 };
         Self { views: core::array::from_fn(|_| empty()), count: 0, was_probable: false }

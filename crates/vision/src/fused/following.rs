@@ -233,9 +233,7 @@ impl Workspace {
         if other.probability > refined.probability + CLEARLY_MORE_PROBABLE {
             return second;
         }
-        self.window.copy_from(&self.first_window);
-        self.refined = refined;
-        self.centre_crop(target, picture, &first);
+        self.return_to(target, picture, &first, refined);
         first
     }
 

@@ -15,10 +15,8 @@ use super::workspace::Workspace;
 use crate::correlation::Peak;
 use crate::gradients::CELL;
 
-/// A target whose box never had this probability is not looked for elsewhere: the network does not know it, and anything that is a
-/// thing would be more probable.
-const PROBABLE: f32 = 0.5;
-/// Below this probability of the box that is followed, the target is looked for elsewhere.
+/// Below this probability of the box that is followed, the target is looked for elsewhere, unless its box never had more: then the
+/// network does not know the target, and any other thing would be more probable.
 const MAX_DOUBTED_PROBABILITY: f32 = 0.5;
 /// A place elsewhere has at least this share of the usual height of the response and of the usual contrast of the colour, ...
 const MIN_HEIGHT: f32 = 0.2;
@@ -26,7 +24,7 @@ const MIN_CONTRAST: f32 = 0.6;
 /// ... at least this probability of its box, and is more probable by this much.
 const MIN_PROBABILITY: f32 = 0.45;
 const CLEARLY_MORE_PROBABLE: f32 = 0.15;
-/// Places are apart by so many sizes of the target, and cells.
+/// Least distance of two places: sizes of the target, and cells.
 const APART_SIZES: f32 = 0.4;
 const APART_CELLS: f32 = 2.0;
 
@@ -52,11 +50,11 @@ impl Workspace {
         picture: &Picture,
         followed: Observation,
     ) -> Observation {
-        target.views.was_probable |= self.refined.probability >= PROBABLE;
-        if self.refined.probability >= MAX_DOUBTED_PROBABILITY
-            || !target.views.was_probable
-            || matches!(target.phase, Phase::Confirming { .. })
-        {
+        if self.refined.probability >= MAX_DOUBTED_PROBABILITY {
+            target.views.was_probable = true;
+            return followed;
+        }
+        if !target.views.was_probable || matches!(target.phase, Phase::Confirming { .. }) {
             return followed;
         }
         let (mut best, mut refined) = (followed, self.refined);
@@ -79,9 +77,7 @@ impl Workspace {
                 self.first_window.copy_from(&self.window);
             }
         }
-        self.window.copy_from(&self.first_window);
-        self.refined = refined;
-        self.centre_crop(target, picture, &best);
+        self.return_to(target, picture, &best, refined);
         if best != followed {
             self.references.clear();
             target.continue_at(&best);

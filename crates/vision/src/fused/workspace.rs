@@ -53,7 +53,7 @@ pub(super) struct Workspace {
     /// Window of the last refinement, and the answer.
     pub(super) window: RefinementWindow,
     pub(super) refined: RefinedBox,
-    /// Window of the first of two observations that are compared.
+    /// Window of the best of the observations that are compared.
     pub(super) first_window: RefinementWindow,
     network: RefinementNetwork,
     /// Things of the target's colour.
@@ -145,6 +145,19 @@ impl Workspace {
             self.extract_crop(target, picture, &PatchPose { centre: (u, v), ..observation.pose });
         }
         (u, v)
+    }
+
+    /// Makes an earlier observation the last one again: its refined box, the window that was kept, and its crop.
+    pub(super) fn return_to(
+        &mut self,
+        target: &Target,
+        picture: &Picture,
+        observation: &Observation,
+        refined: RefinedBox,
+    ) {
+        self.window.copy_from(&self.first_window);
+        self.refined = refined;
+        self.centre_crop(target, picture, observation);
     }
 
     /// Evaluates the refinement network at an observation.
