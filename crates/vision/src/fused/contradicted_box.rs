@@ -7,8 +7,8 @@ use super::target::Target;
 use super::workspace::Workspace;
 
 impl Workspace {
-    /// Moves a box with a silhouette that has grown onto the network's box where that is probable, and smaller than half of
-    /// the target's own box, in several consecutive frames. The filter is retrained.
+    /// Moves a box with a silhouette onto the network's box where that is probable, and in several consecutive frames less than half
+    /// as large as the target's own box, which has grown, or more than twice as large. The filter is retrained.
     pub(super) fn correct_contradicted_box(
         &mut self,
         config: &FusedConfig,

@@ -1,15 +1,17 @@
-//! Where the network's box contradicts the target's own: silhouette and blob took in another thing of the target's colour.
+//! Where the network's box contradicts the target's own: it has grown over another thing, or has shrunk onto a part.
 //!
 //! A boat that passes close to a buoy of its paint becomes one silhouette with it. The own box grows over both, the filter
-//! learns both, and stays with the buoy when the boat goes on. The network's box stays with the boat for a while. Only a box
-//! that has grown is contradicted: of a target that is half hidden the network may see half.
+//! learns both, and stays with the buoy when the boat goes on. The network's box stays with the boat for a while. A network's
+//! box that is smaller contradicts only a box that has grown: of a target that is half hidden the network may see half. One that
+//! is larger contradicts any: a silhouette in a box that is too small shows the part that the box holds.
 
 use super::shape_following::rate_in;
 
-/// The network's box contradicts the target's own if it is at least so probable, and has at most this share of its area. The
-/// own box is corrected after this many consecutive frames.
+/// The network's box contradicts the target's own if it is at least so probable, and has at most this share of its area, or at
+/// least the other one. The own box is corrected after this many consecutive frames.
 const MIN_PROBABILITY: f32 = 0.6;
 const MAX_SHARE: f32 = 0.5;
+const MIN_EXCESS: f32 = 2.0;
 pub(super) const FRAMES: u32 = 4;
 /// A box has grown if its area is larger than usual by the first factor; the area of the network's box may differ from the usual
 /// one by the second. The usual area follows with this time constant, seconds.
@@ -35,10 +37,9 @@ impl Contradiction {
         *usual += rate_in(f64::from(seconds), USUAL_AREA_S) * (log_area - *usual);
         let growth = log_area - *usual;
         let misfit = growth + libm::logf(share);
-        let is_contradicted = growth > libm::logf(GROWTH)
-            && misfit.abs() <= libm::logf(MAX_MISFIT)
-            && probability >= MIN_PROBABILITY
-            && share <= MAX_SHARE;
+        let has_grown =
+            share <= MAX_SHARE && growth > libm::logf(GROWTH) && misfit.abs() <= libm::logf(MAX_MISFIT);
+        let is_contradicted = probability >= MIN_PROBABILITY && (has_grown || share >= MIN_EXCESS);
         self.frames = if is_contradicted { self.frames + 1 } else { 0 };
         let is_confirmed = self.frames >= FRAMES;
         if is_confirmed {
@@ -61,6 +62,13 @@ mod tests {
             assert!(!contradiction.is_confirmed(600.0, 1.0, 0.9, FRAME_S));
         }
         (1..=60).find(|_| contradiction.is_confirmed(600.0 * growth, share, probability, FRAME_S))
+    }
+
+    #[test]
+    fn a_box_that_shrank_is_corrected_by_a_probable_box_of_twice_its_area() {
+        assert_eq!(corrected_after(0.4, 2.2, 0.7), Some(FRAMES));
+        assert_eq!(corrected_after(0.4, 1.8, 0.7), None, "the network's box differs less");
+        assert_eq!(corrected_after(0.4, 2.2, 0.5), None, "the network does not know");
     }
 
     #[test]
