@@ -38,6 +38,7 @@ mod vector;
 mod workspace;
 
 mod blob;
+mod box_probability;
 mod companions;
 mod contact;
 mod contradicted_box;

@@ -80,11 +80,6 @@ fn pattern_confidence(observation: &Observation, target: &Target) -> f64 {
     1.0 / (1.0 + libm::exp(-log_odds))
 }
 
-/// Confidence of a predicted box, this many seconds after the target was last seen with a box of this probability.
-pub(super) fn coasting_confidence(probability: f64, seconds: f64) -> f64 {
-    (probability * (COASTING_CONFIDENCE - COASTING_LOSS_PER_S * seconds)).max(MIN_COASTING_CONFIDENCE)
-}
-
 /// Confidence of a rejected observation.
 pub(super) fn rejected_confidence(observation: &Observation, target: &Target) -> f64 {
     REJECTED_FACTOR * pattern_confidence(observation, target)
@@ -102,10 +97,6 @@ struct LogOdds {
 /// Fitted to the labelled recordings of the tracker's evaluation, each weighted with the root of its number of frames,
 /// and rounded.
 const LOG_ODDS: LogOdds = LogOdds { constant: 0.5, sidelobes: 0.4, height: 1.4, colour: 0.5, turned: -2.0 };
-/// Of the predicted boxes, nine of ten are right at first and half after a third of a second.
-const COASTING_CONFIDENCE: f64 = 0.9;
-const COASTING_LOSS_PER_S: f64 = 1.2;
-const MIN_COASTING_CONFIDENCE: f64 = 0.05;
 /// Factor on the confidence of a rejected observation.
 const REJECTED_FACTOR: f64 = 0.3;
 

@@ -3,7 +3,7 @@
 use barrelman_vocab::{MotionPrior, Picture, Track, VideoFrame};
 
 use super::config::FusedConfig;
-use super::evidence::{coasting_confidence, rejected_confidence};
+use super::evidence::rejected_confidence;
 use super::observation::Observation;
 use super::phase::{Phase, Visibility};
 use super::target::Target;
@@ -141,10 +141,9 @@ impl Workspace {
         }
         match target.phase {
             Phase::Tracking => Track::Tracking(target.report(frame)),
-            Phase::Coasting { since } => {
+            Phase::Coasting { .. } => {
                 target.move_to_prediction();
-                target.confidence =
-                    coasting_confidence(target.last_probability, now.since(since).as_secs_f64());
+                target.confidence = target.probability.of_prediction(now);
                 Track::Coasting(target.report(frame))
             }
             Phase::Lost { since } | Phase::Confirming { since, .. } => {
@@ -192,10 +191,11 @@ impl Workspace {
                 Visibility::OutOfPicture
             };
         }
-        (target.confidence, target.last_probability) = (f64::from(probability), f64::from(probability));
+        target.confidence = target.probability.add(probability, frame.capture.at);
         self.refine(config, target, &observation, frame, seconds);
         target.follow_reported_box(self.refined.edges, seconds);
         if self.correct_exchanged_target(config, target, picture, seconds as f32) {
+            target.probability.restart();
             target.confidence = UNJUDGED_CONFIDENCE;
             return Visibility::Visible;
         }

@@ -3,6 +3,7 @@
 use barrelman_vocab::{Picture, PixelBox, VideoFrame};
 
 use super::appearance::Appearance;
+use super::box_probability::BoxProbability;
 use super::config::FusedConfig;
 use super::contradiction::Contradiction;
 use super::extent::Extent;
@@ -296,7 +297,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         memory: WindowMemory::default(),
         reported_edges: None,
         confidence: 1.0,
-        last_probability: 1.0,
+        probability: BoxProbability::of_selection(now),
         geometry,
     }
 }

@@ -6,6 +6,7 @@ use barrelman_vocab::{
 };
 
 use super::appearance::Appearance;
+use super::box_probability::BoxProbability;
 use super::config::FusedConfig;
 use super::contradiction::Contradiction;
 use super::filter_views::FilterViews;
@@ -68,8 +69,8 @@ pub(super) struct Target {
     pub(super) reported_edges: Option<[f32; 4]>,
     /// Confidence of the last frame, 0 to 1.
     pub(super) confidence: f64,
-    /// Probability of the box in the last frame in which the target was seen, 0 to 1.
-    pub(super) last_probability: f64,
+    /// Probability of the box, over frames.
+    pub(super) probability: BoxProbability,
 }
 
 /// Counters of the check for a box that slipped off its target.
@@ -210,9 +211,7 @@ impl Target {
 
     /// Continues from an observation elsewhere in the search window. What is known of other things around the target stays.
     pub(super) fn continue_at(&mut self, observation: &Observation) {
-        self.geometry.centre = self.geometry.box_centre_at(observation.centre);
-        self.reported_edges = None;
-        self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
+        self.jump_to(observation);
         self.heading.clear_path();
     }
 
@@ -221,12 +220,18 @@ impl Target {
         self.geometry.rescale(observation.pose.step / self.patch_pose(config).step);
         self.geometry.axis = self.geometry.axis_in(&observation.pose);
         self.geometry.patch_angle = observation.pose.angle;
-        self.geometry.centre = self.geometry.box_centre_at(observation.centre);
+        self.jump_to(observation);
         self.blob = None;
         self.surroundings = Surroundings::default();
-        self.reported_edges = None;
-        self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
         self.heading.reset();
+    }
+
+    /// Moves the target to an observation at another place: at rest, with nothing known of its box there.
+    fn jump_to(&mut self, observation: &Observation) {
+        self.geometry.centre = self.geometry.box_centre_at(observation.centre);
+        self.motion.restart_at(self.geometry.centre, f64::from(self.geometry.size_px()));
+        self.reported_edges = None;
+        self.probability.restart();
     }
 
     /// The localisation to report for a frame.
