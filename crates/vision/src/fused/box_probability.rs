@@ -14,8 +14,8 @@ const GAIN: f64 = 1.1;
 /// A probability counts at least as this, and at most as one less this: log-odds have no limit.
 const MIN_PROBABILITY: f64 = 1.0e-3;
 
-/// Of boxes that were predicted from right ones, this share of the right ones is wrong after each such time, seconds: 0.7 of them are
-/// right after one frame, 0.3 after 0.14 s, 0.1 after 0.3 s (39 labelled recordings).
+/// Time constant with which the probability of a predicted box falls, seconds. On 39 labelled recordings 0.72, 0.36, 0.23 and 0.13 of
+/// the last box's were left 0.04, 0.09, 0.14 and 0.29 s after the target was last seen.
 const PREDICTION_S: f64 = 0.13;
 const MIN_PREDICTION: f64 = 0.05;
 
