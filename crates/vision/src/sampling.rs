@@ -23,6 +23,9 @@ impl SampleMap {
 
     /// Prepares the map for [`sample_bilinear`]; to be called after `values` changed. The map must not be empty.
     pub(crate) fn pack(&mut self) {
+        self.quads.clear();
+        // Room for as many as there is for values, so that a map whose values need no memory needs none here.
+        self.quads.reserve(self.values.capacity());
         pack_quads(self);
     }
 }
@@ -35,7 +38,6 @@ fn copy_with_capacity<T: Copy>(to: &mut Vec<T>, from: &Vec<T>) {
 
 simd_kernel! {
 fn pack_quads(map: &mut SampleMap) {
-    map.quads.clear();
     for row in 0..map.height {
         let here = &map.values[row * map.width..][..map.width];
         let below = &map.values[(row + 1).min(map.height - 1) * map.width..][..map.width];

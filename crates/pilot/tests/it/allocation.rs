@@ -45,9 +45,6 @@ fn steps_with_the_fused_tracker_allocate_nothing_after_the_first_rounds() {
     steps_allocate_nothing_after_the_first_rounds(Box::new(tracker), LawSettings::MotorSchema);
 }
 
-/// Rounds after the first one until the buffers have their size: each loses the boat, and finds it, at other places.
-const WARM_ROUNDS: usize = 3;
-
 #[track_caller]
 fn steps_allocate_nothing_after_the_first_rounds(tracker: Box<dyn Tracker>, law: LawSettings) {
     let clip = PracticeClip::new(SIZE, 1);
@@ -84,10 +81,8 @@ fn steps_allocate_nothing_after_the_first_rounds(tracker: Box<dyn Tracker>, law:
         (allocations, moved, followed)
     };
     let (first, ..) = round();
-    // The next rounds add what the buffers need for the boxes of a tracker that knows the boat already.
-    for _ in 0..WARM_ROUNDS {
-        round();
-    }
+    // The second round adds what the buffers need for the boxes of a tracker that knows the boat already.
+    round();
     assert!(first > 0, "the allocator is not counted");
     let (allocations, moved, followed) = round();
     assert!(

@@ -7,8 +7,9 @@
 
 use super::shape_following::rate_in;
 
-/// The network's box contradicts the target's own if it is at least so probable, and has at most this share of its area, or at
-/// least the other one. The own box is corrected after this many consecutive frames.
+/// The network's box contradicts the target's own if it has at least the probability `MIN_PROBABILITY`, and at most the share
+/// `MAX_SHARE` of the own box's area, or at least `MIN_EXCESS` times that area. The own box is corrected after `FRAMES`
+/// consecutive frames.
 const MIN_PROBABILITY: f32 = 0.6;
 const MAX_SHARE: f32 = 0.5;
 const MIN_EXCESS: f32 = 2.0;

@@ -1,6 +1,7 @@
 //! What an observation says about whether the target is there: evidence and confidence.
 
 use super::appearance::relative_height;
+use super::box_probability::from_log_odds;
 use super::config::FusedConfig;
 use super::observation::Observation;
 use super::target::Target;
@@ -77,7 +78,7 @@ fn pattern_confidence(observation: &Observation, target: &Target) -> f64 {
         + LOG_ODDS.height * height
         + LOG_ODDS.colour * colour
         + LOG_ODDS.turned * turned;
-    1.0 / (1.0 + libm::exp(-log_odds))
+    from_log_odds(log_odds)
 }
 
 /// Confidence of a rejected observation.

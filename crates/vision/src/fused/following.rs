@@ -228,7 +228,7 @@ impl Workspace {
             return first;
         }
         let Some(second) = self.observe_second_peak(target, &first) else { return first };
-        self.first_window.copy_from(&self.window);
+        self.best_window.copy_from(&self.window);
         let other = self.refine_observation(config, target, picture, &second);
         if other.probability > refined.probability + CLEARLY_MORE_PROBABLE {
             return second;

@@ -42,7 +42,7 @@ impl Workspace {
 
     /// Looks for the target elsewhere in the last search window, with the filters of earlier views, if the refined box of what is
     /// followed is improbable. Where another place is clearly more probable, the target continues from there. The observation
-    /// that is taken; crop, window and refined box are its own.
+    /// that is taken; crop, window and refined box belong to that observation.
     pub(super) fn reconsider(
         &mut self,
         config: &FusedConfig,
@@ -58,7 +58,7 @@ impl Workspace {
             return followed;
         }
         let (mut best, mut refined) = (followed, self.refined);
-        self.first_window.copy_from(&self.window);
+        self.best_window.copy_from(&self.window);
         // What is followed, and one place for each view.
         let mut places = [followed.centre; MAX_VIEWS + 1];
         for index in 0..target.views.kept().len() {
@@ -74,7 +74,7 @@ impl Workspace {
                 && its_box.probability > refined.probability + CLEARLY_MORE_PROBABLE
             {
                 (best, refined) = (other, its_box);
-                self.first_window.copy_from(&self.window);
+                self.best_window.copy_from(&self.window);
             }
         }
         self.return_to(target, picture, &best, refined);

@@ -33,8 +33,13 @@ pub(super) fn follow_shape(
 }
 
 /// Share of the way that something goes in `seconds` that follows with this time constant, seconds.
+pub(super) fn share_in(seconds: f64, time_s: f64) -> f64 {
+    1.0 - libm::exp(-seconds / time_s)
+}
+
+/// The same in single precision.
 pub(super) fn rate_in(seconds: f64, time_s: f64) -> f32 {
-    (1.0 - libm::exp(-seconds / time_s)) as f32
+    share_in(seconds, time_s) as f32
 }
 
 /// Difference of two axes, -pi/2 to pi/2.

@@ -54,7 +54,7 @@ pub(super) struct Workspace {
     pub(super) window: RefinementWindow,
     pub(super) refined: RefinedBox,
     /// Window of the best of the observations that are compared.
-    pub(super) first_window: RefinementWindow,
+    pub(super) best_window: RefinementWindow,
     network: RefinementNetwork,
     /// Things of the target's colour.
     pub(super) components: ComponentFinder,
@@ -80,7 +80,7 @@ impl Workspace {
             references: MotionReferences::default(),
             window: RefinementWindow::default(),
             refined: RefinedBox::default(),
-            first_window: RefinementWindow::default(),
+            best_window: RefinementWindow::default(),
             network: RefinementNetwork::new(weights),
             components: ComponentFinder::default(),
             pose: PatchPose { centre: (0.0, 0.0), step: 1.0, angle: 0.0 },
@@ -155,7 +155,7 @@ impl Workspace {
         observation: &Observation,
         refined: RefinedBox,
     ) {
-        self.window.copy_from(&self.first_window);
+        self.window.copy_from(&self.best_window);
         self.refined = refined;
         self.centre_crop(target, picture, observation);
     }
