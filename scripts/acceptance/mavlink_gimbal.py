@@ -39,9 +39,12 @@ class Run(ConsoleRun):
         super().__init__(args, folder, name, "--profile", "mavlink-gimbal", "--link", url, *more, video=video)
 
     def wait_until_it_moves(self):
-        common.wait_until(self.manager.is_turning, MOVES_WITHIN, "the first motion")
-        time.sleep(0.3)
-        common.wait_until(self.manager.is_turning, MOVES_WITHIN, "the next motion")
+        try:
+            common.wait_until(self.manager.is_turning, MOVES_WITHIN, "the first motion")
+            time.sleep(0.3)
+            common.wait_until(self.manager.is_turning, MOVES_WITHIN, "the next motion")
+        except TimeoutError as error:
+            raise TimeoutError(f"{error}; the run's last lines: {self.err.text()[-600:]!r}") from error
 
     def wait_for_control(self, is_ours):
         return common.wait_until(lambda: self.link().get("in_control") is is_ours, LINK_UP_WITHIN, f"control {is_ours}")
@@ -249,7 +252,7 @@ def signed_wrong(rows, args, folder):
     key.chmod(0o600)
     manager = GimbalManager(passphrase=PASSPHRASE)
     with Run(args, folder, manager, "signed-wrong", "--link-signing-key-file", key) as run:
-        run.err.wait_for("signing key", 12)
+        run.err.wait_for("signing key", 16)
         rows.require("another key: nothing is read, and the remedy is told", manager.primary == NOBODY)
     manager.faults.clear()
     return manager

@@ -85,7 +85,7 @@ fn a_session_after_a_motion_that_hears_nothing_sends_zeros_until_it_asks_for_ano
     bench.session.must_be_answered();
     bench.passes = (true, false);
     bench.run_until("the end", |bench| matches!(bench.last, NextAction::Reopen { .. }));
-    assert_eq!(bench.now_ms, 6_005);
+    assert_eq!(bench.now_ms, 10_005);
     let gap = bench.sent.iter().filter(|(_, sent)| sent.is_zeros()).map(|(ms, _)| *ms).collect::<Vec<_>>();
     assert!(gap.windows(2).all(|pair| pair[1] - pair[0] <= 250), "{gap:?}");
 }
