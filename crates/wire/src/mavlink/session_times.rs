@@ -12,8 +12,10 @@ pub const ASKS_FOR_INFORMATION: u32 = 3;
 /// engagement. On a line that loses three packets of ten, each way, one search of 26,000 hears no heartbeat within 10 s (one
 /// of 265 within 6 s): simulated, 2,000,000 searches each.
 pub const SEARCH_TIMEOUT: Duration = Duration::from_secs(10);
-/// Longest wait for the word who has the control before the claim: a manager may send its status at changes only.
-pub const STATUS_TIMEOUT: Duration = Duration::from_secs(1);
+/// Longest wait for the word who has the control before the claim: a manager may send its status at changes only. Six requests
+/// fit in: with fewer, a line that loses packets would often keep it unknown that another commander has the control, and the
+/// claim would take it away unasked.
+pub const STATUS_TIMEOUT: Duration = Duration::from_secs(3);
 /// A claim that was accepted counts after this time without a status.
 pub const CLAIM_GRACE: Duration = Duration::from_millis(600);
 /// Longest wait, after the operator took the control back, until another commander's claim ends.

@@ -153,6 +153,24 @@ fn a_gimbal_that_another_commander_has_at_the_start_is_left_alone() {
 }
 
 #[test]
+fn another_commander_keeps_the_control_where_the_word_of_it_gets_lost_for_two_seconds() {
+    let mut bench = Bench::new(ARDUPILOT);
+    bench.passes.1 = false;
+    bench.take_over();
+    bench.passes.1 = true;
+    bench.run_until("the gimbal is asked for", |bench| {
+        bench.sent.iter().any(|(_, sent)| sent.is_command(512))
+    });
+    bench.passes.1 = false;
+    bench.run(seconds(2.0));
+    assert!(bench.sent.iter().filter(|(_, sent)| sent.is_command(511)).count() >= 4, "it was asked for");
+    bench.passes.1 = true;
+    bench.run(seconds(3.0));
+    assert!(!bench.sent.iter().any(|(_, sent)| sent.is_motion() || sent.is_command(1001)));
+    assert_eq!(bench.control(), Some(ControlState::NotOurs));
+}
+
+#[test]
 fn a_claim_that_gets_lost_is_repeated_and_a_denied_one_is_not() {
     let mut bench = Bench::new(GimbalManagerSettings { dropped_claims: 3, ..PX4 });
     bench.run_until("the link is up", |bench| bench.session.link_state() == LinkState::Up);
