@@ -202,8 +202,21 @@ def disarmed(table, args, folder, drive):
     program, page = start(args, folder, boat, f"disarmed-{drive.name}")
     page.click("guide")
     time.sleep(1.0)
-    moving = [row for row in boat.set_points if row[1] or row[2]]
-    table.require(f"{drive.name}: a boat that is not armed is not commanded, and never armed", not moving and not boat.asked, program.status()["vessel"]["text"])
+
+    def is_at_rest():
+        return not boat.asked and not any(speed or turn for _, speed, turn in boat.set_points)
+
+    table.require(f"{drive.name}: a boat that is not armed is not commanded, and never armed", is_at_rest(), program.status()["vessel"]["text"])
+    boat.is_silent = True
+    program.wait(lambda status: status["vessel"]["link"] != "up", 8, "the loss of the silent boat")
+    boat.is_silent = False
+    program.wait(lambda status: status["vessel"]["link"] == "up", 15, "the boat's link again")
+    page.wait_until_enabled("guide")
+    page.click("guide")
+    time.sleep(1.0)
+    boat.armed, boat.heartbeat_at = True, 0.0
+    time.sleep(1.5)
+    table.require(f"{drive.name}: nor after its link was lost, nor when it is armed later", is_at_rest(), program.status()["vessel"]["text"])
     page.end()
     code = program.end()
     table.require(f"{drive.name}: Ctrl-C ends it with exit 0", code == 0, f"exit {code}")

@@ -420,6 +420,10 @@ where
     }
 
     fn report_state(&mut self, state: LinkState, at: Timestamp) {
+        if state == LinkState::Opening {
+            // The pilot forgets what a vehicle said on a port before. A reader reports changes only, and has to report it again.
+            self.reader = self.settings.protocol.reports();
+        }
         self.state = state;
         let telemetry = Telemetry { at, report: Report::Link(state) };
         // A state must not be lost: the pilot goes by it.

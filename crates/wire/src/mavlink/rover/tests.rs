@@ -166,6 +166,28 @@ fn the_end_is_neutral_and_a_boat_that_hears_nothing_stops_by_itself() {
 }
 
 #[test]
+fn a_moving_boat_that_is_no_longer_heard_is_sent_neutral_before_the_port_is_opened_again() {
+    let mut bench = Bench::new(guided_boat());
+    bench.run_to(500);
+    bench.go();
+    bench.run_to(1_000);
+    assert!(!bench.boat.command(at(1_000)).is_neutral());
+    let mut out = Vec::new();
+    assert_eq!(bench.session.poll(at(4_500), &mut out), SILENT);
+    assert_eq!(out.len(), NEUTRALS as usize);
+    for packet in &out {
+        bench.boat.receive(packet, at(1_010), &mut Vec::new(), |_| {});
+    }
+    assert!(bench.boat.command(at(1_020)).is_neutral());
+    assert!(bench.session.may_be_turning(), "nobody knows whether it has heard that");
+
+    let mut bench = Bench::new(guided_boat());
+    bench.run_to(1_000);
+    let mut out = Vec::new();
+    assert_eq!((bench.session.poll(at(4_500), &mut out), out.len()), (SILENT, 0), "it was not commanded");
+}
+
+#[test]
 fn a_boat_that_a_session_before_left_moving_is_waited_for_at_the_end() {
     let mut bench = Bench::new(guided_boat());
     bench.session.must_be_answered();
