@@ -70,6 +70,8 @@ pub struct LinkCore<S: Session + ?Sized> {
     has_fallen_silent: bool,
     /// Whether the camera may have been turning when a session was lost, and no session was up since.
     may_be_turning: bool,
+    /// Whether another client had the control when a session was lost, and the operator has not taken it back since.
+    is_anothers: bool,
 }
 
 struct OpenSession<S: ?Sized> {
@@ -101,6 +103,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
             reported_state: None,
             has_fallen_silent: false,
             may_be_turning: false,
+            is_anothers: false,
         }
     }
 
@@ -116,6 +119,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// The operator takes the control of the vehicle back.
     pub fn take_control(&mut self, now: Timestamp) {
+        self.is_anothers = false;
         if let Some(open) = &mut self.session {
             open.session.take_control(now);
         }
@@ -139,6 +143,9 @@ impl<S: Session + ?Sized> LinkCore<S> {
         if self.may_be_turning {
             session.must_be_answered();
         }
+        if self.is_anothers {
+            session.must_be_asked();
+        }
         self.session = Some(OpenSession { session, since: now, is_closing: false });
     }
 
@@ -154,6 +161,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
             let is_short = now.since(open.since) < SHORT_SESSION;
             self.reopen_at = if is_short { now.plus(REOPEN_INTERVAL) } else { now };
             self.may_be_turning |= may_be_turning;
+            self.is_anothers = open.session.is_anothers();
             report(LinkReport::Lost { reason, may_be_turning });
         }
     }
@@ -280,10 +288,12 @@ mod tests {
 
     use super::*;
 
-    /// A session that is over at once, and can stop the vehicle only after it was heard.
+    /// A session that is over at once, and can stop the vehicle only after it was heard. Another client has the control, if
+    /// it was heard.
     #[derive(Default)]
     struct NoSession {
         is_heard: bool,
+        must_be_asked: bool,
     }
 
     impl Session for NoSession {
@@ -305,6 +315,12 @@ mod tests {
         fn may_be_turning(&self) -> bool {
             false
         }
+        fn must_be_asked(&mut self) {
+            self.must_be_asked = true;
+        }
+        fn is_anothers(&self) -> bool {
+            self.is_heard || self.must_be_asked
+        }
         fn last_will(&self, _: Timestamp) -> Vec<WillStep<()>> {
             vec![WillStep { packet: (), pause: Duration::ZERO }; usize::from(self.is_heard)]
         }
@@ -320,6 +336,27 @@ mod tests {
         assert_eq!(core.last_will(now).len(), 1);
         core.port_lost("unplugged".to_owned(), now, &mut |_| true);
         assert!(core.last_will(now).is_empty(), "a new session knows nothing");
+    }
+
+    #[test]
+    fn sessions_wait_for_the_operator_from_the_loss_of_the_control_on() {
+        let now = Timestamp::from_secs_f64(1.0);
+        let open = Box::new(|_| Box::new(NoSession::default()));
+        let mut core = LinkCore::new(open, FaultPlan::default(), Duration::ZERO);
+        let opened_after_a_loss = |core: &mut LinkCore<NoSession>| {
+            core.port_lost("unplugged".to_owned(), now, &mut |_| true);
+            core.opened(now);
+            core.session.as_ref().map(|open| open.session.must_be_asked)
+        };
+        core.opened(now);
+        assert_eq!(opened_after_a_loss(&mut core), Some(false));
+        core.received(&[1], now, &mut |_| true);
+        assert_eq!(opened_after_a_loss(&mut core), Some(true));
+        assert_eq!(opened_after_a_loss(&mut core), Some(true), "nothing was heard in between");
+        core.port_lost("unplugged".to_owned(), now, &mut |_| true);
+        core.take_control(now);
+        core.opened(now);
+        assert_eq!(core.session.as_ref().map(|open| open.session.must_be_asked), Some(false));
     }
 
     #[test]

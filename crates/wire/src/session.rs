@@ -54,6 +54,14 @@ pub trait Session {
     /// was heard.
     fn must_be_answered(&mut self) {}
 
+    /// Another client had the control when the session before ended: it is not taken before the operator takes it back.
+    fn must_be_asked(&mut self) {}
+
+    /// Whether another client has the control, or had it last, and the operator has not taken it back.
+    fn is_anothers(&self) -> bool {
+        false
+    }
+
     /// Whether the vehicle may be turning the camera if nothing reaches it from now on.
     fn may_be_turning(&self) -> bool;
 

@@ -287,6 +287,11 @@ impl GimbalManager {
         self.set_primary(Some(OTHER_COMMANDER), now, out);
     }
 
+    /// The commander that has the control gives it back. The rates go on.
+    pub fn give_back(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
+        self.set_primary(None, now, out);
+    }
+
     /// The rates in force: yaw to the right, pitch upwards.
     pub const fn rates(&self) -> VehicleRates {
         self.rates

@@ -113,8 +113,10 @@ pub struct GimbalSession {
     last_status: Option<Timestamp>,
     /// When the gimbal manager was heard last.
     last_heard: Option<Timestamp>,
-    /// Whether another commander had the control when the vehicle restarted.
+    /// Whether another commander had the control when the vehicle restarted, or when a session before was lost.
     is_operator_asked: bool,
+    /// Zeros that are owed to a gimbal that turned when its control went to nobody.
+    parting_zeros: u8,
     /// Whether a session before may have left the gimbal turning, and the control was not ours, or another commander's, since.
     needs_answer: bool,
     /// Least number of zeros of the shut-down.
@@ -147,6 +149,7 @@ impl GimbalSession {
             last_status: None,
             last_heard: None,
             is_operator_asked: false,
+            parting_zeros: 0,
             needs_answer: false,
             least_zeros: ZEROS_AT_REST,
             fell_silent: false,
@@ -159,7 +162,7 @@ impl GimbalSession {
         self.gimbal.unwrap_or(everyone(self.peers))
     }
 
-    fn is_anothers(&self) -> bool {
+    fn has_another_commander(&self) -> bool {
         self.state == State::Yielded || matches!(self.holder, Some(Holder::Other(_)))
     }
 
@@ -221,6 +224,7 @@ impl Session for GimbalSession {
     }
 
     fn take_control(&mut self, now: Timestamp) {
+        self.is_operator_asked = false;
         if self.state == State::Yielded {
             self.holder = None;
             self.begin_claiming(now, true);
@@ -234,7 +238,7 @@ impl Session for GimbalSession {
             State::Closing { .. } | State::Releasing { .. } | State::Closed | State::Unresponsive(_) => {
                 return;
             }
-            _ if self.is_anothers() => State::Closed,
+            _ if self.has_another_commander() => State::Closed,
             State::Up => self.closing(now),
             _ if self.needs_answer || is_claimed => self.closing(now),
             // The claim that is under way may yet be accepted.
@@ -258,6 +262,14 @@ impl Session for GimbalSession {
         self.needs_answer = true;
     }
 
+    fn must_be_asked(&mut self) {
+        self.is_operator_asked = true;
+    }
+
+    fn is_anothers(&self) -> bool {
+        self.is_operator_asked || self.has_another_commander()
+    }
+
     fn may_be_turning(&self) -> bool {
         // A shut-down that is cut off may not have stopped it.
         let is_ours = matches!(self.state, State::Up | State::Closing { .. }) || self.fell_silent;
@@ -271,7 +283,7 @@ impl Session for GimbalSession {
 
     /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of another commander.
     fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
-        if self.is_anothers() {
+        if self.has_another_commander() {
             return Vec::new();
         }
         let mut writer = self.writer.clone();

@@ -42,7 +42,12 @@ impl GimbalSession {
             State::Asking { since, ask_at } => self.ask(since, ask_at, now, out),
             State::Claiming { .. } => self.claim(now, out),
             State::Up => self.poll_up(now, out),
-            State::Yielded => NextAction::WaitUntil(now.plus(HEARTBEAT_INTERVAL)),
+            State::Yielded => {
+                for _ in 0..core::mem::take(&mut self.parting_zeros) {
+                    self.send_zeros(out);
+                }
+                NextAction::WaitUntil(now.plus(HEARTBEAT_INTERVAL))
+            }
             State::Closing { since, zeros_sent, next_at } => {
                 self.end_with_zeros(since, zeros_sent, next_at, now, out)
             }
@@ -60,7 +65,7 @@ impl GimbalSession {
     fn write_left_zeros(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> Option<Timestamp> {
         let is_before_up =
             matches!(self.state, State::Searching { .. } | State::Asking { .. } | State::Claiming { .. });
-        if !self.needs_answer || !is_before_up || self.is_anothers() {
+        if !self.needs_answer || !is_before_up || self.has_another_commander() {
             return None;
         }
         if self.zeros_at <= now {
@@ -120,7 +125,7 @@ impl GimbalSession {
         self.state = State::Asking { since, ask_at };
         let decide_at = since.plus(STATUS_TIMEOUT);
         let is_told = self.holder.is_some() || decide_at <= now;
-        if is_told && (self.is_operator_asked || self.is_anothers()) {
+        if is_told && (self.is_operator_asked || self.has_another_commander()) {
             self.yield_control();
         } else if is_told {
             self.begin_claiming(now, false);
@@ -145,7 +150,10 @@ impl GimbalSession {
             return self.write_due(now, out);
         }
         if ask_at <= now {
-            self.send(Command::Claim(self.target()), out);
+            let target = self.target();
+            let status = Command::Request { to: target.manager, message: Wanted::ManagerStatus };
+            // A claim that was accepted is not repeated: another commander may have claimed since.
+            self.send(if counts_at.is_some() { status } else { Command::Claim(target) }, out);
             ask_at = now.plus(ASK_SPACING);
         }
         self.state = State::Claiming { since, ask_at, accepted_at, is_by_operator };

@@ -6,6 +6,7 @@ use barrelman_vocab::{Telemetry, Timestamp};
 use super::{GimbalSession, MAX_CANDIDATES, RELEASES, State, searching};
 use crate::closing_zeros::ZEROS_AT_REST;
 use crate::mavlink::gimbal_reader::{Claim, Holder, Received};
+use crate::mavlink::pacing::ZERO_REPEATS;
 use crate::session::Session as _;
 
 impl GimbalSession {
@@ -61,6 +62,14 @@ impl GimbalSession {
     }
 
     fn on_holder(&mut self, holder: Holder) {
+        // Another commander sends rates of its own; nobody sends none.
+        match holder {
+            Holder::Nobody if self.state == State::Up && self.pacing.may_be_turning() => {
+                self.parting_zeros = ZERO_REPEATS + 1;
+            }
+            Holder::Other(_) => self.parting_zeros = 0,
+            _ => {}
+        }
         match (self.state, holder) {
             (State::Asking { .. } | State::Up, Holder::Other(_))
             | (State::Claiming { is_by_operator: false, .. }, Holder::Other(_))

@@ -178,4 +178,15 @@ impl Bench {
         self.manager.take_over(at(self.now_ms), &mut out);
         self.deliver(&out);
     }
+
+    /// Whoever has the control gives it back.
+    pub(super) fn give_back(&mut self) {
+        let mut out = Vec::new();
+        self.manager.give_back(at(self.now_ms), &mut out);
+        self.deliver(&out);
+    }
+
+    pub(super) fn claims(&self) -> usize {
+        self.sent.iter().filter(|(_, sent)| sent.is_command(1001)).count()
+    }
 }

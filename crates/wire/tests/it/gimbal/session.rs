@@ -72,6 +72,7 @@ fn a_manager_that_names_nobody_is_taken_at_its_answer() {
     bench.run(seconds(3.0));
     assert!(bench.manager.rates().yaw.radians_per_second() > 0.19);
     assert_eq!(bench.control(), Some(ControlState::Ours));
+    assert_eq!(bench.claims(), 1, "a claim that was accepted is not repeated");
 }
 
 #[test]
@@ -168,6 +169,58 @@ fn another_commander_keeps_the_control_where_the_word_of_it_gets_lost_for_two_se
     bench.run(seconds(3.0));
     assert!(!bench.sent.iter().any(|(_, sent)| sent.is_motion() || sent.is_command(1001)));
     assert_eq!(bench.control(), Some(ControlState::NotOurs));
+}
+
+#[test]
+fn a_gimbal_that_turns_when_its_control_goes_to_nobody_is_stopped_and_not_claimed() {
+    let mut bench = Bench::up(ARDUPILOT);
+    bench.session.request(rates(0.3, 0.0), None);
+    bench.run(seconds(1.0));
+    // The word of another commander gets lost, and it has sent nothing when it gives the control back.
+    bench.passes.1 = false;
+    bench.take_over();
+    bench.run(seconds(0.2));
+    bench.passes.1 = true;
+    let (given_back_at, claims) = (bench.now_ms, bench.claims());
+    bench.give_back();
+    bench.run(seconds(5.0));
+    assert!(bench.manager.rates().is_rest());
+    let rates_sent: Vec<_> =
+        bench.since(given_back_at).filter(|(_, sent)| matches!(sent, Sent::Rates(..))).collect();
+    assert!(rates_sent.len() == 3 && rates_sent.iter().all(|(_, sent)| sent.is_zeros()), "{rates_sent:?}");
+    assert_eq!((bench.claims(), bench.manager.primary()), (claims, None));
+}
+
+#[test]
+fn a_session_after_another_commander_had_the_control_waits_for_the_operator() {
+    for is_free_by_now in [false, true] {
+        let mut bench = Bench::new(ARDUPILOT);
+        bench.take_over();
+        bench.run(seconds(3.0));
+        assert!(bench.session.is_anothers());
+        // The port was lost.
+        let mut bench = Bench::new(ARDUPILOT);
+        bench.session.must_be_asked();
+        if !is_free_by_now {
+            bench.take_over();
+        }
+        bench.run(seconds(5.0));
+        assert_eq!((bench.claims(), bench.session.link_state()), (0, LinkState::Up));
+        assert!(bench.session.is_anothers());
+        bench.session.take_control(at(bench.now_ms));
+        bench.run(seconds(2.0));
+        assert_eq!(bench.manager.primary(), Some(MavlinkPeers::DEFAULT.own));
+        assert!(!bench.session.is_anothers());
+    }
+}
+
+#[test]
+fn the_operator_may_take_the_control_while_the_gimbal_is_searched() {
+    let mut bench = Bench::new(ARDUPILOT);
+    bench.session.must_be_asked();
+    bench.session.take_control(at(0));
+    bench.run(seconds(3.0));
+    assert_eq!(bench.manager.primary(), Some(MavlinkPeers::DEFAULT.own));
 }
 
 #[test]
