@@ -104,7 +104,9 @@ proptest! {
         view in any_view(), u in 0.0..1280.0_f64, v in 0.0..720.0_f64
     ) {
         let pixel = PixelPoint { u, v };
-        let direction = view.direction_of(pixel).unwrap();
+        let direction = view.direction_of(pixel);
+        prop_assume!(direction.is_some(), "the corners of some of these lenses have no line of sight");
+        let direction = direction.unwrap();
         let again = view.pixel_of(direction).unwrap();
         prop_assert!((again.u - u).abs() < 1e-8 && (again.v - v).abs() < 1e-8, "{pixel:?} {again:?}");
         let off = angle_between(direction, view.direction_of(again).unwrap());
@@ -118,7 +120,10 @@ proptest! {
         view in any_view(), u in 0.0..1280.0_f64, v in 0.0..720.0_f64
     ) {
         let pixel = PixelPoint { u, v };
-        let [_, _, up] = view.direction_of(pixel).unwrap();
+        let Some([_, _, up]) = view.direction_of(pixel) else {
+            prop_assert!(matches!(view.sighting(pixel), Sighting::OutsideLens));
+            return Ok(());
+        };
         match view.sighting(pixel) {
             Sighting::OnWater(point) => {
                 let seen = view.pixel_of_water(point).unwrap();
@@ -132,7 +137,7 @@ proptest! {
                 prop_assert!(depression.radians() < MIN_DEPRESSION.radians() + 1e-12);
                 prop_assert!((depression.radians().sin() + up).abs() < 1e-12);
             }
-            Sighting::OutsideLens => prop_assert!(false, "every pixel of these lenses has a line of sight"),
+            Sighting::OutsideLens => prop_assert!(false, "{pixel:?} has a line of sight"),
         }
     }
 
