@@ -23,8 +23,8 @@ const MIN_CONTRAST: f32 = 0.6;
 /// ... at least this probability of its box, and is more probable by this much.
 const MIN_PROBABILITY: f32 = 0.45;
 const CLEARLY_MORE_PROBABLE: f32 = 0.15;
-/// The probability that is asked instead for a target whose box was never probable: the network hardly knows such a target, and
-/// many another thing would be more probable.
+/// Least probability of the box at another place for a target whose own box was never probable: the network hardly knows such a
+/// target, and other things in the window often have a higher probability than the target.
 const MIN_PROBABILITY_FOR_UNKNOWN: f32 = 0.65;
 /// Least distance of two places: sizes of the target, and cells.
 const APART_SIZES: f32 = 0.4;

@@ -232,16 +232,6 @@ impl RoverSession {
         self.reader.link.drive.packet(&mut self.writer, boat, command)
     }
 
-    /// Appends neutral set-points for a boat that moves and is not heard: it may hear, and the next session waits for its
-    /// heartbeat. They do not count as sent, since nobody knows whether one arrived.
-    fn rest_unheard(&mut self, out: &mut Vec<Vec<u8>>) {
-        let is_moving = self.last.is_some_and(|(_, sent)| !sent.is_neutral());
-        let Some(boat) = self.reader.boat.filter(|_| is_moving && self.is_ours()) else { return };
-        for _ in 0..NEUTRALS {
-            out.push(self.reader.link.drive.packet(&mut self.writer, boat, VesselCommand::NEUTRAL));
-        }
-    }
-
     /// Appends the set-point that is due, and returns when the next one is.
     fn write_set_point(&mut self, boat: Address, now: Timestamp, out: &mut Vec<Vec<u8>>) -> Timestamp {
         let command = self.order.command();
@@ -338,7 +328,11 @@ impl Session for RoverSession {
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         // A boat that is not heard may hear: at the end, neutral goes out in any case.
         if !self.is_closing && self.last_heard.is_some_and(|heard| now.since(heard) >= SILENCE) {
-            self.rest_unheard(out);
+            // The next session sends nothing before it hears the boat. These packets do not count as sent: whether one arrived is
+            // not known.
+            if self.last.is_some_and(|(_, sent)| !sent.is_neutral()) {
+                out.extend(self.last_will(now).into_iter().map(|step| step.packet));
+            }
             return SILENT;
         }
         if self.reader.boat.is_none() && !self.is_closing && now.since(self.since) >= SEARCH_TIMEOUT {

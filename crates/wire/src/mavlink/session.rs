@@ -115,8 +115,8 @@ pub struct GimbalSession {
     last_heard: Option<Timestamp>,
     /// Whether another commander had the control when the vehicle restarted, or when a session before was lost.
     is_operator_asked: bool,
-    /// Zeros that are owed to a gimbal that turned when its control went to nobody.
-    parting_zeros: u8,
+    /// Whether zeros are to be sent to a gimbal that turned when it was left without a commander.
+    owes_zeros: bool,
     /// Whether a session before may have left the gimbal turning, and the control was not ours, or another commander's, since.
     needs_answer: bool,
     /// Least number of zeros of the shut-down.
@@ -149,7 +149,7 @@ impl GimbalSession {
             last_status: None,
             last_heard: None,
             is_operator_asked: false,
-            parting_zeros: 0,
+            owes_zeros: false,
             needs_answer: false,
             least_zeros: ZEROS_AT_REST,
             fell_silent: false,
@@ -178,7 +178,7 @@ impl GimbalSession {
 
     /// Leaves the gimbal to the commander that has the control.
     fn yield_control(&mut self) {
-        self.needs_answer = false;
+        (self.needs_answer, self.owes_zeros) = (false, false);
         self.state = State::Yielded;
     }
 }

@@ -179,7 +179,7 @@ fn a_moving_boat_that_is_no_longer_heard_is_sent_neutral_before_the_port_is_open
         bench.boat.receive(packet, at(1_010), &mut Vec::new(), |_| {});
     }
     assert!(bench.boat.command(at(1_020)).is_neutral());
-    assert!(bench.session.may_be_turning(), "nobody knows whether it has heard that");
+    assert!(bench.session.may_be_turning(), "whether it has heard that is not known");
 
     let mut bench = Bench::new(guided_boat());
     bench.run_to(1_000);

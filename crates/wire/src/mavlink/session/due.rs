@@ -43,8 +43,8 @@ impl GimbalSession {
             State::Claiming { .. } => self.claim(now, out),
             State::Up => self.poll_up(now, out),
             State::Yielded => {
-                for _ in 0..core::mem::take(&mut self.parting_zeros) {
-                    self.send_zeros(out);
+                if core::mem::take(&mut self.owes_zeros) {
+                    (0..=ZERO_REPEATS).for_each(|_| self.send_zeros(out));
                 }
                 NextAction::WaitUntil(now.plus(HEARTBEAT_INTERVAL))
             }

@@ -6,7 +6,6 @@ use barrelman_vocab::{Telemetry, Timestamp};
 use super::{GimbalSession, MAX_CANDIDATES, RELEASES, State, searching};
 use crate::closing_zeros::ZEROS_AT_REST;
 use crate::mavlink::gimbal_reader::{Claim, Holder, Received};
-use crate::mavlink::pacing::ZERO_REPEATS;
 use crate::session::Session as _;
 
 impl GimbalSession {
@@ -62,18 +61,15 @@ impl GimbalSession {
     }
 
     fn on_holder(&mut self, holder: Holder) {
-        // Another commander sends rates of its own; nobody sends none.
-        match holder {
-            Holder::Nobody if self.state == State::Up && self.pacing.may_be_turning() => {
-                self.parting_zeros = ZERO_REPEATS + 1;
-            }
-            Holder::Other(_) => self.parting_zeros = 0,
-            _ => {}
-        }
         match (self.state, holder) {
-            (State::Asking { .. } | State::Up, Holder::Other(_))
-            | (State::Claiming { is_by_operator: false, .. }, Holder::Other(_))
-            | (State::Up, Holder::Nobody) => self.yield_control(),
+            (State::Asking { .. } | State::Up | State::Yielded, Holder::Other(_))
+            | (State::Claiming { is_by_operator: false, .. }, Holder::Other(_)) => self.yield_control(),
+            // Without a commander, no other program stops a gimbal that turns.
+            (State::Up, Holder::Nobody) => {
+                let may_be_turning = self.pacing.may_be_turning();
+                self.yield_control();
+                self.owes_zeros = may_be_turning;
+            }
             // Another commander has taken the control in the last moment: the gimbal is its own.
             (State::Closing { .. } | State::Releasing { .. }, Holder::Other(_)) => self.state = State::Closed,
             // The rates before are unknown.

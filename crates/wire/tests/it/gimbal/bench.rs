@@ -179,13 +179,14 @@ impl Bench {
         self.deliver(&out);
     }
 
-    /// Whoever has the control gives it back.
+    /// The commander that has the control gives it back.
     pub(super) fn give_back(&mut self) {
         let mut out = Vec::new();
         self.manager.give_back(at(self.now_ms), &mut out);
         self.deliver(&out);
     }
 
+    /// Number of claims that were sent.
     pub(super) fn claims(&self) -> usize {
         self.sent.iter().filter(|(_, sent)| sent.is_command(1001)).count()
     }
