@@ -217,6 +217,12 @@ class GimbalManager:
             self._status()
             return self.taken_at
 
+    def give_up(self):
+        """The other commander gives the control up."""
+        with self.lock:
+            self.primary = NOBODY
+            self._status()
+
     def rates_since(self, at):
         with self.lock:
             return [(when, (message.yaw_rate, message.pitch_rate)) for when, message in self.messages if when >= at and message.get_type() == "GIMBAL_MANAGER_SET_PITCHYAW"]

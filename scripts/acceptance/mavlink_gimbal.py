@@ -51,8 +51,11 @@ class Run(ConsoleRun):
     def wait_for_control(self, is_ours):
         return common.wait_until(lambda: self.link().get("in_control") is is_ours, LINK_UP_WITHIN, f"control {is_ours}")
 
+    def guards(self):
+        return [pid for pid, name in children(self.child.pid).items() if name.startswith("barrelman-guard")]
+
     def guard(self):
-        return next(pid for pid, name in children(self.child.pid).items() if name.startswith("barrelman-guard"))
+        return self.guards()[0]
 
 
 def rest_after(manager, at):
@@ -166,6 +169,24 @@ def stolen(rows, args, folder):
         run.request("engage")
         run.wait_for_control(True)
         rows.require("Engage takes the control back", manager.primary == OWN)
+    return manager
+
+
+def guard_killed_after_a_loss(rows, args, folder):
+    manager = GimbalManager()
+    with Run(args, folder, manager, "guard-lost-control") as run:
+        run.wait_until_it_moves()
+        manager.take()
+        run.wait_for_control(False)
+        manager.give_up()
+        claims, before, at = len(manager.commands(1001)), run.guard(), time.monotonic()
+        os.kill(before, signal.SIGKILL)
+        common.wait_until(lambda: run.guards() not in ([], [before]), 6, "the next guard")
+        time.sleep(4)
+        rows.require("SIGKILL of the guard after another took the control: the next one does not claim it", len(manager.commands(1001)) == claims and not manager.rates_since(at), f"{len(manager.rates_since(at))} rates")
+        run.request("engage")
+        run.wait_until_it_moves()
+        rows.require("SIGKILL of the guard after another took the control: Engage claims it", manager.primary == OWN)
     return manager
 
 
@@ -338,7 +359,7 @@ def main():
 
         return table.try_again_through_standstills(safely)
 
-    cases = [follow, ended, killed, stopped, guard_killed, stolen, held, silent, lossy, reluctant, denied, signed, signed_wrong]
+    cases = [follow, ended, killed, stopped, guard_killed, stolen, guard_killed_after_a_loss, held, silent, lossy, reluctant, denied, signed, signed_wrong]
     with concurrent.futures.ThreadPoolExecutor(args.at_once) as pool:
         list(pool.map(attempt, [case for case in cases if wanted is None or case.__name__ in wanted]))
     if wanted is None or "check_says" in wanted:

@@ -9,7 +9,7 @@ use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use barrelman_wire::mavlink::frame::{FrameReader, FrameWriter};
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings, Habits, MANAGER};
 use barrelman_wire::mavlink::{GimbalManager, GimbalSession};
-use barrelman_wire::{NextAction, Session as _};
+use barrelman_wire::{LinkHistory, NextAction, Session as _};
 
 use crate::vehicle::{check_report, rates_of};
 
@@ -36,7 +36,7 @@ pub fn mavlink(bytes: &[u8]) {
         is_closing: false,
     };
     if settings & 4 == 4 {
-        talk.session.must_be_answered();
+        talk.session.resume(LinkHistory { may_be_turning: true, ..LinkHistory::default() });
     }
     while let Some(byte) = rest.next() {
         let value = rest.next().unwrap_or(0);

@@ -8,6 +8,7 @@ use barrelman_host::fault::FaultPlan;
 use barrelman_link::handle::LinkError;
 use barrelman_link::port_io::PortIo as _;
 use barrelman_link::{LinkHandle, LinkReport, Mailbox, Worker};
+use barrelman_wire::LinkHistory;
 use barrelman_wire::fotokite_sigma::FotokiteSigmaSession;
 
 use crate::port::HttpIo;
@@ -32,7 +33,7 @@ pub fn open_link(
         persistence: Duration::ZERO,
         mailbox,
         io,
-        may_be_turning: false,
+        history: LinkHistory::default(),
         open_session: Arc::new(|now| Box::new(FotokiteSigmaSession::open(now))),
         report,
     };

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use barrelman_host::clock::Clock;
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::{ByteProtocol, OpenSession, ReportReader};
+use barrelman_wire::{ByteProtocol, LinkHistory, OpenSession, ReportReader};
 use rustix::event::{PollFd, PollFlags};
 
 use crate::dead_mans_switch::RequestedCommand;
@@ -159,7 +159,7 @@ impl<C: Commands> GuardedLink<C> {
         let client = Arc::new(Client::default());
         let path = settings.guard.clone();
         let start_error = |source| GuardError::Start { path: path.clone(), source };
-        let guard = Guard::start(&settings, false).map_err(start_error)?;
+        let guard = Guard::start(&settings, LinkHistory::default()).map_err(start_error)?;
         let (opened, first) = sync_channel(1);
         let shared = Arc::clone(&client);
         let supervisor = Supervisor {
@@ -169,7 +169,7 @@ impl<C: Commands> GuardedLink<C> {
             report,
             state: LinkState::Opening,
             control: None,
-            may_be_turning: false,
+            history: LinkHistory::default(),
             opened: Some(opened),
         };
         let thread = std::thread::Builder::new()
@@ -238,13 +238,13 @@ struct Guard {
 }
 
 impl Guard {
-    /// Starts a guard. `may_be_turning`: a guard before it may have left the camera turning.
-    fn start<P>(settings: &GuardedLinkSettings<P>, may_be_turning: bool) -> io::Result<Self> {
+    /// Starts a guard. `history`: what a guard before it has left.
+    fn start<P>(settings: &GuardedLinkSettings<P>, history: LinkHistory) -> io::Result<Self> {
         let (pipe, other): (Pipe, OwnedFd) = Pipe::pair()?;
         let first: ToGuard = ToGuard::Settings(Settings {
             clock_start_ns: settings.clock.start_on_monotonic_ns(),
             vehicle: settings.vehicle,
-            may_be_turning,
+            history,
             url: settings.url.with_faults(),
         });
         pipe.send(&first.encode());
@@ -280,8 +280,8 @@ struct Supervisor<P: OpenSession, R> {
     state: LinkState,
     /// Who has the control, where the vehicle reports it by itself.
     control: Option<ControlState>,
-    /// Whether the guard before may have left the camera turning.
-    may_be_turning: bool,
+    /// What the guard before has left.
+    history: LinkHistory,
     /// Takes whether the first guard has opened the port.
     opened: Option<SyncSender<Result<(), String>>>,
 }
@@ -296,7 +296,7 @@ where
         let mut attempts_to_close = 0;
         loop {
             let Some(served) =
-                guard.take().or_else(|| Guard::start(&self.settings, self.may_be_turning).ok())
+                guard.take().or_else(|| Guard::start(&self.settings, self.history).ok())
             else {
                 self.stop_without_guard();
                 if self.client.state().is_closing {
@@ -312,7 +312,12 @@ where
             }
             let end = self.serve(&served);
             let is_stop_sent = matches!(end, GuardEnd::Ended { is_stop_sent: true });
-            self.may_be_turning = !is_stop_sent && self.control != Some(ControlState::NotOurs);
+            let is_anothers = self.control == Some(ControlState::NotOurs);
+            self.history = LinkHistory {
+                may_be_turning: !is_stop_sent && !is_anothers,
+                is_anothers,
+                vehicle: self.reader.vehicle(),
+            };
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
             let reason = match end {
@@ -422,7 +427,11 @@ where
     fn report_state(&mut self, state: LinkState, at: Timestamp) {
         if state == LinkState::Opening {
             // The pilot forgets what a vehicle said on a port before. A reader reports changes only, and has to report it again.
-            self.reader = self.settings.protocol.reports();
+            let mut reader = self.settings.protocol.reports();
+            if let Some(vehicle) = self.reader.vehicle() {
+                reader.name(vehicle);
+            }
+            self.reader = reader;
         }
         self.state = state;
         let telemetry = Telemetry { at, report: Report::Link(state) };
@@ -436,6 +445,7 @@ where
     fn stop_without_guard(&self) {
         let url = LinkUrl { faults: self.settings.url.faults.clone(), ..self.settings.url.clone() };
         // Without a port there is nothing to do but to try again.
-        let _ = LinkHandle::stop(&url, self.settings.protocol, self.settings.clock);
+        let history = LinkHistory { may_be_turning: !self.history.is_anothers, ..self.history };
+        let _ = LinkHandle::stop(&url, self.settings.protocol, self.settings.clock, history);
     }
 }

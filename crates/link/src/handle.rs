@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use barrelman_host::clock::Clock;
 use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates};
-use barrelman_wire::{ByteSession, OpenSession, Session};
+use barrelman_wire::{ByteSession, LinkHistory, OpenSession, Session};
 
 use crate::dead_mans_switch::RequestedCommand;
 use crate::mailbox::Mailbox;
@@ -54,7 +54,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         Ok(Self::start(worker, port)?)
     }
 
-    /// Stops a vehicle whose camera a link before may have left turning: zeros and stop, once.
+    /// Stops a vehicle that a link before may have left moving: zeros and stop, once.
     ///
     /// # Errors
     /// If the port cannot be opened.
@@ -62,9 +62,10 @@ impl<C: LinkCommand> LinkHandle<C> {
         url: &LinkUrl,
         protocol: impl OpenSession<Command = C>,
         clock: Clock,
+        history: LinkHistory,
     ) -> Result<bool, LinkError> {
         let (worker, port) = Self::worker(url, protocol, clock, |_| true)?;
-        Ok(Self::start(Worker { may_be_turning: true, ..worker }, port)?.close())
+        Ok(Self::start(Worker { history, ..worker }, port)?.close())
     }
 
     fn worker<R: Fn(LinkReport) -> bool>(
@@ -81,7 +82,7 @@ impl<C: LinkCommand> LinkHandle<C> {
             persistence: Duration::ZERO,
             mailbox: Arc::clone(&mailbox),
             io,
-            may_be_turning: false,
+            history: LinkHistory::default(),
             open_session: Arc::new(move |now| protocol.open(now)),
             report,
         };

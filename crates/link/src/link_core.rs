@@ -16,7 +16,7 @@ use std::time::Duration;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{LinkCommand, Telemetry, Timestamp};
-use barrelman_wire::{NextAction, Session, WillStep};
+use barrelman_wire::{LinkHistory, NextAction, Session, WillStep};
 
 use crate::dead_mans_switch::{DeadMansSwitch, RequestedCommand};
 use crate::report::LinkReport;
@@ -68,10 +68,9 @@ pub struct LinkCore<S: Session + ?Sized> {
     closing: Option<Closing>,
     reported_state: Option<LinkState>,
     has_fallen_silent: bool,
-    /// Whether the camera may have been turning when a session was lost, and no session was up since.
-    may_be_turning: bool,
-    /// Whether another client had the control when a session was lost, and the operator has not taken it back since.
-    is_anothers: bool,
+    /// What the lost sessions have left. The camera may be turning until a session is up, and the control is another client's
+    /// until the operator takes it back.
+    history: LinkHistory,
 }
 
 struct OpenSession<S: ?Sized> {
@@ -102,14 +101,13 @@ impl<S: Session + ?Sized> LinkCore<S> {
             closing: None,
             reported_state: None,
             has_fallen_silent: false,
-            may_be_turning: false,
-            is_anothers: false,
+            history: LinkHistory::default(),
         }
     }
 
-    /// A link before this one may have left the camera turning.
-    pub fn expect_motion(&mut self) {
-        self.may_be_turning = true;
+    /// Takes over from a link before this one.
+    pub const fn resume(&mut self, history: LinkHistory) {
+        self.history = history;
     }
 
     /// Sets the command that is requested from now on.
@@ -119,7 +117,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// The operator takes the control of the vehicle back.
     pub fn take_control(&mut self, now: Timestamp) {
-        self.is_anothers = false;
+        self.history.is_anothers = false;
         if let Some(open) = &mut self.session {
             open.session.take_control(now);
         }
@@ -140,12 +138,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
     /// The port was opened.
     pub fn opened(&mut self, now: Timestamp) {
         let mut session = (self.open_session)(now);
-        if self.may_be_turning {
-            session.must_be_answered();
-        }
-        if self.is_anothers {
-            session.must_be_asked();
-        }
+        session.resume(self.history);
         self.session = Some(OpenSession { session, since: now, is_closing: false });
     }
 
@@ -160,8 +153,11 @@ impl<S: Session + ?Sized> LinkCore<S> {
             let may_be_turning = open.session.may_be_turning();
             let is_short = now.since(open.since) < SHORT_SESSION;
             self.reopen_at = if is_short { now.plus(REOPEN_INTERVAL) } else { now };
-            self.may_be_turning |= may_be_turning;
-            self.is_anothers = open.session.is_anothers();
+            self.history = LinkHistory {
+                may_be_turning: self.history.may_be_turning || may_be_turning,
+                is_anothers: open.session.is_anothers(),
+                vehicle: open.session.vehicle(),
+            };
             report(LinkReport::Lost { reason, may_be_turning });
         }
     }
@@ -177,7 +173,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// Whether the vehicle may be turning the camera, or moving the boat, if nothing reaches it from now on.
     pub fn may_be_turning(&self) -> bool {
-        self.may_be_turning || self.session.as_ref().is_some_and(|open| open.session.may_be_turning())
+        self.history.may_be_turning || self.session.as_ref().is_some_and(|open| open.session.may_be_turning())
     }
 
     /// Passes a received packet to the session.
@@ -222,7 +218,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
             out.clear();
         }
         let (state, evidence) = (open.session.link_state(), open.session.rest_evidence(now));
-        self.may_be_turning &= state != LinkState::Up;
+        self.history.may_be_turning &= state != LinkState::Up;
         self.report_state(state, now, report);
         match next {
             NextAction::Closed => {
@@ -285,6 +281,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
 #[cfg(test)]
 mod tests {
     use barrelman_vocab::VehicleRates;
+    use barrelman_vocab::mavlink::SystemId;
 
     use super::*;
 
@@ -293,7 +290,7 @@ mod tests {
     #[derive(Default)]
     struct NoSession {
         is_heard: bool,
-        must_be_asked: bool,
+        history: LinkHistory,
     }
 
     impl Session for NoSession {
@@ -315,11 +312,14 @@ mod tests {
         fn may_be_turning(&self) -> bool {
             false
         }
-        fn must_be_asked(&mut self) {
-            self.must_be_asked = true;
+        fn resume(&mut self, history: LinkHistory) {
+            self.history = history;
+        }
+        fn vehicle(&self) -> Option<SystemId> {
+            self.history.vehicle.or(self.is_heard.then_some(SystemId(7)))
         }
         fn is_anothers(&self) -> bool {
-            self.is_heard || self.must_be_asked
+            self.is_heard || self.history.is_anothers
         }
         fn last_will(&self, _: Timestamp) -> Vec<WillStep<()>> {
             vec![WillStep { packet: (), pause: Duration::ZERO }; usize::from(self.is_heard)]
@@ -346,7 +346,7 @@ mod tests {
         let opened_after_a_loss = |core: &mut LinkCore<NoSession>| {
             core.port_lost("unplugged".to_owned(), now, &mut |_| true);
             core.opened(now);
-            core.session.as_ref().map(|open| open.session.must_be_asked)
+            core.session.as_ref().map(|open| open.session.history.is_anothers)
         };
         core.opened(now);
         assert_eq!(opened_after_a_loss(&mut core), Some(false));
@@ -356,7 +356,22 @@ mod tests {
         core.port_lost("unplugged".to_owned(), now, &mut |_| true);
         core.take_control(now);
         core.opened(now);
-        assert_eq!(core.session.as_ref().map(|open| open.session.must_be_asked), Some(false));
+        assert_eq!(core.session.as_ref().map(|open| open.session.history.is_anothers), Some(false));
+    }
+
+    #[test]
+    fn sessions_speak_to_the_vehicle_that_was_found_first() {
+        let now = Timestamp::from_secs_f64(1.0);
+        let open = Box::new(|_| Box::new(NoSession::default()));
+        let mut core = LinkCore::new(open, FaultPlan::default(), Duration::ZERO);
+        core.opened(now);
+        core.received(&[1], now, &mut |_| true);
+        for _ in 0..2 {
+            core.port_lost("unplugged".to_owned(), now, &mut |_| true);
+            core.opened(now);
+            let found = core.session.as_ref().and_then(|open| open.session.history.vehicle);
+            assert_eq!(found, Some(SystemId(7)));
+        }
     }
 
     #[test]

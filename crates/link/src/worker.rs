@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_host::fault::FaultPlan;
-use barrelman_wire::{Session, WillStep};
+use barrelman_wire::{LinkHistory, Session, WillStep};
 
 use crate::link_core::{LinkAction, LinkCore, SessionOpener};
 use crate::mailbox::Mailbox;
@@ -33,8 +33,8 @@ pub struct Worker<S: Session + ?Sized, I, R> {
     pub mailbox: Arc<Mailbox<S::Command>>,
     /// The time, the port, and waiting.
     pub io: I,
-    /// Whether a link before this one may have left the camera turning.
-    pub may_be_turning: bool,
+    /// What a link before this one has left.
+    pub history: LinkHistory,
     /// Opens a session with the vehicle.
     pub open_session: Arc<dyn Fn(barrelman_vocab::Timestamp) -> Box<S> + Send + Sync>,
     /// Takes the reports of the thread. Returns whether there was room for the report. Must not block.
@@ -75,9 +75,7 @@ where
 
     /// Serves the port until the link is closed. Returns whether zeros and stop were sent.
     fn serve(&self, core: &mut LinkCore<S>, port: &mut Option<I::Port>) -> bool {
-        if self.may_be_turning {
-            core.expect_motion();
-        }
+        core.resume(self.history);
         if port.is_some() {
             core.opened(self.io.now());
         }

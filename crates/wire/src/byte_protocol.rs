@@ -1,6 +1,6 @@
 //! The protocols of ports that carry bytes: the only place that chooses a session over bytes by the profile's [`Protocol`].
 
-use barrelman_vocab::mavlink::MavlinkPeers;
+use barrelman_vocab::mavlink::{MavlinkPeers, SystemId};
 use barrelman_vocab::profile::Protocol;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates};
@@ -113,6 +113,24 @@ pub enum ReportReader {
 }
 
 impl ReportReader {
+    /// The MAVLink system whose reports are read, where one is known.
+    pub fn vehicle(&self) -> Option<SystemId> {
+        match self {
+            Self::FotokitePro(_) | Self::Silent => None,
+            Self::MavlinkGimbal(reader) => reader.vehicle(),
+            Self::MavlinkRover(reader) => reader.vehicle(),
+        }
+    }
+
+    /// From now on only this system's reports are read.
+    pub fn name(&mut self, vehicle: SystemId) {
+        match self {
+            Self::FotokitePro(_) | Self::Silent => {}
+            Self::MavlinkGimbal(reader) => reader.name(vehicle),
+            Self::MavlinkRover(reader) => reader.name(vehicle),
+        }
+    }
+
     /// Passes each report in received bytes to `each`.
     pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) {
         match self {

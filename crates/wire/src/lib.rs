@@ -25,5 +25,5 @@ pub mod framing;
 pub use byte_protocol::{ByteProtocol, ByteProtocolName, ByteSession, OpenSession, ReportReader};
 pub use framing::Framing;
 pub use mavlink::signing::{Signing, SigningKey};
-pub use session::{NextAction, RestEvidence, Session, WillStep};
+pub use session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 pub use vessel_protocol::VesselProtocol;

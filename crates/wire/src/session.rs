@@ -18,8 +18,20 @@
 
 use core::time::Duration;
 
+use barrelman_vocab::mavlink::SystemId;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, LinkCommand, Telemetry, Timestamp};
+
+/// What the sessions before on the same link have left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LinkHistory {
+    /// Whether the camera may be turning, or the boat moving: the shut-down is complete only when the vehicle was heard.
+    pub may_be_turning: bool,
+    /// Whether another client had the control: it is not taken before the operator takes it back.
+    pub is_anothers: bool,
+    /// The MAVLink system that they spoke to: no other one is spoken to. `None`: none was found.
+    pub vehicle: Option<SystemId>,
+}
 
 /// One conversation with a vehicle.
 pub trait Session {
@@ -50,12 +62,13 @@ pub trait Session {
     /// The state of the link.
     fn link_state(&self) -> LinkState;
 
-    /// The session before ended while the camera may have been turning: the shut-down is complete only when the vehicle
-    /// was heard.
-    fn must_be_answered(&mut self) {}
+    /// Takes over from the sessions before, before the first poll.
+    fn resume(&mut self, _history: LinkHistory) {}
 
-    /// Another client had the control when the session before ended: it is not taken before the operator takes it back.
-    fn must_be_asked(&mut self) {}
+    /// The MAVLink system that the session speaks to, where it knows one.
+    fn vehicle(&self) -> Option<SystemId> {
+        None
+    }
 
     /// Whether another client has the control, or had it last, and the operator has not taken it back.
     fn is_anothers(&self) -> bool {

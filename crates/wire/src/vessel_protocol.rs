@@ -1,6 +1,7 @@
 //! The protocols of vessels: the only place that chooses a session by the vessel's protocol.
 
 use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::mavlink::{MavlinkPeers, SystemId};
 use barrelman_vocab::{Timestamp, VesselOrder};
 
 use crate::byte_protocol::{ByteSession, OpenSession, ReportReader};
@@ -26,6 +27,24 @@ impl VesselProtocol {
             "mavlink-rover-manual" => Some(Self::MavlinkRover(RoverLink::MANUAL)),
             _ => None,
         }
+    }
+
+    /// The same protocol with the boat of this MAVLink system; `None`: the first boat that is heard. Without an effect on other
+    /// protocols.
+    #[must_use]
+    pub const fn with_vehicle(self, vehicle: Option<SystemId>) -> Self {
+        match self {
+            Self::LabUdp => self,
+            Self::MavlinkRover(link) => {
+                let peers = MavlinkPeers { vehicle, ..link.peers };
+                Self::MavlinkRover(RoverLink { peers, ..link })
+            }
+        }
+    }
+
+    /// Whether a boat is told from others by its MAVLink system.
+    pub const fn has_systems(self) -> bool {
+        matches!(self, Self::MavlinkRover(_))
     }
 
     /// Whether the boat is also reached by a stream of bytes, and not by datagrams alone.

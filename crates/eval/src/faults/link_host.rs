@@ -11,7 +11,7 @@ use barrelman_link::guard::gate::GuardedCommand;
 use barrelman_link::guard::message::ToGuard;
 use barrelman_link::{LinkAction, LinkCore, LinkReport, RequestedCommand};
 use barrelman_vocab::{Timestamp, VehicleRates};
-use barrelman_wire::ByteSession;
+use barrelman_wire::{ByteSession, LinkHistory};
 
 use super::fault::FaultKind;
 use super::line::Line;
@@ -43,16 +43,14 @@ pub(super) struct LinkHost<C: GuardedCommand = VehicleRates> {
 }
 
 impl<C: GuardedCommand> LinkHost<C> {
-    /// Starts a link. `may_be_turning`: a link before it may have left the vehicle moving.
-    pub(super) fn start(plan: &LinkPlan<C>, may_be_turning: bool, now: Timestamp) -> Self {
+    /// Starts a link. `history`: what a link before it has left.
+    pub(super) fn start(plan: &LinkPlan<C>, history: LinkHistory, now: Timestamp) -> Self {
         let open_session = Arc::clone(&plan.open_session);
         let has_guard = plan.guard_limits.is_some();
         let persistence = if has_guard { PERSISTENCE } else { Duration::ZERO };
         let open = Box::new(move |now| open_session(now));
         let mut core = LinkCore::new(open, FaultPlan::default(), persistence);
-        if may_be_turning {
-            core.expect_motion();
-        }
+        core.resume(history);
         Self {
             core,
             gate: plan.guard_limits.map(|limits| Gate::new(limits, now)),

@@ -3,6 +3,7 @@
 
 use barrelman_link::LinkReport;
 use barrelman_link::guard::gate::GuardedCommand;
+use barrelman_wire::LinkHistory;
 use barrelman_vocab::{Timestamp, VehicleRates};
 
 use super::fault::{self, Fault, FaultKind};
@@ -52,7 +53,7 @@ impl<C: GuardedCommand> Machine<C> {
     pub(super) fn start(plan: LinkPlan<C>, faults: Vec<Fault>, rng: Rng) -> Self {
         Self {
             line: Line::new(&faults, rng),
-            link: Some(LinkHost::start(&plan, false, Timestamp::ZERO)),
+            link: Some(LinkHost::start(&plan, LinkHistory::default(), Timestamp::ZERO)),
             plan,
             faults,
             guard_starts_at_ms: None,
@@ -176,8 +177,12 @@ impl<C: GuardedCommand> Machine<C> {
         }
         if self.guard_starts_at_ms.is_some_and(|starts| starts <= at_ms) {
             self.guard_starts_at_ms = None;
-            let may_be_turning = !self.is_stop_sent && !is_control_elsewhere;
-            self.link = Some(LinkHost::start(&self.plan, may_be_turning, now));
+            let history = LinkHistory {
+                may_be_turning: !self.is_stop_sent && !is_control_elsewhere,
+                is_anothers: is_control_elsewhere,
+                ..LinkHistory::default()
+            };
+            self.link = Some(LinkHost::start(&self.plan, history, now));
             end.reports.push_back(LinkReport::GuardLost("it was killed".to_owned()));
         } else if self.link.is_none() && self.guard_starts_at_ms.is_none() {
             self.guard_starts_at_ms = Some(at_ms + GUARD_STARTS_MS);

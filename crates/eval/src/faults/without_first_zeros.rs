@@ -1,8 +1,9 @@
 //! The mutant of a session that does not begin with zeros.
 
+use barrelman_vocab::mavlink::SystemId;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::{ByteSession, NextAction, RestEvidence, Session, WillStep};
+use barrelman_wire::{ByteSession, LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 use crate::vehicle::Vehicle;
 
@@ -61,10 +62,17 @@ impl Session for WithoutFirstZeros {
     }
 
     /// A MAVLink gimbal gets zeros first where a session before may have left it turning.
-    fn must_be_answered(&mut self) {
-        if self.vehicle != Vehicle::MavlinkGimbal {
-            self.session.must_be_answered();
-        }
+    fn resume(&mut self, history: LinkHistory) {
+        let may_be_turning = history.may_be_turning && self.vehicle != Vehicle::MavlinkGimbal;
+        self.session.resume(LinkHistory { may_be_turning, ..history });
+    }
+
+    fn vehicle(&self) -> Option<SystemId> {
+        self.session.vehicle()
+    }
+
+    fn is_anothers(&self) -> bool {
+        self.session.is_anothers()
     }
 
     fn rest_evidence(&self, now: Timestamp) -> RestEvidence {

@@ -7,12 +7,12 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, LinkCommand, Timestamp, VehicleRates, VesselCommand, VesselOrder};
 use barrelman_wire::mavlink::rover::{RoverDrive, RoverLink};
-use barrelman_wire::{ByteProtocolName, Framing, RestEvidence, Signing, SigningKey, VesselProtocol};
+use barrelman_wire::{ByteProtocolName, Framing, LinkHistory, RestEvidence, Signing, SigningKey, VesselProtocol};
 
 use crate::dead_mans_switch::RequestedCommand;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -23,8 +23,8 @@ pub struct Settings {
     pub clock_start_ns: u64,
     /// What is guarded.
     pub vehicle: GuardedVehicle,
-    /// Whether a guard before this one may have left the vehicle moving.
-    pub may_be_turning: bool,
+    /// What a guard before this one has left.
+    pub history: LinkHistory,
     /// The address of the link with its deliberate faults.
     pub url: String,
 }
@@ -217,8 +217,16 @@ impl<'a> Fields<'a> {
 
     fn peers(&mut self) -> Result<MavlinkPeers, MessageError> {
         let own = Address::new(self.byte()?, self.byte()?);
-        let vehicle = if self.flag()? { Some(SystemId(self.byte()?)) } else { None };
-        Ok(MavlinkPeers { own, vehicle })
+        Ok(MavlinkPeers { own, vehicle: self.system()? })
+    }
+
+    fn system(&mut self) -> Result<Option<SystemId>, MessageError> {
+        Ok(if self.flag()? { Some(SystemId(self.byte()?)) } else { None })
+    }
+
+    fn history(&mut self) -> Result<LinkHistory, MessageError> {
+        let (may_be_turning, is_anothers) = (self.flag()?, self.flag()?);
+        Ok(LinkHistory { may_be_turning, is_anothers, vehicle: self.system()? })
     }
 
     fn protocol(&mut self) -> Result<ByteProtocolName, MessageError> {
@@ -288,8 +296,18 @@ fn put_vehicle(out: &mut Vec<u8>, vehicle: GuardedVehicle) {
 }
 
 fn put_peers(out: &mut Vec<u8>, MavlinkPeers { own, vehicle }: MavlinkPeers) {
-    out.extend_from_slice(&[own.system.0, own.component.0, u8::from(vehicle.is_some())]);
-    out.extend(vehicle.map(|system| system.0));
+    out.extend_from_slice(&[own.system.0, own.component.0]);
+    put_system(out, vehicle);
+}
+
+fn put_system(out: &mut Vec<u8>, system: Option<SystemId>) {
+    out.push(u8::from(system.is_some()));
+    out.extend(system.map(|system| system.0));
+}
+
+fn put_history(out: &mut Vec<u8>, LinkHistory { may_be_turning, is_anothers, vehicle }: LinkHistory) {
+    out.extend_from_slice(&[u8::from(may_be_turning), u8::from(is_anothers)]);
+    put_system(out, vehicle);
 }
 
 fn put_protocol(out: &mut Vec<u8>, protocol: ByteProtocolName) {
@@ -326,7 +344,7 @@ impl<C: MessageCommand> ToGuard<C> {
                 out.extend_from_slice(&VERSION.to_le_bytes());
                 out.extend_from_slice(&settings.clock_start_ns.to_le_bytes());
                 put_vehicle(&mut out, settings.vehicle);
-                out.push(u8::from(settings.may_be_turning));
+                put_history(&mut out, settings.history);
                 put_text(&mut out, &settings.url);
             }
             Self::Request(RequestedCommand { command, renew_by }) => {
@@ -355,7 +373,7 @@ impl<C: MessageCommand> ToGuard<C> {
                 Self::Settings(Settings {
                     clock_start_ns: fields.number()?,
                     vehicle: fields.vehicle()?,
-                    may_be_turning: fields.flag()?,
+                    history: fields.history()?,
                     url: fields.text()?,
                 })
             }

@@ -117,7 +117,7 @@ impl Parts<'_> {
                 last_alive: Cell::new(clock.now()),
                 is_connected: Cell::new(true),
             },
-            may_be_turning: settings.may_be_turning,
+            history: settings.history,
             open_session: Arc::new(move |now| protocol.open(now)),
             report: move |report| message_of(report).is_none_or(|message| reports.send(&message.encode())),
         };

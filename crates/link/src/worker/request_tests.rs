@@ -9,7 +9,7 @@ use barrelman_vocab::{AngularRate, VehicleRates};
 
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp};
-use barrelman_wire::NextAction;
+use barrelman_wire::{LinkHistory, NextAction};
 
 use super::*;
 use crate::dead_mans_switch::RequestedRates;
@@ -177,7 +177,7 @@ fn serve(status: u16, faults: &str) -> (bool, Vec<(Timestamp, Turn)>, Vec<LinkRe
         persistence: Duration::ZERO,
         mailbox: Arc::clone(&mailbox),
         io: &vehicle,
-        may_be_turning: false,
+        history: LinkHistory::default(),
         open_session: Arc::new(open),
         report: |report| {
             reports.borrow_mut().push(report);

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use barrelman_vocab::{AngularRate, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::ground_station::{GroundStation, GroundStationSettings};
 use barrelman_wire::fotokite_pro::session::STOP_DELAY;
-use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, OpenSession as _};
+use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, LinkHistory, OpenSession as _};
 
 use barrelman_wire::fotokite_pro::ground_station::SensorReadings;
 
@@ -214,7 +214,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
     let worker: Worker<ByteSession, _, _> = Worker {
         faults: FaultPlan::parse(faults).unwrap(),
         persistence: Duration::ZERO,
-        may_be_turning: false,
+        history: LinkHistory::default(),
         open_session: Arc::new(move |now| protocol.open(now)),
         mailbox: Arc::clone(&mailbox),
         io: bench,

@@ -2,10 +2,12 @@
 
 use core::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{CommandPath, VesselSettings};
+use barrelman_vocab::mavlink::SystemId;
 use barrelman_vocab::{FailSafe, KeepWay, VesselLimits, VesselProfile};
+use barrelman_wire::VesselProtocol;
 use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,6 +29,9 @@ pub struct VesselSection {
     /// `simulator` at `sim:`, else `mavlink-rover`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
+    /// The boat's MAVLink system, 1 to 255; default: the first boat that is heard.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vehicle_system: Option<u8>,
     /// How the boat goes to a mark; default: `los`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub guidance: Option<GuidanceName>,
@@ -92,6 +97,8 @@ pub struct VesselConfig {
     pub url: String,
     /// The boat.
     pub profile: VesselProfile,
+    /// The boat's MAVLink system; `None`: that of the first boat that is heard.
+    pub vehicle: Option<SystemId>,
     /// How the boat goes to a mark.
     pub guidance: GuidanceName,
 }
@@ -99,7 +106,12 @@ pub struct VesselConfig {
 impl VesselConfig {
     /// The boat of a simulated world.
     pub fn simulated() -> Self {
-        Self { url: SIMULATED.to_owned(), profile: VesselProfile::SIMULATOR, guidance: GuidanceName::Los }
+        Self {
+            url: SIMULATED.to_owned(),
+            profile: VesselProfile::SIMULATOR,
+            vehicle: None,
+            guidance: GuidanceName::Los,
+        }
     }
 
     /// What the pilot has to know.
@@ -156,8 +168,19 @@ impl VesselSection {
             fail_safe: self.fail_safe()?,
             ..base
         };
+        let vehicle = self.vehicle(name)?;
         let guidance = self.guidance.unwrap_or(GuidanceName::Los);
-        Ok(self.url.clone().map(|url| VesselConfig { url, profile, guidance }))
+        Ok(self.url.clone().map(|url| VesselConfig { url, profile, vehicle, guidance }))
+    }
+
+    fn vehicle(&self, profile: &str) -> Result<Option<SystemId>> {
+        let Some(system) = self.vehicle_system else { return Ok(None) };
+        ensure!(system != 0, "vessel.vehicle_system = 0: use 1 to 255; 0 addresses everybody");
+        ensure!(
+            VesselProtocol::of_profile(profile).is_some_and(VesselProtocol::has_systems),
+            "vessel.vehicle_system has no effect on the boat {profile}: omit it, or use vessel.profile = \"mavlink-rover\""
+        );
+        Ok(Some(SystemId(system)))
     }
 
     fn fail_safe(&self) -> Result<FailSafe> {
@@ -173,7 +196,7 @@ impl VesselSection {
 
     /// A complete section.
     pub(super) fn from_config(config: Option<&VesselConfig>) -> Self {
-        let Some(VesselConfig { url, profile, guidance }) = config else { return Self::default() };
+        let Some(VesselConfig { url, profile, vehicle, guidance }) = config else { return Self::default() };
         let (keep_way_throttle, keep_way_s) = match profile.fail_safe {
             FailSafe::Neutral => (0.0, None),
             FailSafe::KeepWay(keep) => (keep.throttle, Some(keep.lasts.as_secs_f64())),
@@ -181,6 +204,7 @@ impl VesselSection {
         Self {
             url: Some(url.clone()),
             profile: Some(profile.name.to_owned()),
+            vehicle_system: vehicle.map(|system| system.0),
             guidance: Some(*guidance),
             throttle_ahead: Some(profile.limits.ahead),
             throttle_astern: Some(profile.limits.astern),
@@ -218,6 +242,10 @@ mod tests {
         assert_eq!(config.profile.fail_safe, FailSafe::KeepWay(keep));
         let neutral = VesselSection { keep_way_throttle: None, ..section }.resolve().unwrap().unwrap();
         assert_eq!(neutral.profile.fail_safe, FailSafe::Neutral);
+        let of_two = VesselSection { url: Some("udp://192.168.1.4:14550".to_owned()), vehicle_system: Some(3), ..VesselSection::default() };
+        let config = of_two.resolve().unwrap();
+        assert_eq!(config.as_ref().and_then(|config| config.vehicle), Some(SystemId(3)));
+        assert_eq!(VesselSection::from_config(config.as_ref()).resolve().unwrap(), config);
     }
 
     #[test]
@@ -230,6 +258,8 @@ mod tests {
         assert!(at(VesselSection { keep_way_throttle: Some(0.4), ..none() }).contains("from 0 to 0.3"));
         assert!(at(VesselSection { keep_way_s: Some(4.0), ..none() }).contains("vessel.keep_way_s"));
         assert!(at(VesselSection { stand_off_m: Some(0.0), ..none() }).contains("vessel.stand_off_m"));
+        assert!(at(VesselSection { vehicle_system: Some(3), ..none() }).contains("the boat simulator"));
+        assert!(at(VesselSection { vehicle_system: Some(0), ..none() }).contains("1 to 255"));
         assert!(at(VesselSection { profile: Some("raft".to_owned()), ..none() }).contains("lab-udp"));
     }
 }

@@ -37,7 +37,7 @@ pub(super) fn open_boat(
         return Ok(Boat::Simulated(world.boat()));
     }
     let url = LinkUrl::parse(&config.url).context("vessel.url")?;
-    let protocol = protocol_of(&config.profile)?;
+    let protocol = protocol_of(&config.profile)?.with_vehicle(config.vehicle);
     match &url.endpoint {
         Endpoint::Udp { .. } => {}
         Endpoint::Tcp { .. } | Endpoint::Serial { .. } if protocol.takes_streams() => {}

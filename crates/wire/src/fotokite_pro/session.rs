@@ -32,7 +32,7 @@ use super::start_up::start_up;
 use super::telemetry_reader::{Received, TelemetryReader};
 use crate::closing_zeros::ClosingZeros;
 use crate::framing::Framing;
-use crate::session::{NextAction, RestEvidence, Session, WillStep};
+use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 pub use super::session_times::{
     CONTROL_GRACE, MAX_ZEROS, OPENING_ZEROS, PROMPT_DELAY, PROMPT_REQUESTS, PROMPT_TIMEOUT, REPORT_TIMEOUT,
@@ -370,8 +370,8 @@ impl Session for FotokiteProSession {
         }
     }
 
-    fn must_be_answered(&mut self) {
-        self.needs_answer = true;
+    fn resume(&mut self, history: LinkHistory) {
+        self.needs_answer = history.may_be_turning;
     }
 
     fn may_be_turning(&self) -> bool {

@@ -135,6 +135,16 @@ impl GimbalReader {
         Self { frames: FrameReader::new(signing), facts }
     }
 
+    /// From now on only a gimbal of this system counts.
+    pub const fn name(&mut self, vehicle: SystemId) {
+        self.facts.peers.vehicle = Some(vehicle);
+    }
+
+    /// The system whose gimbal counts: that of the configuration, or the one that was found.
+    pub fn vehicle(&self) -> Option<SystemId> {
+        self.facts.peers.vehicle.or(self.facts.gimbal.map(|gimbal| gimbal.manager.system))
+    }
+
     /// Passes what received bytes mean to `each`.
     pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Received)) {
         let Self { frames, facts } = self;

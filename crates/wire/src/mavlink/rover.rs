@@ -22,7 +22,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::mavlink::{Address, MavlinkPeers};
+use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VesselCommand, VesselOrder};
 use mavlink::dialects::common::{
@@ -32,7 +32,7 @@ use mavlink::dialects::common::{
 
 use super::frame::{Frame, FrameReader, FrameWriter};
 use super::heartbeat::heartbeat;
-use crate::session::{NextAction, Session, WillStep};
+use crate::session::{LinkHistory, NextAction, Session, WillStep};
 
 /// The speed of full throttle, m/s: that of a jet boat of 1.2 m.
 pub const FULL_SPEED_M_PER_S: f64 = 3.6;
@@ -63,6 +63,9 @@ const SPEED_AND_TURN: PositionTargetTypemask = PositionTargetTypemask::from_bits
 pub(super) const BODY_FRAME: MavFrame = MavFrame::MAV_FRAME_BODY_NED;
 
 const SILENT: NextAction = NextAction::Reopen { reason: "the boat does not answer any more" };
+
+const NO_BOAT: NextAction =
+    NextAction::Reopen { reason: "no boat was heard: are address, baud rate and vessel.vehicle_system right?" };
 
 /// ArduPilot Rover's number of the mode MANUAL: the sticks steer, or what overrides them.
 pub const MANUAL: u32 = 0;
@@ -148,6 +151,16 @@ impl RoverReader {
     /// A reader that has heard nothing.
     pub fn new(link: RoverLink) -> Self {
         Self { link, frames: FrameReader::default(), boat: None, mode: None }
+    }
+
+    /// From now on the boat is one of this system.
+    pub const fn name(&mut self, vehicle: SystemId) {
+        self.link.peers.vehicle = Some(vehicle);
+    }
+
+    /// The system of the boat: that of the configuration, or the one that was heard.
+    pub fn vehicle(&self) -> Option<SystemId> {
+        self.link.peers.vehicle.or(self.boat.map(|boat| boat.system))
     }
 
     /// Passes each change of what the boat says to commands to `each`. Returns whether the boat was heard.
@@ -336,7 +349,7 @@ impl Session for RoverSession {
             return SILENT;
         }
         if self.reader.boat.is_none() && !self.is_closing && now.since(self.since) >= SEARCH_TIMEOUT {
-            return NextAction::Reopen { reason: "no boat was heard" };
+            return NO_BOAT;
         }
         let mut next = self.heartbeat_at;
         if let Some(boat) = self.reader.boat {
@@ -395,8 +408,17 @@ impl Session for RoverSession {
         }
     }
 
-    fn must_be_answered(&mut self) {
-        (self.needs_answer, self.neutrals_left) = (true, NEUTRALS);
+    fn resume(&mut self, history: LinkHistory) {
+        if history.may_be_turning {
+            (self.needs_answer, self.neutrals_left) = (true, NEUTRALS);
+        }
+        if let Some(vehicle) = history.vehicle {
+            self.reader.name(vehicle);
+        }
+    }
+
+    fn vehicle(&self) -> Option<SystemId> {
+        self.reader.vehicle()
     }
 
     fn may_be_turning(&self) -> bool {

@@ -19,8 +19,11 @@
 //! ```
 //!
 //! No rate is sent to a gimbal whose control is not ours, with one exception: where a session before may have left the gimbal
-//! turning ([`Session::must_be_answered`]), zeros go to every gimbal manager that hears them, from the first packet on until
+//! turning ([`LinkHistory::may_be_turning`]), zeros go to every gimbal manager that hears them, from the first packet on until
 //! the manager is known to obey another commander. The control begins with zeros.
+//!
+//! The first gimbal that is found is the gimbal: after a restart of the vehicle, and in the sessions after this one, only its
+//! system is searched.
 //!
 //! [`GimbalSession`] is the [`Session`] of this protocol: a plain struct without I/O. It sends rates other than zero only in the
 //! state `Up`. `session/due.rs` has what is sent when, `session/events.rs` what received messages change.
@@ -38,7 +41,7 @@ use super::pacing::{Pacing, SPACING, ZERO_REPEATS};
 use super::signing::Signing;
 use crate::attitude_rate::AttitudeRate;
 use crate::closing_zeros::{ZEROS_AT_REST, ZEROS_IN_MOTION};
-use crate::session::{NextAction, RestEvidence, Session, WillStep};
+use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 pub use super::session_times::{
     ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
@@ -162,6 +165,12 @@ impl GimbalSession {
         self.gimbal.unwrap_or(everyone(self.peers))
     }
 
+    /// From now on the gimbal is one of this system.
+    fn name(&mut self, vehicle: SystemId) {
+        self.peers.vehicle = Some(vehicle);
+        self.reader.name(vehicle);
+    }
+
     fn has_another_commander(&self) -> bool {
         self.state == State::Yielded || matches!(self.holder, Some(Holder::Other(_)))
     }
@@ -258,12 +267,15 @@ impl Session for GimbalSession {
         }
     }
 
-    fn must_be_answered(&mut self) {
-        self.needs_answer = true;
+    fn resume(&mut self, history: LinkHistory) {
+        (self.needs_answer, self.is_operator_asked) = (history.may_be_turning, history.is_anothers);
+        if let Some(vehicle) = history.vehicle {
+            self.name(vehicle);
+        }
     }
 
-    fn must_be_asked(&mut self) {
-        self.is_operator_asked = true;
+    fn vehicle(&self) -> Option<SystemId> {
+        self.peers.vehicle
     }
 
     fn is_anothers(&self) -> bool {

@@ -19,7 +19,7 @@ fn every_message_is_read_as_it_was_written() {
             protocol: ByteProtocolName::FotokitePro,
             framing: Framing::LineFeed,
         },
-        may_be_turning: true,
+        history: LinkHistory { may_be_turning: true, ..LinkHistory::default() },
         url: "tcp://[::1]:5000?fault=stall@3".to_owned(),
     };
     let named = MavlinkPeers { vehicle: Some(SystemId(3)), ..MavlinkPeers::DEFAULT };
@@ -27,7 +27,8 @@ fn every_message_is_read_as_it_was_written() {
     let gimbals = [(MavlinkPeers::DEFAULT, None), (named, None), (named, signing)].map(|(peers, signing)| {
         let protocol = ByteProtocolName::MavlinkGimbal { peers, signing };
         let vehicle = GuardedVehicle::Camera { limits: rates, protocol, framing: Framing::CarriageReturns };
-        Settings { vehicle, may_be_turning: false, ..settings.clone() }
+        let history = LinkHistory { may_be_turning: false, is_anothers: true, vehicle: Some(SystemId(3)) };
+        Settings { vehicle, history, ..settings.clone() }
     });
     let vehicle = GuardedVehicle::Vessel {
         limits: VesselCommand { throttle: 0.6, rudder: 1.0 },

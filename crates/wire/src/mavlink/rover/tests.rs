@@ -188,9 +188,25 @@ fn a_moving_boat_that_is_no_longer_heard_is_sent_neutral_before_the_port_is_open
 }
 
 #[test]
+fn a_session_commands_the_boat_of_the_session_before_and_no_other_one() {
+    let mut before = Bench::new(guided_boat());
+    before.run_to(500);
+    let vehicle = before.session.vehicle();
+    assert_eq!(vehicle, Some(SystemId(1)));
+    for (vehicle, set_points) in [(vehicle, 10), (Some(SystemId(2)), 0)] {
+        let mut bench = Bench::new(guided_boat());
+        bench.session.resume(LinkHistory { vehicle, ..LinkHistory::default() });
+        bench.run_to(500);
+        bench.go();
+        bench.run_to(1_500);
+        assert_eq!((bench.set_points(0), bench.session.vehicle()), (set_points, vehicle));
+    }
+}
+
+#[test]
 fn a_boat_that_a_session_before_left_moving_is_waited_for_at_the_end() {
     let mut bench = Bench::new(guided_boat());
-    bench.session.must_be_answered();
+    bench.session.resume(LinkHistory { may_be_turning: true, ..LinkHistory::default() });
     assert!(bench.session.may_be_turning());
     bench.is_cut = true;
     bench.run_to(200);
@@ -205,7 +221,7 @@ fn a_boat_that_a_session_before_left_moving_is_waited_for_at_the_end() {
 
     // A boat in a mode that another program chose needs no neutral.
     let mut bench = Bench::new(RoverBoatSettings { mode: MANUAL, ..RoverBoatSettings::default() });
-    bench.session.must_be_answered();
+    bench.session.resume(LinkHistory { may_be_turning: true, ..LinkHistory::default() });
     bench.session.close(at(0));
     bench.run_to(3_000);
     assert_eq!((bench.next, bench.set_points(0)), (NextAction::Closed, 0));
@@ -257,7 +273,7 @@ fn what_is_no_boat_is_not_commanded() {
     session.received(&packet, at(10), &mut |_| {});
     assert_eq!(session.link_state(), LinkState::Starting);
     assert!(session.last_will(at(10)).is_empty());
-    assert_eq!(session.poll(at(6_000), &mut Vec::new()), NextAction::Reopen { reason: "no boat was heard" });
+    assert_eq!(session.poll(at(6_000), &mut Vec::new()), NO_BOAT);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_wire::mavlink::Gimbal;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalManagerSettings, Habits, MANAGER, OTHER_COMMANDER};
-use barrelman_wire::{NextAction, RestEvidence, Session as _};
+use barrelman_wire::{LinkHistory, NextAction, RestEvidence, Session as _};
 
 use super::bench::{Bench, Sent, at, rates, sent};
 
@@ -49,7 +49,7 @@ fn the_start_is_discovery_reports_a_claim_with_the_own_address_and_zeros() {
 fn after_a_session_that_may_have_left_the_gimbal_turning_zeros_go_to_everyone_first() {
     for settings in [ARDUPILOT, PX4] {
         let mut bench = Bench::new(settings);
-        bench.session.must_be_answered();
+        bench.session.resume(LinkHistory { may_be_turning: true, ..LinkHistory::default() });
         bench.run(seconds(0.2));
         let zeros: Vec<&Sent> =
             bench.sent.iter().map(|(_, sent)| sent).filter(|sent| sent.is_zeros()).collect();
@@ -199,7 +199,7 @@ fn a_session_after_another_commander_had_the_control_waits_for_the_operator() {
     assert!(before.session.is_anothers());
     for is_free_by_now in [false, true] {
         let mut bench = Bench::new(ARDUPILOT);
-        bench.session.must_be_asked();
+        bench.session.resume(LinkHistory { is_anothers: true, ..LinkHistory::default() });
         if !is_free_by_now {
             bench.take_over();
         }
@@ -214,9 +214,25 @@ fn a_session_after_another_commander_had_the_control_waits_for_the_operator() {
 }
 
 #[test]
+fn a_session_moves_the_gimbal_of_the_session_before_and_no_other_one() {
+    let mut before = Bench::new(PX4);
+    before.run(seconds(3.0));
+    let vehicle = before.session.vehicle();
+    assert_eq!(vehicle, Some(MANAGER.system));
+    let other = Some(SystemId(MANAGER.system.0 + 1));
+    for (vehicle, state) in [(vehicle, LinkState::Up), (other, LinkState::Starting)] {
+        let mut bench = Bench::new(PX4);
+        bench.session.resume(LinkHistory { vehicle, ..LinkHistory::default() });
+        bench.run(seconds(3.0));
+        assert_eq!((bench.session.link_state(), bench.session.vehicle()), (state, vehicle));
+        assert_eq!(bench.claims() > 0, state == LinkState::Up);
+    }
+}
+
+#[test]
 fn the_operator_may_take_the_control_while_the_gimbal_is_searched() {
     let mut bench = Bench::new(ARDUPILOT);
-    bench.session.must_be_asked();
+    bench.session.resume(LinkHistory { is_anothers: true, ..LinkHistory::default() });
     bench.session.take_control(at(0));
     bench.run(seconds(3.0));
     assert_eq!(bench.manager.primary(), Some(MavlinkPeers::DEFAULT.own));
