@@ -295,8 +295,7 @@ where
         let mut guard = Some(first);
         let mut attempts_to_close = 0;
         loop {
-            let Some(served) =
-                guard.take().or_else(|| Guard::start(&self.settings, self.history).ok())
+            let Some(served) = guard.take().or_else(|| Guard::start(&self.settings, self.history).ok())
             else {
                 self.stop_without_guard();
                 if self.client.state().is_closing {

@@ -3,8 +3,8 @@
 
 use barrelman_link::LinkReport;
 use barrelman_link::guard::gate::GuardedCommand;
-use barrelman_wire::LinkHistory;
 use barrelman_vocab::{Timestamp, VehicleRates};
+use barrelman_wire::LinkHistory;
 
 use super::fault::{self, Fault, FaultKind};
 use super::line::Line;

@@ -7,7 +7,9 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, LinkCommand, Timestamp, VehicleRates, VesselCommand, VesselOrder};
 use barrelman_wire::mavlink::rover::{RoverDrive, RoverLink};
-use barrelman_wire::{ByteProtocolName, Framing, LinkHistory, RestEvidence, Signing, SigningKey, VesselProtocol};
+use barrelman_wire::{
+    ByteProtocolName, Framing, LinkHistory, RestEvidence, Signing, SigningKey, VesselProtocol,
+};
 
 use crate::dead_mans_switch::RequestedCommand;
 

@@ -242,7 +242,11 @@ mod tests {
         assert_eq!(config.profile.fail_safe, FailSafe::KeepWay(keep));
         let neutral = VesselSection { keep_way_throttle: None, ..section }.resolve().unwrap().unwrap();
         assert_eq!(neutral.profile.fail_safe, FailSafe::Neutral);
-        let of_two = VesselSection { url: Some("udp://192.168.1.4:14550".to_owned()), vehicle_system: Some(3), ..VesselSection::default() };
+        let of_two = VesselSection {
+            url: Some("udp://192.168.1.4:14550".to_owned()),
+            vehicle_system: Some(3),
+            ..VesselSection::default()
+        };
         let config = of_two.resolve().unwrap();
         assert_eq!(config.as_ref().and_then(|config| config.vehicle), Some(SystemId(3)));
         assert_eq!(VesselSection::from_config(config.as_ref()).resolve().unwrap(), config);

@@ -46,11 +46,14 @@ const LEAST_INTERVAL: Duration = Duration::from_millis(40);
 const NEUTRAL_INTERVAL: Duration = Duration::from_millis(50);
 /// Neutral set-points of an end.
 pub const NEUTRALS: u32 = 5;
-/// A boat that was not heard for this time is silent.
+/// A boat of which nothing was heard for this time is silent.
 pub const SILENCE: Duration = Duration::from_secs(3);
+/// So is one whose mode is as old as this, whatever else is heard of it. Of a line that loses 3 packets of 10, ten heartbeats
+/// hardly ever get lost in a row.
+pub const MODE_TIMEOUT: Duration = Duration::from_secs(10);
 const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 /// The search for a boat is told as failed after this time.
-const SEARCH_TIMEOUT: Duration = Duration::from_secs(6);
+const SEARCH_TIMEOUT: Duration = Duration::from_secs(10);
 /// ArduPilot Rover's number of the mode GUIDED.
 pub const GUIDED: u32 = 15;
 /// The component id of an autopilot.
@@ -64,8 +67,9 @@ pub(super) const BODY_FRAME: MavFrame = MavFrame::MAV_FRAME_BODY_NED;
 
 const SILENT: NextAction = NextAction::Reopen { reason: "the boat does not answer any more" };
 
-const NO_BOAT: NextAction =
-    NextAction::Reopen { reason: "no boat was heard: are address, baud rate and vessel.vehicle_system right?" };
+const NO_BOAT: NextAction = NextAction::Reopen {
+    reason: "no boat was heard: are address, baud rate and vessel.vehicle_system right?",
+};
 
 /// ArduPilot Rover's number of the mode MANUAL: the sticks steer, or what overrides them.
 pub const MANUAL: u32 = 0;
@@ -138,6 +142,15 @@ impl BoatMode {
     }
 }
 
+/// What of the boat was in received bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Heard {
+    /// Whether there was any packet of the boat.
+    pub is_any: bool,
+    /// Whether there was its mode.
+    pub is_mode: bool,
+}
+
 /// Reads what the boat reports from received bytes.
 #[derive(Debug, Clone)]
 pub struct RoverReader {
@@ -163,20 +176,21 @@ impl RoverReader {
         self.link.peers.vehicle.or(self.boat.map(|boat| boat.system))
     }
 
-    /// Passes each change of what the boat says to commands to `each`. Returns whether the boat was heard.
-    pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) -> bool {
+    /// Passes each change of what the boat says to commands to `each`. Returns what was heard of the boat.
+    pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) -> Heard {
         let mut frames = core::mem::take(&mut self.frames);
-        let mut is_heard = false;
+        let mut heard = Heard::default();
         frames.read(bytes, |frame| {
+            heard.is_any |= self.boat == Some(frame.from);
             if let Some(mode) = self.mode_of(frame) {
-                is_heard = true;
+                heard = Heard { is_any: true, is_mode: true };
                 if self.mode.replace(mode) != Some(mode) {
                     each(Report::Acceptance(mode.acceptance()));
                 }
             }
         });
         self.frames = frames;
-        is_heard
+        heard
     }
 
     /// The mode in a heartbeat of the boat; the first boat that is heard is the boat.
@@ -207,6 +221,7 @@ pub struct RoverSession {
     reader: RoverReader,
     since: Timestamp,
     last_heard: Option<Timestamp>,
+    last_mode: Option<Timestamp>,
     order: VesselOrder,
     last: Option<(Timestamp, VesselCommand)>,
     /// Neutral set-points that are still to be sent of a boat that is released, or of the end.
@@ -226,6 +241,7 @@ impl RoverSession {
             reader: RoverReader::new(link),
             since: now,
             last_heard: None,
+            last_mode: None,
             order: VesselOrder::Released,
             last: None,
             neutrals_left: 0,
@@ -234,6 +250,11 @@ impl RoverSession {
             needs_answer: false,
             is_closing: false,
         }
+    }
+
+    fn is_silent(&self, now: Timestamp) -> bool {
+        let is_older = |at: Option<Timestamp>, limit| at.is_some_and(|at| now.since(at) >= limit);
+        is_older(self.last_heard, SILENCE) || is_older(self.last_mode, MODE_TIMEOUT)
     }
 
     fn is_ours(&self) -> bool {
@@ -340,7 +361,7 @@ impl Session for RoverSession {
 
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         // A boat that is not heard may hear: at the end, neutral goes out in any case.
-        if !self.is_closing && self.last_heard.is_some_and(|heard| now.since(heard) >= SILENCE) {
+        if !self.is_closing && self.is_silent(now) {
             // The next session sends nothing before it hears the boat. These packets do not count as sent: whether one arrived is
             // not known.
             if self.last.is_some_and(|(_, sent)| !sent.is_neutral()) {
@@ -372,11 +393,14 @@ impl Session for RoverSession {
     }
 
     fn received(&mut self, packet: &[u8], now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
-        let is_heard = self.reader.read(packet, |content| report(Telemetry { at: now, report: content }));
-        if is_heard {
+        let heard = self.reader.read(packet, |content| report(Telemetry { at: now, report: content }));
+        if heard.is_any {
             self.last_heard = Some(now);
         }
-        if is_heard && !self.is_ours() {
+        if heard.is_mode {
+            self.last_mode = Some(now);
+        }
+        if heard.is_mode && !self.is_ours() {
             // Whoever chose another mode steers: no neutral set-point is owed.
             (self.last, self.neutrals_left, self.needs_answer) = (None, 0, false);
         }

@@ -2,6 +2,7 @@
 
 use super::super::rover_boat::{HOLD, RoverBoat, RoverBoatSettings};
 use super::*;
+use mavlink::dialects::common::ATTITUDE_DATA;
 
 const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: -0.5 };
 
@@ -247,6 +248,29 @@ fn a_boat_that_falls_silent_during_the_end_is_sent_all_neutrals() {
 }
 
 #[test]
+fn a_boat_whose_heartbeats_get_lost_is_heard_by_its_other_packets_for_as_long_as_its_mode_is_known() {
+    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
+    let mut boat = RoverBoat::new(guided_boat(), at(0));
+    let mut up = Vec::new();
+    boat.advance(at(0), &mut up);
+    session.received(&up[0], at(0), &mut |_| {});
+    let others = [Address::new(1, AUTOPILOT), Address::new(2, AUTOPILOT)]
+        .map(|from| FrameWriter::new(from, None).write(&ATTITUDE_DATA::default()));
+    for ms in (500..10_000).step_by(500) {
+        session.received(&others[0], at(ms), &mut |_| {});
+        assert_ne!(session.poll(at(ms), &mut Vec::new()), SILENT, "after {ms} ms");
+    }
+    session.received(&others[0], at(9_999), &mut |_| {});
+    assert_eq!(session.poll(at(10_000), &mut Vec::new()), SILENT, "the mode is not known any more");
+
+    // Packets of another system say nothing of the boat.
+    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
+    session.received(&up[0], at(0), &mut |_| {});
+    session.received(&others[1], at(2_900), &mut |_| {});
+    assert_eq!(session.poll(at(3_000), &mut Vec::new()), SILENT);
+}
+
+#[test]
 fn a_session_that_owes_nothing_waits() {
     let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
     let mut boat = RoverBoat::new(guided_boat(), at(0));
@@ -273,7 +297,7 @@ fn what_is_no_boat_is_not_commanded() {
     session.received(&packet, at(10), &mut |_| {});
     assert_eq!(session.link_state(), LinkState::Starting);
     assert!(session.last_will(at(10)).is_empty());
-    assert_eq!(session.poll(at(6_000), &mut Vec::new()), NO_BOAT);
+    assert_eq!(session.poll(at(10_000), &mut Vec::new()), NO_BOAT);
 }
 
 #[test]
