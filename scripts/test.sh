@@ -13,7 +13,8 @@ else
   cargo test --workspace
 fi
 
-cargo build -p barrelman
+# Of the whole workspace: with the features of the tests, so that nothing is compiled again.
+cargo build --workspace --bins
 program=target/debug/barrelman
 # One practice clip for all of them.
 clip=$(mktemp -d)
