@@ -137,9 +137,13 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// The port was opened.
     pub fn opened(&mut self, now: Timestamp) {
+        self.session = Some(OpenSession { session: self.new_session(now), since: now, is_closing: false });
+    }
+
+    fn new_session(&self, now: Timestamp) -> Box<S> {
         let mut session = (self.open_session)(now);
         session.resume(self.history);
-        self.session = Some(OpenSession { session, since: now, is_closing: false });
+        session
     }
 
     /// The port could not be opened.
@@ -162,12 +166,12 @@ impl<S: Session + ?Sized> LinkCore<S> {
         }
     }
 
-    /// The packets that stop the vehicle from any state, with what the session knows of the vehicle; a new session's where
-    /// there is none.
+    /// The packets that stop the vehicle from any state, with what the session knows of the vehicle, or, where there is none,
+    /// what the sessions before have left.
     pub fn last_will(&self, now: Timestamp) -> Vec<WillStep<S::Sent>> {
         match &self.session {
             Some(open) => open.session.last_will(now),
-            None => (self.open_session)(now).last_will(now),
+            None => self.new_session(now).last_will(now),
         }
     }
 

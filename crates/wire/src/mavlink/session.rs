@@ -295,7 +295,7 @@ impl Session for GimbalSession {
 
     /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of another commander.
     fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
-        if self.has_another_commander() {
+        if self.is_anothers() {
             return Vec::new();
         }
         let mut writer = self.writer.clone();

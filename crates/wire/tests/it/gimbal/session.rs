@@ -200,6 +200,7 @@ fn a_session_after_another_commander_had_the_control_waits_for_the_operator() {
     for is_free_by_now in [false, true] {
         let mut bench = Bench::new(ARDUPILOT);
         bench.session.resume(LinkHistory { is_anothers: true, ..LinkHistory::default() });
+        assert!(bench.session.last_will(at(0)).is_empty(), "the gimbal is another commander's");
         if !is_free_by_now {
             bench.take_over();
         }
