@@ -62,10 +62,7 @@ run_in_front() {
 # What needs one core and no exact times runs beside what mostly waits.
 start_beside "first_hour" "campaigns --trials 100"
 run_in_front "law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps" \
-  "camshift $with_clip" "tracking_camera"
-# Both mostly wait.
-start_beside "api"
-run_in_front "reconnect"
+  "camshift $with_clip" "tracking_camera" "api" "reconnect"
 # What measures times that leave little room, alone.
 run_in_order "guard --few $with_clip" "stops $with_clip"
 # Vehicles: these mostly wait, ...

@@ -167,8 +167,10 @@ impl Facts {
             }
         } else if let Some(status) = frame.read::<GIMBAL_MANAGER_STATUS_DATA>() {
             if self.found(frame.from, status.gimbal_device_id, each).is_some() {
-                self.on_uptime(Timed::Status, status.time_boot_ms, each);
-                self.on_status(&status, each);
+                // An older status may name a commander who has the control no more.
+                if self.on_uptime(Timed::Status, status.time_boot_ms, each) {
+                    self.on_status(&status, each);
+                }
             }
         } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
             if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
@@ -254,10 +256,15 @@ impl Facts {
             && (to == own || to == Address::EVERYONE)
     }
 
-    fn on_uptime(&mut self, kind: Timed, time_boot_ms: u32, each: &mut impl FnMut(Received)) {
+    /// Returns whether the message is the newest of its kind.
+    fn on_uptime(&mut self, kind: Timed, time_boot_ms: u32, each: &mut impl FnMut(Received)) -> bool {
         let uptime_s = f64::from(time_boot_ms) * 1e-3;
-        let last_s = self.uptimes[kind as usize].replace(uptime_s);
-        if last_s.is_some_and(|last_s| uptime_s < last_s - UPTIME_TOLERANCE_S) {
+        let behind_s = self.uptimes[kind as usize].map_or(0.0, |newest_s| newest_s - uptime_s);
+        if behind_s > 0.0 && behind_s <= UPTIME_TOLERANCE_S {
+            return false;
+        }
+        self.uptimes[kind as usize] = Some(uptime_s);
+        if behind_s > UPTIME_TOLERANCE_S {
             // No commander has the control of a vehicle that has just started.
             self.lose_control();
             (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
@@ -267,6 +274,7 @@ impl Facts {
         } else {
             self.uptime_s = Some(self.uptime_s.map_or(uptime_s, |known_s| known_s.max(uptime_s)));
         }
+        true
     }
 
     fn on_status(&mut self, status: &GIMBAL_MANAGER_STATUS_DATA, each: &mut impl FnMut(Received)) {

@@ -80,6 +80,17 @@ fn parts_of_a_vehicle_with_clocks_of_their_own_are_no_restart() {
 }
 
 #[test]
+fn a_status_that_a_newer_one_has_overtaken_does_not_count() {
+    let mut vehicle = Vehicle::new();
+    let (own, other) = (MavlinkPeers::DEFAULT.own, Address::new(255, 190));
+    assert!(vehicle.status(1_000, 1, own).contains(&Received::Holder(Holder::Us)));
+    assert!(vehicle.status(1_200, 1, other).contains(&Received::Holder(Holder::Other(other))));
+    assert_eq!(vehicle.status(1_100, 1, own), [Received::Other], "the control is the other's");
+    // Of two with the same time the last one counts: a vehicle may leave the time out.
+    assert!(vehicle.status(1_200, 1, own).contains(&Received::Holder(Holder::Us)));
+}
+
+#[test]
 fn the_attitude_of_another_gimbal_does_not_count() {
     let mut vehicle = Vehicle::new();
     assert!(!is_attitude(&vehicle.attitude(AUTOPILOT, 900, 1)), "no gimbal is known yet");
