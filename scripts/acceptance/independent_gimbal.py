@@ -217,8 +217,8 @@ class GimbalManager:
             self._status()
             return self.taken_at
 
-    def give_up(self):
-        """The other commander gives the control up."""
+    def give_back(self):
+        """The other commander gives the control back."""
         with self.lock:
             self.primary = NOBODY
             self._status()

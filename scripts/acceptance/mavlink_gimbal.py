@@ -55,7 +55,7 @@ class Run(ConsoleRun):
         return [pid for pid, name in children(self.child.pid).items() if name.startswith("barrelman-guard")]
 
     def guard(self):
-        return self.guards()[0]
+        return next(iter(self.guards()))
 
 
 def rest_after(manager, at):
@@ -178,7 +178,7 @@ def guard_killed_after_a_loss(rows, args, folder):
         run.wait_until_it_moves()
         manager.take()
         run.wait_for_control(False)
-        manager.give_up()
+        manager.give_back()
         claims, before, at = len(manager.commands(1001)), run.guard(), time.monotonic()
         os.kill(before, signal.SIGKILL)
         common.wait_until(lambda: run.guards() not in ([], [before]), 6, "the next guard")

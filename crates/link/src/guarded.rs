@@ -312,11 +312,7 @@ where
             let end = self.serve(&served);
             let is_stop_sent = matches!(end, GuardEnd::Ended { is_stop_sent: true });
             let is_anothers = self.control == Some(ControlState::NotOurs);
-            self.history = LinkHistory {
-                may_be_turning: !is_stop_sent && !is_anothers,
-                is_anothers,
-                vehicle: self.reader.vehicle(),
-            };
+            self.history = LinkHistory::after(is_stop_sent, is_anothers, self.reader.vehicle());
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
             let reason = match end {
@@ -444,7 +440,7 @@ where
     fn stop_without_guard(&self) {
         let url = LinkUrl { faults: self.settings.url.faults.clone(), ..self.settings.url.clone() };
         // Without a port there is nothing to do but to try again.
-        let history = LinkHistory { may_be_turning: !self.history.is_anothers, ..self.history };
+        let history = LinkHistory::after(false, self.history.is_anothers, self.history.vehicle);
         let _ = LinkHandle::stop(&url, self.settings.protocol, self.settings.clock, history);
     }
 }

@@ -330,11 +330,14 @@ mod tests {
         }
     }
 
+    fn core_without_port() -> LinkCore<NoSession> {
+        LinkCore::new(Box::new(|_| Box::new(NoSession::default())), FaultPlan::default(), Duration::ZERO)
+    }
+
     #[test]
     fn the_last_will_is_that_of_the_session_that_is_open() {
         let now = Timestamp::from_secs_f64(1.0);
-        let open = Box::new(|_| Box::new(NoSession::default()));
-        let mut core = LinkCore::new(open, FaultPlan::default(), Duration::ZERO);
+        let mut core = core_without_port();
         core.opened(now);
         core.received(&[1], now, &mut |_| true);
         assert_eq!(core.last_will(now).len(), 1);
@@ -345,8 +348,7 @@ mod tests {
     #[test]
     fn sessions_wait_for_the_operator_from_the_loss_of_the_control_on() {
         let now = Timestamp::from_secs_f64(1.0);
-        let open = Box::new(|_| Box::new(NoSession::default()));
-        let mut core = LinkCore::new(open, FaultPlan::default(), Duration::ZERO);
+        let mut core = core_without_port();
         let opened_after_a_loss = |core: &mut LinkCore<NoSession>| {
             core.port_lost("unplugged".to_owned(), now, &mut |_| true);
             core.opened(now);
@@ -366,8 +368,7 @@ mod tests {
     #[test]
     fn sessions_speak_to_the_vehicle_that_was_found_first() {
         let now = Timestamp::from_secs_f64(1.0);
-        let open = Box::new(|_| Box::new(NoSession::default()));
-        let mut core = LinkCore::new(open, FaultPlan::default(), Duration::ZERO);
+        let mut core = core_without_port();
         core.opened(now);
         core.received(&[1], now, &mut |_| true);
         for _ in 0..2 {

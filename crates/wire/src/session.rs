@@ -33,6 +33,13 @@ pub struct LinkHistory {
     pub vehicle: Option<SystemId>,
 }
 
+impl LinkHistory {
+    /// What a link leaves that has ended. A vehicle that was stopped is at rest, and one of another client moves as that one wishes.
+    pub const fn after(is_stop_sent: bool, is_anothers: bool, vehicle: Option<SystemId>) -> Self {
+        Self { may_be_turning: !is_stop_sent && !is_anothers, is_anothers, vehicle }
+    }
+}
+
 /// One conversation with a vehicle.
 pub trait Session {
     /// What the session sends: a packet.

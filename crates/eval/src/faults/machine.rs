@@ -177,11 +177,7 @@ impl<C: GuardedCommand> Machine<C> {
         }
         if self.guard_starts_at_ms.is_some_and(|starts| starts <= at_ms) {
             self.guard_starts_at_ms = None;
-            let history = LinkHistory {
-                may_be_turning: !self.is_stop_sent && !is_control_elsewhere,
-                is_anothers: is_control_elsewhere,
-                ..LinkHistory::default()
-            };
+            let history = LinkHistory::after(self.is_stop_sent, is_control_elsewhere, None);
             self.link = Some(LinkHost::start(&self.plan, history, now));
             end.reports.push_back(LinkReport::GuardLost("it was killed".to_owned()));
         } else if self.link.is_none() && self.guard_starts_at_ms.is_none() {

@@ -5,6 +5,7 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::profile::Protocol;
 
 use super::file::LinkSection;
+use super::range::ensure_names_one;
 
 /// The protocol between the peers of a file; without keys, between those of the profile.
 ///
@@ -28,8 +29,8 @@ pub(super) fn between_peers(protocol: Protocol, link: &LinkSection) -> Result<Pr
             None => Ok(protocol),
         };
     };
-    if let Some((key, _)) = ids.iter().find(|(_, id)| *id == Some(0)) {
-        bail!("link.{key} = 0: use 1 to 255; 0 addresses everybody");
+    for (key, id) in ids {
+        id.map_or(Ok(()), |id| ensure_names_one(&format!("link.{key}"), id))?;
     }
     let system = link.system_id.unwrap_or(own.system.0);
     let component = link.component_id.unwrap_or(own.component.0);

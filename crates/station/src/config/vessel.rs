@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::range::within;
+use super::range::{ensure_names_one, within};
 
 /// Address of the boat of a simulated world.
 pub const SIMULATED: &str = "sim:";
@@ -175,7 +175,7 @@ impl VesselSection {
 
     fn vehicle(&self, profile: &str) -> Result<Option<SystemId>> {
         let Some(system) = self.vehicle_system else { return Ok(None) };
-        ensure!(system != 0, "vessel.vehicle_system = 0: use 1 to 255; 0 addresses everybody");
+        ensure_names_one("vessel.vehicle_system", system)?;
         ensure!(
             VesselProtocol::of_profile(profile).is_some_and(VesselProtocol::has_systems),
             "vessel.vehicle_system has no effect on the boat {profile}: omit it, or use vessel.profile = \"mavlink-rover\""

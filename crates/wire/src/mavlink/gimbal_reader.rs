@@ -141,8 +141,8 @@ impl GimbalReader {
     }
 
     /// The system whose gimbal counts: that of the configuration, or the one that was found.
-    pub fn vehicle(&self) -> Option<SystemId> {
-        self.facts.peers.vehicle.or(self.facts.gimbal.map(|gimbal| gimbal.manager.system))
+    pub const fn vehicle(&self) -> Option<SystemId> {
+        self.facts.peers.vehicle
     }
 
     /// Passes what received bytes mean to `each`.
@@ -229,6 +229,8 @@ impl Facts {
             }
             None => {
                 self.gimbal = Some(gimbal);
+                // Also after a restart the gimbal is one of this system.
+                self.peers.vehicle = Some(from.system);
                 each(Received::Gimbal(gimbal));
                 Some(gimbal)
             }

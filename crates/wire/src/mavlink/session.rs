@@ -2,10 +2,10 @@
 //!
 //! ```text
 //!            information (280)               no other commander has it:    claimed: status says so, or
-//!            or status (281)                 status (281), or 1 s          0.6 s after an accepted claim
+//!            or status (281)                 status (281), or 3 s          0.6 s after an accepted claim
 //!   Searching ------------------> Asking -----------------> Claiming ---------------> Up
 //!    ^  |                           | another commander        | refused, or another   | another commander
-//!    |  | 6 s                       | has the control          | commander has it      | has it, or none has
+//!    |  | 10 s                      | has the control          | commander has it      | has it, or none has
 //!    |  v                           v                          v                       v
 //!    | Unresponsive <------------- Yielded <----------------------------------------------+
 //!    | (reopen the port)             |  ^
@@ -94,7 +94,6 @@ enum State {
 /// One session with a gimbal manager.
 #[derive(Debug, Clone)]
 pub struct GimbalSession {
-    peers: MavlinkPeers,
     state: State,
     writer: FrameWriter,
     reader: GimbalReader,
@@ -134,7 +133,6 @@ impl GimbalSession {
     /// A session on a newly opened port. With `signing`, packets are signed, and others are not read.
     pub fn open(peers: MavlinkPeers, signing: Option<Signing>, now: Timestamp) -> Self {
         Self {
-            peers,
             state: searching(now),
             writer: FrameWriter::new(peers.own, signing),
             reader: GimbalReader::new(peers, signing),
@@ -162,13 +160,7 @@ impl GimbalSession {
 
     /// Whom zeros reach: the gimbal, or every gimbal manager.
     fn target(&self) -> Gimbal {
-        self.gimbal.unwrap_or(everyone(self.peers))
-    }
-
-    /// From now on the gimbal is one of this system.
-    fn name(&mut self, vehicle: SystemId) {
-        self.peers.vehicle = Some(vehicle);
-        self.reader.name(vehicle);
+        self.gimbal.unwrap_or(everyone(self.reader.vehicle()))
     }
 
     fn has_another_commander(&self) -> bool {
@@ -196,9 +188,9 @@ fn searching(now: Timestamp) -> State {
     State::Searching { since: now, asked: 0, ask_at: now }
 }
 
-/// All gimbals of the configured vehicle, or of every vehicle.
-fn everyone(peers: MavlinkPeers) -> Gimbal {
-    let system = peers.vehicle.unwrap_or(SystemId(0));
+/// All gimbals of a vehicle, or of every vehicle.
+fn everyone(vehicle: Option<SystemId>) -> Gimbal {
+    let system = vehicle.unwrap_or(SystemId(0));
     Gimbal { manager: Address { system, component: ComponentId(0) }, ..Gimbal::ALL }
 }
 
@@ -270,12 +262,12 @@ impl Session for GimbalSession {
     fn resume(&mut self, history: LinkHistory) {
         (self.needs_answer, self.is_operator_asked) = (history.may_be_turning, history.is_anothers);
         if let Some(vehicle) = history.vehicle {
-            self.name(vehicle);
+            self.reader.name(vehicle);
         }
     }
 
     fn vehicle(&self) -> Option<SystemId> {
-        self.peers.vehicle
+        self.reader.vehicle()
     }
 
     fn is_anothers(&self) -> bool {
@@ -302,7 +294,7 @@ impl Session for GimbalSession {
         writer.set_time(now);
         let mut will = Vec::new();
         for _ in 0..=ZERO_REPEATS {
-            let mut targets = vec![everyone(self.peers)];
+            let mut targets = vec![everyone(self.reader.vehicle())];
             targets.extend(self.gimbal);
             for (index, target) in targets.iter().enumerate() {
                 let pause = if index + 1 == targets.len() { SPACING } else { Duration::ZERO };

@@ -247,13 +247,20 @@ fn a_boat_that_falls_silent_during_the_end_is_sent_all_neutrals() {
     assert_eq!((bench.next, sent), (NextAction::Closed, NEUTRALS as usize));
 }
 
+/// A session after the first heartbeat of a boat in GUIDED, at 0 ms.
+fn session_that_heard_its_boat() -> RoverSession {
+    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
+    let mut up = Vec::new();
+    RoverBoat::new(guided_boat(), at(0)).advance(at(0), &mut up);
+    for packet in &up {
+        session.received(packet, at(0), &mut |_| {});
+    }
+    session
+}
+
 #[test]
 fn a_boat_whose_heartbeats_get_lost_is_heard_by_its_other_packets_for_as_long_as_its_mode_is_known() {
-    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
-    let mut boat = RoverBoat::new(guided_boat(), at(0));
-    let mut up = Vec::new();
-    boat.advance(at(0), &mut up);
-    session.received(&up[0], at(0), &mut |_| {});
+    let mut session = session_that_heard_its_boat();
     let others = [Address::new(1, AUTOPILOT), Address::new(2, AUTOPILOT)]
         .map(|from| FrameWriter::new(from, None).write(&ATTITUDE_DATA::default()));
     for ms in (500..10_000).step_by(500) {
@@ -264,21 +271,14 @@ fn a_boat_whose_heartbeats_get_lost_is_heard_by_its_other_packets_for_as_long_as
     assert_eq!(session.poll(at(10_000), &mut Vec::new()), SILENT, "the mode is not known any more");
 
     // Packets of another system say nothing of the boat.
-    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
-    session.received(&up[0], at(0), &mut |_| {});
+    let mut session = session_that_heard_its_boat();
     session.received(&others[1], at(2_900), &mut |_| {});
     assert_eq!(session.poll(at(3_000), &mut Vec::new()), SILENT);
 }
 
 #[test]
 fn a_session_that_owes_nothing_waits() {
-    let mut session = RoverSession::open(RoverLink::GUIDED, at(0));
-    let mut boat = RoverBoat::new(guided_boat(), at(0));
-    let mut up = Vec::new();
-    boat.advance(at(0), &mut up);
-    for packet in &up {
-        session.received(packet, at(0), &mut |_| {});
-    }
+    let mut session = session_that_heard_its_boat();
     session.poll(at(0), &mut Vec::new());
     assert_eq!(session.poll(at(10), &mut Vec::new()), NextAction::WaitUntil(at(10).plus(SET_POINT_INTERVAL)));
 }

@@ -24,7 +24,6 @@ impl GimbalSession {
             }
             Received::Gimbal(gimbal) => {
                 self.gimbal = Some(gimbal);
-                self.name(gimbal.manager.system);
                 self.on_heard(now);
             }
             Received::Information(_) => {

@@ -80,6 +80,21 @@ fn parts_of_a_vehicle_with_clocks_of_their_own_are_no_restart() {
 }
 
 #[test]
+fn after_a_restart_the_gimbal_is_one_of_the_same_vehicle() {
+    let mut vehicle = Vehicle::new();
+    vehicle.status(600_000, 1, Address::EVERYONE);
+    // The message that shows the restart is one of the manager that was forgotten with it.
+    assert!(vehicle.status(1_000, 1, Address::EVERYONE).contains(&Received::Restarted));
+    let other = GIMBAL_MANAGER_STATUS_DATA { gimbal_device_id: 1, ..GIMBAL_MANAGER_STATUS_DATA::default() };
+    assert_eq!(vehicle.says(Address::new(2, 1), &other), []);
+    assert!(
+        vehicle
+            .status(1_100, 1, Address::EVERYONE)
+            .contains(&Received::Gimbal(Gimbal { manager: AUTOPILOT, device: 1 }))
+    );
+}
+
+#[test]
 fn a_status_that_a_newer_one_has_overtaken_does_not_count() {
     let mut vehicle = Vehicle::new();
     let (own, other) = (MavlinkPeers::DEFAULT.own, Address::new(255, 190));
